@@ -1,0 +1,1 @@
+"""Numerics on a periodic grid: grid, Fourier transforms, roughness spectra and observables."""

@@ -1,0 +1,193 @@
+"""One owner of FFTW plans and buffers: real transforms of periodic fields, and what is built on them.
+
+Plans are measured once per machine and shape and kept as FFTW "wisdom" in the user's cache directory. Every process
+of one machine therefore runs the same plan, and a resumed run repeats the arithmetic of an uninterrupted one.
+"""
+
+import os
+import pickle
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import platformdirs
+import pyfftw
+from filelock import FileLock
+
+
+def _wisdom_file() -> Path:
+    directory = os.environ.get("BEM_ADHESION_CACHE") or platformdirs.user_cache_dir("bem-adhesion")
+    return Path(directory) / "fftw-wisdom.pickle"
+
+
+def _load_wisdom(path: Path) -> None:
+    try:
+        pyfftw.import_wisdom(pickle.loads(path.read_bytes()))
+    except (OSError, ValueError, EOFError, pickle.UnpicklingError, TypeError):
+        return  # no wisdom yet, or a damaged cache: measured anew
+
+
+def _save_wisdom(path: Path) -> None:
+    partial = path.with_suffix(f".{os.getpid()}")
+    partial.write_bytes(pickle.dumps(pyfftw.export_wisdom()))
+    partial.replace(path)
+
+
+class RealTransform:
+    """A planned pair of real transforms over the last two axes, with its own aligned buffers.
+
+    Write into :attr:`field`, call :meth:`forward`, multiply :attr:`spectrum`, call :meth:`backward`.
+    Neither direction is normalised: fold ``1 / points`` into the kernel. :meth:`backward` destroys the spectrum.
+
+    Parameters
+    ----------
+    shape : tuple of int
+        Shape of the real field; leading axes are transformed independently.
+    dtype : numpy.dtype, optional
+        ``float64`` or ``float32``.
+    threads : int, optional
+        Threads of FFTW.
+
+    Attributes
+    ----------
+    field : numpy.ndarray
+        The real buffer, of the given shape.
+    spectrum : numpy.ndarray
+        The complex buffer, last axis ``shape[-1] // 2 + 1``.
+    pairs : float
+        Forward and backward transforms done so far, counted one half each.
+    """
+
+    def __init__(self, shape: tuple[int, ...], dtype: type = np.float64, threads: int = 1):
+        self.shape = tuple(shape)
+        self.dtype = np.dtype(dtype)
+        self.points = shape[-2] * shape[-1]
+        self.pairs = 0.0
+        complex_type = np.complex128 if self.dtype == np.float64 else np.complex64
+        self.field = pyfftw.zeros_aligned(self.shape, dtype=self.dtype)
+        self.spectrum = pyfftw.zeros_aligned((*self.shape[:-1], self.shape[-1] // 2 + 1), dtype=complex_type)
+        self._plan(threads)
+
+    def _plan(self, threads: int) -> None:
+        def plans(*flags: str) -> tuple[pyfftw.FFTW, pyfftw.FFTW]:
+            common = {"axes": (-2, -1), "threads": threads}
+            return (
+                pyfftw.FFTW(self.field, self.spectrum, flags=flags, **common),
+                pyfftw.FFTW(
+                    self.spectrum,
+                    self.field,
+                    direction="FFTW_BACKWARD",
+                    flags=(*flags, "FFTW_DESTROY_INPUT"),
+                    **common,
+                ),
+            )
+
+        path = _wisdom_file()
+        try:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            lock = FileLock(path.with_suffix(".lock"))
+            with lock:
+                _load_wisdom(path)
+                try:
+                    self._forward, self._backward = plans("FFTW_MEASURE", "FFTW_WISDOM_ONLY")
+                except RuntimeError:
+                    self._forward, self._backward = plans("FFTW_MEASURE")
+                    _save_wisdom(path)
+        except OSError:  # a read-only home: plan without keeping
+            self._forward, self._backward = plans("FFTW_MEASURE")
+        self.field[...] = 0  # measuring overwrites the buffers
+        self.spectrum[...] = 0
+
+    def forward(self) -> np.ndarray:
+        """Transform :attr:`field` into :attr:`spectrum`, which is returned."""
+        self._forward.execute()
+        self.pairs += 0.5
+        return self.spectrum
+
+    def backward(self) -> np.ndarray:
+        """Transform :attr:`spectrum` into :attr:`field`, which is returned, without ``1 / points``."""
+        self._backward.execute()
+        self.pairs += 0.5
+        return self.field
+
+    def filter(self, kernel: np.ndarray) -> np.ndarray:
+        """Multiply the spectrum of :attr:`field` by ``kernel``, in place; returns :attr:`field`.
+
+        Parameters
+        ----------
+        kernel : numpy.ndarray
+            Real array that broadcasts to :attr:`spectrum`, with ``1 / points`` folded in.
+        """
+        self.forward()
+        np.multiply(self.spectrum, kernel, out=self.spectrum)
+        return self.backward()
+
+
+@cache
+def shared_transform(shape: tuple[int, ...], dtype: type = np.float64) -> RealTransform:
+    """The process's single-threaded transform of that shape, for occasional use; its buffers are overwritten."""
+    return RealTransform(shape, dtype)
+
+
+def transform(field: np.ndarray) -> np.ndarray:
+    """Coefficients h_q of ``h(x) = Σ_q h_q exp(i q·x)`` of a real field, in the layout of ``rfft2``."""
+    plan = shared_transform(field.shape)
+    plan.field[...] = field
+    return plan.forward() / plan.points
+
+
+def synthesise(coefficients: np.ndarray, shape: tuple[int, int]) -> np.ndarray:
+    """The real field on ``shape`` points whose coefficients :func:`transform` would return."""
+    plan = shared_transform(tuple(shape))
+    plan.spectrum[...] = coefficients
+    return plan.backward().copy()
+
+
+def resize_spectrum(coefficients: np.ndarray, old: tuple[int, int], new: tuple[int, int]) -> np.ndarray:
+    """Coefficients of the same trigonometric polynomial on another number of points.
+
+    Modes that the new grid cannot carry are dropped. A Nyquist mode of an even old grid is split evenly between
+    the two signs when the new grid is finer, so that the interpolant stays real and of least curvature.
+
+    Parameters
+    ----------
+    coefficients : numpy.ndarray, shape (old[0], old[1] // 2 + 1)
+        As returned by :func:`transform`.
+    old, new : tuple of int
+        Shapes of the two grids.
+    """
+    rows = _resize_full_axis(coefficients, old[0], new[0])
+    out = np.zeros((new[0], new[1] // 2 + 1), dtype=coefficients.dtype)
+    keep = (min(old[1], new[1]) - 1) // 2 + 1  # modes strictly below both Nyquist modes
+    out[:, :keep] = rows[:, :keep]
+    if old[1] % 2 == 0 and new[1] > old[1]:
+        out[:, old[1] // 2] = 0.5 * rows[:, old[1] // 2]
+    elif new[1] % 2 == 0 and old[1] >= new[1]:
+        # Both signs of the mode fall on the new Nyquist column.
+        column = rows[:, new[1] // 2]
+        mirrored = np.conj(np.roll(column[::-1], 1))
+        out[:, new[1] // 2] = column if old[1] == new[1] else column + mirrored
+    return out
+
+
+def _resize_full_axis(coefficients: np.ndarray, old: int, new: int) -> np.ndarray:
+    if old == new:
+        return coefficients
+    out = np.zeros((new, coefficients.shape[1]), dtype=coefficients.dtype)
+    keep = (min(old, new) - 1) // 2
+    out[: keep + 1] = coefficients[: keep + 1]
+    if keep:
+        out[-keep:] = coefficients[-keep:]
+    if old % 2 == 0 and new > old:
+        out[old // 2] = 0.5 * coefficients[old // 2]
+        out[-(old // 2)] = 0.5 * coefficients[old // 2]
+    elif new % 2 == 0 and old > new:
+        out[new // 2] = coefficients[new // 2] + coefficients[-(new // 2)]
+    return out
+
+
+def interpolate(field: np.ndarray, shape: tuple[int, int]) -> np.ndarray:
+    """Trigonometric interpolation of a periodic field on another number of points."""
+    if field.shape == tuple(shape):
+        return field.copy()
+    return synthesise(resize_spectrum(transform(field), field.shape, tuple(shape)), tuple(shape))

@@ -1,0 +1,1 @@
+"""The question, in SI units: study, surface and traction-separation law."""

@@ -1,0 +1,1 @@
+"""Atomistic reference: a harmonic block pressed on a rigid rough Lennard-Jones substrate."""

@@ -1,0 +1,1 @@
+"""Analytic theories of rough adhesive contact: Persson 2008 and gap flow."""
