@@ -70,8 +70,8 @@ def _multiply_spectrum(spectrum, kernel):
 class HalfSpace:
     """An elastic half-space on a periodic grid, in one floating-point precision, with its buffer.
 
-    Write into :attr:`field`, call :meth:`stiffness`, :meth:`compliance` or :meth:`apply`, read the result from
-    :attr:`field`: no copies, one pair of transforms.
+    Write into :attr:`field`, call :meth:`stiffness`, :meth:`compliance` or :meth:`apply`, read the result
+    there: no copies, one pair of transforms.
 
     Parameters
     ----------

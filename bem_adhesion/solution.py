@@ -1,0 +1,68 @@
+"""What a continuum solver returns, the same for the hard wall and for adhesion."""
+
+from dataclasses import dataclass
+from enum import Enum
+
+import numpy as np
+
+
+class Outcome(Enum):
+    """How a solve ended; the value is the sentence shown to the user, with advice where there is any."""
+
+    CONVERGED = "converged"
+    DETACHED = "detached: no equilibrium in contact exists under this tension, the surfaces separate"
+    ITERATION_LIMIT = (
+        "the iteration limit was reached before the tolerance: take smaller loading steps or raise "
+        "solver.max_iterations"
+    )
+    STALLED = (
+        "no step lowers the energy any more although the residual is above the tolerance: the tolerance is below "
+        "the rounding of this problem, or the grid is too coarse for the law"
+    )
+
+
+@dataclass(frozen=True)
+class Solution:
+    """A state of the contact at one load.
+
+    Parameters
+    ----------
+    displacement : numpy.ndarray, shape (y, x)
+        Position of the block's deformed surface (m): heights plus gap, mean included.
+    gap : numpy.ndarray, shape (y, x)
+        Separation of the surfaces, >= 0 (m).
+    pressure : numpy.ndarray, shape (y, x)
+        Pressure that the interface exerts, positive in compression (Pa).
+    elastic_energy : float
+        Energy of the block per nominal area (J/m²).
+    interaction_energy : float
+        Energy of the traction-separation law per nominal area (J/m²); zero for a hard wall.
+    residual : float
+        Scale-free error of the equations the solver stops on.
+    iterations : int
+        Outer iterations on the finest grid.
+    fft_pairs : float
+        Transform pairs, as float64 pairs on the finest grid (see :meth:`HalfSpace.equivalent_pairs`).
+    outcome : Outcome
+        How the solve ended.
+    """
+
+    displacement: np.ndarray
+    gap: np.ndarray
+    pressure: np.ndarray
+    elastic_energy: float
+    interaction_energy: float
+    residual: float
+    iterations: int
+    fft_pairs: float
+    outcome: Outcome
+
+    @property
+    def converged(self) -> bool:
+        """Whether the residual is within the tolerance."""
+        return self.outcome is Outcome.CONVERGED
+
+    @property
+    def message(self) -> str:
+        """How the solve ended, in words."""
+        return self.outcome.value
