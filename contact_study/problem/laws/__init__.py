@@ -1,1 +1,14 @@
 """Traction-separation laws, one a file."""
+
+from contact_study.problem.laws.base import TractionLaw
+from contact_study.problem.laws.hard_wall import HardWall
+from contact_study.problem.laws.lennard_jones_10_4 import LennardJones104
+
+_ADHESIVE: dict[str, type[TractionLaw]] = {"lennard_jones_10_4": LennardJones104}
+
+
+def make_law(name: str, work_of_adhesion: float, length: float) -> TractionLaw | HardWall:
+    """The law called ``name`` in a study file, with Δγ (J/m²) and its length (m)."""
+    if name == "hard_wall":
+        return HardWall()
+    return _ADHESIVE[name](work_of_adhesion, length)

@@ -1,0 +1,27 @@
+"""What a model yields for each point of a loading path."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+
+Value = float | int | bool | str | np.ndarray
+
+
+@dataclass(frozen=True)
+class Step:
+    """One finished point of a loading path.
+
+    Attributes
+    ----------
+    values : mapping
+        Quantities under the names of the schema; ``"group/name"`` puts one into a group of the dataset.
+    fields : mapping
+        Fields over the lateral plane (y, x), only where the study asks for them.
+    restart : mapping
+        All that the next step needs, nothing else.
+    """
+
+    values: Mapping[str, Value]
+    fields: Mapping[str, np.ndarray] = field(default_factory=dict)
+    restart: Mapping[str, np.ndarray] = field(default_factory=dict)

@@ -1,0 +1,158 @@
+"""Keys of a study file: how each is read, checked and described, in one declaration beside the dataclass field.
+
+A section of the study file is a frozen dataclass whose fields carry a :class:`Key`; :func:`bind` turns a TOML table
+into the dataclass and names the culprit of any mistake; the commands' ``--help`` is made from the same declarations.
+"""
+
+import dataclasses
+import difflib
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+from typing import Any, TypeVar
+
+from contact_study.problem import units
+from contact_study.problem.errors import InputError
+
+Section = TypeVar("Section")
+
+
+@dataclass(frozen=True)
+class Key:
+    """How one key is read and described."""
+
+    read: Callable[[Any, str], Any]
+    kind: str
+    description: str
+
+
+def key(reader: tuple[Callable[[Any, str], Any], str], description: str, default: Any = dataclasses.MISSING) -> Any:
+    """A dataclass field bound to a key of the study file; without a default the key must be given."""
+    read, kind = reader
+    return dataclasses.field(default=default, metadata={"key": Key(read, kind, description)})
+
+
+def quantity(unit: str, *, positive: bool = False, minimum: float | None = None, maximum: float | None = None):
+    """A dimensional number, in SI or as a string with a unit; ``positive`` excludes zero."""
+
+    def read(value: Any, name: str) -> float:
+        number = units.quantity(value, unit, name)
+        if positive and number <= 0:
+            raise InputError(f"{name} = {value!r}: must be positive")
+        if minimum is not None and number < minimum:
+            raise InputError(f"{name} = {value!r}: must be at least {minimum:g}")
+        if maximum is not None and number > maximum:
+            raise InputError(f"{name} = {value!r}: must be at most {maximum:g}")
+        return number
+
+    return read, unit if unit != "1" else "number"
+
+
+def integer(minimum: int | None = None):
+    """A whole number."""
+
+    def read(value: Any, name: str) -> int:
+        if isinstance(value, bool) or not isinstance(value, int):
+            raise InputError(f"{name} = {value!r}: expected a whole number")
+        if minimum is not None and value < minimum:
+            raise InputError(f"{name} = {value!r}: must be at least {minimum}")
+        return value
+
+    return read, "integer"
+
+
+def choice(*allowed: str):
+    """One of a few words."""
+
+    def read(value: Any, name: str) -> str:
+        if value not in allowed:
+            raise InputError(f"{name} = {value!r}: expected one of {', '.join(allowed)}{_suggest(value, allowed)}")
+        return value
+
+    return read, " | ".join(allowed)
+
+
+def flag():
+    """True or false."""
+
+    def read(value: Any, name: str) -> bool:
+        if not isinstance(value, bool):
+            raise InputError(f"{name} = {value!r}: expected true or false")
+        return value
+
+    return read, "true | false"
+
+
+def text():
+    """Free text."""
+
+    def read(value: Any, name: str) -> str:
+        if not isinstance(value, str):
+            raise InputError(f"{name} = {value!r}: expected text")
+        return value
+
+    return read, "text"
+
+
+def pair(reader: tuple[Callable[[Any, str], Any], str], *, broadcast: bool = False):
+    """Two values along y and x; with ``broadcast`` one value stands for both."""
+    read_one, kind = reader
+
+    def read(value: Any, name: str) -> tuple[Any, Any]:
+        if broadcast and not isinstance(value, list):
+            value = [value, value]
+        if not isinstance(value, list) or len(value) != 2:
+            raise InputError(f"{name} = {value!r}: expected two values, [y, x]")
+        return read_one(value[0], f"{name}[0]"), read_one(value[1], f"{name}[1]")
+
+    return read, f"{kind} or [y, x]" if broadcast else f"[y, x] of {kind}"
+
+
+def sequence(reader: tuple[Callable[[Any, str], Any], str]):
+    """A list of at least one value, all written in the same manner."""
+    read_one, kind = reader
+
+    def read(value: Any, name: str) -> tuple[Any, ...]:
+        if isinstance(value, str):
+            value = [part.strip() for part in value.split(",")]
+        if not isinstance(value, list):
+            value = [value]
+        if not value:
+            raise InputError(f"{name} = []: is empty; give at least one value")
+        values = tuple(read_one(item, f"{name}[{i}]") for i, item in enumerate(value))
+        written = {units.unit_of(item) if isinstance(item, str) else "SI numbers" for item in value}
+        if len(written) > 1:
+            raise InputError(f"{name}: mixes {' and '.join(sorted(written))}; write every value in one unit")
+        return values
+
+    return read, f"list of {kind}"
+
+
+
+
+def keys_of(section: type) -> dict[str, Key]:
+    """The keys of a section, in the order of declaration."""
+    return {field.name: field.metadata["key"] for field in dataclasses.fields(section)}
+
+
+def bind(section: type[Section], table: Mapping[str, Any], name: str) -> Section:
+    """Build a section from a TOML table.
+
+    Raises
+    ------
+    InputError
+        If a key is unknown, missing, of the wrong kind or out of range.
+    """
+    known = keys_of(section)
+    for given in table:
+        if given not in known:
+            raise InputError(f"unknown key {name}.{given}{_suggest(given, known)}; known: {', '.join(known)}")
+    values = {given: known[given].read(value, f"{name}.{given}") for given, value in table.items()}
+    for field in dataclasses.fields(section):  # type: ignore[arg-type]
+        if field.name not in values and field.default is dataclasses.MISSING:
+            raise InputError(f"missing key {name}.{field.name} ({known[field.name].kind}: {known[field.name].description})")
+    return section(**values)
+
+
+def _suggest(given: Any, known: Iterable[str]) -> str:
+    close = difflib.get_close_matches(str(given), list(known), n=1)
+    return f" (did you mean {close[0]}?)" if close else ""

@@ -1,0 +1,204 @@
+"""The sections of a study file: every key with its unit, default and meaning, in SI once bound."""
+
+from dataclasses import dataclass
+
+from contact_study.problem.errors import InputError
+from contact_study.problem.keys import choice, flag, integer, key, pair, quantity, sequence, text
+
+LAWS = ("lennard_jones_10_4", "hard_wall")
+
+
+@dataclass(frozen=True)
+class StudySection:
+    """What the study is called."""
+
+    title: str = key(text(), "title of the study, written into every dataset", "untitled study")
+
+
+@dataclass(frozen=True)
+class SurfaceSection:
+    """The rigid rough surface; heights point toward the block."""
+
+    kind: str = key(choice("self_affine", "file", "sphere", "wavy", "flat"), "geometry of the rigid surface")
+    size: tuple[float, float] | None = key(
+        pair(quantity("m", positive=True), broadcast=True), "lateral periods (a height map may bring its own)", None
+    )
+    shape: tuple[int, int] | None = key(
+        pair(integer(minimum=4)), "points of the continuum grid (a height map may bring its own)", None
+    )
+    hurst_exponent: float = key(quantity("1", minimum=0.0, maximum=1.0), "Hurst exponent H (self_affine)", 0.8)
+    rms_height: float | None = key(quantity("m", positive=True), "root-mean-square roughness (self_affine)", None)
+    low_mode: float = key(quantity("1", positive=True), "q_L in units of 2π/size (self_affine)", 1.0)
+    roll_off_mode: float = key(quantity("1", positive=True), "q_0 in units of 2π/size (self_affine)", 1.0)
+    cutoff_mode: float | None = key(quantity("1", positive=True), "q_1 in units of 2π/size (self_affine)", None)
+    seed: int = key(integer(minimum=0), "random realisation (self_affine)", 1)
+    normalisation: str = key(
+        choice("spectrum", "realised"),
+        "rms_height is that of the ensemble (spectrum) or of each sample exactly (realised)",
+        "spectrum",
+    )
+    path: str | None = key(text(), "height map: NetCDF, npy or text, relative to the study file (file)", None)
+    height_unit: str | None = key(text(), "unit of the height map, default m or the file's own (file)", None)
+    radius: float | None = key(quantity("m", positive=True), "radius of curvature of the apex (sphere)", None)
+    amplitude: float | None = key(quantity("m", positive=True), "h = amplitude·cos·cos (wavy)", None)
+    modes: tuple[int, int] = key(pair(integer(minimum=0)), "waves along y and x (wavy)", (1, 1))
+
+    def __post_init__(self):
+        needed = {
+            "self_affine": ("size", "shape", "rms_height", "cutoff_mode"),
+            "file": ("path",),
+            "sphere": ("size", "shape", "radius"),
+            "wavy": ("size", "shape", "amplitude"),
+            "flat": ("size", "shape"),
+        }[self.kind]
+        for name in needed:
+            if getattr(self, name) is None:
+                raise InputError(f'missing key surface.{name}: kind = "{self.kind}" needs it')
+        if self.kind == "self_affine":
+            self._check_modes()
+        if self.kind == "wavy":
+            self._check_grid(max(self.modes), "surface.modes")
+
+    def _check_modes(self):
+        if not self.low_mode <= self.roll_off_mode <= self.cutoff_mode:
+            raise InputError(
+                f"surface.low_mode = {self.low_mode:g}, roll_off_mode = {self.roll_off_mode:g}, "
+                f"cutoff_mode = {self.cutoff_mode:g}: must not decrease"
+            )
+        self._check_grid(self.cutoff_mode, "surface.cutoff_mode")
+
+    def _check_grid(self, mode, name):
+        # Modes count waves on the longest side; every axis must resolve that wavevector below its Nyquist mode.
+        longest = max(self.size)
+        for points, size in zip(self.shape, self.size, strict=True):
+            highest = mode * size / longest
+            if 2 * highest >= points:
+                raise InputError(
+                    f"{name} = {mode}: beyond what surface.shape = {list(self.shape)} can carry; "
+                    f"use more than {int(2 * highest)} points or a smaller mode"
+                )
+
+
+@dataclass(frozen=True)
+class MaterialSection:
+    """The elastic block."""
+
+    youngs_modulus: float = key(quantity("Pa", positive=True), "Young's modulus E")
+    poissons_ratio: float = key(quantity("1", minimum=-0.999, maximum=0.5), "Poisson's ratio ν")
+    lattice_constant: float | None = key(
+        quantity("m", positive=True), "lattice constant a of the block; divides surface.size (atoms, well_depth)", None
+    )
+    atom_mass: float | None = key(quantity("kg", positive=True), "mass of a block atom (dynamics only)", None)
+
+    @property
+    def contact_modulus(self) -> float:
+        """E* = E / (1 − ν²) (Pa)."""
+        return self.youngs_modulus / (1 - self.poissons_ratio**2)
+
+
+@dataclass(frozen=True)
+class InteractionSection:
+    """The interaction across the interface."""
+
+    law: str = key(choice(*LAWS), "traction-separation law of the continuum", "lennard_jones_10_4")
+    well_depth: float | None = key(quantity("J", positive=True), "ε of the atomic pair potential", None)
+    work_of_adhesion: float | None = key(quantity("J/m^2", positive=True), "Δγ, in place of well_depth", None)
+    well_depth_ratio: float = key(quantity("1", positive=True), "multiplies well_depth or work_of_adhesion", 1.0)
+    length: float | None = key(quantity("m", positive=True), "the law's length: r0", None)
+    contact_distance: float | None = key(
+        quantity("m", positive=True), "gaps below it count as contact, default 2^(1/6) length", None
+    )
+
+    def __post_init__(self):
+        if self.well_depth is not None and self.work_of_adhesion is not None:
+            raise InputError("interaction.well_depth and interaction.work_of_adhesion: give one of the two, not both")
+        if self.law == "hard_wall":
+            return
+        if self.well_depth is None and self.work_of_adhesion is None:
+            raise InputError(
+                f'missing key interaction.well_depth or interaction.work_of_adhesion: law = "{self.law}" needs one'
+            )
+        if self.length is None:
+            raise InputError(f'missing key interaction.length: law = "{self.law}" needs it')
+        if self.contact_distance is not None and self.contact_distance <= self.length:
+            raise InputError(
+                f"interaction.contact_distance = {self.contact_distance:g} m: must exceed the equilibrium distance, "
+                f"interaction.length = {self.length:g} m"
+            )
+
+
+@dataclass(frozen=True)
+class LoadingSection:
+    """The loading path, from separation, in the order given."""
+
+    path: tuple[float | str, ...] = key(
+        sequence((lambda value, name: value, "pressures or gaps")),
+        "pressures (control = pressure, Pa) or mean gaps above equilibrium (control = gap, m), in any order",
+    )
+    control: str = key(choice("pressure", "gap"), "what is prescribed", "pressure")
+    unload: bool = key(flag(), "go back through the path after its last point", False)
+
+    def __post_init__(self):
+        read = quantity("Pa" if self.control == "pressure" else "m")[0]
+        values = tuple(read(value, f"loading.path[{i}]") for i, value in enumerate(self.path))
+        object.__setattr__(self, "path", values)
+
+
+@dataclass(frozen=True)
+class SolverSection:
+    """Accuracy and effort."""
+
+    tolerance: float = key(
+        quantity("1", positive=True, maximum=1e-2), "largest residual stress in units of the contact modulus", 1e-8
+    )
+    max_iterations: int = key(integer(minimum=1), "outer iterations of one step before it is flagged", 2000)
+    threads: int = key(integer(minimum=0), "threads of one solve; 0: the cores that the cases leave idle", 0)
+
+
+@dataclass(frozen=True)
+class AtomisticSection:
+    """The block of atoms."""
+
+    block: str = key(choice("isotropic"), "springs of the block", "isotropic")
+    method: str = key(choice("surface_stiffness"), "the block condensed exactly to its bottom layer", "surface_stiffness")
+    cutoff: float = key(quantity("1", minimum=2.0), "cutoff of the pair potential in units of interaction.length", 4.0)
+    layers: int = key(integer(minimum=0), "atomic layers of the block; 0: as thick as wide", 0)
+
+
+@dataclass(frozen=True)
+class TheorySection:
+    """Choices inside Persson's theory with adhesion (root of the dataset) and what both theories are fed."""
+
+    spectrum: str = key(
+        choice("analytic", "surface"), "roughness spectrum: the target, or that of the very surface", "analytic"
+    )
+    energy_weight: str = key(
+        choice("paper", "wang_mueser", "area"), "weight W of the elastic energy in incomplete contact", "paper"
+    )
+    beta: float = key(quantity("1", positive=True, maximum=1.0), "β of the paper's weight", 0.4)
+    true_area: str = key(
+        choice("persson", "none", "lattice"), "true over projected contact area, for the adhesion energy", "persson"
+    )
+    alpha: float = key(quantity("1", positive=True), "α in σ_a² = α E* q γ_eff", 1.0)
+    cap_detachment_stress: bool = key(flag(), "limit σ_a to the law's largest tensile stress", False)
+
+
+@dataclass(frozen=True)
+class OutputSection:
+    """What is kept."""
+
+    fields: bool = key(flag(), "keep gap and pressure fields of every step", False)
+    pressure_range: tuple[float, float] | None = key(
+        pair(quantity("Pa")), "range of pressure_pdf, default from modulus, slopes and law", None
+    )
+    pressure_bins: int = key(integer(minimum=2), "bins of pressure_pdf", 300)
+    gap_range: tuple[float, float] | None = key(
+        pair(quantity("m", minimum=0.0)), "range of gap_pdf, default from the surface's heights", None
+    )
+    gap_bins: int = key(integer(minimum=2), "bins of gap_pdf", 400)
+
+    def __post_init__(self):
+        for name in ("pressure_range", "gap_range"):
+            limits = getattr(self, name)
+            if limits is not None and not limits[0] < limits[1]:
+                raise InputError(f"output.{name} = {list(limits)}: the second value must exceed the first")
