@@ -1,0 +1,264 @@
+"""The harmonic block, condensed exactly onto its bottom layer of atoms.
+
+The block is a simple cubic lattice of linear springs, periodic in x and y, clamped to a rigid plane at the top. Linear
+and laterally translation-invariant, it acts on its bottom layer through one 3×3 matrix S(q) per lateral wavevector,
+which binary doubling of one layer of cells yields at full resolution for any thickness.
+
+Components are ordered x, y, z. With u_z replaced by i u_z every S(q) is real and symmetric: six reals per wavevector,
+in the order xx, yy, zz, xy, xz, yz, where the true S_xz is i times the stored one and S_zx minus i times.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numba import njit
+
+from contact_study.fields.grid import Grid
+
+_OPTIONS = {"cache": True, "error_model": "numpy", "fastmath": {"contract", "reassoc", "arcp", "nsz"}}
+
+# Corners of a cubic cell; degree of freedom 3 * corner + component.
+_CORNERS = np.array([(x, y, z) for z in (0, 1) for y in (0, 1) for x in (0, 1)])
+
+
+def lame_constants(youngs_modulus: float, poissons_ratio: float) -> tuple[float, float]:
+    """First Lamé constant λ and shear modulus μ (Pa) of an isotropic solid."""
+    shear_modulus = youngs_modulus / (2 * (1 + poissons_ratio))
+    first = youngs_modulus * poissons_ratio / ((1 + poissons_ratio) * (1 - 2 * poissons_ratio))
+    return first, shear_modulus
+
+
+def isotropic_element(lattice_constant: float, youngs_modulus: float, poissons_ratio: float) -> np.ndarray:
+    """Stiffness of one cubic cell of an elastically isotropic lattice.
+
+    Springs μa along the edges and the face diagonals, and a dilatation energy ½(λ−μ)a³θ² of the cell. A cell owns a
+    quarter of each edge and half of each face diagonal, so that free surfaces are consistent.
+
+    Parameters
+    ----------
+    lattice_constant : float
+        Edge of the cell a (m).
+    youngs_modulus, poissons_ratio : float
+        Of the solid at long wavelengths (Pa, 1).
+
+    Returns
+    -------
+    numpy.ndarray, shape (24, 24)
+        Symmetric stiffness (N/m); degree of freedom ``3 * corner + component``, corner ``(z * 2 + y) * 2 + x``.
+    """
+    first, shear_modulus = lame_constants(youngs_modulus, poissons_ratio)
+    element = np.zeros((24, 24))
+    share_of_cell = {1: 0.25, 2: 0.5}  # by squared length of the bond
+    for p in range(8):
+        for q in range(p):
+            bond = _CORNERS[p] - _CORNERS[q]
+            squared_length = int(bond @ bond)
+            if squared_length not in share_of_cell:
+                continue
+            elongation = np.zeros(24)
+            elongation[3 * p : 3 * p + 3] = bond / np.sqrt(squared_length)
+            elongation[3 * q : 3 * q + 3] = -bond / np.sqrt(squared_length)
+            stiffness = share_of_cell[squared_length] * shear_modulus * lattice_constant
+            element += stiffness * np.outer(elongation, elongation)
+    dilatation = ((2 * _CORNERS - 1) / (4 * lattice_constant)).ravel()
+    return element + (first - shear_modulus) * lattice_constant**3 * np.outer(dilatation, dilatation)
+
+
+def element_matrix(model: str, lattice_constant: float, youngs_modulus: float, poissons_ratio: float) -> np.ndarray:
+    """Element matrix of the named block model, see :func:`isotropic_element`.
+
+    Raises
+    ------
+    ValueError
+        If there is no block model of that name.
+    """
+    if model != "isotropic":
+        raise ValueError(f"atomistic.block: {model!r} is not available; the block models are: 'isotropic'")
+    return isotropic_element(lattice_constant, youngs_modulus, poissons_ratio)
+
+
+@njit(**_OPTIONS)
+def _stack(a_m, b_m, d_m, a_n, b_n, d_n, a, b, d):
+    """Schur complement of two slabs m, n on their common plane; a slab is [[A, B], [Bᵀ, D]] of real 3×3 blocks."""
+    s = d_m + a_n
+    i_xx, i_yy, i_zz, i_xy, i_xz, i_yz = invert_symmetric(s[0, 0], s[1, 1], s[2, 2], s[0, 1], s[0, 2], s[1, 2])
+    inverse = np.empty((3, 3))
+    inverse[0, 0] = i_xx
+    inverse[1, 1] = i_yy
+    inverse[2, 2] = i_zz
+    inverse[0, 1] = inverse[1, 0] = i_xy
+    inverse[0, 2] = inverse[2, 0] = i_xz
+    inverse[1, 2] = inverse[2, 1] = i_yz
+    for r in range(3):
+        for c in range(3):
+            to_a = 0.0
+            to_b = 0.0
+            to_d = 0.0
+            for k in range(3):
+                for m in range(3):
+                    to_a += b_m[r, k] * inverse[k, m] * b_m[c, m]
+                    to_b += b_m[r, k] * inverse[k, m] * b_n[m, c]
+                    to_d += b_n[k, r] * inverse[k, m] * b_n[m, c]
+            a[r, c] = a_m[r, c] - to_a
+            b[r, c] = -to_b
+            d[r, c] = d_n[r, c] - to_d
+
+
+@njit(**_OPTIONS)
+def invert_symmetric(xx, yy, zz, xy, xz, yz):
+    """Inverse of a symmetric 3×3 matrix, six numbers for six."""
+    c_xx = yy * zz - yz * yz
+    c_xy = xz * yz - xy * zz
+    c_xz = xy * yz - yy * xz
+    scale = 1.0 / (xx * c_xx + xy * c_xy + xz * c_xz)
+    return (
+        c_xx * scale,
+        (xx * zz - xz * xz) * scale,
+        (xx * yy - xy * xy) * scale,
+        c_xy * scale,
+        c_xz * scale,
+        (xy * xz - xx * yz) * scale,
+    )
+
+
+@njit(**_OPTIONS)
+def _bloch(element, phase_y, phase_x, cell):
+    """Real form of the 6×6 matrix between the two planes of a cell layer, cell[upper row, upper column, 3, 3]."""
+    cell[:] = 0.0
+    for p in range(8):
+        for q in range(8):
+            phase = phase_x * ((q & 1) - (p & 1)) + phase_y * (((q >> 1) & 1) - ((p >> 1) & 1))
+            cosine = np.cos(phase)
+            sine = np.sin(phase)
+            for c in range(3):
+                for d in range(3):
+                    k = element[3 * p + c, 3 * q + d]
+                    if (c == 2) == (d == 2):
+                        cell[p >> 2, q >> 2, c, d] += cosine * k
+                    elif d == 2:
+                        cell[p >> 2, q >> 2, c, d] += sine * k
+                    else:
+                        cell[p >> 2, q >> 2, c, d] -= sine * k
+
+
+@njit(**_OPTIONS)
+def _condense(element, phase_y, phase_x, layers, coefficients):
+    """Fill coefficients[6, n] with S of ``layers`` cells under a clamped plane, for n pairs of Bloch phases."""
+    bits = 0
+    while (layers >> bits) > 0:
+        bits += 1
+    cell = np.empty((2, 2, 3, 3))
+    work = np.empty((3, 3, 3))
+    stack = np.empty((3, 3, 3))
+    for n in range(phase_y.size):
+        _bloch(element, phase_y[n], phase_x[n], cell)
+        slab = np.empty((3, 3, 3))
+        slab[0] = cell[0, 0]
+        slab[1] = cell[0, 1]
+        slab[2] = cell[1, 1]
+        empty = True
+        for bit in range(bits):
+            if (layers >> bit) & 1:
+                if empty:
+                    stack[:] = slab
+                    empty = False
+                else:
+                    _stack(stack[0], stack[1], stack[2], slab[0], slab[1], slab[2], work[0], work[1], work[2])
+                    stack[:] = work
+            if bit < bits - 1:
+                _stack(slab[0], slab[1], slab[2], slab[0], slab[1], slab[2], work[0], work[1], work[2])
+                slab[:] = work
+        coefficients[0, n] = stack[0, 0, 0]
+        coefficients[1, n] = stack[0, 1, 1]
+        coefficients[2, n] = stack[0, 2, 2]
+        coefficients[3, n] = stack[0, 0, 1]
+        coefficients[4, n] = stack[0, 0, 2]
+        coefficients[5, n] = stack[0, 1, 2]
+
+
+def condense(element: np.ndarray, phase_y: np.ndarray, phase_x: np.ndarray, layers: int) -> np.ndarray:
+    """S(q) of a block of ``layers`` cells under a clamped plane, at chosen wavevectors.
+
+    Parameters
+    ----------
+    element : numpy.ndarray, shape (24, 24)
+        Stiffness of one cell (N/m); any harmonic model of cubic symmetry.
+    phase_y, phase_x : numpy.ndarray
+        q_y a and q_x a, of one common shape.
+    layers : int
+        Number of cells across the thickness, at least one.
+
+    Returns
+    -------
+    numpy.ndarray, shape (6, *phase_y.shape)
+        xx, yy, zz, xy, xz, yz in the real form of this module (N/m).
+    """
+    if layers < 1:
+        raise ValueError(f"atomistic.layers: a block needs at least one layer of cells, got {layers}")
+    phase_y, phase_x = np.broadcast_arrays(np.asarray(phase_y, dtype=float), np.asarray(phase_x, dtype=float))
+    coefficients = np.empty((6, phase_y.size))
+    _condense(np.ascontiguousarray(element), phase_y.ravel(), phase_x.ravel(), layers, coefficients)
+    return coefficients.reshape(6, *phase_y.shape)
+
+
+def contact_modulus(coefficients: np.ndarray, wavenumber: np.ndarray, lattice_constant: float) -> np.ndarray:
+    """Surface modulus E*(q) = 2 / (q a² [S⁻¹]_zz) that a frictionless normal traction feels.
+
+    Parameters
+    ----------
+    coefficients : numpy.ndarray, shape (6, ...)
+        As returned by :func:`condense`.
+    wavenumber : numpy.ndarray
+        |q| > 0 of each entry (1/m).
+    lattice_constant : float
+        Of the block (m).
+
+    Returns
+    -------
+    numpy.ndarray
+        E*(q) (Pa), of the shape of ``wavenumber``.
+    """
+    normal_compliance = invert_symmetric.py_func(*coefficients)[2]  # plain NumPy, on whole arrays
+    return 2 / (wavenumber * lattice_constant**2 * normal_compliance)
+
+
+@dataclass(frozen=True)
+class SurfaceStiffness:
+    """S(q) of a block on the half spectrum of its bottom layer.
+
+    Parameters
+    ----------
+    grid : Grid
+        Rest positions of the bottom atoms.
+    lattice_constant : float
+        Of the block (m).
+    coefficients : numpy.ndarray, shape (6, ny, nx // 2 + 1)
+        Real form of S, see the module (N/m). S_zz at q = 0 is the uniform compression of the block, which a
+        calculation under prescribed pressure or prescribed mean height leaves out.
+    """
+
+    grid: Grid
+    lattice_constant: float
+    coefficients: np.ndarray
+
+    @property
+    def contact_modulus(self) -> np.ndarray:
+        """E*(q) on the half spectrum (Pa), NaN at q = 0."""
+        wavenumber = np.where(self.grid.wavenumber > 0, self.grid.wavenumber, np.nan)
+        return contact_modulus(self.coefficients, wavenumber, self.lattice_constant)
+
+    @property
+    def area_per_atom(self) -> float:
+        """a² (m²)."""
+        return self.lattice_constant**2
+
+
+def surface_stiffness(
+    element: np.ndarray, shape: tuple[int, int], lattice_constant: float, layers: int
+) -> SurfaceStiffness:
+    """S(q) of a block of ``shape`` (y, x) atoms a layer and ``layers`` cells thick, see :func:`condense`."""
+    grid = Grid(shape, (shape[0] * lattice_constant, shape[1] * lattice_constant))
+    # Phases from integers: the Nyquist phase is then exactly π and the matrix there real to rounding.
+    phase_y = 2 * np.pi * np.fft.fftfreq(shape[0])[:, None]
+    phase_x = 2 * np.pi * np.fft.rfftfreq(shape[1])[None, :]
+    return SurfaceStiffness(grid, lattice_constant, condense(element, phase_y, phase_x, layers))
