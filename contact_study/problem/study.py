@@ -14,6 +14,7 @@ from typing import Any
 
 import tomli_w
 
+from contact_study.fields.observables import Bins
 from contact_study.problem import sections
 from contact_study.problem.errors import InputError
 from contact_study.problem.keys import Key, bind, keys_of
@@ -21,6 +22,7 @@ from contact_study.problem.laws import make_law
 from contact_study.problem.laws.base import TractionLaw
 from contact_study.problem.laws.hard_wall import HardWall
 from contact_study.problem.laws.lennard_jones_10_4 import work_of_adhesion
+from contact_study.problem.units import EXAMPLES
 
 GOLDEN_MEAN = (1 + 5**0.5) / 2
 
@@ -61,6 +63,7 @@ class Case:
     coordinates: dict[str, Any] = field(default_factory=dict)
     index: tuple[int, ...] = ()
     directory: Path = Path(".")
+    study_bins: Bins | None = None
 
     def __post_init__(self):
         if self.interaction.law == "hard_wall" and self.loading.control == "pressure" and min(self.loading.path) <= 0:
@@ -74,6 +77,13 @@ class Case:
                     f"loading.path: {min(self.loading.path):g} Pa is a tension beyond the law's peak, {lowest:g} Pa; "
                     "no state can carry it"
                 )
+
+    @property
+    def bins(self) -> Bins:
+        """Bins of the distributions; known once :func:`~contact_study.problem.bins.with_bins` has chosen them."""
+        if self.study_bins is None:
+            raise RuntimeError("the study has no bins yet: call with_bins(study)")
+        return self.study_bins
 
     @property
     def label(self) -> str:
@@ -160,6 +170,15 @@ class Case:
 
 
 @dataclass(frozen=True)
+class SweptKey:
+    """A key that a study varies: its values in SI, their unit (UDUNITS) and meaning."""
+
+    values: tuple[Any, ...]
+    units: str
+    description: str
+
+
+@dataclass(frozen=True)
 class Study:
     """A study file, checked.
 
@@ -172,13 +191,13 @@ class Study:
     cases : tuple of Case
         Every point of the sweep, the last swept key running fastest.
     sweep : dict
-        Swept keys by their last part, with the values of each.
+        Swept keys by their last part, the leading dimensions of every dataset.
     """
 
     table: dict[str, Any]
     directory: Path
     cases: tuple[Case, ...]
-    sweep: dict[str, tuple[Any, ...]]
+    sweep: dict[str, SweptKey]
 
     @property
     def title(self) -> str:
@@ -234,7 +253,7 @@ def make_study(table: dict[str, Any], directory: Path | str = ".") -> Study:
     cases = tuple(
         _case(_apply(table, point, exceptions), point, index, Path(directory)) for point, index in _points(swept)
     )
-    return Study(table, Path(directory), cases, {_last(k): tuple(v) for k, v in swept.items()})
+    return Study(table, Path(directory), cases, {_last(dotted): _swept_key(dotted, cases) for dotted in swept})
 
 
 def all_keys() -> Iterator[tuple[str, str, Key, Any]]:
@@ -286,6 +305,13 @@ def _check_exceptions(exceptions: Any) -> None:
             raise InputError('override: needs when = { "section.key" = value }')
         for dotted in [*item["when"], *(key for key in item if key != "when")]:
             _split(dotted, "override")
+
+
+def _swept_key(dotted: str, cases: tuple[Case, ...]) -> SweptKey:
+    section, name = _split(dotted, "sweep")
+    declaration = keys_of(SECTIONS[section])[name]
+    units = declaration.kind.replace("J/m^2", "J m-2") if declaration.kind in EXAMPLES else "1"
+    return SweptKey(tuple(dict.fromkeys(case.coordinates[name] for case in cases)), units, declaration.description)
 
 
 def _points(swept: dict[str, list[Any]]) -> Iterator[tuple[dict[str, Any], tuple[int, ...]]]:

@@ -1,7 +1,7 @@
 """What every traction-separation law offers."""
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -10,8 +10,8 @@ import numpy as np
 class TractionLaw(ABC):
     """Interaction energy φ per area as a function of the local gap, and its derivatives.
 
-    Sign: the traction φ'(gap) is positive in tension. A subclass gives the three functions and four numbers; it may
-    override :meth:`evaluate` by a compiled pass.
+    Sign: the traction φ'(gap) is positive in tension. A subclass gives the functions and the numbers; it may
+    override :meth:`evaluate` and :meth:`advance` by compiled passes, and :meth:`scaled` if it has further lengths.
 
     Parameters
     ----------
@@ -60,8 +60,45 @@ class TractionLaw(ABC):
     def equilibrium_stiffness(self) -> float:
         """φ'' at the equilibrium distance (Pa/m)."""
 
+    @property
+    @abstractmethod
+    def strongest_softening(self) -> float:
+        """Largest −φ'' of the attractive tail (Pa/m)."""
+
     def evaluate(self, gap: np.ndarray, traction: np.ndarray, stiffness: np.ndarray) -> float:
         """Write φ' and φ'' of ``gap`` into the two arrays; returns the sum of φ over all points (J/m²)."""
         traction[...] = self.traction(gap)
         stiffness[...] = self.stiffness(gap)
         return float(np.sum(self.potential(gap)))
+
+    def advance(self, gap: np.ndarray, step: np.ndarray, limit: float, out: np.ndarray) -> None:
+        """Write the gap after a Newton step into ``out``, moving each point in the variable it is nearly linear in.
+
+        A point in repulsion moves by ``step`` in its linearised traction φ' + φ''·step, from which the gap follows by
+        :meth:`repulsive_gap`; another moves in its gap. No gap changes by more than the fraction ``limit`` away from
+        repulsion, and a point that enters repulsion does so along the tangent at equilibrium. Without this a single
+        point deep in the repulsive wall would shorten the step of all.
+
+        Parameters
+        ----------
+        gap, step : numpy.ndarray
+            Present gap and Newton step (m).
+        limit : float
+            Largest relative change of an attracted gap, below one.
+        out : numpy.ndarray
+            The new gap (m).
+        """
+        equilibrium, tangent = self.equilibrium_distance, self.equilibrium_stiffness
+        repelled = gap < equilibrium
+        moved = gap + np.clip(step, -limit * gap, limit * gap)
+        traction = np.where(
+            repelled, self.traction(gap) + self.stiffness(gap) * step, tangent * (moved - equilibrium)
+        )
+        left = np.where(repelled, equilibrium + np.minimum(traction / tangent, limit * equilibrium), moved)
+        out[...] = np.where(traction < 0, self.repulsive_gap(np.minimum(traction, 0.0)), left)
+
+    def scaled(self, length: float, stress: float) -> "TractionLaw":
+        """The same law in other units: lengths divided by ``length`` (m), stresses by ``stress`` (Pa)."""
+        return replace(
+            self, work_of_adhesion=self.work_of_adhesion / (length * stress), length=self.length / length
+        )

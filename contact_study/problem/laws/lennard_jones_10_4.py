@@ -42,6 +42,38 @@ def _evaluate(gap, length, prefactor, traction, stiffness):
     return total
 
 
+@njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "arcp", "nsz"})
+def _advance(gap, step, limit, length, out):
+    """Newton step over flat arrays, see :meth:`TractionLaw.advance`; tractions in units of the prefactor."""
+    tangent = 6.0 / length
+    for i in range(gap.size):
+        d = gap[i]
+        x = step[i]
+        s = length / d
+        s2 = s * s
+        s4 = s2 * s2
+        s6 = s4 * s2
+        moved = min(max(x, -limit * d), limit * d) + d
+        if d < length:
+            y = s4 * s * (s6 - 1.0) - s6 * (11.0 * s6 - 5.0) * x / length
+            moved = length + min(-y / tangent, limit * length)
+        else:
+            y = tangent * (length - moved)
+        # s¹¹ − s⁵ = y for s >= 1. The root is a concave function of y, so its tangents (here at s = 1, 1.1, 1.25
+        # and 1.6) bound it from above, as does the linear step; Newton descends from there.
+        y_root = max(y, 0.0)
+        root = min(1.0 + y_root / 6.0, 1.1 + (y_root - 1.242607) / 21.21566)
+        root = min(root, min(1.25 + (y_root - 8.589955) / 90.23818, 1.6 + (y_root - 165.43628) / 1176.6865))
+        if d < length:
+            root = min(root, max(s - s * x / d, s))
+        for _ in range(3):
+            r2 = root * root
+            r4 = r2 * r2
+            r10 = r4 * r4 * r2
+            root -= (r10 * root - r4 * root - y_root) / (11.0 * r10 - 5.0 * r4)
+        out[i] = length / root if y > 0.0 else moved
+
+
 @dataclass(frozen=True)
 class LennardJones104(TractionLaw):
     """The 10-4 law: σ(d) = (20Δγ/3r0)[(r0/d)⁵ − (r0/d)¹¹]; ``length`` is r0, the equilibrium distance."""
@@ -87,6 +119,14 @@ class LennardJones104(TractionLaw):
     def equilibrium_stiffness(self) -> float:
         return 40 * self.work_of_adhesion / self.length**2
 
+    @property
+    def strongest_softening(self) -> float:
+        # φ'' ∝ 11 s¹² − 5 s⁶ has its minimum at s⁶ = 5/22.
+        return 25 / 44 * self._prefactor / self.length
+
     def evaluate(self, gap, traction, stiffness):
         total = _evaluate(gap.reshape(-1), self.length, self._prefactor, traction.reshape(-1), stiffness.reshape(-1))
         return -self.work_of_adhesion * 5 / 3 * float(total)
+
+    def advance(self, gap, step, limit, out):
+        _advance(gap.reshape(-1), step.reshape(-1), limit, self.length, out.reshape(-1))

@@ -1,0 +1,63 @@
+"""What the campaign must know of a model: its name and where its two functions are."""
+
+import importlib
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from contact_study.campaign.record import Step, Value
+from contact_study.problem.study import Case
+from contact_study.problem.surface import Surface
+
+Predictor = Callable[[int], np.ndarray | None]
+
+
+@dataclass(frozen=True)
+class Model:
+    """One of the three models.
+
+    Parameters
+    ----------
+    command : str
+        Name of its command.
+    kind : str
+        ``"continuum"``, ``"atomistic"`` or ``"theory"``: the dataset's ``model`` attribute.
+    module : str
+        Module that has ``check(case)``, which raises InputError where the model cannot serve a case,
+        ``constants(case, surface)`` and ``solve_path(case, surface, restart, start, predictor)``.
+    description : str
+        One sentence for ``--help`` and the dataset's ``source``.
+    references : str
+        Literature of the method, for the dataset.
+    takes_predictor : bool
+        Whether each step may start from the gap field of another dataset.
+    """
+
+    command: str
+    kind: str
+    module: str
+    description: str
+    references: str
+    takes_predictor: bool = False
+
+    def check(self, case: Case) -> None:
+        """Raise InputError if the model cannot serve the case."""
+        importlib.import_module(self.module).check(case)
+
+    def constants(self, case: Case, surface: Surface) -> Mapping[str, Value]:
+        """What does not change along the path."""
+        return importlib.import_module(self.module).constants(case, surface)
+
+    def solve_path(
+        self,
+        case: Case,
+        surface: Surface,
+        restart: Mapping[str, np.ndarray] | None,
+        start: int,
+        predictor: Predictor | None,
+    ) -> Iterator[Step]:
+        """Steps of the path from number ``start`` on."""
+        extra: dict[str, Any] = {"predictor": predictor} if self.takes_predictor else {}
+        return importlib.import_module(self.module).solve_path(case, surface, restart=restart, start=start, **extra)

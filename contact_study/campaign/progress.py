@@ -1,0 +1,56 @@
+"""Progress on stderr: a bar on a terminal, a line per finished step elsewhere."""
+
+import sys
+from typing import Any
+
+from tqdm import tqdm
+
+
+class Progress:
+    """Counts finished steps.
+
+    Parameters
+    ----------
+    name : str
+        The command's name, in front of every line.
+    """
+
+    def __init__(self, name: str):
+        self._name = name
+        self._bar: tqdm | None = None
+        self._total = 0
+        self._done = 0
+
+    def start(self, total: int, done: int) -> None:
+        """Begin with ``done`` of ``total`` steps finished."""
+        self._total, self._done = total, done
+        if sys.stderr.isatty():
+            self._bar = tqdm(total=total, initial=done, desc=self._name, unit="step", file=sys.stderr, dynamic_ncols=True)
+        if done:
+            self.say(f"{done} of {total} steps were finished before")
+
+    def step(self, label: str, control: str, value: float, summary: dict[str, Any], seconds: float) -> None:
+        """One more step is finished."""
+        self._done += 1
+        point = f"{value / 1e9:.4g} GPa" if control == "pressure" else f"gap {value * 1e9:.4g} nm"
+        area = summary.get("relative_contact_area")
+        text = f"{label + ': ' if label else ''}{point}"
+        if area is not None:
+            text += f", contact area {float(area):.4f}"
+        if not summary.get("converged", True):
+            text += f", NOT CONVERGED ({summary.get('message') or 'see residual'})"
+        if self._bar is not None:
+            self._bar.set_postfix_str(text, refresh=False)
+            self._bar.update()
+        else:
+            self.say(f"[{self._done}/{self._total}] {text} ({seconds:.1f} s)")
+
+    def say(self, text: str) -> None:
+        """A line of its own."""
+        tqdm.write(f"{self._name}: {text}", file=sys.stderr)
+        sys.stderr.flush()
+
+    def close(self) -> None:
+        """No more steps."""
+        if self._bar is not None:
+            self._bar.close()

@@ -1,0 +1,185 @@
+"""One campaign: the cases of a study over processes, each finished step to disk at once, resumable."""
+
+import multiprocessing as mp
+import os
+import signal
+import threading
+import time
+import warnings
+from collections.abc import Iterator, Mapping
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
+from dataclasses import dataclass
+from multiprocessing.connection import wait
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from contact_study.campaign import storage
+from contact_study.campaign.model import Model
+from contact_study.campaign.predictor import GapFields
+from contact_study.campaign.progress import Progress
+from contact_study.campaign.record import Step
+from contact_study.problem.study import Case, Study
+from contact_study.problem.surface import realise
+
+
+class CampaignError(RuntimeError):
+    """A campaign that could not go on; finished steps are kept."""
+
+
+@dataclass(frozen=True)
+class Job:
+    """One case of one model, as a worker process needs it."""
+
+    model: Model
+    case: Case
+    folder: Path
+    predictor: Path | None
+    number: int
+
+
+def run_cases(
+    model: Model, study: Study, parts: storage.Parts, predictor: Path | None, workers: int | None, progress: Progress
+) -> list[str]:
+    """Run every unfinished step of every case; returns the warnings that came up.
+
+    Raises
+    ------
+    CampaignError
+        If a worker process died.
+    """
+    jobs = [
+        Job(model, case, parts.case_folder(number), predictor, number) for number, case in enumerate(study.cases)
+    ]
+    progress.start(sum(len(case.path) for case in study.cases), sum(_done(job) for job in jobs))
+    unfinished = [job for job in jobs if _done(job) < len(job.case.path) or not (job.folder / "constants.nc").exists()]
+    workers = min(workers or available_cores(), len(unfinished))
+    threads = max(1, available_cores() // max(workers, 1))
+    notes: list[str] = []
+    if workers <= 1:
+        for job in unfinished:
+            notes += _run(job, threads, lambda *event: progress.step(*event))
+    else:
+        notes = _run_in_processes(unfinished, workers, threads, progress)
+    return list(dict.fromkeys(notes))
+
+
+def available_cores() -> int:
+    """Cores that this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def collect(study: Study, parts: storage.Parts) -> Iterator[tuple[tuple[int, ...], dict[str, Any], list[dict[str, Any]]]]:
+    """Position, constants and steps of every case of a finished campaign."""
+    for number, case in enumerate(study.cases):
+        yield case.index, *storage.load_case(parts.case_folder(number), len(case.path))
+
+
+def _done(job: Job) -> int:
+    return min(storage.finished_steps(job.folder), len(job.case.path))
+
+
+def _run_in_processes(jobs: list[Job], workers: int, threads: int, progress: Progress) -> list[str]:
+    # Fresh interpreters: forking a process that holds FFTW plans and compiled kernels is not safe everywhere.
+    context = mp.get_context("spawn")
+    queue = context.Queue()
+    notes: list[str] = []
+    listener = threading.Thread(target=_listen, args=(queue, progress), daemon=True)
+    listener.start()
+    executor = ProcessPoolExecutor(workers, context, _start_worker, (queue,))
+    try:
+        # The last case of a sweep is usually the hardest (strongest adhesion): started first, it is not waited for.
+        for finished in as_completed([executor.submit(_run_queued, job, threads) for job in reversed(jobs)]):
+            notes += finished.result()
+    except BrokenProcessPool:
+        raise CampaignError("a worker process was killed (out of memory?); finished steps are kept") from None
+    except BaseException:
+        for child in mp.active_children():
+            child.terminate()
+        raise
+    finally:
+        executor.shutdown(wait=False, cancel_futures=True)
+        queue.put(None)
+        listener.join(timeout=5)
+    return notes
+
+
+def _listen(queue: Any, progress: Progress) -> None:
+    while (event := queue.get()) is not None:
+        progress.step(*event)
+
+
+_queue: Any = None
+
+
+def _start_worker(queue: Any) -> None:
+    global _queue
+    _queue = queue
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the parent's to handle
+    threading.Thread(target=_die_with_parent, daemon=True).start()
+
+
+def _die_with_parent() -> None:
+    # A worker that outlived a killed campaign would write beside the one that resumes it.
+    parent = mp.parent_process()
+    if parent is not None:
+        wait([parent.sentinel])
+        os._exit(1)
+
+
+def _run_queued(job: Job, threads: int) -> list[str]:
+    return _run(job, threads, lambda *event: _queue.put(event))
+
+
+def _run(job: Job, threads: int, report: Any) -> list[str]:
+    """Finish one case; returns its warnings."""
+    with _recorded_warnings(job.case) as notes:
+        case = job.case if job.case.solver.threads else _with_threads(job.case, threads)
+        surface = realise(case)
+        if not (job.folder / "constants.nc").exists():
+            storage.save_constants(job.folder, job.model.constants(case, surface))
+        start = _done(job)
+        restart = storage.load_state(job.folder, start - 1) if start else None
+        predictor = GapFields(job.predictor, case) if job.predictor else None
+        began = time.perf_counter()
+        for number, step in enumerate(job.model.solve_path(case, surface, restart, start, predictor), start):
+            now = time.perf_counter()
+            storage.save_step(job.folder, number, _completed(case, number, step, now - began))
+            report(case.label, case.loading.control, case.path[number][0], dict(_summary(step)), now - began)
+            began = time.perf_counter()
+    return notes
+
+
+def _completed(case: Case, number: int, step: Step, seconds: float) -> Step:
+    value, branch = case.path[number]
+    known = {
+        f"applied_{case.loading.control}": value,
+        "branch": np.int8(branch == "unloading"),
+        "wall_time": seconds,
+        "detached": False,
+        "message": "",
+    }
+    return Step({**known, **step.values}, step.fields, step.restart)
+
+
+def _summary(step: Step) -> Mapping[str, Any]:
+    return {name: step.values.get(name) for name in ("relative_contact_area", "converged", "message")}
+
+
+def _with_threads(case: Case, threads: int) -> Case:
+    from dataclasses import replace
+
+    return replace(case, solver=replace(case.solver, threads=threads))
+
+
+@contextmanager
+def _recorded_warnings(case: Case) -> Iterator[list[str]]:
+    notes: list[str] = []
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        yield notes
+    prefix = f"{case.label}: " if case.label else ""
+    notes += [prefix + str(item.message) for item in caught]

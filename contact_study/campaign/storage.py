@@ -1,0 +1,278 @@
+"""Finished steps on disk, safe against a kill at any moment, and their assembly into one dataset.
+
+While a campaign runs, ``bem.nc.parts`` holds one folder per case with one small NetCDF file per finished step and the
+state that the next step starts from. Every file is written aside and renamed, the state before its step, so what can
+be read is complete. The dataset appears, by rename too, when all is done; then the folder goes.
+"""
+
+import json
+import os
+import shutil
+from collections.abc import Iterable, Mapping
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from filelock import FileLock, Timeout
+
+from contact_study.campaign.record import Step, Value
+from contact_study.campaign.schema import COORDINATES, VARIABLES
+from contact_study.problem.errors import InputError
+from contact_study.problem.study import SweptKey
+
+
+def writable_output(path: Path) -> None:
+    """Make sure that a file can be written at ``path``, creating its folder.
+
+    Raises
+    ------
+    InputError
+        If the folder cannot be made or written.
+    """
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        probe = path.parent / f".{path.name}.{os.getpid()}"
+        probe.touch()
+        probe.unlink()
+    except OSError as error:
+        raise InputError(f"{path}: cannot be written ({error.strerror}); choose another output") from None
+
+
+def write_aside(path: Path, write: Any) -> None:
+    """Call ``write(temporary_path)`` and rename the result to ``path``: readers see all of it or nothing."""
+    partial = path.with_name(f".{path.name}.{os.getpid()}.tmp")
+    try:
+        write(partial)
+        partial.replace(path)
+    finally:
+        partial.unlink(missing_ok=True)
+
+
+class Parts:
+    """The folder of a running campaign.
+
+    Parameters
+    ----------
+    output : pathlib.Path
+        The dataset it will become.
+    """
+
+    def __init__(self, output: Path):
+        self.output = output
+        self.folder = output.with_name(output.name + ".parts")
+        self._lock = FileLock(str(self.folder) + ".lock")
+
+    def open(self, identity: Mapping[str, Any], *, resume: bool, overwrite: bool) -> None:
+        """Take the folder for this campaign, keeping what is there (resume) or clearing it (overwrite).
+
+        Raises
+        ------
+        InputError
+            If another run is writing, or steps are there that may be neither used nor cleared.
+        """
+        try:
+            self._lock.acquire(blocking=False)
+        except Timeout:
+            raise InputError(f"{self.output}: another run is writing it; wait for its end or choose another output") from None
+        manifest = self.folder / "manifest.json"
+        text = json.dumps(identity, indent=1, sort_keys=True)
+        if self.folder.exists() and overwrite:
+            shutil.rmtree(self.folder)
+        if manifest.exists():
+            if not resume:
+                raise InputError(
+                    f"{self.folder} holds the steps of an unfinished run; continue it with --resume or drop it with --overwrite"
+                )
+            if manifest.read_text() != text:
+                raise InputError(
+                    f"{self.folder} holds the steps of another study or version; use --overwrite or another output"
+                )
+        self.folder.mkdir(parents=True, exist_ok=True)
+        write_aside(manifest, lambda path: path.write_text(text))
+
+    def close(self) -> None:
+        """Let other runs write."""
+        self._lock.release()
+        with suppress(OSError):
+            Path(self._lock.lock_file).unlink()
+
+    def remove(self) -> None:
+        """Drop the folder: its dataset is written."""
+        shutil.rmtree(self.folder)
+
+    def case_folder(self, number: int) -> Path:
+        """Folder of one case."""
+        return self.folder / f"case-{number:04d}"
+
+
+def save_step(folder: Path, number: int, step: Step) -> None:
+    """Put one finished step on disk; its restart state first, the previous state last away."""
+    folder.mkdir(parents=True, exist_ok=True)
+    write_aside(_state_file(folder, number), lambda path: _save_arrays(path, step.restart))
+    write_aside(_step_file(folder, number), lambda path: _save_values(path, {**step.values, **step.fields}))
+    _state_file(folder, number - 1).unlink(missing_ok=True)
+
+
+def finished_steps(folder: Path) -> int:
+    """How many steps of a case are on disk, counted from the first without a gap."""
+    number = 0
+    while _step_file(folder, number).exists():
+        number += 1
+    while number and not _state_file(folder, number - 1).exists():
+        number -= 1
+    return number
+
+
+def load_state(folder: Path, number: int) -> dict[str, np.ndarray]:
+    """The state that the step after ``number`` starts from."""
+    with np.load(_state_file(folder, number), allow_pickle=False) as arrays:
+        return dict(arrays)
+
+
+def save_constants(folder: Path, constants: Mapping[str, Value]) -> None:
+    """Put what does not change along the path on disk."""
+    folder.mkdir(parents=True, exist_ok=True)
+    write_aside(folder / "constants.nc", lambda path: _save_values(path, constants))
+
+
+def load_case(folder: Path, steps: int) -> tuple[dict[str, Any], list[dict[str, Any]]]:
+    """Constants and the values of every step of a finished case."""
+    return _load_values(folder / "constants.nc"), [_load_values(_step_file(folder, i)) for i in range(steps)]
+
+
+def assemble(
+    sweep: Mapping[str, SweptKey],
+    cases: Iterable[tuple[tuple[int, ...], dict[str, Any], list[dict[str, Any]]]],
+    coordinates: Mapping[str, np.ndarray],
+) -> dict[str, xr.Dataset]:
+    """Datasets by group ("" for the root) from the values of every case.
+
+    Parameters
+    ----------
+    sweep : mapping
+        Swept keys: the leading dimensions.
+    cases : iterable
+        Position in the sweep, constants, and values of each step.
+    coordinates : mapping
+        One-dimensional coordinates of the whole study.
+    """
+    cases = list(cases)
+    lengths = tuple(len(swept.values) for swept in sweep.values())
+    steps = max(len(path) for _, _, path in cases)
+    arrays: dict[str, np.ndarray] = {}
+    for index, constants, path in cases:
+        for name, value in constants.items():
+            _place(arrays, name, value, lengths, index)
+        for number, values in enumerate(path):
+            for name, value in values.items():
+                _place(arrays, name, value, (*lengths, steps), (*index, number))
+    groups: dict[str, dict[str, np.ndarray]] = {"": {}}
+    for name, array in arrays.items():
+        group, _, short = name.rpartition("/")
+        groups.setdefault(group, {})[short] = array
+    return {group: _dataset(content, sweep, coordinates, steps) for group, content in groups.items()}
+
+
+def write_dataset(path: Path, groups: Mapping[str, xr.Dataset]) -> None:
+    """Write the groups of one dataset, by rename."""
+
+    def write(partial: Path) -> None:
+        for group, dataset in groups.items():
+            encoding = {
+                str(name): {**_variable(str(name)).encoding, "dtype": variable.dtype}
+                for name, variable in dataset.variables.items()
+                if variable.dtype != object and variable.dtype.kind not in "US" and str(name) in _all_variables()
+            }
+            dataset.to_netcdf(
+                partial, mode="a" if group else "w", group=group or None, encoding=encoding, engine="netcdf4"
+            )
+
+    write_aside(path, write)
+
+
+def _all_variables() -> dict[str, Any]:
+    return {**COORDINATES, **VARIABLES}
+
+
+def _variable(name: str) -> Any:
+    return _all_variables()[name]
+
+
+def _place(arrays: dict[str, np.ndarray], name: str, value: Any, lengths: tuple[int, ...], index: tuple[int, ...]):
+    variable = _variable(name.rpartition("/")[2])
+    value = np.asarray(value)
+    if name not in arrays:
+        arrays[name] = np.full((*lengths, *value.shape), variable.empty, dtype=variable.dtype)
+    arrays[name][index] = value if value.shape else value.item()
+
+
+def _dataset(
+    content: Mapping[str, np.ndarray],
+    sweep: Mapping[str, SweptKey],
+    coordinates: Mapping[str, np.ndarray],
+    steps: int,
+) -> xr.Dataset:
+    data, coords = {}, {}
+    for name, array in content.items():
+        dims = (*sweep, *_variable(name).dims)
+        target = coords if name in COORDINATES else data
+        if name in COORDINATES or not _variable(name).dims or _variable(name).dims[0] != "step":
+            array, dims = _drop_constant_sweep(array, dims, len(sweep))
+        target[name] = xr.Variable(dims, array, _attributes(name))
+    used = {dim for variable in [*data.values(), *coords.values()] for dim in variable.dims}
+    for name, values in {**coordinates, "step": np.arange(steps, dtype=np.int32)}.items():
+        if name in used and name not in coords:
+            coords[name] = xr.Variable((name,), values, _attributes(name))
+    for name, swept in sweep.items():
+        coords[name] = xr.Variable(
+            (name,), np.asarray(swept.values), {"units": swept.units, "long_name": swept.description}
+        )
+    return xr.Dataset(data, coords)
+
+
+def _drop_constant_sweep(array: np.ndarray, dims: tuple[str, ...], swept: int) -> tuple[np.ndarray, tuple[str, ...]]:
+    """Leave out a swept dimension along which a coordinate or constant does not change."""
+    for axis in reversed(range(swept)):
+        first = np.take(array, [0], axis=axis)
+        same = array == first
+        if array.dtype.kind == "f":
+            same |= np.isnan(array) & np.isnan(first)
+        if np.all(same):
+            array, dims = np.take(array, 0, axis=axis), (*dims[:axis], *dims[axis + 1 :])
+    return array, dims
+
+
+def _attributes(name: str) -> dict[str, Any]:
+    variable = _variable(name)
+    return {"units": variable.units, "long_name": variable.long_name, **variable.attrs}
+
+
+
+def _step_file(folder: Path, number: int) -> Path:
+    return folder / f"step-{number:04d}.nc"
+
+
+def _state_file(folder: Path, number: int) -> Path:
+    return folder / f"state-{number:04d}.npz"
+
+
+def _save_arrays(path: Path, arrays: Mapping[str, np.ndarray]) -> None:
+    with path.open("wb") as stream:
+        np.savez(stream, **dict(arrays))  # type: ignore[arg-type]
+
+
+def _save_values(path: Path, values: Mapping[str, Value]) -> None:
+    content = {}
+    for name, value in values.items():
+        value = np.asarray(value)
+        dims = [f"{name.replace('/', '.')}_{axis}" for axis in range(value.ndim)]
+        short = _variable(name.rpartition("/")[2])
+        content[name.replace("/", ".")] = xr.Variable(dims, value, {"units": short.units, "long_name": short.long_name})
+    xr.Dataset(content).to_netcdf(path, engine="netcdf4")
+
+
+def _load_values(path: Path) -> dict[str, Any]:
+    with xr.open_dataset(path, engine="netcdf4", mask_and_scale=False) as dataset:
+        return {str(name).replace(".", "/"): variable.values for name, variable in dataset.variables.items()}

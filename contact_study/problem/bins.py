@@ -1,0 +1,57 @@
+"""The ranges over which a study's distributions are resolved, chosen from its surfaces, moduli and laws."""
+
+import dataclasses
+
+import numpy as np
+
+from contact_study.fields.observables import Bins
+from contact_study.problem.laws.base import TractionLaw
+from contact_study.problem.study import Case, Study
+from contact_study.problem.surface import realise
+
+
+def with_bins(study: Study) -> Study:
+    """The same study with one set of bins in every case; realises each surface once.
+
+    Raises
+    ------
+    InputError
+        If a surface cannot be made.
+    """
+    chosen = _choose(study.cases)
+    return dataclasses.replace(study, cases=tuple(dataclasses.replace(case, study_bins=chosen) for case in study.cases))
+
+
+def _choose(cases: tuple[Case, ...]) -> Bins:
+    tension, compression, gap = zip(*(_ranges(case) for case in cases), strict=True)
+    output = cases[0].output
+    pressure_range = output.pressure_range or (-_rounded(max(tension)), _rounded(max(compression)))
+    gap_range = output.gap_range or (0.0, _rounded(max(gap)))
+    return Bins(
+        np.linspace(*pressure_range, output.pressure_bins + 1),
+        np.linspace(*gap_range, output.gap_bins + 1),
+    )
+
+
+def _ranges(case: Case) -> tuple[float, float, float]:
+    """Largest tension, compression (Pa) and gap (m) worth resolving in one case."""
+    surface = realise(case)
+    law = case.law
+    peak = law.peak_tensile_stress if isinstance(law, TractionLaw) else 0.0
+    # Full contact has a Gaussian stress of deviation E* ξ / 2; six deviations leave 1e-9 of it outside.
+    fluctuation = 3 * case.material.contact_modulus * surface.rms_slope
+    applied = max((abs(p) for p in case.loading.path), default=0.0) if case.loading.control == "pressure" else 0.0
+    compression = fluctuation + applied + peak
+    # The 10-4 law's peak stress is exceeded nowhere in tension; a quarter more shows that it is not.
+    tension = max(1.25 * peak, 0.05 * compression)
+    # At the lightest contact the block rests on the highest peaks, far above the deepest valley.
+    gap = 1.2 * surface.peak_to_valley + 4 * case.contact_distance
+    if case.loading.control == "gap":
+        gap += max(case.loading.path)
+    return tension, compression, gap or 1.0
+
+
+def _rounded(value: float) -> float:
+    """Two significant digits, upwards."""
+    scale = 10 ** (np.floor(np.log10(value)) - 1)
+    return float(np.ceil(value / scale - 1e-9) * scale)
