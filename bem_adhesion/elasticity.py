@@ -67,6 +67,26 @@ def _multiply_spectrum(spectrum, kernel):
         spectrum[i] *= kernel[i]
 
 
+@njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "arcp", "nsz"})
+def _multiply_and_sum(spectrum, kernel, has_nyquist_column):
+    """Spectrum times real kernel, in place; returns Σ kernel·|spectrum|² over all wavevectors."""
+    rows, columns = kernel.shape
+    total = 0.0
+    for i in range(rows):
+        # A row is summed in the precision of the data, which vectorises; the rows in float64.
+        row = kernel[i, 0] * (spectrum[i, 0].real ** 2 + spectrum[i, 0].imag ** 2) * kernel.dtype.type(-0.5)
+        if has_nyquist_column:
+            last = spectrum[i, columns - 1]
+            row -= kernel[i, columns - 1] * (last.real**2 + last.imag**2) * kernel.dtype.type(0.5)
+        for j in range(columns):
+            z = spectrum[i, j]
+            k = kernel[i, j]
+            row += k * (z.real * z.real + z.imag * z.imag)
+            spectrum[i, j] = k * z
+        total += 2.0 * row
+    return total
+
+
 class HalfSpace:
     """An elastic half-space on a periodic grid, in one floating-point precision, with its buffer.
 
@@ -104,20 +124,30 @@ class HalfSpace:
         self.contact_modulus = contact_modulus
         self.mean_stiffness = mean_stiffness
         self._transform = RealTransform(grid.shape, dtype, threads)
-        self._spectrum = self._transform.spectrum.reshape(-1)
         self.field = self._transform.field
         self._stiffness_q = self.kernel(stiffness(grid, contact_modulus, mean_stiffness))
         self._compliance_q: np.ndarray | None = None
 
     def kernel(self, kernel_q: np.ndarray) -> np.ndarray:
         """Prepare a real kernel of shape ``grid.spectrum_shape`` for :meth:`apply`."""
-        return (kernel_q / self.grid.points).astype(self._transform.dtype).reshape(-1)
+        return (kernel_q / self.grid.points).astype(self._transform.dtype)
 
     def apply(self, kernel: np.ndarray) -> np.ndarray:
         """Multiply the spectrum of :attr:`field`, in place, by a kernel from :meth:`kernel`; returns it."""
         self._transform.forward()
-        _multiply_spectrum(self._spectrum, kernel)
+        _multiply_spectrum(self._transform.spectrum.reshape(-1), kernel.reshape(-1))
         return self._transform.backward()
+
+    def apply_and_sum(self, kernel: np.ndarray) -> float:
+        """As :meth:`apply`; returns the sum over all points of the field times the result.
+
+        The sum is formed on the spectrum while that passes by, before the result exists in real space: an
+        iterative solver can then fuse the passes before and after a scalar product.
+        """
+        self._transform.forward()
+        total = _multiply_and_sum(self._transform.spectrum, kernel, self.grid.shape[1] % 2 == 0)
+        self._transform.backward()
+        return total
 
     def stiffness(self) -> np.ndarray:
         """Turn the displacement in :attr:`field` (m) into the pressure that holds it (Pa); returns it."""

@@ -16,8 +16,8 @@ class Outcome(Enum):
         "solver.max_iterations"
     )
     STALLED = (
-        "no step lowers the energy any more although the residual is above the tolerance: the tolerance is below "
-        "the rounding of this problem, or the grid is too coarse for the law"
+        "no step lowers the energy although the residual is above the tolerance: the tolerance is below the "
+        "rounding of this problem, or the grid is too coarse for the law"
     )
 
 

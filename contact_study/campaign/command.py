@@ -64,7 +64,10 @@ def guarded(command: str, body: Any) -> int:
         return WRONG_INPUT
     except Exception:
         traceback.print_exc()
-        print(f"{command}: error: this is a fault of the program, not of the input; please report it", file=sys.stderr)
+        print(
+            f"{command}: error: this is a fault of the program, not of the input; please report it",
+            file=sys.stderr,
+        )
         return WRONG_INPUT
     finally:
         signal.signal(signal.SIGTERM, previous)
@@ -77,7 +80,9 @@ def _interrupt(*_: Any) -> NoReturn:
 def _main(model: Model, arguments: Sequence[str]) -> int:
     parser = _parser(model)
     given = parser.parse_args(arguments)
-    overrides = {name[4:]: value for name, value in vars(given).items() if name.startswith("key:") and value is not None}
+    overrides = {
+        name[4:]: value for name, value in vars(given).items() if name.startswith("key:") and value is not None
+    }
     study = with_bins(read_study(given.study, overrides))
     if given.resume and given.overwrite:
         raise InputError("--resume and --overwrite exclude each other")
@@ -144,7 +149,11 @@ def _parser(model: Model) -> Parser:
         if default is not None and default is not dataclasses.MISSING:
             text += f" (default {_shown(default)})"
         groups[section].add_argument(
-            f"--{section}.{name}", dest=f"key:{section}.{name}", type=_toml_value, metavar=f"<{declaration.kind}>", help=text
+            f"--{section}.{name}",
+            dest=f"key:{section}.{name}",
+            type=_toml_value,
+            metavar=f"<{declaration.kind}>",
+            help=text,
         )
     return parser
 
@@ -207,7 +216,16 @@ def _provenance(
 def _git_commit() -> str:
     try:
         found = subprocess.run(
-            ["git", "-C", os.path.dirname(__file__), "describe", "--always", "--dirty", "--abbrev=40", "--exclude=*"],
+            [
+                "git",
+                "-C",
+                os.path.dirname(__file__),
+                "describe",
+                "--always",
+                "--dirty",
+                "--abbrev=40",
+                "--exclude=*",
+            ],
             capture_output=True,
             text=True,
             timeout=10,

@@ -54,7 +54,9 @@ class GapFields:
                     dataset = dataset.sel({name: value})
             applied = dataset[f"applied_{self._case.loading.control}"].values
             # The same study file gives the same floats; 1e-9 forgives a value written in another unit.
-            same = np.isclose(applied, wanted, rtol=1e-9, atol=0.0) & (dataset["branch"].values == (branch == "unloading"))
+            same = np.isclose(applied, wanted, rtol=1e-9, atol=0.0) & (
+                dataset["branch"].values == (branch == "unloading")
+            )
             usable = same & (dataset["converged"].values == 1) & (dataset["detached"].values != 1)
             if not usable.any():
                 return None

@@ -25,7 +25,9 @@ class Progress:
         """Begin with ``done`` of ``total`` steps finished."""
         self._total, self._done = total, done
         if sys.stderr.isatty():
-            self._bar = tqdm(total=total, initial=done, desc=self._name, unit="step", file=sys.stderr, dynamic_ncols=True)
+            self._bar = tqdm(
+                total=total, initial=done, desc=self._name, unit="step", file=sys.stderr, dynamic_ncols=True
+            )
         if done:
             self.say(f"{done} of {total} steps were finished before")
 

@@ -42,7 +42,12 @@ class Job:
 
 
 def run_cases(
-    model: Model, study: Study, parts: storage.Parts, predictor: Path | None, workers: int | None, progress: Progress
+    model: Model,
+    study: Study,
+    parts: storage.Parts,
+    predictor: Path | None,
+    workers: int | None,
+    progress: Progress,
 ) -> list[str]:
     """Run every unfinished step of every case; returns the warnings that came up.
 
@@ -51,9 +56,7 @@ def run_cases(
     CampaignError
         If a worker process died.
     """
-    jobs = [
-        Job(model, case, parts.case_folder(number), predictor, number) for number, case in enumerate(study.cases)
-    ]
+    jobs = [Job(model, case, parts.case_folder(number), predictor, number) for number, case in enumerate(study.cases)]
     progress.start(sum(len(case.path) for case in study.cases), sum(_done(job) for job in jobs))
     unfinished = [job for job in jobs if _done(job) < len(job.case.path) or not (job.folder / "constants.nc").exists()]
     workers = min(workers or available_cores(), len(unfinished))
@@ -72,7 +75,9 @@ def available_cores() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
-def collect(study: Study, parts: storage.Parts) -> Iterator[tuple[tuple[int, ...], dict[str, Any], list[dict[str, Any]]]]:
+def collect(
+    study: Study, parts: storage.Parts
+) -> Iterator[tuple[tuple[int, ...], dict[str, Any], list[dict[str, Any]]]]:
     """Position, constants and steps of every case of a finished campaign."""
     for number, case in enumerate(study.cases):
         yield case.index, *storage.load_case(parts.case_folder(number), len(case.path))

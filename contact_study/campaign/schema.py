@@ -79,7 +79,9 @@ VARIABLES: dict[str, Variable] = {
     "height": Variable("m", "height of the rigid surface, toward the block", ("y", "x")),
     "gap": Variable("m", "local gap", ("step", "y", "x")),
     "pressure": Variable("Pa", "local pressure, compression positive", ("step", "y", "x")),
-    "relative_contact_area_at": Variable("1", "apparent relative contact area at a magnification", ("step", "wavevector")),
+    "relative_contact_area_at": Variable(
+        "1", "apparent relative contact area at a magnification", ("step", "wavevector")
+    ),
     "detachment_stress": Variable("Pa", "largest tensile stress at a magnification", ("step", "wavevector")),
     "effective_work_of_adhesion": Variable("J m-2", "work of adhesion at a magnification", ("step", "wavevector")),
     "energy_defect": Variable("m", "derivative of the interfacial energy by pressure at zero pressure"),

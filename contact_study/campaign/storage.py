@@ -75,7 +75,9 @@ class Parts:
         try:
             self._lock.acquire(blocking=False)
         except Timeout:
-            raise InputError(f"{self.output}: another run is writing it; wait for its end or choose another output") from None
+            raise InputError(
+                f"{self.output}: another run is writing it; wait for its end or choose another output"
+            ) from None
         manifest = self.folder / "manifest.json"
         text = json.dumps(identity, indent=1, sort_keys=True)
         if self.folder.exists() and overwrite:
@@ -247,7 +249,6 @@ def _drop_constant_sweep(array: np.ndarray, dims: tuple[str, ...], swept: int) -
 def _attributes(name: str) -> dict[str, Any]:
     variable = _variable(name)
     return {"units": variable.units, "long_name": variable.long_name, **variable.attrs}
-
 
 
 def _step_file(folder: Path, number: int) -> Path:

@@ -43,7 +43,9 @@ def read_height_map(path: Path, height_unit: str | None, size: tuple[float, floa
     except Exception as error:  # each format raises its own types on a damaged file
         raise InputError(f"surface.path: {path} cannot be read ({error})") from None
     if heights.ndim != 2 or min(heights.shape) < 4:
-        raise InputError(f"surface.path: {path} holds an array of shape {heights.shape}; expected at least 4 x 4 heights")
+        raise InputError(
+            f"surface.path: {path} holds an array of shape {heights.shape}; expected at least 4 x 4 heights"
+        )
     bad = np.argwhere(~np.isfinite(heights))
     if bad.size:
         raise InputError(

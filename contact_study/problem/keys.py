@@ -127,8 +127,6 @@ def sequence(reader: tuple[Callable[[Any, str], Any], str]):
     return read, f"list of {kind}"
 
 
-
-
 def keys_of(section: type) -> dict[str, Key]:
     """The keys of a section, in the order of declaration."""
     return {field.name: field.metadata["key"] for field in dataclasses.fields(section)}
@@ -149,7 +147,9 @@ def bind(section: type[Section], table: Mapping[str, Any], name: str) -> Section
     values = {given: known[given].read(value, f"{name}.{given}") for given, value in table.items()}
     for field in dataclasses.fields(section):  # type: ignore[arg-type]
         if field.name not in values and field.default is dataclasses.MISSING:
-            raise InputError(f"missing key {name}.{field.name} ({known[field.name].kind}: {known[field.name].description})")
+            raise InputError(
+                f"missing key {name}.{field.name} ({known[field.name].kind}: {known[field.name].description})"
+            )
     return section(**values)
 
 

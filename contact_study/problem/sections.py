@@ -21,7 +21,9 @@ class SurfaceSection:
 
     kind: str = key(choice("self_affine", "file", "sphere", "wavy", "flat"), "geometry of the rigid surface")
     size: tuple[float, float] | None = key(
-        pair(quantity("m", positive=True), broadcast=True), "lateral periods (a height map may bring its own)", None
+        pair(quantity("m", positive=True), broadcast=True),
+        "lateral periods (a height map may bring its own)",
+        None,
     )
     shape: tuple[int, int] | None = key(
         pair(integer(minimum=4)), "points of the continuum grid (a height map may bring its own)", None
@@ -86,7 +88,9 @@ class MaterialSection:
     youngs_modulus: float = key(quantity("Pa", positive=True), "Young's modulus E")
     poissons_ratio: float = key(quantity("1", minimum=-0.999, maximum=0.5), "Poisson's ratio ν")
     lattice_constant: float | None = key(
-        quantity("m", positive=True), "lattice constant a of the block; divides surface.size (atoms, well_depth)", None
+        quantity("m", positive=True),
+        "lattice constant a of the block; divides surface.size (atoms, well_depth)",
+        None,
     )
     atom_mass: float | None = key(quantity("kg", positive=True), "mass of a block atom (dynamics only)", None)
 
@@ -149,7 +153,9 @@ class SolverSection:
     """Accuracy and effort."""
 
     tolerance: float = key(
-        quantity("1", positive=True, maximum=1e-2), "largest residual stress in units of the contact modulus", 1e-8
+        quantity("1", positive=True, maximum=1e-2),
+        "largest residual stress in units of the contact modulus",
+        1e-8,
     )
     max_iterations: int = key(integer(minimum=1), "outer iterations of one step before it is flagged", 2000)
     threads: int = key(integer(minimum=0), "threads of one solve; 0: the cores that the cases leave idle", 0)
@@ -160,7 +166,9 @@ class AtomisticSection:
     """The block of atoms."""
 
     block: str = key(choice("isotropic"), "springs of the block", "isotropic")
-    method: str = key(choice("surface_stiffness"), "the block condensed exactly to its bottom layer", "surface_stiffness")
+    method: str = key(
+        choice("surface_stiffness"), "the block condensed exactly to its bottom layer", "surface_stiffness"
+    )
     cutoff: float = key(quantity("1", minimum=2.0), "cutoff of the pair potential in units of interaction.length", 4.0)
     layers: int = key(integer(minimum=0), "atomic layers of the block; 0: as thick as wide", 0)
 
@@ -170,14 +178,20 @@ class TheorySection:
     """Choices inside Persson's theory with adhesion (root of the dataset) and what both theories are fed."""
 
     spectrum: str = key(
-        choice("analytic", "surface"), "roughness spectrum: the target, or that of the very surface", "analytic"
+        choice("analytic", "surface"),
+        "roughness spectrum: the target, or that of the very surface",
+        "analytic",
     )
     energy_weight: str = key(
-        choice("paper", "wang_mueser", "area"), "weight W of the elastic energy in incomplete contact", "paper"
+        choice("paper", "wang_mueser", "area"),
+        "weight W of the elastic energy in incomplete contact",
+        "paper",
     )
     beta: float = key(quantity("1", positive=True, maximum=1.0), "β of the paper's weight", 0.4)
     true_area: str = key(
-        choice("persson", "none", "lattice"), "true over projected contact area, for the adhesion energy", "persson"
+        choice("persson", "none", "lattice"),
+        "true over projected contact area, for the adhesion energy",
+        "persson",
     )
     alpha: float = key(quantity("1", positive=True), "α in σ_a² = α E* q γ_eff", 1.0)
     cap_detachment_stress: bool = key(flag(), "limit σ_a to the law's largest tensile stress", False)

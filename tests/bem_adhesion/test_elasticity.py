@@ -70,3 +70,13 @@ def test_single_precision_counts_half_and_coarser_grids_by_points():
     single.compliance()
     np.testing.assert_allclose(single.field, wave / np.pi, atol=1e-6)  # single rounding is 6e-8
     assert single.equivalent_pairs(fine) == 0.5 / 4
+
+
+@pytest.mark.parametrize("grid", GRIDS, ids=lambda grid: f"{grid.shape}")
+def test_sum_on_the_spectrum_is_the_scalar_product(grid):
+    field = np.random.default_rng(1).standard_normal(grid.shape)
+    half_space = HalfSpace(grid, 1.0, mean_stiffness=3.0 / grid.size[0])
+    kernel = half_space.kernel(stiffness(grid, 1.0, 3.0 / grid.size[0]))
+    half_space.field[...] = field
+    total = half_space.apply_and_sum(kernel)
+    assert total == pytest.approx(np.vdot(field, half_space.field), rel=1e-13)

@@ -91,14 +91,10 @@ class TractionLaw(ABC):
         equilibrium, tangent = self.equilibrium_distance, self.equilibrium_stiffness
         repelled = gap < equilibrium
         moved = gap + np.clip(step, -limit * gap, limit * gap)
-        traction = np.where(
-            repelled, self.traction(gap) + self.stiffness(gap) * step, tangent * (moved - equilibrium)
-        )
+        traction = np.where(repelled, self.traction(gap) + self.stiffness(gap) * step, tangent * (moved - equilibrium))
         left = np.where(repelled, equilibrium + np.minimum(traction / tangent, limit * equilibrium), moved)
         out[...] = np.where(traction < 0, self.repulsive_gap(np.minimum(traction, 0.0)), left)
 
     def scaled(self, length: float, stress: float) -> "TractionLaw":
         """The same law in other units: lengths divided by ``length`` (m), stresses by ``stress`` (Pa)."""
-        return replace(
-            self, work_of_adhesion=self.work_of_adhesion / (length * stress), length=self.length / length
-        )
+        return replace(self, work_of_adhesion=self.work_of_adhesion / (length * stress), length=self.length / length)
