@@ -62,8 +62,8 @@ def _advance(gap, step, limit, length, out):
         # s¹¹ − s⁵ = y for s >= 1. The root is a concave function of y, so its tangents (here at s = 1, 1.1, 1.25
         # and 1.6) bound it from above, as does the linear step; Newton descends from there.
         y_root = max(y, 0.0)
-        root = min(1.0 + y_root / 6.0, 1.1 + (y_root - 1.242607) / 21.21566)
-        root = min(root, min(1.25 + (y_root - 8.589955) / 90.23818, 1.6 + (y_root - 165.43628) / 1176.6865))
+        root = min(1.0 + y_root / 6.0, 1.1 + (y_root - 1.2426067) / 21.210667)
+        root = min(root, min(1.25 + (y_root - 8.5897744) / 90.238452, 1.6 + (y_root - 165.4361) / 1176.6948))
         if d < length:
             root = min(root, max(s - s * x / d, s))
         for _ in range(3):

@@ -1,0 +1,207 @@
+"""Adhesive contact of an elastic half-space with a rough rigid solid under any traction-separation law.
+
+The gap d minimises ½<d, K d> + <φ(d)> + <load·d>: K is the half-space, φ the law, and ``load`` = p + K h the nominal
+pressure and the pressure that flattens the heights h. The energy is not convex; the solver descends from the given
+state into the minimum next to it.
+
+Newton's method with inexact linear solves in float32 (:mod:`bem_adhesion.linearised`) and the residual in float64.
+Negative curvature of the law is faded by a factor 1 − fading when a linear solve meets a descent of the whole
+quadratic model, and restored after successful steps. Any consistent units: scale lengths and stresses to order one
+for the sake of float32.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numba import njit
+
+from bem_adhesion.elasticity import HalfSpace
+from bem_adhesion.linearised import LinearisedContact
+from bem_adhesion.solution import Outcome
+from contact_study.fields.grid import Grid
+from contact_study.problem.laws.base import TractionLaw
+
+# Reduction of the residual asked of a linear solve: with the full curvature, and while it is faded.
+REDUCTION, FADED_REDUCTION = 0.1, 0.3
+LINEAR_ITERATIONS = 60
+# Largest relative change of an attracted gap in one step.
+STEP_LIMIT = 0.4
+# Fading of negative curvature: first value, growth on failure, decay on success.
+FADING_START, FADING_GROWTH, FADING_DECAY = 0.1, 3.0, 0.6
+# Below this residual (in units of the contact modulus) a state with negative curvature is left along that direction,
+# by this step (in units of the law's length). Larger residuals are no saddles: there the step changed the branch.
+SADDLE_RESIDUAL, SADDLE_STEP = 0.2, 0.1
+BACKTRACKING, SHORTEST_STEP = 0.4, 1e-4
+# Energies closer than this (relative) are equal to rounding; the residual decides then.
+ENERGY_ROUNDING = 1e-9
+
+
+@njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "arcp", "nsz"})
+def _gradient(elastic, gap, traction, load, right_side):
+    """Write −(K d + φ' + load); returns Σ ½ d·K d + load·d, max|gradient|, Σ gradient² and Σ gradient."""
+    energy = 0.0
+    largest = 0.0
+    square = 0.0
+    total = 0.0
+    for i in range(gap.shape[0]):
+        for j in range(gap.shape[1]):
+            gradient = elastic[i, j] + traction[i, j] + load[i, j]
+            right_side[i, j] = -gradient
+            energy += (0.5 * elastic[i, j] + load[i, j]) * gap[i, j]
+            largest = max(largest, abs(gradient))
+            square += gradient * gradient
+            total += gradient
+    return energy, largest, square, total
+
+
+@dataclass(frozen=True)
+class NewtonResult:
+    """State that a Newton solve reached.
+
+    Parameters
+    ----------
+    gap : numpy.ndarray
+        The gap d, > 0.
+    residual : float
+        max|K d + φ'(d) + load| / E*.
+    iterations : int
+        Newton iterations.
+    outcome : Outcome
+        How the solve ended.
+    """
+
+    gap: np.ndarray
+    residual: float
+    iterations: int
+    outcome: Outcome
+
+
+class AdhesiveContact:
+    """The discretised contact on one grid, with the work space of its solver.
+
+    Parameters
+    ----------
+    grid : Grid
+        The periodic grid.
+    contact_modulus : float
+        E* (Pa).
+    law : TractionLaw
+        The law of interaction.
+    core, tail : float
+        Stiffnesses of the preconditioner, see :class:`LinearisedContact` (Pa/m).
+    mean_stiffness : float, optional
+        Stiffness of the spring that carries the mean gap (Pa/m); zero under pressure control.
+    threads : int, optional
+        Threads of the transforms.
+    """
+
+    def __init__(
+        self,
+        grid: Grid,
+        contact_modulus: float,
+        law: TractionLaw,
+        core: float,
+        tail: float,
+        mean_stiffness: float = 0.0,
+        threads: int = 1,
+    ):
+        self.grid = grid
+        self.law = law
+        self.contact_modulus = contact_modulus
+        self.half_space = HalfSpace(grid, contact_modulus, np.float64, mean_stiffness, threads)
+        self._single = HalfSpace(grid, contact_modulus, np.float32, mean_stiffness, threads)
+        self._linearised = LinearisedContact(self._single, core, tail)
+        self._traction = np.empty(grid.shape)
+        self._curvature = np.empty(grid.shape, np.float32)
+        self._right_side = np.empty(grid.shape, np.float32)
+
+    def equivalent_pairs(self, grid: Grid) -> float:
+        """Transform pairs done so far, as float64 pairs on ``grid``."""
+        return self.half_space.equivalent_pairs(grid) + self._single.equivalent_pairs(grid)
+
+    def elastic_pressure(self, gap: np.ndarray) -> np.ndarray:
+        """K d in the buffer of the half-space, which the next operation overwrites (Pa)."""
+        self.half_space.field[...] = gap
+        return self.half_space.stiffness()
+
+    def _evaluate(self, gap: np.ndarray, load: np.ndarray) -> tuple[float, float, float, float]:
+        """Energy, max|gradient|, Σ gradient² and Σ gradient; fills traction, curvature and right side."""
+        potential = self.law.evaluate(gap, self._traction, self._curvature)
+        elastic = self.elastic_pressure(gap)
+        energy, largest, square, total = _gradient(elastic, gap, self._traction, load, self._right_side)
+        return energy + potential, largest, square, total
+
+    def _runs_away(self, total_gradient: float) -> bool:
+        """Whether the surfaces separate for ever: pulled apart with every point past the peak of the law.
+
+        The mean gap then has negative curvature and a gradient outwards, and both persist at any larger gap.
+        """
+        return self.half_space.mean_stiffness == 0 and total_gradient < 0 and self._curvature.max() <= 0
+
+    def _newton_step(self, fading: float, largest: float) -> tuple[float, bool]:
+        """Leave a step in ``_linearised.solution``; returns the fading it took, and if that had to be raised."""
+        raised = False
+        while True:
+            reduction = REDUCTION if fading == 0 else FADED_REDUCTION
+            result = self._linearised.solve(self._right_side, self._curvature, 1 - fading, reduction, LINEAR_ITERATIONS)
+            if not result.negative_curvature:
+                return fading, raised
+            if fading == 0 and not raised and largest < SADDLE_RESIDUAL * self.contact_modulus:
+                self._leave_saddle()
+                return fading, raised
+            fading = min(1.0, max(FADING_GROWTH * fading, FADING_START))
+            raised = True
+
+    def _leave_saddle(self) -> None:
+        """Add to the step a fixed length along the direction of negative curvature, downhill."""
+        direction = self._linearised.direction
+        downhill = 1.0 if np.vdot(self._right_side, direction) >= 0 else -1.0
+        scale = downhill * SADDLE_STEP * self.law.length / np.abs(direction).max()
+        self._linearised.solution += np.float32(scale) * direction
+
+    def solve(self, gap: np.ndarray, load: np.ndarray, tolerance: float, max_iterations: int) -> NewtonResult:
+        """Descend from ``gap`` to the next equilibrium.
+
+        Parameters
+        ----------
+        gap : numpy.ndarray, shape grid.shape
+            Initial gap, > 0 (m).
+        load : numpy.ndarray, shape grid.shape
+            Pressure p + K h on the block (Pa).
+        tolerance : float
+            Largest max|gradient| / E* of a solution.
+        max_iterations : int
+            Largest number of Newton iterations.
+        """
+        gap, trial = gap.copy(), np.empty_like(gap)
+        energy, largest, square, total = self._evaluate(gap, load)
+        fading = 0.0
+        iteration = 0
+        outcome = Outcome.ITERATION_LIMIT
+        while True:
+            if largest <= tolerance * self.contact_modulus:
+                outcome = Outcome.CONVERGED
+                break
+            if self._runs_away(total):
+                outcome = Outcome.DETACHED
+                break
+            if iteration == max_iterations:
+                break
+            iteration += 1
+            fading, raised = self._newton_step(fading, largest)
+            step, fraction = self._linearised.solution, 1.0
+            while True:
+                self.law.advance(gap, step, STEP_LIMIT, trial)
+                new_energy, new_largest, new_square, total = self._evaluate(trial, load)
+                equal = new_energy <= energy + ENERGY_ROUNDING * abs(energy)
+                if new_energy <= energy or (equal and new_square < square) or fraction < SHORTEST_STEP:
+                    break
+                step *= np.float32(BACKTRACKING)
+                fraction *= BACKTRACKING
+            if fraction < 1:
+                fading = min(1.0, max(FADING_GROWTH * fading, FADING_START))
+            elif not raised:
+                fading = fading * FADING_DECAY if fading > 0.9 * FADING_START else 0.0
+            gap, trial = trial, gap
+            energy, largest, square = new_energy, new_largest, new_square
+        return NewtonResult(gap, largest / self.contact_modulus, iteration, outcome)
