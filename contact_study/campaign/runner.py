@@ -10,7 +10,7 @@ from collections.abc import Iterator, Mapping
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from multiprocessing.connection import wait
 from pathlib import Path
 from typing import Any
@@ -21,7 +21,7 @@ from contact_study.campaign import storage
 from contact_study.campaign.model import Model
 from contact_study.campaign.predictor import GapFields
 from contact_study.campaign.progress import Progress
-from contact_study.campaign.record import Step
+from contact_study.campaign.record import Step, Value
 from contact_study.problem.study import Case, Study
 from contact_study.problem.surface import realise
 
@@ -160,9 +160,9 @@ def _run(job: Job, threads: int, report: Any) -> list[str]:
 
 def _completed(case: Case, number: int, step: Step, seconds: float) -> Step:
     value, branch = case.path[number]
-    known = {
+    known: dict[str, Value] = {
         f"applied_{case.loading.control}": value,
-        "branch": np.int8(branch == "unloading"),
+        "branch": branch == "unloading",
         "wall_time": seconds,
         "detached": False,
         "message": "",
@@ -175,8 +175,6 @@ def _summary(step: Step) -> Mapping[str, Any]:
 
 
 def _with_threads(case: Case, threads: int) -> Case:
-    from dataclasses import replace
-
     return replace(case, solver=replace(case.solver, threads=threads))
 
 

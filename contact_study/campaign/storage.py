@@ -85,7 +85,8 @@ class Parts:
         if manifest.exists():
             if not resume:
                 raise InputError(
-                    f"{self.folder} holds the steps of an unfinished run; continue it with --resume or drop it with --overwrite"
+                    f"{self.folder} holds the steps of an unfinished run; continue it with --resume "
+                    "or drop it with --overwrite"
                 )
             if manifest.read_text() != text:
                 raise InputError(
@@ -202,7 +203,9 @@ def _variable(name: str) -> Any:
     return _all_variables()[name]
 
 
-def _place(arrays: dict[str, np.ndarray], name: str, value: Any, lengths: tuple[int, ...], index: tuple[int, ...]):
+def _place(
+    arrays: dict[str, np.ndarray], name: str, value: Any, lengths: tuple[int, ...], index: tuple[int, ...]
+) -> None:
     variable = _variable(name.rpartition("/")[2])
     value = np.asarray(value)
     if name not in arrays:
@@ -216,7 +219,8 @@ def _dataset(
     coordinates: Mapping[str, np.ndarray],
     steps: int,
 ) -> xr.Dataset:
-    data, coords = {}, {}
+    data: dict[str, xr.Variable] = {}
+    coords: dict[str, xr.Variable] = {}
     for name, array in content.items():
         dims = (*sweep, *_variable(name).dims)
         target = coords if name in COORDINATES else data

@@ -136,14 +136,14 @@ def transform(field: np.ndarray) -> np.ndarray:
     return plan.forward() / plan.points
 
 
-def synthesise(coefficients: np.ndarray, shape: tuple[int, int]) -> np.ndarray:
+def synthesise(coefficients: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
     """The real field on ``shape`` points whose coefficients :func:`transform` would return."""
     plan = shared_transform(tuple(shape))
     plan.spectrum[...] = coefficients
     return plan.backward().copy()
 
 
-def resize_spectrum(coefficients: np.ndarray, old: tuple[int, int], new: tuple[int, int]) -> np.ndarray:
+def resize_spectrum(coefficients: np.ndarray, old: tuple[int, ...], new: tuple[int, ...]) -> np.ndarray:
     """Coefficients of the same trigonometric polynomial on another number of points.
 
     Modes that the new grid cannot carry are dropped. A Nyquist mode of an even old grid is split evenly between
@@ -186,8 +186,8 @@ def _resize_full_axis(coefficients: np.ndarray, old: int, new: int) -> np.ndarra
     return out
 
 
-def interpolate(field: np.ndarray, shape: tuple[int, int]) -> np.ndarray:
+def interpolate(field: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
     """Trigonometric interpolation of a periodic field on another number of points."""
     if field.shape == tuple(shape):
         return field.copy()
-    return synthesise(resize_spectrum(transform(field), field.shape, tuple(shape)), tuple(shape))
+    return synthesise(resize_spectrum(transform(field), field.shape, shape), shape)

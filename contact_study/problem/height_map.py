@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -83,7 +84,7 @@ def _read_netcdf(path: Path) -> tuple[np.ndarray, str, tuple[float, float] | Non
         return heights.values, str(heights.attrs.get("units", "m")), size
 
 
-def _step(dataset, dimension: str) -> float | None:
+def _step(dataset: Any, dimension: str) -> float | None:
     if dimension not in dataset.coords or dataset[dimension].size < 2:
         return None
     coordinate = dataset[dimension]

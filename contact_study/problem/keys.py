@@ -14,6 +14,7 @@ from contact_study.problem import units
 from contact_study.problem.errors import InputError
 
 Section = TypeVar("Section")
+Reader = tuple[Callable[[Any, str], Any], str]  # how a value is read, and its kind in words
 
 
 @dataclass(frozen=True)
@@ -25,13 +26,15 @@ class Key:
     description: str
 
 
-def key(reader: tuple[Callable[[Any, str], Any], str], description: str, default: Any = dataclasses.MISSING) -> Any:
+def key(reader: Reader, description: str, default: Any = dataclasses.MISSING) -> Any:
     """A dataclass field bound to a key of the study file; without a default the key must be given."""
     read, kind = reader
     return dataclasses.field(default=default, metadata={"key": Key(read, kind, description)})
 
 
-def quantity(unit: str, *, positive: bool = False, minimum: float | None = None, maximum: float | None = None):
+def quantity(
+    unit: str, *, positive: bool = False, minimum: float | None = None, maximum: float | None = None
+) -> Reader:
     """A dimensional number, in SI or as a string with a unit; ``positive`` excludes zero."""
 
     def read(value: Any, name: str) -> float:
@@ -47,7 +50,7 @@ def quantity(unit: str, *, positive: bool = False, minimum: float | None = None,
     return read, unit if unit != "1" else "number"
 
 
-def integer(minimum: int | None = None):
+def integer(minimum: int | None = None) -> Reader:
     """A whole number."""
 
     def read(value: Any, name: str) -> int:
@@ -60,7 +63,7 @@ def integer(minimum: int | None = None):
     return read, "integer"
 
 
-def choice(*allowed: str):
+def choice(*allowed: str) -> Reader:
     """One of a few words."""
 
     def read(value: Any, name: str) -> str:
@@ -71,7 +74,7 @@ def choice(*allowed: str):
     return read, " | ".join(allowed)
 
 
-def flag():
+def flag() -> Reader:
     """True or false."""
 
     def read(value: Any, name: str) -> bool:
@@ -82,7 +85,7 @@ def flag():
     return read, "true | false"
 
 
-def text():
+def text() -> Reader:
     """Free text."""
 
     def read(value: Any, name: str) -> str:
@@ -93,7 +96,7 @@ def text():
     return read, "text"
 
 
-def pair(reader: tuple[Callable[[Any, str], Any], str], *, broadcast: bool = False):
+def pair(reader: Reader, *, broadcast: bool = False) -> Reader:
     """Two values along y and x; with ``broadcast`` one value stands for both."""
     read_one, kind = reader
 
@@ -107,7 +110,7 @@ def pair(reader: tuple[Callable[[Any, str], Any], str], *, broadcast: bool = Fal
     return read, f"{kind} or [y, x]" if broadcast else f"[y, x] of {kind}"
 
 
-def sequence(reader: tuple[Callable[[Any, str], Any], str]):
+def sequence(reader: Reader) -> Reader:
     """A list of at least one value, all written in the same manner."""
     read_one, kind = reader
 

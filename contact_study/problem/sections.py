@@ -61,7 +61,8 @@ class SurfaceSection:
         if self.kind == "wavy":
             self._check_grid(max(self.modes), "surface.modes")
 
-    def _check_modes(self):
+    def _check_modes(self) -> None:
+        assert self.cutoff_mode is not None
         if not self.low_mode <= self.roll_off_mode <= self.cutoff_mode:
             raise InputError(
                 f"surface.low_mode = {self.low_mode:g}, roll_off_mode = {self.roll_off_mode:g}, "
@@ -69,7 +70,9 @@ class SurfaceSection:
             )
         self._check_grid(self.cutoff_mode, "surface.cutoff_mode")
 
-    def _check_grid(self, mode, name):
+    def _check_grid(self, mode: float, name: str) -> None:
+        assert self.size is not None
+        assert self.shape is not None
         # Modes count waves on the longest side; every axis must resolve that wavevector below its Nyquist mode.
         longest = max(self.size)
         for points, size in zip(self.shape, self.size, strict=True):
@@ -135,7 +138,7 @@ class InteractionSection:
 class LoadingSection:
     """The loading path, from separation, in the order given."""
 
-    path: tuple[float | str, ...] = key(
+    path: tuple[float, ...] = key(
         sequence((lambda value, name: value, "pressures or gaps")),
         "pressures (control = pressure, Pa) or mean gaps above equilibrium (control = gap, m), in any order",
     )

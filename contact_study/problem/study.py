@@ -68,7 +68,8 @@ class Case:
     def __post_init__(self):
         if self.interaction.law == "hard_wall" and self.loading.control == "pressure" and min(self.loading.path) <= 0:
             raise InputError(
-                f"loading.path: {min(self.loading.path):g} Pa is no pressure that a hard wall without adhesion can carry"
+                f"loading.path: {min(self.loading.path):g} Pa cannot be carried by a hard wall without adhesion; "
+                "give positive pressures"
             )
         if self.interaction.law != "hard_wall" and self.loading.control == "pressure":
             lowest = -self.law.peak_tensile_stress
@@ -334,6 +335,6 @@ def _apply(table: dict[str, Any], point: dict[str, Any], exceptions: list[dict[s
 
 
 def _case(merged: dict[str, Any], point: dict[str, Any], index: tuple[int, ...], directory: Path) -> Case:
-    bound = {name: bind(declared, merged[name], name) for name, declared in SECTIONS.items()}
+    bound: dict[str, Any] = {name: bind(declared, merged[name], name) for name, declared in SECTIONS.items()}
     coordinates = {_last(dotted): getattr(bound[dotted.partition(".")[0]], _last(dotted)) for dotted in point}
     return Case(**bound, coordinates=coordinates, index=index, directory=directory)

@@ -83,8 +83,8 @@ class BandLimitedSurface(Surface):
     native_shape: tuple[int, int]
 
     def heights(self, shape: tuple[int, int]) -> np.ndarray:
-        coefficients = fourier.resize_spectrum(self.coefficients, self.native_shape, tuple(shape))
-        return fourier.synthesise(coefficients, tuple(shape))
+        coefficients = fourier.resize_spectrum(self.coefficients, self.native_shape, shape)
+        return fourier.synthesise(coefficients, shape)
 
 
 @dataclass(frozen=True)
@@ -100,7 +100,7 @@ class Paraboloid(Surface):
     radius: float
 
     def heights(self, shape: tuple[int, int]) -> np.ndarray:
-        y, x = Grid(tuple(shape), self.size).coordinates
+        y, x = Grid(shape, self.size).coordinates
         r2 = (y[:, None] - self.size[0] / 2) ** 2 + (x[None, :] - self.size[1] / 2) ** 2
         # The mean over the cell of r² is (Ly² + Lx²)/12: subtracted exactly, so that refining shifts nothing.
         return ((self.size[0] ** 2 + self.size[1] ** 2) / 12 - r2) / (2 * self.radius)
