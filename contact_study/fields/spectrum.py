@@ -233,11 +233,11 @@ def radial_spectrum(heights: np.ndarray, grid: Grid) -> RadialSpectrum:
     q = np.broadcast_to(grid.wavenumber, power.shape).ravel()
     unit = 2 * np.pi / max(grid.size)
     # Modes of one shell differ in |q| by rounding only; nine digits tell neighbouring shells apart.
-    shell, index = np.unique(np.round(q / unit, 9), return_inverse=True)
+    _, first, index = np.unique(np.round(q / unit, 9), return_index=True, return_inverse=True)
     variances = np.bincount(index.ravel(), weights=power.ravel())
-    shell, variances = shell[1:] * unit, variances[1:]
-    # Modes that a band-limited surface does not have hold the transform's rounding, 1e-16 h_rms each.
+    # Modes that a band-limited surface does not have hold the transform's rounding, some 1e-16 of the heights each.
     present = variances > 1e-26 * variances.sum()
+    present[0] = False  # the mean
     if not present.any():
         raise ValueError("heights: the surface is flat and has no spectrum")
-    return RadialSpectrum(shell[present], variances[present])
+    return RadialSpectrum(q[first[present]], variances[present])
