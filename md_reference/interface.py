@@ -133,8 +133,9 @@ def _lennard_jones(
     start = _SWITCH_START**2 * cutoff2
     slope = 1.0 / (cutoff2 - start)
     heights = padded.ravel()
-    width = np.uint64(padded.shape[1])
-    capacity = (2 * int(cutoff * per_y) + 3) * (2 * int(cutoff * per_x) + 3) + 16
+    longest_row = 2 * int(cutoff * per_x) + 3
+    capacity = (2 * int(cutoff * per_y) + 3) * longest_row + 16
+    ladder = b_x * np.arange(longest_row + 8)
     delta_x = np.empty(capacity)
     delta_y = np.empty(capacity)
     delta_z = np.empty(capacity)
@@ -179,13 +180,12 @@ def _lennard_jones(
                 number = int(math.floor((x + half) * per_x)) + 1 - first
                 base = np.uint64((j + margin[0]) * padded.shape[1] + first + margin[1])
                 dx = x - first * b_x
-                # Whole blocks of eight compile to vector stores; what a row writes beyond its end the next overwrites.
-                for block in range(np.uint64((number + 7) // 8)):
-                    for k in range(np.uint64(8)):
-                        n = block * np.uint64(8) + k
-                        delta_x[count + n] = dx - b_x * n
-                        delta_y[count + n] = dy
-                        delta_z[count + n] = z - heights[base + n]
+                # A multiple of eight, known only at run time, becomes vector stores; a constant eight would be unrolled
+                # into scalars. What a row writes beyond its end the next one overwrites.
+                for n in range(np.uint64((max(number, 0) + 7) // 8 * 8)):
+                    delta_x[count + n] = dx - ladder[n]
+                    delta_y[count + n] = dy
+                    delta_z[count + n] = z - heights[base + n]
                 count += np.uint64(max(number, 0))
             for k in range(np.uint64(8)):
                 delta_x[count + k] = 2.0 * cutoff  # fills the last block of eight with pairs beyond the cutoff

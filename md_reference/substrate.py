@@ -105,9 +105,7 @@ def _evaluate_spline(coefficients, y, x, samples_per_y, samples_per_x, out):
         total = 0.0
         for k in range(4):
             row = coefficients[i + k]
-            total += w_y[k] * (
-                w_x[0] * row[j] + w_x[1] * row[j + 1] + w_x[2] * row[j + 2] + w_x[3] * row[j + 3]
-            )
+            total += w_y[k] * (w_x[0] * row[j] + w_x[1] * row[j + 1] + w_x[2] * row[j + 2] + w_x[3] * row[j + 3])
         out[n] = total
 
 
