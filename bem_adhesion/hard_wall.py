@@ -207,7 +207,9 @@ class _Level:
         heights, contact, pressure = (a.reshape(-1) for a in (self.heights, self.contact, self.pressure))
         residual = self._residual.reshape(-1)
         threshold = 0.3 * tolerance
-        left = 0
+        # A guess is solved on its own contact set first: the gap that goes with a pressure that was interpolated and
+        # cut off at zero says little about which points should enter.
+        entered, left, deepest = 1, 0, 0.0
         previous = np.inf
         iteration = 0
         while True:
@@ -215,9 +217,10 @@ class _Level:
             self._double.field[...] = self.pressure
             displacement = self._double.compliance().reshape(-1)
             offset = _offset(displacement, heights, contact)
-            entered, deepest = _enter(displacement, heights, offset, threshold, contact)
-            if entered:
-                offset = _offset(displacement, heights, contact)
+            if iteration > 1:
+                entered, deepest = _enter(displacement, heights, offset, threshold, contact)
+                if entered:
+                    offset = _offset(displacement, heights, contact)
             largest = _residual(displacement, heights, offset, contact, residual)
             error = max(largest, deepest)
             if not entered and largest <= tolerance:
