@@ -95,13 +95,14 @@ def _main(model: Model, arguments: Sequence[str]) -> int:
         model.check(case)
     output: Path = given.output
     identity = _identity(model, study, predictor)
+    parts = storage.Parts(output)
     if _is_complete(output, identity, resume=given.resume, overwrite=given.overwrite):
+        parts.remove()  # of a run killed between its dataset and its tidying up
         with xr.open_dataset(output) as dataset:
             status = _status(model, dataset)
         print(output)
         return status
     storage.writable_output(output)
-    parts = storage.Parts(output)
     progress = Progress(model.command)
     parts.open(identity, resume=given.resume, overwrite=given.overwrite)
     try:
@@ -112,8 +113,7 @@ def _main(model: Model, arguments: Sequence[str]) -> int:
         groups = storage.assemble(study.sweep, collect(study, parts), coordinates)
         command = f"{model.command} {shlex.join(arguments)}"
         groups[""].attrs.update(_provenance(model, study, identity, notes, command))
-        storage.write_dataset(output, groups)
-        parts.remove()
+        parts.finish(groups)
     finally:
         progress.close()
         parts.close()

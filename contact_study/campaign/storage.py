@@ -9,7 +9,6 @@ import json
 import os
 import shutil
 from collections.abc import Iterable, Mapping
-from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -31,6 +30,8 @@ def writable_output(path: Path) -> None:
     InputError
         If the folder cannot be made or written.
     """
+    if path.is_dir():
+        raise InputError(f"{path}: is a folder; name a file")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         probe = path.parent / f".{path.name}.{os.getpid()}"
@@ -97,13 +98,20 @@ class Parts:
 
     def close(self) -> None:
         """Let other runs write."""
-        self._lock.release()
-        with suppress(OSError):
-            Path(self._lock.lock_file).unlink()
+        if self._lock.is_locked:
+            Path(self._lock.lock_file).unlink(missing_ok=True)
+            self._lock.release()
+
+    def finish(self, groups: Mapping[str, xr.Dataset]) -> None:
+        """Write the dataset, inside the folder first, then rename it to the output and drop the folder."""
+        dataset = self.folder / "dataset.nc"
+        write_dataset(dataset, groups)
+        dataset.replace(self.output)
+        self.remove()
 
     def remove(self) -> None:
-        """Drop the folder: its dataset is written."""
-        shutil.rmtree(self.folder)
+        """Drop the folder, whose dataset is written."""
+        shutil.rmtree(self.folder, ignore_errors=True)
 
     def case_folder(self, number: int) -> Path:
         """Folder of one case."""
@@ -175,7 +183,10 @@ def assemble(
     for name, array in arrays.items():
         group, _, short = name.rpartition("/")
         groups.setdefault(group, {})[short] = array
-    return {group: _dataset(content, sweep, coordinates, steps) for group, content in groups.items()}
+    on_step = {
+        name: groups[""][name] for name in groups[""] if name in COORDINATES and _variable(name).dims == ("step",)
+    }
+    return {group: _dataset({**on_step, **content}, sweep, coordinates, steps) for group, content in groups.items()}
 
 
 def write_dataset(path: Path, groups: Mapping[str, xr.Dataset]) -> None:
@@ -183,16 +194,19 @@ def write_dataset(path: Path, groups: Mapping[str, xr.Dataset]) -> None:
 
     def write(partial: Path) -> None:
         for group, dataset in groups.items():
-            encoding = {
-                str(name): {**_variable(str(name)).encoding, "dtype": variable.dtype}
-                for name, variable in dataset.variables.items()
-                if variable.dtype != object and variable.dtype.kind not in "US" and str(name) in _all_variables()
-            }
+            encoding = {str(name): _encoding(str(name), variable) for name, variable in dataset.variables.items()}
             dataset.to_netcdf(
                 partial, mode="a" if group else "w", group=group or None, encoding=encoding, engine="netcdf4"
             )
 
     write_aside(path, write)
+
+
+def _encoding(name: str, variable: xr.Variable) -> dict[str, Any]:
+    if variable.dtype.kind not in "fiu":
+        return {}
+    # CF: a coordinate has no missing values.
+    return {"_FillValue": None} if variable.dims == (name,) else _variable(name).encoding
 
 
 def _all_variables() -> dict[str, Any]:

@@ -145,8 +145,9 @@ class Case:
 
     @property
     def _densities(self) -> tuple[float, float]:
-        area = self.surface.size[0] * self.surface.size[1]  # type: ignore[index]
         (rows, columns), (site_rows, site_columns) = self.atoms, self.substrate_sites
+        assert self.surface.size is not None  # atoms checked it
+        area = self.surface.size[0] * self.surface.size[1]
         return rows * columns / area, site_rows * site_columns / area
 
     @property

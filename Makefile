@@ -1,0 +1,41 @@
+# make paper   the comparison of Yang et al. 2008 at the paper's size (PRESET=quick: a first look)
+# make test    the tests
+PYTHON ?= python3
+PRESET ?= paper
+BIN := .venv/bin
+
+.PHONY: env paper test validation lint benchmark clean
+.DELETE_ON_ERROR:
+
+env: .venv/.ready
+
+# Debian keeps the module venv in a package of its own.
+.venv/.ready: pyproject.toml
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { echo "Python 3.11 or newer is needed; try make PYTHON=python3.11" >&2; exit 1; }
+	@$(PYTHON) -m venv .venv || { \
+	  command -v apt-get >/dev/null && [ "$$(id -u)" = 0 ] && apt-get update && apt-get install -y python3-venv && $(PYTHON) -m venv --clear .venv; } || { \
+	  echo "python3-venv is needed: apt-get install python3-venv" >&2; exit 1; }
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --upgrade pip
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[dev]'
+	@touch $@
+
+paper: env
+	$(BIN)/python scripts/reproduce_yang2008.py --preset $(PRESET)
+
+test: env
+	$(BIN)/python -m pytest -n 2 --dist loadfile
+
+validation: env
+	$(BIN)/python -m pytest -n 2 --dist loadfile -m validation
+
+lint: env
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+	$(BIN)/lint-imports
+
+benchmark: env
+	$(BIN)/python scripts/benchmark_hard_wall.py
+
+clean:
+	rm -rf .venv results build *.egg-info

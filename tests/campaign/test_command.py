@@ -1,0 +1,246 @@
+"""The commands' face: exit status, one clear line for bad input, resume after a kill, the dataset's form."""
+
+import os
+import re
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from contact_study.campaign.command import main
+from contact_study.campaign.schema import COORDINATES, VARIABLES
+from tests.campaign.toy_model import TOY
+
+STUDY = """
+[study]
+title = "toy"
+[surface]
+kind = "self_affine"
+size = "100 angstrom"
+shape = [16, 16]
+rms_height = "1 angstrom"
+cutoff_mode = 4
+[material]
+youngs_modulus = "77.2 GPa"
+poissons_ratio = 0.42
+[interaction]
+work_of_adhesion = "0.69 J/m^2"
+length = "3.28 angstrom"
+[loading]
+path = ["0.1 GPa", "1 GPa", "2 GPa"]
+[output]
+fields = true
+[sweep]
+"interaction.well_depth_ratio" = [1, 4]
+"surface.seed" = [1, 2]
+[[override]]
+when = { "interaction.well_depth_ratio" = 4 }
+"loading.path" = ["0.1 GPa", "-0.5 GPa", "1 GPa", "2 GPa"]
+"""
+
+
+@pytest.fixture
+def study(tmp_path):
+    path = tmp_path / "study.toml"
+    path.write_text(STUDY)
+    return path
+
+
+def run(*arguments):
+    return main(TOY, [str(argument) for argument in arguments])
+
+
+def test_writes_the_dataset_and_names_it(study, tmp_path, capsys):
+    output = tmp_path / "sub" / "bem.nc"
+    assert run(study, "-o", output, "--workers", 1) == 0
+    assert capsys.readouterr().out == f"{output}\n"
+    assert sorted(path.name for path in output.parent.iterdir()) == ["bem.nc"]
+    with xr.open_dataset(output) as dataset:
+        assert dict(dataset.sizes) | {"y": 16, "x": 16} == dict(dataset.sizes)
+        assert dataset.relative_contact_area.dims == ("well_depth_ratio", "seed", "step")
+        # A path of three points beside one of four: padded, not shifted.
+        assert np.isnan(dataset.relative_contact_area.sel(well_depth_ratio=1).isel(step=3)).all()
+        assert dataset.applied_pressure.dims == ("well_depth_ratio", "step")
+        np.testing.assert_allclose(
+            dataset.applied_pressure.sel(well_depth_ratio=4), [0.1e9, -0.5e9, 1e9, 2e9], rtol=1e-15
+        )
+        assert dataset.height.dims == ("seed", "y", "x")
+        assert dataset.work_of_adhesion.dims == ("well_depth_ratio",)
+        assert dataset.contact_modulus.dims == ()
+        for name, variable in dataset.variables.items():
+            assert variable.attrs["long_name"], name
+            assert "units" in variable.attrs, name
+        for name in ("Conventions", "title", "source", "history", "references", "study_toml", "git_commit"):
+            assert dataset.attrs[name], name
+        assert dataset.attrs["schema_version"]
+    with xr.open_dataset(output, group="gap_flow") as dataset:
+        assert dataset.relative_contact_area.dims == ("well_depth_ratio", "seed", "step")
+        assert "applied_pressure" in dataset.coords
+
+
+def test_processes_give_the_same_numbers_as_one(study, tmp_path):
+    assert run(study, "-o", tmp_path / "one.nc", "--workers", 1) == 0
+    assert run(study, "-o", tmp_path / "two.nc", "--workers", 2) == 0
+    assert_same(tmp_path / "one.nc", tmp_path / "two.nc")
+
+
+def assert_same(one: Path, two: Path):
+    for group in (None, "gap_flow"):
+        with xr.open_dataset(one, group=group) as left, xr.open_dataset(two, group=group) as right:
+            xr.testing.assert_equal(
+                left.drop_vars("wall_time", errors="ignore"), right.drop_vars("wall_time", errors="ignore")
+            )
+
+
+@pytest.mark.parametrize("workers", [1, 2])
+def test_killed_run_resumes_to_the_same_dataset(study, tmp_path, workers):
+    assert run(study, "-o", tmp_path / "whole.nc", "--workers", 1) == 0
+    output = tmp_path / "killed.nc"
+    command = [
+        sys.executable,
+        "-m",
+        "tests.campaign.toy_model",
+        str(study),
+        "-o",
+        str(output),
+        "--workers",
+        str(workers),
+    ]
+    slow = {**os.environ, "TOY_SECONDS": "0.2"}
+    process = subprocess.Popen(command, env=slow, stderr=subprocess.DEVNULL, start_new_session=True)
+    parts = tmp_path / "killed.nc.parts"
+    deadline = time.monotonic() + 60
+    while len(list(parts.glob("case-*/step-*.nc"))) < 3 and time.monotonic() < deadline:
+        time.sleep(0.02)
+    process.kill()
+    process.wait()
+    assert not output.exists()
+    kept = len(list(parts.glob("case-*/step-*.nc")))
+    assert 3 <= kept < 14
+    resumed = subprocess.run([*command, "--resume"], capture_output=True, text=True)
+    assert resumed.returncode == 0, resumed.stderr
+    assert re.search(r"\d+ of 14 steps were finished before", resumed.stderr)
+    assert_same(tmp_path / "whole.nc", output)
+    assert not parts.exists()
+
+
+def test_interrupt_keeps_steps_and_says_so(study, tmp_path):
+    output = tmp_path / "bem.nc"
+    command = [sys.executable, "-m", "tests.campaign.toy_model", str(study), "-o", str(output), "--workers", "2"]
+    process = subprocess.Popen(
+        command, env={**os.environ, "TOY_SECONDS": "0.3"}, stderr=subprocess.PIPE, text=True, start_new_session=True
+    )
+    while not list(tmp_path.glob("bem.nc.parts/case-*/step-*.nc")):
+        assert process.poll() is None
+        time.sleep(0.02)
+    os.killpg(process.pid, signal.SIGINT)  # what Ctrl-C does: the whole group
+    _, stderr = process.communicate(timeout=20)
+    assert process.returncode == 130
+    assert "continue with --resume" in stderr
+    assert "Traceback" not in stderr
+    assert list(tmp_path.glob("bem.nc.parts/case-*/step-*.nc"))
+
+
+def test_existing_output_is_refused(study, tmp_path, capsys):
+    output = tmp_path / "bem.nc"
+    output.write_text("precious")
+    assert run(study, "-o", output) == 1
+    error = capsys.readouterr().err
+    assert "--overwrite" in error
+    assert error.count("\n") == 1
+    assert output.read_text() == "precious"
+    assert run(study, "-o", output, "--resume") == 1
+    assert output.read_text() == "precious"
+    assert run(study, "-o", output, "--overwrite", "--workers", 1) == 0
+
+
+def test_resume_of_a_finished_run_does_nothing(study, tmp_path, capsys):
+    output = tmp_path / "bem.nc"
+    run(study, "-o", output, "--workers", 1)
+    before = output.stat().st_mtime_ns
+    assert run(study, "-o", output, "--resume") == 0
+    assert output.stat().st_mtime_ns == before
+    assert run(study, "-o", output, "--resume", "--surface.hurst_exponent", "0.7") == 1
+    assert "another study" in capsys.readouterr().err
+
+
+def test_steps_of_another_study_are_not_mixed(study, tmp_path, capsys):
+    output = tmp_path / "bem.nc"
+    folder = tmp_path / "bem.nc.parts"
+    folder.mkdir()
+    (folder / "manifest.json").write_text("{}")
+    assert run(study, "-o", output) == 1
+    assert run(study, "-o", output, "--resume") == 1
+    assert "another study" in capsys.readouterr().err
+    assert (folder / "manifest.json").read_text() == "{}"
+
+
+def test_non_convergence_is_said_and_written(study, tmp_path, capsys):
+    output = tmp_path / "bem.nc"
+    assert run(study, "-o", output, "--workers", 1, "--interaction.well_depth_ratio", "[1, 5]") == 2
+    assert "2 of 12 steps did not converge" in capsys.readouterr().err
+    with xr.open_dataset(output) as dataset:
+        np.testing.assert_array_equal(dataset.converged.sel(well_depth_ratio=5, seed=1), [1, 0, 1])
+
+
+def test_warnings_are_shown_and_kept(study, tmp_path, capsys):
+    output = tmp_path / "bem.nc"
+    assert run(study, "-o", output, "--workers", 1, "--interaction.well_depth_ratio", "2") == 0
+    assert "warning: well_depth_ratio = 2.0, seed = 1: a grid too coarse" in capsys.readouterr().err
+    with xr.open_dataset(output) as dataset:
+        assert "a grid too coarse" in dataset.attrs["warnings"]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "culprit"),
+    [
+        (["--surface.hurst", "0.8"], "--surface.hurst"),
+        (["--interaction.well_depth_ratio", "13"], "unlucky"),
+        (["--resume", "--overwrite"], "--resume"),
+        (["--workers", "0"], "--workers"),
+        (["--workers", "many"], "--workers"),
+        (["--material.poissons_ratio", "0.6"], "material.poissons_ratio"),
+    ],
+)
+def test_wrong_arguments(study, tmp_path, capsys, arguments, culprit):
+    assert run(study, "-o", tmp_path / "bem.nc", *arguments) == 1
+    error = capsys.readouterr().err
+    assert culprit in error
+    assert error.startswith("toy: error: ")
+    assert error.count("\n") == 1
+    assert not list(tmp_path.glob("bem.nc*"))
+
+
+@pytest.mark.parametrize("output", ["/dev/null/bem.nc", "/proc/nowhere/bem.nc"])
+def test_directory_that_cannot_be_written(study, capsys, output):
+    assert run(study, "-o", output) == 1
+    assert output in capsys.readouterr().err
+
+
+def test_output_that_is_a_directory(study, tmp_path, capsys):
+    assert run(study, "-o", tmp_path) == 1
+    assert run(study, "-o", tmp_path, "--overwrite") == 1
+    assert capsys.readouterr().err.count("\n") == 2
+    assert study.exists()
+
+
+def test_help_shows_every_key(capsys):
+    with pytest.raises(SystemExit) as stop:
+        run("--help")
+    assert stop.value.code == 0
+    shown = capsys.readouterr().out
+    from contact_study.problem.study import all_keys
+
+    for section, name, _, _ in all_keys():
+        assert f"--{section}.{name}" in shown
+
+
+def test_schema_is_whole():
+    for name, variable in {**VARIABLES, **COORDINATES}.items():
+        assert variable.long_name, name
+        assert variable.units, name

@@ -1,0 +1,62 @@
+"""A model of a few lines, to test the campaign without physics: area grows along the path, state is carried on."""
+
+import os
+import time
+import warnings
+
+import numpy as np
+
+from contact_study.campaign.model import Model
+from contact_study.campaign.record import Step
+from contact_study.problem.errors import InputError
+
+TOY = Model("toy", "continuum", "tests.campaign.toy_model", "a toy", "none")
+
+
+def check(case):
+    if case.interaction.well_depth_ratio == 13:
+        raise InputError("interaction.well_depth_ratio = 13: unlucky")
+
+
+def constants(case, surface):
+    y, x = surface.grid.coordinates
+    return {
+        "y": y,
+        "x": x,
+        "height": surface.heights(surface.shape),
+        "contact_modulus": case.material.contact_modulus,
+        "work_of_adhesion": case.work_of_adhesion,
+    }
+
+
+def solve_path(case, surface, restart=None, start=0):
+    state = np.zeros(3) if restart is None else restart["state"]
+    if case.interaction.well_depth_ratio == 2:
+        warnings.warn("a grid too coarse", stacklevel=1)
+    for number in range(start, len(case.path)):
+        time.sleep(float(os.environ.get("TOY_SECONDS", "0")))
+        value, _ = case.path[number]
+        state = np.sin(state + value / 1e9 + case.interaction.well_depth_ratio)
+        yield Step(
+            values={
+                "mean_pressure": value,
+                "relative_contact_area": float(state[0] ** 2),
+                "pressure_pdf": np.full(len(case.bins.pressure), state[1]),
+                "gap_flow/relative_contact_area": float(state[2] ** 2),
+                "converged": not (case.interaction.well_depth_ratio == 5 and number == 1),
+                "residual": 1e-9,
+                "iterations": number,
+            },
+            fields={"gap": np.full(surface.shape, state[0])} if case.output.fields else {},
+            restart={"state": state},
+        )
+
+
+def main():
+    from contact_study.campaign.command import main as run
+
+    return run(TOY)
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

@@ -1,0 +1,84 @@
+"""Transforms and grids: exact on trigonometric polynomials, on any shape."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from contact_study.fields import fourier
+from contact_study.fields.grid import Grid
+
+SHAPES = [(8, 8), (9, 9), (8, 9), (9, 8), (12, 5), (5, 12), (1, 6), (6, 1)]
+
+
+def random_field(shape, seed=0):
+    return np.random.default_rng(seed).standard_normal(shape)
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+def test_transform_and_back(shape):
+    field = random_field(shape)
+    # A few roundings of numbers of order one.
+    np.testing.assert_allclose(fourier.synthesise(fourier.transform(field), shape), field, atol=1e-14)
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+def test_parseval_with_multiplicity(shape):
+    field = random_field(shape)
+    grid = Grid(shape, (1.0, 2.0))
+    power = np.sum(grid.multiplicity * np.abs(fourier.transform(field)) ** 2)
+    assert power == pytest.approx(np.mean(field**2), rel=1e-13)  # rounding of a sum of 100 terms
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+def test_laplacian_of_a_wave(shape):
+    grid = Grid(shape, (3.0, 5.0))
+    y, x = grid.coordinates
+    m_y, m_x = (shape[0] - 1) // 2, (shape[1] - 1) // 2
+    q_y, q_x = 2 * np.pi * m_y / 3.0, 2 * np.pi * m_x / 5.0
+    wave = np.cos(q_y * y[:, None] + q_x * x[None, :] + 0.3)
+    plan = fourier.RealTransform(shape)
+    plan.field[...] = wave
+    result = plan.filter(grid.wavenumber**2 / grid.points)
+    scale = max(q_y**2 + q_x**2, 1.0)
+    np.testing.assert_allclose(result / scale, (q_y**2 + q_x**2) / scale * wave, atol=1e-13)
+    assert plan.pairs == 1
+
+
+@settings(max_examples=60, deadline=None)
+@given(
+    st.tuples(st.integers(1, 9), st.integers(1, 9)), st.tuples(st.integers(0, 9), st.integers(0, 9)), st.integers(0, 99)
+)
+def test_interpolation_keeps_the_samples(shape, more, seed):
+    """On a grid that contains the old points the interpolant passes through them."""
+    field = random_field(shape, seed)
+    factors = (1 + more[0] // 4, 1 + more[1] // 4)
+    fine = fourier.interpolate(field, (shape[0] * factors[0], shape[1] * factors[1]))
+    np.testing.assert_allclose(fine[:: factors[0], :: factors[1]], field, atol=1e-12)
+
+
+@settings(max_examples=60, deadline=None)
+@given(
+    st.tuples(st.integers(3, 12), st.integers(3, 12)),
+    st.tuples(st.integers(0, 8), st.integers(0, 8)),
+    st.integers(0, 99),
+)
+def test_refining_and_coarsening_back(shape, more, seed):
+    field = random_field(shape, seed)
+    fine = fourier.interpolate(field, (shape[0] + more[0], shape[1] + more[1]))
+    np.testing.assert_allclose(fourier.interpolate(fine, shape), field, atol=1e-12)
+
+
+def test_stacked_fields_are_transformed_one_by_one():
+    field = random_field((3, 6, 7))
+    plan = fourier.RealTransform((3, 6, 7))
+    plan.field[...] = field
+    np.testing.assert_allclose(plan.forward(), np.fft.rfft2(field), atol=1e-13)
+
+
+def test_damaged_wisdom_is_measured_anew(tmp_path, monkeypatch):
+    monkeypatch.setenv("BEM_ADHESION_CACHE", str(tmp_path))
+    (tmp_path / "fftw-wisdom.pickle").write_bytes(b"garbage")
+    plan = fourier.RealTransform((14, 22))
+    plan.field[...] = 1.0
+    assert plan.forward()[0, 0] == pytest.approx(14 * 22)

@@ -1,0 +1,178 @@
+"""Study files: what is read, and the one clear line for what cannot be."""
+
+import copy
+import tomllib
+
+import numpy as np
+import pytest
+
+from contact_study.problem.errors import InputError
+from contact_study.problem.study import make_study, read_study
+
+TABLE = {
+    "surface": {
+        "kind": "self_affine",
+        "size": "1040 angstrom",
+        "shape": [64, 64],
+        "rms_height": "10 angstrom",
+        "cutoff_mode": 12,
+        "roll_off_mode": 3,
+    },
+    "material": {"youngs_modulus": "77.2 GPa", "poissons_ratio": 0.42, "lattice_constant": "2.6 angstrom"},
+    "interaction": {"well_depth": "18.6 meV", "length": "3.28 angstrom", "contact_distance": "3.68 angstrom"},
+    "loading": {"path": ["0.1 GPa", "1 GPa"]},
+}
+
+
+def changed(section, **keys):
+    table = copy.deepcopy(TABLE)
+    table.setdefault(section, {}).update(keys)
+    return table
+
+
+def test_quantities_are_si():
+    (case,) = make_study(copy.deepcopy(TABLE)).cases
+    # Each to rounding: a conversion is one multiplication.
+    np.testing.assert_allclose(case.surface.size, (104e-9, 104e-9), rtol=1e-15)
+    np.testing.assert_allclose(case.material.contact_modulus, 77.2e9 / (1 - 0.42**2), rtol=1e-15)
+    np.testing.assert_allclose(case.interaction.well_depth, 18.6e-3 * 1.602176634e-19, rtol=1e-12)
+    np.testing.assert_allclose([value for value, _ in case.path], [1e8, 1e9], rtol=1e-15)
+
+
+def test_work_of_adhesion_of_the_paper():
+    (case,) = make_study(copy.deepcopy(TABLE)).cases
+    assert case.atoms == (400, 400)
+    assert case.substrate_sites == (647, 647)
+    # SPEC's 0.6924 J/m² is for b = a/φ; made periodic, b = 400a/647 holds (647/(400φ))² as many sites.
+    expected = 0.6924 * (647 / (400 * (1 + 5**0.5) / 2)) ** 2
+    assert case.work_of_adhesion == pytest.approx(expected, abs=5e-5)  # the reference has four digits
+
+
+def test_well_depth_and_work_of_adhesion_are_equivalent():
+    (case,) = make_study(copy.deepcopy(TABLE)).cases
+    table = changed("interaction", work_of_adhesion=case.work_of_adhesion)
+    del table["interaction"]["well_depth"]
+    (other,) = make_study(table).cases
+    assert other.well_depth == pytest.approx(case.well_depth, rel=1e-14)  # rounding of two inverse formulas
+
+
+def test_sweep_expands_with_the_last_key_fastest():
+    table = changed("sweep", **{"interaction.well_depth_ratio": [1, 4], "surface.seed": [1, 2, 3]})
+    table["override"] = [{"when": {"interaction.well_depth_ratio": 4}, "loading.path": ["-0.5 GPa"]}]
+    study = make_study(table)
+    assert [case.index for case in study.cases] == [(i, j) for i in range(2) for j in range(3)]
+    assert study.cases[4].coordinates == {"well_depth_ratio": 4.0, "seed": 2}
+    assert [len(case.path) for case in study.cases] == [2, 2, 2, 1, 1, 1]
+    assert study.cases[3].work_of_adhesion == pytest.approx(4 * study.cases[0].work_of_adhesion, rel=1e-15)
+
+
+def test_unloading_goes_back_without_repeating_the_turn():
+    (case,) = make_study(changed("loading", path=[1e8, 2e8, 3e8], unload=True)).cases
+    assert case.path == [(1e8, "loading"), (2e8, "loading"), (3e8, "loading"), (2e8, "unloading"), (1e8, "unloading")]
+
+
+def test_toml_text_gives_the_same_study():
+    study = make_study(changed("sweep", **{"surface.seed": [1, 2]}))
+    assert make_study(tomllib.loads(study.toml)).cases == study.cases
+
+
+def test_overrides_replace_keys_and_sweeps(tmp_path):
+    path = tmp_path / "study.toml"
+    path.write_text(make_study(changed("sweep", **{"surface.seed": [1, 2]})).toml)
+    study = read_study(path, {"surface.seed": 7, "loading.path": "0.1 GPa, 0.2 GPa"})
+    assert [case.surface.seed for case in study.cases] == [7]
+    assert study.sweep["seed"].values == (7,)
+    assert [value for value, _ in study.cases[0].path] == pytest.approx([1e8, 2e8])
+
+
+WRONG = [
+    (changed("surface", hurst=0.8), "surface.hurst"),
+    (changed("surfaces"), "[surfaces]"),
+    ({**TABLE, "surface": 3}, "surface"),
+    (changed("surface", rms_height="10 GPa"), "surface.rms_height"),
+    (changed("surface", rms_height="10 angstroem"), "angstroem"),
+    (changed("surface", rms_height="10"), "surface.rms_height"),
+    (changed("surface", rms_height="ten nm"), "surface.rms_height"),
+    (changed("surface", rms_height=True), "surface.rms_height"),
+    (changed("surface", rms_height=float("nan")), "surface.rms_height"),
+    (changed("surface", size="-1040 angstrom"), "surface.size"),
+    (changed("surface", size=0.0), "surface.size"),
+    (changed("surface", size=["1 nm", "2 nm", "3 nm"]), "surface.size"),
+    (changed("surface", shape=[0, 0]), "surface.shape"),
+    (changed("surface", shape=[64]), "surface.shape"),
+    (changed("surface", shape=64), "surface.shape"),
+    (changed("surface", shape=[64, 1]), "surface.shape"),
+    (changed("surface", shape=[64.0, 64]), "surface.shape"),
+    (changed("surface", cutoff_mode=32), "surface.cutoff_mode"),
+    (changed("surface", roll_off_mode=13), "must not decrease"),
+    (changed("surface", kind="fractal"), "surface.kind"),
+    (changed("surface", kind="sphere"), "surface.radius"),
+    (changed("surface", seed=-1), "surface.seed"),
+    (changed("surface", seed="one"), "surface.seed"),
+    (changed("material", poissons_ratio=0.6), "material.poissons_ratio"),
+    (changed("material", youngs_modulus="0 GPa"), "material.youngs_modulus"),
+    (changed("interaction", work_of_adhesion="0.69 J/m^2"), "work_of_adhesion"),
+    (changed("interaction", law="lennard-jones"), "interaction.law"),
+    (changed("interaction", contact_distance="3 angstrom"), "interaction.contact_distance"),
+    (changed("loading", path=[]), "loading.path"),
+    (changed("loading", path=["0.1 GPa", 2e8]), "loading.path"),
+    (changed("loading", path=["0.1 GPa", "2e8 Pa"]), "loading.path"),
+    (changed("loading", path=["0.1 GPa", "nan GPa"]), "loading.path[1]"),
+    (changed("loading", path=["0.1 GPa", float("nan")]), "loading.path"),
+    (changed("loading", path=["1 angstrom"]), "loading.path[0]"),
+    (changed("loading", path=["-40 GPa"]), "tension beyond"),
+    (changed("loading", control="force"), "loading.control"),
+    (changed("loading", unload="yes"), "loading.unload"),
+    (changed("solver", tolerance=0), "solver.tolerance"),
+    (changed("solver", max_iterations=0), "solver.max_iterations"),
+    (changed("output", gap_range=["2 nm", "1 nm"]), "output.gap_range"),
+    (changed("sweep", **{"interaction.well_depth_ratios": [1]}), "well_depth_ratios"),
+    (changed("sweep", **{"interaction.well_depth_ratio": []}), "well_depth_ratio"),
+    (changed("sweep", **{"interaction.well_depth_ratio": [1, 1]}), "well_depth_ratio"),
+    (changed("sweep", **{"interaction.well_depth_ratio": [1, -1]}), "well_depth_ratio"),
+    ({**TABLE, "override": [{"loading.path": [1e8]}]}, "override"),
+    ({**TABLE, "override": [{"when": {"surface.sed": 1}, "loading.path": [1e8]}]}, "surface.sed"),
+    ({k: v for k, v in TABLE.items() if k != "material"}, "material.youngs_modulus"),
+    ({k: v for k, v in TABLE.items() if k != "loading"}, "loading.path"),
+]
+
+
+@pytest.mark.parametrize(("table", "culprit"), WRONG, ids=[culprit for _, culprit in WRONG])
+def test_wrong_input_is_named_in_one_line(table, culprit):
+    with pytest.raises(InputError) as failure:
+        make_study(copy.deepcopy(table))
+    assert culprit in str(failure.value)
+    assert "\n" not in str(failure.value)
+
+
+def test_misspelt_key_gets_a_suggestion():
+    with pytest.raises(InputError, match="did you mean rms_height"):
+        make_study(changed("surface", rms_heigth="1 nm"))
+
+
+def test_hard_wall_needs_neither_adhesion_nor_tension():
+    table = changed("interaction", law="hard_wall")
+    for name in ("well_depth", "length", "contact_distance"):
+        del table["interaction"][name]
+    (case,) = make_study(table).cases
+    assert case.work_of_adhesion == 0.0
+    table["loading"]["path"] = ["-0.1 GPa"]
+    with pytest.raises(InputError, match="hard wall"):
+        make_study(table)
+
+
+def test_atoms_must_fill_the_cell():
+    table = changed("material", lattice_constant="2.7 angstrom")
+    with pytest.raises(InputError, match=r"material\.lattice_constant"):
+        make_study(table).cases[0].atoms
+
+
+@pytest.mark.parametrize(
+    ("content", "culprit"), [(None, "cannot be read"), (b"\xff\xfe\x00", "no text"), (b"[surface\n", "no valid TOML")]
+)
+def test_unreadable_study(tmp_path, content, culprit):
+    path = tmp_path / "study.toml"
+    if content is not None:
+        path.write_bytes(content)
+    with pytest.raises(InputError, match=culprit):
+        read_study(path)
