@@ -135,17 +135,28 @@ def _advance(pressure, residual, direction, response, contact, product):
 
 
 @njit(cache=True, error_model="numpy", fastmath=_FAST)
-def _leave(pressure, contact):
-    """Let points that pull leave the contact set; how many, and the sum of the pressures left."""
+def _leave(pressure, contact, change):
+    """Let points that pull leave the contact set, note the change; how many, and the sum of the pressures left."""
     left = 0
     total = 0.0
     for i in range(contact.size):
         if pressure[i] < 0:
+            change[i] = -pressure[i]
             pressure[i] = 0
             contact[i] = False
             left += 1
+        else:
+            change[i] = 0
         total += pressure[i]
     return left, total
+
+
+@njit(cache=True, error_model="numpy", fastmath=_FAST)
+def _rescale(pressure, factor, change):
+    """Multiply the pressure by a factor and add what that changes to ``change``."""
+    for i in range(pressure.size):
+        change[i] += (factor - 1.0) * pressure[i]
+        pressure[i] *= factor
 
 
 @njit(cache=True, error_model="numpy", fastmath=_FAST)
@@ -209,21 +220,21 @@ class _Level:
         threshold = 0.3 * tolerance
         # A guess is solved on its own contact set first: the gap that goes with a pressure that was interpolated and
         # cut off at zero says little about which points should enter.
-        entered, left, deepest = 1, 0, 0.0
+        entered, deepest = 1, 0.0
         previous = np.inf
         iteration = 0
         while True:
             iteration += 1
             self._double.field[...] = self.pressure
             displacement = self._double.compliance().reshape(-1)
-            offset = _offset(displacement, heights, contact)
             if iteration > 1:
+                offset = _offset(displacement, heights, contact)
                 entered, deepest = _enter(displacement, heights, offset, threshold, contact)
-                if entered:
-                    offset = _offset(displacement, heights, contact)
+            left = self._drop_tension(mean_pressure)
+            offset = _offset(displacement, heights, contact)
             largest = _residual(displacement, heights, offset, contact, residual)
             error = max(largest, deepest)
-            if not entered and largest <= tolerance:
+            if not entered and not left and largest <= tolerance:
                 return error, iteration, Outcome.CONVERGED
             if not entered and not left and not largest < 0.5 * previous:
                 return error, iteration, Outcome.STALLED
@@ -231,8 +242,17 @@ class _Level:
                 return error, iteration, Outcome.ITERATION_LIMIT
             previous = largest
             self._correct(largest, threshold)
-            left, total = _leave(pressure, contact)
-            pressure *= mean_pressure * self.grid.points / total
+
+    def _drop_tension(self, mean_pressure: float) -> int:
+        """Let points that pull leave the contact set, keep the load, and update the displacement; how many left."""
+        change = self._single.field
+        pressure = self.pressure.reshape(-1)
+        left, total = _leave(pressure, self.contact.reshape(-1), change.reshape(-1))
+        if left:
+            factor = mean_pressure * self.grid.points / total
+            _rescale(pressure, factor, change.reshape(-1))
+            self._double.field += self._single.compliance()
+        return left
 
     def _correct(self, largest: float, floor: float) -> None:
         """Conjugate gradients for the pressure that closes the gap of the contact set without changing the load."""
