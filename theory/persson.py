@@ -1,0 +1,316 @@
+"""Persson's theory of rough contact with adhesion, as Yang et al. used it.
+
+C. Yang, B. N. J. Persson, J. Israelachvili and K. Rosenberg, EPL 84, 46004 (2008), with Persson, Eur. Phys. J. E 8,
+385 (2002). The contact is studied at growing magnification q: its stress distribution diffuses with the roughness
+added (:mod:`theory.stress_diffusion`), stopped at the detachment stress σ_a(q) of a crack of size 1/q,
+
+    σ_a² = α E* q γ_eff(q),     γ_eff(q) A*(q) = Δγ A*(q₁) − U_el(q),
+
+where A*(q) is the true area in contact and U_el(q) the elastic energy stored at wavelengths shorter than 2π/q,
+
+    U_el(q) = (π/2) E* ∫_q^q₁ q'² W(A(q')) C(q') dq'.
+
+A(q) and σ_a(q) depend on each other at all magnifications and are found by a damped fixed point.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from scipy.special import erfcx
+
+from contact_study.fields.spectrum import RoughnessSpectrum
+from theory.stress_diffusion import StressDistribution, diffuse
+
+ENERGY_WEIGHTS = ("paper", "wang_mueser", "area")
+TRUE_AREAS = ("persson", "none", "lattice")
+
+# Share of the nodes that resolves the start of the diffusion; the others are logarithmic in q.
+_EARLY_SHARE = 0.4
+
+
+@dataclass(frozen=True)
+class PerssonTheory:
+    """The interface and the choices inside the theory; the defaults are the paper's.
+
+    Parameters
+    ----------
+    spectrum : RoughnessSpectrum
+        Roughness, analytic or of one surface.
+    contact_modulus : float
+        E* (Pa).
+    work_of_adhesion : float
+        Δγ >= 0 (J/m²).
+    energy_weight : str, optional
+        W(A): ``"paper"`` A[β + (1−β)A²]; ``"wang_mueser"`` A[5/9 − (2/9)A² + (2/3)A⁴]; ``"area"`` A.
+    beta : float, optional
+        β of the paper's weight.
+    true_area : str, optional
+        True over projected area: ``"persson"`` <√(1+|∇h|²)> of a Gaussian surface; ``"none"`` 1; ``"lattice"``
+        <1/√(1+|∇h|²)>, for a substrate of atoms with a fixed number per projected area.
+    alpha : float, optional
+        α of the crack condition.
+    stress_cap : float, optional
+        Upper bound of σ_a, such as the law's largest tensile stress (Pa).
+    nodes, cells : int, optional
+        Magnifications and stress cells of the diffusion.
+
+    Raises
+    ------
+    ValueError
+        If a choice is unknown.
+    """
+
+    spectrum: RoughnessSpectrum
+    contact_modulus: float
+    work_of_adhesion: float
+    energy_weight: str = "paper"
+    beta: float = 0.4
+    true_area: str = "persson"
+    alpha: float = 1.0
+    stress_cap: float = np.inf
+    nodes: int = 160
+    cells: int = 300
+
+    def __post_init__(self):
+        if self.energy_weight not in ENERGY_WEIGHTS:
+            raise ValueError(f"energy_weight = {self.energy_weight!r}: expected one of {', '.join(ENERGY_WEIGHTS)}")
+        if self.true_area not in TRUE_AREAS:
+            raise ValueError(f"true_area = {self.true_area!r}: expected one of {', '.join(TRUE_AREAS)}")
+
+    @cached_property
+    def wavevectors(self) -> np.ndarray:
+        """Magnifications from the smallest to the largest wavevector, shape (nodes + 1,) (1/m).
+
+        They equidistribute 0.4 (s/s₁)^(1/3) + 0.6 ln q: the cube root resolves the spreading of the initial δ.
+        """
+        fine = self.spectrum.band_edges(100 * self.nodes)
+        fine = np.unique(np.concatenate([fine, np.geomspace(fine[0], fine[-1], 100 * self.nodes)]))
+        variance = self.spectrum.full_contact_stress_variance(self.contact_modulus, fine)
+        early = np.cbrt(variance / variance[-1])
+        late = np.log(fine / fine[0]) / np.log(fine[-1] / fine[0])
+        measure = _EARLY_SHARE * early + (1 - _EARLY_SHARE) * late
+        return np.interp(np.linspace(0, measure[-1], self.nodes + 1), measure, fine)
+
+    @cached_property
+    def stress_variance(self) -> np.ndarray:
+        """s(q) at the magnifications (Pa²)."""
+        return self.spectrum.full_contact_stress_variance(self.contact_modulus, self.wavevectors)
+
+    @property
+    def stress_scale(self) -> float:
+        """√s(q₁), the standard deviation of the stress in full contact (Pa)."""
+        return float(np.sqrt(self.stress_variance[-1]))
+
+    @cached_property
+    def area_factor(self) -> np.ndarray:
+        """True over projected area of conformal contact at the magnifications."""
+        if self.true_area == "none":
+            return np.ones(self.nodes + 1)
+        slope = 2 * np.sqrt(self.stress_variance) / self.contact_modulus
+        return true_area_factor(slope) if self.true_area == "persson" else mean_cosine(slope)
+
+    @cached_property
+    def _energy_parts(self) -> np.ndarray:
+        """Full-contact elastic energy of the roughness between neighbouring magnifications (J/m²)."""
+        return 0.5 * np.pi * self.contact_modulus * np.diff(self.spectrum.moment(2, upper=self.wavevectors))
+
+    @property
+    def full_contact_energy(self) -> float:
+        """Interfacial energy U at infinite pressure: U_full − Δγ S (J/m²)."""
+        return float(self._energy_parts.sum() - self.work_of_adhesion * self.area_factor[-1])
+
+    def elastic_energy(self, contact: np.ndarray) -> np.ndarray:
+        """U_el(q) at the magnifications from A(q) (J/m²)."""
+        weight = energy_weight(contact, self.energy_weight, self.beta)
+        parts = self._energy_parts * 0.5 * (weight[1:] + weight[:-1])
+        return np.concatenate([np.cumsum(parts[::-1])[::-1], [0.0]])
+
+    def effective_work_of_adhesion(self, contact: np.ndarray) -> np.ndarray:
+        """γ_eff(q) from A(q), zero where nothing is in contact (J/m²)."""
+        true_area = contact * self.area_factor
+        gain = self.work_of_adhesion * true_area[-1] - self.elastic_energy(contact)
+        return np.divide(gain, true_area, out=np.zeros_like(gain), where=true_area > 0)
+
+    def detachment_stress(self, effective_work: np.ndarray) -> np.ndarray:
+        """σ_a(q) from γ_eff(q) (Pa)."""
+        stress = np.sqrt(self.alpha * self.contact_modulus * self.wavevectors * np.maximum(effective_work, 0.0))
+        return np.minimum(stress, self.stress_cap)
+
+
+@dataclass(frozen=True)
+class PerssonContact:
+    """The state of contact at one pressure.
+
+    Attributes
+    ----------
+    theory : PerssonTheory
+        What was solved.
+    pressure : float
+        p, compression positive (Pa).
+    detachment_stress : numpy.ndarray
+        σ_a at the theory's magnifications (Pa).
+    distribution : StressDistribution
+        P(σ) at the highest magnification and A(q), in units of ``theory.stress_scale``.
+    converged : bool
+        Whether the residual met the tolerance.
+    residual : float
+        Largest change of σ_a in the last iteration over ``theory.stress_scale``.
+    iterations : int
+        Diffusions solved.
+    """
+
+    theory: PerssonTheory
+    pressure: float
+    detachment_stress: np.ndarray
+    distribution: StressDistribution
+    converged: bool
+    residual: float
+    iterations: int
+
+    @property
+    def contact(self) -> np.ndarray:
+        """A(q)/A₀ at the magnifications."""
+        return self.distribution.contact
+
+    @property
+    def relative_contact_area(self) -> float:
+        """A(q₁)/A₀, the real contact area."""
+        return float(self.distribution.contact[-1])
+
+    @property
+    def detached(self) -> bool:
+        """Whether no contact is left: without pressure the iteration ends near zero area, not on it."""
+        return self.pressure <= 0 and self.relative_contact_area < 1e-9
+
+    @property
+    def effective_work_of_adhesion(self) -> np.ndarray:
+        """γ_eff at the magnifications (J/m²)."""
+        return self.theory.effective_work_of_adhesion(self.contact)
+
+    @property
+    def elastic_energy(self) -> float:
+        """U_el(q_L) per nominal area (J/m²)."""
+        return float(self.theory.elastic_energy(self.contact)[0])
+
+    @property
+    def adhesion_energy(self) -> float:
+        """−Δγ A*(q₁) per nominal area (J/m²)."""
+        theory = self.theory
+        return float(-theory.work_of_adhesion * self.relative_contact_area * theory.area_factor[-1])
+
+    @property
+    def energy(self) -> float:
+        """Interfacial energy U = U_el − Δγ A* (J/m²)."""
+        return self.elastic_energy + self.adhesion_energy
+
+    @property
+    def contact_force(self) -> float:
+        """∫ σ P dσ over the contact (Pa)."""
+        return self.distribution.contact_force * self.theory.stress_scale
+
+    @property
+    def edge_force(self) -> float:
+        """Mean stress carried at detached edges, −∫ σ_a g ds <= 0 (Pa); with the contact's it makes the pressure."""
+        return self.distribution.edge_force * self.theory.stress_scale
+
+    def pressure_density(self, edges: np.ndarray) -> np.ndarray:
+        """Mean of P(σ) in bins (1/Pa), shape (n,) for n + 1 edges (Pa)."""
+        scale = self.theory.stress_scale
+        return self.distribution.bin_averages(np.asarray(edges) / scale) / scale
+
+
+def solve(
+    theory: PerssonTheory,
+    pressure: float,
+    start: np.ndarray | str = "adhered",
+    tolerance: float = 1e-7,
+    max_iterations: int = 400,
+) -> PerssonContact:
+    """Contact at one pressure, on the branch that ``start`` leads to.
+
+    Parameters
+    ----------
+    theory : PerssonTheory
+        Interface and choices.
+    pressure : float
+        p, compression positive (Pa).
+    start : numpy.ndarray or str, optional
+        First σ_a at the magnifications (Pa), such as that of a neighbouring pressure; or ``"adhered"``, σ_a of
+        conformal contact √(α E* q Δγ); or ``"detached"``, zero. They differ where both states are stable.
+    tolerance : float, optional
+        Largest change of σ_a over the stress scale at which the iteration ends.
+    max_iterations : int, optional
+        Diffusions after which it ends unconverged.
+    """
+    scale = theory.stress_scale
+    variance = theory.stress_variance / scale**2
+    stress = _first_detachment_stress(theory, start)
+
+    def diffused(stress: np.ndarray) -> StressDistribution:
+        return diffuse(pressure / scale, variance, stress / scale, theory.cells)
+
+    if theory.work_of_adhesion == 0:
+        return PerssonContact(theory, pressure, stress, diffused(np.zeros_like(stress)), True, 0.0, 1)
+
+    def updated(stress: np.ndarray) -> tuple[np.ndarray, StressDistribution]:
+        distribution = diffused(stress)
+        return theory.detachment_stress(theory.effective_work_of_adhesion(distribution.contact)), distribution
+
+    return _damped_fixed_point(theory, pressure, updated, stress, tolerance * scale, max_iterations)
+
+
+def _first_detachment_stress(theory: PerssonTheory, start: np.ndarray | str) -> np.ndarray:
+    if isinstance(start, np.ndarray):
+        return start.copy()
+    if start == "adhered":
+        return theory.detachment_stress(np.full(theory.nodes + 1, theory.work_of_adhesion))
+    if start == "detached":
+        return np.zeros(theory.nodes + 1)
+    raise ValueError(f"start = {start!r}: expected an array, 'adhered' or 'detached'")
+
+
+def _damped_fixed_point(
+    theory: PerssonTheory,
+    pressure: float,
+    updated: Callable[[np.ndarray], tuple[np.ndarray, StressDistribution]],
+    stress: np.ndarray,
+    tolerance: float,
+    max_iterations: int,
+) -> PerssonContact:
+    """Iterate σ_a with relaxation 0.8, less where that stagnates: an alternating map overshoots its fixed point."""
+    relaxation, previous = 0.8, np.inf
+    for iterations in range(1, max_iterations + 1):
+        target, distribution = updated(stress)
+        change = float(np.max(np.abs(target - stress)))
+        if change <= tolerance:
+            break
+        if change > 0.9 * previous:
+            relaxation = max(0.7 * relaxation, 0.1)
+        previous = change
+        stress = stress + relaxation * (target - stress)
+    return PerssonContact(
+        theory, pressure, stress, distribution, change <= tolerance, change / theory.stress_scale, iterations
+    )
+
+
+def energy_weight(contact: np.ndarray, kind: str, beta: float) -> np.ndarray:
+    """Share W(A) of the full-contact elastic energy that incomplete contact stores."""
+    if kind == "paper":
+        return contact * (beta + (1 - beta) * contact**2)
+    if kind == "wang_mueser":
+        return contact * (5 / 9 - 2 / 9 * contact**2 + 2 / 3 * contact**4)
+    return contact.copy()
+
+
+def true_area_factor(rms_slope: np.ndarray) -> np.ndarray:
+    """S(ξ) = ∫₀^∞ √(1+ξ²x) e^(−x) dx = 1 + (√π/2) ξ e^(1/ξ²) erfc(1/ξ), <√(1+|∇h|²)> of a Gaussian surface."""
+    inverse = 1 / np.maximum(rms_slope, 1e-150)  # ξ = 0 is the limit, without a division by zero
+    return 1 + 0.5 * np.sqrt(np.pi) * rms_slope * erfcx(inverse)
+
+
+def mean_cosine(rms_slope: np.ndarray) -> np.ndarray:
+    """∫₀^∞ e^(−x)/√(1+ξ²x) dx = (√π/ξ) e^(1/ξ²) erfc(1/ξ), <1/√(1+|∇h|²)> of a Gaussian surface."""
+    inverse = 1 / np.maximum(rms_slope, 1e-150)
+    return np.sqrt(np.pi) * inverse * erfcx(inverse)

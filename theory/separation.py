@@ -1,0 +1,154 @@
+"""Mean separation from the interfacial energy: ū(p) = ∫_p^∞ (dU/dp') dp'/p'.
+
+Yang, Persson, Israelachvili and Rosenberg, EPL 84, 46004 (2008), eq. (6): the work of the pressure is the energy that
+the interface stores. The integral runs along the adhered branch, from full contact at high pressure downward, and
+never through p = 0: without sticking ū diverges there as −ln p; with it dU/dp does not vanish and the integral
+diverges too, so ū stands for p > 0 only and the derivative at zero is given for itself.
+"""
+
+import warnings
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+from theory.persson import PerssonContact, PerssonTheory, solve
+
+# Pressure beyond which contact is full to 1e-12, in standard deviations of the full-contact stress.
+_FULL_CONTACT = 7.0
+
+
+class NegativeSeparation(UserWarning):
+    """The energy of the theory is not monotonic in pressure, so that its mean separation falls below zero."""
+
+
+@dataclass(frozen=True)
+class SeparationCurve:
+    """Mean separation over pressure on the adhered branch.
+
+    Attributes
+    ----------
+    pressure : numpy.ndarray
+        Increasing pressures > 0 of the sweep (Pa).
+    contacts : tuple of PerssonContact
+        The state at each.
+    """
+
+    pressure: np.ndarray
+    contacts: tuple[PerssonContact, ...]
+
+    @property
+    def energy(self) -> np.ndarray:
+        """U at each pressure (J/m²)."""
+        return np.array([contact.energy for contact in self.contacts])
+
+    def mean_gap(self, pressure: np.ndarray | float) -> np.ndarray:
+        """ū at pressures within the sweep (m); NaN where p <= 0.
+
+        Warns
+        -----
+        NegativeSeparation
+            Where ū < 0; the value is kept.
+        """
+        p = np.asarray(pressure, dtype=float)
+        swept = (p > 0) & (p >= self.pressure[0] * (1 - 1e-12))
+        x = np.log(np.where(swept, np.minimum(p, self.pressure[-1]), self.pressure[-1]))
+        gap = np.where(swept, self._remaining(x), np.nan)
+        if np.any(gap < 0):
+            warnings.warn(
+                f"mean separation down to {np.nanmin(gap):.3g} m: strong adhesion, U(p) is not monotonic",
+                NegativeSeparation,
+                stacklevel=2,
+            )
+        return gap
+
+    def _remaining(self, x: np.ndarray) -> np.ndarray:
+        """∫ (dU/dx) e^(−x) dx from x = ln p to the end of the sweep, plus the rest to full contact."""
+        spline = CubicSpline(np.log(self.pressure), self.energy)
+        nodes = np.log(self.pressure)
+        points, weights = np.polynomial.legendre.leggauss(6)
+        half = 0.5 * np.diff(nodes)
+        inside = nodes[:-1, None] + half[:, None] * (1 + points)
+        parts = half * np.sum(weights * spline(inside, 1) * np.exp(-inside), axis=1)
+        above = np.concatenate([np.cumsum(parts[::-1])[::-1], [0.0]])
+        interval = np.clip(np.searchsorted(nodes, x, side="right") - 1, 0, nodes.size - 2)
+        part = 0.5 * (nodes[interval + 1] - x)
+        inside = x[..., None] + part[..., None] * (1 + points)
+        partial = part * np.sum(weights * spline(inside, 1) * np.exp(-inside), axis=-1)
+        end = self.contacts[-1]
+        rest = (end.theory.full_contact_energy - end.energy) / self.pressure[-1]
+        return above[interval + 1] + partial + rest
+
+
+def separation_curve(theory: PerssonTheory, lowest: float, per_decade: int = 12) -> SeparationCurve:
+    """Sweep the pressure from full contact down to ``lowest`` > 0, each state started from the one before.
+
+    Parameters
+    ----------
+    theory : PerssonTheory
+        Interface and choices.
+    lowest : float
+        Smallest pressure of interest (Pa).
+    per_decade : int, optional
+        Pressures per decade.
+
+    Raises
+    ------
+    ValueError
+        If ``lowest`` is not positive or beyond full contact.
+    """
+    highest = _FULL_CONTACT * theory.stress_scale
+    if not 0 < lowest < highest:
+        raise ValueError(f"lowest = {lowest:g} Pa: must lie between 0 and full contact at {highest:g} Pa")
+    count = max(8, int(np.ceil(per_decade * np.log10(highest / lowest))))
+    pressure = np.geomspace(highest, lowest, count + 1)
+    contacts: list[PerssonContact] = []
+    for p in pressure:
+        contacts.append(solve(theory, float(p), contacts[-1].detachment_stress if contacts else "adhered"))
+    return SeparationCurve(pressure[::-1], tuple(reversed(contacts)))
+
+
+def energy_defect(theory: PerssonTheory, contact: PerssonContact | None = None) -> float:
+    """dU/dp at p = 0 on the adhered branch (m): zero without sticking, else what makes ū diverge.
+
+    Parameters
+    ----------
+    theory : PerssonTheory
+        Interface and choices.
+    contact : PerssonContact, optional
+        A state near zero pressure to start from.
+    """
+    start: np.ndarray | str = contact.detachment_stress if contact is not None else "adhered"
+    at_rest = solve(theory, 0.0, start)
+    if at_rest.detached:
+        return 0.0
+    # Central difference: its error is of second order in a step that rounding and iteration errors still allow.
+    step = 1e-3 * theory.stress_scale
+    pressed = solve(theory, step, at_rest.detachment_stress)
+    pulled = solve(theory, -step, at_rest.detachment_stress)
+    if pulled.detached:
+        return (pressed.energy - at_rest.energy) / step
+    return (pressed.energy - pulled.energy) / (2 * step)
+
+
+def pull_off_pressure(theory: PerssonTheory, tolerance: float = 1e-3) -> float:
+    """Pressure <= 0 at which the adhered branch ends (Pa); zero where nothing sticks.
+
+    Parameters
+    ----------
+    theory : PerssonTheory
+        Interface and choices.
+    tolerance : float, optional
+        Accuracy over the stress scale.
+    """
+    contact = solve(theory, 0.0)
+    if contact.detached:
+        return 0.0
+    step, held = 0.05 * theory.stress_scale, 0.0
+    while step > tolerance * theory.stress_scale:
+        trial = solve(theory, held - step, contact.detachment_stress)
+        if trial.detached or not trial.converged:
+            step /= 2
+        else:
+            held, contact = held - step, trial
+    return held - step / 2
