@@ -32,8 +32,10 @@ class Interaction(Protocol):
     length: float
 
     def evaluate(self, displacement: np.ndarray, force: np.ndarray, hessian: np.ndarray | None) -> float:
-        """Energy (J); writes the force on each atom (N, shape (3, ny, nx)) and, if an array is given, the second
-        derivatives of the energy (N/m, shape (6, ny, nx): xx, yy, zz, xy, xz, yz). Infinite if an atom is inside.
+        """Energy (J), infinite if an atom is inside the substrate.
+
+        Writes the force on each atom (N, shape (3, ny, nx)) and, if an array is given, the second derivatives of the
+        energy (N/m, shape (6, ny, nx) in the order xx, yy, zz, xy, xz, yz).
         """
 
     def gap(self, displacement: np.ndarray) -> np.ndarray:
@@ -152,8 +154,8 @@ def _lennard_jones(
             if not (abs(x) + abs(y) < far and z == z):
                 inside += 1
                 continue
-            jx = int(math.floor(x * per_x + 0.5))
-            jy = int(math.floor(y * per_y + 0.5))
+            jx = math.floor(x * per_x + 0.5)
+            jy = math.floor(y * per_y + 0.5)
             hx = jx % site_columns
             hy = jy % site_rows
             clearance = z - highest[hy, hx]
@@ -173,11 +175,11 @@ def _lennard_jones(
             lateral2 = cutoff2 - max(clearance, 0.0) ** 2
             lateral = math.sqrt(lateral2)
             count = np.uint64(0)
-            for j in range(int(math.ceil((y - lateral) * per_y)), int(math.floor((y + lateral) * per_y)) + 1):
+            for j in range(math.ceil((y - lateral) * per_y), math.floor((y + lateral) * per_y) + 1):
                 dy = y - j * b_y
                 half = math.sqrt(max(lateral2 - dy * dy, 0.0))
-                first = int(math.ceil((x - half) * per_x))
-                number = int(math.floor((x + half) * per_x)) + 1 - first
+                first = math.ceil((x - half) * per_x)
+                number = math.floor((x + half) * per_x) + 1 - first
                 base = np.uint64((j + margin[0]) * padded.shape[1] + first + margin[1])
                 dx = x - first * b_x
                 # A multiple of eight, known only at run time, becomes vector stores; a constant eight would be unrolled
