@@ -2,6 +2,7 @@
 
 import argparse
 import dataclasses
+import hashlib
 import os
 import shlex
 import signal
@@ -126,6 +127,8 @@ def _main(model: Model, arguments: Sequence[str]) -> int:
 def _parser(model: Model) -> Parser:
     parser = Parser(
         prog=model.command,
+        usage="%(prog)s STUDY.toml -o OUT.nc [--section.key VALUE ...] [--resume | --overwrite] [--workers N]"
+        + (" [--predictor BEM.nc]" if model.takes_predictor else ""),
         description=model.description,
         epilog="Exit status: 0 done and converged, 1 wrong input, 2 some step did not converge. "
         "Quantities are SI numbers or strings with a unit.",
@@ -177,8 +180,14 @@ def _identity(model: Model, study: Study, predictor: Path | None) -> dict[str, A
         "study_toml": study.toml,
         "version": contact_study.__version__,
         "schema_version": SCHEMA_VERSION,
-        "predictor": "" if predictor is None else str(predictor.resolve()),
+        "predictor": "" if predictor is None else _fingerprint(predictor),
     }
+
+
+def _fingerprint(path: Path) -> str:
+    """Name and content of a file, wherever it lies."""
+    with path.open("rb") as stream:
+        return f"{path.name} sha256:{hashlib.file_digest(stream, 'sha256').hexdigest()}"
 
 
 def _is_complete(output: Path, identity: Mapping[str, Any], *, resume: bool, overwrite: bool) -> bool:
@@ -203,7 +212,6 @@ def _provenance(
     return {
         "Conventions": CONVENTIONS,
         "title": study.title,
-        "institution": "not given",
         "source": f"bem-adhesion {contact_study.__version__}, {model.command}: {model.description}",
         "history": f"{datetime.now(UTC).isoformat(timespec='seconds')}: {command}",
         "references": model.references,

@@ -96,18 +96,18 @@ def text() -> Reader:
     return read, "text"
 
 
-def pair(reader: Reader, *, broadcast: bool = False) -> Reader:
-    """Two values along y and x; with ``broadcast`` one value stands for both."""
+def pair(reader: Reader, *, broadcast: bool = False, names: str = "[y, x]") -> Reader:
+    """Two values, along y and x unless named otherwise; with ``broadcast`` one value stands for both."""
     read_one, kind = reader
 
     def read(value: Any, name: str) -> tuple[Any, Any]:
         if broadcast and not isinstance(value, list):
             value = [value, value]
         if not isinstance(value, list) or len(value) != 2:
-            raise InputError(f"{name} = {value!r}: expected two values, [y, x]")
+            raise InputError(f"{name} = {value!r}: expected two values, {names}")
         return read_one(value[0], f"{name}[0]"), read_one(value[1], f"{name}[1]")
 
-    return read, f"{kind} or [y, x]" if broadcast else f"[y, x] of {kind}"
+    return read, f"{kind} or {names}" if broadcast else f"{names} in {kind}"
 
 
 def sequence(reader: Reader) -> Reader:

@@ -206,11 +206,13 @@ class OutputSection:
 
     fields: bool = key(flag(), "keep gap and pressure fields of every step", False)
     pressure_range: tuple[float, float] | None = key(
-        pair(quantity("Pa")), "range of pressure_pdf, default from modulus, slopes and law", None
+        pair(quantity("Pa"), names="[low, high]"), "range of pressure_pdf, default from modulus, slopes and law", None
     )
     pressure_bins: int = key(integer(minimum=2), "bins of pressure_pdf", 300)
     gap_range: tuple[float, float] | None = key(
-        pair(quantity("m", minimum=0.0)), "range of gap_pdf, default from the surface's heights", None
+        pair(quantity("m", minimum=0.0), names="[low, high]"),
+        "range of gap_pdf, default from the surface's heights",
+        None,
     )
     gap_bins: int = key(integer(minimum=2), "bins of gap_pdf", 400)
 
