@@ -17,6 +17,8 @@ with distance as the island's share of the cell. E is linear and local, costs ab
 exact transpose is as cheap.
 """
 
+from itertools import pairwise
+
 import numpy as np
 from numba import njit
 
@@ -127,13 +129,13 @@ class Extension:
 
     def update(self) -> None:
         """Take note of a changed contact set."""
-        for fine, coarse in zip(self._coverage, self._coverage[1:], strict=False):
+        for fine, coarse in pairwise(self._coverage):
             _average(fine, coarse)
 
     def extend(self, field: np.ndarray, extended: np.ndarray) -> None:
         """Write E field into ``extended``; ``field`` must vanish outside the contact set."""
         levels = [field, *self._average]
-        for fine, coarse in zip(levels, levels[1:], strict=False):
+        for fine, coarse in pairwise(levels):
             _average(fine, coarse)
         for level in range(len(levels) - 2, 0, -1):
             _fill(levels[level], self._coverage[level], levels[level + 1], levels[level])

@@ -1,0 +1,176 @@
+"""Primal-dual active set for the contact of a half-space with a hard wall, nested over grids.
+
+Find the pressure p with
+
+    gap = C p − h − offset >= 0,    p >= 0,    gap p = 0,    <p> = mean pressure,
+
+C = 2/(E* q) the compliance of the half-space. On a trial contact set A solve C_AA p = h + offset at the given mean;
+points of A that pull leave it, points outside that penetrate enter, both judged on the same solved state
+(M. Hintermüller, K. Ito & K. Kunisch, SIAM J. Optim. 13, 865 (2002)). K = C⁻¹ is nearly an M-matrix, for which that
+iteration is monotone; judging one change after the other was seen to cycle on surfaces rough at the scale of a point.
+
+Each linear solve is a few iterations of conjugate gradients in single precision for a *correction* of p; the residual
+is taken afresh in double precision every time, so that rounding does not accumulate. The preconditioner is K between
+a smooth extension from the contact set and its transpose (:mod:`bem_adhesion.extension`).
+"""
+
+import numpy as np
+
+from bem_adhesion import contact_passes as passes
+from bem_adhesion.elasticity import HalfSpace
+from bem_adhesion.extension import Extension
+from bem_adhesion.solution import Outcome
+from contact_study.fields.grid import Grid
+
+COARSEST = 32
+"""Grids are halved down to this many points along the shorter side; fewer points would save nothing."""
+
+COARSE_TOLERANCE = 1e-2
+"""Residual on all grids but the finest: the discretisation error of a coarse grid makes more of it a waste."""
+
+REDUCTION = 0.03
+"""Factor by which conjugate gradients reduce the residual before the contact set is looked at again."""
+
+INNER_ITERATIONS = 15
+"""Limit of conjugate gradients on one contact set; about twice of what the reduction takes."""
+
+
+class ContactLevel:
+    """The contact problem on one grid and, below it, on every second point of that grid.
+
+    Units: rms height for heights and gaps, longest period along the surface, E* rms height / period for pressures.
+    """
+
+    def __init__(self, heights: np.ndarray, grid: Grid, threads: int):
+        self.heights = heights
+        self.grid = grid
+        self._double = HalfSpace(grid, 1.0, np.float64, threads=threads)
+        self._single = HalfSpace(grid, 1.0, np.float32, threads=threads)
+        self.contact = np.ones(grid.shape, bool)
+        self.pressure = np.zeros(grid.shape)
+        self._extension = Extension(self.contact)
+        self._residual = np.empty(grid.shape, np.float32)
+        self._direction = np.empty(grid.shape, np.float32)
+        self._coarser: ContactLevel | None = None
+        rows, columns = grid.shape
+        if rows % 2 == 0 and columns % 2 == 0 and min(rows, columns) >= 2 * COARSEST:
+            every_second = np.ascontiguousarray(heights[::2, ::2])
+            self._coarser = ContactLevel(every_second, grid.with_shape((rows // 2, columns // 2)), threads)
+
+    def equivalent_pairs(self, grid: Grid) -> float:
+        """Work done so far on this level and below, see :meth:`HalfSpace.equivalent_pairs`."""
+        below = self._coarser.equivalent_pairs(grid) if self._coarser else 0.0
+        return below + self._double.equivalent_pairs(grid) + self._single.equivalent_pairs(grid)
+
+    def start(self, mean_pressure: float, max_iterations: int) -> bool:
+        """Take a first pressure from the coarser levels; whether it is full contact, hence already the solution."""
+        if self._coarser is None or self._coarser.start(mean_pressure, max_iterations):
+            return self.start_from_full_contact(mean_pressure)
+        self._coarser.solve(mean_pressure, COARSE_TOLERANCE, max_iterations)
+        self.start_from(self._coarser.refined(), mean_pressure)
+        return False
+
+    def start_from_full_contact(self, mean_pressure: float) -> bool:
+        """Take the pressure of full contact without its tension; whether there was none, which solves the problem."""
+        self._double.field[...] = self.heights
+        np.add(self._double.stiffness(), mean_pressure, out=self.pressure)
+        if self.pressure.min() >= 0:
+            return True
+        self.start_from(self.pressure, mean_pressure)
+        return False
+
+    def least_full_contact_pressure(self) -> float:
+        """The smallest mean pressure of full contact."""
+        self._double.field[...] = self.heights
+        return -float(self._double.stiffness().min())
+
+    def start_from(self, pressure: np.ndarray, mean_pressure: float) -> None:
+        """Take the positive part of a pressure field, brought to the mean pressure."""
+        np.maximum(pressure, 0, out=self.pressure)
+        np.greater(self.pressure, 0, out=self.contact)
+        self.pressure *= mean_pressure / self.pressure.mean()
+
+    def solve(self, mean_pressure: float, tolerance: float, max_iterations: int) -> tuple[float, int, Outcome]:
+        """Primal-dual active set from the present pressure; residual, iterations, outcome."""
+        heights, contact = self.heights.reshape(-1), self.contact.reshape(-1)
+        residual = self._residual.reshape(-1)
+        threshold = 0.3 * tolerance
+        # A guess is solved on its own contact set first: the gap that goes with a pressure that was interpolated and
+        # cut off at zero says little about which points should enter.
+        entered, deepest = 1, 0.0
+        previous = np.inf
+        iteration = 0
+        while True:
+            iteration += 1
+            self._double.field[...] = self.pressure
+            displacement = self._double.compliance().reshape(-1)
+            if iteration > 1:
+                offset = passes.offset(displacement, heights, contact)
+                entered, deepest = passes.enter(displacement, heights, offset, threshold, contact)
+            left = self._drop_tension(mean_pressure)
+            offset = passes.offset(displacement, heights, contact)
+            largest = passes.residual(displacement, heights, offset, contact, residual)
+            error = max(largest, deepest)
+            if not entered and not left and largest <= tolerance:
+                return error, iteration, Outcome.CONVERGED
+            if not entered and not left and not largest < 0.5 * previous:
+                return error, iteration, Outcome.STALLED
+            if iteration == max_iterations:
+                return error, iteration, Outcome.ITERATION_LIMIT
+            previous = largest
+            self._correct(largest, threshold)
+
+    def _drop_tension(self, mean_pressure: float) -> int:
+        """Let points that pull leave the contact set, keep the load, and update the displacement; how many left."""
+        change = self._single.field
+        pressure = self.pressure.reshape(-1)
+        left, total = passes.leave(pressure, self.contact.reshape(-1), change.reshape(-1))
+        factor = mean_pressure * self.grid.points / total
+        if left:
+            passes.rescale(pressure, factor, change.reshape(-1))
+            self._double.field += self._single.compliance()
+        else:  # single precision lets the load drift in its last digits
+            self.pressure *= factor
+            self._double.field *= factor
+        return left
+
+    def _correct(self, largest: float, floor: float) -> None:
+        """Conjugate gradients for the pressure that closes the gap of the contact set without changing the load."""
+        buffer = self._single.field
+        flat = buffer.reshape(-1)
+        contact, pressure = self.contact.reshape(-1), self.pressure.reshape(-1)
+        residual, direction = self._residual.reshape(-1), self._direction.reshape(-1)
+        target = max(REDUCTION * largest, floor)
+        self._extension.update()
+        direction[...] = 0
+        previous = np.inf
+        for _ in range(INNER_ITERATIONS):
+            if largest <= target:
+                return
+            self._extension.extend(self._residual, buffer)
+            self._single.stiffness()
+            self._extension.transpose(buffer)
+            mean, product = passes.products(flat, residual, contact)
+            passes.turn(flat, mean, product / previous, contact, direction)
+            previous = product
+            response = self._single.compliance().reshape(-1)
+            largest = passes.advance(pressure, residual, direction, response, contact, product)
+
+    def gap(self) -> np.ndarray:
+        """Gap of the state that :meth:`solve` ended with; zero in contact."""
+        gap = self._double.field - self.heights
+        gap -= gap[self.contact].mean()
+        gap[self.contact] = 0
+        return np.maximum(gap, 0, out=gap)
+
+    def refined(self) -> np.ndarray:
+        """Pressure for the grid of twice as many points along each side, negative out of contact.
+
+        There the gap is expressed as the tension that would close it over one spacing, so that the edge of contact
+        is placed between the points.
+        """
+        stiffness = 0.5 * np.pi / max(self.grid.spacing)
+        signed = np.where(self.contact, self.pressure, -stiffness * self.gap())
+        refined = np.empty((2 * self.grid.shape[0], 2 * self.grid.shape[1]))
+        passes.refine(signed, refined)
+        return refined
