@@ -87,8 +87,8 @@ class AdhesiveContact:
         E* (Pa).
     law : TractionLaw
         The law of interaction.
-    core, tail : float
-        Stiffnesses of the preconditioner, see :class:`LinearisedContact` (Pa/m).
+    shift : float
+        Stiffness of the preconditioner, see :class:`LinearisedContact` (Pa/m).
     mean_stiffness : float, optional
         Stiffness of the spring that carries the mean gap (Pa/m); zero under pressure control.
     threads : int, optional
@@ -100,8 +100,7 @@ class AdhesiveContact:
         grid: Grid,
         contact_modulus: float,
         law: TractionLaw,
-        core: float,
-        tail: float,
+        shift: float,
         mean_stiffness: float = 0.0,
         threads: int = 1,
     ):
@@ -110,7 +109,7 @@ class AdhesiveContact:
         self.contact_modulus = contact_modulus
         self.half_space = HalfSpace(grid, contact_modulus, np.float64, mean_stiffness, threads)
         self._single = HalfSpace(grid, contact_modulus, np.float32, mean_stiffness, threads)
-        self._linearised = LinearisedContact(self._single, core, tail)
+        self._linearised = LinearisedContact(self._single, shift)
         self._traction = np.empty(grid.shape)
         self._curvature = np.empty(grid.shape, np.float32)
         self._right_side = np.empty(grid.shape, np.float32)

@@ -1,9 +1,9 @@
 """The linearised contact: conjugate gradients for (K + D) x = r with a preconditioner split into core and tail.
 
-K is the half-space, D = φ'' the curvature of the law at each point: large where surfaces repel (the core), small and
-often negative where they attract (the tail). A weight b² = c_core / (D⁺ + c_core) tells them apart, and
+K is the half-space, D = φ'' the curvature of the law at each point: large where surfaces repel (the shift), small and
+often negative where they attract (the tail). A weight b² = c / (D⁺ + c) tells them apart, and
 
-    z = (1 − b²) / (D⁺ + c_grid) r + b (K + c_tail)⁻¹ b r
+    z = (1 − b²) / (D⁺ + ½ K_max) r + b (K + c)⁻¹ b r
 
 inverts D in the core and K in the tail, with one pair of transforms. The iteration count does not depend on the grid.
 All runs in float32: the outer Newton iteration restores float64.
@@ -14,42 +14,44 @@ from dataclasses import dataclass
 import numpy as np
 from numba import njit
 
-from bem_adhesion.elasticity import HalfSpace, shifted_compliance, stiffness
+from bem_adhesion.elasticity import HalfSpace, stiffness
 
 # Curvature below this fraction of |s|² counts as negative: the rounding of float32.
 CURVATURE_ROUNDING = 1e-7
 
 
 @njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "arcp", "nsz"})
-def _begin(right_side, curvature, core, grid, residual, direction, solution, buffer):
+def _begin(right_side, curvature, shift, grid, residual, direction, solution, buffer):
     """Zero start: residual = right side, buffer = b·residual; returns Σ residual² and the core part of Σ r z."""
     square = 0.0
     core_product = 0.0
-    zero = np.float32(0)
+    zero = right_side.dtype.type(0)
+    one = right_side.dtype.type(1)
     for i in range(right_side.shape[0]):
         row = zero
         core_row = zero
         for j in range(right_side.shape[1]):
             r = right_side[i, j]
             d = max(curvature[i, j], zero)
-            tail = core / (d + core)
+            tail = shift / (d + shift)
             residual[i, j] = r
             direction[i, j] = zero
             solution[i, j] = zero
             buffer[i, j] = np.sqrt(tail) * r
             row += r * r
-            core_row += (np.float32(1) - tail) / (d + grid) * r * r
+            core_row += (one - tail) / (d + grid) * r * r
         square += row
         core_product += core_row
     return square, core_product
 
 
 @njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "arcp", "nsz"})
-def _direct(curvature, residual, core, grid, softening, beta, direction, buffer):
+def _direct(curvature, residual, shift, grid, softening, beta, direction, buffer):
     """New direction s = z + β s, also into the buffer; returns Σ D s² and Σ s²."""
     product = 0.0
     square = 0.0
-    zero = np.float32(0)
+    zero = residual.dtype.type(0)
+    one = residual.dtype.type(1)
     for i in range(residual.shape[0]):
         row = zero
         square_row = zero
@@ -57,8 +59,8 @@ def _direct(curvature, residual, core, grid, softening, beta, direction, buffer)
             d = curvature[i, j]
             positive = max(d, zero)
             negative = min(d, zero)
-            tail = core / (positive + core)
-            z = (np.float32(1) - tail) / (positive + grid) * residual[i, j] + np.sqrt(tail) * buffer[i, j]
+            tail = shift / (positive + shift)
+            z = (one - tail) / (positive + grid) * residual[i, j] + np.sqrt(tail) * buffer[i, j]
             s = z + beta * direction[i, j]
             direction[i, j] = s
             buffer[i, j] = s
@@ -70,11 +72,12 @@ def _direct(curvature, residual, core, grid, softening, beta, direction, buffer)
 
 
 @njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "arcp", "nsz"})
-def _descend(curvature, core, grid, softening, alpha, direction, solution, residual, buffer):
+def _descend(curvature, shift, grid, softening, alpha, direction, solution, residual, buffer):
     """x += α s, r −= α (K + D) s with K s in the buffer; buffer = b r. Returns Σ r² and the core part of Σ r z."""
     square = 0.0
     core_product = 0.0
-    zero = np.float32(0)
+    zero = residual.dtype.type(0)
+    one = residual.dtype.type(1)
     for i in range(residual.shape[0]):
         row = zero
         core_row = zero
@@ -86,10 +89,10 @@ def _descend(curvature, core, grid, softening, alpha, direction, solution, resid
             solution[i, j] += alpha * s
             r = residual[i, j] - alpha * (buffer[i, j] + (positive + softening * negative) * s)
             residual[i, j] = r
-            tail = core / (positive + core)
+            tail = shift / (positive + shift)
             buffer[i, j] = np.sqrt(tail) * r
             row += r * r
-            core_row += (np.float32(1) - tail) / (positive + grid) * r * r
+            core_row += (one - tail) / (positive + grid) * r * r
         square += row
         core_product += core_row
     return square, core_product
@@ -110,9 +113,9 @@ class LinearisedContact:
     ----------
     half_space : HalfSpace
         The operator, in float32.
-    core, tail : float
-        Stiffnesses c_core, above which a point belongs to the core, and c_tail, of the bed of springs that stands for
-        the law in the tail (Pa/m).
+    shift : float
+        Stiffness c above which a point belongs to the shift, and of the bed of springs that stands for the law in
+        the tail (Pa/m).
 
     Attributes
     ----------
@@ -122,14 +125,14 @@ class LinearisedContact:
         The last search direction (m): one of negative curvature if the solver stopped on it.
     """
 
-    def __init__(self, half_space: HalfSpace, core: float, tail: float):
+    def __init__(self, half_space: HalfSpace, shift: float):
         grid, modulus = half_space.grid, half_space.contact_modulus
         stiffness_q = stiffness(grid, modulus, half_space.mean_stiffness)
         self.half_space = half_space
-        self._core = np.float32(core)
+        self._shift = np.float32(shift)
         self._grid = np.float32(0.5 * stiffness_q.max())
         self._stiffness = half_space.kernel(stiffness_q)
-        self._tail_inverse = half_space.kernel(1 / (stiffness_q + tail))
+        self._tail_inverse = half_space.kernel(1 / (stiffness_q + shift))
         self._residual = np.empty(grid.shape, np.float32)
         self.direction = np.empty(grid.shape, np.float32)
         self.solution = np.empty(grid.shape, np.float32)
@@ -156,8 +159,8 @@ class LinearisedContact:
             Largest number of iterations.
         """
         half_space, buffer = self.half_space, self.half_space.field
-        weights = self._core, self._grid
-        softening = np.float32(softening)
+        weights = self._shift, self._grid
+        kept = np.float32(softening)
         residual, direction, solution = self._residual, self.direction, self.solution
         square, core_product = _begin(right_side, curvature, *weights, residual, direction, solution, buffer)
         target = reduction**2 * square
@@ -165,14 +168,12 @@ class LinearisedContact:
         for iteration in range(1, iterations + 1):
             product = core_product + half_space.apply_and_sum(self._tail_inverse)
             beta = np.float32(product / previous)
-            local, length = _direct(curvature, residual, *weights, softening, beta, direction, buffer)
+            local, length = _direct(curvature, residual, *weights, kept, beta, direction, buffer)
             energy = local + half_space.apply_and_sum(self._stiffness)
             if energy <= CURVATURE_ROUNDING * length:
                 return LinearResult(iteration, True)
             alpha = np.float32(product / energy)
-            square, core_product = _descend(
-                curvature, *weights, softening, alpha, direction, solution, residual, buffer
-            )
+            square, core_product = _descend(curvature, *weights, kept, alpha, direction, solution, residual, buffer)
             previous = product
             if square <= target:
                 break

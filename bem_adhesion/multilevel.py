@@ -45,12 +45,11 @@ class MultilevelContact:
         grid: Grid,
         contact_modulus: float,
         law: TractionLaw,
-        core: float,
-        tail: float,
+        shift: float,
         mean_stiffness: float = 0.0,
         threads: int = 1,
     ):
-        arguments = (contact_modulus, law, core, tail, mean_stiffness, threads)
+        arguments = (contact_modulus, law, shift, mean_stiffness, threads)
         self.finest = AdhesiveContact(grid, *arguments)
         self.coarser: MultilevelContact | None = None
         half = grid.with_shape((grid.shape[0] // 2, grid.shape[1] // 2))

@@ -59,8 +59,8 @@ class Solution:
 
     @property
     def converged(self) -> bool:
-        """Whether the residual is within the tolerance."""
-        return self.outcome is Outcome.CONVERGED
+        """Whether the question is answered: an equilibrium within the tolerance, or the finding that none exists."""
+        return self.outcome in (Outcome.CONVERGED, Outcome.DETACHED)
 
     @property
     def message(self) -> str:

@@ -95,6 +95,7 @@ VARIABLES: dict[str, Variable] = {
     "rms_slope": Variable("1", "root-mean-square slope of the surface", ()),
     "contact_distance": Variable("m", "gaps below it count as contact", ()),
     "pixel": Variable("m", "largest grid spacing", ()),
+    "process_zone": Variable("m", "length over which the law bridges the edge of a contact", ()),
 }
 
 COORDINATES: dict[str, Variable] = {

@@ -1,0 +1,157 @@
+"""The continuum model as a campaign runs it, and its command ``bem-adhesion``."""
+
+import time
+import warnings
+from collections.abc import Iterator, Mapping, Sequence
+
+import numpy as np
+
+from bem_adhesion.hard_wall import HardWallContact
+from bem_adhesion.loading import LoadedContact
+from bem_adhesion.multilevel import POINTS_PER_PROCESS_ZONE, process_zone
+from bem_adhesion.solution import Outcome, Solution
+from contact_study.campaign import command
+from contact_study.campaign.model import Model
+from contact_study.campaign.record import Step, Value
+from contact_study.fields.observables import probability_density
+from contact_study.problem.laws.base import TractionLaw
+from contact_study.problem.laws.hard_wall import HardWall
+from contact_study.problem.study import Case
+from contact_study.problem.surface import Surface
+
+MODEL = Model(
+    command="bem-adhesion",
+    kind="continuum",
+    module="bem_adhesion.run",
+    description="boundary elements: elastic half-space on a rigid rough surface, hard wall or adhesive",
+    references="C. Yang, B. N. J. Persson, J. Israelachvili, K. Rosenberg, EPL 84, 46004 (2008)",
+)
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """The command ``bem-adhesion``; returns the exit status."""
+    return command.main(MODEL, arguments)
+
+
+def check(case: Case) -> None:
+    """Every case that a study can describe is served."""
+
+
+def constants(case: Case, surface: Surface) -> dict[str, Value]:
+    """What does not change along the path; warns where the grid cannot resolve the law.
+
+    A grid coarser than a quarter of the process zone E*Δγ/σ_max² lets contact edges lock in to its points ("lattice
+    trapping"): its hysteresis is then not the continuum's.
+    """
+    law, material = case.law, case.material
+    pixel = max(surface.grid.spacing)
+    values: dict[str, Value] = {
+        "contact_modulus": material.contact_modulus,
+        "work_of_adhesion": law.work_of_adhesion,
+        "equilibrium_distance": law.equilibrium_distance,
+        "peak_tensile_stress": law.peak_tensile_stress,
+        "contact_distance": case.contact_distance,
+        "rms_height": surface.rms_height,
+        "rms_slope": surface.rms_slope,
+        "pixel": pixel,
+    }
+    if isinstance(law, TractionLaw):
+        zone = process_zone(material.contact_modulus, law)
+        values |= {"peak_distance": law.peak_distance, "process_zone": zone}
+        if pixel * POINTS_PER_PROCESS_ZONE > zone:
+            warnings.warn(
+                f"the grid spacing {pixel:.3g} m is coarser than a quarter of the process zone {zone:.3g} m: contact "
+                "edges may be trapped by the grid; use more points (surface.shape)",
+                stacklevel=2,
+            )
+    if case.output.fields:
+        values["height"] = surface.heights(surface.shape)
+    return values
+
+
+def solve_path(
+    case: Case, surface: Surface, restart: Mapping[str, np.ndarray] | None = None, start: int = 0
+) -> Iterator[Step]:
+    """Yield a step for each path point from number ``start`` on.
+
+    Parameters
+    ----------
+    case : Case
+        The case.
+    surface : Surface
+        Its surface.
+    restart : mapping, optional
+        ``Step.restart`` of point ``start`` − 1; None to start from separation.
+    start : int, optional
+        Number of the first point to solve.
+    """
+    if isinstance(case.law, HardWall):
+        yield from _hard_wall_path(case, surface, restart, start)
+    else:
+        yield from _adhesive_path(case, case.law, surface, restart, start)
+
+
+def _adhesive_path(
+    case: Case, law: TractionLaw, surface: Surface, restart: Mapping[str, np.ndarray] | None, start: int
+) -> Iterator[Step]:
+    height = surface.heights(surface.shape)
+    solver = case.solver
+    contact = LoadedContact(
+        height,
+        surface.grid,
+        case.material.contact_modulus,
+        law,
+        case.loading.control,
+        solver.tolerance,
+        solver.max_iterations,
+        max(1, solver.threads),
+    )
+    displacement = contact.separated() if restart is None else restart["displacement"]
+    for value, _ in case.path[start:]:
+        began = time.perf_counter()
+        solution = contact.step(displacement, value)
+        displacement = solution.displacement
+        in_contact = solution.gap < case.contact_distance
+        yield _step(case, solution, in_contact, began, {"displacement": displacement})
+
+
+def _hard_wall_path(
+    case: Case, surface: Surface, restart: Mapping[str, np.ndarray] | None, start: int
+) -> Iterator[Step]:
+    height = surface.heights(surface.shape)
+    solver = case.solver
+    contact = HardWallContact(height, surface.grid, case.material.contact_modulus, max(1, solver.threads))
+    solve = contact.at_pressure if case.loading.control == "pressure" else contact.at_gap
+    pressure = None if restart is None else restart["pressure"]
+    for value, _ in case.path[start:]:
+        began = time.perf_counter()
+        solution = solve(value, solver.tolerance, pressure, solver.max_iterations)
+        pressure = solution.pressure
+        yield _step(case, solution, pressure > 0, began, {"pressure": pressure})
+
+
+def _step(case: Case, solution: Solution, in_contact: np.ndarray, began: float, restart: dict[str, np.ndarray]) -> Step:
+    gap, pressure = solution.gap, solution.pressure
+    values: dict[str, Value] = {
+        "mean_pressure": float(np.mean(pressure)),
+        "mean_gap": float(np.mean(gap)) - case.law.equilibrium_distance,
+        "relative_contact_area": float(np.mean(in_contact)),
+        "relative_repulsive_area": float(np.mean(pressure > 0)),
+        "elastic_energy": solution.elastic_energy,
+        "interaction_energy": solution.interaction_energy,
+        "pressure_pdf": probability_density(pressure, case.bins.pressure_edges),
+        "gap_pdf": probability_density(gap, case.bins.gap_edges),
+        "converged": solution.converged,
+        "detached": solution.outcome is Outcome.DETACHED,
+        "message": "" if solution.outcome is Outcome.CONVERGED else solution.message,
+        "residual": solution.residual,
+        "iterations": solution.iterations,
+        "fft_pairs": solution.fft_pairs,
+        "wall_time": time.perf_counter() - began,
+    }
+    fields = {"gap": gap, "pressure": pressure} if case.output.fields else {}
+    return Step(values, fields, restart)
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())
