@@ -6,6 +6,7 @@ that ends at contact, until a full step becomes small. Then the exact Hessian ta
 """
 
 from dataclasses import dataclass
+from enum import Enum
 
 import numpy as np
 from numba import njit
@@ -21,6 +22,7 @@ _LARGEST_STEP = 0.9
 _SMALL_STEP = 0.3  # a full step below this hands over to the exact Hessian
 _SMALLEST_GAP = 0.03  # bounds the snap-in curvature where the gap is close to r0
 _VANISHING_STEP = 1e-9
+_VANISHING_STEPS = 5  # as many in a row mean that the residual has reached its rounding
 _SNAP_IN_FACTOR = 2.0
 _SHIFT_FRACTION = 0.1  # c of the preconditioner, in units of the mean normal curvature of the interface
 _SMALLEST_SHIFT = 4e-5  # the same in units of E* a, where nothing touches
@@ -29,6 +31,18 @@ _EXACT_ITERATIONS = 300
 _LARGEST_REDUCTION = 0.3
 _BACKTRACK = 0.4
 _REFRESH = 20  # accepted steps after which S u is computed anew from u
+
+
+class Outcome(Enum):
+    """How a solve ended; the value is the sentence for the user."""
+
+    CONVERGED = "converged"
+    DETACHED = "detached: no atom is within reach of the substrate and no pressure drives the block towards it"
+    ITERATION_LIMIT = (
+        "the iteration limit was reached before the tolerance: take smaller loading steps or raise "
+        "solver.max_iterations"
+    )
+    STALLED = "no step lowers the energy although the residual is above the tolerance: raise solver.tolerance"
 
 
 @dataclass(frozen=True)
@@ -43,10 +57,8 @@ class Equilibrium:
         Force of the interface on each atom (N).
     residual : float
         Largest force component left on an atom, over a² E*.
-    converged : bool
-        True if the residual is within the tolerance and, under pressure at or below zero, something still touches.
-    detached : bool
-        True if no atom is within reach of the substrate although no pressure drives the block towards it.
+    outcome : Outcome
+        How the solve ended.
     iterations, evaluations : int
         Newton steps and evaluations of the interface.
     fft_pairs : float
@@ -58,13 +70,17 @@ class Equilibrium:
     displacement: np.ndarray
     force: np.ndarray
     residual: float
-    converged: bool
-    detached: bool
+    outcome: Outcome
     iterations: int
     evaluations: int
     fft_pairs: float
     elastic_energy: float
     interaction_energy: float
+
+    @property
+    def converged(self) -> bool:
+        """Whether the residual is within the tolerance and the surfaces have not come apart."""
+        return self.outcome is Outcome.CONVERGED
 
 
 class EquilibriumSolver:
@@ -140,16 +156,26 @@ class EquilibriumSolver:
         exact = False
         hold = 0
         fresh = True
+        vanishing = 0
         iteration = 0
         while True:
             gradient = self._gradient(stretch, push)
             residual = float(np.max(np.abs(gradient))) / self._force_scale
-            detached = not self._fixed_mean and pressure <= 0 and not self._force.any()
-            if residual <= self.tolerance and not fresh:
+            if not self._fixed_mean and pressure <= 0 and not self._force.any():
+                outcome = Outcome.DETACHED
+                break
+            if residual <= self.tolerance:
+                if fresh:
+                    outcome = Outcome.CONVERGED
+                    break
                 stretch = self._apply_stiffness(u).copy()
                 fresh = True
                 continue
-            if residual <= self.tolerance or detached or iteration >= self.max_iterations:
+            if iteration >= self.max_iterations:
+                outcome = Outcome.ITERATION_LIMIT
+                break
+            if vanishing >= _VANISHING_STEPS:
+                outcome = Outcome.STALLED
                 break
             iteration += 1
             shift = self._set_curvature(u, exact)
@@ -186,6 +212,7 @@ class EquilibriumSolver:
                 scale *= _BACKTRACK
                 trust = scale * size
                 shortened = True
+            vanishing = vanishing + 1 if scale * size < _VANISHING_STEP else 0
             if shortened:
                 trust = max(1.2 * trust, 0.01 * _FIRST_STEP)
             elif scale * size > 0.9 * trust and change <= 0.6 * model + noise:
@@ -203,8 +230,7 @@ class EquilibriumSolver:
             displacement=u,
             force=self._force.copy(),
             residual=residual,
-            converged=residual <= self.tolerance and not detached,
-            detached=detached,
+            outcome=outcome,
             iterations=iteration,
             evaluations=evaluations,
             fft_pairs=self._pairs() - transforms,

@@ -73,7 +73,7 @@ class LennardJonesInterface:
         self.spacing = spacing
         self.well_depth = well_depth
         self.length = length
-        self.cutoff = cutoff
+        self.cutoff = float(cutoff)
         reach = tuple(math.ceil(cutoff * length / b) + 1 for b in substrate.spacing)
         # Rows are read in blocks of eight sites, which may end up to seven sites beyond the cutoff.
         self._margin = (reach[0], reach[1] + 8)

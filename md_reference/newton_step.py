@@ -123,8 +123,8 @@ class NewtonSolver:
 def _precondition(spectrum, stiffness, multiplicity, shift, normalisation, fixed_mean):
     """Replace the spectrum of r by that of z = (S + shift)⁻¹ r, normalised for the way back; returns r·z."""
     rows, columns = stiffness.shape[1:]
-    shift = np.float32(shift)
-    normalisation = np.float32(normalisation)
+    c_0 = np.float32(shift)
+    norm = np.float32(normalisation)
     total = 0.0
     for j in range(rows):
         xx = stiffness[0, j]
@@ -138,16 +138,16 @@ def _precondition(spectrum, stiffness, multiplicity, shift, normalisation, fixed
         r_z = spectrum[2, j]
         row = np.float32(0.0)
         for i in range(np.uint64(columns)):
-            a = xx[i] + shift
-            b = yy[i] + shift
-            c = zz[i] + shift
+            a = xx[i] + c_0
+            b = yy[i] + c_0
+            c = zz[i] + c_0
             c_xx = b * c - yz[i] * yz[i]
             c_xy = xz[i] * yz[i] - xy[i] * c
             c_xz = xy[i] * yz[i] - b * xz[i]
             c_yy = a * c - xz[i] * xz[i]
             c_zz = a * b - xy[i] * xy[i]
             c_yz = xy[i] * xz[i] - a * yz[i]
-            scale = normalisation / (a * c_xx + xy[i] * c_xy + xz[i] * c_xz)
+            scale = norm / (a * c_xx + xy[i] * c_xy + xz[i] * c_xz)
             re = np.uint64(2) * np.uint64(i)
             im = re + np.uint64(1)
             # The normal component times i makes the matrix real; see the module ``block``.
@@ -184,8 +184,8 @@ def _precondition(spectrum, stiffness, multiplicity, shift, normalisation, fixed
 def _advance_direction(z, r, diagonal, shift, ratio, direction, image):
     """direction = z + ratio·direction and image = (S + D) direction by the same recurrence; returns their product."""
     rows, columns = z.shape[1:]
-    shift = np.float32(shift)
-    ratio = np.float32(ratio)
+    c_0 = np.float32(shift)
+    beta = np.float32(ratio)
     total = 0.0
     for j in range(rows):
         row = np.float32(0.0)
@@ -196,12 +196,12 @@ def _advance_direction(z, r, diagonal, shift, ratio, direction, image):
             xy = diagonal[3, j, i]
             xz = diagonal[4, j, i]
             yz = diagonal[5, j, i]
-            h_x = r[0, j, i] + (diagonal[0, j, i] - shift) * x + xy * y + xz * w + ratio * image[0, j, i]
-            h_y = r[1, j, i] + xy * x + (diagonal[1, j, i] - shift) * y + yz * w + ratio * image[1, j, i]
-            h_z = r[2, j, i] + xz * x + yz * y + (diagonal[2, j, i] - shift) * w + ratio * image[2, j, i]
-            x += ratio * direction[0, j, i]
-            y += ratio * direction[1, j, i]
-            w += ratio * direction[2, j, i]
+            h_x = r[0, j, i] + (diagonal[0, j, i] - c_0) * x + xy * y + xz * w + beta * image[0, j, i]
+            h_y = r[1, j, i] + xy * x + (diagonal[1, j, i] - c_0) * y + yz * w + beta * image[1, j, i]
+            h_z = r[2, j, i] + xz * x + yz * y + (diagonal[2, j, i] - c_0) * w + beta * image[2, j, i]
+            x += beta * direction[0, j, i]
+            y += beta * direction[1, j, i]
+            w += beta * direction[2, j, i]
             direction[0, j, i] = x
             direction[1, j, i] = y
             direction[2, j, i] = w
@@ -216,7 +216,7 @@ def _advance_direction(z, r, diagonal, shift, ratio, direction, image):
 @njit(**_OPTIONS)
 def _advance_solution(length, direction, image, solution, r, field):
     """Step along the direction; the new residual also goes into the transform's field; returns r·r and Σr_z."""
-    length = np.float32(length)
+    alpha = np.float32(length)
     squares = 0.0
     normal_sum = 0.0
     for c in range(3):
@@ -224,8 +224,8 @@ def _advance_solution(length, direction, image, solution, r, field):
             row = np.float32(0.0)
             row_sum = np.float32(0.0)
             for i in range(r.shape[2]):
-                solution[c, j, i] += length * direction[c, j, i]
-                value = r[c, j, i] - length * image[c, j, i]
+                solution[c, j, i] += alpha * direction[c, j, i]
+                value = r[c, j, i] - alpha * image[c, j, i]
                 r[c, j, i] = value
                 field[c, j, i] = value
                 row += value * value

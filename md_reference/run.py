@@ -1,0 +1,251 @@
+"""The atomistic model of a case: its measured constants and its states along the loading path; the command."""
+
+import time
+from collections.abc import Callable, Iterator, Mapping
+
+import numpy as np
+from scipy import optimize
+
+from contact_study.campaign.command import main as run_command
+from contact_study.campaign.model import Model
+from contact_study.campaign.record import Step, Value
+from contact_study.fields import fourier
+from contact_study.fields.observables import probability_density
+from contact_study.problem.errors import InputError
+from contact_study.problem.study import Case
+from contact_study.problem.surface import Surface
+from md_reference.block import SurfaceStiffness, element_matrix, surface_stiffness
+from md_reference.equilibrium import Equilibrium, EquilibriumSolver, Outcome
+from md_reference.interface import LennardJonesInterface
+from md_reference.measure import FlatInterface, effective_contact_modulus, measure_interface
+from md_reference.substrate import sample_substrate
+
+MODEL = Model(
+    command="md-reference",
+    kind="atomistic",
+    module="md_reference.run",
+    description="Atomistic reference: a harmonic block of atoms, condensed exactly to its bottom layer, in equilibrium "
+    "at zero temperature on a rigid rough layer of Lennard-Jones sites",
+    references="C. Yang, B. N. J. Persson, J. Israelachvili, K. Rosenberg, EPL 84, 46004 (2008)",
+    takes_predictor=True,
+)
+
+# Below 1024² atoms a second thread of FFTW gains nothing, and loses much when the other core is busy.
+_POINTS_FOR_THREADS = 1024**2
+
+# Error allowed to the interpolated height of the surface, in units of r0; the contact area does not notice 1e-4.
+_HEIGHT_TOLERANCE = 1e-4
+
+Predictor = Callable[[int], np.ndarray | None]
+
+
+def check(case: Case) -> None:
+    """Make sure that the atomistic model can serve a case.
+
+    Raises
+    ------
+    InputError
+        If the law is not that of Lennard-Jones atoms, or the lattice does not fit the cell.
+    """
+    if case.interaction.law != "lennard_jones_10_4":
+        raise InputError(
+            f'interaction.law = "{case.interaction.law}": the atomistic model has Lennard-Jones pairs; '
+            'use "lennard_jones_10_4", the law that follows from them'
+        )
+    if min(case.atoms) < 4:
+        raise InputError(f"material.lattice_constant: {case.atoms} atoms a layer are too few; at least 4 a side")
+
+
+def build_stiffness(case: Case) -> SurfaceStiffness:
+    """The condensed block of a case; as thick as wide unless ``atomistic.layers`` says otherwise."""
+    assert case.material.lattice_constant is not None  # checked by Case.atoms
+    element = element_matrix(
+        case.atomistic.block,
+        case.material.lattice_constant,
+        case.material.youngs_modulus,
+        case.material.poissons_ratio,
+    )
+    layers = case.atomistic.layers or max(case.atoms)
+    return surface_stiffness(element, case.atoms, case.material.lattice_constant, layers)
+
+
+def build_interface(case: Case, surface: Surface) -> LennardJonesInterface:
+    """Lennard-Jones atoms of a case over the substrate's sites."""
+    length = _length(case)
+    substrate = sample_substrate(surface.heights, surface.size, case.substrate_sites, _HEIGHT_TOLERANCE * length)
+    spacing = (surface.size[0] / case.atoms[0], surface.size[1] / case.atoms[1])
+    return LennardJonesInterface(substrate, case.atoms, spacing, case.well_depth, length, case.atomistic.cutoff)
+
+
+def constants(case: Case, surface: Surface) -> Mapping[str, Value]:
+    """What the atoms of a case are, measured on them: moduli, adhesion; and the surface under their rest positions."""
+    stiffness = build_stiffness(case)
+    sites = case.substrate_sites
+    flat = FlatInterface(
+        (surface.size[0] / sites[0], surface.size[1] / sites[1]),
+        stiffness.area_per_atom,
+        case.well_depth,
+        _length(case),
+        case.atomistic.cutoff,
+    )
+    properties = measure_interface(flat, _length(case))
+    heights = surface.heights(case.atoms)
+    y, x = stiffness.grid.coordinates
+    return {
+        "y": y,
+        "x": x,
+        "height": heights,
+        "wavevector": stiffness.grid.wavenumber[0, 1:],
+        "contact_modulus_at": stiffness.contact_modulus[0, 1:],
+        "contact_modulus": effective_contact_modulus(stiffness, heights),
+        "work_of_adhesion": properties.work_of_adhesion,
+        "equilibrium_distance": properties.equilibrium_distance,
+        "peak_tensile_stress": properties.peak_tensile_stress,
+        "peak_distance": properties.peak_distance,
+        "contact_distance": case.contact_distance,
+        "rms_height": surface.rms_height,
+        "rms_slope": surface.rms_slope,
+        "pixel": stiffness.lattice_constant,
+    }
+
+
+def solve_path(
+    case: Case,
+    surface: Surface,
+    restart: Mapping[str, np.ndarray] | None = None,
+    start: int = 0,
+    predictor: Predictor | None = None,
+) -> Iterator[Step]:
+    """Equilibria along the loading path, each from its predictor or else from the state before it.
+
+    Parameters
+    ----------
+    case, surface : Case, Surface
+        The question.
+    restart : mapping, optional
+        ``Step.restart`` of the point before ``start``; without it the path begins from separation.
+    start : int, optional
+        First point of the path to solve.
+    predictor : callable, optional
+        Point number -> gap field (y, x) of a continuum solution on any grid (m), or None where there is none. The
+        atoms then start at their lateral rest positions, at the surface's height plus that gap.
+
+    Yields
+    ------
+    Step
+        For each point from ``start`` on.
+    """
+    interface = build_interface(case, surface)
+    stiffness = build_stiffness(case)
+    solver = EquilibriumSolver(
+        stiffness,
+        interface,
+        case.material.contact_modulus,
+        case.loading.control,
+        case.solver.tolerance,
+        case.solver.max_iterations,
+        max(case.solver.threads, 1) if stiffness.grid.points >= _POINTS_FOR_THREADS else 1,
+    )
+    heights = interface.rest_heights()
+    state = separated(heights, interface.length) if restart is None else restart["displacement"]
+    for number in range(start, len(case.path)):
+        begun = time.perf_counter()
+        value, _ = case.path[number]
+        gap = predictor(number) if predictor is not None else None
+        first = state if gap is None else predicted(heights, gap, interface.length)
+        if case.loading.control == "gap":
+            found = solver.solve(at_mean_gap(interface, first, value + float(np.mean(heights))))
+        else:
+            found = solver.solve(first, value)
+        state = found.displacement
+        yield _step(case, interface, found, time.perf_counter() - begun)
+
+
+def separated(heights: np.ndarray, length: float) -> np.ndarray:
+    """A flat layer of atoms just above the highest point of the surface, shape (3, ny, nx) (m)."""
+    displacement = np.zeros((3, *heights.shape))
+    displacement[2] = np.max(heights) + 1.1 * length
+    return displacement
+
+
+def predicted(heights: np.ndarray, gap: np.ndarray, length: float) -> np.ndarray:
+    """Atoms at their lateral rest positions on a gap field of any grid, shape (3, ny, nx) (m).
+
+    Parameters
+    ----------
+    heights : numpy.ndarray, shape (ny, nx)
+        Surface under the rest positions (m).
+    gap : numpy.ndarray
+        Gap of a continuum solution over the same rectangle (m); interpolated trigonometrically.
+    length : float
+        r0; interpolation is kept from undershooting half of it (m).
+    """
+    displacement = np.zeros((3, *heights.shape))
+    displacement[2] = heights + np.maximum(fourier.interpolate(gap, heights.shape), 0.5 * length)
+    return displacement
+
+
+def at_mean_gap(interface: LennardJonesInterface, displacement: np.ndarray, mean_gap: float) -> np.ndarray:
+    """A state moved to a mean height of ``mean_gap`` + r0, with no atom below the surface (m).
+
+    Atoms that a rigid approach would push closer to the surface than 0.85 r0 stay at that distance.
+
+    Raises
+    ------
+    ValueError
+        If the mean gap is so small that all atoms would be closer.
+    """
+    length = interface.length
+    floor = displacement[2] - interface.gap(displacement) + 0.85 * length
+    target = mean_gap + length
+    if np.mean(floor) >= target:
+        raise ValueError(f"loading.path: a mean gap of {mean_gap:g} m needs atoms closer than 0.85 r0 everywhere")
+
+    def excess(shift: float) -> float:
+        return float(np.mean(np.maximum(displacement[2] + shift, floor))) - target
+
+    rigid = target - float(np.mean(displacement[2]))
+    lowest = float(np.min(floor - displacement[2]))  # so far down that all atoms stand on the floor
+    shift = optimize.brentq(excess, lowest, rigid, xtol=1e-15 * length) if excess(rigid) > 0 else rigid
+    moved = displacement.copy()
+    moved[2] = np.maximum(displacement[2] + shift, floor)
+    return moved
+
+
+def _step(case: Case, interface: LennardJonesInterface, found: Equilibrium, wall_time: float) -> Step:
+    area_per_atom = interface.spacing[0] * interface.spacing[1]
+    nominal_area = area_per_atom * found.displacement[0].size
+    gap = interface.gap(found.displacement)
+    pressure = found.force[2] / area_per_atom
+    detached = found.outcome is Outcome.DETACHED
+    values: dict[str, Value] = {
+        "mean_pressure": float(np.mean(pressure)),
+        # Without contact the block is anywhere.
+        "mean_gap": np.nan if detached else float(np.mean(gap)) - interface.length,
+        "relative_contact_area": float(np.mean(gap < case.contact_distance)),
+        "relative_repulsive_area": float(np.mean(pressure > 0)),
+        "elastic_energy": 0.0 if detached else found.elastic_energy / nominal_area,
+        "interaction_energy": found.interaction_energy / nominal_area,
+        "pressure_pdf": probability_density(pressure, case.bins.pressure_edges),
+        "gap_pdf": probability_density(gap, case.bins.gap_edges),
+        "converged": found.converged,
+        "detached": detached,
+        "residual": found.residual,
+        "iterations": found.iterations,
+        "force_evaluations": found.evaluations,
+        "fft_pairs": found.fft_pairs,
+        "wall_time": wall_time,
+        "message": "" if found.converged else found.outcome.value,
+    }
+    fields = {"gap": gap, "pressure": pressure} if case.output.fields else {}
+    return Step(values, fields, {"displacement": found.displacement})
+
+
+def _length(case: Case) -> float:
+    assert case.interaction.length is not None  # a Lennard-Jones law cannot be bound without it
+    return case.interaction.length
+
+
+def main() -> int:
+    """The command ``md-reference``."""
+    return run_command(MODEL)
