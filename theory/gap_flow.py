@@ -1,0 +1,357 @@
+"""Gap-flow theory: roughness added scale by scale to the traction-separation law itself.
+
+In the spirit of Joe, Scaraggi and Barber, Tribol. Int. 111, 220 (2017). Let U(ū) be the energy per area at mean gap ū
+with all roughness of wavevectors above q included; at the finest scale it is the law, φ(ū). A wave of height variance
+dm = 2πqC dq and elastic stiffness K = E*q/2, on the curvature c = U'', relaxes and adds
+
+    ∂U/∂m = ½ K c / (K + c).
+
+Where c < −K the wave is unstable. In equilibrium two states then coexist: U + ½Kū² is replaced by its convex hull
+(branch "equilibrium"). Without nucleation a patch jumps where its state loses stability: U' + Kū is replaced by its
+running minimum from large gaps downward ("loading") or its running maximum from small gaps upward ("unloading").
+
+With v = ½K²/(K + c) an implicit step reads ½K²/v + Δm v'' = K + c_old. The left side is convex and decreasing in v, so
+Newton's method never leaves v > 0 once below the root, and c > −K needs no guard. Its matrix also carries every
+observable of the local gap, whose diffusivity is ½K²/(K+c)² = 2v²/K²; the transposed steps, from coarse to fine, turn
+a mean gap into the distribution of the local gap.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numba import njit
+
+from contact_study.fields.spectrum import RoughnessSpectrum
+from contact_study.problem.laws.base import TractionLaw
+from theory.gap_state import GapState
+
+BRANCHES = ("equilibrium", "loading", "unloading")
+
+_EQUILIBRIUM, _LOADING = 0, 1
+
+
+@dataclass(frozen=True)
+class GapFlow:
+    """The flowed energy: mean pressure over mean gap, and the way back to local gaps.
+
+    Lengths are in units of ``length``, stresses of ``contact_modulus``.
+
+    Attributes
+    ----------
+    law : TractionLaw
+        The law in these units.
+    length, contact_modulus : float
+        The units (m, Pa).
+    branch : str
+        One of :data:`BRANCHES`.
+    gaps : numpy.ndarray, shape (n,)
+        Nodes of the gap.
+    energy : numpy.ndarray, shape (n,)
+        U at the nodes, all roughness included.
+    """
+
+    law: TractionLaw
+    length: float
+    contact_modulus: float
+    branch: str
+    gaps: np.ndarray
+    energy: np.ndarray
+    _stiffness: np.ndarray
+    _steps: np.ndarray
+    _compliances: np.ndarray
+    _hull: np.ndarray
+
+    @cached_property
+    def mean_gap(self) -> np.ndarray:
+        """Mean gaps, from the law's zero, at which :attr:`pressure` stands, shape (n − 1,) (m)."""
+        return 0.5 * (self.gaps[1:] + self.gaps[:-1]) * self.length
+
+    @cached_property
+    def pressure(self) -> np.ndarray:
+        """p = −∂U/∂ū (Pa)."""
+        return -np.diff(self.energy) / np.diff(self.gaps) * self.contact_modulus
+
+    @property
+    def pull_off_pressure(self) -> float:
+        """Lowest pressure of the curve, the end of adhesion under pressure control (Pa)."""
+        return float(self.pressure.min())
+
+    def gap_at(self, pressure: float) -> float:
+        """Mean gap, from the law's zero, at a pressure (m); NaN where no stable state carries it.
+
+        Of several stable states (p falling with ū) it is the one of the largest gap, which an approaching block meets
+        first, or on the unloading branch of the smallest, which a retracting block leaves last.
+        """
+        p = self.pressure
+        crossings = np.flatnonzero((p[:-1] > pressure) & (p[1:] <= pressure))
+        if crossings.size == 0:
+            return float("nan")
+        i = crossings[0] if self.branch == "unloading" else crossings[-1]
+        weight = (p[i] - pressure) / (p[i] - p[i + 1])
+        return float((1 - weight) * self.mean_gap[i] + weight * self.mean_gap[i + 1])
+
+    def pressure_at(self, mean_gap: float) -> float:
+        """Pressure at a mean gap within the nodes (Pa)."""
+        return float(np.interp(mean_gap, self.mean_gap, self.pressure))
+
+    def states(self, mean_gaps: np.ndarray) -> list[GapState]:
+        """Distribution of the local gap at each mean gap (m), all in one pass from coarse to fine."""
+        positions = np.asarray(mean_gaps, dtype=float) / self.length
+        if np.any((positions < self.gaps[0]) | (positions > self.gaps[-1])):
+            raise ValueError("mean_gaps: outside the nodes of the flow")
+        weights = np.zeros((positions.size, self.gaps.size))
+        right = np.clip(np.searchsorted(self.gaps, positions), 1, self.gaps.size - 1)
+        share = (positions - self.gaps[right - 1]) / (self.gaps[right] - self.gaps[right - 1])
+        rows = np.arange(positions.size)
+        weights[rows, right - 1] = 1 - share
+        weights[rows, right] = share
+        elastic = np.zeros(positions.size)
+        _trace_back(self.gaps, self._stiffness, self._steps, self._compliances, self._hull, weights, elastic)
+        return [
+            GapState(
+                self.law,
+                self.length,
+                self.contact_modulus,
+                float(gap),
+                self.pressure_at(float(gap)),
+                float(energy) * self.contact_modulus * self.length,
+                self.gaps,
+                weight,
+            )
+            for gap, energy, weight in zip(np.asarray(mean_gaps), elastic, weights, strict=True)
+        ]
+
+
+def gap_flow(
+    spectrum: RoughnessSpectrum,
+    contact_modulus: float,
+    law: TractionLaw,
+    branch: str = "equilibrium",
+    gaps: int = 1600,
+    scales: int = 400,
+) -> GapFlow:
+    """Flow a traction-separation law through a roughness spectrum.
+
+    Parameters
+    ----------
+    spectrum : RoughnessSpectrum
+        Roughness; of a realised surface each shell of modes is a scale.
+    contact_modulus : float
+        E* (Pa).
+    law : TractionLaw
+        Interaction of smooth surfaces.
+    branch : str, optional
+        ``"equilibrium"``, ``"loading"`` or ``"unloading"``.
+    gaps : int, optional
+        Nodes of the gap.
+    scales : int, optional
+        Bands of wavevectors, at least; wide ones are taken in several steps.
+
+    Raises
+    ------
+    ValueError
+        If the branch is unknown.
+    """
+    if branch not in BRANCHES:
+        raise ValueError(f"branch = {branch!r}: expected one of {', '.join(BRANCHES)}")
+    length = law.equilibrium_distance
+    reduced = law.scaled(length, contact_modulus)
+    x = _gap_nodes(spectrum, reduced, length, gaps)
+    stiffness, steps = _scales(spectrum, length, scales)
+    energy = np.array(reduced.potential(x), dtype=float)
+    compliances = np.empty((steps.size, x.size))
+    hull = np.empty((steps.size, x.size), dtype=np.int32)
+    _flow(x, stiffness, steps, BRANCHES.index(branch), energy, compliances, hull)
+    return GapFlow(reduced, length, contact_modulus, branch, x, energy, stiffness, steps, compliances, hull)
+
+
+def _gap_nodes(spectrum: RoughnessSpectrum, law: TractionLaw, length: float, count: int) -> np.ndarray:
+    """Nodes from deep in the repulsion to far above the roughness, finest where the law varies."""
+    # Full contact has a stress of deviation ξ/2: no patch is pressed by twenty of them.
+    lowest = float(law.repulsive_gap(np.array(-10 * spectrum.rms_slope - 5 * law.peak_tensile_stress)))
+    reach = 1.0 + 11 * np.sqrt(spectrum.mean_square_height) / length
+    return lowest + 0.8 * np.sinh(np.linspace(0, np.arcsinh((reach - lowest) / 0.8), count))
+
+
+def _scales(spectrum: RoughnessSpectrum, length: float, count: int) -> tuple[np.ndarray, np.ndarray]:
+    """Stiffness and height variance of each step, fine scales first.
+
+    The wavevector of a band is the mean over its variance, which makes the full-contact energy Σ ½K Δm exact.
+    """
+    edges = spectrum.band_edges(count)
+    variance = 2 * np.pi * np.diff(spectrum.moment(1, upper=edges))
+    wavevector = 2 * np.pi * np.diff(spectrum.moment(2, upper=edges)) / variance
+    # The implicit Euler step is of first order in the variance; the shells of a realised surface hold much of it.
+    pieces = np.ceil(variance / variance.sum() * 0.4 * count).astype(int)
+    stiffness = np.repeat(0.5 * wavevector * length, pieces)
+    steps = np.repeat(variance / pieces / length**2, pieces)
+    return stiffness[::-1].copy(), steps[::-1].copy()
+
+
+@njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "arcp", "nsz"})
+def _convex_hull(x, energy, stiffness, left):
+    """Replace U by the hull of U + ½Kx², less ½Kx²; ``left[i]`` becomes the vertex at or left of node i."""
+    n = x.size
+    tilted = energy + 0.5 * stiffness * x * x
+    vertices = np.empty(n, dtype=np.int32)
+    count = 1
+    vertices[0] = 0
+    for i in range(1, n):
+        while count > 1:
+            a, b = vertices[count - 2], vertices[count - 1]
+            if (tilted[b] - tilted[a]) * (x[i] - x[a]) >= (tilted[i] - tilted[a]) * (x[b] - x[a]):
+                count -= 1
+            else:
+                break
+        vertices[count] = i
+        count += 1
+    for k in range(count - 1):
+        a, b = vertices[k], vertices[k + 1]
+        slope = (tilted[b] - tilted[a]) / (x[b] - x[a])
+        left[a] = a
+        for i in range(a + 1, b):
+            left[i] = a
+            energy[i] = tilted[a] + slope * (x[i] - x[a]) - 0.5 * stiffness * x[i] * x[i]
+    left[n - 1] = n - 1
+
+
+@njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "arcp", "nsz"})
+def _jump_at_instability(x, energy, stiffness, loading, left):
+    """Make U' + Kx rise monotonically by jumps of the approaching (or retracting) patch; ``left`` as for the hull."""
+    n = x.size
+    force = np.empty(n - 1)
+    for i in range(n - 1):
+        force[i] = (energy[i + 1] - energy[i]) / (x[i + 1] - x[i]) + 0.5 * stiffness * (x[i + 1] + x[i])
+    if loading:
+        for i in range(n - 3, -1, -1):
+            force[i] = min(force[i], force[i + 1])
+    else:
+        for i in range(1, n - 1):
+            force[i] = max(force[i], force[i - 1])
+    left[0] = 0
+    left[n - 1] = n - 1
+    for i in range(1, n - 1):
+        left[i] = left[i - 1] if force[i] == force[i - 1] else i
+    for i in range(n - 2, -1, -1):
+        slope = force[i] - 0.5 * stiffness * (x[i + 1] + x[i])
+        energy[i] = energy[i + 1] - slope * (x[i + 1] - x[i])
+
+
+@njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "arcp", "nsz"})
+def _flow(x, stiffness, steps, branch, energy, compliances, hull):
+    """Add all scales to ``energy`` in place; keeps v of every step and the coexisting states."""
+    n = x.size
+    below = np.zeros(n)
+    above = np.zeros(n)
+    for i in range(1, n - 1):
+        cell = 0.5 * (x[i + 1] - x[i - 1])
+        below[i] = 1.0 / ((x[i] - x[i - 1]) * cell)
+        above[i] = 1.0 / ((x[i + 1] - x[i]) * cell)
+    modulus = np.empty(n)  # K + c before the step
+    v = np.empty(n)
+    pivot = np.empty(n)
+    change = np.empty(n)
+    for k in range(steps.size):
+        stiff, step = stiffness[k], steps[k]
+        if branch == _EQUILIBRIUM:
+            _convex_hull(x, energy, stiff, hull[k])
+        else:
+            _jump_at_instability(x, energy, stiff, branch == _LOADING, hull[k])
+        for i in range(1, n - 1):
+            curvature = above[i] * (energy[i + 1] - energy[i]) - below[i] * (energy[i] - energy[i - 1])
+            modulus[i] = max(stiff + curvature, 0.0)  # zero inside the hull, up to rounding
+        square = 0.5 * stiff * stiff
+        if k == 0:
+            for i in range(1, n - 1):
+                v[i] = square / max(modulus[i], stiff)
+        else:
+            v *= stiff / stiffness[k - 1]
+        # At the ends the curvature hardly changes: deep repulsion and no interaction at all.
+        v[0] = square / modulus[1]
+        v[n - 1] = 0.5 * stiff
+        for _ in range(60):
+            pivot[0] = 1.0
+            change[0] = 0.0
+            for i in range(1, n - 1):
+                excess = square / v[i] - modulus[i]
+                excess += step * (above[i] * (v[i + 1] - v[i]) - below[i] * (v[i] - v[i - 1]))
+                factor = step * below[i] * pivot[i - 1]
+                upper = -step * above[i - 1]
+                diagonal = square / (v[i] * v[i]) + step * (above[i] + below[i])
+                pivot[i] = 1.0 / (diagonal + factor * upper)
+                change[i] = excess + factor * change[i - 1]
+            largest = 0.0
+            later = 0.0
+            for i in range(n - 2, 0, -1):
+                later = (change[i] + step * above[i] * later) * pivot[i]
+                relative = later / v[i]
+                largest = max(largest, abs(relative))
+                # From above the root the tangent may point beyond zero.
+                v[i] *= max(1.0 + relative, 0.1)
+            if largest < 1e-9:
+                break
+        for i in range(n):
+            energy[i] += step * (0.5 * stiff - v[i])
+            compliances[k, i] = v[i]
+
+
+@njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "arcp", "nsz"})
+def _trace_back(x, stiffness, steps, compliances, hull, weights, elastic):
+    """Carry distributions of the gap from coarse to fine in place, adding up the elastic energy of each scale."""
+    n = x.size
+    pivot = np.empty(n)
+    ratio = np.empty(n)
+    right = np.empty(n, dtype=np.int32)
+    for k in range(steps.size - 1, -1, -1):
+        stiff, step = stiffness[k], steps[k]
+        v, left = compliances[k], hull[k]
+        # The transpose of the step's matrix ½K²/v² − Δm ∂², whose end rows are diagonal.
+        pivot[0] = 2.0 * v[0] * v[0] / (stiff * stiff)
+        right[n - 1] = n - 1
+        for i in range(1, n):
+            diagonal = 0.5 * stiff * stiff / (v[i] * v[i])
+            if i < n - 1:
+                diagonal += step * 2.0 / ((x[i] - x[i - 1]) * (x[i + 1] - x[i]))
+            ratio[i] = -step * _above(x, i - 1) * pivot[i - 1]
+            pivot[i] = 1.0 / (diagonal + ratio[i] * step * _below(x, i))
+        for i in range(n - 2, -1, -1):
+            right[i] = i + 1 if left[i + 1] == i + 1 else right[i + 1]
+        for row in range(weights.shape[0]):
+            w = weights[row]
+            for i in range(1, n):
+                w[i] -= ratio[i] * w[i - 1]
+            w[n - 1] *= pivot[n - 1]
+            for i in range(n - 2, -1, -1):
+                w[i] = (w[i] + step * _below(x, i + 1) * w[i + 1]) * pivot[i]
+            stored = 0.0
+            for i in range(n):
+                w[i] *= 0.5 * stiff * stiff / (v[i] * v[i])
+                followed = 1.0 - 2.0 * v[i] / stiff  # c/(K + c): the wave's share that the block takes up
+                stored += w[i] * 0.5 * stiff * followed * followed * step
+            for i in range(n):
+                a = left[i]
+                if a != i:
+                    b = right[i]
+                    share = (x[i] - x[a]) / (x[b] - x[a])
+                    stored += w[i] * 0.5 * stiff * (x[i] - x[a]) * (x[b] - x[i])
+                    w[a] += (1.0 - share) * w[i]
+                    w[b] += share * w[i]
+                    w[i] = 0.0
+            elastic[row] += stored
+
+
+@njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "arcp", "nsz"}, inline="always")
+def _below(x, i):
+    """Weight of node i−1 in the second derivative at node i; zero at the ends."""
+    if i == 0 or i == x.size - 1:
+        return 0.0
+    return 2.0 / ((x[i] - x[i - 1]) * (x[i + 1] - x[i - 1]))
+
+
+@njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "arcp", "nsz"}, inline="always")
+def _above(x, i):
+    """Weight of node i+1 in the second derivative at node i; zero at the ends."""
+    if i == 0 or i == x.size - 1:
+        return 0.0
+    return 2.0 / ((x[i + 1] - x[i]) * (x[i + 1] - x[i - 1]))
