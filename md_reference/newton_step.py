@@ -170,7 +170,7 @@ def _precondition(spectrum, stiffness, multiplicity, shift, normalisation, fixed
             r_z[re] = q_im
             r_z[im] = -q_re
             row += multiplicity[i] * (x_re * o_re + x_im * o_im + y_re * p_re + y_im * p_im + z_re * q_re + z_im * q_im)
-        total += row
+        total += float(row)
     if fixed_mean:
         # At q = 0 the normal component is decoupled: r_z z_z = normalisation r_z² / shift.
         mean = spectrum[2, 0, 0]
@@ -209,7 +209,7 @@ def _advance_direction(z, r, diagonal, shift, ratio, direction, image):
             image[1, j, i] = h_y
             image[2, j, i] = h_z
             row += x * h_x + y * h_y + w * h_z
-        total += row
+        total += float(row)
     return total
 
 
@@ -230,7 +230,7 @@ def _advance_solution(length, direction, image, solution, r, field):
                 field[c, j, i] = value
                 row += value * value
                 row_sum += value
-            squares += row
+            squares += float(row)
             if c == 2:
-                normal_sum += row_sum
+                normal_sum += float(row_sum)
     return squares, normal_sum
