@@ -94,7 +94,8 @@ class ContactLevel:
         """Primal-dual active set from the present pressure; residual, iterations, outcome."""
         heights, contact = self.heights.reshape(-1), self.contact.reshape(-1)
         residual = self._residual.reshape(-1)
-        threshold = 0.3 * tolerance
+        rounding = 4 * np.finfo(float).eps * np.abs(heights).max()
+        threshold = max(0.3 * tolerance, rounding)
         # A guess is solved on its own contact set first: the gap that goes with a pressure that was interpolated and
         # cut off at zero says little about which points should enter.
         entered, deepest = 1, 0.0

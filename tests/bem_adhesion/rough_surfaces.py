@@ -1,0 +1,46 @@
+"""Rough surfaces for the tests of the continuum solvers, SI units."""
+
+import numpy as np
+
+from contact_study.fields.grid import Grid
+from contact_study.problem.study import make_study
+from contact_study.problem.surface import realise
+
+CONTACT_MODULUS = 93.7348e9
+SIZE = 1040e-10
+
+
+def self_affine(points, cutoff_mode=12, seed=1):
+    """The paper's surface, realised with h_rms = 10 Å, and its grid."""
+    study = make_study(
+        {
+            "study": {"title": "test"},
+            "surface": {
+                "kind": "self_affine",
+                "size": SIZE,
+                "shape": [points, points],
+                "hurst_exponent": 0.8,
+                "rms_height": 1e-9,
+                "low_mode": 1,
+                "roll_off_mode": 3,
+                "cutoff_mode": cutoff_mode,
+                "seed": seed,
+                "normalisation": "realised",
+            },
+            "material": {"youngs_modulus": 77.2e9, "poissons_ratio": 0.42},
+            "interaction": {"law": "hard_wall"},
+            "loading": {"path": [1e9]},
+        }
+    )
+    surface = realise(study.cases[0])
+    return surface.heights((points, points)), Grid((points, points), (SIZE, SIZE))
+
+
+def random_heights(shape, exponent, seed):
+    """Gaussian heights of unit variance with amplitudes |q|^−exponent up to the grid's shortest wave, and the grid."""
+    grid = Grid(shape, (1.0 * shape[0] / shape[1], 1.0))
+    coefficients = np.fft.rfft2(np.random.default_rng(seed).standard_normal(shape))
+    coefficients[0, 0] = 0
+    coefficients *= np.where(grid.wavenumber > 0, grid.wavenumber, 1) ** -exponent
+    heights = np.fft.irfft2(coefficients, shape)
+    return heights / heights.std(), grid
