@@ -1,0 +1,202 @@
+import numpy as np
+import pytest
+from scipy.fft import irfft2, rfft2
+from scipy.optimize import minimize
+
+from bem_adhesion.adhesive import AdhesiveContact
+from bem_adhesion.elasticity import HalfSpace, stiffness
+from bem_adhesion.linearised import LinearisedContact
+from bem_adhesion.loading import LoadedContact
+from bem_adhesion.multilevel import MultilevelContact, process_zone
+from bem_adhesion.solution import Outcome
+from contact_study.fields.grid import Grid
+from contact_study.problem.laws.lennard_jones_10_4 import LennardJones104
+from tests.bem_adhesion.paper_system import E_STAR, R0, SIZE, law, relative_contact_area, surface
+
+RATIOS = [1.0, 4.0, 8.0]
+
+
+def energy_and_gradient(gap, load, stiffness_q, the_law):
+    """The discrete functional written independently: SciPy's transforms, the law's plain formulas."""
+    elastic = irfft2(stiffness_q * rfft2(gap), s=gap.shape)
+    energy = np.sum(0.5 * gap * elastic + load * gap + the_law.potential(gap))
+    return energy, elastic + the_law.traction(gap) + load
+
+
+def scaled_problem(points, ratio, seed=1, size=SIZE, pressure=1e9):
+    """Grid, law and load in units of r0 and E*, and the gap of the separated state."""
+    grid = Grid((points, points), (size / R0, size / R0))
+    height = surface(points, seed, size).heights((points, points)) / R0
+    stiffness_q = stiffness(grid, 1.0)
+    load = irfft2(stiffness_q * rfft2(height), s=height.shape) + pressure / E_STAR
+    return grid, law(ratio).scaled(R0, E_STAR), load, height.max() + 1 - height
+
+
+def test_gradient_is_that_of_the_energy_to_second_order():
+    grid, the_law, load, gap = scaled_problem(26, 4.0)
+    stiffness_q = stiffness(grid, 1.0)
+    direction = np.random.default_rng(0).standard_normal(gap.shape)
+    gap = 1.2 + 0.1 * np.sin(direction)
+    _, gradient = energy_and_gradient(gap, load, stiffness_q, the_law)
+
+    def error(h):
+        plus, _ = energy_and_gradient(gap + h * direction, load, stiffness_q, the_law)
+        minus, _ = energy_and_gradient(gap - h * direction, load, stiffness_q, the_law)
+        return abs((plus - minus) / (2 * h) - np.vdot(gradient, direction))
+
+    assert np.log2(error(2e-3) / error(1e-3)) == pytest.approx(2.0, abs=0.1)
+    solver = AdhesiveContact(grid, 1.0, the_law, 0.01)
+    energy, largest, square, total = solver._evaluate(gap, load)
+    assert energy == pytest.approx(energy_and_gradient(gap, load, stiffness_q, the_law)[0], rel=1e-13)
+    assert largest == pytest.approx(np.abs(gradient).max(), rel=1e-12)
+    assert square == pytest.approx(np.sum(gradient**2), rel=1e-12)
+    assert total == pytest.approx(gradient.sum(), rel=1e-10)
+    np.testing.assert_allclose(solver._right_side, -gradient, atol=1e-6 * np.abs(gradient).max())
+
+
+@pytest.mark.parametrize("shape", [(24, 24), (15, 18)])
+def test_linear_solver_against_a_dense_matrix(shape):
+    grid = Grid(shape, (60.0, 50.0))
+    rng = np.random.default_rng(2)
+    points = grid.points
+    curvature = np.where(rng.random(shape) < 0.3, 2.0, -0.01).astype(np.float32)
+    right_side = rng.standard_normal(shape).astype(np.float32)
+    stiffness_q = stiffness(grid, 1.0)
+    dense = np.array([irfft2(stiffness_q * rfft2(e.reshape(shape)), s=shape).ravel() for e in np.eye(points)])
+    dense += np.diag(curvature.ravel().astype(float))
+    expected = np.linalg.solve(dense, right_side.ravel()).reshape(shape)
+    solver = LinearisedContact(HalfSpace(grid, 1.0, np.float32), 0.02)
+    result = solver.solve(right_side, curvature, 1.0, 1e-5, 200)
+    assert not result.negative_curvature
+    assert result.iterations < 60
+    # Residual 1e-5 times the condition number of a few tens.
+    np.testing.assert_allclose(solver.solution, expected, atol=1e-3 * np.abs(expected).max())
+
+
+def test_linear_solver_finds_negative_curvature():
+    grid = Grid((16, 16), (20.0, 20.0))
+    curvature = np.full(grid.shape, -1.0, np.float32)  # softer than the half-space holds: E* q / 2 = 0.16
+    solver = LinearisedContact(HalfSpace(grid, 1.0, np.float32), 0.02)
+    right_side = np.random.default_rng(0).standard_normal(grid.shape).astype(np.float32)
+    assert solver.solve(right_side, curvature, 1.0, 0.1, 50).negative_curvature
+    assert not solver.solve(right_side, np.abs(curvature), 1.0, 0.1, 50).negative_curvature
+
+
+@pytest.mark.parametrize("fraction", [-0.9, -0.3, 0.0, 0.5, 3.0])
+def test_flat_surfaces_stay_uniform_and_follow_the_law(fraction):
+    the_law = law()
+    grid = Grid((12, 10), (3e-8, 2e-8))
+    contact = LoadedContact(np.zeros(grid.shape), grid, E_STAR, the_law)
+    pressure = fraction * the_law.peak_tensile_stress
+    solution = contact.step(contact.separated(), pressure)
+    assert solution.converged
+    np.testing.assert_allclose(solution.gap, solution.gap[0, 0], rtol=1e-12)
+    np.testing.assert_allclose(solution.pressure, pressure, atol=1e-8 * E_STAR)
+    assert solution.gap[0, 0] < the_law.peak_distance
+    assert solution.elastic_energy == pytest.approx(0, abs=1e-9 * the_law.work_of_adhesion)
+
+
+@pytest.mark.parametrize(("fraction", "outcome"), [(0.999, Outcome.CONVERGED), (1.001, Outcome.DETACHED)])
+def test_flat_surfaces_part_at_the_peak_of_the_law(fraction, outcome):
+    # Stiff enough (half-space against softening) that the flat state is stable up to the peak.
+    grid = Grid((8, 8), (4e-9, 4e-9))
+    contact = LoadedContact(np.zeros(grid.shape), grid, E_STAR, law())
+    solution = contact.step(contact.separated(), -fraction * law().peak_tensile_stress)
+    assert solution.outcome is outcome
+
+
+@pytest.mark.parametrize("ratio", RATIOS)
+def test_same_state_as_an_independent_minimisation(ratio):
+    points, size = 40, 200e-10
+    grid, the_law, load, gap = scaled_problem(points, ratio, size=size)
+    solver = AdhesiveContact(grid, 1.0, the_law, 0.01)
+    found = solver.solve(gap, load, 1e-8, 500)
+    assert found.outcome is Outcome.CONVERGED
+    stiffness_q = stiffness(grid, 1.0)
+    # The true residual by independent code, not the solver's word.
+    energy, gradient = energy_and_gradient(found.gap, load, stiffness_q, the_law)
+    assert np.abs(gradient).max() < 1.01e-8
+
+    def functional(x):
+        value, slope = energy_and_gradient(x.reshape(gap.shape), load, stiffness_q, the_law)
+        return value, slope.ravel()
+
+    start = (found.gap * (1 + 0.02 * np.random.default_rng(0).standard_normal(gap.shape))).ravel()
+    independent = minimize(functional, start, jac=True, method="L-BFGS-B", options={"maxiter": 5000, "maxfun": 9999,
+                           "ftol": 0, "gtol": 1e-8, "maxcor": 30})  # fmt: skip
+    # L-BFGS-B stalls at gradients of 1e-7 to 1e-6, which the softest modes (stiffness about 1e-3) turn into 1e-3.
+    assert np.abs(independent.x - found.gap.ravel()).max() < 2e-3
+    assert energy <= independent.fun + 1e-12 * abs(energy)
+
+
+def test_two_level_and_single_grid_solvers_end_in_the_same_state():
+    grid, the_law, load, gap = scaled_problem(128, 1.0, size=600e-10)
+    single = AdhesiveContact(grid, 1.0, the_law, 0.01)
+    double = MultilevelContact(grid, 1.0, the_law, 0.01)
+    assert double.coarser is not None
+    one, two = (solver.solve(gap, load, 1e-10, 500) for solver in (single, double))
+    assert one.outcome is two.outcome is Outcome.CONVERGED
+    # 1e-10 E* over the softest stiffness.
+    np.testing.assert_allclose(one.gap, two.gap, atol=1e-7)
+    assert double.equivalent_pairs(grid) < single.equivalent_pairs(grid)
+
+
+def test_coarse_grids_stop_at_a_quarter_of_the_process_zone():
+    the_law = law().scaled(R0, E_STAR)
+    zone = process_zone(1.0, the_law)
+    assert zone * R0 == pytest.approx(41e-10, rel=0.01)  # SPEC: 41 Å
+    level = MultilevelContact(Grid((96, 96), (24 * zone / 2, 24 * zone / 2)), 1.0, the_law, 0.01)
+    shapes = []
+    while level is not None:
+        shapes.append(level.finest.grid.shape)
+        level = level.coarser
+    assert shapes == [(96, 96), (48, 48)]
+    assert MultilevelContact(Grid((95, 96), (2 * zone, 2 * zone)), 1.0, the_law, 0.01).coarser is None
+
+
+def test_solution_converges_faster_than_second_order_with_the_grid():
+    # A band-limited surface and a smooth law: once the process zone (41 Å) is resolved the error falls fast.
+    gaps, energies = [], []
+    for points in (64, 128, 256):
+        rough = surface(points)
+        contact = LoadedContact(rough.heights(rough.shape), rough.grid, E_STAR, law())
+        solution = contact.step(contact.separated(), 1e9)
+        gaps.append(solution.gap.mean())
+        energies.append(solution.elastic_energy)
+    for values in (np.array(gaps), np.array(energies)):
+        errors = np.abs(values[:2] - values[2]) / values[2]
+        assert errors[0] / errors[1] > 4
+        assert errors[1] < 2e-4
+
+
+@pytest.mark.parametrize("ratio", RATIOS)
+def test_residual_along_a_path(ratio):
+    rough = surface(128)
+    height = rough.heights(rough.shape)
+    contact = LoadedContact(height, rough.grid, E_STAR, law(ratio))
+    stiffness_q = stiffness(rough.grid, E_STAR)
+    displacement = contact.separated()
+    areas = []
+    for pressure in (0.1e9, 1e9, 5e9):
+        solution = contact.step(displacement, pressure)
+        displacement = solution.displacement
+        elastic = irfft2(stiffness_q * rfft2(displacement), s=height.shape)
+        traction = law(ratio).traction(displacement - height)
+        # 1e-9 for the rounding of SI against scaled units in the repulsive wall.
+        assert np.abs(elastic + traction + pressure).max() / E_STAR < 1e-8 + 1e-9
+        assert solution.converged
+        assert solution.pressure.mean() == pytest.approx(pressure, abs=1e-8 * E_STAR)
+        assert solution.elastic_energy == pytest.approx(0.5 * np.mean(elastic * displacement), rel=1e-6)
+        areas.append(relative_contact_area(solution.gap))
+    assert 0 < areas[0] < areas[1] < areas[2] < 1
+
+
+def test_harder_law_needs_no_new_constants():
+    # The preconditioner scales with law and surface: a soft, macroscopic problem converges as fast.
+    grid = Grid((64, 64), (1e-3, 1e-3))
+    y, x = grid.coordinates
+    height = 1e-6 * np.cos(2 * np.pi * y / 1e-3)[:, None] * np.cos(2 * np.pi * x / 1e-3)[None, :]
+    contact = LoadedContact(height, grid, 1e6, LennardJones104(0.005, 1e-6))
+    solution = contact.step(contact.separated(), 1e3)
+    assert solution.converged
+    assert solution.iterations < 40

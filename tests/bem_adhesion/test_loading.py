@@ -1,0 +1,145 @@
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from bem_adhesion.loading import LoadedContact
+from bem_adhesion.solution import Outcome
+from contact_study.fields.grid import Grid
+from contact_study.problem.laws.lennard_jones_10_4 import LennardJones104
+from tests.bem_adhesion.paper_system import E_STAR, R0, law, relative_contact_area, surface
+
+
+def path(contact, targets):
+    displacement = contact.separated()
+    solutions = []
+    for target in targets:
+        solutions.append(contact.step(displacement, target))
+        displacement = solutions[-1].displacement
+    return solutions
+
+
+def rough_contact(ratio, points=96, control="pressure", **keywords):
+    rough = surface(points, size=800e-10)
+    return LoadedContact(rough.heights(rough.shape), rough.grid, E_STAR, law(ratio), control, **keywords)
+
+
+def test_loading_is_reversible_at_weak_adhesion():
+    loads = [0.5e9, 1e9, 2e9]
+    forth_and_back = path(rough_contact(1.0), loads + loads[-2::-1])
+    for there, back in zip(forth_and_back[:2], forth_and_back[:2:-1], strict=True):
+        # No hysteresis: the same state, to the residual 1e-8 E* over the softest stiffness.
+        np.testing.assert_allclose(there.gap, back.gap, atol=1e-4 * R0)
+
+
+def test_loading_is_hysteretic_at_strong_adhesion():
+    there, _, back = path(rough_contact(8.0), [0.2e9, 3e9, 0.2e9])
+    assert all(solution.converged for solution in (there, back))
+    assert relative_contact_area(back.gap) > relative_contact_area(there.gap) + 0.05
+    assert back.gap.mean() < there.gap.mean()
+
+
+def test_tension_ends_in_detachment_and_contact_can_be_made_again():
+    first, pulled, apart, still_apart, again = path(rough_contact(8.0), [1e9, -0.5e9, -12e9, -1e9, 1e9])
+    assert pulled.converged
+    assert pulled.pressure.mean() == pytest.approx(-0.5e9, abs=1e-8 * E_STAR)
+    for solution in (apart, still_apart):
+        assert solution.outcome is Outcome.DETACHED
+        assert np.all(np.isinf(solution.gap))
+        assert np.all(solution.pressure == 0)
+    np.testing.assert_array_equal(first.gap, again.gap)
+
+
+def test_a_step_depends_on_its_start_and_target_only():
+    used = rough_contact(4.0)
+    start = path(used, [0.5e9, 3e9])[0].displacement
+    np.testing.assert_array_equal(used.step(start, 1e9).gap, rough_contact(4.0).step(start, 1e9).gap)
+
+
+def test_gap_control_meets_the_gap_and_agrees_with_pressure_control():
+    gaps = [12e-10, 8e-10, 2e-10]
+    held = path(rough_contact(1.0, control="gap"), gaps)
+    pressed = path(rough_contact(1.0), [solution.pressure.mean() for solution in held])
+    for gap, one, two in zip(gaps, held, pressed, strict=True):
+        assert one.gap.mean() - R0 == pytest.approx(gap, abs=1e-8 * R0)
+        # Weak adhesion has one state: residuals of 1e-8 E* over the softest stiffness.
+        np.testing.assert_allclose(one.gap, two.gap, atol=1e-4 * R0)
+
+
+def test_gap_control_passes_the_largest_tension():
+    # Under pressure control the contact would jump apart where tension falls with the gap.
+    held = path(rough_contact(8.0, control="gap"), [2e-10, 8e-10, 14e-10, 20e-10, 26e-10, 32e-10])
+    pressures = [solution.pressure.mean() for solution in held]
+    assert all(solution.outcome is Outcome.CONVERGED for solution in held)
+    lowest = int(np.argmin(pressures))
+    assert 0 < lowest < len(held) - 1
+    assert pressures[-1] > pressures[lowest]
+
+
+def test_iteration_limit_is_reported_with_its_residual():
+    solution = rough_contact(8.0, max_iterations=2).step(rough_contact(8.0).separated(), 1e9)
+    assert solution.outcome is Outcome.ITERATION_LIMIT
+    assert not solution.converged
+    assert solution.residual > 1e-8
+    assert solution.iterations == 2
+    assert "max_iterations" in solution.message
+
+
+small = settings(max_examples=8, deadline=None)
+
+
+def small_problem(shape=(20, 24)):
+    grid = Grid(shape, (150e-10, 180e-10))
+    y, x = (2 * np.pi * axis / size for axis, size in zip(grid.coordinates, grid.size, strict=True))
+    height = 4e-10 * (np.cos(y)[:, None] + np.cos(2 * x + 1)[None, :] * np.sin(y + 0.5)[:, None])
+    return height, grid
+
+
+@small
+@given(shift=st.tuples(st.integers(0, 19), st.integers(0, 23)), ratio=st.sampled_from([1.0, 8.0]))
+def test_translation_moves_the_solution(shift, ratio):
+    height, grid = small_problem()
+    contact, moved = (LoadedContact(h, grid, E_STAR, law(ratio)) for h in (height, np.roll(height, shift, (0, 1))))
+    one, two = path(contact, [2e9])[0], path(moved, [2e9])[0]
+    # The state is determined to 1e-8 E* over the softest stiffness, about 1e-3 E*/r0.
+    np.testing.assert_allclose(np.roll(one.gap, shift, (0, 1)), two.gap, atol=1e-4 * R0)
+
+
+@pytest.mark.parametrize("ratio", [1.0, 8.0])
+def test_rotation_rotates_the_solution(ratio):
+    height, grid = small_problem()
+    turned = Grid(grid.shape[::-1], grid.size[::-1])
+    one = path(LoadedContact(height, grid, E_STAR, law(ratio)), [2e9])[0]
+    two = path(LoadedContact(np.ascontiguousarray(np.rot90(height)), turned, E_STAR, law(ratio)), [2e9])[0]
+    np.testing.assert_allclose(np.rot90(one.gap), two.gap, atol=1e-4 * R0)
+
+
+@small
+@given(length=st.floats(1e-3, 1e6), stress=st.floats(1e-6, 1e3))
+def test_units_change_nothing(length, stress):
+    height, grid = small_problem()
+    original = LoadedContact(height, grid, E_STAR, law(4.0))
+    other = LoadedContact(
+        height * length,
+        Grid(grid.shape, (grid.size[0] * length, grid.size[1] * length)),
+        E_STAR * stress,
+        LennardJones104(law(4.0).work_of_adhesion * length * stress, R0 * length),
+    )
+    one, two = path(original, [2e9])[0], path(other, [2e9 * stress])[0]
+    np.testing.assert_allclose(one.gap, two.gap / length, atol=1e-4 * R0)
+    assert one.iterations == two.iterations
+
+
+def test_wrong_arguments_are_refused():
+    height, grid = small_problem()
+    with pytest.raises(ValueError, match="shape"):
+        LoadedContact(height[1:], grid, E_STAR, law())
+    with pytest.raises(ValueError, match="finite"):
+        LoadedContact(height * np.nan, grid, E_STAR, law())
+    with pytest.raises(ValueError, match="control"):
+        LoadedContact(height, grid, E_STAR, law(), control="force")
+    contact = LoadedContact(height, grid, E_STAR, law())
+    with pytest.raises(ValueError, match="target"):
+        contact.step(contact.separated(), np.inf)
+    with pytest.raises(ValueError, match="gaps"):
+        contact.step(height, 1e9)
