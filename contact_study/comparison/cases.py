@@ -1,0 +1,138 @@
+"""Points of the sweep as a reader sees them: one colour and one name each, seeds averaged."""
+
+import itertools
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from contact_study.comparison.path_points import AVERAGED, Point, path_points, swept_dims, usable
+
+_SYMBOLS = {
+    "well_depth_ratio": "ε/ε₀",
+    "hurst_exponent": "H",
+    "rms_height": "h_rms",
+    "work_of_adhesion": "Δγ",
+    "youngs_modulus": "E",
+    "poissons_ratio": "ν",
+    "cutoff_mode": "q₁/q_L",
+}
+
+
+@dataclass(frozen=True)
+class SweepPoint:
+    """One point of the sweep, all its seeds together.
+
+    Attributes
+    ----------
+    selection : dict
+        Swept coordinates but the seed.
+    label : str
+        The coordinates in words.
+    """
+
+    selection: dict[str, Any]
+    label: str
+
+
+def sweep_points(models: Mapping[str, xr.Dataset]) -> list[SweepPoint]:
+    """Points of the sweep that some model has, in their order."""
+    lead = max(models.values(), key=lambda dataset: len(swept_dims(dataset)))
+    dims = [dim for dim in swept_dims(lead) if dim != AVERAGED]
+    values = [
+        list(dict.fromkeys(v for dataset in models.values() if dim in dataset.dims for v in dataset[dim].values))
+        for dim in dims
+    ]
+    points = []
+    for combination in itertools.product(*values):
+        selection = dict(zip(dims, combination, strict=True))
+        names = [_label(dim, value, lead[dim].attrs.get("units", "1")) for dim, value in selection.items()]
+        points.append(SweepPoint(selection, ", ".join(names)))
+    return points
+
+
+def _label(dim: str, value: Any, units: str) -> str:
+    shown = f"{value:g}" if np.issubdtype(np.asarray(value).dtype, np.number) else str(value)
+    if dim == "well_depth_ratio":
+        return "ε = ε₀" if shown == "1" else f"ε = {shown} ε₀"
+    return f"{_SYMBOLS.get(dim, dim.replace('_', ' '))} = {shown}{'' if units == '1' else ' ' + units}"
+
+
+def select(dataset: xr.Dataset, point: SweepPoint) -> xr.Dataset | None:
+    """The part of a dataset at one point of the sweep, or None where it has none."""
+    chosen = {dim: value for dim, value in point.selection.items() if dim in dataset.dims}
+    if any(value not in dataset[dim].values for dim, value in chosen.items()):
+        return None
+    return dataset.sel(chosen)
+
+
+def strongest(points: list[SweepPoint]) -> SweepPoint:
+    """The point of the strongest adhesion, or the last one of another sweep."""
+    for key in ("well_depth_ratio", "work_of_adhesion"):
+        if all(key in point.selection for point in points):
+            return max(points, key=lambda point: point.selection[key])
+    return points[-1]
+
+
+@dataclass(frozen=True)
+class Series:
+    """One quantity along the path of one point of the sweep, averaged over the seeds that may be compared.
+
+    Attributes
+    ----------
+    values, standard_error : numpy.ndarray, shape (steps,)
+        Mean over seeds and its standard error, NaN with fewer than two; a point none of whose seeds converged keeps
+        what the solver left and is not ``fit``.
+    fit : numpy.ndarray of bool, shape (steps,)
+        Whether some seed converged in contact.
+    samples : numpy.ndarray of int, shape (steps,)
+        Seeds averaged.
+    """
+
+    values: np.ndarray
+    standard_error: np.ndarray
+    fit: np.ndarray
+    samples: np.ndarray
+
+
+def series(part: xr.Dataset, name: str) -> Series:
+    """A quantity on ``step`` of a part that :func:`select` gave."""
+    data, good = part[name], usable(part)
+    averaged = [AVERAGED] if AVERAGED in data.dims else []
+    good = good & data.notnull()
+    samples = good.sum(averaged) if averaged else good.astype(int)
+    if not averaged:
+        nothing = np.full(data.shape, np.nan)
+        return Series(data.values, nothing, good.values.astype(bool), samples.values)
+    mean = data.where(good).mean(AVERAGED)
+    error = data.where(good).std(AVERAGED, ddof=1).where(samples > 1) / np.sqrt(samples.where(samples > 1))
+    left = data.mean(AVERAGED).where(samples == 0)
+    return Series(mean.fillna(left).values, error.values, (samples > 0).values, samples.values)
+
+
+def case_points(part: xr.Dataset, control: str) -> list[Point | None]:
+    """Points of the path of a part that :func:`select` gave; all its seeds walk the same."""
+    prescribed, branch = part[f"applied_{control}"], part["branch"]
+    if AVERAGED in prescribed.dims:
+        prescribed = prescribed.isel({AVERAGED: 0})
+    if AVERAGED in branch.dims:
+        branch = branch.isel({AVERAGED: 0})
+    return path_points(prescribed.values, branch.values)
+
+
+def constant(part: xr.Dataset, name: str) -> float:
+    """A number of the whole path, its mean over seeds; NaN where the dataset has none."""
+    if name not in part:
+        return float("nan")
+    return float(part[name].mean())
+
+
+def first_constant(models: Mapping[str, xr.Dataset], point: SweepPoint, name: str) -> float:
+    """A number from the first model that has it; inputs of the continuum come before what atoms measured."""
+    for model in ("continuum", "theory", "atomistic"):
+        part = select(models[model], point) if model in models else None
+        if part is not None and np.isfinite(value := constant(part, name)):
+            return value
+    return float("nan")

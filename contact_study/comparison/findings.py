@@ -1,0 +1,156 @@
+"""What the numbers say, as sentences made from them alone."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+import xarray as xr
+
+from contact_study.comparison.cases import SweepPoint, select, sweep_points
+from contact_study.comparison.deviations import COMPARED
+from contact_study.comparison.path_points import AVERAGED
+from contact_study.comparison.plotted import Scales, scales
+
+MODEL_WORDS = {
+    "atomistic": "the atoms",
+    "continuum": "the continuum",
+    "theory": "Persson's theory",
+    "gap_flow": "the gap-flow theory",
+}
+
+
+@dataclass(frozen=True)
+class Spread:
+    """Deviations of one quantity between two models over a set of states.
+
+    Attributes
+    ----------
+    count : int
+        States compared.
+    median : float
+        Median of the magnitudes.
+    low, high : float
+        Extremes, with sign.
+    low_at, high_at : str
+        The states where they are.
+    """
+
+    count: int
+    median: float
+    low: float
+    high: float
+    low_at: str
+    high_at: str
+
+
+def split_pair(pair: str) -> tuple[str, str]:
+    """Model and reference of an entry of the coordinate ``pair``."""
+    model, _, reference = pair.partition(" - ")
+    return model, reference
+
+
+def spread(deviations: xr.Dataset, pair: str, name: str, points: list[SweepPoint], scale: dict[str, float]) -> Spread:
+    """Deviations over the given points of the sweep, each divided by ``scale`` of its label.
+
+    Raises
+    ------
+    ValueError
+        If nothing was compared.
+    """
+    values: list[np.ndarray] = []
+    places: list[str] = []
+    for point in points:
+        part = select(deviations.sel(pair=pair), point)
+        if part is None or name not in part:
+            continue
+        part = part.where(part["state"] == COMPARED)
+        lead = [AVERAGED] if AVERAGED in part[name].dims else []
+        array = part[name].transpose(*lead, "step").values / scale[point.label]
+        for index in zip(*np.nonzero(np.isfinite(array)), strict=True):
+            seed = f"seed {part[AVERAGED].values[index[0]]}, " if lead else ""
+            pressure = _prescribed(part).transpose(..., "step").values.reshape(-1, array.shape[-1])[-1, index[-1]]
+            label = f"{point.label}, " if point.label else ""
+            values.append(array[index])
+            places.append(f"{label}{seed}{_prescribed_words(part, pressure)}")
+    if not values:
+        raise ValueError("nothing was compared")
+    found = np.array(values)
+    low, high = int(np.argmin(found)), int(np.argmax(found))
+    return Spread(len(found), float(np.median(np.abs(found))), found[low], found[high], places[low], places[high])
+
+
+def _prescribed(part: xr.Dataset) -> xr.DataArray:
+    return part["applied_pressure"] if "applied_pressure" in part.coords else part["applied_gap"]
+
+
+def _prescribed_words(part: xr.Dataset, value: float) -> str:
+    if "applied_pressure" in part.coords:
+        return f"p = {signed(value / 1e9, 4, plus=False)} GPa"
+    return f"ū = {signed(value * 1e9, 4, plus=False)} nm"
+
+
+def signed(value: float, digits: int = 2, plus: bool = True) -> str:
+    """A number of so many significant digits with a true minus sign."""
+    return f"{value:{'+' if plus else ''}.{digits}g}".replace("-", "−")
+
+
+def percent(value: float) -> str:
+    """A signed fraction in per cent; at most one digit behind the point, which is as much as it can mean."""
+    return f"{100 * value:+.{0 if abs(value) >= 0.1 else 1}f} %".replace("-", "−")
+
+
+def headline(models: Mapping[str, xr.Dataset], deviations: xr.Dataset) -> list[str]:
+    """One sentence for each pair of models, and one on which comes nearest to the first reference."""
+    points = sweep_points(models)
+    units = {point.label: scales(models, point) for point in points}
+    sentences = []
+    medians: dict[str, float] = {}
+    for pair in deviations["pair"].values:
+        model, reference = split_pair(pair)
+        try:
+            sentences.append(_pair_sentence(deviations, pair, points, units))
+        except ValueError:
+            sentences.append(
+                f"Between {MODEL_WORDS[model]} and {MODEL_WORDS[reference]} no state could be compared: none was "
+                "found converged and in contact by both."
+            )
+            continue
+        if reference == split_pair(deviations["pair"].values[0])[1]:
+            medians[model] = _area_spread(deviations, pair, points).median
+    if len(medians) > 1:
+        order = sorted(medians, key=medians.__getitem__)
+        listed = ", then ".join(f"{MODEL_WORDS[model]} ({100 * medians[model]:.2g} %)" for model in order)
+        reference = split_pair(deviations["pair"].values[0])[1]
+        sentences.insert(
+            0, f"By the median relative deviation of contact area, nearest to {MODEL_WORDS[reference]}: {listed}."
+        )
+    return sentences
+
+
+def _area_spread(deviations: xr.Dataset, pair: str, points: list[SweepPoint]) -> Spread:
+    ones = {point.label: 1.0 for point in points}
+    return spread(deviations, pair, "relative_contact_area_relative_deviation", points, ones)
+
+
+def _pair_sentence(deviations: xr.Dataset, pair: str, points: list[SweepPoint], units: dict[str, Scales]) -> str:
+    model, reference = split_pair(pair)
+    area = _area_spread(deviations, pair, points)
+    words = (
+        f"{_sentence_case(MODEL_WORDS[model])} against {MODEL_WORDS[reference]}: contact area between "
+        f"{percent(area.low)} ({area.low_at}) and {percent(area.high)} ({area.high_at}), "
+        f"{100 * area.median:.2g} % in the median of {area.count} states"
+    )
+    heights = {label: unit.rms_height for label, unit in units.items()}
+    try:
+        gap = spread(deviations, pair, "mean_gap_deviation", points, heights)
+    except ValueError:
+        return words + "."
+    symbol = next(iter(units.values())).height_symbol.replace("h_rms", "h<sub>rms</sub>")
+    return (
+        f"{words}; mean gap between {signed(gap.low)} ({gap.low_at}) and {signed(gap.high)} ({gap.high_at}) {symbol}, "
+        f"{gap.median:.2g} {symbol} in the median of {gap.count}."
+    )
+
+
+def _sentence_case(words: str) -> str:
+    return words[0].upper() + words[1:]

@@ -1,0 +1,156 @@
+"""Numbers that tell which physics rules a contact, from its roughness, its modulus and its adhesion."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+import xarray as xr
+
+from contact_study.comparison.cases import SweepPoint, constant, first_constant, select, sweep_points
+from contact_study.fields import fourier
+from contact_study.fields.grid import Grid
+from contact_study.problem.errors import InputError
+from contact_study.problem.study import Case, Study
+from contact_study.problem.surface import realise
+
+# A grid coarser than this share of the process zone traps contact edges between its points.
+COARSEST_PIXEL = 0.25
+
+
+@dataclass(frozen=True)
+class Roughness:
+    """Moments of one surface.
+
+    Attributes
+    ----------
+    rms_height : float
+        (m)
+    rms_slope : float
+        √<|∇h|²>.
+    rms_laplacian : float
+        √<(∇²h)²> (1/m).
+    area_factor : float
+        True over projected area, <√(1 + |∇h|²)>.
+    conformal_energy : float
+        Elastic energy of full contact over the contact modulus, ¼ Σ q |h_q|² per area (m).
+    """
+
+    rms_height: float
+    rms_slope: float
+    rms_laplacian: float
+    area_factor: float
+    conformal_energy: float
+
+
+def roughness(heights: np.ndarray, size: tuple[float, float]) -> Roughness:
+    """Moments of a periodic surface from its Fourier series.
+
+    Parameters
+    ----------
+    heights : numpy.ndarray, shape (ny, nx)
+        (m)
+    size : tuple of float
+        Periods along y and x (m).
+    """
+    grid = Grid(heights.shape, size)
+    spectrum_q = fourier.transform(heights - heights.mean())
+    power_q = grid.multiplicity * np.abs(spectrum_q) ** 2
+    q = grid.wavenumber
+    slope_y, slope_x = (fourier.synthesise(1j * axis * spectrum_q, heights.shape) for axis in grid.wavevectors)
+    return Roughness(
+        rms_height=float(np.sqrt(np.sum(power_q))),
+        rms_slope=float(np.sqrt(np.sum(q**2 * power_q))),
+        rms_laplacian=float(np.sqrt(np.sum(q**4 * power_q))),
+        area_factor=float(np.mean(np.sqrt(1 + slope_y**2 + slope_x**2))),
+        conformal_energy=float(0.25 * np.sum(q * power_q)),
+    )
+
+
+def compute_regime(models: Mapping[str, xr.Dataset], study: Study) -> xr.Dataset:
+    """Regime numbers at each point of the sweep, on its swept dimensions without the seed.
+
+    With R = 2/√<(∇²h)²>, the radius of the root-mean-square mean curvature, the Tabor parameter at the scale of the
+    roughness is μ = (R Δγ²/E*² r₀³)^(1/3); θ = Δγ S/U_full compares what full contact gains with what it costs
+    (Persson and Tosatti, J. Chem. Phys. 115, 5597 (2001)).
+    """
+    points = sweep_points(models)
+    numbers = [_regime(models, point, _roughness_of(models, point, study)) for point in points]
+    dims = list(points[0].selection)
+    lead = max(models.values(), key=lambda dataset: len(dataset.sizes))
+    data = {}
+    for name, (units, long_name) in _MEANINGS.items():
+        column = xr.DataArray([row[name] for row in numbers], dims="case")
+        if dims:
+            values = [list(dict.fromkeys(point.selection[dim] for point in points)) for dim in dims]
+            array = column.values.reshape([len(v) for v in values])
+            column = xr.DataArray(
+                array, dims=dims, coords={d: (d, v, lead[d].attrs) for d, v in zip(dims, values, strict=True)}
+            )
+        else:
+            column = column[0]
+        data[name] = column.assign_attrs(units=units, long_name=long_name)
+    return xr.Dataset(data)
+
+
+_MEANINGS = {
+    "tabor_parameter": ("1", "Tabor parameter at the scale of the roughness, R = 2 / rms Laplacian"),
+    "process_zone": ("m", "length of the process zone of a crack, E* Δγ / σ_max²"),
+    "pixel_over_process_zone": ("1", "grid spacing of the continuum over the process zone"),
+    "adhesion_over_elastic_energy": ("1", "θ = Δγ S / U_full, adhesion gained over elastic energy paid in full contact"),
+    "full_contact_stress_over_peak": ("1", "rms stress of full contact, E* rms slope / 2, over the largest tensile stress"),
+    "full_contact_energy": ("J m-2", "elastic energy of full contact per nominal area"),
+    "area_factor": ("1", "true over projected area of the surface"),
+    "rms_slope": ("1", "root-mean-square slope of the surface"),
+    "rms_laplacian": ("m-1", "root-mean-square Laplacian of the surface"),
+}
+
+
+def _regime(models: Mapping[str, xr.Dataset], point: SweepPoint, surface: Roughness | None) -> dict[str, float]:
+    modulus, work, distance, peak = (
+        first_constant(models, point, name)
+        for name in ("contact_modulus", "work_of_adhesion", "equilibrium_distance", "peak_tensile_stress")
+    )
+    zone = modulus * work / peak**2 if peak > 0 else np.nan
+    continuum = select(models["continuum"], point) if "continuum" in models else None
+    pixel = constant(continuum, "pixel") if continuum is not None else np.nan
+    numbers = dict.fromkeys(_MEANINGS, float("nan"))
+    numbers |= {"process_zone": zone, "pixel_over_process_zone": pixel / zone if zone else np.nan}
+    if surface is None or surface.rms_slope == 0:
+        return numbers
+    energy = modulus * surface.conformal_energy
+    radius = 2 / surface.rms_laplacian
+    tabor = np.cbrt(radius * work**2 / (modulus**2 * distance**3)) if distance > 0 else np.nan
+    return numbers | {
+        "tabor_parameter": float(tabor),
+        "adhesion_over_elastic_energy": work * surface.area_factor / energy,
+        "full_contact_stress_over_peak": 0.5 * modulus * surface.rms_slope / peak if peak > 0 else np.nan,
+        "full_contact_energy": energy,
+        "area_factor": surface.area_factor,
+        "rms_slope": surface.rms_slope,
+        "rms_laplacian": surface.rms_laplacian,
+    }
+
+
+def _roughness_of(models: Mapping[str, xr.Dataset], point: SweepPoint, study: Study) -> Roughness | None:
+    """Moments of the surface of a point of the sweep, of its first seed; None for what is no periodic roughness."""
+    case = next(case for case in study.cases if _is_at(case, point))
+    if case.surface.kind == "sphere":
+        return None
+    try:
+        surface = realise(case)
+    except InputError:  # a height map that is no longer where the study names it
+        return _from_dataset(models, point)
+    return roughness(surface.heights(surface.shape), surface.size)
+
+
+def _is_at(case: Case, point: SweepPoint) -> bool:
+    return all(case.coordinates.get(name, value) == value for name, value in point.selection.items())
+
+
+def _from_dataset(models: Mapping[str, xr.Dataset], point: SweepPoint) -> Roughness | None:
+    for dataset in models.values():
+        part = select(dataset, point)
+        if part is not None and "height" in part and part["height"].ndim == 2:
+            y, x = part["y"].values, part["x"].values
+            return roughness(part["height"].values, (len(y) * (y[1] - y[0]), len(x) * (x[1] - x[0])))
+    return None

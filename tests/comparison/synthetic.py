@@ -1,0 +1,149 @@
+"""Small datasets of the three models with known numbers, assembled as a campaign assembles its own."""
+
+import tomllib
+
+import numpy as np
+
+from contact_study.campaign.schema import SCHEMA_VERSION
+from contact_study.campaign.storage import assemble, write_dataset
+from contact_study.problem.bins import with_bins
+from contact_study.problem.study import make_study
+from contact_study.problem.surface import realise
+
+STUDY = """
+[study]
+title = "synthetic"
+[surface]
+kind = "self_affine"
+size = "416 angstrom"
+shape = [24, 24]
+rms_height = "10 angstrom"
+roll_off_mode = 2
+cutoff_mode = 6
+normalisation = "realised"
+[material]
+youngs_modulus = "77.2 GPa"
+poissons_ratio = 0.42
+lattice_constant = "2.6 angstrom"
+[interaction]
+well_depth = "18.6 meV"
+length = "3.28 angstrom"
+contact_distance = "3.68 angstrom"
+[loading]
+path = ["0.1 GPa", "0.7799 GPa", "5.8725 GPa"]
+[output]
+fields = true
+pressure_bins = 40
+gap_bins = 30
+[sweep]
+"interaction.well_depth_ratio" = [1, 8]
+[[override]]
+when = { "interaction.well_depth_ratio" = 8 }
+"loading.path" = ["0.1 GPa", "-0.4987 GPa", "0.7799 GPa", "5.8725 GPa"]
+"""
+
+# Contact areas: the continuum's times these.
+AREA_FACTOR = {"continuum": 1.0, "atomistic": 0.9, "theory": 0.5, "gap_flow": 1.25}
+# Mean gaps: the continuum's plus these (m).
+GAP_SHIFT = {"continuum": 0.0, "atomistic": 0.5e-10, "theory": -1e-10, "gap_flow": 0.2e-10}
+
+
+def area(ratio, pressure, seed=1):
+    """The continuum's made-up contact area."""
+    return 1 - np.exp(-(0.05 * ratio + pressure / 8e9) * (1 + 0.01 * seed) - 0.02)
+
+
+def gap(ratio, pressure, seed=1):
+    """The continuum's made-up mean gap (m)."""
+    return 1e-9 * (0.3 + 0.01 * seed) * np.exp(-pressure / 2e9) / ratio
+
+
+def study(text=STUDY):
+    return with_bins(make_study(tomllib.loads(text)))
+
+
+def write(path, kind, text=STUDY, unconverged=(), detached=(), **attrs):
+    """Write the dataset of one model; ``unconverged`` and ``detached`` are pairs (case number, step)."""
+    asked = study(text)
+    cases = []
+    for number, case in enumerate(asked.cases):
+        steps = [
+            {
+                **_values(case, kind, pressure),
+                "branch": branch == "unloading",
+                "converged": (number, step) not in unconverged,
+                "detached": (number, step) in detached,
+            }
+            for step, (pressure, branch) in enumerate(case.path)
+        ]
+        cases.append((case.index, _constants(case, kind), steps))
+    bins = asked.cases[0].bins
+    groups = assemble(asked.sweep, cases, {"pressure_bin": bins.pressure, "gap_bin": bins.gap})
+    groups[""].attrs.update(
+        {
+            "Conventions": "CF-1.11",
+            "title": asked.title,
+            "source": f"synthetic {kind}",
+            "history": "2026-01-01T00:00:00+00:00: made up",
+            "references": "none",
+            "git_commit": "0" * 40,
+            "warnings": "",
+            "model": kind,
+            "study_toml": asked.toml,
+            "schema_version": SCHEMA_VERSION,
+            "version": "0.1.0",
+        }
+        | attrs
+    )
+    write_dataset(path, groups)
+    return path
+
+
+def write_all(folder, text=STUDY, **options):
+    return [write(folder / f"{kind}.nc", kind, text, **options) for kind in ("continuum", "atomistic", "theory")]
+
+
+def _constants(case, kind):
+    surface = realise(case)
+    constants = {
+        "contact_modulus": case.material.contact_modulus,
+        "work_of_adhesion": case.work_of_adhesion,
+        "equilibrium_distance": case.law.equilibrium_distance,
+        "peak_tensile_stress": case.law.peak_tensile_stress,
+        "rms_height": surface.rms_height,
+        "rms_slope": surface.rms_slope,
+        "contact_distance": case.contact_distance,
+    }
+    if kind != "theory":
+        y, x = surface.grid.coordinates
+        constants |= {"y": y, "x": x, "height": surface.heights(surface.shape), "pixel": max(surface.grid.spacing)}
+    return constants
+
+
+def _values(case, kind, pressure):
+    ratio, seed = case.interaction.well_depth_ratio, case.surface.seed
+    values = {"applied_pressure": pressure, "residual": 1e-9, "iterations": 7, "wall_time": 0.5, "message": ""}
+    for model in ("theory", "gap_flow") if kind == "theory" else (kind,):
+        prefix = "gap_flow/" if model == "gap_flow" else ""
+        contact = min(1.0, AREA_FACTOR[model] * area(ratio, pressure, seed))
+        shifted = gap(ratio, pressure, seed) + GAP_SHIFT[model]
+        values |= {
+            f"{prefix}mean_pressure": pressure,
+            f"{prefix}relative_contact_area": contact,
+            f"{prefix}mean_gap": np.nan if model == "theory" and pressure < 0 else shifted,
+            f"{prefix}elastic_energy": 0.1 * contact,
+            f"{prefix}pressure_pdf": contact * _bell(case.bins.pressure_edges, pressure, 6e9 * ratio**0.3),
+        }
+        if model != "theory":
+            values[f"{prefix}gap_pdf"] = _bell(case.bins.gap_edges, shifted + 3.28e-10, 4e-10)
+    if kind != "theory":
+        field = realise(case).heights(case.surface.shape)
+        values["gap"] = field - field.min() + 3e-10
+    return values
+
+
+def _bell(edges, centre, width):
+    """A density on bins whose integral is one."""
+    middle = 0.5 * (edges[1:] + edges[:-1])
+    shape = np.exp(-0.5 * ((middle - centre) / width) ** 2)
+    return shape / np.sum(shape * np.diff(edges))
