@@ -128,8 +128,8 @@ def gap_flow(
     contact_modulus: float,
     law: TractionLaw,
     branch: str = "equilibrium",
-    gaps: int = 1600,
-    scales: int = 400,
+    gaps: int = 800,
+    scales: int = 1600,
 ) -> GapFlow:
     """Flow a traction-separation law through a roughness spectrum.
 

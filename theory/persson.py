@@ -182,7 +182,7 @@ class PerssonContact:
     @property
     def detached(self) -> bool:
         """Whether no contact is left: without pressure the iteration ends near zero area, not on it."""
-        return self.pressure <= 0 and self.relative_contact_area < 1e-9
+        return self.pressure <= 0 and self.relative_contact_area < 1e-6
 
     @property
     def effective_work_of_adhesion(self) -> np.ndarray:
@@ -280,11 +280,12 @@ def _damped_fixed_point(
     max_iterations: int,
 ) -> PerssonContact:
     """Iterate σ_a with relaxation 0.8, less where that stagnates: an alternating map overshoots its fixed point."""
-    relaxation, previous = 0.8, np.inf
-    for iterations in range(1, max_iterations + 1):
+    relaxation, previous, iterations = 0.8, np.inf, 0
+    while True:
         target, distribution = updated(stress)
+        iterations += 1
         change = float(np.max(np.abs(target - stress)))
-        if change <= tolerance:
+        if change <= tolerance or iterations == max_iterations:
             break
         if change > 0.9 * previous:
             relaxation = max(0.7 * relaxation, 0.1)

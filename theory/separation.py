@@ -108,21 +108,12 @@ def separation_curve(theory: PerssonTheory, lowest: float, per_decade: int = 12)
     return SeparationCurve(pressure[::-1], tuple(reversed(contacts)))
 
 
-def energy_defect(theory: PerssonTheory, contact: PerssonContact | None = None) -> float:
-    """dU/dp at p = 0 on the adhered branch (m): zero without sticking, else what makes ū diverge.
-
-    Parameters
-    ----------
-    theory : PerssonTheory
-        Interface and choices.
-    contact : PerssonContact, optional
-        A state near zero pressure to start from.
-    """
-    start: np.ndarray | str = contact.detachment_stress if contact is not None else "adhered"
-    at_rest = solve(theory, 0.0, start)
+def energy_defect(theory: PerssonTheory) -> float:
+    """dU/dp at p = 0 on the adhered branch (m): zero without sticking, else what makes ū diverge there."""
+    at_rest = solve(theory, 0.0)
     if at_rest.detached:
         return 0.0
-    # Central difference: its error is of second order in a step that rounding and iteration errors still allow.
+    # Central difference: its error is of second order in a step that the iteration's tolerance still allows.
     step = 1e-3 * theory.stress_scale
     pressed = solve(theory, step, at_rest.detachment_stress)
     pulled = solve(theory, -step, at_rest.detachment_stress)

@@ -1,0 +1,286 @@
+"""Both theories of a case as a campaign runs them, and the command ``persson-theory``.
+
+The root of the dataset holds Persson's theory as the paper used it; the group ``gap_flow`` the equilibrium of the
+gap-flow theory, and ``gap_flow/loading`` and ``gap_flow/unloading`` the two branches that enclose what is reached.
+"""
+
+import warnings
+from collections.abc import Iterator, Mapping, Sequence
+
+import numpy as np
+from scipy.optimize import brentq
+
+from contact_study.campaign import command
+from contact_study.campaign.model import Model
+from contact_study.campaign.record import Step, Value
+from contact_study.fields.spectrum import RoughnessSpectrum
+from contact_study.problem.errors import InputError
+from contact_study.problem.laws.base import TractionLaw
+from contact_study.problem.study import Case
+from contact_study.problem.surface import Surface
+from theory.gap_flow import BRANCHES, GapFlow, gap_flow
+from theory.gap_state import GapState
+from theory.persson import PerssonContact, PerssonTheory, solve
+from theory.separation import SeparationCurve, energy_defect, pull_off_pressure, separation_curve
+
+MODEL = Model(
+    command="persson-theory",
+    kind="theory",
+    module="theory.run",
+    description="Persson's theory of rough contact with adhesion, and the gap-flow theory beside it",
+    references="C. Yang, B. N. J. Persson, J. Israelachvili, K. Rosenberg, EPL 84, 46004 (2008); "
+    "B. N. J. Persson, J. Chem. Phys. 115, 3840 (2001)",
+)
+
+# Wavevectors at which the magnification-resolved quantities are stored.
+_STORED_WAVEVECTORS = 129
+
+# Below this pressure, in units of the full-contact stress, a mean gap is not sought.
+_LOWEST_PRESSURE = 1e-14
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """The command ``persson-theory``; returns the exit status."""
+    return command.main(MODEL, arguments)
+
+
+def check(case: Case) -> None:
+    """Make sure that there is a spectrum to work with.
+
+    Raises
+    ------
+    InputError
+        If the surface is flat, or the analytic spectrum is asked of a surface that has none.
+    """
+    kind = case.surface.kind
+    if kind == "flat":
+        raise InputError('surface.kind = "flat": a theory of roughness needs a rough surface')
+    if kind != "self_affine" and case.theory.spectrum == "analytic":
+        raise InputError(f'theory.spectrum = "analytic": surface.kind = "{kind}" has none; use "surface"')
+
+
+def roughness(case: Case, surface: Surface) -> RoughnessSpectrum:
+    """The spectrum that the case asks for.
+
+    Raises
+    ------
+    InputError
+        If a height map is flat.
+    """
+    if case.theory.spectrum == "analytic" and surface.spectrum is not None:
+        return surface.spectrum
+    try:
+        return surface.measured_spectrum()
+    except ValueError as error:
+        raise InputError(f"surface: {error}") from None
+
+
+def persson_theory(case: Case, surface: Surface) -> PerssonTheory:
+    """Persson's theory with the choices of the case."""
+    chosen = case.theory
+    return PerssonTheory(
+        roughness(case, surface),
+        case.material.contact_modulus,
+        case.law.work_of_adhesion,
+        chosen.energy_weight,
+        chosen.beta,
+        chosen.true_area,
+        chosen.alpha,
+        case.law.peak_tensile_stress if chosen.cap_detachment_stress else np.inf,
+    )
+
+
+def constants(case: Case, surface: Surface) -> dict[str, Value]:
+    """What does not change along the path."""
+    theory, law = persson_theory(case, surface), case.law
+    spectrum = theory.spectrum
+    values: dict[str, Value] = {
+        "contact_modulus": theory.contact_modulus,
+        "work_of_adhesion": law.work_of_adhesion,
+        "equilibrium_distance": law.equilibrium_distance,
+        "peak_tensile_stress": law.peak_tensile_stress,
+        "contact_distance": case.contact_distance,
+        "rms_height": float(np.sqrt(spectrum.mean_square_height)),
+        "rms_slope": spectrum.rms_slope,
+        "energy_defect": energy_defect(theory),
+        "pull_off_pressure": pull_off_pressure(theory),
+        "wavevector": _stored_wavevectors(theory),
+    }
+    if isinstance(law, TractionLaw):
+        for branch in BRANCHES:
+            flow = gap_flow(spectrum, theory.contact_modulus, law, branch)
+            values[_name(branch, "pull_off_pressure")] = flow.pull_off_pressure
+    return values
+
+
+def solve_path(
+    case: Case, surface: Surface, restart: Mapping[str, np.ndarray] | None = None, start: int = 0
+) -> Iterator[Step]:
+    """Yield a step for each path point from number ``start`` on.
+
+    Each state of Persson's theory starts from the one before, since under tension the branch matters; the first from
+    the adhered branch, which the paper follows.
+
+    Parameters
+    ----------
+    case : Case
+        The case.
+    surface : Surface
+        Its surface.
+    restart : mapping, optional
+        ``Step.restart`` of point ``start`` − 1; None at the first.
+    start : int, optional
+        Number of the first point to solve.
+    """
+    theory = persson_theory(case, surface)
+    curve = _separation(case, theory)
+    flows = _gap_flow_path(case, theory.spectrum)
+    by_pressure = case.loading.control == "pressure"
+    pressures = [value if by_pressure else _pressure_at(curve, value) for value, _ in case.path]
+    gaps = curve.mean_gap(np.array(pressures))
+    stress: np.ndarray | str = "adhered" if restart is None else restart["detachment_stress"]
+    for number in range(start, len(case.path)):
+        contact = solve(theory, pressures[number], stress, max_iterations=case.solver.max_iterations)
+        stress = contact.detachment_stress
+        values = _persson_values(case, contact) | {"mean_gap": float(gaps[number])}
+        for branch in flows:
+            values |= branch[number]
+        yield Step(values, restart={"detachment_stress": stress})
+
+
+def _separation(case: Case, theory: PerssonTheory) -> SeparationCurve:
+    """The separation curve down to the lowest pressure, or out to the largest gap, of the path."""
+    if case.loading.control == "pressure":
+        # Tension has no separation; a curve that nothing is read from stays short.
+        lowest = min((p for p, _ in case.path if p > 0), default=theory.stress_scale)
+        return separation_curve(theory, min(lowest, theory.stress_scale))
+    lowest, largest = 1e-3, max(gap for gap, _ in case.path)
+    while True:
+        curve = separation_curve(theory, lowest * theory.stress_scale)
+        if lowest < _LOWEST_PRESSURE or _quiet_gap(curve, curve.pressure[0]) > largest:
+            return curve
+        lowest *= 1e-3
+
+
+def _quiet_gap(curve: SeparationCurve, pressure: float) -> float:
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        return float(curve.mean_gap(pressure))
+
+
+def _pressure_at(curve: SeparationCurve, gap: float) -> float:
+    """Lowest pressure at which the mean gap has fallen to ``gap``.
+
+    Raises
+    ------
+    InputError
+        If the theory reaches no such gap.
+    """
+    gaps = np.array([_quiet_gap(curve, p) for p in curve.pressure])
+    reached = np.flatnonzero(gaps <= gap)
+    if gap <= 0 or reached.size == 0 or reached[0] == 0:
+        raise InputError(
+            f"loading.path: Persson's theory has no pressure for a mean gap of {gap:g} m; it reaches "
+            f"0 to {gaps[0]:.3g} m"
+        )
+    low, high = np.log(curve.pressure[reached[0] - 1 : reached[0] + 1])
+    return float(np.exp(brentq(lambda x: _quiet_gap(curve, np.exp(x)) - gap, low, high, xtol=1e-10)))
+
+
+def _stored_wavevectors(theory: PerssonTheory) -> np.ndarray:
+    return np.geomspace(*theory.spectrum.limits, _STORED_WAVEVECTORS)
+
+
+def _persson_values(case: Case, contact: PerssonContact) -> dict[str, Value]:
+    theory = contact.theory
+    stored, nodes = np.log(_stored_wavevectors(theory)), np.log(theory.wavevectors)
+    message = ""
+    if contact.detached:
+        message = "detached: the adhered branch ends above this pressure"
+    elif contact.pressure <= 0:
+        message = "the theory's mean gap diverges at zero pressure and is not defined under tension"
+    elif not contact.converged:
+        message = "the detachment stress did not converge; raise solver.max_iterations"
+    return {
+        "mean_pressure": contact.pressure,
+        "relative_contact_area": contact.relative_contact_area,
+        "elastic_energy": contact.elastic_energy,
+        "interaction_energy": contact.adhesion_energy,
+        "pressure_pdf": contact.pressure_density(case.bins.pressure_edges),
+        "contact_stress": contact.contact_force,
+        "edge_stress": contact.edge_force,
+        "relative_contact_area_at": np.interp(stored, nodes, contact.contact),
+        "detachment_stress": np.interp(stored, nodes, contact.detachment_stress),
+        "effective_work_of_adhesion": np.interp(stored, nodes, contact.effective_work_of_adhesion),
+        "converged": contact.converged,
+        "detached": contact.detached,
+        "message": message,
+        "residual": contact.residual * theory.stress_scale / theory.contact_modulus,
+        "iterations": contact.iterations,
+    }
+
+
+def _gap_flow_path(case: Case, spectrum: RoughnessSpectrum) -> list[list[dict[str, Value]]]:
+    """Values of each path point in each branch; none for a hard wall, which has no law to flow."""
+    if not isinstance(case.law, TractionLaw):
+        return []
+    flows = [gap_flow(spectrum, case.material.contact_modulus, case.law, branch) for branch in BRANCHES]
+    return [_flow_values(case, flow) for flow in flows]
+
+
+def _flow_values(case: Case, flow: GapFlow) -> list[dict[str, Value]]:
+    zero = case.law.equilibrium_distance
+    if case.loading.control == "pressure":
+        gaps = np.array([flow.gap_at(pressure) for pressure, _ in case.path])
+    else:
+        gaps = np.array([value + zero for value, _ in case.path])
+    held = np.isfinite(gaps)
+    states = iter(flow.states(gaps[held]))
+    return [
+        {
+            _name(flow.branch, key): value
+            for key, value in _state_values(case, next(states) if there else None, path_value).items()
+        }
+        for there, (path_value, _) in zip(held, case.path, strict=True)
+    ]
+
+
+def _state_values(case: Case, state: GapState | None, applied: float) -> dict[str, Value]:
+    """Quantities of one state; NaN where the branch has none, because the block has come off."""
+    pressure_edges, gap_edges = case.bins.pressure_edges, case.bins.gap_edges
+    if state is None:
+        nan = float("nan")
+        return {
+            "mean_pressure": applied,
+            "mean_gap": nan,
+            "relative_contact_area": 0.0,
+            "relative_repulsive_area": 0.0,
+            "elastic_energy": nan,
+            "interaction_energy": nan,
+            "pressure_pdf": np.full(pressure_edges.size - 1, nan),
+            "gap_pdf": np.full(gap_edges.size - 1, nan),
+            "converged": True,
+            "detached": True,
+            "residual": nan,
+        }
+    return {
+        "mean_pressure": state.pressure,
+        "mean_gap": state.mean_gap - case.law.equilibrium_distance,
+        "relative_contact_area": state.fraction_below(case.contact_distance),
+        "relative_repulsive_area": state.relative_repulsive_area,
+        "elastic_energy": state.elastic_energy,
+        "interaction_energy": state.interaction_energy,
+        "pressure_pdf": state.pressure_density(pressure_edges),
+        "gap_pdf": state.gap_density(gap_edges),
+        "converged": True,
+        "detached": False,
+        "residual": abs(state.mean_traction - state.pressure) / case.material.contact_modulus,
+    }
+
+
+def _name(branch: str, quantity: str) -> str:
+    return f"gap_flow/{quantity}" if branch == "equilibrium" else f"gap_flow/{branch}/{quantity}"
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())
