@@ -1,0 +1,57 @@
+"""The analytic references against limits and published numbers of their own."""
+
+import numpy as np
+import pytest
+
+from tests import reference_problems as reference
+
+
+@pytest.mark.parametrize(
+    ("parameter", "pull_off"), [(0.01, 1.9983), (0.1, 1.9506), (0.5, 1.7182), (1, 1.6007), (2, 1.5346), (5, 1.5063)]
+)
+def test_maugis_pull_off_lies_between_jkr_and_dmt(parameter, pull_off):
+    assert reference.maugis_dugdale_pull_off(parameter) == pytest.approx(pull_off, abs=5e-5)  # its four digits
+
+
+def test_maugis_parameter_of_two_laws():
+    arguments = {"radius": 1e-6, "contact_modulus": 1e9, "work_of_adhesion": 0.05}
+    length = 3e-10
+    tabor = reference.tabor_parameter(**arguments, length=length)
+    for peak, ratio in ((16 / (9 * np.sqrt(3)), 1.1570), (1.8850, 2.125)):
+        found = reference.maugis_parameter(**arguments, peak_tensile_stress=peak * 0.05 / length)
+        assert found / tabor == pytest.approx(ratio, abs=5e-4)
+
+
+def test_jkr_limits():
+    radius, modulus, force = 1e-6, 1e9, 1e-7
+    assert reference.jkr_contact_radius(force, radius, modulus, 0.0) == pytest.approx(
+        reference.hertz_contact_radius(force, radius, modulus)
+    )
+    pull_off = reference.jkr_pull_off_force(radius, 0.05)
+    cube = reference.jkr_contact_radius(pull_off * (1 - 1e-12), radius, modulus, 0.05) ** 3
+    # A square root of the distance 1e-12 to the fold.
+    assert cube == pytest.approx(9 * np.pi * 0.05 * radius**2 / (8 * modulus), rel=1e-5)
+
+
+def test_hertz_pressure_carries_the_force():
+    radius, modulus, force = 1e-6, 1e9, 1e-7
+    edge = reference.hertz_contact_radius(force, radius, modulus)
+    r = np.linspace(0, edge, 20001)
+    carried = np.trapezoid(2 * np.pi * r * reference.hertz_pressure(r, force, radius, modulus), r)
+    assert carried == pytest.approx(force, rel=1e-5)  # trapezia at a root singularity, 20000 of them
+
+
+def test_wave_closes_and_snaps():
+    assert reference.wave_relative_area(1.0) == pytest.approx(1)
+    assert reference.wave_relative_pressure(reference.wave_relative_area(0.3)) == pytest.approx(0.3)
+    assert reference.wave_relative_mean_gap(1e-9, 0.0) == pytest.approx(1)
+    area = np.linspace(0.001, 0.999, 10000)
+    assert reference.wave_relative_pressure(area, 0.56).max() > 0
+    assert reference.wave_relative_pressure(area, 0.575).max() < 0
+
+
+def test_egg_box_limits_join_at_full_contact():
+    assert reference.egg_box_heavy_area(1.0) == 1
+    assert reference.egg_box_light_area(1e-6) == pytest.approx(
+        2 * np.pi * (3 * np.sqrt(2) * 1e-6 / (32 * np.pi)) ** (2 / 3)
+    )
