@@ -83,8 +83,8 @@ class Series:
     Attributes
     ----------
     values, standard_error : numpy.ndarray, shape (steps,)
-        Mean over seeds and its standard error, NaN with fewer than two; a point none of whose seeds converged keeps
-        what the solver left and is not ``fit``.
+        Mean over seeds and its standard error, NaN with fewer than two; NaN where the surfaces have detached. A point
+        none of whose seeds converged keeps what the solver left and is not ``fit``.
     fit : numpy.ndarray of bool, shape (steps,)
         Whether some seed converged in contact.
     samples : numpy.ndarray of int, shape (steps,)
@@ -100,6 +100,8 @@ class Series:
 def series(part: xr.Dataset, name: str) -> Series:
     """A quantity on ``step`` of a part that :func:`select` gave."""
     data, good = part[name], usable(part)
+    if "detached" in part:
+        data = data.where(part["detached"] != 1)
     averaged = [AVERAGED] if AVERAGED in data.dims else []
     good = good & data.notnull()
     samples = good.sum(averaged) if averaged else good.astype(int)

@@ -48,6 +48,8 @@ class Inputs:
         File of each of the models ``continuum``, ``atomistic`` and ``theory`` that is there.
     models : dict
         Dataset of each model, ``gap_flow`` standing beside ``theory``, whose file holds both.
+    branches : dict
+        The metastable branches that enclose the gap-flow theory, ``loading`` and ``unloading``, if they are there.
     studies : dict
         Study of each file.
     notes : tuple of str
@@ -56,6 +58,7 @@ class Inputs:
 
     paths: dict[str, Path]
     models: dict[str, xr.Dataset]
+    branches: dict[str, xr.Dataset]
     studies: dict[str, Study]
     notes: tuple[str, ...] = ()
 
@@ -81,6 +84,7 @@ def read_inputs(paths: Sequence[Path]) -> Inputs:
     """
     files: dict[str, Path] = {}
     models: dict[str, xr.Dataset] = {}
+    branches: dict[str, xr.Dataset] = {}
     studies: dict[str, Study] = {}
     for path in paths:
         groups = _open(path)
@@ -90,13 +94,15 @@ def read_inputs(paths: Sequence[Path]) -> Inputs:
         files[kind] = path
         models[kind] = groups[""]
         if kind == "theory" and "gap_flow" in groups:
-            models["gap_flow"] = groups["gap_flow"].assign_attrs(groups[""].attrs)
+            models["gap_flow"] = groups["gap_flow"]
+            sides = {side: groups.get(f"gap_flow/{side}") for side in ("loading", "unloading")}
+            branches = {side: dataset for side, dataset in sides.items() if dataset is not None}
         studies[kind] = _study(path, groups[""])
     if len(files) < 2:
         raise InputError("a comparison needs the datasets of at least two models: continuum, atomistic, theory")
     notes = tuple(_check_pairs(files, studies))
     ordered = {name: models[name] for name in MODELS if name in models}
-    return Inputs(files, ordered, studies, notes)
+    return Inputs(files, ordered, branches, studies, notes)
 
 
 def _open(path: Path) -> dict[str, xr.Dataset]:
@@ -107,7 +113,7 @@ def _open(path: Path) -> dict[str, xr.Dataset]:
         with xr.open_datatree(path, engine="netcdf4", decode_timedelta=False) as tree:
             attrs = tree.attrs
             foreign = "schema_version" not in attrs or attrs.get("model") not in _ROOTS
-            groups = {} if foreign else {name: _in_memory(node) for name, node in _named_groups(tree)}
+            groups = {} if foreign else {node.path.strip("/"): _in_memory(node) for node in tree.subtree}
     except (OSError, RuntimeError, ValueError) as error:
         reason = str(error).splitlines()[0] if str(error) else type(error).__name__
         raise InputError(f"{path}: cannot be read as NetCDF, perhaps cut short ({reason})") from None
@@ -116,12 +122,6 @@ def _open(path: Path) -> dict[str, xr.Dataset]:
     if str(attrs["schema_version"]).split(".")[0] != SCHEMA_VERSION.split(".")[0]:
         raise InputError(f"{path}: has schema version {attrs['schema_version']}; this program reads {SCHEMA_VERSION}")
     return groups
-
-
-def _named_groups(tree: xr.DataTree) -> Iterator[tuple[str, xr.DataTree]]:
-    yield "", tree
-    for name, node in tree.children.items():
-        yield str(name), node
 
 
 def _in_memory(node: xr.DataTree) -> xr.Dataset:

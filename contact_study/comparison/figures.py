@@ -11,12 +11,14 @@ from typing import Any
 
 import matplotlib
 import numpy as np
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
 
-from contact_study.comparison.plotted import Curve, smallest_resolved
+from contact_study.comparison.plotted import Band, Curve, smallest_resolved
 
 RESOLUTION = 200  # dots per inch
 SINGLE, DOUBLE = 3.46, 7.0  # inches: one and two columns of a journal
@@ -130,11 +132,15 @@ def _limit_to_simulations(axes: Axes, curves: Sequence[Curve]) -> None:
 
 
 @styled
-def contact_area_figure(curves: Sequence[Curve]) -> Figure:
+def contact_area_figure(curves: Sequence[Curve], bands: Sequence[Band] = ()) -> Figure:
     """Figure 3: relative contact area against pressure, linear (a) and logarithmic (b)."""
     figure = Figure(figsize=(DOUBLE, 3.5), layout="constrained")
     left, right = figure.subplots(1, 2)
     for axes, letter in ((left, "a"), (right, "b")):
+        for band in bands:
+            shown = band.along > (-np.inf if letter == "a" else 0)
+            colour = _colour(_SWEEP_COLOURS, band.colour)
+            axes.fill_between(band.along[shown], band.low[shown], band.high[shown], color=colour, alpha=0.15, lw=0)
         for curve in curves:
             _draw_path(axes, curve if letter == "a" else _in_compression(curve))
         axes.set_xlabel(r"pressure $p$ (GPa)")
@@ -144,22 +150,26 @@ def contact_area_figure(curves: Sequence[Curve]) -> Figure:
     left.set_ylim(0, None)
     right.set_xscale("log")
     right.set_yscale("log")
-    _model_legend(figure, curves)
+    _model_legend(figure, curves, bands=bool(bands))
     return figure
 
 
 @styled
-def mean_gap_figure(curves: Sequence[Curve], unit: str = "h_rms") -> Figure:
+def mean_gap_figure(curves: Sequence[Curve], unit: str = "h_rms", bands: Sequence[Band] = ()) -> Figure:
     """Figure 4: logarithm of the pressure against the mean gap."""
     symbol = r"h_\mathrm{rms}" if unit == "h_rms" else r"\mathrm{nm}"
     figure = Figure(figsize=(SINGLE + 0.6, 3.9), layout="constrained")
     axes = figure.subplots()
+    for band in bands:
+        axes.fill_betweenx(
+            band.along, band.low, band.high, color=_colour(_SWEEP_COLOURS, band.colour), alpha=0.15, lw=0
+        )
     for curve in curves:
         _draw_path(axes, curve)
     axes.set_xlabel(rf"mean gap $\bar{{u}}/{symbol}$")
     axes.set_ylabel(r"$\ln\,(p/E^*)$")
     _colour_legend(axes, curves, _SWEEP_COLOURS)
-    _model_legend(figure, curves, columns=2)
+    _model_legend(figure, curves, bands=bool(bands), columns=3)
     return figure
 
 
@@ -239,7 +249,7 @@ def _at(error: np.ndarray | None, here: np.ndarray) -> np.ndarray | None:
     return None if error is None else np.nan_to_num(error[here])
 
 
-def _colour(colours: Sequence[str], number: int, count: int = 0) -> Any:
+def _colour(colours: Sequence[str], number: int) -> Any:
     if number < len(colours):
         return colours[number]
     return matplotlib.colormaps["viridis"]((number * 0.618) % 1.0)
@@ -273,9 +283,12 @@ def _colour_legend(axes: Axes, curves: Sequence[Curve], colours: Sequence[str]) 
         )
 
 
-def _model_legend(figure: Figure, curves: Sequence[Curve], densities: bool = False, columns: int = 5) -> None:
+def _model_legend(
+    figure: Figure, curves: Sequence[Curve], densities: bool = False, bands: bool = False, columns: int = 6
+) -> None:
     """Line and marker of each model below the axes, with what else the markers say."""
-    grey, handles = "#404040", []
+    grey = "#404040"
+    handles: list[Artist] = []
     for model in dict.fromkeys(curve.model for curve in curves):
         marker = _MARKERS[model] if model == "atomistic" or not densities else ""
         small = 2.5 if densities else 5.5
@@ -292,8 +305,12 @@ def _model_legend(figure: Figure, curves: Sequence[Curve], densities: bool = Fal
                 label=MODEL_NAMES[model],
             )
         )
+    if bands:
+        handles.append(Patch(color=grey, alpha=0.15, lw=0, label="its metastable band"))
     if not densities and any(curve.unloading is not None and curve.unloading.any() for curve in curves):
         handles.append(Line2D([], [], color=grey, ls="none", marker="o", mfc="white", ms=3.5, label="unloading"))
     if any(curve.fit is not None and (~curve.fit & np.isfinite(curve.x + curve.y)).any() for curve in curves):
         handles.append(Line2D([], [], color=grey, ls="none", marker="x", ms=5, label="not converged"))
-    figure.legend(handles=handles, loc="outside lower center", ncols=min(columns, len(handles)))
+    figure.legend(
+        handles=handles, loc="outside lower center", ncols=min(columns, len(handles)), columnspacing=1.2, handletextpad=0.6
+    )

@@ -96,7 +96,16 @@ def signed(value: float, digits: int = 2, plus: bool = True) -> str:
 
 def percent(value: float) -> str:
     """A signed fraction in per cent; at most one digit behind the point, which is as much as it can mean."""
-    return f"{100 * value:+.{0 if abs(value) >= 0.1 else 1}f} %".replace("-", "−")
+    return f"{100 * value:+.{_decimals(value)}f} %".replace("-", "−")
+
+
+def percent_of(value: float) -> str:
+    """A magnitude in per cent, as :func:`percent`."""
+    return f"{100 * value:.{_decimals(value)}f} %"
+
+
+def _decimals(fraction: float) -> int:
+    return 0 if abs(fraction) >= 0.1 else 1
 
 
 def headline(models: Mapping[str, xr.Dataset], deviations: xr.Dataset) -> list[str]:
@@ -119,7 +128,7 @@ def headline(models: Mapping[str, xr.Dataset], deviations: xr.Dataset) -> list[s
             medians[model] = _area_spread(deviations, pair, points).median
     if len(medians) > 1:
         order = sorted(medians, key=medians.__getitem__)
-        listed = ", then ".join(f"{MODEL_WORDS[model]} ({100 * medians[model]:.2g} %)" for model in order)
+        listed = ", then ".join(f"{MODEL_WORDS[model]} ({percent_of(medians[model])})" for model in order)
         reference = split_pair(deviations["pair"].values[0])[1]
         sentences.insert(
             0, f"By the median relative deviation of contact area, nearest to {MODEL_WORDS[reference]}: {listed}."
@@ -138,14 +147,14 @@ def _pair_sentence(deviations: xr.Dataset, pair: str, points: list[SweepPoint], 
     words = (
         f"{_sentence_case(MODEL_WORDS[model])} against {MODEL_WORDS[reference]}: contact area between "
         f"{percent(area.low)} ({area.low_at}) and {percent(area.high)} ({area.high_at}), "
-        f"{100 * area.median:.2g} % in the median of {area.count} states"
+        f"{percent_of(area.median)} in the median of {area.count} states"
     )
     heights = {label: unit.rms_height for label, unit in units.items()}
     try:
         gap = spread(deviations, pair, "mean_gap_deviation", points, heights)
     except ValueError:
         return words + "."
-    symbol = next(iter(units.values())).height_symbol.replace("h_rms", "h<sub>rms</sub>")
+    symbol = next(iter(units.values())).height_symbol
     return (
         f"{words}; mean gap between {signed(gap.low)} ({gap.low_at}) and {signed(gap.high)} ({gap.high_at}) {symbol}, "
         f"{gap.median:.2g} {symbol} in the median of {gap.count}."

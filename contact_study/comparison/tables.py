@@ -1,0 +1,218 @@
+"""The report's tables: numbers turned into text, with units, a dash where there is none."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+import xarray as xr
+
+from contact_study.comparison.cases import SweepPoint, case_points, constant, select, series, sweep_points
+from contact_study.comparison.deviations import COMPARED, DETACHED, NOT_CONVERGED
+from contact_study.comparison.figures import MODEL_NAMES
+from contact_study.comparison.findings import percent, signed, split_pair
+from contact_study.comparison.path_points import AVERAGED, Point
+from contact_study.comparison.plotted import Scales, scales
+
+NOTHING = "–"
+
+
+@dataclass(frozen=True)
+class Table:
+    """Text in rows and columns.
+
+    Attributes
+    ----------
+    title : str
+        What it holds.
+    header : list of str
+        Names and units of the columns.
+    rows : list of list of str
+        Cells.
+    groups : list of tuple
+        Words over neighbouring columns and how many each spans.
+    """
+
+    title: str
+    header: list[str]
+    rows: list[list[str]]
+    groups: list[tuple[str, int]] = field(default_factory=list)
+
+
+def results_tables(models: Mapping[str, xr.Dataset], control: str) -> list[Table]:
+    """Contact area and mean gap of every model, one table for each point of the sweep."""
+    tables = []
+    for point in sweep_points(models):
+        parts = {name: part for name, dataset in models.items() if (part := select(dataset, point)) is not None}
+        path = _union_of_paths(parts, control)
+        unit = scales(models, point)
+        rows = []
+        for named in path:
+            cells = _point_cells(named, unit, control)
+            for quantity, scale in (("relative_contact_area", 1.0), ("mean_gap", unit.rms_height)):
+                cells += [_cell(part, quantity, scale, named, control) for part in parts.values()]
+            rows.append(cells)
+        gaps = unit.height_symbol
+        names = [MODEL_NAMES[name] for name in parts]
+        groups = [("", 2), ("contact area A/A₀", len(parts)), (f"mean gap ū ({gaps})", len(parts))]
+        tables.append(Table(point.label, [*_point_header(control, gaps), *names, *names], rows, groups))
+    return tables
+
+
+def _union_of_paths(parts: Mapping[str, xr.Dataset], control: str) -> list[Point]:
+    return list(dict.fromkeys(named for part in parts.values() for named in case_points(part, control) if named))
+
+
+def _point_header(control: str, gaps: str) -> list[str]:
+    return ["p (GPa)", "p/E*"] if control == "pressure" else ["ū (nm)", f"ū ({gaps})"]
+
+
+def _point_cells(named: Point, unit: Scales, control: str) -> list[str]:
+    value = float(named[0])
+    back = " ↩" if named[1] else ""
+    if control == "pressure":
+        return [signed(value / 1e9, 5, plus=False) + back, signed(value / unit.contact_modulus, 3, plus=False)]
+    return [signed(value * 1e9, 5, plus=False) + back, signed(value / unit.rms_height, 3, plus=False)]
+
+
+def _cell(part: xr.Dataset, quantity: str, scale: float, named: Point, control: str) -> str:
+    path = case_points(part, control)
+    if named not in path or quantity not in part:
+        return NOTHING
+    step = path.index(named)
+    found = series(part, quantity)
+    if "detached" in part and bool((part["detached"].isel(step=step) == 1).all()):
+        return "detached"
+    value, error = found.values[step] / scale, found.standard_error[step] / scale
+    if not np.isfinite(value):
+        return NOTHING
+    text = f"{value:.3g}" if abs(value) >= 1e-3 else f"{value:.1e}"
+    if np.isfinite(error):
+        text = f"{value:.4f} ± {error:.4f}"
+    return text.replace("-", "−") + ("" if found.fit[step] else " *")
+
+
+def deviation_tables(models: Mapping[str, xr.Dataset], deviations: xr.Dataset, control: str) -> list[Table]:
+    """Deviations of every pair, one table for each point of the sweep: area relative, mean gap in units of h_rms."""
+    tables = []
+    for point in sweep_points(models):
+        part = select(deviations, point)
+        if part is None:
+            continue
+        unit = scales(models, point)
+        pairs = list(part["pair"].values)
+        names = [f"{MODEL_NAMES[model]} − {MODEL_NAMES[reference]}" for model, reference in map(split_pair, pairs)]
+        rows = []
+        for step, named in enumerate(case_points(part, control)):
+            if named is None:
+                continue
+            here = part.isel(step=step)
+            area = [_deviation(here.sel(pair=p), "relative_contact_area_relative_deviation", 1.0) for p in pairs]
+            gap = [_deviation(here.sel(pair=p), "mean_gap_deviation", unit.rms_height) for p in pairs]
+            rows.append([*_point_cells(named, unit, control)[:1], *area, *gap])
+        gaps = unit.height_symbol
+        groups = [("", 1), ("contact area, relative", len(pairs)), (f"mean gap ({gaps})", len(pairs))]
+        tables.append(Table(point.label, [_point_header(control, gaps)[0], *names, *names], rows, groups))
+    return tables
+
+
+def _deviation(here: xr.Dataset, name: str, scale: float) -> str:
+    if name not in here:
+        return NOTHING
+    mean = here[f"{name}_mean"] if f"{name}_mean" in here else here[name]
+    value = float(mean) / scale
+    if np.isfinite(value):
+        text = percent(value) if "relative_deviation" in name else f"{value:+.3f}".replace("-", "−")
+        error = float(here[f"{name}_standard_error"]) / scale if f"{name}_standard_error" in here else np.nan
+        if np.isfinite(error):
+            text += f" ± {100 * error:.1f} %" if "relative_deviation" in name else f" ± {error:.3f}"
+        return text
+    states = np.atleast_1d(here["state"].values)
+    if (states == DETACHED).all():
+        return "detached"
+    return "not converged" if (states == NOT_CONVERGED).any() and not (states == COMPARED).any() else NOTHING
+
+
+_REGIME = (
+    ("tabor_parameter", "Tabor parameter μ", 1.0, "{:.2f}"),
+    ("process_zone", "process zone (Å)", 1e-10, "{:.1f}"),
+    ("pixel_over_process_zone", "grid spacing / process zone", 1.0, "{:.2f}"),
+    ("adhesion_over_elastic_energy", "θ = Δγ S / U_full", 1.0, "{:.2f}"),
+    ("full_contact_stress_over_peak", "full-contact stress / σ_max", 1.0, "{:.2f}"),
+    ("rms_slope", "rms slope", 1.0, "{:.3f}"),
+)
+
+
+def regime_table(regime: xr.Dataset, points: Sequence[SweepPoint]) -> Table:
+    """Regime numbers, a row for each point of the sweep."""
+    rows = []
+    for point in points:
+        part = select(regime, point)
+        if part is not None:
+            numbers = [(float(part[name]) / scale, form) for name, _, scale, form in _REGIME]
+            rows.append([point.label, *(form.format(n) if np.isfinite(n) else NOTHING for n, form in numbers)])
+    return Table("Regime numbers", ["", *(words for _, words, _, _ in _REGIME)], rows)
+
+
+_CONSTANTS = (
+    ("contact_modulus", "E* (GPa)", 1e9, "{:.3f}"),
+    ("work_of_adhesion", "Δγ (J/m²)", 1.0, "{:.4f}"),
+    ("equilibrium_distance", "d_eq (Å)", 1e-10, "{:.3f}"),
+    ("peak_tensile_stress", "σ_max (GPa)", 1e9, "{:.3f}"),
+    ("rms_height", "h_rms (Å)", 1e-10, "{:.3f}"),
+    ("rms_slope", "rms slope", 1.0, "{:.4f}"),
+    ("pull_off_pressure", "pull-off pressure (GPa)", 1e9, "{:.3f}"),
+)
+
+
+def constants_table(models: Mapping[str, xr.Dataset]) -> Table:
+    """Inputs of continuum and theories beside what the atomistic model measured on itself."""
+    used = [item for item in _CONSTANTS if any(item[0] in dataset for dataset in models.values())]
+    rows = []
+    for point in sweep_points(models):
+        for model, dataset in models.items():
+            part = select(dataset, point)
+            if part is None or not any(name in part for name, *_ in used):
+                continue
+            numbers = [(constant(part, name) / scale, form) for name, _, scale, form in used]
+            cells = [form.format(n).replace("-", "−") if np.isfinite(n) else NOTHING for n, form in numbers]
+            rows.append([point.label, MODEL_NAMES[model], *cells])
+    return Table("Material and interface", ["", "model", *(words for _, words, _, _ in used)], rows)
+
+
+def effort_table(models: Mapping[str, xr.Dataset]) -> Table:
+    """Work done by each model and how its steps ended."""
+    counts = {
+        "fft_pairs": "FFT pairs",
+        "force_evaluations": "force evaluations",
+        "iterations": "iterations",
+        "wall_time": "time of all steps (s)",
+    }
+    used = {name: words for name, words in counts.items() if any(name in dataset for dataset in models.values())}
+    rows = []
+    for model, dataset in models.items():
+        solved = dataset["relative_contact_area"].notnull()
+        detached = dataset["detached"] == 1 if "detached" in dataset else xr.zeros_like(solved)
+        unconverged = (dataset["converged"] == 0) & ~detached if "converged" in dataset else xr.zeros_like(solved)
+        residual = dataset["residual"].where(~detached).max() if "residual" in dataset else np.nan
+        work = [
+            f"{float(dataset[name].where(dataset[name] >= 0).sum()):.0f}" if name in dataset else NOTHING for name in used
+        ]
+        endings = [str(int(solved.sum())), str(int(unconverged.sum())), str(int(detached.sum()))]
+        rows.append([MODEL_NAMES[model], *endings, f"{float(residual):.1e}".replace("-", "−"), *work])
+    header = ["model", "steps", "not converged", "detached", "largest residual", *used.values()]
+    return Table("Effort and convergence", header, rows)
+
+
+def unconverged_steps(models: Mapping[str, xr.Dataset]) -> int:
+    """Steps that did not meet the tolerance, those without contact aside."""
+    total = 0
+    for dataset in models.values():
+        if "converged" in dataset:
+            attached = dataset["detached"] != 1 if "detached" in dataset else True
+            total += int(((dataset["converged"] == 0) & attached).sum())
+    return total
+
+
+def seeds(models: Mapping[str, xr.Dataset]) -> int:
+    """How many realisations the simulations ran."""
+    return max(dataset.sizes.get(AVERAGED, 1) for dataset in models.values())
