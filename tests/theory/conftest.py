@@ -1,0 +1,35 @@
+"""The system of Yang et al. 2008 for the tests of the theories."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+
+from contact_study.fields.spectrum import SelfAffineSpectrum
+from contact_study.problem.laws import LennardJones104
+from theory.persson import PerssonTheory
+
+ANGSTROM = 1e-10
+
+
+@dataclass(frozen=True)
+class PaperSystem:
+    rms_height: float = 10 * ANGSTROM
+    contact_modulus: float = 77.2e9 / (1 - 0.42**2)
+    contact_distance: float = 3.68 * ANGSTROM
+
+    @property
+    def spectrum(self):
+        q = 2 * np.pi / (1040 * ANGSTROM)
+        return SelfAffineSpectrum(0.8, self.rms_height, q, 3 * q, 12 * q)
+
+    def theory(self, work_of_adhesion, **choices):
+        return PerssonTheory(self.spectrum, self.contact_modulus, work_of_adhesion, **choices)
+
+    def law(self, well_depth_ratio, work_of_adhesion=0.6924):
+        return LennardJones104(work_of_adhesion * well_depth_ratio, 3.28 * ANGSTROM)
+
+
+@pytest.fixture(scope="session")
+def paper():
+    return PaperSystem()

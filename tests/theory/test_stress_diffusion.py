@@ -1,0 +1,128 @@
+"""Diffusion to a moving absorbing boundary against images, an integral equation and its own invariants."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.special import erf
+
+from theory.stress_diffusion import diffuse
+
+
+def nodes(count=160):
+    return np.linspace(0, 1, count + 1) ** 3
+
+
+def boundary(variance):
+    return 0.5 * np.sqrt(0.3 + variance)
+
+
+def surviving_by_volterra(pressure, stress, slope, count=4000):
+    """Survival at s = 1 from Volterra's equation of the second kind for the first-passage density g,
+
+    g(t) = −2ψ(t | −p, 0) + 2 ∫₀ᵗ g(τ) ψ(t | B(τ), τ) dτ,
+    ψ(t | y, τ) = ½ f(B(t) − y, t − τ) [B'(t) − (B(t) − y)/(t − τ)]
+
+    (Buonocore, Nobile and Ricciardi 1987), for the mirrored walk from −p to B = σ_a; f is the Gaussian of variance
+    t − τ. The kernel vanishes at τ = t for smooth B, so the trapezoidal rule is of second order.
+    """
+    t = np.linspace(0, 1, count + 1)[1:]
+    b, db = stress(t), slope(t)
+
+    def psi(i, y, elapsed):
+        distance = b[i] - y
+        gauss = np.exp(-(distance**2) / (2 * elapsed)) / np.sqrt(2 * np.pi * elapsed)
+        return 0.5 * gauss * (db[i] - distance / elapsed)
+
+    g = np.empty(count)
+    for i in range(count):
+        g[i] = -2 * psi(i, -pressure, t[i]) + 2 / count * np.sum(g[:i] * psi(i, b[:i], t[i] - t[:i]))
+    return 1 - (g.sum() - 0.5 * g[-1]) / count
+
+
+@pytest.mark.parametrize("pressure", [1e-4, 0.01, 0.3, 1, 3])
+def test_resting_boundary_is_the_method_of_images(pressure):
+    result = diffuse(pressure, nodes(), 0 * nodes(), 300)
+    # From the sixteenth node on the δ is wider than the first cells; the error of second order falls from there.
+    later = nodes() > 1e-3
+    assert result.contact[later] == pytest.approx(erf(pressure / np.sqrt(2 * nodes()[later])), rel=1e-3)
+    assert result.contact[-1] == pytest.approx(erf(pressure / np.sqrt(2)), rel=5e-5)
+    # Without tension the contact carries all; the pressure is a harmonic function of the scheme itself.
+    assert result.contact_force == pytest.approx(pressure, rel=1e-9)
+    assert result.edge_force == 0
+
+
+def test_moving_boundary_agrees_with_the_integral_equation():
+    s = nodes()
+    survived = diffuse(0.3, s, boundary(s), 300).contact[-1]
+    expected = surviving_by_volterra(0.3, boundary, lambda t: 0.25 / np.sqrt(0.3 + t))
+    # Richardson on both sides puts the integral equation within 1e-7 and the scheme within 2e-5.
+    assert survived == pytest.approx(expected, rel=5e-5)
+
+
+def test_falling_boundary_agrees_with_the_integral_equation():
+    s = nodes()
+    survived = diffuse(0.6, s, 1.2 - 0.9 * s, 300).contact[-1]
+    expected = surviving_by_volterra(0.6, lambda t: 1.2 - 0.9 * t, lambda t: np.full_like(t, -0.9))
+    assert survived == pytest.approx(expected, rel=5e-5)
+
+
+@pytest.mark.parametrize("pressure", [-0.2, 0.0, 0.4])
+def test_load_is_carried_in_the_contact_and_at_its_edges(pressure):
+    s = nodes()
+    result = diffuse(pressure, s, boundary(s), 300)
+    assert result.edge_force < 0
+    # First moment of the scheme: exact but for the Scharfetter-Gummel fluxes, of second order in the cells.
+    assert result.contact_force + result.edge_force == pytest.approx(pressure, abs=5e-5)
+
+
+def test_second_order_in_variance():
+    coarse, middle, fine = (diffuse(0.3, nodes(n), boundary(nodes(n)), 2000).contact[-1] for n in (40, 80, 160))
+    assert np.log2((middle - coarse) / (fine - middle)) == pytest.approx(2, abs=0.1)
+
+
+def test_second_order_in_stress():
+    s = nodes()
+    exact = surviving_by_volterra(0.3, boundary, lambda t: 0.25 / np.sqrt(0.3 + t))
+    reference = diffuse(0.3, s, boundary(s), 6000).contact[-1]
+    assert reference == pytest.approx(exact, rel=2e-5)
+    cells = np.array([37, 53, 75, 106, 150, 212, 300, 424, 600])
+    errors = [abs(diffuse(0.3, s, boundary(s), int(n)).contact[-1] - reference) for n in cells]
+    # The initial δ is wider than it should be by its share in two cells, a second-order error whose factor depends on
+    # where it falls: the order shows in the trend only.
+    assert -np.polyfit(np.log(cells), np.log(errors), 1)[0] > 1.6
+
+
+@settings(max_examples=40, deadline=None)
+@given(
+    pressure=st.floats(-2, 4),
+    start=st.floats(0, 1.5),
+    rise=st.floats(0, 2),
+)
+def test_area_is_a_probability_that_grows_with_pressure_and_detachment_stress(pressure, start, rise):
+    s = nodes(60)
+    stress = start + rise * s
+    result = diffuse(pressure, s, stress, 120)
+    area = result.contact[-1]
+    assert 0 <= area <= 1 + 1e-12
+    assert np.all(np.diff(result.contact) <= 1e-12)
+    assert np.sum(result.density * np.diff(result.edges)) == pytest.approx(area, abs=1e-12)
+    # The cells move with reach; what that changes is below the error of this resolution, some 1e-4.
+    assert diffuse(pressure + 0.05, s, stress, 120).contact[-1] >= area - 2e-4
+    assert diffuse(pressure, s, stress + 0.05, 120).contact[-1] >= area - 2e-4
+
+
+def test_bin_averages_hold_the_whole_area():
+    s = nodes()
+    result = diffuse(0.5, s, boundary(s), 300)
+    edges = np.linspace(-3, 10, 201)
+    densities = result.bin_averages(edges)
+    assert np.all(densities >= 0)
+    assert np.sum(densities * np.diff(edges)) == pytest.approx(result.contact[-1], rel=1e-12)
+    assert np.all(densities[edges[1:] < -boundary(1.0)] == 0)
+
+
+def test_tension_beyond_the_boundary_detaches_at_once():
+    result = diffuse(-1.0, nodes(), np.full(161, 0.5), 100)
+    assert np.all(result.contact == 0)
+    assert np.all(result.density == 0)
