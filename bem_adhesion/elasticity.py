@@ -6,6 +6,8 @@ A frictionless pressure of wavenumber q on a half-space of contact modulus E* di
 Kernels are small pure functions of a grid; :class:`HalfSpace` is the one place that meets the transform.
 """
 
+from functools import cached_property
+
 import numpy as np
 from numba import njit
 
@@ -125,8 +127,6 @@ class HalfSpace:
         self.mean_stiffness = mean_stiffness
         self._transform = RealTransform(grid.shape, dtype, threads)
         self.field = self._transform.field
-        self._stiffness_q = self.kernel(stiffness(grid, contact_modulus, mean_stiffness))
-        self._compliance_q: np.ndarray | None = None
 
     def kernel(self, kernel_q: np.ndarray) -> np.ndarray:
         """Prepare a real kernel of shape ``grid.spectrum_shape`` for :meth:`apply`."""
@@ -151,13 +151,19 @@ class HalfSpace:
 
     def stiffness(self) -> np.ndarray:
         """Turn the displacement in :attr:`field` (m) into the pressure that holds it (Pa); returns it."""
-        return self.apply(self._stiffness_q)
+        return self.apply(self._stiffness_kernel)
 
     def compliance(self) -> np.ndarray:
         """Turn the pressure in :attr:`field` (Pa) into a displacement of zero mean (m); returns it."""
-        if self._compliance_q is None:
-            self._compliance_q = self.kernel(compliance(self.grid, self.contact_modulus))
-        return self.apply(self._compliance_q)
+        return self.apply(self._compliance_kernel)
+
+    @cached_property
+    def _stiffness_kernel(self) -> np.ndarray:
+        return self.kernel(stiffness(self.grid, self.contact_modulus, self.mean_stiffness))
+
+    @cached_property
+    def _compliance_kernel(self) -> np.ndarray:
+        return self.kernel(compliance(self.grid, self.contact_modulus))
 
     @property
     def pairs(self) -> float:

@@ -155,8 +155,9 @@ class HardWallContact:
         outcome: Outcome = Outcome.CONVERGED,
     ) -> Solution:
         displacement = self._height + gap
-        elastic_energy = 0.5 * np.mean(pressure * displacement) - 0.5 * np.mean(pressure) * np.mean(displacement)
-        return Solution(displacement, gap, pressure, float(elastic_energy), 0.0, residual, iterations, pairs, outcome)
+        work = np.vdot(pressure, displacement) / self.grid.points
+        elastic_energy = 0.5 * float(work - pressure.mean() * displacement.mean())
+        return Solution(displacement, gap, pressure, elastic_energy, 0.0, residual, iterations, pairs, outcome)
 
 
 def solve(

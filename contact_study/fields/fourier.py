@@ -82,6 +82,11 @@ class RealTransform:
                 ),
             )
 
+        try:  # planned before in this process: no need to read the file again
+            self._forward, self._backward = plans("FFTW_MEASURE", "FFTW_WISDOM_ONLY")
+            return
+        except RuntimeError:
+            pass
         path = _wisdom_file()
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
