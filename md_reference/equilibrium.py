@@ -29,6 +29,8 @@ _SMALLEST_SHIFT = 4e-5  # the same in units of E* a, where nothing touches
 _SNAP_IN_ITERATIONS = 15
 _EXACT_ITERATIONS = 300
 _LARGEST_REDUCTION = 0.3
+_SMALLEST_REDUCTION = 0.03  # single precision loses more than it gains below
+_OVERSHOOT = 3.0  # a linear solve ends where its step exceeds the trusted one by this factor
 _BACKTRACK = 0.4
 _REFRESH = 20  # accepted steps after which S u is computed anew from u
 
@@ -181,10 +183,13 @@ class EquilibriumSolver:
             shift = self._set_curvature(u, exact)
             if exact:
                 # The forcing term falls with the residual (in units of E*/100) for fast final convergence.
-                reduction = min(_LARGEST_REDUCTION, (100 * residual) ** 0.5)
-                newton = self._newton.solve(gradient, shift, reduction, _EXACT_ITERATIONS)
+                reduction = min(_LARGEST_REDUCTION, max(_SMALLEST_REDUCTION, (100 * residual) ** 0.5))
+                inner = _EXACT_ITERATIONS
             else:
-                newton = self._newton.solve(gradient, shift, _LARGEST_REDUCTION, _SNAP_IN_ITERATIONS)
+                reduction = _LARGEST_REDUCTION
+                inner = _SNAP_IN_ITERATIONS
+            reach = _OVERSHOOT * trust * self.interaction.length
+            newton = self._newton.solve(gradient, shift, reduction, inner, reach)
             if newton.indefinite and exact:
                 exact = False
                 hold = iteration + 1

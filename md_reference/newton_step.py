@@ -65,7 +65,9 @@ class NewtonSolver:
         self._direction = np.empty(shape, np.float32)
         self._image = np.empty(shape, np.float32)
 
-    def solve(self, gradient: np.ndarray, shift: float, reduction: float, max_iterations: int) -> NewtonStep:
+    def solve(
+        self, gradient: np.ndarray, shift: float, reduction: float, max_iterations: int, largest: float
+    ) -> NewtonStep:
         """Solve (S + D) x = −gradient with the D that the caller has put into :attr:`diagonal`.
 
         Parameters
@@ -78,6 +80,8 @@ class NewtonSolver:
             Stop when the residual's norm has fallen by this factor.
         max_iterations : int
             Largest number of iterations.
+        largest : float
+            End the iteration when a component of the step exceeds this (m): the caller shortens such a step anyway.
         """
         scale = float(np.max(np.abs(gradient)))
         spectrum = self.transform.spectrum.view(np.float32)
@@ -106,13 +110,13 @@ class NewtonSolver:
             if not curvature > 1e-12 * product:
                 indefinite = True
                 break
-            squares, normal_sum = _advance_solution(
+            squares, normal_sum, extent = _advance_solution(
                 product / curvature, self._direction, self._image, self._solution, self._residual, field
             )
             if self.fixed_mean:
                 # A uniform normal residual is the constraint's own force, which the preconditioner drops.
                 squares -= normal_sum**2 / self.transform.points
-            if squares <= target:
+            if squares <= target or extent * scale > largest:
                 break
         step = self._solution * scale
         curvature = -float(np.sum(step * (gradient + scale * self._residual)))
@@ -215,16 +219,19 @@ def _advance_direction(z, r, diagonal, shift, ratio, direction, image):
 
 @njit(**_OPTIONS)
 def _advance_solution(length, direction, image, solution, r, field):
-    """Step along the direction; the new residual also goes into the transform's field; returns r·r and Σr_z."""
+    """Step along the direction; the new residual also goes into the transform's field; returns r·r, Σr_z and max|solution|."""
     alpha = np.float32(length)
     squares = 0.0
     normal_sum = 0.0
+    extent = np.float32(0.0)
     for c in range(3):
         for j in range(r.shape[1]):
             row = np.float32(0.0)
             row_sum = np.float32(0.0)
             for i in range(r.shape[2]):
-                solution[c, j, i] += alpha * direction[c, j, i]
+                moved = solution[c, j, i] + alpha * direction[c, j, i]
+                solution[c, j, i] = moved
+                extent = max(extent, abs(moved))
                 value = r[c, j, i] - alpha * image[c, j, i]
                 r[c, j, i] = value
                 field[c, j, i] = value
@@ -233,4 +240,4 @@ def _advance_solution(length, direction, image, solution, r, field):
             squares += float(row)
             if c == 2:
                 normal_sum += float(row_sum)
-    return squares, normal_sum
+    return squares, normal_sum, float(extent)
