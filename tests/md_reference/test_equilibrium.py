@@ -1,0 +1,121 @@
+import numpy as np
+import pytest
+
+from md_reference.equilibrium import EquilibriumSolver, Outcome
+from md_reference.run import separated
+from tests.md_reference.systems import (
+    CONTACT_MODULUS,
+    LATTICE_CONSTANT,
+    LENGTH,
+    WELL_DEPTH,
+    interface_of,
+    rough_coefficients,
+    stiffness_of,
+)
+from tests.md_reference.test_block import apply
+
+AREA = LATTICE_CONSTANT**2
+SURFACE = rough_coefficients(modes=3, rms=1.2e-10)
+
+
+def solver_of(atoms, ratio=1.0, control="pressure", coefficients=SURFACE, **options):
+    interface = interface_of(atoms, coefficients, ratio * WELL_DEPTH)
+    return interface, EquilibriumSolver(stiffness_of(atoms), interface, CONTACT_MODULUS, control, **options)
+
+
+@pytest.mark.parametrize(("atoms", "ratio"), [((48, 48), 1), ((45, 32), 4), ((40, 56), 8)])
+def test_forces_balance_on_every_atom(atoms, ratio):
+    pressure = 5e8
+    interface, solver = solver_of(atoms, ratio)
+    found = solver.solve(separated(interface.rest_heights(), LENGTH), pressure)
+    assert found.outcome is Outcome.CONVERGED
+    u = found.displacement
+    force = np.empty_like(u)
+    energy = interface.evaluate(u, force)
+    stiffness = stiffness_of(atoms)
+    elastic = apply(stiffness, u)
+    elastic[2] -= stiffness.coefficients[2, 0, 0] * u[2].mean()
+    left = elastic - force
+    left[2] += pressure * AREA
+    # The solver's tolerance is 1e-8 E*; 1.5 leaves room for another order of summation.
+    assert np.abs(left).max() < 1.5e-8 * CONTACT_MODULUS * AREA
+    assert np.mean(force[2]) / AREA == pytest.approx(pressure, abs=1e-8 * CONTACT_MODULUS)
+    assert found.interaction_energy == pytest.approx(energy, rel=1e-12)
+    assert found.elastic_energy == pytest.approx(0.5 * np.sum(u * elastic), rel=1e-9)
+    assert np.abs(u[:2]).max() > 0.01 * LENGTH  # the lateral freedom is used
+
+
+def test_equilibrium_is_a_minimum():
+    atoms = (32, 32)
+    interface, solver = solver_of(atoms, 4)
+    pressure = 1e9
+    found = solver.solve(separated(interface.rest_heights(), LENGTH), pressure)
+    stiffness = stiffness_of(atoms)
+
+    def energy(u):
+        elastic = apply(stiffness, u)
+        elastic[2] -= stiffness.coefficients[2, 0, 0] * u[2].mean()
+        return 0.5 * np.sum(u * elastic) + interface.evaluate(u, np.empty_like(u)) + pressure * AREA * np.sum(u[2])
+
+    lowest = energy(found.displacement)
+    rng = np.random.default_rng(0)
+    for size in (1e-3, 1e-2, 5e-2):
+        assert energy(found.displacement + size * LENGTH * rng.standard_normal((3, *atoms))) > lowest
+
+
+@pytest.mark.parametrize("ratio", [1, 4])
+def test_two_starts_end_in_one_state(ratio):
+    interface, solver = solver_of((64, 64), ratio)
+    apart = solver.solve(separated(interface.rest_heights(), LENGTH), 2e9)
+    # A continuum-like start: in contact everywhere the first state is, lateral positions at rest, gaps 5 % off.
+    gap = interface.gap(apart.displacement)
+    start = np.zeros_like(apart.displacement)
+    start[2] = interface.rest_heights() + gap * (1 + 0.05 * np.sin(np.arange(64))[:, None])
+    near = solver.solve(start, 2e9)
+    assert apart.outcome is near.outcome is Outcome.CONVERGED
+    total = [s.elastic_energy + s.interaction_energy for s in (apart, near)]
+    assert total[0] == pytest.approx(total[1], rel=1e-8)
+    # A residual of 1e-8 E* a² over the softest mode, E* q_L / 2: a few 1e-7 r0.
+    np.testing.assert_allclose(interface.gap(near.displacement), gap, rtol=0, atol=1e-6 * LENGTH)
+    assert near.evaluations < apart.evaluations
+
+
+def test_flat_on_flat_sits_at_the_equilibrium_distance_without_pressure():
+    interface, solver = solver_of((34, 34), coefficients=None)
+    found = solver.solve(separated(interface.rest_heights(), LENGTH), 0.0)
+    # Corrugation of about 1 % of the stress spreads the gaps by 1e-3 r0.
+    assert np.mean(interface.gap(found.displacement)) == pytest.approx(LENGTH, rel=1e-3)
+
+
+def test_gap_control_holds_the_mean_height():
+    interface, solver = solver_of((48, 48), 8, "gap")
+    start = separated(interface.rest_heights(), LENGTH)
+    found = solver.solve(start)
+    assert found.outcome is Outcome.CONVERGED
+    assert np.mean(found.displacement[2]) == pytest.approx(np.mean(start[2]), rel=1e-12)
+    assert np.mean(found.force[2]) < 0  # held apart against attraction
+    # The same state is an equilibrium under the pressure that it carries.
+    _, free = solver_of((48, 48), 8)
+    again = free.solve(found.displacement, float(np.mean(found.force[2])) / AREA)
+    assert again.evaluations == 1
+
+
+def test_tension_beyond_pull_off_is_reported_as_detachment():
+    interface, solver = solver_of((32, 32), 8)
+    adhered = solver.solve(separated(interface.rest_heights(), LENGTH), 0.0)
+    assert adhered.outcome is Outcome.CONVERGED
+    held = solver.solve(adhered.displacement, -2e9)
+    assert held.outcome is Outcome.CONVERGED
+    gone = solver.solve(held.displacement, -2.9e10)
+    assert gone.outcome is Outcome.DETACHED
+    assert not gone.converged
+    assert not gone.force.any()
+    assert gone.iterations < 300
+
+
+def test_limits_and_impossible_starts_are_reported():
+    interface, solver = solver_of((32, 32), 8, max_iterations=3)
+    start = separated(interface.rest_heights(), LENGTH)
+    assert solver.solve(start, 1e9).outcome is Outcome.ITERATION_LIMIT
+    with pytest.raises(ValueError, match="inside the substrate"):
+        solver.solve(start - 20 * LENGTH, 1e9)
