@@ -1,0 +1,177 @@
+"""Work and time of the hard-wall solver over grids, pressures and kinds of surface.
+
+Prints one line a solve and writes all to a NetCDF file: transform pairs (as float64 pairs on the finest grid, a
+count that does not depend on the machine), share of time in transforms, and, where Tamaas can be imported, the ratio
+of its time to ours in interleaved runs at the same tolerance.
+
+    python scripts/benchmark_hard_wall.py --points 256 512 1024 -o results/benchmark_hard_wall.nc
+"""
+
+import argparse
+import importlib.util
+import sys
+import time
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+
+from bem_adhesion.hard_wall import HardWallContact
+from contact_study.fields.fourier import RealTransform
+from contact_study.fields.grid import Grid
+from contact_study.problem.study import make_study
+from contact_study.problem.surface import realise
+
+SIZE, RMS_HEIGHT, CONTACT_MODULUS = 104e-9, 1e-9, 93.7348e9
+TOLERANCE = 1e-10
+
+
+def surface(points: int, cutoff_mode: int, seed: int) -> tuple[np.ndarray, Grid]:
+    """Heights of the paper's kind of surface with another short-wave cutoff, and their grid."""
+    study = make_study(
+        {
+            "surface": {
+                "kind": "self_affine",
+                "size": SIZE,
+                "shape": [points, points],
+                "hurst_exponent": 0.8,
+                "rms_height": RMS_HEIGHT,
+                "roll_off_mode": 3,
+                "cutoff_mode": cutoff_mode,
+                "seed": seed,
+                "normalisation": "realised",
+            },
+            "material": {"youngs_modulus": 77.2e9, "poissons_ratio": 0.42},
+            "interaction": {"law": "hard_wall"},
+            "loading": {"path": [1e9]},
+        }
+    )
+    return realise(study.cases[0]).heights((points, points)), Grid((points, points), (SIZE, SIZE))
+
+
+@contextmanager
+def timed_transforms() -> Iterator[list[float]]:
+    """Collect the durations of all transforms done inside (s)."""
+    durations: list[float] = []
+    originals = {name: getattr(RealTransform, name) for name in ("forward", "backward")}
+
+    def timed(method):
+        def call(self):
+            began = time.perf_counter()
+            result = method(self)
+            durations.append(time.perf_counter() - began)
+            return result
+
+        return call
+
+    for name, method in originals.items():
+        setattr(RealTransform, name, timed(method))
+    try:
+        yield durations
+    finally:
+        for name, method in originals.items():
+            setattr(RealTransform, name, method)
+
+
+def tamaas_seconds(height: np.ndarray, grid: Grid, mean_pressure: float) -> tuple[float, float]:
+    """Time of Tamaas on the same problem in units E* = 1, h_rms = 1, L = 1 (s), and its contact area."""
+    import tamaas
+
+    tamaas.set_log_level(tamaas.LogLevel.warning)
+    unit = CONTACT_MODULUS * RMS_HEIGHT / SIZE
+    model = tamaas.Model(tamaas.model_type.basic_2d, [1.0, 1.0], list(grid.shape))
+    model.E, model.nu = 1.0, 0.0
+    solver = tamaas.PolonskyKeerRey(model, height / RMS_HEIGHT, TOLERANCE)
+    solver.max_iter = 20000
+    began = time.perf_counter()
+    solver.solve(mean_pressure / unit)
+    return time.perf_counter() - began, float(np.mean(np.asarray(model.traction) > 0))
+
+
+def measure(
+    height: np.ndarray, grid: Grid, relative_pressure: float, repeat: int, with_tamaas: bool
+) -> dict[str, float]:
+    """One line of the table: medians over interleaved runs.
+
+    ``relative_pressure`` is the mean pressure over √<p²>, the root-mean-square stress of full contact.
+    """
+    slope_power = grid.multiplicity * (grid.wavenumber * np.abs(np.fft.rfft2(height)) / grid.points) ** 2
+    mean_pressure = relative_pressure * 0.5 * CONTACT_MODULUS * np.sqrt(slope_power.sum())
+    HardWallContact(height, grid, CONTACT_MODULUS).at_pressure(mean_pressure)  # compile and plan
+    seconds, shares, theirs = [], [], []
+    for _ in range(repeat):
+        with timed_transforms() as durations:
+            began = time.perf_counter()
+            found = HardWallContact(height, grid, CONTACT_MODULUS).at_pressure(mean_pressure, TOLERANCE)
+            seconds.append(time.perf_counter() - began)
+        shares.append(sum(durations) / seconds[-1])
+        if with_tamaas:
+            theirs.append(tamaas_seconds(height, grid, mean_pressure)[0])
+    return {
+        "mean_pressure": mean_pressure,
+        "relative_contact_area": float(np.mean(found.pressure > 0)),
+        "residual": found.residual,
+        "iterations": found.iterations,
+        "fft_pairs": found.fft_pairs,
+        "wall_time": float(np.median(seconds)),
+        "transform_share": float(np.median(shares)),
+        "tamaas_time_ratio": float(np.median(np.array(theirs) / seconds)) if with_tamaas else np.nan,
+    }
+
+
+UNITS = {"mean_pressure": "Pa", "wall_time": "s"}
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    parser = argparse.ArgumentParser(
+        description=__doc__.splitlines()[0], formatter_class=argparse.ArgumentDefaultsHelpFormatter
+    )
+    parser.add_argument("--points", type=int, nargs="+", default=[128, 256], help="points along each side")
+    parser.add_argument(
+        "--pressures",
+        type=float,
+        nargs="+",
+        default=[0.01, 0.15, 0.5, 2.0, 3.0],
+        help="mean pressures over the rms stress of full contact",
+    )
+    parser.add_argument("--seed", type=int, default=1, help="surface")
+    parser.add_argument("--repeat", type=int, default=3, help="runs of each solve; medians are shown")
+    parser.add_argument("--no-tamaas", action="store_true", help="do not run Tamaas even if it is installed")
+    parser.add_argument("-o", "--output", type=Path, default=Path("results/benchmark_hard_wall.nc"))
+    options = parser.parse_args(arguments)
+    with_tamaas = not options.no_tamaas and importlib.util.find_spec("tamaas") is not None
+
+    kinds = ["smooth", "broadband"]  # cutoff at 12 waves a side, and at eight points a wave
+    table: dict[str, list] = {}
+    print("   surface points  p/p_rms     area  pairs   time s   FFT  Tamaas")
+    for kind in kinds:
+        for points in options.points:
+            height, grid = surface(points, 12 if kind == "smooth" else points // 8, options.seed)
+            for pressure in options.pressures:
+                row = measure(height, grid, pressure, options.repeat, with_tamaas)
+                for name, value in row.items():
+                    table.setdefault(name, []).append(value)
+                area, pairs, seconds = row["relative_contact_area"], row["fft_pairs"], row["wall_time"]
+                share, ratio = row["transform_share"], row["tamaas_time_ratio"]
+                line = f"{kind:>10} {points:6d} {pressure:8.3g} {area:8.5f} {pairs:6.1f} {seconds:8.4f}"
+                print(f"{line} {share:5.2f} {ratio:7.1f}", flush=True)
+    shape = (len(kinds), len(options.points), len(options.pressures))
+    dimensions = ("surface", "points", "relative_pressure")
+    dataset = xr.Dataset(
+        {
+            name: (dimensions, np.reshape(values, shape), {"units": UNITS.get(name, "1")})
+            for name, values in table.items()
+        },
+        coords={"surface": kinds, "points": options.points, "relative_pressure": options.pressures},
+        attrs={"title": "Hard-wall solver: work and time", "tolerance": TOLERANCE},
+    )
+    options.output.parent.mkdir(parents=True, exist_ok=True)
+    dataset.to_netcdf(options.output)
+    print(options.output)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
