@@ -82,8 +82,15 @@ class GapFlow:
 
         Of several stable states (p falling with ū) it is the one of the largest gap, which an approaching block meets
         first, or on the unloading branch of the smallest, which a retracting block leaves last.
+
+        Raises
+        ------
+        ValueError
+            If the pressure is higher than the nodes of the flow reach.
         """
         p = self.pressure
+        if pressure > p.max():
+            raise ValueError(f"pressure = {pressure:g} Pa: the flow reaches {p.max():.3g} Pa")
         crossings = np.flatnonzero((p[:-1] > pressure) & (p[1:] <= pressure))
         if crossings.size == 0:
             return float("nan")
@@ -96,7 +103,13 @@ class GapFlow:
         return float(np.interp(mean_gap, self.mean_gap, self.pressure))
 
     def states(self, mean_gaps: np.ndarray) -> list[GapState]:
-        """Distribution of the local gap at each mean gap (m), all in one pass from coarse to fine."""
+        """Distribution of the local gap at each mean gap (m), all in one pass from coarse to fine.
+
+        Raises
+        ------
+        ValueError
+            If a mean gap is outside the nodes of the flow.
+        """
         positions = np.asarray(mean_gaps, dtype=float) / self.length
         if np.any((positions < self.gaps[0]) | (positions > self.gaps[-1])):
             raise ValueError("mean_gaps: outside the nodes of the flow")
@@ -168,9 +181,11 @@ def gap_flow(
 
 def _gap_nodes(spectrum: RoughnessSpectrum, law: TractionLaw, length: float, count: int) -> np.ndarray:
     """Nodes from deep in the repulsion to far above the roughness, finest where the law varies."""
-    # Full contact has a stress of deviation ξ/2: no patch is pressed by twenty of them.
-    lowest = float(law.repulsive_gap(np.array(-10 * spectrum.rms_slope - 5 * law.peak_tensile_stress)))
-    reach = 1.0 + 11 * np.sqrt(spectrum.mean_square_height) / length
+    # Full contact has a stress of deviation ξ/2: no patch is pressed by twenty of them. Mean pressures up to the
+    # modulus itself are far more than a half-space can make sense of.
+    highest = max(10 * spectrum.rms_slope, 1.0) + 5 * law.peak_tensile_stress
+    lowest = float(law.repulsive_gap(np.array(-highest)))
+    reach = 5.0 + 11 * np.sqrt(spectrum.mean_square_height) / length
     return lowest + 0.8 * np.sinh(np.linspace(0, np.arcsinh((reach - lowest) / 0.8), count))
 
 
