@@ -47,7 +47,7 @@ def main(model: Model, arguments: Sequence[str] | None = None) -> int:
     return guarded(model.command, lambda: _main(model, arguments))
 
 
-def guarded(command: str, body: Any) -> int:
+def guarded(command: str, body: Any, interrupted: str = "finished steps are kept, continue with --resume") -> int:
     """Call ``body``; mistakes of input and interruption become one line on stderr and an exit status."""
     previous = signal.signal(signal.SIGTERM, _interrupt)
     try:
@@ -56,7 +56,7 @@ def guarded(command: str, body: Any) -> int:
         print(f"{command}: error: {error}", file=sys.stderr)
         return WRONG_INPUT
     except KeyboardInterrupt:
-        print(f"{command}: interrupted; finished steps are kept, continue with --resume", file=sys.stderr)
+        print(f"{command}: interrupted; {interrupted}", file=sys.stderr)
         return INTERRUPTED
     except BrokenPipeError:
         return WRONG_INPUT
@@ -215,13 +215,14 @@ def _provenance(
         "source": f"bem-adhesion {contact_study.__version__}, {model.command}: {model.description}",
         "history": f"{datetime.now(UTC).isoformat(timespec='seconds')}: {command}",
         "references": model.references,
-        "git_commit": _git_commit(),
+        "git_commit": git_commit(),
         "warnings": "\n".join(notes),
         **identity,
     }
 
 
-def _git_commit() -> str:
+def git_commit() -> str:
+    """Commit of the checkout that this runs from, marked if it has been changed; "unknown" outside one."""
     try:
         found = subprocess.run(
             [

@@ -93,6 +93,8 @@ def gap_distribution_figure(panel_a: Sequence[Curve], panel_b: Sequence[Curve], 
 def _distribution_figure(panel_a: Sequence[Curve], panel_b: Sequence[Curve], x_label: str, y_label: str) -> Figure:
     figure = Figure(figsize=(DOUBLE, 3.5), layout="constrained")
     left, right = figure.subplots(1, 2, sharey=True)
+    shown = [*panel_a, *panel_b]
+    lowest = smallest_resolved(shown) - 0.3
     for axes, curves, colours, letter in (
         (left, panel_a, _SWEEP_COLOURS, "a"),
         (right, panel_b, _PRESSURE_COLOURS, "b"),
@@ -100,11 +102,12 @@ def _distribution_figure(panel_a: Sequence[Curve], panel_b: Sequence[Curve], x_l
         for curve in curves:
             _draw_density(axes, curve, _colour(colours, curve.colour))
         axes.set_xlabel(x_label)
-        _limit_to_simulations(axes, curves)
+        _limit_to_simulations(axes, curves, lowest)
         _panel_letter(axes, letter)
         _colour_legend(axes, curves, colours)
     left.set_ylabel(y_label)
-    _model_legend(figure, [*panel_a, *panel_b], densities=True)
+    left.set_ylim(lowest, max((np.nanmax(curve.y) for curve in shown if np.isfinite(curve.y).any()), default=0) + 0.3)
+    _model_legend(figure, shown, densities=True)
     return figure
 
 
@@ -116,19 +119,12 @@ def _draw_density(axes: Axes, curve: Curve, colour: Any) -> None:
         axes.plot(curve.x, curve.y, _LINES[curve.model], color=colour, lw=width, zorder=3)
 
 
-def _limit_to_simulations(axes: Axes, curves: Sequence[Curve]) -> None:
-    """End the axes where the simulations' sampling ends: the theories' tails go on for ever."""
-    lowest = smallest_resolved(list(curves)) - 0.3
-    seen = [curve.x[curve.y > lowest] for curve in curves]
-    values = np.concatenate(seen) if seen else np.array([])
+def _limit_to_simulations(axes: Axes, curves: Sequence[Curve], lowest: float) -> None:
+    """End the stress or gap axis where all densities fall below ``lowest``: theories' tails go on for ever."""
+    values = np.concatenate([np.empty(0), *(curve.x[curve.y > lowest] for curve in curves)])
     if values.size:
         margin = 0.03 * np.ptp(values)
         axes.set_xlim(values.min() - margin, values.max() + margin)
-        highest = max(np.nanmax(curve.y) for curve in curves if np.isfinite(curve.y).any())
-        # The panels share this axis: it must hold both.
-        bottom, top = axes.get_ylim() if getattr(axes.figure, "_limited", False) else (np.inf, -np.inf)
-        axes.set_ylim(min(bottom, lowest), max(top, highest + 0.3))
-        axes.figure._limited = True  # type: ignore[attr-defined]
 
 
 @styled
@@ -312,5 +308,9 @@ def _model_legend(
     if any(curve.fit is not None and (~curve.fit & np.isfinite(curve.x + curve.y)).any() for curve in curves):
         handles.append(Line2D([], [], color=grey, ls="none", marker="x", ms=5, label="not converged"))
     figure.legend(
-        handles=handles, loc="outside lower center", ncols=min(columns, len(handles)), columnspacing=1.2, handletextpad=0.6
+        handles=handles,
+        loc="outside lower center",
+        ncols=min(columns, len(handles)),
+        columnspacing=1.2,
+        handletextpad=0.6,
     )

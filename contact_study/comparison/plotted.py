@@ -306,13 +306,12 @@ def _distributions(
         for colour, (point, named, label) in enumerate(states):
             unit = unit_of(scales(models, point))
             for model, dataset in models.items():
-                part = select(dataset, point)
-                density = None if part is None else _density(part, f"{name}_pdf", named, control)
-                if part is None or density is None:
+                density = density_at(dataset, point, f"{name}_pdf", named, control)
+                if density is None:
                     continue
                 with np.errstate(divide="ignore"):
                     logarithm = np.where(density > 0, np.log10(density * unit), np.nan)
-                found.append(Curve(model, label, colour, part[f"{name}_bin"].values / unit, logarithm))
+                found.append(Curve(model, label, colour, dataset[f"{name}_bin"].values / unit, logarithm))
         return found
 
     units = scales(models, shown.case)
@@ -321,10 +320,10 @@ def _distributions(
     return curves(panel_a), curves(panel_b)
 
 
-def _density(part: xr.Dataset, name: str, named: Point, control: str) -> np.ndarray | None:
-    """Mean over the seeds that converged in contact of a density at a point of the path."""
-    path = case_points(part, control)
-    if name not in part or named not in path:
+def density_at(dataset: xr.Dataset, point: SweepPoint, name: str, named: Point, control: str) -> np.ndarray | None:
+    """A density at one state, its mean over the seeds that converged in contact; None where there is none."""
+    part = select(dataset, point)
+    if part is None or name not in part or named not in (path := case_points(part, control)):
         return None
     state = part.isel(step=path.index(named))
     fit = usable(state) & state[name].notnull().any(dim=name.replace("_pdf", "_bin"))

@@ -96,8 +96,14 @@ _MEANINGS = {
     "tabor_parameter": ("1", "Tabor parameter at the scale of the roughness, R = 2 / rms Laplacian"),
     "process_zone": ("m", "length of the process zone of a crack, E* Δγ / σ_max²"),
     "pixel_over_process_zone": ("1", "grid spacing of the continuum over the process zone"),
-    "adhesion_over_elastic_energy": ("1", "θ = Δγ S / U_full, adhesion gained over elastic energy paid in full contact"),
-    "full_contact_stress_over_peak": ("1", "rms stress of full contact, E* rms slope / 2, over the largest tensile stress"),
+    "adhesion_over_elastic_energy": (
+        "1",
+        "θ = Δγ S / U_full, adhesion gained over elastic energy paid in full contact",
+    ),
+    "full_contact_stress_over_peak": (
+        "1",
+        "rms stress of full contact, E* rms slope / 2, over the largest tensile stress",
+    ),
     "full_contact_energy": ("J m-2", "elastic energy of full contact per nominal area"),
     "area_factor": ("1", "true over projected area of the surface"),
     "rms_slope": ("1", "root-mean-square slope of the surface"),

@@ -195,7 +195,8 @@ def effort_table(models: Mapping[str, xr.Dataset]) -> Table:
         unconverged = (dataset["converged"] == 0) & ~detached if "converged" in dataset else xr.zeros_like(solved)
         residual = dataset["residual"].where(~detached).max() if "residual" in dataset else np.nan
         work = [
-            f"{float(dataset[name].where(dataset[name] >= 0).sum()):.0f}" if name in dataset else NOTHING for name in used
+            f"{float(dataset[name].where(dataset[name] >= 0).sum()):.0f}" if name in dataset else NOTHING
+            for name in used
         ]
         endings = [str(int(solved.sum())), str(int(unconverged.sum())), str(int(detached.sum()))]
         rows.append([MODEL_NAMES[model], *endings, f"{float(residual):.1e}".replace("-", "−"), *work])

@@ -1,0 +1,126 @@
+"""What was run, in plain words, from the studies that the datasets carry."""
+
+from collections.abc import Iterator
+
+from contact_study.comparison.datasets import Inputs
+from contact_study.comparison.findings import signed
+from contact_study.problem.errors import InputError
+from contact_study.problem.study import Case, Study
+
+
+def length(value: float) -> str:
+    """A length in the unit that suits it."""
+    unit, name = next(((u, n) for u, n in ((1e-10, "Å"), (1e-6, "µm"), (1e-3, "mm")) if value < 2000 * u), (1.0, "m"))
+    return f"{value / unit:.6g} {name}"
+
+
+def study_paragraphs(inputs: Inputs) -> list[tuple[str, str]]:
+    """Heading and text of each part of the question."""
+    study = inputs.study
+    case = study.cases[0]
+    return [
+        ("Surface", _surface(study)),
+        ("Block", _block(case)),
+        ("Interaction", _interaction(study)),
+        ("Loading", " ".join(_loading(study))),
+        ("Models", " ".join(_models(inputs))),
+    ]
+
+
+def _surface(study: Study) -> str:
+    section = study.cases[0].surface
+    size = f"{length(section.size[0])} × {length(section.size[1])}" if section.size else "the size of its height map"
+    words = {
+        "self_affine": "Rigid, periodic, randomly rough",
+        "file": f"Rigid, periodic, height map {section.path}",
+        "sphere": f"A rigid sphere of radius {length(section.radius or 0)}",
+        "wavy": f"A rigid wavy surface of amplitude {length(section.amplitude or 0)}, modes {section.modes}",
+        "flat": "Rigid and flat",
+    }[section.kind]
+    words += f", {size}"
+    if section.kind == "self_affine" and section.rms_height is not None:
+        exact = "each sample exactly" if section.normalisation == "realised" else "in the mean over samples"
+        words += (
+            f": self-affine with Hurst exponent {section.hurst_exponent:g} between {section.roll_off_mode:g} and "
+            f"{section.cutoff_mode:g} times 2π/L, flat spectrum from {section.low_mode:g} to {section.roll_off_mode:g} "
+            f"times 2π/L, h_rms = {length(section.rms_height)} ({exact})"
+        )
+    seeds = study.sweep["seed"].values if "seed" in study.sweep else (section.seed,)
+    if section.kind == "self_affine":
+        listed = ", ".join(str(seed) for seed in seeds)
+        words += f"; {len(seeds)} realisation{'s' if len(seeds) > 1 else ''} (seed {listed})"
+    return words + "."
+
+
+def _block(case: Case) -> str:
+    material = case.material
+    return (
+        f"Elastic, E = {material.youngs_modulus / 1e9:.6g} GPa, ν = {material.poissons_ratio:g}, hence contact modulus "
+        f"E* = E/(1 − ν²) = {material.contact_modulus / 1e9:.5g} GPa."
+    )
+
+
+def _interaction(study: Study) -> str:
+    case = study.cases[0]
+    if case.interaction.law == "hard_wall":
+        return "Hard wall without adhesion; contact is where the pressure is positive."
+    works = list(dict.fromkeys(f"{case.work_of_adhesion:.4g}" for case in study.cases))
+    given = case.interaction
+    pair = ""
+    if given.well_depth is not None:
+        pair = f" of atoms with ε₀ = {given.well_depth / 1.602176634e-22:.4g} meV"
+    return (
+        f"Lennard-Jones{pair}, r₀ = {length(given.length or 0)}; smeared into the 10-4 traction-separation law for "
+        f"continuum and gap-flow theory. Work of adhesion Δγ = {', '.join(works)} J/m². Gaps below "
+        f"{length(case.contact_distance)} count as contact."
+    )
+
+
+def _loading(study: Study) -> Iterator[str]:
+    """Each different path, with the points of the sweep that take it."""
+    control = study.cases[0].loading.control
+    unit, name = (1e9, "GPa") if control == "pressure" else (1e-9, "nm")
+    paths: dict[tuple[float, ...], list[str]] = {}
+    for case in study.cases:
+        coordinates = {key: value for key, value in case.coordinates.items() if key != "seed"}
+        label = ", ".join(f"{key} = {value}" for key, value in coordinates.items())
+        paths.setdefault(case.loading.path, []).append(label)
+    yield f"Prescribed mean {control}, starting from separated surfaces, in this order:"
+    for path, labels in paths.items():
+        values = ", ".join(signed(value / unit, 5, plus=False) for value in path)
+        where = f" ({'; '.join(dict.fromkeys(labels))})" if len(paths) > 1 else ""
+        yield f"{values} {name}{where};"
+    back = study.cases[0].loading.unload
+    yield "then back through the same values." if back else "no unloading."
+
+
+def _models(inputs: Inputs) -> Iterator[str]:
+    if "continuum" in inputs.studies:
+        case = inputs.studies["continuum"].cases[0]
+        shape = case.surface.shape
+        points = f"{shape[0]} × {shape[1]} points" if shape else "the height map's points"
+        yield f"Continuum: {points}, residual stress below {case.solver.tolerance:g} E*."
+    if "atomistic" in inputs.studies:
+        yield _atoms(inputs.studies["atomistic"].cases[0])
+    if "theory" in inputs.studies:
+        chosen = inputs.studies["theory"].cases[0].theory
+        spectrum = "the target spectrum" if chosen.spectrum == "analytic" else "the spectrum of the very surface"
+        cap = ", σ_a limited to σ_max" if chosen.cap_detachment_stress else ""
+        yield (
+            f"Theories: {spectrum}; in Persson's theory elastic energy weight “{chosen.energy_weight}” "
+            f"(β = {chosen.beta:g}), true area “{chosen.true_area}”, α = {chosen.alpha:g}{cap}."
+        )
+
+
+def _atoms(case: Case) -> str:
+    try:
+        (rows, columns), (site_rows, site_columns) = case.atoms, case.substrate_sites
+    except InputError:
+        return "Atoms: as their dataset says."
+    layers = case.atomistic.layers or max(rows, columns)
+    return (
+        f"Atoms: bottom layer of {rows} × {columns} atoms (lattice constant "
+        f"{length(case.material.lattice_constant or 0)}) on {site_rows} × {site_columns} substrate sites, block of "
+        f"{layers} layers ({rows * columns * layers:.3g} atoms) condensed exactly, potential cut off at "
+        f"{case.atomistic.cutoff:g} r₀, temperature 0 K."
+    )

@@ -1,0 +1,114 @@
+"""The report: one HTML file that needs nothing else."""
+
+import base64
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import jinja2
+import xarray as xr
+from markupsafe import Markup, escape
+
+from contact_study.comparison import tables
+from contact_study.comparison.cases import sweep_points
+from contact_study.comparison.datasets import Inputs
+from contact_study.comparison.description import study_paragraphs
+from contact_study.comparison.figures import MODEL_NAMES
+from contact_study.comparison.findings import headline
+
+FIGURE_TITLES = {
+    "stress_distribution": "Stress distribution",
+    "gap_distribution": "Gap distribution",
+    "contact_area": "Contact area",
+    "mean_gap": "Mean gap",
+    "gap_map": "Gap fields",
+}
+
+# Symbols whose subscripts are set as such; study text is full of underscores that are none.
+_SUBSCRIPTS = re.compile(r"\b(h|U|σ|d|q)_(rms|full|max|eq|L|a)\b")
+
+
+@dataclass(frozen=True)
+class Figures:
+    """Figures as PNG files with their captions, by name."""
+
+    images: dict[str, bytes]
+    captions: dict[str, str]
+
+
+def render_report(
+    inputs: Inputs, deviations: xr.Dataset, regime: xr.Dataset, figures: Figures, attrs: Mapping[str, Any]
+) -> str:
+    """The whole report as HTML.
+
+    Parameters
+    ----------
+    inputs : Inputs
+        What was compared.
+    deviations, regime : xarray.Dataset
+        As :func:`compute_deviations` and :func:`compute_regime` return them.
+    figures : Figures
+        Figures to embed.
+    attrs : mapping
+        Attributes of the comparison's dataset: title, source, history.
+    """
+    environment = jinja2.Environment(
+        loader=jinja2.PackageLoader("contact_study.comparison", ""),
+        autoescape=True,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        undefined=jinja2.StrictUndefined,
+    )
+    environment.filters["symbols"] = _symbols
+    points = sweep_points(inputs.models)
+    return environment.get_template("report.html.j2").render(
+        attrs=attrs,
+        paragraphs=study_paragraphs(inputs),
+        findings=headline(inputs.models, deviations),
+        models=list(inputs.models),
+        provenance=_provenance(inputs),
+        figures=[
+            (FIGURE_TITLES[name], base64.b64encode(image).decode(), figures.captions[name])
+            for name, image in figures.images.items()
+        ],
+        results=tables.results_tables(inputs.models, inputs.control),
+        deviations=tables.deviation_tables(inputs.models, deviations, inputs.control),
+        regime=tables.regime_table(regime, points),
+        constants=tables.constants_table(inputs.models),
+        effort=tables.effort_table(inputs.models),
+        warnings=collected_warnings(inputs),
+        study_toml=inputs.study.toml,
+        names=MODEL_NAMES,
+    )
+
+
+def collected_warnings(inputs: Inputs) -> list[str]:
+    """Differences between the studies, and what each model warned of."""
+    notes = list(inputs.notes)
+    for kind in inputs.paths:
+        text = str(inputs.models[kind].attrs.get("warnings", ""))
+        notes += [f"{MODEL_NAMES[kind]}: {line}" for line in text.splitlines() if line]
+    return notes
+
+
+def _symbols(text: str) -> Markup:
+    return Markup(_SUBSCRIPTS.sub(r"\1<sub>\2</sub>", str(escape(text))))
+
+
+def _provenance(inputs: Inputs) -> list[dict[str, str]]:
+    rows = []
+    for kind, path in inputs.paths.items():
+        attrs = inputs.models[kind].attrs
+        when, _, command = str(attrs.get("history", "")).partition(": ")
+        rows.append(
+            {
+                "model": MODEL_NAMES[kind] if kind != "theory" else "theories",
+                "file": path.name,
+                "source": str(attrs.get("source", "not given")),
+                "commit": str(attrs.get("git_commit", "unknown"))[:12],
+                "when": when,
+                "command": command,
+            }
+        )
+    return rows

@@ -1,0 +1,41 @@
+"""The dataset of a comparison: every model's own beside what tells them apart."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import xarray as xr
+
+from contact_study.comparison.datasets import Inputs
+
+
+def comparison_tree(
+    inputs: Inputs, deviations: xr.Dataset, regime: xr.Dataset, attrs: Mapping[str, Any]
+) -> xr.DataTree:
+    """Groups ``continuum``, ``atomistic``, ``theory`` with ``gap_flow`` and its branches, ``deviations``, ``regime``.
+
+    Parameters
+    ----------
+    inputs : Inputs
+        What was compared; its datasets without the fields.
+    deviations, regime : xarray.Dataset
+        As :func:`compute_deviations` and :func:`compute_regime` return them.
+    attrs : mapping
+        Attributes of the root.
+    """
+    groups = {f"/{kind}": inputs.models[kind] for kind in inputs.paths}
+    if "gap_flow" in inputs.models:
+        groups["/theory/gap_flow"] = inputs.models["gap_flow"]
+    for side, dataset in inputs.branches.items():
+        groups[f"/theory/gap_flow/{side}"] = dataset
+    groups |= {"/deviations": deviations, "/regime": regime}
+    return xr.DataTree.from_dict(
+        {"/": xr.Dataset(attrs=attrs), **{path: _without_filled_coordinates(d) for path, d in groups.items()}}
+    )
+
+
+def _without_filled_coordinates(dataset: xr.Dataset) -> xr.Dataset:
+    """CF: a coordinate variable has no missing values, hence no fill value."""
+    dataset = dataset.copy()
+    for name in dataset.indexes:
+        dataset[name].encoding = {"_FillValue": None} if dataset[name].dtype.kind in "fiu" else {}
+    return dataset
