@@ -262,3 +262,27 @@ def surface_stiffness(
     phase_y = 2 * np.pi * np.fft.fftfreq(shape[0])[:, None]
     phase_x = 2 * np.pi * np.fft.rfftfreq(shape[1])[None, :]
     return SurfaceStiffness(grid, lattice_constant, condense(element, phase_y, phase_x, layers))
+
+
+def without_lateral_freedom(stiffness: SurfaceStiffness, contact_modulus: float | None = None) -> SurfaceStiffness:
+    """The block as a frictionless continuum sees it: normal compliance only, the bottom atoms on vertical rails.
+
+    For taking apart what separates atoms from a continuum model, see ``scripts/attribute_differences.py``.
+
+    Parameters
+    ----------
+    stiffness : SurfaceStiffness
+        The full block.
+    contact_modulus : float, optional
+        If given, the elastic half-space S_zz = a² E* q/2 of that modulus replaces the lattice's own compliance (Pa).
+    """
+    wavenumber = stiffness.grid.wavenumber
+    coefficients = np.zeros_like(stiffness.coefficients)
+    # Stiff beyond any force that the interface can exert; the value only has to leave the matrix invertible.
+    coefficients[:2] = 1e6 * np.max(stiffness.coefficients)
+    if contact_modulus is None:
+        coefficients[2] = 1 / invert_symmetric.py_func(*stiffness.coefficients)[2]
+    else:
+        coefficients[2] = stiffness.area_per_atom * contact_modulus * wavenumber / 2
+        coefficients[2, 0, 0] = stiffness.coefficients[2, 0, 0]
+    return SurfaceStiffness(stiffness.grid, stiffness.lattice_constant, coefficients)

@@ -219,7 +219,7 @@ def _advance_direction(z, r, diagonal, shift, ratio, direction, image):
 
 @njit(**_OPTIONS)
 def _advance_solution(length, direction, image, solution, r, field):
-    """Step along the direction; the new residual also goes into the transform's field; returns r·r, Σr_z and max|solution|."""
+    """Step along the direction, the new residual also into ``field``; returns r·r, Σr_z and max|solution|."""
     alpha = np.float32(length)
     squares = 0.0
     normal_sum = 0.0

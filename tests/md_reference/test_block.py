@@ -1,7 +1,14 @@
 import numpy as np
 import pytest
 
-from md_reference.block import condense, contact_modulus, element_matrix, isotropic_element, surface_stiffness
+from md_reference.block import (
+    condense,
+    contact_modulus,
+    element_matrix,
+    isotropic_element,
+    surface_stiffness,
+    without_lateral_freedom,
+)
 from tests.md_reference.systems import CONTACT_MODULUS, ELEMENT, LATTICE_CONSTANT, POISSONS_RATIO, YOUNGS_MODULUS
 
 
@@ -115,3 +122,11 @@ def test_unknown_blocks_and_no_layers_are_refused():
         element_matrix("isotropic", LATTICE_CONSTANT, YOUNGS_MODULUS, POISSONS_RATIO),
         isotropic_element(LATTICE_CONSTANT, YOUNGS_MODULUS, POISSONS_RATIO),
     )
+
+
+def test_a_block_on_rails_keeps_its_normal_compliance():
+    block = surface_stiffness(ELEMENT, (12, 16), LATTICE_CONSTANT, 16)
+    railed = without_lateral_freedom(block)
+    np.testing.assert_allclose(railed.contact_modulus, block.contact_modulus, rtol=1e-12)
+    half_space = without_lateral_freedom(block, CONTACT_MODULUS).contact_modulus
+    np.testing.assert_allclose(half_space.ravel()[1:], CONTACT_MODULUS, rtol=1e-12)

@@ -1,0 +1,150 @@
+import dataclasses
+
+import numpy as np
+import pytest
+
+from contact_study.fields import fourier
+from contact_study.problem.errors import InputError
+from contact_study.problem.surface import realise
+from md_reference.interface import LennardJonesInterface
+from md_reference.run import at_mean_gap, build_interface, check, constants, predicted, separated, solve_path
+from tests.md_reference.systems import CONTACT_MODULUS, LENGTH, case_of
+
+PATH = ("0.5 GPa", "2 GPa", "8 GPa")
+
+
+def steps_of(case, **options):
+    return list(solve_path(case, realise(case), **options))
+
+
+def test_steps_carry_the_quantities_of_the_schema():
+    case = case_of((40, 56), path=PATH)
+    for step, (pressure, _) in zip(steps_of(case), case.path, strict=True):
+        values, gap, stress = step.values, step.fields["gap"], step.fields["pressure"]
+        assert values["converged"]
+        assert not values["detached"]
+        assert values["residual"] < 1e-8
+        assert values["mean_pressure"] == pytest.approx(pressure, abs=1e-8 * CONTACT_MODULUS)
+        assert np.mean(stress) == pytest.approx(values["mean_pressure"], rel=1e-12)
+        assert values["mean_gap"] == pytest.approx(np.mean(gap) - LENGTH, rel=1e-12)
+        assert values["relative_contact_area"] == np.mean(gap < 3.68e-10)
+        assert 0 < values["relative_repulsive_area"] < values["relative_contact_area"] <= 1
+        assert values["elastic_energy"] > 0 > values["interaction_energy"]
+        assert gap.shape == case.atoms
+        edges = case.bins
+        inside = np.sum(values["gap_pdf"] * np.diff(edges.gap_edges))
+        assert inside == pytest.approx(np.mean((gap >= edges.gap_edges[0]) & (gap <= edges.gap_edges[-1])), rel=1e-12)
+        mean = np.sum(values["pressure_pdf"] * edges.pressure * np.diff(edges.pressure_edges))
+        assert mean == pytest.approx(pressure, abs=np.diff(edges.pressure_edges).max())
+
+
+def test_work_of_the_pressure_is_the_energy_gained():
+    # dU/dp = −p dū/dp along a reversible path: trapezoidal rule, second order in the pressure step.
+    errors = []
+    for points in (3, 5, 9):
+        pressures = np.linspace(1e9, 3e9, points)
+        steps = steps_of(case_of((32, 32), path=tuple(float(p) for p in pressures)))
+        energy = [s.values["elastic_energy"] + s.values["interaction_energy"] for s in steps]
+        # The work is done on the mean height, not on the mean gap: lateral sliding changes the latter alone.
+        height = [float(np.mean(s.restart["displacement"][2])) for s in steps]
+        work = -np.sum(0.5 * (pressures[1:] + pressures[:-1]) * np.diff(height))
+        errors.append(abs(energy[-1] - energy[0] - work))
+    assert errors[-1] < 2e-3 * abs(work)
+    assert errors[2] < errors[1] < errors[0]
+
+
+def test_resumed_path_gives_the_same_numbers():
+    case = case_of((32, 48), ratio=4, path=PATH)
+    whole = steps_of(case)
+    rest = steps_of(case, restart=whole[0].restart, start=1)
+    for a, b in zip(whole[1:], rest, strict=True):
+        np.testing.assert_array_equal(a.fields["gap"], b.fields["gap"])
+        for name in ("mean_gap", "elastic_energy", "force_evaluations", "residual"):
+            assert a.values[name] == b.values[name]
+
+
+def test_predictor_on_another_grid_leads_to_the_same_state():
+    case = case_of((48, 48), ratio=4, path=PATH)
+    own = steps_of(case)
+    asked = []
+
+    def predictor(number):
+        asked.append(number)
+        if number == 1:
+            return None  # no such state: the path goes on from the point before
+        return fourier.interpolate(own[number].fields["gap"], (60, 54))
+
+    led = steps_of(case, predictor=predictor)
+    assert asked == [0, 1, 2]
+    for a, b in zip(own, led, strict=True):
+        np.testing.assert_allclose(b.fields["gap"], a.fields["gap"], rtol=0, atol=1e-5 * LENGTH)
+    assert led[0].values["force_evaluations"] < own[0].values["force_evaluations"]
+
+
+def test_units_change_nothing():
+    plain = case_of((32, 32), ratio=8, path=(1e9, 3e9))
+    # Lengths ×8, energies ×64: stresses × 64/512. Powers of two keep every rounding.
+    scaled = case_of((32, 32), ratio=8, path=(1e9 / 8, 3e9 / 8), scale=8.0, energy_scale=64.0)
+    for a, b in zip(steps_of(plain), steps_of(scaled), strict=True):
+        assert b.values["force_evaluations"] == a.values["force_evaluations"]
+        assert b.values["mean_gap"] / 8 == pytest.approx(a.values["mean_gap"], rel=1e-7)
+        assert b.values["relative_contact_area"] == a.values["relative_contact_area"]
+        assert b.values["elastic_energy"] == pytest.approx(a.values["elastic_energy"], rel=1e-7)
+
+
+def test_gap_control_and_loss_of_contact_under_tension():
+    path = ("8 angstrom", "2 angstrom", "0.5 angstrom", "3 angstrom", "30 angstrom")
+    steps = steps_of(case_of((32, 32), ratio=8, path=path, control="gap"))
+    pressures = [s.values["mean_pressure"] for s in steps]
+    assert all(s.values["converged"] for s in steps)
+    assert pressures[1] < 0
+    assert pressures[-1] == 0
+    torn = steps_of(case_of((32, 32), ratio=8, path=("1 GPa", "-30 GPa", "-30 GPa")))
+    assert [s.values["detached"] for s in torn] == [False, True, True]
+    assert not torn[1].values["converged"]
+    assert torn[1].values["message"].startswith("detached")
+    assert np.isnan(torn[1].values["mean_gap"])
+    assert torn[1].values["relative_contact_area"] == torn[1].values["mean_pressure"] == 0
+
+
+def test_moving_to_a_mean_gap_lifts_atoms_off_the_surface():
+    case = case_of((32, 32))
+    interface = build_interface(case, realise(case))
+    start = separated(interface.rest_heights(), LENGTH)
+    moved = at_mean_gap(interface, start, 1e-10)
+    assert np.mean(moved[2]) == pytest.approx(1e-10 + LENGTH, rel=1e-12)
+    assert interface.gap(moved).min() >= 0.85 * LENGTH * (1 - 1e-9)
+    far = at_mean_gap(interface, start, 1e-8)
+    np.testing.assert_allclose(far[2], 1e-8 + LENGTH, rtol=1e-12)
+    with pytest.raises(ValueError, match="mean gap"):
+        at_mean_gap(interface, start, -1e-10)
+
+
+def test_predicted_start_stands_above_the_surface():
+    heights = np.random.default_rng(0).standard_normal((16, 24)) * 1e-10
+    gap = np.full((8, 12), 3e-10)
+    gap[4, 5] = 0.0
+    u = predicted(heights, gap, LENGTH)
+    assert not u[:2].any()
+    assert (u[2] - heights).min() == pytest.approx(0.5 * LENGTH)
+
+
+def test_constants_are_measured():
+    case = case_of((40, 56), ratio=4)
+    found = constants(case, realise(case))
+    assert found["work_of_adhesion"] == pytest.approx(case.work_of_adhesion, rel=0.012)
+    assert found["work_of_adhesion"] < case.work_of_adhesion
+    assert found["contact_modulus"] == pytest.approx(case.material.contact_modulus, rel=0.02)
+    assert found["contact_modulus_at"].shape == found["wavevector"].shape == (28,)
+    assert np.isfinite(found["contact_modulus_at"]).all()
+    assert found["height"].shape == (40, 56)
+    assert found["equilibrium_distance"] == pytest.approx(LENGTH, rel=1e-4)
+
+
+def test_hard_walls_have_no_atoms():
+    case = case_of()
+    hard = dataclasses.replace(case, interaction=dataclasses.replace(case.interaction, law="hard_wall"))
+    with pytest.raises(InputError, match="Lennard-Jones"):
+        check(hard)
+    check(case)
+    assert isinstance(build_interface(case, realise(case)), LennardJonesInterface)
