@@ -141,6 +141,7 @@ def gap_flow(
     contact_modulus: float,
     law: TractionLaw,
     branch: str = "equilibrium",
+    largest_gap: float = 0.0,
     gaps: int = 800,
     scales: int = 1600,
 ) -> GapFlow:
@@ -156,6 +157,8 @@ def gap_flow(
         Interaction of smooth surfaces.
     branch : str, optional
         ``"equilibrium"``, ``"loading"`` or ``"unloading"``.
+    largest_gap : float, optional
+        Mean gap that the nodes must hold, beyond where surfaces of this roughness touch (m).
     gaps : int, optional
         Nodes of the gap.
     scales : int, optional
@@ -170,7 +173,7 @@ def gap_flow(
         raise ValueError(f"branch = {branch!r}: expected one of {', '.join(BRANCHES)}")
     length = law.equilibrium_distance
     reduced = law.scaled(length, contact_modulus)
-    x = _gap_nodes(spectrum, reduced, length, gaps)
+    x = _gap_nodes(spectrum, reduced, length, largest_gap, gaps)
     stiffness, steps = _scales(spectrum, length, scales)
     energy = np.array(reduced.potential(x), dtype=float)
     compliances = np.empty((steps.size, x.size))
@@ -179,13 +182,16 @@ def gap_flow(
     return GapFlow(reduced, length, contact_modulus, branch, x, energy, stiffness, steps, compliances, hull)
 
 
-def _gap_nodes(spectrum: RoughnessSpectrum, law: TractionLaw, length: float, count: int) -> np.ndarray:
+def _gap_nodes(
+    spectrum: RoughnessSpectrum, law: TractionLaw, length: float, largest_gap: float, count: int
+) -> np.ndarray:
     """Nodes from deep in the repulsion to far above the roughness, finest where the law varies."""
     # Full contact has a stress of deviation ξ/2: no patch is pressed by twenty of them. Mean pressures up to the
     # modulus itself are far more than a half-space can make sense of.
     highest = max(10 * spectrum.rms_slope, 1.0) + 5 * law.peak_tensile_stress
     lowest = float(law.repulsive_gap(np.array(-highest)))
-    reach = 5.0 + 11 * np.sqrt(spectrum.mean_square_height) / length
+    roughness = np.sqrt(spectrum.mean_square_height) / length
+    reach = max(5.0 + 11 * roughness, largest_gap / length + 7 * roughness)
     return lowest + 0.8 * np.sinh(np.linspace(0, np.arcsinh((reach - lowest) / 0.8), count))
 
 

@@ -131,6 +131,11 @@ def solve_path(
         ``Step.restart`` of point ``start`` − 1; None at the first.
     start : int, optional
         Number of the first point to solve.
+
+    Raises
+    ------
+    InputError
+        If the surface has no spectrum, or a point of the path is beyond any contact.
     """
     theory = persson_theory(case, surface)
     curve = _separation(case, theory)
@@ -138,14 +143,17 @@ def solve_path(
     by_pressure = case.loading.control == "pressure"
     pressures = [value if by_pressure else _pressure_at(curve, value) for value, _ in case.path]
     gaps = curve.mean_gap(np.array(pressures))
-    stress: np.ndarray | str = "adhered" if restart is None else restart["detachment_stress"]
+    stress: np.ndarray | str = (restart or {}).get("detachment_stress", "adhered")
     for number in range(start, len(case.path)):
-        contact = solve(theory, pressures[number], stress, max_iterations=case.solver.max_iterations)
-        stress = contact.detachment_stress
-        values = _persson_values(case, contact) | {"mean_gap": float(gaps[number])}
+        if np.isnan(pressures[number]):
+            values = _unreachable(case, case.path[number][0])
+        else:
+            contact = solve(theory, pressures[number], stress, max_iterations=case.solver.max_iterations)
+            stress = contact.detachment_stress
+            values = _persson_values(case, contact) | {"mean_gap": float(gaps[number])}
         for branch in flows:
             values |= branch[number]
-        yield Step(values, restart={"detachment_stress": stress})
+        yield Step(values, restart={} if isinstance(stress, str) else {"detachment_stress": stress})
 
 
 def _separation(case: Case, theory: PerssonTheory) -> SeparationCurve:
@@ -169,20 +177,11 @@ def _quiet_gap(curve: SeparationCurve, pressure: float) -> float:
 
 
 def _pressure_at(curve: SeparationCurve, gap: float) -> float:
-    """Lowest pressure at which the mean gap has fallen to ``gap``.
-
-    Raises
-    ------
-    InputError
-        If the theory reaches no such gap.
-    """
+    """Lowest pressure at which the mean gap has fallen to ``gap``; NaN if the theory reaches no such gap."""
     gaps = np.array([_quiet_gap(curve, p) for p in curve.pressure])
     reached = np.flatnonzero(gaps <= gap)
     if gap <= 0 or reached.size == 0 or reached[0] == 0:
-        raise InputError(
-            f"loading.path: Persson's theory has no pressure for a mean gap of {gap:g} m; it reaches "
-            f"0 to {gaps[0]:.3g} m"
-        )
+        return float("nan")
     low, high = np.log(curve.pressure[reached[0] - 1 : reached[0] + 1])
     return float(np.exp(brentq(lambda x: _quiet_gap(curve, np.exp(x)) - gap, low, high, xtol=1e-10)))
 
@@ -220,12 +219,40 @@ def _persson_values(case: Case, contact: PerssonContact) -> dict[str, Value]:
     }
 
 
+def _unreachable(case: Case, gap: float) -> dict[str, Value]:
+    """Values of a prescribed mean gap that Persson's theory has no pressure for: NaN."""
+    names = ("mean_pressure", "relative_contact_area", "elastic_energy", "interaction_energy", "contact_stress")
+    lost: dict[str, Value] = dict.fromkeys((*names, "edge_stress", "residual"), float("nan"))
+    resolved = ("relative_contact_area_at", "detachment_stress", "effective_work_of_adhesion")
+    return lost | {
+        **{name: np.full(_STORED_WAVEVECTORS, np.nan) for name in resolved},
+        "pressure_pdf": np.full(case.bins.pressure_edges.size - 1, np.nan),
+        "mean_gap": gap,
+        "converged": False,
+        "detached": False,
+        "message": "the theory has no pressure for this mean gap",
+        "iterations": 0,
+    }
+
+
 def _gap_flow_path(case: Case, spectrum: RoughnessSpectrum) -> list[list[dict[str, Value]]]:
-    """Values of each path point in each branch; none for a hard wall, which has no law to flow."""
+    """Values of each path point in each branch; none for a hard wall, which has no law to flow.
+
+    Raises
+    ------
+    InputError
+        If a point of the path is beyond any contact.
+    """
     if not isinstance(case.law, TractionLaw):
         return []
-    flows = [gap_flow(spectrum, case.material.contact_modulus, case.law, branch) for branch in BRANCHES]
-    return [_flow_values(case, flow) for flow in flows]
+    largest = 0.0
+    if case.loading.control == "gap":
+        largest = max(gap for gap, _ in case.path) + case.law.equilibrium_distance
+    flows = [gap_flow(spectrum, case.material.contact_modulus, case.law, branch, largest) for branch in BRANCHES]
+    try:
+        return [_flow_values(case, flow) for flow in flows]
+    except ValueError as error:
+        raise InputError(f"loading.path: {error}") from None
 
 
 def _flow_values(case: Case, flow: GapFlow) -> list[dict[str, Value]]:

@@ -1,0 +1,155 @@
+"""The theories along a loading path: names of the schema, restarts, gap control, branches, mistakes of input."""
+
+import copy
+import warnings
+
+import numpy as np
+import pytest
+
+from contact_study.campaign.schema import COORDINATES, VARIABLES
+from contact_study.problem.bins import with_bins
+from contact_study.problem.errors import InputError
+from contact_study.problem.study import make_study
+from contact_study.problem.surface import realise
+from theory import run
+
+STUDY = {
+    "surface": {
+        "kind": "self_affine",
+        "size": "416 angstrom",
+        "shape": [64, 64],
+        "rms_height": "10 angstrom",
+        "low_mode": 1,
+        "roll_off_mode": 3,
+        "cutoff_mode": 12,
+        "hurst_exponent": 0.8,
+    },
+    "material": {"youngs_modulus": "77.2 GPa", "poissons_ratio": 0.42},
+    "interaction": {
+        "work_of_adhesion": "1.4 J/m^2",
+        "length": "3.28 angstrom",
+        "contact_distance": "3.68 angstrom",
+    },
+    "loading": {"path": ["1 GPa", "5 GPa"], "unload": True},
+}
+
+
+def case_of(**sections):
+    table = copy.deepcopy(STUDY)
+    for name, keys in sections.items():
+        table.setdefault(name, {}).update(keys)
+    return with_bins(make_study(table)).cases[0]
+
+
+def steps_of(case, **start):
+    return list(run.solve_path(case, realise(case), **start))
+
+
+@pytest.fixture(scope="module")
+def case():
+    return case_of()
+
+
+@pytest.fixture(scope="module")
+def steps(case):
+    return steps_of(case)
+
+
+def test_names_are_those_of_the_schema(case, steps):
+    known = set(VARIABLES) | set(COORDINATES)
+    names = {name.rpartition("/")[2] for step in steps for name in step.values}
+    names |= {name.rpartition("/")[2] for name in run.constants(case, realise(case))}
+    assert names <= known
+    groups = {name.rpartition("/")[0] for name in steps[0].values}
+    assert groups == {"", "gap_flow", "gap_flow/loading", "gap_flow/unloading"}
+    assert len(steps) == len(case.path) == 3
+    assert all(step.values.keys() == steps[0].values.keys() for step in steps)
+
+
+def test_values_are_consistent(case, steps):
+    for (applied, _), step in zip(case.path, steps, strict=True):
+        values = step.values
+        assert values["converged"]
+        assert values["mean_pressure"] == applied
+        assert values["contact_stress"] + values["edge_stress"] == pytest.approx(applied, rel=5e-3)
+        area = np.sum(values["pressure_pdf"]) * np.diff(case.bins.pressure_edges)[0]
+        # The root's distribution is that of the contact, without the δ of non-contact; of it, the bins leave out what
+        # is under more tension than the law can exert, since the paper's detachment stress is not capped.
+        assert area == pytest.approx(values["relative_contact_area"], rel=0.01)
+        assert values["relative_contact_area_at"][-1] == pytest.approx(values["relative_contact_area"], rel=1e-12)
+        assert values["gap_flow/mean_pressure"] == pytest.approx(applied, rel=1e-9)
+        for name, edges in (("pressure_pdf", case.bins.pressure_edges), ("gap_pdf", case.bins.gap_edges)):
+            assert np.sum(values[f"gap_flow/{name}"] * np.diff(edges)) == pytest.approx(1, abs=2e-3)
+
+
+def test_both_ways_agree_under_pressure(steps):
+    # Persson's theory has one state at each pressure above zero, up to the iteration's tolerance.
+    there, back = steps[0].values, steps[2].values
+    assert back["relative_contact_area"] == pytest.approx(there["relative_contact_area"], rel=1e-4)
+    assert back["gap_flow/loading/relative_contact_area"] == there["gap_flow/loading/relative_contact_area"]
+
+
+def test_restart_gives_the_same_bits(case, steps):
+    resumed = steps_of(case, restart=steps[0].restart, start=1)
+    assert len(resumed) == len(steps) - 1
+    for step, again in zip(steps[1:], resumed, strict=True):
+        for name, value in step.values.items():
+            assert np.array_equal(value, again.values[name], equal_nan=not isinstance(value, str)), name
+
+
+def test_prescribed_gap_is_the_inverse_of_prescribed_pressure(steps):
+    gap = steps[0].values["mean_gap"]
+    step = steps_of(case_of(loading={"control": "gap", "path": [gap, 2e-8, -1e-11], "unload": False}))
+    # The curve down to another lowest pressure has other nodes: its own accuracy.
+    assert step[0].values["mean_pressure"] == pytest.approx(1e9, rel=2e-3)
+    assert step[1].values["gap_flow/relative_contact_area"] < 1e-12
+    assert not step[2].values["converged"]
+    assert "no pressure" in step[2].values["message"]
+    assert step[2].values["gap_flow/relative_contact_area"] > 0.9
+    flow_gap = steps[0].values["gap_flow/mean_gap"]
+    step = steps_of(case_of(loading={"control": "gap", "path": [flow_gap], "unload": False}))
+    assert step[0].values["gap_flow/mean_pressure"] == pytest.approx(1e9, rel=1e-6)
+
+
+def test_tension_follows_the_adhered_branch_and_detaches():
+    case = case_of(
+        interaction={"work_of_adhesion": "14 J/m^2"},
+        loading={"path": ["1 GPa", "-1 GPa", "-30 GPa", "-1 GPa"], "unload": False},
+    )
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        pressed, pulled, lost, after = (step.values for step in steps_of(case))
+    assert 0 < pulled["relative_contact_area"] < pressed["relative_contact_area"]
+    assert not pulled["detached"]
+    assert lost["detached"]
+    assert after["detached"]  # what has come off stays off without pressure
+    assert np.isnan(pulled["mean_gap"])
+    assert lost["gap_flow/detached"]
+    assert np.isnan(lost["gap_flow/mean_gap"])
+
+
+def test_measured_spectrum_replaces_the_target(case, steps):
+    measured = case_of(theory={"spectrum": "surface"})
+    values = run.constants(measured, realise(measured))
+    assert values["rms_height"] == pytest.approx(realise(measured).rms_height, rel=1e-9)
+    assert run.constants(case, realise(case))["rms_height"] == pytest.approx(1e-9, rel=1e-9)
+    other = steps_of(measured)[0].values
+    assert other["relative_contact_area"] != pytest.approx(steps[0].values["relative_contact_area"], rel=1e-3)
+
+
+def test_hard_wall_has_persson_only():
+    case = case_of(interaction={"law": "hard_wall"})
+    step = steps_of(case)[0]
+    assert not any(name.startswith("gap_flow") for name in step.values)
+    assert step.values["interaction_energy"] == 0
+    assert 0 < step.values["relative_contact_area"] < 1
+
+
+def test_surfaces_without_spectrum_are_refused():
+    wavy = case_of(surface={"kind": "wavy", "amplitude": "1 nm"})
+    with pytest.raises(InputError, match=r"theory\.spectrum"):
+        run.check(wavy)
+    flat = case_of(surface={"kind": "flat"})
+    with pytest.raises(InputError, match=r"surface\.kind"):
+        run.check(flat)
+    run.check(case_of(surface={"kind": "wavy", "amplitude": "1 nm"}, theory={"spectrum": "surface"}))
