@@ -48,12 +48,13 @@ def sweep_points(models: Mapping[str, xr.Dataset]) -> list[SweepPoint]:
     points = []
     for combination in itertools.product(*values):
         selection = dict(zip(dims, combination, strict=True))
-        names = [_label(dim, value, lead[dim].attrs.get("units", "1")) for dim, value in selection.items()]
+        names = [coordinate_label(dim, value, lead[dim].attrs.get("units", "1")) for dim, value in selection.items()]
         points.append(SweepPoint(selection, ", ".join(names)))
     return points
 
 
-def _label(dim: str, value: Any, units: str) -> str:
+def coordinate_label(dim: str, value: Any, units: str = "1") -> str:
+    """One swept coordinate in the symbols of the field."""
     shown = f"{value:g}" if np.issubdtype(np.asarray(value).dtype, np.number) else str(value)
     if dim == "well_depth_ratio":
         return "ε = ε₀" if shown == "1" else f"ε = {shown} ε₀"

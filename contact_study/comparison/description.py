@@ -2,8 +2,10 @@
 
 from collections.abc import Iterator
 
+from contact_study.comparison.cases import coordinate_label
 from contact_study.comparison.datasets import Inputs
 from contact_study.comparison.findings import signed
+from contact_study.comparison.path_points import AVERAGED
 from contact_study.problem.errors import InputError
 from contact_study.problem.study import Case, Study
 
@@ -12,6 +14,15 @@ def length(value: float) -> str:
     """A length in the unit that suits it."""
     unit, name = next(((u, n) for u, n in ((1e-10, "Å"), (1e-6, "µm"), (1e-3, "mm")) if value < 2000 * u), (1.0, "m"))
     return f"{value / unit:.6g} {name}"
+
+
+def _power(value: float) -> str:
+    """A small number as a power of ten."""
+    digits, _, exponent = f"{value:.3g}".partition("e")
+    if not exponent:
+        return digits
+    raised = str(int(exponent)).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
+    return f"10{raised}" if digits == "1" else f"{digits} · 10{raised}"
 
 
 def study_paragraphs(inputs: Inputs) -> list[tuple[str, str]]:
@@ -82,16 +93,16 @@ def _loading(study: Study) -> Iterator[str]:
     unit, name = (1e9, "GPa") if control == "pressure" else (1e-9, "nm")
     paths: dict[tuple[float, ...], list[str]] = {}
     for case in study.cases:
-        coordinates = {key: value for key, value in case.coordinates.items() if key != "seed"}
-        label = ", ".join(f"{key} = {value}" for key, value in coordinates.items())
+        label = ", ".join(coordinate_label(key, value) for key, value in case.coordinates.items() if key != AVERAGED)
         paths.setdefault(case.loading.path, []).append(label)
     yield f"Prescribed mean {control}, starting from separated surfaces, in this order:"
+    back = ", then back through the same values" if study.cases[0].loading.unload else ""
+    listed = []
     for path, labels in paths.items():
         values = ", ".join(signed(value / unit, 5, plus=False) for value in path)
-        where = f" ({'; '.join(dict.fromkeys(labels))})" if len(paths) > 1 else ""
-        yield f"{values} {name}{where};"
-    back = study.cases[0].loading.unload
-    yield "then back through the same values." if back else "no unloading."
+        where = f" ({', '.join(dict.fromkeys(labels))})" if len(paths) > 1 else ""
+        listed.append(f"{values} {name}{where}{back}")
+    yield "; ".join(listed) + "."
 
 
 def _models(inputs: Inputs) -> Iterator[str]:
@@ -99,7 +110,7 @@ def _models(inputs: Inputs) -> Iterator[str]:
         case = inputs.studies["continuum"].cases[0]
         shape = case.surface.shape
         points = f"{shape[0]} × {shape[1]} points" if shape else "the height map's points"
-        yield f"Continuum: {points}, residual stress below {case.solver.tolerance:g} E*."
+        yield f"Continuum: {points}, residual stress below {_power(case.solver.tolerance)} E*."
     if "atomistic" in inputs.studies:
         yield _atoms(inputs.studies["atomistic"].cases[0])
     if "theory" in inputs.studies:
@@ -121,6 +132,6 @@ def _atoms(case: Case) -> str:
     return (
         f"Atoms: bottom layer of {rows} × {columns} atoms (lattice constant "
         f"{length(case.material.lattice_constant or 0)}) on {site_rows} × {site_columns} substrate sites, block of "
-        f"{layers} layers ({rows * columns * layers:.3g} atoms) condensed exactly, potential cut off at "
+        f"{layers} layers ({rows * columns * layers:,} atoms) condensed exactly, potential cut off at "
         f"{case.atomistic.cutoff:g} r₀, temperature 0 K."
     )

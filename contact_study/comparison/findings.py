@@ -145,9 +145,9 @@ def _pair_sentence(deviations: xr.Dataset, pair: str, points: list[SweepPoint], 
     model, reference = split_pair(pair)
     area = _area_spread(deviations, pair, points)
     words = (
-        f"{_sentence_case(MODEL_WORDS[model])} against {MODEL_WORDS[reference]}: contact area between "
-        f"{percent(area.low)} ({area.low_at}) and {percent(area.high)} ({area.high_at}), "
-        f"{percent_of(area.median)} in the median of {area.count} states"
+        f"{_sentence_case(MODEL_WORDS[model])} against {MODEL_WORDS[reference]}: contact area "
+        f"{percent(area.low)} ({area.low_at}) to {percent(area.high)} ({area.high_at}), "
+        f"median magnitude {percent_of(area.median)} over {area.count} states"
     )
     heights = {label: unit.rms_height for label, unit in units.items()}
     try:
@@ -156,8 +156,8 @@ def _pair_sentence(deviations: xr.Dataset, pair: str, points: list[SweepPoint], 
         return words + "."
     symbol = next(iter(units.values())).height_symbol
     return (
-        f"{words}; mean gap between {signed(gap.low)} ({gap.low_at}) and {signed(gap.high)} ({gap.high_at}) {symbol}, "
-        f"{gap.median:.2g} {symbol} in the median of {gap.count}."
+        f"{words}; mean gap {signed(gap.low)} {symbol} ({gap.low_at}) to {signed(gap.high)} {symbol} ({gap.high_at}), "
+        f"median magnitude {gap.median:.2g} {symbol}."
     )
 
 

@@ -214,11 +214,14 @@ class PanelPoints:
         Point of the sweep shown at several pressures (panel b).
     several : list of Point
         These points of its path.
+    paper : bool
+        Whether they are those of the paper.
     """
 
     common: Point
     case: SweepPoint
     several: list[Point]
+    paper: bool = False
 
 
 def panel_points(models: Mapping[str, xr.Dataset], control: str, wanted: float | None = None) -> PanelPoints:
@@ -247,7 +250,8 @@ def panel_points(models: Mapping[str, xr.Dataset], control: str, wanted: float |
     several = [named for named, _ in paper]
     if len(several) < 2:
         several = [own[0], own[len(own) // 2], own[-1]]
-    return PanelPoints(common, case, list(dict.fromkeys(several)))
+    is_paper = len(paper) == len(PAPER_PRESSURES) and common == paper[PAPER_PRESSURES.index(PAPER_PANEL_A)][0]
+    return PanelPoints(common, case, list(dict.fromkeys(several)), is_paper)
 
 
 def _value(named: Point) -> float:
@@ -276,8 +280,8 @@ def _paper_points(path: list[Point], contact_modulus: float) -> list[tuple[Point
 def point_label(named: Point, units: Scales, control: str) -> str:
     """A point of the path in the figures' units."""
     if control == "pressure":
-        return f"p/E* = {_value(named) / units.contact_modulus:.3g}".replace("-", "−")
-    return f"ū = {_value(named) / units.rms_height:.3g} {units.height_symbol}".replace("-", "−")
+        return f"p/E* = {_value(named) / units.contact_modulus:.4g}".replace("-", "−")
+    return f"ū = {_value(named) / units.rms_height:.4g} {units.height_symbol}".replace("-", "−")
 
 
 def stress_distribution_data(
@@ -309,7 +313,7 @@ def _distributions(
                 density = density_at(dataset, point, f"{name}_pdf", named, control)
                 if density is None:
                     continue
-                with np.errstate(divide="ignore"):
+                with np.errstate(divide="ignore", invalid="ignore"):  # rounding may leave −0
                     logarithm = np.where(density > 0, np.log10(density * unit), np.nan)
                 found.append(Curve(model, label, colour, dataset[f"{name}_bin"].values / unit, logarithm))
         return found

@@ -11,7 +11,6 @@ import xarray as xr
 from markupsafe import Markup, escape
 
 from contact_study.comparison import tables
-from contact_study.comparison.cases import sweep_points
 from contact_study.comparison.datasets import Inputs
 from contact_study.comparison.description import study_paragraphs
 from contact_study.comparison.figures import MODEL_NAMES
@@ -61,20 +60,21 @@ def render_report(
         undefined=jinja2.StrictUndefined,
     )
     environment.filters["symbols"] = _symbols
-    points = sweep_points(inputs.models)
     return environment.get_template("report.html.j2").render(
         attrs=attrs,
         paragraphs=study_paragraphs(inputs),
         findings=headline(inputs.models, deviations),
         models=list(inputs.models),
+        created=str(attrs["created"])[:16].replace("T", " "),
         provenance=_provenance(inputs),
         figures=[
             (FIGURE_TITLES[name], base64.b64encode(image).decode(), figures.captions[name])
             for name, image in figures.images.items()
         ],
+        summary=tables.summary_table(inputs.models, deviations),
         results=tables.results_tables(inputs.models, inputs.control),
         deviations=tables.deviation_tables(inputs.models, deviations, inputs.control),
-        regime=tables.regime_table(regime, points),
+        regime=tables.regime_table(inputs.models, regime),
         constants=tables.constants_table(inputs.models),
         effort=tables.effort_table(inputs.models),
         warnings=collected_warnings(inputs),
@@ -107,7 +107,7 @@ def _provenance(inputs: Inputs) -> list[dict[str, str]]:
                 "file": path.name,
                 "source": str(attrs.get("source", "not given")),
                 "commit": str(attrs.get("git_commit", "unknown"))[:12],
-                "when": when,
+                "when": when[:16].replace("T", " "),
                 "command": command,
             }
         )

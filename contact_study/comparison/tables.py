@@ -1,6 +1,6 @@
 """The report's tables: numbers turned into text, with units, a dash where there is none."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -9,11 +9,14 @@ import xarray as xr
 from contact_study.comparison.cases import SweepPoint, case_points, constant, select, series, sweep_points
 from contact_study.comparison.deviations import COMPARED, DETACHED, NOT_CONVERGED
 from contact_study.comparison.figures import MODEL_NAMES
-from contact_study.comparison.findings import percent, signed, split_pair
-from contact_study.comparison.path_points import AVERAGED, Point
+from contact_study.comparison.findings import percent, percent_of, signed, split_pair, spread
+from contact_study.comparison.path_points import Point
 from contact_study.comparison.plotted import Scales, scales
 
 NOTHING = "–"
+
+# Columns are narrow.
+SHORT_NAMES = {"atomistic": "atoms", "continuum": "continuum", "theory": "Persson", "gap_flow": "gap flow"}
 
 
 @dataclass(frozen=True)
@@ -52,7 +55,7 @@ def results_tables(models: Mapping[str, xr.Dataset], control: str) -> list[Table
                 cells += [_cell(part, quantity, scale, named, control) for part in parts.values()]
             rows.append(cells)
         gaps = unit.height_symbol
-        names = [MODEL_NAMES[name] for name in parts]
+        names = [SHORT_NAMES[name] for name in parts]
         groups = [("", 2), ("contact area A/A₀", len(parts)), (f"mean gap ū ({gaps})", len(parts))]
         tables.append(Table(point.label, [*_point_header(control, gaps), *names, *names], rows, groups))
     return tables
@@ -70,8 +73,8 @@ def _point_cells(named: Point, unit: Scales, control: str) -> list[str]:
     value = float(named[0])
     back = " ↩" if named[1] else ""
     if control == "pressure":
-        return [signed(value / 1e9, 5, plus=False) + back, signed(value / unit.contact_modulus, 3, plus=False)]
-    return [signed(value * 1e9, 5, plus=False) + back, signed(value / unit.rms_height, 3, plus=False)]
+        return [signed(value / 1e9, 5, plus=False) + back, _fixed(value / unit.contact_modulus, 5)]
+    return [signed(value * 1e9, 5, plus=False) + back, _fixed(value / unit.rms_height, 3)]
 
 
 def _cell(part: xr.Dataset, quantity: str, scale: float, named: Point, control: str) -> str:
@@ -85,10 +88,14 @@ def _cell(part: xr.Dataset, quantity: str, scale: float, named: Point, control: 
     value, error = found.values[step] / scale, found.standard_error[step] / scale
     if not np.isfinite(value):
         return NOTHING
-    text = f"{value:.3g}" if abs(value) >= 1e-3 else f"{value:.1e}"
-    if np.isfinite(error):
-        text = f"{value:.4f} ± {error:.4f}"
-    return text.replace("-", "−") + ("" if found.fit[step] else " *")
+    decimals = 4 if quantity == "relative_contact_area" and value < 0.1 else 3
+    spread = f" ± {_fixed(error, decimals)}" if np.isfinite(error) else ""
+    return _fixed(value, decimals) + spread + ("" if found.fit[step] else " *")
+
+
+def _fixed(value: float, decimals: int) -> str:
+    """So many decimals, a true minus sign, and none before a zero."""
+    return f"{value:z.{decimals}f}".replace("-", "−")
 
 
 def deviation_tables(models: Mapping[str, xr.Dataset], deviations: xr.Dataset, control: str) -> list[Table]:
@@ -100,7 +107,7 @@ def deviation_tables(models: Mapping[str, xr.Dataset], deviations: xr.Dataset, c
             continue
         unit = scales(models, point)
         pairs = list(part["pair"].values)
-        names = [f"{MODEL_NAMES[model]} − {MODEL_NAMES[reference]}" for model, reference in map(split_pair, pairs)]
+        names = [pair_name(pair) for pair in pairs]
         rows = []
         for step, named in enumerate(case_points(part, control)):
             if named is None:
@@ -113,6 +120,40 @@ def deviation_tables(models: Mapping[str, xr.Dataset], deviations: xr.Dataset, c
         groups = [("", 1), ("contact area, relative", len(pairs)), (f"mean gap ({gaps})", len(pairs))]
         tables.append(Table(point.label, [_point_header(control, gaps)[0], *names, *names], rows, groups))
     return tables
+
+
+def pair_name(pair: str) -> str:
+    """A pair as the head of a column."""
+    model, reference = split_pair(pair)
+    return f"{SHORT_NAMES[model]} − {SHORT_NAMES[reference]}"
+
+
+def summary_table(models: Mapping[str, xr.Dataset], deviations: xr.Dataset) -> Table:
+    """Medians of the magnitudes of all deviations, a row for each pair, columns over the sweep."""
+    points = sweep_points(models)
+    rows = []
+    for pair in deviations["pair"].values:
+        area = [_median(deviations, pair, "relative_contact_area_relative_deviation", point, 1.0) for point in points]
+        heights = [scales(models, point).rms_height for point in points]
+        gap = [_median(deviations, pair, "mean_gap_deviation", p, h) for p, h in zip(points, heights, strict=True)]
+        rows.append(
+            [
+                pair_name(pair),
+                *(NOTHING if np.isnan(value) else percent_of(value) for value in area),
+                *(_number(value, 3) for value in gap),
+            ]
+        )
+    labels = [point.label for point in points]
+    symbol = scales(models, points[0]).height_symbol
+    groups = [("", 1), ("contact area, relative", len(points)), (f"mean gap ({symbol})", len(points))]
+    return Table("Median magnitude of the deviations", ["", *labels, *labels], rows, groups)
+
+
+def _median(deviations: xr.Dataset, pair: str, name: str, point: SweepPoint, scale: float) -> float:
+    try:
+        return spread(deviations, pair, name, [point], {point.label: scale}).median
+    except ValueError:
+        return float("nan")
 
 
 def _deviation(here: xr.Dataset, name: str, scale: float) -> str:
@@ -133,34 +174,42 @@ def _deviation(here: xr.Dataset, name: str, scale: float) -> str:
 
 
 _REGIME = (
-    ("tabor_parameter", "Tabor parameter μ", 1.0, "{:.2f}"),
-    ("process_zone", "process zone (Å)", 1e-10, "{:.1f}"),
-    ("pixel_over_process_zone", "grid spacing / process zone", 1.0, "{:.2f}"),
-    ("adhesion_over_elastic_energy", "θ = Δγ S / U_full", 1.0, "{:.2f}"),
-    ("full_contact_stress_over_peak", "full-contact stress / σ_max", 1.0, "{:.2f}"),
-    ("rms_slope", "rms slope", 1.0, "{:.3f}"),
+    ("tabor_parameter", "Tabor parameter μ", 1.0, 2),
+    ("process_zone", "process zone (Å)", 1e-10, 1),
+    ("pixel_over_process_zone", "grid spacing / process zone", 1.0, 2),
+    ("adhesion_over_elastic_energy", "θ = Δγ S / U_full", 1.0, 2),
+    ("full_contact_stress_over_peak", "full-contact stress / σ_max", 1.0, 2),
+    ("rms_slope", "rms slope", 1.0, 3),
 )
 
 
-def regime_table(regime: xr.Dataset, points: Sequence[SweepPoint]) -> Table:
-    """Regime numbers, a row for each point of the sweep."""
+def regime_table(models: Mapping[str, xr.Dataset], regime: xr.Dataset) -> Table:
+    """Regime numbers, and the pull-off pressures that the theories predict; a row for each point of the sweep."""
+    theories = [name for name in ("theory", "gap_flow") if "pull_off_pressure" in models.get(name, ())]
     rows = []
-    for point in points:
+    for point in sweep_points(models):
         part = select(regime, point)
-        if part is not None:
-            numbers = [(float(part[name]) / scale, form) for name, _, scale, form in _REGIME]
-            rows.append([point.label, *(form.format(n) if np.isfinite(n) else NOTHING for n, form in numbers)])
-    return Table("Regime numbers", ["", *(words for _, words, _, _ in _REGIME)], rows)
+        if part is None:
+            continue
+        cells = [_number(float(part[name]) / scale, decimals) for name, _, scale, decimals in _REGIME]
+        pulls = [select(models[name], point) for name in theories]
+        cells += [NOTHING if pull is None else _number(constant(pull, "pull_off_pressure") / 1e9, 3) for pull in pulls]
+        rows.append([point.label, *cells])
+    header = ["", *(words for _, words, _, _ in _REGIME)]
+    return Table("Regime numbers", [*header, *(f"pull-off, {SHORT_NAMES[name]} (GPa)" for name in theories)], rows)
+
+
+def _number(value: float, decimals: int) -> str:
+    return _fixed(value, decimals) if np.isfinite(value) else NOTHING
 
 
 _CONSTANTS = (
-    ("contact_modulus", "E* (GPa)", 1e9, "{:.3f}"),
-    ("work_of_adhesion", "Δγ (J/m²)", 1.0, "{:.4f}"),
-    ("equilibrium_distance", "d_eq (Å)", 1e-10, "{:.3f}"),
-    ("peak_tensile_stress", "σ_max (GPa)", 1e9, "{:.3f}"),
-    ("rms_height", "h_rms (Å)", 1e-10, "{:.3f}"),
-    ("rms_slope", "rms slope", 1.0, "{:.4f}"),
-    ("pull_off_pressure", "pull-off pressure (GPa)", 1e9, "{:.3f}"),
+    ("contact_modulus", "E* (GPa)", 1e9, 3),
+    ("work_of_adhesion", "Δγ (J/m²)", 1.0, 4),
+    ("equilibrium_distance", "d_eq (Å)", 1e-10, 3),
+    ("peak_tensile_stress", "σ_max (GPa)", 1e9, 3),
+    ("rms_height", "h_rms (Å)", 1e-10, 3),
+    ("rms_slope", "rms slope", 1.0, 4),
 )
 
 
@@ -173,8 +222,7 @@ def constants_table(models: Mapping[str, xr.Dataset]) -> Table:
             part = select(dataset, point)
             if part is None or not any(name in part for name, *_ in used):
                 continue
-            numbers = [(constant(part, name) / scale, form) for name, _, scale, form in used]
-            cells = [form.format(n).replace("-", "−") if np.isfinite(n) else NOTHING for n, form in numbers]
+            cells = [_number(constant(part, name) / scale, decimals) for name, _, scale, decimals in used]
             rows.append([point.label, MODEL_NAMES[model], *cells])
     return Table("Material and interface", ["", "model", *(words for _, words, _, _ in used)], rows)
 
@@ -212,8 +260,3 @@ def unconverged_steps(models: Mapping[str, xr.Dataset]) -> int:
             attached = dataset["detached"] != 1 if "detached" in dataset else True
             total += int(((dataset["converged"] == 0) & attached).sum())
     return total
-
-
-def seeds(models: Mapping[str, xr.Dataset]) -> int:
-    """How many realisations the simulations ran."""
-    return max(dataset.sizes.get(AVERAGED, 1) for dataset in models.values())
