@@ -78,17 +78,17 @@ def element_matrix(model: str, lattice_constant: float, youngs_modulus: float, p
 
 
 @njit(**_OPTIONS)
-def _stack(a_m, b_m, d_m, a_n, b_n, d_n, a, b, d):
-    """Schur complement of two slabs m, n on their common plane; a slab is [[A, B], [Bᵀ, D]] of real 3×3 blocks."""
-    s = d_m + a_n
-    i_xx, i_yy, i_zz, i_xy, i_xz, i_yz = invert_symmetric(s[0, 0], s[1, 1], s[2, 2], s[0, 1], s[0, 2], s[1, 2])
-    inverse = np.empty((3, 3))
-    inverse[0, 0] = i_xx
-    inverse[1, 1] = i_yy
-    inverse[2, 2] = i_zz
-    inverse[0, 1] = inverse[1, 0] = i_xy
-    inverse[0, 2] = inverse[2, 0] = i_xz
-    inverse[1, 2] = inverse[2, 1] = i_yz
+def _stack(lower, upper, out):
+    """Schur complement of two slabs on their common plane; slab[0, 1, 2] are A, B, D of [[A, B], [Bᵀ, D]], real."""
+    i_xx, i_yy, i_zz, i_xy, i_xz, i_yz = invert_symmetric(
+        lower[2, 0, 0] + upper[0, 0, 0],
+        lower[2, 1, 1] + upper[0, 1, 1],
+        lower[2, 2, 2] + upper[0, 2, 2],
+        lower[2, 0, 1] + upper[0, 0, 1],
+        lower[2, 0, 2] + upper[0, 0, 2],
+        lower[2, 1, 2] + upper[0, 1, 2],
+    )
+    inverse = ((i_xx, i_xy, i_xz), (i_xy, i_yy, i_yz), (i_xz, i_yz, i_zz))
     for r in range(3):
         for c in range(3):
             to_a = 0.0
@@ -96,12 +96,12 @@ def _stack(a_m, b_m, d_m, a_n, b_n, d_n, a, b, d):
             to_d = 0.0
             for k in range(3):
                 for m in range(3):
-                    to_a += b_m[r, k] * inverse[k, m] * b_m[c, m]
-                    to_b += b_m[r, k] * inverse[k, m] * b_n[m, c]
-                    to_d += b_n[k, r] * inverse[k, m] * b_n[m, c]
-            a[r, c] = a_m[r, c] - to_a
-            b[r, c] = -to_b
-            d[r, c] = d_n[r, c] - to_d
+                    to_a += lower[1, r, k] * inverse[k][m] * lower[1, c, m]
+                    to_b += lower[1, r, k] * inverse[k][m] * upper[1, m, c]
+                    to_d += upper[1, k, r] * inverse[k][m] * upper[1, m, c]
+            out[0, r, c] = lower[0, r, c] - to_a
+            out[1, r, c] = -to_b
+            out[2, r, c] = upper[2, r, c] - to_d
 
 
 @njit(**_OPTIONS)
@@ -122,58 +122,59 @@ def invert_symmetric(xx, yy, zz, xy, xz, yz):
 
 
 @njit(**_OPTIONS)
-def _bloch(element, phase_y, phase_x, cell):
-    """Real form of the 6×6 matrix between the two planes of a cell layer, cell[upper row, upper column, 3, 3]."""
-    cell[:] = 0.0
+def _bloch(element, phase_y, phase_x, slab):
+    """Real form of the matrices A, B, D between the two planes of one layer of cells."""
+    for n in range(3):
+        for c in range(3):
+            for d in range(3):
+                slab[n, c, d] = 0.0
     for p in range(8):
         for q in range(8):
+            if p >> 2 > q >> 2:
+                continue  # Bᵀ
             phase = phase_x * ((q & 1) - (p & 1)) + phase_y * (((q >> 1) & 1) - ((p >> 1) & 1))
             cosine = np.cos(phase)
             sine = np.sin(phase)
             for c in range(3):
                 for d in range(3):
-                    k = element[3 * p + c, 3 * q + d]
-                    if (c == 2) == (d == 2):
-                        cell[p >> 2, q >> 2, c, d] += cosine * k
-                    elif d == 2:
-                        cell[p >> 2, q >> 2, c, d] += sine * k
-                    else:
-                        cell[p >> 2, q >> 2, c, d] -= sine * k
+                    factor = cosine
+                    if c != 2 and d == 2:
+                        factor = sine
+                    elif c == 2 and d != 2:
+                        factor = -sine
+                    slab[(p >> 2) + (q >> 2), c, d] += factor * element[3 * p + c, 3 * q + d]
 
 
 @njit(**_OPTIONS)
 def _condense(element, phase_y, phase_x, layers, coefficients):
     """Fill coefficients[6, n] with S of ``layers`` cells under a clamped plane, for n pairs of Bloch phases."""
-    bits = 0
-    while (layers >> bits) > 0:
-        bits += 1
-    cell = np.empty((2, 2, 3, 3))
-    work = np.empty((3, 3, 3))
-    stack = np.empty((3, 3, 3))
+    # Slabs of 2^bit layers in ``powers``, what is stacked so far in ``stacked``, two buffers each.
+    powers = np.empty((2, 3, 3, 3))
+    stacked = np.empty((2, 3, 3, 3))
     for n in range(phase_y.size):
-        _bloch(element, phase_y[n], phase_x[n], cell)
-        slab = np.empty((3, 3, 3))
-        slab[0] = cell[0, 0]
-        slab[1] = cell[0, 1]
-        slab[2] = cell[1, 1]
-        empty = True
-        for bit in range(bits):
-            if (layers >> bit) & 1:
-                if empty:
-                    stack[:] = slab
-                    empty = False
+        power = 0
+        current = -1
+        _bloch(element, phase_y[n], phase_x[n], powers[0])
+        remaining = layers
+        while True:
+            if remaining & 1:
+                if current < 0:
+                    current = 0
+                    stacked[0] = powers[power]
                 else:
-                    _stack(stack[0], stack[1], stack[2], slab[0], slab[1], slab[2], work[0], work[1], work[2])
-                    stack[:] = work
-            if bit < bits - 1:
-                _stack(slab[0], slab[1], slab[2], slab[0], slab[1], slab[2], work[0], work[1], work[2])
-                slab[:] = work
-        coefficients[0, n] = stack[0, 0, 0]
-        coefficients[1, n] = stack[0, 1, 1]
-        coefficients[2, n] = stack[0, 2, 2]
-        coefficients[3, n] = stack[0, 0, 1]
-        coefficients[4, n] = stack[0, 0, 2]
-        coefficients[5, n] = stack[0, 1, 2]
+                    _stack(stacked[current], powers[power], stacked[1 - current])
+                    current = 1 - current
+            remaining >>= 1
+            if remaining == 0:
+                break
+            _stack(powers[power], powers[power], powers[1 - power])
+            power = 1 - power
+        coefficients[0, n] = stacked[current, 0, 0, 0]
+        coefficients[1, n] = stacked[current, 0, 1, 1]
+        coefficients[2, n] = stacked[current, 0, 2, 2]
+        coefficients[3, n] = stacked[current, 0, 0, 1]
+        coefficients[4, n] = stacked[current, 0, 0, 2]
+        coefficients[5, n] = stacked[current, 0, 1, 2]
 
 
 def condense(element: np.ndarray, phase_y: np.ndarray, phase_x: np.ndarray, layers: int) -> np.ndarray:
