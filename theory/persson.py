@@ -279,18 +279,22 @@ def _damped_fixed_point(
     tolerance: float,
     max_iterations: int,
 ) -> PerssonContact:
-    """Iterate σ_a with relaxation 0.8, less where that stagnates: an alternating map overshoots its fixed point."""
-    relaxation, previous, iterations = 0.8, np.inf, 0
+    """Iterate σ_a with a relaxation of 0.8, less at magnifications where the change alternates.
+
+    Where γ_eff passes through zero σ_a, its square root, answers without bound: a node there must be damped more than
+    the others, and each by what it needs.
+    """
+    relaxation, previous, iterations = np.full(stress.size, 0.8), np.zeros(stress.size), 0
     while True:
         target, distribution = updated(stress)
         iterations += 1
-        change = float(np.max(np.abs(target - stress)))
+        difference = target - stress
+        change = float(np.max(np.abs(difference)))
         if change <= tolerance or iterations == max_iterations:
             break
-        if change > 0.9 * previous:
-            relaxation = max(0.7 * relaxation, 0.1)
-        previous = change
-        stress = stress + relaxation * (target - stress)
+        alternates = difference * previous < 0
+        relaxation = np.where(alternates, 0.7 * relaxation, np.minimum(1.1 * relaxation, 0.8))
+        stress, previous = stress + relaxation * difference, difference
     return PerssonContact(
         theory, pressure, stress, distribution, change <= tolerance, change / theory.stress_scale, iterations
     )

@@ -21,7 +21,7 @@ from contact_study.problem.surface import Surface
 from theory.gap_flow import BRANCHES, GapFlow, gap_flow
 from theory.gap_state import GapState
 from theory.persson import PerssonContact, PerssonTheory, solve
-from theory.separation import SeparationCurve, energy_defect, pull_off_pressure, separation_curve
+from theory.separation import NegativeSeparation, SeparationCurve, energy_defect, pull_off_pressure, separation_curve
 
 MODEL = Model(
     command="persson-theory",
@@ -36,7 +36,7 @@ MODEL = Model(
 _STORED_WAVEVECTORS = 129
 
 # Below this pressure, in units of the full-contact stress, a mean gap is not sought.
-_LOWEST_PRESSURE = 1e-14
+_LOWEST_PRESSURE = 1e-9
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -162,28 +162,31 @@ def _separation(case: Case, theory: PerssonTheory) -> SeparationCurve:
         # Tension has no separation; a curve that nothing is read from stays short.
         lowest = min((p for p, _ in case.path if p > 0), default=theory.stress_scale)
         return separation_curve(theory, min(lowest, theory.stress_scale))
-    lowest, largest = 1e-3, max(gap for gap, _ in case.path)
-    while True:
-        curve = separation_curve(theory, lowest * theory.stress_scale)
-        if lowest < _LOWEST_PRESSURE or _quiet_gap(curve, curve.pressure[0]) > largest:
-            return curve
-        lowest *= 1e-3
+    curve = separation_curve(theory, 1e-3 * theory.stress_scale)
+    largest = max(gap for gap, _ in case.path)
+    ends = _quiet_gap(curve, curve.pressure[:2])
+    if ends[0] > largest:
+        return curve
+    # At light load the gap grows by the same step with every decade less pressure; one decade in reserve.
+    decades = (largest - ends[0]) / (ends[0] - ends[1]) * np.log10(curve.pressure[1] / curve.pressure[0]) + 1
+    lowest = max(curve.pressure[0] * 10.0 ** (-decades), _LOWEST_PRESSURE * theory.stress_scale)
+    return separation_curve(theory, lowest)
 
 
-def _quiet_gap(curve: SeparationCurve, pressure: float) -> float:
+def _quiet_gap(curve: SeparationCurve, pressure: np.ndarray | float) -> np.ndarray:
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        return float(curve.mean_gap(pressure))
+        warnings.simplefilter("ignore", NegativeSeparation)
+        return curve.mean_gap(pressure)
 
 
 def _pressure_at(curve: SeparationCurve, gap: float) -> float:
     """Lowest pressure at which the mean gap has fallen to ``gap``; NaN if the theory reaches no such gap."""
-    gaps = np.array([_quiet_gap(curve, p) for p in curve.pressure])
+    gaps = _quiet_gap(curve, curve.pressure)
     reached = np.flatnonzero(gaps <= gap)
     if gap <= 0 or reached.size == 0 or reached[0] == 0:
         return float("nan")
     low, high = np.log(curve.pressure[reached[0] - 1 : reached[0] + 1])
-    return float(np.exp(brentq(lambda x: _quiet_gap(curve, np.exp(x)) - gap, low, high, xtol=1e-10)))
+    return float(np.exp(brentq(lambda x: float(_quiet_gap(curve, np.exp(x))) - gap, low, high, xtol=1e-10)))
 
 
 def _stored_wavevectors(theory: PerssonTheory) -> np.ndarray:

@@ -8,6 +8,7 @@ diverges too, so ū stands for p > 0 only and the derivative at zero is given fo
 
 import warnings
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from scipy.interpolate import CubicSpline
@@ -62,22 +63,31 @@ class SeparationCurve:
             )
         return gap
 
-    def _remaining(self, x: np.ndarray) -> np.ndarray:
-        """∫ (dU/dx) e^(−x) dx from x = ln p to the end of the sweep, plus the rest to full contact."""
-        spline = CubicSpline(np.log(self.pressure), self.energy)
-        nodes = np.log(self.pressure)
+    @cached_property
+    def _spline(self) -> CubicSpline:
+        """U over x = ln p."""
+        return CubicSpline(np.log(self.pressure), self.energy)
+
+    def _integral(self, start: np.ndarray, end: np.ndarray) -> np.ndarray:
+        """∫ (dU/dx) e^(−x) dx between points of one interval of the spline, by Gauss's rule."""
         points, weights = np.polynomial.legendre.leggauss(6)
-        half = 0.5 * np.diff(nodes)
-        inside = nodes[:-1, None] + half[:, None] * (1 + points)
-        parts = half * np.sum(weights * spline(inside, 1) * np.exp(-inside), axis=1)
-        above = np.concatenate([np.cumsum(parts[::-1])[::-1], [0.0]])
-        interval = np.clip(np.searchsorted(nodes, x, side="right") - 1, 0, nodes.size - 2)
-        part = 0.5 * (nodes[interval + 1] - x)
-        inside = x[..., None] + part[..., None] * (1 + points)
-        partial = part * np.sum(weights * spline(inside, 1) * np.exp(-inside), axis=-1)
+        half = 0.5 * (end - start)
+        inside = start[..., None] + half[..., None] * (1 + points)
+        return half * np.sum(weights * self._spline(inside, 1) * np.exp(-inside), axis=-1)
+
+    @cached_property
+    def _above(self) -> np.ndarray:
+        """ū at the pressures of the sweep; beyond its end the rest of U is gained at that pressure."""
+        parts = self._integral(self._spline.x[:-1], self._spline.x[1:])
         end = self.contacts[-1]
         rest = (end.theory.full_contact_energy - end.energy) / self.pressure[-1]
-        return above[interval + 1] + partial + rest
+        return np.concatenate([np.cumsum(parts[::-1])[::-1], [0.0]]) + rest
+
+    def _remaining(self, x: np.ndarray) -> np.ndarray:
+        """ū at x = ln p within the sweep."""
+        nodes = self._spline.x
+        interval = np.clip(np.searchsorted(nodes, x, side="right") - 1, 0, nodes.size - 2)
+        return self._above[interval + 1] + self._integral(x, nodes[interval + 1])
 
 
 def separation_curve(theory: PerssonTheory, lowest: float, per_decade: int = 12) -> SeparationCurve:

@@ -130,6 +130,17 @@ def test_tension_keeps_the_adhered_branch(paper):
     assert solve(theory, -3e9, pulled.detachment_stress).detached
 
 
+@pytest.mark.parametrize(("work_of_adhesion", "pressure"), [(2.95, 0.1), (3.0, 0.2), (3.1, 0.1), (4.0, 1)])
+def test_converges_near_the_sticking_threshold(paper, work_of_adhesion, pressure):
+    # A relaxation common to all magnifications ends in a cycle here: γ_eff passes through zero at one of them.
+    contact = solve(paper.theory(work_of_adhesion), pressure * 1e9)
+    assert contact.converged
+    assert contact.iterations < 150
+    early = solve(paper.theory(work_of_adhesion), pressure * 1e9, max_iterations=3)
+    assert not early.converged
+    assert early.residual > 1e-7
+
+
 def test_cap_limits_the_detachment_stress(paper):
     free, capped = (solve(paper.theory(0.69, stress_cap=cap), 1e9) for cap in (np.inf, 3.98e9))
     # Reference: the uncapped theory exceeds the law's 3.98 GPa.
