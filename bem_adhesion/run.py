@@ -65,7 +65,8 @@ def constants(case: Case, surface: Surface) -> dict[str, Value]:
                 stacklevel=2,
             )
     if case.output.fields:
-        values["height"] = surface.heights(surface.shape)
+        y, x = surface.grid.coordinates
+        values |= {"y": y, "x": x, "height": surface.heights(surface.shape)}
     return values
 
 

@@ -52,12 +52,14 @@ class Variable:
         """How it is written."""
         if self.kind == "text":
             return {}
+        if self.kind == "flag":  # integers for the reader too; "absent" is one of the flag's values
+            return {"_FillValue": None}
         fill = np.nan if self.kind == "float" else self.empty
         compressed = {"zlib": True, "complevel": 1, "shuffle": True} if len(self.dims) > 1 else {}
         return {"_FillValue": fill, **compressed}
 
 
-_FLAG = {"flag_values": np.array([0, 1], np.int8), "flag_meanings": "no yes"}
+_FLAG = {"flag_values": np.array([-1, 0, 1], np.int8), "flag_meanings": "absent no yes"}
 
 VARIABLES: dict[str, Variable] = {
     "mean_pressure": Variable("Pa", "mean normal pressure at the interface, compression positive"),
@@ -114,6 +116,6 @@ COORDINATES: dict[str, Variable] = {
         "1",
         "branch of the loading path",
         kind="flag",
-        attrs={"flag_values": np.array([0, 1], np.int8), "flag_meanings": "loading unloading"},
+        attrs={"flag_values": np.array([-1, 0, 1], np.int8), "flag_meanings": "absent loading unloading"},
     ),
 }
