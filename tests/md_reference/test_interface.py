@@ -158,24 +158,32 @@ def test_atoms_that_the_skip_map_passes_over_feel_nothing(interface):
     assert np.all(force[:, far] == 0)
 
 
-def test_the_switch_has_two_continuous_derivatives():
-    # One atom over one site in a cell wider than the cutoff: the pair force and its slope along z near both ends.
+def single_pair(distance):
+    """Energy, force and curvature along z of one atom above one site, in a cell wider than the cutoff; reduced units."""
     cell = 12 * LENGTH
-    single = LennardJonesInterface(
-        Substrate(np.zeros((1, 1)), (cell, cell)), (1, 1), (cell, cell), WELL_DEPTH, LENGTH, 4.0
-    )
+    site = Substrate(np.zeros((1, 1)), (cell, cell))
+    single = LennardJonesInterface(site, (1, 1), (cell, cell), WELL_DEPTH, LENGTH, 4.0)
+    u = np.array([0.0, 0.0, distance * LENGTH]).reshape(3, 1, 1)
+    force, hessian = np.empty_like(u), np.empty((6, 1, 1))
+    energy = single.evaluate(u, force, hessian)
+    return np.array([energy, force[2, 0, 0] * LENGTH, hessian[2, 0, 0] * LENGTH**2]) / WELL_DEPTH
 
-    def derivatives(distance):
-        u = np.array([0.0, 0.0, distance * LENGTH]).reshape(3, 1, 1)
-        force, hessian = np.empty_like(u), np.empty((6, 1, 1))
-        energy = single.evaluate(u, force, hessian)
-        return np.array(
-            [energy / WELL_DEPTH, force[2, 0, 0] * LENGTH / WELL_DEPTH, hessian[2, 0, 0] * LENGTH**2 / WELL_DEPTH]
-        )
 
-    assert np.all(np.abs(derivatives(3.8)) > 1e-5)
+@pytest.mark.parametrize("distance", [1.0, 2.5, 3.65, 3.8, 3.95])
+def test_one_pair_before_and_within_the_switch(distance):
+    energy, force, curvature = single_pair(distance)
+    assert energy == pytest.approx(switched_pair((distance * LENGTH) ** 2) / WELL_DEPTH, rel=1e-12)
+    step = 1e-5
+    above, below = single_pair(distance + step), single_pair(distance - step)
+    # Second-order differences: relative step² and rounding / step, both below 1e-7 of the larger derivative.
+    assert force == pytest.approx(-(above[0] - below[0]) / (2 * step), rel=1e-6)
+    assert curvature == pytest.approx(-(above[1] - below[1]) / (2 * step), rel=1e-6)
+
+
+def test_the_switch_has_two_continuous_derivatives():
+    assert np.all(np.abs(single_pair(3.8)) > 1e-5)
     for end in (3.6, 4.0):
-        jumps = [np.abs(derivatives(end + h) - derivatives(end - h)).max() for h in (1e-3, 1e-4, 1e-5)]
+        jumps = [np.abs(single_pair(end + h) - single_pair(end - h)).max() for h in (1e-3, 1e-4, 1e-5)]
         # A continuous function's jump falls with the distance; a step would stay.
         np.testing.assert_allclose(np.array(jumps[:-1]) / jumps[1:], 10, rtol=0.1)
 
