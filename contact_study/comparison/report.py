@@ -26,6 +26,7 @@ FIGURE_TITLES = {
 
 # Symbols whose subscripts are set as such; study text is full of underscores that are none.
 _SUBSCRIPTS = re.compile(r"\b(h|U|σ|d|q)_(rms|full|max|eq|L|a)\b")
+_BEFORE_UNITS = re.compile(r" (?=%|\(?GPa|h_rms|Å|nm\b|ε₀)")
 
 
 @dataclass(frozen=True)
@@ -93,7 +94,8 @@ def collected_warnings(inputs: Inputs) -> list[str]:
 
 
 def _symbols(text: str) -> Markup:
-    return Markup(_SUBSCRIPTS.sub(r"\1<sub>\2</sub>", str(escape(text))))
+    unbroken = _BEFORE_UNITS.sub("\u00a0", str(escape(text)))
+    return Markup(_SUBSCRIPTS.sub(r"\1<sub>\2</sub>", unbroken))
 
 
 def _provenance(inputs: Inputs) -> list[dict[str, str]]:

@@ -16,7 +16,7 @@ from contact_study.comparison.plotted import Scales, scales
 NOTHING = "–"
 
 # Columns are narrow.
-SHORT_NAMES = {"atomistic": "atoms", "continuum": "continuum", "theory": "Persson", "gap_flow": "gap flow"}
+SHORT_NAMES = {"atomistic": "atoms", "continuum": "continuum", "theory": "Persson", "gap_flow": "gap\u00a0flow"}
 
 
 @dataclass(frozen=True)
