@@ -159,7 +159,7 @@ def test_atoms_that_the_skip_map_passes_over_feel_nothing(interface):
 
 
 def single_pair(distance):
-    """Energy, force and curvature along z of one atom above one site, in a cell wider than the cutoff; reduced units."""
+    """Energy, force and curvature along z of one atom over one site, alone in a wide cell; reduced units."""
     cell = 12 * LENGTH
     site = Substrate(np.zeros((1, 1)), (cell, cell))
     single = LennardJonesInterface(site, (1, 1), (cell, cell), WELL_DEPTH, LENGTH, 4.0)
