@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from theory import closed_forms
-from theory.separation import NegativeSeparation, energy_defect, pull_off_pressure, separation_curve
+from theory.separation import NegativeSeparation, SeparationCurve, energy_defect, pull_off_pressure, separation_curve
 
 LOG_PRESSURES = np.arange(-8.0, -1.0)  # ln(p/E*)
 # ū/h_rms, two independent schemes.
@@ -64,6 +64,17 @@ def test_separation_obeys_the_work_of_the_pressure(paper):
     work = -np.sum(0.5 * (p[1:] + p[:-1]) * np.diff(gap))
     energy = np.interp([1e9, 10e9], curve.pressure, curve.energy)
     assert work == pytest.approx(energy[1] - energy[0], rel=0.01)
+
+
+def test_sweep_that_ends_early_is_closed_by_the_full_energy(paper):
+    curve = separation_curve(paper.theory(0.0), 1e9)
+    kept = curve.pressure < 30e9
+    short = SeparationCurve(curve.pressure[kept], tuple(c for c, k in zip(curve.contacts, kept, strict=True) if k))
+    end = short.pressure[-1]
+    # What is left of U is gained between this pressure and infinity: the closure is an upper bound, and a tight one.
+    left = float(curve.mean_gap(end))
+    assert left > 1e-4 * paper.rms_height
+    assert left <= float(short.mean_gap(end)) < 1.5 * left
 
 
 def test_energy_defect_only_where_surfaces_stick(paper):
