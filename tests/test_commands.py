@@ -1,0 +1,200 @@
+"""The four commands on one small study, as a user would run them."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import bem_adhesion.run
+import md_reference.run
+import theory.run
+from contact_study.campaign.command import main
+from contact_study.campaign.schema import COORDINATES, VARIABLES
+
+STUDY = """
+[study]
+title = "small"
+[surface]
+kind = "self_affine"
+size = "83.2 angstrom"
+shape = [32, 32]
+rms_height = "2 angstrom"
+roll_off_mode = 2
+cutoff_mode = 4
+seed = 3
+normalisation = "realised"
+[material]
+youngs_modulus = "77.2 GPa"
+poissons_ratio = 0.42
+lattice_constant = "2.6 angstrom"
+[interaction]
+well_depth = "18.6 meV"
+length = "3.28 angstrom"
+contact_distance = "3.68 angstrom"
+[loading]
+path = ["0.5 GPa", "2 GPa"]
+[output]
+fields = true
+[sweep]
+"interaction.well_depth_ratio" = [1, 4]
+[[override]]
+when = { "interaction.well_depth_ratio" = 4 }
+"loading.path" = ["0.5 GPa", "-0.2 GPa", "2 GPa"]
+"""
+MODELS = {"bem": "bem-adhesion", "md": "md-reference", "theory": "persson-theory"}
+
+
+def command(name, *arguments):
+    executable = Path(sys.executable).with_name(name)
+    return subprocess.run([executable, *map(str, arguments)], capture_output=True, text=True)
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """A folder with the datasets of all models and their comparison."""
+    folder = tmp_path_factory.mktemp("chain")
+    (folder / "study.toml").write_text(STUDY)
+    for name, executable in MODELS.items():
+        predictor = ["--predictor", folder / "bem.nc"] if name == "md" else []
+        done = command(executable, folder / "study.toml", "-o", folder / f"{name}.nc", *predictor)
+        assert done.returncode == 0, done.stderr
+        assert done.stdout == f"{folder / name}.nc\n"
+    inputs = [folder / f"{name}.nc" for name in MODELS]
+    done = command(
+        "contact-compare",
+        *inputs,
+        "-o",
+        folder / "comparison.nc",
+        "--figures",
+        folder / "figures",
+        "--report",
+        folder / "report.html",
+    )
+    assert done.returncode == 0, done.stderr
+    for line in done.stdout.splitlines():
+        assert Path(line).is_file(), line
+    return folder
+
+
+def test_everything_is_written_and_nothing_else(folder):
+    names = {path.name for path in folder.iterdir()}
+    assert names == {"study.toml", "bem.nc", "md.nc", "theory.nc", "comparison.nc", "figures", "report.html"}
+    assert len(list((folder / "figures").glob("figure_*.png"))) >= 4
+
+
+@pytest.mark.parametrize("name", MODELS)
+def test_datasets_describe_themselves(folder, name):
+    with xr.open_dataset(folder / f"{name}.nc") as dataset:
+        assert (dataset.converged.values[0, :2] == 1).all()
+        assert dataset.attrs["Conventions"].startswith("CF-")
+        for variable_name, variable in dataset.variables.items():
+            if variable_name in {**VARIABLES, **COORDINATES}:
+                expected = {**VARIABLES, **COORDINATES}[variable_name]
+                assert variable.attrs["units"] == expected.units
+            assert variable.attrs["long_name"]
+            assert "units" in variable.attrs
+        assert dataset.relative_contact_area.dims == ("well_depth_ratio", "step")
+
+
+@pytest.mark.parametrize("name", ["bem", "md"])
+def test_simulations_balance_and_count(folder, name):
+    with xr.open_dataset(folder / f"{name}.nc") as dataset:
+        applied, found = dataset.applied_pressure.values, dataset.mean_pressure.values
+        present = np.isfinite(applied)
+        # The mean of the residual cannot exceed its largest value, the tolerance 1e-8 E*.
+        modulus = 77.2e9 / (1 - 0.42**2)
+        assert np.abs(found - applied)[present].max() < 1e-8 * modulus
+        assert dataset.residual.values[present].max() < 1e-8 * 1.001  # E* of the atoms differs by 1e-4
+        # Every gap and pressure lies inside the automatic bins.
+        for pdf, edges in (("pressure_pdf", "pressure_bin"), ("gap_pdf", "gap_bin")):
+            width = float(dataset[edges][1] - dataset[edges][0])
+            np.testing.assert_allclose(dataset[pdf].sum(edges).values[present] * width, 1.0, rtol=1e-12)
+
+
+def test_atoms_follow_the_continuum(folder):
+    """Same surface, same criterion: areas within a tenth, which the paper-size runs meet with a margin of three."""
+    with xr.open_dataset(folder / "bem.nc") as bem, xr.open_dataset(folder / "md.nc") as md:
+        np.testing.assert_allclose(bem.height, md.height, atol=1e-20)
+        difference = np.abs(bem.relative_contact_area - md.relative_contact_area).values
+        assert np.nanmax(difference) < 0.1
+
+
+def test_own_path_reaches_the_predicted_states(folder, tmp_path):
+    """Without the continuum's gap field the atoms end in the same states, to the tolerance of the minimiser."""
+    done = command("md-reference", folder / "study.toml", "-o", tmp_path / "own.nc")
+    assert done.returncode == 0, done.stderr
+    with xr.open_dataset(folder / "md.nc") as predicted, xr.open_dataset(tmp_path / "own.nc") as own:
+        present = np.isfinite(own.applied_pressure.values)
+        area = np.abs(predicted.relative_contact_area - own.relative_contact_area).values[present]
+        gap = np.abs(predicted.mean_gap - own.mean_gap).values[present]
+        # One atom of 1024; residual 1e-8 E* over the softest stiffness of the system, E* q_L / 2, is 3e-17 m.
+        assert area.max() <= 1 / 1024
+        assert gap.max() < 1e-15
+
+
+def test_comparison_holds_the_numbers_of_its_inputs(folder):
+    tree = xr.open_datatree(folder / "comparison.nc")
+    with xr.open_dataset(folder / "bem.nc") as bem:
+        np.testing.assert_array_equal(tree["continuum"]["relative_contact_area"], bem.relative_contact_area)
+    tree.close()
+
+
+def test_plots_as_the_readme_shows(folder):
+    import matplotlib as mpl
+
+    mpl.use("Agg")
+    with xr.open_dataset(folder / "bem.nc") as dataset:
+        lines = dataset.relative_contact_area.plot.line(x="applied_pressure", hue="well_depth_ratio")
+        assert len(lines) == 2
+        dataset.gap.isel(well_depth_ratio=1, step=0).plot()
+    mpl.pyplot.close("all")
+
+
+@pytest.mark.parametrize("model", [bem_adhesion.run.MODEL, md_reference.run.MODEL, theory.run.MODEL])
+@pytest.mark.parametrize(
+    ("arguments", "culprit"),
+    [
+        (["--surface.rms_heigth", "1 nm"], "rms_heigth"),
+        (["--surface.rms_height", "1 GPa"], "surface.rms_height"),
+        (["--surface.path", "nowhere.npy", "--surface.kind", "file"], "nowhere.npy"),
+    ],
+)
+def test_wrong_input_ends_in_one_line(folder, tmp_path, capsys, model, arguments, culprit):
+    assert main(model, [str(folder / "study.toml"), "-o", str(tmp_path / "out.nc"), *arguments]) == 1
+    shown = capsys.readouterr()
+    assert shown.out == ""
+    assert shown.err.count("\n") == 1
+    assert culprit in shown.err
+    assert not list(tmp_path.iterdir())
+
+
+def test_unreadable_dataset_is_named(folder, tmp_path):
+    damaged = tmp_path / "bem.nc"
+    damaged.write_bytes((folder / "bem.nc").read_bytes()[:5000])
+    done = command("contact-compare", damaged, folder / "md.nc", "-o", tmp_path / "comparison.nc")
+    assert done.returncode == 1
+    assert str(damaged) in done.stderr
+    assert done.stderr.count("\n") == 1
+    assert [path.name for path in tmp_path.iterdir()] == ["bem.nc"]
+
+
+def test_killed_campaign_resumes_bit_for_bit(folder, tmp_path):
+    """SIGKILL after the first finished step; every number but the times is that of the whole run."""
+    output = tmp_path / "bem.nc"
+    executable = Path(sys.executable).with_name("bem-adhesion")
+    process = subprocess.Popen(
+        [executable, folder / "study.toml", "-o", output], stderr=subprocess.DEVNULL, start_new_session=True
+    )
+    while not list(tmp_path.glob("bem.nc.parts/case-*/step-*.nc")) and process.poll() is None:
+        pass
+    os.killpg(process.pid, 9)
+    process.wait()
+    done = command("bem-adhesion", folder / "study.toml", "-o", output, "--resume")
+    assert done.returncode == 0, done.stderr
+    with xr.open_dataset(folder / "bem.nc") as whole, xr.open_dataset(output) as resumed:
+        for name in set(whole.variables) - {"wall_time", "message"}:
+            np.testing.assert_array_equal(whole[name].values, resumed[name].values, err_msg=name)
