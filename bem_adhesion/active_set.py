@@ -119,7 +119,7 @@ class ContactLevel:
             offset = passes.offset(displacement, heights, contact)
             largest = passes.residual(displacement, heights, offset, contact, residual)
             error = max(largest, deepest)
-            if not entered and not left and largest <= tolerance:
+            if not entered and not left and error <= tolerance:
                 return error, iteration, Outcome.CONVERGED
             if not entered and not left and not largest < 0.5 * previous:
                 return error, iteration, Outcome.STALLED

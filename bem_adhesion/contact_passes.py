@@ -48,7 +48,8 @@ def residual(displacement, heights, offset, contact, residual):
             largest = max(largest, abs(depth))
         else:
             residual[i] = 0
-    return largest
+    # max() passes over what is not a number; the offset, a sum, does not.
+    return largest + 0.0 * offset
 
 
 @njit(cache=True, error_model="numpy", fastmath=_FAST)
