@@ -224,6 +224,8 @@ def _place(
     value = np.asarray(value)
     if name not in arrays:
         arrays[name] = np.full((*lengths, *value.shape), variable.empty, dtype=variable.dtype)
+    if np.shape(arrays[name][index]) != value.shape:
+        raise InputError(f"the sweep changes the number of points of {name}; run its points as studies of their own")
     arrays[name][index] = value if value.shape else value.item()
 
 
@@ -241,6 +243,12 @@ def _dataset(
         if name in COORDINATES or not _variable(name).dims or _variable(name).dims[0] != "step":
             array, dims = _drop_constant_sweep(array, dims, len(sweep))
         target[name] = xr.Variable(dims, array, _attributes(name))
+    # A coordinate that changes over the sweep cannot index its own dimension, which then counts points only.
+    indices = {
+        name: f"{name}_index" for name, variable in coords.items() if name in variable.dims and variable.ndim > 1
+    }
+    for variable in [*data.values(), *coords.values()]:
+        variable.dims = tuple(indices.get(str(dim), dim) for dim in variable.dims)
     used = {dim for variable in [*data.values(), *coords.values()] for dim in variable.dims}
     for name, values in {**coordinates, "step": np.arange(steps, dtype=np.int32)}.items():
         if name in used and name not in coords:

@@ -63,10 +63,10 @@ class SurfaceSection:
 
     def _check_modes(self) -> None:
         assert self.cutoff_mode is not None
-        if not self.low_mode <= self.roll_off_mode <= self.cutoff_mode:
+        if not self.low_mode <= self.roll_off_mode <= self.cutoff_mode or self.low_mode == self.cutoff_mode:
             raise InputError(
                 f"surface.low_mode = {self.low_mode:g}, roll_off_mode = {self.roll_off_mode:g}, "
-                f"cutoff_mode = {self.cutoff_mode:g}: must not decrease"
+                f"cutoff_mode = {self.cutoff_mode:g}: must not decrease, and the last must exceed the first"
             )
         self._check_grid(self.cutoff_mode, "surface.cutoff_mode")
 

@@ -180,6 +180,18 @@ def test_steps_of_another_study_are_not_mixed(study, tmp_path, capsys):
     assert (folder / "manifest.json").read_text() == "{}"
 
 
+def test_coordinate_that_the_sweep_changes(study, tmp_path):
+    """Two sizes of the cell: y and x are positions, no longer indices."""
+    output = tmp_path / "bem.nc"
+    text = study.read_text().replace('"surface.seed" = [1, 2]', '"surface.size" = ["100 angstrom", "200 angstrom"]')
+    study.write_text(text)
+    assert run(study, "-o", output, "--workers", 1) == 0
+    with xr.open_dataset(output) as dataset:
+        assert dataset.y.dims == ("size", "y_index")
+        np.testing.assert_allclose(dataset.y.values[1], 2 * dataset.y.values[0])
+        assert dataset.gap.dims == ("well_depth_ratio", "size", "step", "y_index", "x_index")
+
+
 def test_non_convergence_is_said_and_written(study, tmp_path, capsys):
     output = tmp_path / "bem.nc"
     assert run(study, "-o", output, "--workers", 1, "--interaction.well_depth_ratio", "[1, 5]") == 2

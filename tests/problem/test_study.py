@@ -105,6 +105,7 @@ WRONG = [
     (changed("surface", shape=[64.0, 64]), "surface.shape"),
     (changed("surface", cutoff_mode=32), "surface.cutoff_mode"),
     (changed("surface", roll_off_mode=13), "must not decrease"),
+    (changed("surface", low_mode=12, roll_off_mode=12), "must exceed"),
     (changed("surface", kind="fractal"), "surface.kind"),
     (changed("surface", kind="sphere"), "surface.radius"),
     (changed("surface", seed=-1), "surface.seed"),
