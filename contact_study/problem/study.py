@@ -312,7 +312,8 @@ def _check_exceptions(exceptions: Any) -> None:
 def _swept_key(dotted: str, cases: tuple[Case, ...]) -> SweptKey:
     section, name = _split(dotted, "sweep")
     declaration = keys_of(SECTIONS[section])[name]
-    units = declaration.kind.replace("J/m^2", "J m-2") if declaration.kind in EXAMPLES else "1"
+    written = declaration.kind.partition(" or ")[0]
+    units = written.replace("J/m^2", "J m-2") if written in EXAMPLES else "1"
     return SweptKey(tuple(dict.fromkeys(case.coordinates[name] for case in cases)), units, declaration.description)
 
 
@@ -337,5 +338,10 @@ def _apply(table: dict[str, Any], point: dict[str, Any], exceptions: list[dict[s
 
 def _case(merged: dict[str, Any], point: dict[str, Any], index: tuple[int, ...], directory: Path) -> Case:
     bound: dict[str, Any] = {name: bind(declared, merged[name], name) for name, declared in SECTIONS.items()}
-    coordinates = {_last(dotted): getattr(bound[dotted.partition(".")[0]], _last(dotted)) for dotted in point}
+    coordinates = {_last(dotted): _scalar(getattr(bound[dotted.partition(".")[0]], _last(dotted))) for dotted in point}
     return Case(**bound, coordinates=coordinates, index=index, directory=directory)
+
+
+def _scalar(value: Any) -> Any:
+    """One number for a key that takes one for both axes: a sweep's values are scalars."""
+    return value[0] if isinstance(value, tuple) else value
