@@ -210,7 +210,7 @@ def _status(inputs: Inputs) -> int:
     if not failed:
         return DONE
     print(
-        f"{COMMAND}: {failed} steps of the inputs did not converge; they are marked and left out of the deviations",
+        f"{COMMAND}: {failed} of the inputs' steps did not converge; they are marked and left out of the deviations",
         file=sys.stderr,
     )
     return NOT_CONVERGED

@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 
 from contact_study.campaign.schema import COORDINATES, VARIABLES
-from contact_study.comparison.path_points import AVERAGED, on_common_path, usable
+from contact_study.comparison.path_points import AVERAGED, on_common_path, swept_dims, usable
 
 QUANTITIES = ("relative_contact_area", "mean_gap", "elastic_energy")
 
@@ -51,6 +51,8 @@ def compute_deviations(models: Mapping[str, xr.Dataset], control: str) -> xr.Dat
     table = table.rename_vars(prescribed=f"applied_{control}").assign_coords(
         step=("step", np.arange(table.sizes["step"], dtype=np.int32))
     )
+    for dim in swept_dims(table.drop_dims("pair")):
+        table[dim].attrs = next(dataset[dim].attrs for dataset in models.values() if dim in dataset.dims)
     if table.sizes.get(AVERAGED, 1) > 1:
         table = _with_seed_statistics(table)
     return _described(table, control)

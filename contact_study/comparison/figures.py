@@ -13,7 +13,6 @@ import matplotlib
 import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
@@ -61,9 +60,7 @@ def styled(draw: Callable[..., Figure]) -> Callable[..., Figure]:
 
     def drawn(*arguments: Any, **options: Any) -> Figure:
         with matplotlib.rc_context(_STYLE):
-            figure = draw(*arguments, **options)
-            FigureCanvasAgg(figure).draw()
-        return figure
+            return draw(*arguments, **options)
 
     drawn.__doc__, drawn.__name__ = draw.__doc__, draw.__name__
     return drawn

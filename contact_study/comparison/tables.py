@@ -48,13 +48,14 @@ def results_tables(models: Mapping[str, xr.Dataset], control: str) -> list[Table
         parts = {name: part for name, dataset in models.items() if (part := select(dataset, point)) is not None}
         path = _union_of_paths(parts, control)
         unit = scales(models, point)
-        rows = []
-        for named in path:
-            cells = _point_cells(named, unit, control)
-            for quantity, scale in (("relative_contact_area", 1.0), ("mean_gap", unit.rms_height)):
-                cells += [_cell(part, quantity, scale, named, control) for part in parts.values()]
-            rows.append(cells)
         gaps = unit.height_symbol
+        columns = [
+            _column(part, quantity, scale, path, control)
+            for quantity, scale in (("relative_contact_area", 1.0), ("mean_gap", unit.rms_height))
+            for part in parts.values()
+        ]
+        points = [_point_cells(named, unit, control) for named in path]
+        rows = [[*cells, *numbers] for cells, numbers in zip(points, zip(*columns, strict=True), strict=True)]
         names = [SHORT_NAMES[name] for name in parts]
         groups = [("", 2), ("contact area A/A₀", len(parts)), (f"mean gap ū ({gaps})", len(parts))]
         tables.append(Table(point.label, [*_point_header(control, gaps), *names, *names], rows, groups))
@@ -77,20 +78,26 @@ def _point_cells(named: Point, unit: Scales, control: str) -> list[str]:
     return [signed(value * 1e9, 5, plus=False) + back, _fixed(value / unit.rms_height, 3)]
 
 
-def _cell(part: xr.Dataset, quantity: str, scale: float, named: Point, control: str) -> str:
-    path = case_points(part, control)
-    if named not in path or quantity not in part:
-        return NOTHING
-    step = path.index(named)
-    found = series(part, quantity)
-    if "detached" in part and bool((part["detached"].isel(step=step) == 1).all()):
-        return "detached"
-    value, error = found.values[step] / scale, found.standard_error[step] / scale
-    if not np.isfinite(value):
-        return NOTHING
-    decimals = 4 if quantity == "relative_contact_area" and value < 0.1 else 3
-    spread = f" ± {_fixed(error, decimals)}" if np.isfinite(error) else ""
-    return _fixed(value, decimals) + spread + ("" if found.fit[step] else " *")
+def _column(part: xr.Dataset, quantity: str, scale: float, path: list[Point], control: str) -> list[str]:
+    """One quantity of one model at the given points of the path."""
+    if quantity not in part:
+        return [NOTHING] * len(path)
+    own, found = case_points(part, control), series(part, quantity)
+    flags = part["detached"].values if "detached" in part else np.zeros(len(own))
+    detached = np.all(flags.reshape(-1, len(own)) == 1, axis=0)
+    decimals = 4 if quantity == "relative_contact_area" else 3
+    cells = []
+    for named in path:
+        step = own.index(named) if named in own else None
+        if step is None:
+            cells.append(NOTHING)
+        elif detached[step]:
+            cells.append("detached")
+        else:
+            value, error = found.values[step] / scale, found.standard_error[step] / scale
+            spread = f" ± {_fixed(error, decimals)}" if np.isfinite(error) else ""
+            cells.append(_number(value, decimals) + spread + ("" if found.fit[step] or np.isnan(value) else " *"))
+    return cells
 
 
 def _fixed(value: float, decimals: int) -> str:

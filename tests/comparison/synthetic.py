@@ -48,6 +48,10 @@ AREA_FACTOR = {"continuum": 1.0, "atomistic": 0.9, "theory": 0.5, "gap_flow": 1.
 GAP_SHIFT = {"continuum": 0.0, "atomistic": 0.5e-10, "theory": -1e-10, "gap_flow": 0.2e-10}
 
 
+# The gap-flow theory's branches: areas times these, mean gaps divided by them.
+BRANCH_FACTOR = {"loading": 0.8, "unloading": 1.1}
+
+
 def area(ratio, pressure, seed=1):
     """The continuum's made-up contact area."""
     return 1 - np.exp(-(0.05 * ratio + pressure / 8e9) * (1 + 0.01 * seed) - 0.02)
@@ -136,7 +140,12 @@ def _values(case, kind, pressure):
         }
         if model != "theory":
             values[f"{prefix}gap_pdf"] = _bell(case.bins.gap_edges, shifted + 3.28e-10, 4e-10)
-    if kind != "theory":
+    if kind == "theory":
+        for side, factor in BRANCH_FACTOR.items():
+            values[f"gap_flow/{side}/mean_pressure"] = pressure
+            values[f"gap_flow/{side}/relative_contact_area"] = factor * values["gap_flow/relative_contact_area"]
+            values[f"gap_flow/{side}/mean_gap"] = values["gap_flow/mean_gap"] / factor
+    else:
         field = realise(case).heights(case.surface.shape)
         values["gap"] = field - field.min() + 3e-10
     return values

@@ -1,0 +1,70 @@
+"""Regime numbers: of a wave in closed form, and of the paper's system."""
+
+import numpy as np
+import pytest
+
+from contact_study.comparison.datasets import read_inputs
+from contact_study.comparison.regime import compute_regime, roughness
+from tests.comparison.synthetic import STUDY, study, write
+
+
+def test_roughness_of_a_wave():
+    height, size, shape = 2e-10, (3e-8, 2e-8), (9, 15)
+    q = 2 * np.pi * 2 / size[1]
+    x = np.arange(shape[1]) * size[1] / shape[1]
+    found = roughness(np.broadcast_to(height * np.cos(q * x), shape), size)
+    # A cosine that the grid holds exactly: rounding only.
+    assert found.rms_height == pytest.approx(height / np.sqrt(2), rel=1e-13)
+    assert found.rms_slope == pytest.approx(height * q / np.sqrt(2), rel=1e-13)
+    assert found.rms_laplacian == pytest.approx(height * q**2 / np.sqrt(2), rel=1e-13)
+    # ½ <w K w> with K = E* q / 2 and <w²> = h²/2.
+    assert found.conformal_energy == pytest.approx(q * height**2 / 8, rel=1e-13)
+    slope = height * q
+    angle = np.linspace(0, 2 * np.pi, 16384, endpoint=False)
+    exact = np.mean(np.sqrt(1 + (slope * np.sin(angle)) ** 2))
+    # The mean over fifteen points of a smooth periodic function is exact far beyond this.
+    assert found.area_factor == pytest.approx(exact, rel=1e-8)
+
+
+def test_roughness_does_not_depend_on_the_grid():
+    from contact_study.problem.surface import realise
+
+    surface = realise(study().cases[0])
+    coarse, fine = (roughness(surface.heights(shape), surface.size) for shape in ((24, 24), (45, 64)))
+    for name in ("rms_height", "rms_slope", "rms_laplacian", "conformal_energy"):
+        assert getattr(coarse, name) == pytest.approx(getattr(fine, name), rel=1e-12)
+
+
+PAPER = (
+    STUDY.replace('"416 angstrom"', '"1040 angstrom"')
+    .replace("[24, 24]", "[64, 64]")
+    .replace("roll_off_mode = 2", "roll_off_mode = 3")
+    .replace("cutoff_mode = 6", "cutoff_mode = 12")
+    .replace("[1, 8]", "[1, 4, 8]")
+)
+
+
+def test_paper_system(tmp_path):
+    paths = [write(tmp_path / f"{kind}.nc", kind, PAPER) for kind in ("continuum", "atomistic")]
+    inputs = read_inputs(paths)
+    regime = compute_regime(inputs.models, inputs.study)
+    # Of the ensemble 0.30, 0.76, 1.21; one surface's curvature scatters by some per cent, the cube root by a third.
+    np.testing.assert_allclose(regime["tabor_parameter"], [0.30, 0.76, 1.21], rtol=0.03)
+    np.testing.assert_allclose(regime["process_zone"], [41e-10, 10.3e-10, 5.13e-10], rtol=0.01)
+    np.testing.assert_allclose(regime["pixel_over_process_zone"] * regime["process_zone"], 1040e-10 / 64, rtol=1e-12)
+    # Ensemble: U_full = 5.353 J/m², S = 1.0334.
+    theta = 0.692 * np.array([1, 4, 8]) * 1.0334 / 5.353
+    np.testing.assert_allclose(regime["adhesion_over_elastic_energy"], theta, rtol=0.06)
+    for name, variable in regime.data_vars.items():
+        assert variable.attrs["units"], name
+        assert variable.attrs["long_name"], name
+
+
+def test_without_sweep_and_without_roughness(tmp_path):
+    flat = STUDY[: STUDY.index("[sweep]")].replace('kind = "self_affine"', 'kind = "flat"')
+    paths = [write(tmp_path / f"{kind}.nc", kind, flat) for kind in ("continuum", "atomistic")]
+    inputs = read_inputs(paths)
+    regime = compute_regime(inputs.models, inputs.study)
+    assert regime["process_zone"].dims == ()
+    assert np.isfinite(regime["process_zone"])
+    assert np.isnan(regime["tabor_parameter"])
