@@ -188,7 +188,7 @@ class EquilibriumSolver:
             else:
                 reduction = _LARGEST_REDUCTION
                 inner = _SNAP_IN_ITERATIONS
-            reach = _OVERSHOOT * trust * self.interaction.length
+            reach = _OVERSHOOT * trust * self.interaction.length if exact else np.inf
             newton = self._newton.solve(gradient, shift, reduction, inner, reach)
             if newton.indefinite and exact:
                 exact = False

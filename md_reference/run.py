@@ -157,8 +157,9 @@ def solve_path(
             found = solver.solve(at_mean_gap(interface, first, value + float(np.mean(heights))))
         else:
             found = solver.solve(first, value)
-        state = found.displacement
-        yield _step(case, interface, found, time.perf_counter() - begun)
+        # Once torn off the block is nowhere in particular: the next point starts from separation again.
+        state = separated(heights, interface.length) if found.outcome is Outcome.DETACHED else found.displacement
+        yield _step(case, interface, found, state, time.perf_counter() - begun)
 
 
 def separated(heights: np.ndarray, length: float) -> np.ndarray:
@@ -212,16 +213,17 @@ def at_mean_gap(interface: LennardJonesInterface, displacement: np.ndarray, mean
     return moved
 
 
-def _step(case: Case, interface: LennardJonesInterface, found: Equilibrium, wall_time: float) -> Step:
+def _step(
+    case: Case, interface: LennardJonesInterface, found: Equilibrium, restart: np.ndarray, wall_time: float
+) -> Step:
     area_per_atom = interface.spacing[0] * interface.spacing[1]
     nominal_area = area_per_atom * found.displacement[0].size
-    gap = interface.gap(found.displacement)
-    pressure = found.force[2] / area_per_atom
     detached = found.outcome is Outcome.DETACHED
+    gap = np.full(interface.shape, np.inf) if detached else interface.gap(found.displacement)
+    pressure = found.force[2] / area_per_atom
     values: dict[str, Value] = {
         "mean_pressure": float(np.mean(pressure)),
-        # Without contact the block is anywhere.
-        "mean_gap": np.nan if detached else float(np.mean(gap)) - interface.length,
+        "mean_gap": float(np.mean(gap)) - interface.length,
         "relative_contact_area": float(np.mean(gap < case.contact_distance)),
         "relative_repulsive_area": float(np.mean(pressure > 0)),
         "elastic_energy": 0.0 if detached else found.elastic_energy / nominal_area,
@@ -238,7 +240,7 @@ def _step(case: Case, interface: LennardJonesInterface, found: Equilibrium, wall
         "message": "" if found.converged else found.outcome.value,
     }
     fields = {"gap": gap, "pressure": pressure} if case.output.fields else {}
-    return Step(values, fields, {"displacement": found.displacement})
+    return Step(values, fields, {"displacement": restart})
 
 
 def _length(case: Case) -> float:
