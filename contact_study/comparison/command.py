@@ -14,7 +14,7 @@ import contact_study
 from contact_study.campaign.command import DONE, NOT_CONVERGED, Parser, git_commit, guarded
 from contact_study.campaign.schema import CONVENTIONS, SCHEMA_VERSION
 from contact_study.campaign.storage import writable_output
-from contact_study.comparison import figures, plotted
+from contact_study.comparison import bands, figures, plotted
 from contact_study.comparison.captions import captions
 from contact_study.comparison.cases import case_points, first_constant, select, sweep_points
 from contact_study.comparison.datasets import Inputs, field_at, read_inputs
@@ -131,12 +131,12 @@ def _draw(inputs: Inputs, wanted: float | None) -> Figures:
             *plotted.gap_distribution_data(models, control, shown), scale.height_symbol
         ),
         "contact_area": figures.contact_area_figure(
-            plotted.contact_area_data(models, control), plotted.contact_area_bands(inputs.branches, points)
+            plotted.contact_area_data(models, control), bands.contact_area_bands(inputs.branches, points)
         ),
         "mean_gap": figures.mean_gap_figure(
             plotted.mean_gap_data(models, control),
             scale.height_symbol,
-            plotted.mean_gap_bands(inputs.branches, points, scales),
+            bands.mean_gap_bands(inputs.branches, points, scales),
         ),
     }
     maps = _gap_maps(inputs, shown)

@@ -17,7 +17,8 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from contact_study.comparison.plotted import Band, Curve, smallest_resolved
+from contact_study.comparison.bands import Band
+from contact_study.comparison.plotted import Curve, smallest_resolved
 
 RESOLUTION = 200  # dots per inch
 SINGLE, DOUBLE = 3.46, 7.0  # inches: one and two columns of a journal
