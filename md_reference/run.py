@@ -232,7 +232,7 @@ def _step(
         "gap_pdf": probability_density(gap, case.bins.gap_edges),
         "converged": found.converged,
         "detached": detached,
-        "residual": found.residual,
+        "residual": 0.0 if detached else found.residual,
         "iterations": found.iterations,
         "force_evaluations": found.evaluations,
         "fft_pairs": found.fft_pairs,
