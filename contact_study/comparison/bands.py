@@ -30,9 +30,9 @@ class Band:
     high: np.ndarray
 
 
-def contact_area_bands(branches: Mapping[str, xr.Dataset], points: list[SweepPoint]) -> list[Band]:
-    """Contact area between the branches, over pressure in GPa."""
-    return _bands(branches, points, "relative_contact_area", lambda pressure, area: (pressure / 1e9, area))
+def contact_area_bands(branches: Mapping[str, xr.Dataset], points: list[SweepPoint], unit: float) -> list[Band]:
+    """Contact area between the branches, over pressure in units of ``unit`` (Pa)."""
+    return _bands(branches, points, "relative_contact_area", lambda pressure, area: (pressure / unit, area))
 
 
 def mean_gap_bands(

@@ -15,10 +15,10 @@ def captions(
 ) -> dict[str, str]:
     """Captions of the figures, by figure name."""
     common = point_label(shown.common, units, control)
-    several = ", ".join(point_label(named, units, control).removeprefix("p/E* = ") for named in shown.several)
+    several = ", ".join(point_label(named, units, control).partition(" = ")[2] for named in shown.several)
     case = f" at {shown.case.label}" if shown.case.label else ""
-    symbol = "p/E* = " if control == "pressure" else ""
-    panels = f"(a) for each point of the sweep at {common}; (b){case} at {symbol}{several}."
+    symbol = common.partition(" = ")[0]
+    panels = f"(a) for each point of the sweep at {common}; (b){case} at {symbol} = {several}."
     if shown.paper:
         panels += " The paper does not state the pressure of its panel (a): this one is a choice."
     absent = _absent(models, shown, units, control, points)

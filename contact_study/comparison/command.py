@@ -122,7 +122,7 @@ def _draw(inputs: Inputs, wanted: float | None) -> Figures:
     points = sweep_points(models)
     shown = plotted.panel_points(models, control, wanted)
     scales = {point.label: plotted.scales(models, point) for point in points}
-    scale = scales[shown.case.label]
+    scale, pressure = scales[shown.case.label], plotted.mean_pressure_unit(models)
     drawn = {
         "stress_distribution": figures.stress_distribution_figure(
             *plotted.stress_distribution_data(models, control, shown)
@@ -131,7 +131,9 @@ def _draw(inputs: Inputs, wanted: float | None) -> Figures:
             *plotted.gap_distribution_data(models, control, shown), scale.height_symbol
         ),
         "contact_area": figures.contact_area_figure(
-            plotted.contact_area_data(models, control), bands.contact_area_bands(inputs.branches, points)
+            plotted.contact_area_data(models, control),
+            pressure.name,
+            bands.contact_area_bands(inputs.branches, points, pressure.size),
         ),
         "mean_gap": figures.mean_gap_figure(
             plotted.mean_gap_data(models, control),

@@ -4,25 +4,10 @@ from collections.abc import Iterator
 
 from contact_study.comparison.cases import coordinate_label
 from contact_study.comparison.datasets import Inputs
-from contact_study.comparison.findings import signed
 from contact_study.comparison.path_points import AVERAGED
+from contact_study.comparison.wording import control_unit, length, number, pressure_unit
 from contact_study.problem.errors import InputError
 from contact_study.problem.study import Case, Study
-
-
-def length(value: float) -> str:
-    """A length in the unit that suits it."""
-    unit, name = next(((u, n) for u, n in ((1e-10, "Å"), (1e-6, "µm"), (1e-3, "mm")) if value < 2000 * u), (1.0, "m"))
-    return f"{value / unit:.6g} {name}"
-
-
-def _power(value: float) -> str:
-    """A small number as a power of ten."""
-    digits, _, exponent = f"{value:.3g}".partition("e")
-    if not exponent:
-        return digits
-    raised = str(int(exponent)).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
-    return f"10{raised}" if digits == "1" else f"{digits} · 10{raised}"
 
 
 def study_paragraphs(inputs: Inputs) -> list[tuple[str, str]]:
@@ -33,7 +18,7 @@ def study_paragraphs(inputs: Inputs) -> list[tuple[str, str]]:
         ("Surface", _surface(study)),
         ("Block", _block(case)),
         ("Interaction", _interaction(study)),
-        ("Loading", " ".join(_loading(study))),
+        ("Loading", _loading(inputs)),
         ("Models", " ".join(_models(inputs))),
     ]
 
@@ -66,9 +51,14 @@ def _surface(study: Study) -> str:
 def _block(case: Case) -> str:
     material = case.material
     return (
-        f"Elastic, E = {material.youngs_modulus / 1e9:.6g} GPa, ν = {material.poissons_ratio:g}, hence contact modulus "
-        f"E* = E/(1 − ν²) = {material.contact_modulus / 1e9:.5g} GPa."
+        f"Elastic, E = {_modulus(material.youngs_modulus)}, ν = {material.poissons_ratio:g}, hence contact modulus "
+        f"E* = E/(1 − ν²) = {_modulus(material.contact_modulus)}."
     )
+
+
+def _modulus(value: float) -> str:
+    unit = pressure_unit(value)
+    return f"{number(value / unit.size, 5)} {unit.name}"
 
 
 def _interaction(study: Study) -> str:
@@ -87,22 +77,20 @@ def _interaction(study: Study) -> str:
     )
 
 
-def _loading(study: Study) -> Iterator[str]:
+def _loading(inputs: Inputs) -> str:
     """Each different path, with the points of the sweep that take it."""
-    control = study.cases[0].loading.control
-    unit, name = (1e9, "GPa") if control == "pressure" else (1e-9, "nm")
+    study, unit = inputs.study, control_unit(inputs.models, inputs.control)
     paths: dict[tuple[float, ...], list[str]] = {}
     for case in study.cases:
         label = ", ".join(coordinate_label(key, value) for key, value in case.coordinates.items() if key != AVERAGED)
         paths.setdefault(case.loading.path, []).append(label)
-    yield f"Prescribed mean {control}, starting from separated surfaces, in this order:"
     back = ", then back through the same values" if study.cases[0].loading.unload else ""
     listed = []
     for path, labels in paths.items():
-        values = ", ".join(signed(value / unit, 5, plus=False) for value in path)
+        values = ", ".join(number(value / unit.size, 5) for value in path)
         where = f" ({', '.join(dict.fromkeys(labels))})" if len(paths) > 1 else ""
-        listed.append(f"{values} {name}{where}{back}")
-    yield "; ".join(listed) + "."
+        listed.append(f"{values} {unit.name}{where}{back}")
+    return f"Prescribed mean {inputs.control}, starting from separated surfaces, in this order: {'; '.join(listed)}."
 
 
 def _models(inputs: Inputs) -> Iterator[str]:
@@ -110,7 +98,7 @@ def _models(inputs: Inputs) -> Iterator[str]:
         case = inputs.studies["continuum"].cases[0]
         shape = case.surface.shape
         points = f"{shape[0]} × {shape[1]} points" if shape else "the height map's points"
-        yield f"Continuum: {points}, residual stress below {_power(case.solver.tolerance)} E*."
+        yield f"Continuum: {points}, residual stress below {number(case.solver.tolerance, 3)} E*."
     if "atomistic" in inputs.studies:
         yield _atoms(inputs.studies["atomistic"].cases[0])
     if "theory" in inputs.studies:

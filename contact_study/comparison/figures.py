@@ -126,7 +126,7 @@ def _limit_to_simulations(axes: Axes, curves: Sequence[Curve], lowest: float) ->
 
 
 @styled
-def contact_area_figure(curves: Sequence[Curve], bands: Sequence[Band] = ()) -> Figure:
+def contact_area_figure(curves: Sequence[Curve], unit: str = "GPa", bands: Sequence[Band] = ()) -> Figure:
     """Figure 3: relative contact area against pressure, linear (a) and logarithmic (b)."""
     figure = Figure(figsize=(DOUBLE, 3.5), layout="constrained")
     left, right = figure.subplots(1, 2)
@@ -137,7 +137,7 @@ def contact_area_figure(curves: Sequence[Curve], bands: Sequence[Band] = ()) -> 
             axes.fill_between(band.along[shown], band.low[shown], band.high[shown], color=colour, alpha=0.15, lw=0)
         for curve in curves:
             _draw_path(axes, curve if letter == "a" else _in_compression(curve))
-        axes.set_xlabel(r"pressure $p$ (GPa)")
+        axes.set_xlabel(rf"pressure $p$ ({unit})")
         axes.set_ylabel(r"contact area $A/A_0$")
         _panel_letter(axes, letter)
         _colour_legend(axes, curves, _SWEEP_COLOURS)
@@ -264,12 +264,19 @@ def _panel_letter(axes: Axes, letter: str) -> None:
 def _colour_legend(axes: Axes, curves: Sequence[Curve], colours: Sequence[str]) -> None:
     names = {curve.colour: curve.label for curve in curves if curve.label}
     if names:
-        handles = [Line2D([], [], color=_colour(colours, n), lw=3, label=label) for n, label in sorted(names.items())]
+        heads = {label.partition(" = ")[0] for label in names.values()}
+        # What all labels begin with stands once, before them.
+        head = f"{heads.pop()} = " if len(heads) == 1 and all(" = " in label for label in names.values()) else ""
+        handles = [Line2D([], [], ls="none", label=head.strip())] if head else []
+        handles += [
+            Line2D([], [], color=_colour(colours, n), lw=3, label=label.removeprefix(head))
+            for n, label in sorted(names.items())
+        ]
         axes.legend(
             handles=handles,
             loc="lower right",
             bbox_to_anchor=(1.02, 1.0),
-            ncols=min(3, len(handles)),
+            ncols=min(4 if head else 3, len(handles)),
             columnspacing=0.9,
             handlelength=0.8,
             handletextpad=0.4,

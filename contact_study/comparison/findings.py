@@ -10,6 +10,7 @@ from contact_study.comparison.cases import SweepPoint, select, sweep_points
 from contact_study.comparison.deviations import COMPARED
 from contact_study.comparison.path_points import AVERAGED
 from contact_study.comparison.plotted import Scales, scales
+from contact_study.comparison.wording import number, percent, percent_of, pressure_unit
 
 MODEL_WORDS = {
     "atomistic": "the atoms",
@@ -85,27 +86,9 @@ def _prescribed(part: xr.Dataset) -> xr.DataArray:
 
 def _prescribed_words(part: xr.Dataset, value: float) -> str:
     if "applied_pressure" in part.coords:
-        return f"p = {signed(value / 1e9, 4, plus=False)} GPa"
-    return f"ū = {signed(value * 1e9, 4, plus=False)} nm"
-
-
-def signed(value: float, digits: int = 2, plus: bool = True) -> str:
-    """A number of so many significant digits with a true minus sign."""
-    return f"{value:{'+' if plus else ''}.{digits}g}".replace("-", "−")
-
-
-def percent(value: float) -> str:
-    """A signed fraction in per cent; at most one digit behind the point, which is as much as it can mean."""
-    return f"{100 * value:+.{_decimals(value)}f} %".replace("-", "−")
-
-
-def percent_of(value: float) -> str:
-    """A magnitude in per cent, as :func:`percent`."""
-    return f"{100 * value:.{_decimals(value)}f} %"
-
-
-def _decimals(fraction: float) -> int:
-    return 0 if abs(fraction) >= 0.1 else 1
+        unit = pressure_unit(float(np.abs(part["applied_pressure"]).max()))
+        return f"p = {number(value / unit.size, 4)} {unit.name}"
+    return f"ū = {number(value * 1e9, 4)} nm"
 
 
 def headline(models: Mapping[str, xr.Dataset], deviations: xr.Dataset) -> list[str]:
@@ -155,9 +138,10 @@ def _pair_sentence(deviations: xr.Dataset, pair: str, points: list[SweepPoint], 
     except ValueError:
         return words + "."
     symbol = next(iter(units.values())).height_symbol
+    low, high = number(gap.low, 2, plus=True), number(gap.high, 2, plus=True)
     return (
-        f"{words}; mean gap {signed(gap.low)} {symbol} ({gap.low_at}) to {signed(gap.high)} {symbol} ({gap.high_at}), "
-        f"median magnitude {gap.median:.2g} {symbol}."
+        f"{words}; mean gap {low} {symbol} ({gap.low_at}) to {high} {symbol} ({gap.high_at}), "
+        f"median magnitude {number(gap.median, 2)} {symbol}."
     )
 
 

@@ -16,6 +16,7 @@ from contact_study.comparison.cases import (
     sweep_points,
 )
 from contact_study.comparison.path_points import AVERAGED, Point, usable
+from contact_study.comparison.wording import Unit, number, pressure_unit
 
 # p/E* of figures 1b and 2b of Yang et al., EPL 84, 46004 (2008); their panels a state none.
 PAPER_PRESSURES = (-0.00532, 0.00832, 0.06265)
@@ -85,12 +86,19 @@ class Curve:
     unloading: np.ndarray | None = None
 
 
+def mean_pressure_unit(models: Mapping[str, xr.Dataset]) -> Unit:
+    """The unit of the pressure axis."""
+    found = [float(np.abs(d["mean_pressure"]).max()) for d in models.values() if "mean_pressure" in d]
+    return pressure_unit(max(found, default=0.0))
+
+
 def contact_area_data(models: Mapping[str, xr.Dataset], control: str) -> list[Curve]:
-    """A/A₀ against the mean pressure in GPa, the paper's figure 3."""
+    """A/A₀ against the mean pressure in units of :func:`mean_pressure_unit`, the paper's figure 3."""
+    unit = mean_pressure_unit(models).size
 
     def curve(part: xr.Dataset, units: Scales) -> tuple[np.ndarray, ...]:
         area, pressure = series(part, "relative_contact_area"), series(part, "mean_pressure")
-        return pressure.values / 1e9, area.values, pressure.standard_error / 1e9, area.standard_error, area.fit
+        return pressure.values / unit, area.values, pressure.standard_error / unit, area.standard_error, area.fit
 
     return _along_the_path(models, control, curve, "relative_contact_area")
 
@@ -105,7 +113,8 @@ def mean_gap_data(models: Mapping[str, xr.Dataset], control: str) -> list[Curve]
             np.where(positive > 0, gap.values, np.nan) / units.rms_height,
             np.log(positive / units.contact_modulus),
             gap.standard_error / units.rms_height,
-            pressure.standard_error / positive,
+            # ln p has no such error where p may be zero.
+            np.where(pressure.standard_error < positive, pressure.standard_error / positive, np.nan),
             gap.fit,
         )
 
@@ -215,8 +224,9 @@ def _paper_points(path: list[Point], contact_modulus: float) -> list[tuple[Point
 def point_label(named: Point, units: Scales, control: str) -> str:
     """A point of the path in the figures' units."""
     if control == "pressure":
-        return f"p/E* = {_value(named) / units.contact_modulus:.4g}".replace("-", "−")
-    return f"ū = {_value(named) / units.rms_height:.4g} {units.height_symbol}".replace("-", "−")
+        return f"p/E* = {number(_value(named) / units.contact_modulus, 4)}"
+    symbol = "ū/h_rms" if units.rough else "ū/nm"
+    return f"{symbol} = {number(_value(named) / units.rms_height, 3)}"
 
 
 def stress_distribution_data(

@@ -6,12 +6,21 @@ from dataclasses import dataclass, field
 import numpy as np
 import xarray as xr
 
-from contact_study.comparison.cases import SweepPoint, case_points, constant, select, series, sweep_points
+from contact_study.comparison.cases import (
+    SweepPoint,
+    case_points,
+    constant,
+    first_constant,
+    select,
+    series,
+    sweep_points,
+)
 from contact_study.comparison.deviations import COMPARED, DETACHED, NOT_CONVERGED
 from contact_study.comparison.figures import MODEL_NAMES
-from contact_study.comparison.findings import percent, percent_of, signed, split_pair, spread
+from contact_study.comparison.findings import split_pair, spread
 from contact_study.comparison.path_points import Point
 from contact_study.comparison.plotted import Scales, scales
+from contact_study.comparison.wording import Unit, control_unit, fixed, number, percent, percent_of, pressure_unit
 
 NOTHING = "–"
 
@@ -43,22 +52,22 @@ class Table:
 
 def results_tables(models: Mapping[str, xr.Dataset], control: str) -> list[Table]:
     """Contact area and mean gap of every model, one table for each point of the sweep."""
-    tables = []
+    tables, unit = [], control_unit(models, control)
     for point in sweep_points(models):
         parts = {name: part for name, dataset in models.items() if (part := select(dataset, point)) is not None}
         path = _union_of_paths(parts, control)
-        unit = scales(models, point)
-        gaps = unit.height_symbol
+        scale = scales(models, point)
+        gaps = scale.height_symbol
         columns = [
-            _column(part, quantity, scale, path, control)
-            for quantity, scale in (("relative_contact_area", 1.0), ("mean_gap", unit.rms_height))
+            _column(part, quantity, size, path, control)
+            for quantity, size in (("relative_contact_area", 1.0), ("mean_gap", scale.rms_height))
             for part in parts.values()
         ]
-        points = [_point_cells(named, unit, control) for named in path]
+        points = [_point_cells(named, unit, scale, control) for named in path]
         rows = [[*cells, *numbers] for cells, numbers in zip(points, zip(*columns, strict=True), strict=True)]
         names = [SHORT_NAMES[name] for name in parts]
         groups = [("", 2), ("contact area A/A₀", len(parts)), (f"mean gap ū ({gaps})", len(parts))]
-        tables.append(Table(point.label, [*_point_header(control, gaps), *names, *names], rows, groups))
+        tables.append(Table(point.label, [*_point_header(control, unit, gaps), *names, *names], rows, groups))
     return tables
 
 
@@ -66,16 +75,14 @@ def _union_of_paths(parts: Mapping[str, xr.Dataset], control: str) -> list[Point
     return list(dict.fromkeys(named for part in parts.values() for named in case_points(part, control) if named))
 
 
-def _point_header(control: str, gaps: str) -> list[str]:
-    return ["p (GPa)", "p/E*"] if control == "pressure" else ["ū (nm)", f"ū ({gaps})"]
+def _point_header(control: str, unit: Unit, gaps: str) -> list[str]:
+    return [f"p ({unit.name})", "p/E*"] if control == "pressure" else [f"ū ({unit.name})", f"ū ({gaps})"]
 
 
-def _point_cells(named: Point, unit: Scales, control: str) -> list[str]:
+def _point_cells(named: Point, unit: Unit, scale: Scales, control: str) -> list[str]:
     value = float(named[0])
-    back = " ↩" if named[1] else ""
-    if control == "pressure":
-        return [signed(value / 1e9, 5, plus=False) + back, _fixed(value / unit.contact_modulus, 5)]
-    return [signed(value * 1e9, 5, plus=False) + back, _fixed(value / unit.rms_height, 3)]
+    shown = number(value / unit.size, 5) + (" ↩" if named[1] else "")
+    return [shown, number(value / (scale.contact_modulus if control == "pressure" else scale.rms_height), 4)]
 
 
 def _column(part: xr.Dataset, quantity: str, scale: float, path: list[Point], control: str) -> list[str]:
@@ -95,24 +102,21 @@ def _column(part: xr.Dataset, quantity: str, scale: float, path: list[Point], co
             cells.append("detached")
         else:
             value, error = found.values[step] / scale, found.standard_error[step] / scale
-            spread = f" ± {_fixed(error, decimals)}" if np.isfinite(error) else ""
-            cells.append(_number(value, decimals) + spread + ("" if found.fit[step] or np.isnan(value) else " *"))
+            spread = f" ± {fixed(error, decimals)}" if np.isfinite(error) else ""
+            cells.append(
+                _fixed_or_nothing(value, decimals) + spread + ("" if found.fit[step] or np.isnan(value) else " *")
+            )
     return cells
-
-
-def _fixed(value: float, decimals: int) -> str:
-    """So many decimals, a true minus sign, and none before a zero."""
-    return f"{value:z.{decimals}f}".replace("-", "−")
 
 
 def deviation_tables(models: Mapping[str, xr.Dataset], deviations: xr.Dataset, control: str) -> list[Table]:
     """Deviations of every pair, one table for each point of the sweep: area relative, mean gap in units of h_rms."""
-    tables = []
+    tables, unit = [], control_unit(models, control)
     for point in sweep_points(models):
         part = select(deviations, point)
         if part is None:
             continue
-        unit = scales(models, point)
+        scale = scales(models, point)
         pairs = list(part["pair"].values)
         names = [pair_name(pair) for pair in pairs]
         rows = []
@@ -121,11 +125,11 @@ def deviation_tables(models: Mapping[str, xr.Dataset], deviations: xr.Dataset, c
                 continue
             here = part.isel(step=step)
             area = [_deviation(here.sel(pair=p), "relative_contact_area_relative_deviation", 1.0) for p in pairs]
-            gap = [_deviation(here.sel(pair=p), "mean_gap_deviation", unit.rms_height) for p in pairs]
-            rows.append([*_point_cells(named, unit, control)[:1], *area, *gap])
-        gaps = unit.height_symbol
+            gap = [_deviation(here.sel(pair=p), "mean_gap_deviation", scale.rms_height) for p in pairs]
+            rows.append([*_point_cells(named, unit, scale, control)[:1], *area, *gap])
+        gaps = scale.height_symbol
         groups = [("", 1), ("contact area, relative", len(pairs)), (f"mean gap ({gaps})", len(pairs))]
-        tables.append(Table(point.label, [_point_header(control, gaps)[0], *names, *names], rows, groups))
+        tables.append(Table(point.label, [_point_header(control, unit, gaps)[0], *names, *names], rows, groups))
     return tables
 
 
@@ -147,7 +151,7 @@ def summary_table(models: Mapping[str, xr.Dataset], deviations: xr.Dataset) -> T
             [
                 pair_name(pair),
                 *(NOTHING if np.isnan(value) else percent_of(value) for value in area),
-                *(_number(value, 3) for value in gap),
+                *(_fixed_or_nothing(value, 3) for value in gap),
             ]
         )
     labels = [point.label for point in points]
@@ -169,7 +173,7 @@ def _deviation(here: xr.Dataset, name: str, scale: float) -> str:
     mean = here[f"{name}_mean"] if f"{name}_mean" in here else here[name]
     value = float(mean) / scale
     if np.isfinite(value):
-        text = percent(value) if "relative_deviation" in name else f"{value:+.3f}".replace("-", "−")
+        text = percent(value) if "relative_deviation" in name else fixed(value, 3, plus=True)
         error = float(here[f"{name}_standard_error"]) / scale if f"{name}_standard_error" in here else np.nan
         if np.isfinite(error):
             text += f" ± {100 * error:.1f} %" if "relative_deviation" in name else f" ± {error:.3f}"
@@ -192,46 +196,56 @@ _REGIME = (
 
 def regime_table(models: Mapping[str, xr.Dataset], regime: xr.Dataset) -> Table:
     """Regime numbers, and the pull-off pressures that the theories predict; a row for each point of the sweep."""
+    unit = _stress_unit(models)
     theories = [name for name in ("theory", "gap_flow") if "pull_off_pressure" in models.get(name, ())]
     rows = []
     for point in sweep_points(models):
         part = select(regime, point)
         if part is None:
             continue
-        cells = [_number(float(part[name]) / scale, decimals) for name, _, scale, decimals in _REGIME]
+        cells = [_fixed_or_nothing(float(part[name]) / scale, decimals) for name, _, scale, decimals in _REGIME]
         pulls = [select(models[name], point) for name in theories]
-        cells += [NOTHING if pull is None else _number(constant(pull, "pull_off_pressure") / 1e9, 3) for pull in pulls]
+        cells += [
+            NOTHING if pull is None else _fixed_or_nothing(constant(pull, "pull_off_pressure") / unit.size, 3)
+            for pull in pulls
+        ]
         rows.append([point.label, *cells])
     header = ["", *(words for _, words, _, _ in _REGIME)]
-    return Table("Regime numbers", [*header, *(f"pull-off, {SHORT_NAMES[name]} (GPa)" for name in theories)], rows)
+    header += [f"pull-off, {SHORT_NAMES[name]} ({unit.name})" for name in theories]
+    return Table("Regime numbers", header, rows)
 
 
-def _number(value: float, decimals: int) -> str:
-    return _fixed(value, decimals) if np.isfinite(value) else NOTHING
+def _fixed_or_nothing(value: float, decimals: int) -> str:
+    return fixed(value, decimals) if np.isfinite(value) else NOTHING
 
 
-_CONSTANTS = (
-    ("contact_modulus", "E* (GPa)", 1e9, 3),
-    ("work_of_adhesion", "Δγ (J/m²)", 1.0, 4),
-    ("equilibrium_distance", "d_eq (Å)", 1e-10, 3),
-    ("peak_tensile_stress", "σ_max (GPa)", 1e9, 3),
-    ("rms_height", "h_rms (Å)", 1e-10, 3),
-    ("rms_slope", "rms slope", 1.0, 4),
-)
+def _stress_unit(models: Mapping[str, xr.Dataset]) -> Unit:
+    """The unit in which the contact modulus reads well, for stresses that no path prescribes."""
+    return pressure_unit(max(first_constant(models, point, "contact_modulus") for point in sweep_points(models)))
 
 
 def constants_table(models: Mapping[str, xr.Dataset]) -> Table:
     """Inputs of continuum and theories beside what the atomistic model measured on itself."""
-    used = [item for item in _CONSTANTS if any(item[0] in dataset for dataset in models.values())]
+    stress = _stress_unit(models)
+    columns = {
+        "contact_modulus": (f"E* ({stress.name})", stress.size),
+        "work_of_adhesion": ("Δγ (J/m²)", 1.0),
+        "equilibrium_distance": ("d_eq (Å)", 1e-10),
+        "peak_tensile_stress": (f"σ_max ({stress.name})", stress.size),
+        "rms_height": ("h_rms (Å)", 1e-10),
+        "rms_slope": ("rms slope", 1.0),
+    }
+    used = {name: column for name, column in columns.items() if any(name in dataset for dataset in models.values())}
     rows = []
     for point in sweep_points(models):
         for model, dataset in models.items():
             part = select(dataset, point)
-            if part is None or not any(name in part for name, *_ in used):
+            if part is None or not any(name in part for name in used):
                 continue
-            cells = [_number(constant(part, name) / scale, decimals) for name, _, scale, decimals in used]
+            values = [constant(part, name) / size for name, (_, size) in used.items()]
+            cells = [number(value, 5) if np.isfinite(value) else NOTHING for value in values]
             rows.append([point.label, MODEL_NAMES[model], *cells])
-    return Table("Material and interface", ["", "model", *(words for _, words, _, _ in used)], rows)
+    return Table("Material and interface", ["", "model", *(words for words, _ in used.values())], rows)
 
 
 def effort_table(models: Mapping[str, xr.Dataset]) -> Table:

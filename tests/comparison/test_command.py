@@ -12,7 +12,7 @@ import xarray as xr
 from contact_study.comparison.command import main
 from contact_study.comparison.datasets import read_inputs
 from contact_study.comparison.deviations import compute_deviations
-from contact_study.comparison.findings import percent
+from contact_study.comparison.wording import percent
 from tests.comparison.synthetic import STUDY, write, write_all
 
 

@@ -67,7 +67,7 @@ def test_bands_between_the_branches(inputs):
     points = sweep_points(inputs.models)
     pressure = np.array([-0.4987e9, 0.1e9, 0.7799e9, 5.8725e9])
     flow = AREA_FACTOR["gap_flow"] * area(8, pressure)
-    band = bands.contact_area_bands(inputs.branches, points)[1]
+    band = bands.contact_area_bands(inputs.branches, points, 1e9)[1]
     np.testing.assert_allclose(band.along, pressure / 1e9, rtol=1e-12)
     np.testing.assert_allclose(band.low, BRANCH_FACTOR["loading"] * flow, rtol=1e-12)
     np.testing.assert_allclose(band.high, BRANCH_FACTOR["unloading"] * flow, rtol=1e-12)
@@ -76,7 +76,7 @@ def test_bands_between_the_branches(inputs):
     np.testing.assert_allclose(band.along, np.log(pressure[1:] / MODULUS), rtol=1e-12)
     flow = (gap(8, pressure[1:]) + GAP_SHIFT["gap_flow"]) / 1e-9
     np.testing.assert_allclose(band.low, flow / BRANCH_FACTOR["unloading"], rtol=1e-9)
-    assert bands.contact_area_bands({}, points) == []
+    assert bands.contact_area_bands({}, points, 1e9) == []
 
 
 def test_distributions_are_those_of_the_paper_states(models, shown):

@@ -1,0 +1,66 @@
+"""Numbers as a reader wants them: few digits, true minus signs, units that suit."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+import xarray as xr
+
+_RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+
+def number(value: float, digits: int, plus: bool = False) -> str:
+    """So many significant digits; a power of ten in place of an exponent."""
+    mantissa, _, exponent = f"{value:{'+' if plus else ''}.{digits}g}".partition("e")
+    if not exponent:
+        return mantissa.replace("-", "−")
+    power = f"10{str(int(exponent)).translate(_RAISED)}"
+    return power if mantissa == "1" else f"{mantissa} · {power}".replace("-", "−")
+
+
+def fixed(value: float, decimals: int, plus: bool = False) -> str:
+    """So many decimals, and no minus sign before a zero."""
+    return f"{value:{'+' if plus else ''}z.{decimals}f}".replace("-", "−")
+
+
+def percent(value: float) -> str:
+    """A signed fraction in per cent; at most one digit behind the point, which is as much as it can mean."""
+    return f"{fixed(100 * value, _decimals(value), plus=True)} %"
+
+
+def percent_of(value: float) -> str:
+    """A magnitude in per cent, as :func:`percent`."""
+    return f"{fixed(100 * value, _decimals(value))} %"
+
+
+def _decimals(fraction: float) -> int:
+    return 0 if abs(fraction) >= 0.1 else 1
+
+
+def length(value: float) -> str:
+    """A length in the unit that suits it."""
+    unit, name = next(((u, n) for u, n in ((1e-10, "Å"), (1e-6, "µm"), (1e-3, "mm")) if value < 2000 * u), (1.0, "m"))
+    return f"{value / unit:.6g} {name}"
+
+
+@dataclass(frozen=True)
+class Unit:
+    """A unit to show a quantity in: its name and its size in SI."""
+
+    name: str
+    size: float
+
+
+def pressure_unit(largest: float) -> Unit:
+    """The unit in which pressures up to ``largest`` (Pa) read well."""
+    for name, size in (("GPa", 1e9), ("MPa", 1e6), ("kPa", 1e3)):
+        if largest >= size:
+            return Unit(name, size)
+    return Unit("Pa", 1.0)
+
+
+def control_unit(models: Mapping[str, xr.Dataset], control: str) -> Unit:
+    """The unit of what was prescribed, for a whole study."""
+    if control == "gap":
+        return Unit("nm", 1e-9)
+    return pressure_unit(max(float(np.abs(dataset["applied_pressure"]).max()) for dataset in models.values()))
