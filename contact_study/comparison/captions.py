@@ -43,8 +43,8 @@ def captions(
         "gap_distribution": f"Distribution of the local gap u in units of {gaps}: {panels} u is the distance of the "
         f"surfaces, not reduced by the equilibrium distance.{absent}",
         "contact_area": "Relative contact area against mean pressure, (a) linear, (b) logarithmic, compression only. "
-        "Simulations and gap-flow theory count gaps below the contact distance, Persson's theory its real contact "
-        f"area at the highest magnification.{join}",
+        "Simulations and gap-flow theory count gaps below the contact distance (hard wall: pressure above zero), "
+        f"Persson's theory its real contact area at the highest magnification.{join}",
         "mean_gap": f"Natural logarithm of the mean pressure in units of E* against the mean gap in units of {gaps}, "
         f"measured from the equilibrium distance of flat surfaces; compression only.{join}",
         "gap_map": f"Local gap of the simulations{case} at {common}; contact, a gap below the contact distance, is "

@@ -84,7 +84,7 @@ class Series:
     Attributes
     ----------
     values, standard_error : numpy.ndarray, shape (steps,)
-        Mean over seeds and its standard error, NaN with fewer than two; NaN where the surfaces have detached. A point
+        Mean over seeds and its standard error, NaN with fewer than two or without scatter; NaN where the surfaces have detached. A point
         none of whose seeds converged keeps what the solver left and is not ``fit``.
     fit : numpy.ndarray of bool, shape (steps,)
         Whether some seed converged in contact.
@@ -110,7 +110,9 @@ def series(part: xr.Dataset, name: str) -> Series:
         nothing = np.full(data.shape, np.nan)
         return Series(data.values, nothing, good.values.astype(bool), samples.values)
     mean = data.where(good).mean(AVERAGED)
-    error = data.where(good).std(AVERAGED, ddof=1).where(samples > 1) / np.sqrt(samples.where(samples > 1))
+    scatter = data.where(good).std(AVERAGED, ddof=1).where(samples > 1)
+    # A theory of the ensemble gives every seed the same number: no error, rather than one of zero.
+    error = scatter.where(scatter > 0) / np.sqrt(samples.where(samples > 1))
     left = data.mean(AVERAGED).where(samples == 0)
     return Series(mean.fillna(left).values, error.values, (samples > 0).values, samples.values)
 

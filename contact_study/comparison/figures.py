@@ -267,7 +267,8 @@ def _colour_legend(axes: Axes, curves: Sequence[Curve], colours: Sequence[str]) 
         heads = {label.partition(" = ")[0] for label in names.values()}
         # What all labels begin with stands once, before them.
         head = f"{heads.pop()} = " if len(heads) == 1 and all(" = " in label for label in names.values()) else ""
-        handles = [Line2D([], [], ls="none", label=head.strip())] if head else []
+        words = head.strip().replace("h_rms", r"$h_\mathrm{rms}$")
+        handles = [Line2D([], [], ls="none", label=words)] if head else []
         handles += [
             Line2D([], [], color=_colour(colours, n), lw=3, label=label.removeprefix(head))
             for n, label in sorted(names.items())
