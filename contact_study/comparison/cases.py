@@ -84,8 +84,8 @@ class Series:
     Attributes
     ----------
     values, standard_error : numpy.ndarray, shape (steps,)
-        Mean over seeds and its standard error, NaN with fewer than two or without scatter; NaN where the surfaces have detached. A point
-        none of whose seeds converged keeps what the solver left and is not ``fit``.
+        Mean over seeds and its standard error, NaN with fewer than two or without scatter; both NaN where the
+        surfaces have detached. A point none of whose seeds converged keeps what the solver left and is not ``fit``.
     fit : numpy.ndarray of bool, shape (steps,)
         Whether some seed converged in contact.
     samples : numpy.ndarray of int, shape (steps,)
