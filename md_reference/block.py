@@ -268,7 +268,7 @@ def surface_stiffness(
 def without_lateral_freedom(stiffness: SurfaceStiffness, contact_modulus: float | None = None) -> SurfaceStiffness:
     """The block as a frictionless continuum sees it: normal compliance only, the bottom atoms on vertical rails.
 
-    For taking apart what separates atoms from a continuum model, see ``scripts/attribute_differences.py``.
+    For taking apart what separates atoms from a continuum model, see ``scripts/continuum_against_atoms.py``.
 
     Parameters
     ----------

@@ -14,7 +14,8 @@ from numba import njit
 from contact_study.fields.fourier import RealTransform
 from md_reference.block import SurfaceStiffness
 from md_reference.interface import Interaction
-from md_reference.newton_step import NewtonSolver
+from md_reference.newton_step import NewtonSolver, NewtonStep
+from md_reference.snap_in import raised_curvature
 
 # Lengths in units of the interaction's length r0, stresses in units of the contact modulus.
 _FIRST_STEP = 0.3
@@ -81,8 +82,43 @@ class Equilibrium:
 
     @property
     def converged(self) -> bool:
-        """Whether the residual is within the tolerance and the surfaces have not come apart."""
-        return self.outcome is Outcome.CONVERGED
+        """Whether the question is answered: an equilibrium within the tolerance, or the finding that none exists."""
+        return self.outcome in (Outcome.CONVERGED, Outcome.DETACHED)
+
+
+@dataclass
+class _Iterate:
+    """Where a solve stands: the state u, its interaction energy, S u and what the next step may rely on."""
+
+    displacement: np.ndarray
+    energy: float
+    stretch: np.ndarray
+    fresh: bool = True  # S u computed from u itself, not updated
+    trust: float = _FIRST_STEP
+    exact: bool = False  # Newton's own model instead of the snap-in springs
+    snap_in_until: int = 0  # iteration before which the springs stay
+    vanishing: int = 0  # steps of no length in a row
+    iteration: int = 0
+    evaluations: int = 1
+
+
+@dataclass(frozen=True)
+class _Taken:
+    """A step taken: fraction of Newton's, largest component over r0, and how well the model foretold the energy."""
+
+    fraction: float
+    size: float
+    shortened: bool
+    foretold: bool
+
+
+def _trusted(trust: float, taken: _Taken) -> float:
+    """Largest step to try next: cut after a failure, doubled where a step of nearly that size went as foretold."""
+    if taken.shortened:
+        return max(1.2 * taken.size, 0.01 * _FIRST_STEP)
+    if taken.size > 0.9 * trust and taken.foretold:
+        return min(2 * trust, _LARGEST_STEP)
+    return trust
 
 
 class EquilibriumSolver:
@@ -147,101 +183,113 @@ class EquilibriumSolver:
             If an atom of the starting state lies inside the substrate or is not finite.
         """
         transforms = self._pairs()
-        u = start.copy()
-        energy = self._evaluate(u)
-        evaluations = 1
-        if not np.isfinite(energy):
-            raise ValueError("the starting state has atoms inside the substrate (or not finite): start it higher")
         push = 0.0 if self._fixed_mean else pressure * self._area
-        stretch = self._apply_stiffness(u).copy()
-        trust = _FIRST_STEP
-        exact = False
-        hold = 0
-        fresh = True
-        vanishing = 0
-        iteration = 0
+        at = self._begin(start)
         while True:
-            gradient = self._gradient(stretch, push)
+            gradient = self._gradient(at.stretch, push)
             residual = float(np.max(np.abs(gradient))) / self._force_scale
-            if not self._fixed_mean and pressure <= 0 and not self._force.any():
-                outcome = Outcome.DETACHED
+            outcome = self._outcome(at, residual, pressure)
+            if outcome is not None:
                 break
             if residual <= self.tolerance:
-                if fresh:
-                    outcome = Outcome.CONVERGED
-                    break
-                stretch = self._apply_stiffness(u).copy()
-                fresh = True
+                self._refresh(at)
                 continue
-            if iteration >= self.max_iterations:
-                outcome = Outcome.ITERATION_LIMIT
-                break
-            if vanishing >= _VANISHING_STEPS:
-                outcome = Outcome.STALLED
-                break
-            iteration += 1
-            shift = self._set_curvature(u, exact)
-            if exact:
-                # The forcing term falls with the residual (in units of E*/100) for fast final convergence.
-                reduction = min(_LARGEST_REDUCTION, max(_SMALLEST_REDUCTION, (100 * residual) ** 0.5))
-                inner = _EXACT_ITERATIONS
-            else:
-                reduction = _LARGEST_REDUCTION
-                inner = _SNAP_IN_ITERATIONS
-            reach = _OVERSHOOT * trust * self.interaction.length if exact else np.inf
-            newton = self._newton.solve(gradient, shift, reduction, inner, reach)
-            if newton.indefinite and exact:
-                exact = False
-                hold = iteration + 1
-                if newton.iterations == 1:
-                    continue
-            step = newton.step
-            size = float(np.max(np.abs(step))) / self.interaction.length
-            scale = min(1.0, trust / size)
-            stretch_step = self._apply_stiffness(step)
-            slope = float(np.sum(gradient * step))
-            elastic_slope = float(np.sum(stretch * step)) + push * float(np.sum(step[2]))
-            elastic_curvature = float(np.sum(stretch_step * step))
-            shortened = False
-            while True:
-                trial = u + scale * step
-                trial_energy = self._evaluate(trial)
-                evaluations += 1
-                change = scale * elastic_slope + 0.5 * scale**2 * elastic_curvature + trial_energy - energy
-                model = scale * slope + 0.5 * scale**2 * newton.curvature
-                noise = 1e-12 * abs(energy)  # rounding of the sum over pairs
-                if change <= 0.1 * model + noise:
-                    break
-                if scale * size < _VANISHING_STEP and np.isfinite(trial_energy):
-                    break
-                scale *= _BACKTRACK
-                trust = scale * size
-                shortened = True
-            vanishing = vanishing + 1 if scale * size < _VANISHING_STEP else 0
-            if shortened:
-                trust = max(1.2 * trust, 0.01 * _FIRST_STEP)
-            elif scale * size > 0.9 * trust and change <= 0.6 * model + noise:
-                trust = min(2 * trust, _LARGEST_STEP)
-            if not exact and iteration >= hold and scale == 1.0 and size < _SMALL_STEP:
-                exact = True
-            u = trial
-            energy = trial_energy
-            fresh = iteration % _REFRESH == 0
-            if fresh:
-                stretch = self._apply_stiffness(u).copy()
-            else:
-                stretch += scale * stretch_step
+            at.iteration += 1
+            newton = self._newton_step(at, gradient, residual)
+            if newton is not None:
+                self._advance(at, newton, gradient, push)
         return Equilibrium(
-            displacement=u,
+            displacement=at.displacement,
             force=self._force.copy(),
             residual=residual,
             outcome=outcome,
-            iterations=iteration,
-            evaluations=evaluations,
+            iterations=at.iteration,
+            evaluations=at.evaluations,
             fft_pairs=self._pairs() - transforms,
-            elastic_energy=0.5 * float(np.sum(u * stretch)),
-            interaction_energy=energy,
+            elastic_energy=0.5 * float(np.sum(at.displacement * at.stretch)),
+            interaction_energy=at.energy,
         )
+
+    def _begin(self, start: np.ndarray) -> _Iterate:
+        """The starting state with its energy and forces."""
+        u = start.copy()
+        energy = self._evaluate(u)
+        if not np.isfinite(energy):
+            raise ValueError("the starting state has atoms inside the substrate (or not finite): start it higher")
+        return _Iterate(u, energy, self._apply_stiffness(u).copy())
+
+    def _outcome(self, at: _Iterate, residual: float, pressure: float) -> Outcome | None:
+        """How the solve has ended, None while it goes on."""
+        if not self._fixed_mean and pressure <= 0 and not self._force.any():
+            return Outcome.DETACHED
+        if residual <= self.tolerance:
+            return Outcome.CONVERGED if at.fresh else None
+        if at.iteration >= self.max_iterations:
+            return Outcome.ITERATION_LIMIT
+        return Outcome.STALLED if at.vanishing >= _VANISHING_STEPS else None
+
+    def _newton_step(self, at: _Iterate, gradient: np.ndarray, residual: float) -> NewtonStep | None:
+        """Solve the linear model of the energy; None if its first direction already has negative curvature."""
+        shift = self._set_curvature(at.displacement, at.exact)
+        if not at.exact:
+            return self._newton.solve(gradient, shift, _LARGEST_REDUCTION, _SNAP_IN_ITERATIONS, np.inf)
+        # The forcing term falls with the residual (in units of E*/100) for fast final convergence.
+        reduction = min(_LARGEST_REDUCTION, max(_SMALLEST_REDUCTION, (100 * residual) ** 0.5))
+        reach = _OVERSHOOT * at.trust * self.interaction.length
+        newton = self._newton.solve(gradient, shift, reduction, _EXACT_ITERATIONS, reach)
+        if newton.indefinite:
+            at.exact = False
+            at.snap_in_until = at.iteration + 1
+            if newton.iterations == 1:
+                return None
+        return newton
+
+    def _advance(self, at: _Iterate, newton: NewtonStep, gradient: np.ndarray, push: float) -> None:
+        """Take the step as far as the energy follows it, and adapt what the next one may rely on."""
+        stretch_step = self._apply_stiffness(newton.step)
+        taken = self._search(at, newton, stretch_step, gradient, push)
+        at.vanishing = at.vanishing + 1 if taken.size < _VANISHING_STEP else 0
+        at.trust = _trusted(at.trust, taken)
+        if at.iteration >= at.snap_in_until and taken.fraction == 1.0 and taken.size < _SMALL_STEP:
+            at.exact = True
+        if at.iteration % _REFRESH == 0:
+            self._refresh(at)
+        else:
+            at.stretch += taken.fraction * stretch_step
+            at.fresh = False
+
+    def _search(
+        self, at: _Iterate, newton: NewtonStep, stretch_step: np.ndarray, gradient: np.ndarray, push: float
+    ) -> _Taken:
+        """Shorten the step until the energy falls by a tenth of what the linear model says, and move there.
+
+        The change of energy is summed from its parts, never a difference of two totals, which would round away.
+        """
+        step = newton.step
+        length = float(np.max(np.abs(step))) / self.interaction.length
+        fraction = min(1.0, at.trust / length)
+        slope = float(np.sum(gradient * step))
+        elastic_slope = float(np.sum(at.stretch * step)) + push * float(np.sum(step[2]))
+        elastic_curvature = float(np.sum(stretch_step * step))
+        noise = 1e-12 * abs(at.energy)  # rounding of the sum over pairs
+        shortened = False
+        while True:
+            trial = at.displacement + fraction * step
+            energy = self._evaluate(trial)
+            at.evaluations += 1
+            change = fraction * elastic_slope + 0.5 * fraction**2 * elastic_curvature + energy - at.energy
+            model = fraction * slope + 0.5 * fraction**2 * newton.curvature
+            if change <= 0.1 * model + noise or (fraction * length < _VANISHING_STEP and np.isfinite(energy)):
+                break
+            fraction *= _BACKTRACK
+            shortened = True
+        at.displacement, at.energy = trial, energy
+        return _Taken(fraction, fraction * length, shortened, change <= 0.6 * model + noise)
+
+    def _refresh(self, at: _Iterate) -> None:
+        """Compute S u anew, free of the rounding of its updates."""
+        at.stretch = self._apply_stiffness(at.displacement).copy()
+        at.fresh = True
 
     def _evaluate(self, u: np.ndarray) -> float:
         return self.interaction.evaluate(u, self._force, self._hessian)
@@ -265,7 +313,7 @@ class EquilibriumSolver:
         length = self.interaction.length
         gap = u[2] if exact else self.interaction.gap(u)
         factor = 0.0 if exact else _SNAP_IN_FACTOR
-        stiff = _curvature(
+        stiff = raised_curvature(
             self._hessian, self._force, gap, factor, length, _SMALLEST_GAP * length, self._newton.diagonal
         )
         return max(_SHIFT_FRACTION * stiff / gap.size, self._smallest_shift)
@@ -294,53 +342,3 @@ def _multiply(spectrum, coefficients):
             spectrum[1, j, 2 * i + 1] = xy * x_im + yy * y_im + yz * z_im
             spectrum[2, j, 2 * i] = xz * x_im + yz * y_im + zz * z_im
             spectrum[2, j, 2 * i + 1] = -(xz * x_re + yz * y_re + zz * z_re)
-
-
-@njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "arcp", "nsz"})
-def _curvature(hessian, force, gap, factor, length, smallest_gap, diagonal):
-    """Hessian of each atom, raised by a multiple of 1 so that its lowest eigenvalue reaches the snap-in spring.
-
-    With ``factor`` zero the Hessian is copied. Returns the sum over atoms of the positive part of the zz component.
-    """
-    stiff = 0.0
-    for j in range(gap.shape[0]):
-        for i in range(gap.shape[1]):
-            xx = hessian[0, j, i]
-            yy = hessian[1, j, i]
-            zz = hessian[2, j, i]
-            xy = hessian[3, j, i]
-            xz = hessian[4, j, i]
-            yz = hessian[5, j, i]
-            lift = 0.0
-            if factor > 0.0:
-                wanted = 0.0
-                if force[2, j, i] < 0.0:
-                    wanted = factor * -force[2, j, i] / max(gap[j, i] - length, smallest_gap)
-                lift = max(0.0, wanted - _lowest_eigenvalue(xx, yy, zz, xy, xz, yz))
-            diagonal[0, j, i] = xx + lift
-            diagonal[1, j, i] = yy + lift
-            diagonal[2, j, i] = zz + lift
-            diagonal[3, j, i] = xy
-            diagonal[4, j, i] = xz
-            diagonal[5, j, i] = yz
-            stiff += max(zz + lift, 0.0)
-    return stiff
-
-
-@njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "arcp", "nsz"})
-def _lowest_eigenvalue(xx, yy, zz, xy, xz, yz):
-    """Of a symmetric 3×3 matrix, by the trigonometric solution of its characteristic equation."""
-    mean = (xx + yy + zz) / 3.0
-    off = xy * xy + xz * xz + yz * yz
-    spread = (xx - mean) ** 2 + (yy - mean) ** 2 + (zz - mean) ** 2 + 2.0 * off
-    if spread == 0.0:
-        return mean
-    p = np.sqrt(spread / 6.0)
-    a = (xx - mean) / p
-    b = (yy - mean) / p
-    c = (zz - mean) / p
-    d = xy / p
-    e = xz / p
-    f = yz / p
-    r = 0.5 * (a * (b * c - f * f) - d * (d * c - f * e) + e * (d * f - b * e))
-    return mean + 2.0 * p * np.cos(np.arccos(min(1.0, max(-1.0, r))) / 3.0 + 2.0 * np.pi / 3.0)

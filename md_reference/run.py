@@ -1,12 +1,13 @@
 """The atomistic model of a case: its measured constants and its states along the loading path; the command."""
 
 import time
-from collections.abc import Callable, Iterator, Mapping
+import warnings
+from collections.abc import Callable, Iterator, Mapping, Sequence
 
 import numpy as np
 from scipy import optimize
 
-from contact_study.campaign.command import main as run_command
+from contact_study.campaign import command
 from contact_study.campaign.model import Model
 from contact_study.campaign.record import Step, Value
 from contact_study.fields import fourier
@@ -37,6 +38,11 @@ _POINTS_FOR_THREADS = 1024**2
 _HEIGHT_TOLERANCE = 1e-4
 
 Predictor = Callable[[int], np.ndarray | None]
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """The command ``md-reference``; returns the exit status."""
+    return command.main(MODEL, arguments)
 
 
 def check(case: Case) -> None:
@@ -127,8 +133,8 @@ def solve_path(
     start : int, optional
         First point of the path to solve.
     predictor : callable, optional
-        Point number -> gap field (y, x) of a continuum solution on any grid (m), or None where there is none. The
-        atoms then start at their lateral rest positions, at the surface's height plus that gap.
+        Point number -> gap field (y, x) of a continuum solution on any grid (m): the atoms start at their lateral
+        rest positions, at the surface's height plus that gap. Where it has none (None) a warning names the point.
 
     Yields
     ------
@@ -150,8 +156,15 @@ def solve_path(
     state = separated(heights, interface.length) if restart is None else restart["displacement"]
     for number in range(start, len(case.path)):
         begun = time.perf_counter()
-        value, _ = case.path[number]
+        value, branch = case.path[number]
         gap = predictor(number) if predictor is not None else None
+        if predictor is not None and gap is None:
+            unit = "Pa" if case.loading.control == "pressure" else "m"
+            warnings.warn(
+                f"the predictor holds no state in contact for point {number + 1} of the path, {value:g} {unit} "
+                f"({branch}): the atoms start from where they were",
+                stacklevel=2,
+            )
         first = state if gap is None else predicted(heights, gap, interface.length)
         if case.loading.control == "gap":
             found = solver.solve(at_mean_gap(interface, first, value + float(np.mean(heights))))
@@ -237,7 +250,7 @@ def _step(
         "force_evaluations": found.evaluations,
         "fft_pairs": found.fft_pairs,
         "wall_time": wall_time,
-        "message": "" if found.converged else found.outcome.value,
+        "message": "" if found.outcome is Outcome.CONVERGED else found.outcome.value,
     }
     fields = {"gap": gap, "pressure": pressure} if case.output.fields else {}
     return Step(values, fields, {"displacement": restart})
@@ -248,6 +261,5 @@ def _length(case: Case) -> float:
     return case.interaction.length
 
 
-def main() -> int:
-    """The command ``md-reference``."""
-    return run_command(MODEL)
+if __name__ == "__main__":
+    raise SystemExit(main())

@@ -108,7 +108,7 @@ def test_tension_beyond_pull_off_is_reported_as_detachment():
     assert held.outcome is Outcome.CONVERGED
     gone = solver.solve(held.displacement, -2.9e10)
     assert gone.outcome is Outcome.DETACHED
-    assert not gone.converged
+    assert gone.converged  # that nothing holds is the answer
     assert not gone.force.any()
     assert gone.iterations < 300
 
