@@ -165,10 +165,11 @@ def _separation(case: Case, theory: PerssonTheory) -> SeparationCurve:
     curve = separation_curve(theory, 1e-3 * theory.stress_scale)
     largest = max(gap for gap, _ in case.path)
     ends = _quiet_gap(curve, curve.pressure[:2])
-    if ends[0] > largest:
+    growth = ends[0] - ends[1]
+    if ends[0] > largest or growth <= 0:  # reached, or sticking so strong that the gap no longer grows
         return curve
     # At light load the gap grows by the same step with every decade less pressure; one decade in reserve.
-    decades = (largest - ends[0]) / (ends[0] - ends[1]) * np.log10(curve.pressure[1] / curve.pressure[0]) + 1
+    decades = (largest - ends[0]) / growth * np.log10(curve.pressure[1] / curve.pressure[0]) + 1
     lowest = max(curve.pressure[0] * 10.0 ** (-decades), _LOWEST_PRESSURE * theory.stress_scale)
     return separation_curve(theory, lowest)
 

@@ -111,6 +111,18 @@ def test_prescribed_gap_is_the_inverse_of_prescribed_pressure(steps):
     assert step[0].values["gap_flow/mean_pressure"] == pytest.approx(1e9, rel=1e-6)
 
 
+def test_gap_that_strong_adhesion_never_opens_is_said():
+    """Where everything sticks the theory's gap stays small down to no pressure: an answer, not a failure."""
+    case = case_of(
+        surface={"rms_height": "4 angstrom"},
+        interaction={"work_of_adhesion": "4.1 J/m^2"},
+        loading={"control": "gap", "path": ["6 angstrom"], "unload": False},
+    )
+    (step,) = steps_of(case)
+    assert not step.values["converged"]
+    assert "no pressure" in step.values["message"]
+
+
 def test_tension_follows_the_adhered_branch_and_detaches():
     case = case_of(
         interaction={"work_of_adhesion": "14 J/m^2"},
