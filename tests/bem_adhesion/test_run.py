@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from bem_adhesion import run
-from contact_study.campaign.schema import VARIABLES
+from contact_study.campaign.schema import COORDINATES, VARIABLES
 from contact_study.problem.bins import with_bins
 from contact_study.problem.study import make_study
 from contact_study.problem.surface import realise
@@ -70,7 +70,7 @@ def test_constants_of_law_material_and_surface():
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         found = run.constants(case, surface)
-    assert set(found) <= set(VARIABLES)
+    assert set(found) <= set(VARIABLES) | set(COORDINATES)
     assert found["contact_modulus"] == pytest.approx(E_STAR)
     assert found["work_of_adhesion"] == 0.69
     assert found["equilibrium_distance"] == R0
