@@ -1,0 +1,295 @@
+"""By how much continuum and atoms differ on the same surface, and why.
+
+Between the two stand models that change one thing at a time: the modulus as the lattice shows it, the work of adhesion
+of the cut-off pair potential, the minimiser (which must change nothing), the lattice's dispersion, the distance normal
+to the substrate instead of the vertical one, Lennard-Jones pairs instead of smeared layers, and at last the lateral
+freedom of the atoms. Every one of them starts from the gap of the continuum at the same pressure, so that all are on
+one branch. The tables are printed as Markdown and written to a NetCDF file.
+
+    python scripts/continuum_against_atoms.py data/yang2008.toml --pressures "1 GPa"
+"""
+
+import argparse
+import dataclasses
+import math
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+
+import md_reference.run
+from bem_adhesion.loading import LoadedContact
+from bem_adhesion.solution import Outcome as ContinuumOutcome
+from bem_adhesion.solution import Solution
+from contact_study.campaign import storage
+from contact_study.campaign.command import Parser, guarded
+from contact_study.fields import fourier
+from contact_study.fields.grid import Grid
+from contact_study.problem.errors import InputError
+from contact_study.problem.laws.base import TractionLaw
+from contact_study.problem.study import Case, read_study
+from contact_study.problem.surface import Surface, realise
+from contact_study.problem.units import quantity
+from md_reference.block import SurfaceStiffness, without_lateral_freedom
+from md_reference.equilibrium import Equilibrium, EquilibriumSolver
+from md_reference.equilibrium import Outcome as AtomisticOutcome
+from md_reference.interface import Interaction
+
+# Each model, and what sets it apart from the one before.
+MODELS = {
+    "continuum": "elastic half-space and 10-4 law, constants of the study",
+    "measured_modulus": "modulus that the lattice shows to this surface",
+    "measured_adhesion": "work of adhesion of the cut-off pair potential",
+    "other_minimiser": "same equations, minimiser of the atoms",
+    "lattice_stiffness": "stiffness of the lattice at every wavevector",
+    "tilted_law": "distance normal to the tilted substrate",
+    "pair_sums": "Lennard-Jones pairs, atoms on vertical rails",
+    "atoms": "lateral freedom of the atoms",
+}
+QUANTITIES = {
+    "relative_contact_area": ("1", "relative contact area, gap below the contact distance"),
+    "mean_gap": ("m", "mean gap above the equilibrium distance"),
+    "converged": ("1", "1 where the state is an equilibrium within the tolerance"),
+    "relative_contact_area_increment": ("1", "change of the relative contact area from the model before"),
+    "mean_gap_increment": ("m", "change of the mean gap from the model before"),
+}
+CONSTANTS = {
+    "contact_modulus": ("Pa", "contact modulus of the study"),
+    "measured_contact_modulus": ("Pa", "contact modulus of the lattice, weighted by q|h_q|² of the surface"),
+    "work_of_adhesion": ("J m-2", "work of adhesion of two smeared layers"),
+    "measured_work_of_adhesion": ("J m-2", "work of adhesion of two flat layers of atoms"),
+}
+
+
+class SmearedLayers:
+    """The traction-separation law on each atom's area, as the atoms' minimiser takes it.
+
+    Over a substrate tilted by θ an atom at the vertical gap u is at the distance u cos θ from a layer whose sites are
+    as dense per projected area as ever, thus cos θ times as dense in their plane: its energy is cos θ φ(u cos θ) a².
+
+    Parameters
+    ----------
+    law : TractionLaw
+        The law.
+    heights : numpy.ndarray, shape (ny, nx)
+        Surface under the atoms' rest positions (m).
+    area_per_atom : float
+        a² (m²).
+    cosine : numpy.ndarray, shape (ny, nx)
+        cos θ; ones leave the law on the vertical gap.
+    """
+
+    def __init__(self, law: TractionLaw, heights: np.ndarray, area_per_atom: float, cosine: np.ndarray):
+        self.law = law
+        self.length = law.length
+        self.heights = heights
+        self.area_per_atom = area_per_atom
+        self.cosine = cosine
+
+    def evaluate(self, displacement: np.ndarray, force: np.ndarray, hessian: np.ndarray | None = None) -> float:
+        """Energy (J), force and second derivatives; infinite where a gap is closed."""
+        gap = self.gap(displacement)
+        if not gap.min() > 0.3 * self.length:  # as the atoms' own interface
+            return math.inf
+        law, cosine, area = self.law, self.cosine, self.area_per_atom
+        distance = cosine * gap
+        force[...] = 0.0
+        force[2] = -area * cosine**2 * law.traction(distance)
+        if hessian is not None:
+            hessian[...] = 0.0
+            hessian[2] = area * cosine**3 * law.stiffness(distance)
+        return area * float(np.sum(cosine * law.potential(distance)))
+
+    def gap(self, displacement: np.ndarray) -> np.ndarray:
+        """Vertical gap at the rest positions (m)."""
+        return displacement[2] - self.heights
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    return guarded("continuum_against_atoms", lambda: _main(arguments), interrupted="nothing is written")
+
+
+def _main(arguments: Sequence[str] | None) -> int:
+    parser = Parser(
+        description=__doc__.splitlines()[0], formatter_class=argparse.ArgumentDefaultsHelpFormatter, allow_abbrev=False
+    )
+    parser.add_argument("study", type=Path, nargs="?", default=Path("data/yang2008.toml"), help="study file")
+    parser.add_argument("--ratios", type=float, nargs="+", default=[1, 4, 8], help="multiples of the well depth")
+    parser.add_argument("--pressures", nargs="+", default=["1 GPa"], help="loading path, from separation")
+    parser.add_argument("--seed", type=int, help="surface, in place of the study's")
+    parser.add_argument("-o", "--output", type=Path, default=Path("results/continuum_against_atoms.nc"))
+    given = parser.parse_args(arguments)
+    pressures = [quantity(text, "Pa", "--pressures") for text in given.pressures]
+    given.output.parent.mkdir(parents=True, exist_ok=True)
+    storage.writable_output(given.output)
+    cases = [_case(given, ratio, pressures) for ratio in given.ratios]
+    surface = realise(cases[0])
+    measured = [constants(case, surface) for case in cases]
+    states = [solve(case, surface, values) for case, values in zip(cases, measured, strict=True)]
+    dataset = _dataset(given, pressures, states, measured)
+    for pressure in pressures:
+        print(table(dataset.sel(pressure=pressure)), flush=True)
+    storage.write_aside(given.output, dataset.to_netcdf)
+    print(given.output, file=sys.stderr)
+    return 0
+
+
+def cosine_of_tilt(heights: np.ndarray, grid: Grid) -> np.ndarray:
+    """1/√(1 + |∇h|²) of a surface sampled on a grid."""
+    heights_q = fourier.transform(heights)
+    gradient = [fourier.synthesise(1j * q * heights_q, grid.shape) for q in grid.wavevectors]
+    return 1 / np.sqrt(1 + gradient[0] ** 2 + gradient[1] ** 2)
+
+
+def solve(case: Case, surface: Surface, measured: dict[str, float]) -> list[list[tuple[float, float, bool]]]:
+    """Relative contact area, mean gap (m) and convergence of every model (inner) at every pressure (outer)."""
+    stiffness = md_reference.run.build_stiffness(case)
+    heights = surface.heights(case.atoms)
+    grid = Grid(case.atoms, surface.size)  # the continuum's too: discretisation is no difference between the models
+    adhesion = dataclasses.replace(case.law, work_of_adhesion=measured["measured_work_of_adhesion"])
+    modulus = measured["measured_contact_modulus"]
+
+    def continuum(contact_modulus: float, law: TractionLaw) -> LoadedContact:
+        given = case.solver
+        return LoadedContact(
+            heights, grid, contact_modulus, law, tolerance=given.tolerance, max_iterations=given.max_iterations
+        )
+
+    def minimiser(block: SurfaceStiffness, interaction: Interaction) -> EquilibriumSolver:
+        given = case.solver
+        scale = case.material.contact_modulus
+        return EquilibriumSolver(
+            block, interaction, scale, tolerance=given.tolerance, max_iterations=given.max_iterations
+        )
+
+    smeared, tilted = (
+        SmearedLayers(adhesion, heights, stiffness.area_per_atom, cosine)
+        for cosine in (np.ones(case.atoms), cosine_of_tilt(heights, grid))
+    )
+    pairs = md_reference.run.build_interface(case, surface)
+    railed = without_lateral_freedom(stiffness)
+    first = continuum(case.material.contact_modulus, case.law)
+    continua = [continuum(modulus, case.law), continuum(modulus, adhesion)]
+    minimisers = [
+        minimiser(without_lateral_freedom(stiffness, modulus), smeared),
+        minimiser(railed, smeared),
+        minimiser(railed, tilted),
+        minimiser(railed, pairs),
+        minimiser(stiffness, pairs),
+    ]
+    found = []
+    displacement = first.separated()
+    for pressure in case.loading.path:
+        start = first.step(displacement, pressure)
+        displacement = start.displacement
+        if start.outcome is ContinuumOutcome.DETACHED:
+            raise InputError(f"--pressures: {pressure:g} Pa pulls the continuum off; give a state in contact")
+        states = [_of_continuum(start, case)]
+        states += [_of_continuum(other.step(displacement, pressure), case) for other in continua]
+        above = md_reference.run.predicted(heights, start.gap, pairs.length)
+        for solver in minimisers:
+            states.append(_of_atoms(solver.interaction, solver.solve(above, pressure), case))
+        found.append(states)
+    return found
+
+
+def _of_continuum(solution: Solution, case: Case) -> tuple[float, float, bool]:
+    return _state(solution.gap, solution.outcome is ContinuumOutcome.CONVERGED, case)
+
+
+def _of_atoms(interaction: Interaction, found: Equilibrium, case: Case) -> tuple[float, float, bool]:
+    return _state(interaction.gap(found.displacement), found.outcome is AtomisticOutcome.CONVERGED, case)
+
+
+def _state(gap: np.ndarray, converged: bool, case: Case) -> tuple[float, float, bool]:
+    return float(np.mean(gap < case.contact_distance)), float(np.mean(gap)) - case.law.length, converged
+
+
+def constants(case: Case, surface: Surface) -> dict[str, float]:
+    """Modulus and work of adhesion as the study gives them and as the atoms have them."""
+    measured = md_reference.run.constants(case, surface)
+    return {
+        "contact_modulus": case.material.contact_modulus,
+        "measured_contact_modulus": measured["contact_modulus"],
+        "work_of_adhesion": case.work_of_adhesion,
+        "measured_work_of_adhesion": measured["work_of_adhesion"],
+    }
+
+
+def _dataset(
+    given: argparse.Namespace,
+    pressures: Sequence[float],
+    states: list[list[list[tuple[float, float, bool]]]],
+    measured: list[dict[str, float]],
+) -> xr.Dataset:
+    values = np.array(states, dtype=float)
+    names = list(QUANTITIES)
+    arrays = {names[i]: values[..., i] for i in range(3)}
+    for name in names[:2]:
+        # The first model stands alone: its increment is nothing.
+        arrays[f"{name}_increment"] = np.diff(arrays[name], axis=-1, prepend=arrays[name][..., :1])
+    dims = ("well_depth_ratio", "pressure", "model")
+    data = {
+        name: (dims, arrays[name], {"units": units, "long_name": meaning})
+        for name, (units, meaning) in QUANTITIES.items()
+    }
+    data |= {
+        name: ("well_depth_ratio", [row[name] for row in measured], {"units": units, "long_name": meaning})
+        for name, (units, meaning) in CONSTANTS.items()
+    }
+    return xr.Dataset(
+        data,
+        coords={
+            "well_depth_ratio": ("well_depth_ratio", given.ratios, {"units": "1", "long_name": "ε over the study's"}),
+            "pressure": ("pressure", pressures, {"units": "Pa", "long_name": "mean pressure"}),
+            "model": ("model", list(MODELS), {"long_name": "model, each with all changes of those before"}),
+            "change": ("model", list(MODELS.values()), {"long_name": "what sets the model apart from the one before"}),
+        },
+        attrs={"title": "From the continuum to the atoms, one change at a time", "study": given.study.name},
+    )
+
+
+def table(at: xr.Dataset) -> str:
+    """Markdown tables of area and mean gap at one pressure: a model a row, its increment in brackets."""
+    ratios = at["well_depth_ratio"].values
+    head = " | ".join(f"{ratio:g} ε₀" for ratio in ratios)
+    lines = [f"{float(at['pressure']) / 1e9:g} GPa", "", f"| change | A: {head} | ū (Å): {head} |"]
+    lines.append("|---" * (1 + 2 * ratios.size) + "|")
+    for model, change in MODELS.items():
+        row = at.sel(model=model)
+        cells = []
+        for area, step, first in zip(
+            row["relative_contact_area"].values,
+            row["relative_contact_area_increment"].values,
+            at["relative_contact_area"].sel(model="continuum").values,
+            strict=True,
+        ):
+            cells.append(f"{area:.4f}" + ("" if model == "continuum" else f" ({100 * step / first:+.2f} %)"))
+        for gap, step in zip(row["mean_gap"].values, row["mean_gap_increment"].values, strict=True):
+            cells.append(f"{1e10 * gap:.3f}" + ("" if model == "continuum" else f" ({1e10 * step:+.3f})"))
+        flag = "" if bool(row["converged"].all()) else " (not converged)"
+        lines.append(f"| {change}{flag} | " + " | ".join(cells) + " |")
+    area = at["relative_contact_area"]
+    total = (area.sel(model="atoms") / area.sel(model="continuum") - 1).values
+    shift = (at["mean_gap"].sel(model="atoms") - at["mean_gap"].sel(model="continuum")).values
+    sums = [f"{100 * value:+.2f} %" for value in total] + [f"{1e10 * value:+.3f}" for value in shift]
+    return "\n".join([*lines, "| **atoms against continuum** | " + " | ".join(sums) + " |", ""])
+
+
+def _case(given: argparse.Namespace, ratio: float, pressures: Sequence[float]) -> Case:
+    overrides = {"interaction.well_depth_ratio": ratio}
+    if given.seed is not None:
+        overrides["surface.seed"] = given.seed
+    cases = read_study(given.study, overrides).cases
+    if len(cases) != 1:
+        raise InputError(f"{given.study}: sweeps more than the well depth; give a study of one surface")
+    loading = dataclasses.replace(cases[0].loading, control="pressure", path=tuple(pressures), unload=False)
+    case = dataclasses.replace(cases[0], loading=loading)
+    md_reference.run.check(case)
+    return case
+
+
+if __name__ == "__main__":
+    sys.exit(main())

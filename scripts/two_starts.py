@@ -1,0 +1,146 @@
+"""Whether the atoms reach the same states from their own past as from the continuum's gap.
+
+Along one loading path the atoms are solved twice: from separation, each pressure from the atoms' state before it, and
+each pressure from the continuum's gap field. The energy has many minima, so the answer may be no; what differs is
+printed as Markdown and written to a NetCDF file.
+
+    python scripts/two_starts.py data/yang2008.toml --pressures "0.1 GPa" "1 GPa" "10 GPa" -o results/two_starts.nc
+"""
+
+import argparse
+import dataclasses
+import sys
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+
+import bem_adhesion.run
+import md_reference.run
+from contact_study.campaign import storage
+from contact_study.campaign.command import Parser, guarded
+from contact_study.campaign.record import Step
+from contact_study.problem.bins import with_bins
+from contact_study.problem.errors import InputError
+from contact_study.problem.study import Case, read_study
+from contact_study.problem.surface import realise
+from contact_study.problem.units import quantity
+
+# Name: units and meaning.
+VARIABLES = {
+    "area_own": ("1", "relative contact area, atoms on their own path from separation"),
+    "area_predicted": ("1", "relative contact area, each pressure started from the continuum's gap"),
+    "mean_gap_own": ("m", "mean gap above the equilibrium distance, atoms on their own path from separation"),
+    "mean_gap_predicted": ("m", "mean gap above the equilibrium distance, started from the continuum's gap"),
+    "largest_gap_difference": ("m", "largest difference of the two states' gaps over all atoms"),
+    "changed_atoms": ("1", "fraction of atoms in contact in one of the two states only"),
+    "energy_difference": ("J m-2", "energy of the predicted state less that of the own path, load included, per area"),
+    "evaluations_own": ("1", "evaluations of the interface, own path"),
+    "evaluations_predicted": ("1", "evaluations of the interface, from the continuum's gap"),
+    "converged": ("1", "1 where both states converged"),
+}
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    return guarded("two_starts", lambda: _main(arguments), interrupted="nothing is written")
+
+
+def _main(arguments: Sequence[str] | None) -> int:
+    parser = Parser(
+        description=__doc__.splitlines()[0], formatter_class=argparse.ArgumentDefaultsHelpFormatter, allow_abbrev=False
+    )
+    parser.add_argument("study", type=Path, nargs="?", default=Path("data/yang2008.toml"), help="study file")
+    parser.add_argument("--ratios", type=float, nargs="+", default=[1, 4, 8], help="multiples of the well depth")
+    parser.add_argument("--pressures", nargs="+", default=["0.1 GPa", "1 GPa", "10 GPa"], help="the loading path")
+    parser.add_argument("--seed", type=int, help="surface, in place of the study's")
+    parser.add_argument("-o", "--output", type=Path, default=Path("results/two_starts.nc"))
+    given = parser.parse_args(arguments)
+    pressures = [quantity(text, "Pa", "--pressures") for text in given.pressures]
+    given.output.parent.mkdir(parents=True, exist_ok=True)
+    storage.writable_output(given.output)
+    rows = []
+    print("| ε/ε₀ | p (GPa) | A own | A from continuum | ΔA | Δū (Å) | max\\|Δu\\| (Å) | atoms changed | evaluations |")
+    print("|---|---|---|---|---|---|---|---|---|")
+    for ratio in given.ratios:
+        for pressure, row in zip(pressures, compare(_case(given, ratio, pressures)), strict=True):
+            rows.append(row)
+            print(_line(ratio, pressure, row), flush=True)
+    shape = (len(given.ratios), len(pressures))
+    dataset = xr.Dataset(
+        {
+            name: (
+                ("well_depth_ratio", "pressure"),
+                np.reshape([row[name] for row in rows], shape),
+                {"units": units, "long_name": meaning},
+            )
+            for name, (units, meaning) in VARIABLES.items()
+        },
+        coords={
+            "well_depth_ratio": ("well_depth_ratio", given.ratios, {"units": "1", "long_name": "ε over the study's"}),
+            "pressure": ("pressure", pressures, {"units": "Pa", "long_name": "mean pressure"}),
+        },
+        attrs={"title": "Atoms from their own past and from the continuum's gap", "study": given.study.name},
+    )
+    storage.write_aside(given.output, dataset.to_netcdf)
+    print(given.output, file=sys.stderr)
+    return 0
+
+
+def compare(case: Case) -> Iterator[dict[str, float]]:
+    """What differs between the two states at each point of a case's path, by the names of ``VARIABLES``."""
+    surface = realise(case)
+    gaps = [
+        None if step.values["detached"] else step.fields["gap"] for step in bem_adhesion.run.solve_path(case, surface)
+    ]
+    own = md_reference.run.solve_path(case, surface)
+    predicted = md_reference.run.solve_path(case, surface, predictor=gaps.__getitem__)
+    for (pressure, _), first, second in zip(case.path, own, predicted, strict=True):
+        if first.values["detached"] or second.values["detached"]:
+            raise InputError(f"--pressures: {pressure:g} Pa pulls the atoms off; give states in contact")
+        distance = case.contact_distance
+        yield {
+            "area_own": first.values["relative_contact_area"],
+            "area_predicted": second.values["relative_contact_area"],
+            "mean_gap_own": first.values["mean_gap"],
+            "mean_gap_predicted": second.values["mean_gap"],
+            "largest_gap_difference": float(np.max(np.abs(second.fields["gap"] - first.fields["gap"]))),
+            "changed_atoms": float(np.mean((first.fields["gap"] < distance) != (second.fields["gap"] < distance))),
+            "energy_difference": _energy(second, pressure) - _energy(first, pressure),
+            "evaluations_own": first.values["force_evaluations"],
+            "evaluations_predicted": second.values["force_evaluations"],
+            "converged": first.values["converged"] and second.values["converged"],
+        }
+
+
+def _energy(step: Step, pressure: float) -> float:
+    """Elastic and interaction energy with the work of the load on the mean height, per area (J/m²)."""
+    height = float(np.mean(step.restart["displacement"][2]))
+    return step.values["elastic_energy"] + step.values["interaction_energy"] + pressure * height
+
+
+def _case(given: argparse.Namespace, ratio: float, pressures: Sequence[float]) -> Case:
+    overrides = {"interaction.well_depth_ratio": ratio, "output.fields": True}
+    if given.seed is not None:
+        overrides["surface.seed"] = given.seed
+    cases = with_bins(read_study(given.study, overrides)).cases
+    if len(cases) != 1:
+        raise InputError(f"{given.study}: sweeps more than the well depth; give a study of one surface")
+    loading = dataclasses.replace(cases[0].loading, control="pressure", path=tuple(pressures), unload=False)
+    case = dataclasses.replace(cases[0], loading=loading)
+    md_reference.run.check(case)
+    return case
+
+
+def _line(ratio: float, pressure: float, row: dict[str, float]) -> str:
+    area, shift = row["area_own"], row["mean_gap_predicted"] - row["mean_gap_own"]
+    return (
+        f"| {ratio:g} | {pressure / 1e9:g} | {area:.4f} | {row['area_predicted']:.4f} "
+        f"| {100 * (row['area_predicted'] / area - 1):+.2f} % | {1e10 * shift:+.4f} "
+        f"| {1e10 * row['largest_gap_difference']:.1e} | {100 * row['changed_atoms']:.2f} % "
+        f"| {row['evaluations_own']}, {row['evaluations_predicted']} |"
+    )
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,85 @@
+"""The scripts that set atoms against the continuum run on a small study and agree with themselves."""
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from scripts import continuum_against_atoms, two_starts
+
+STUDY = """
+[surface]
+kind = "self_affine"
+size = "83.2 angstrom"
+shape = [32, 32]
+rms_height = "2 angstrom"
+roll_off_mode = 2
+cutoff_mode = 4
+seed = 3
+normalisation = "realised"
+[material]
+youngs_modulus = "77.2 GPa"
+poissons_ratio = 0.42
+lattice_constant = "2.6 angstrom"
+[interaction]
+well_depth = "18.6 meV"
+length = "3.28 angstrom"
+contact_distance = "3.68 angstrom"
+[loading]
+path = ["0.5 GPa"]
+"""
+ANGSTROM = 1e-10
+
+
+@pytest.fixture
+def study(tmp_path):
+    path = tmp_path / "study.toml"
+    path.write_text(STUDY)
+    return path
+
+
+def run(script, study, capsys, *arguments):
+    output = study.with_name("table.nc")
+    assert script.main([str(study), "--ratios", "1", "4", "-o", str(output), *arguments]) == 0
+    with xr.open_dataset(output) as dataset:
+        for variable in dataset.variables.values():
+            assert variable.attrs.get("long_name") or variable.dtype.kind in "UO"
+        return dataset.load(), capsys.readouterr().out
+
+
+def test_increments_lead_from_continuum_to_atoms(study, capsys):
+    found, printed = run(continuum_against_atoms, study, capsys, "--pressures", "0.5 GPa", "2 GPa")
+    assert found.sizes == {"well_depth_ratio": 2, "pressure": 2, "model": 8}
+    assert found["converged"].all()
+    area, gap = found["relative_contact_area"], found["mean_gap"]
+    steps = found["relative_contact_area_increment"].sum("model")
+    np.testing.assert_allclose(area.sel(model="continuum") + steps, area.sel(model="atoms"), rtol=1e-12)
+    # One set of equations, two minimisers: the same state to what a residual of 1e-8 E* leaves of the gap.
+    assert float(abs(found["mean_gap_increment"].sel(model="other_minimiser")).max()) < 1e-6 * ANGSTROM
+    assert not found["relative_contact_area_increment"].sel(model="other_minimiser").any()
+    # The gap over a slope is wider than the distance of the layers, and sliding brings atoms closer again.
+    assert (gap.sel(model="tilted_law") > gap.sel(model="lattice_stiffness")).all()
+    assert (gap.sel(model="atoms") < gap.sel(model="pair_sums")).all()
+    assert (found["measured_work_of_adhesion"] < found["work_of_adhesion"]).all()
+    assert printed.count("atoms against continuum") == 2
+    assert "not converged" not in printed
+
+
+def test_both_starts_of_a_small_contact_end_in_one_state(study, capsys):
+    found, printed = run(two_starts, study, capsys, "--pressures", "0.5 GPa", "2 GPa")
+    assert found["converged"].all()
+    # A residual of 1e-8 E* a² over the softest mode, as in test_equilibrium.
+    assert float(found["largest_gap_difference"].max()) < 3e-6 * ANGSTROM
+    assert not found["changed_atoms"].any()
+    np.testing.assert_allclose(found["area_predicted"], found["area_own"], rtol=1e-12)
+    assert (found["evaluations_predicted"] < found["evaluations_own"]).all()
+    assert len(printed.splitlines()) == 6
+
+
+@pytest.mark.parametrize("script", [continuum_against_atoms, two_starts])
+def test_mistakes_end_in_one_line(script, study, capsys):
+    assert script.main([str(study), "--pressures", "1 meter"]) == 1
+    assert script.main([str(study), "--pressures", "-300 GPa", "-o", str(study.with_name("a.nc"))]) == 1
+    swept = study.with_name("swept.toml")
+    swept.write_text(STUDY + '[sweep]\n"surface.hurst_exponent" = [0.7, 0.8]\n')
+    assert script.main([str(swept), "-o", str(study.with_name("a.nc"))]) == 1
+    assert capsys.readouterr().err.count("\n") == 3
