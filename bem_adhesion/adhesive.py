@@ -21,6 +21,11 @@ from bem_adhesion.solution import Outcome
 from contact_study.fields.grid import Grid
 from contact_study.problem.laws.base import TractionLaw
 
+# An attracted point out of balance by a stress g gains the curvature CAUTION |g| / distance, with the distance to
+# equilibrium if it is pulled into contact, its gap if it is pulled out: it then steps about there and not beyond. The
+# term vanishes with g, so that Newton's quadratic convergence stays. It makes the descent follow a slow gradient flow
+# more closely, at a quarter less work.
+CAUTION = 1.0
 # Reduction of the residual asked of a linear solve: with the full curvature, and while it is faded.
 REDUCTION, FADED_REDUCTION = 0.1, 0.3
 LINEAR_ITERATIONS = 60
@@ -37,21 +42,37 @@ ENERGY_ROUNDING = 1e-9
 
 
 @njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "arcp", "nsz"})
-def _gradient(elastic, gap, traction, load, right_side):
-    """Write −(K d + φ' + load); returns Σ ½ d·K d + load·d, max|gradient|, Σ gradient² and Σ gradient."""
+def _gradient(elastic, gap, traction, load, equilibrium, peak, right_side, curvature):
+    """Write −(K d + φ' + load), raise the curvature of points out of balance beyond the law's peak.
+
+    Returns Σ ½ d·K d + load·d, max|gradient|, Σ gradient² and Σ gradient.
+    """
     energy = 0.0
     largest = 0.0
     square = 0.0
     total = 0.0
     for i in range(gap.shape[0]):
         for j in range(gap.shape[1]):
+            d = gap[i, j]
             gradient = elastic[i, j] + traction[i, j] + load[i, j]
             right_side[i, j] = -gradient
-            energy += (0.5 * elastic[i, j] + load[i, j]) * gap[i, j]
+            if d > peak:
+                curvature[i, j] += CAUTION * abs(gradient) / (d - equilibrium if gradient > 0.0 else d)
+            energy += (0.5 * elastic[i, j] + load[i, j]) * d
             largest = max(largest, abs(gradient))
             square += gradient * gradient
             total += gradient
     return energy, largest, square, total
+
+
+@dataclass(frozen=True)
+class _State:
+    """Energy, max|gradient|, Σ gradient² and Σ gradient at a gap; the sums run over all points."""
+
+    energy: float
+    largest: float
+    square: float
+    total: float
 
 
 @dataclass(frozen=True)
@@ -123,19 +144,32 @@ class AdhesiveContact:
         self.half_space.field[...] = gap
         return self.half_space.stiffness()
 
-    def _evaluate(self, gap: np.ndarray, load: np.ndarray) -> tuple[float, float, float, float]:
-        """Energy, max|gradient|, Σ gradient² and Σ gradient; fills traction, curvature and right side."""
+    def _evaluate(self, gap: np.ndarray, load: np.ndarray) -> _State:
+        """Energy and gradient at a gap; fills traction, curvature and right side."""
         potential = self.law.evaluate(gap, self._traction, self._curvature)
         elastic = self.elastic_pressure(gap)
-        energy, largest, square, total = _gradient(elastic, gap, self._traction, load, self._right_side)
-        return energy + potential, largest, square, total
+        law = self.law
+        energy, largest, square, total = _gradient(
+            elastic,
+            gap,
+            self._traction,
+            load,
+            law.equilibrium_distance,
+            law.peak_distance,
+            self._right_side,
+            self._curvature,
+        )
+        if not np.isfinite(square):
+            largest = np.inf  # a maximum passes over what is not a number
+        return _State(energy + potential, largest, square, total)
 
-    def _runs_away(self, total_gradient: float) -> bool:
+    def _runs_away(self, gap: np.ndarray, state: _State) -> bool:
         """Whether the surfaces separate for ever: pulled apart with every point past the peak of the law.
 
         The mean gap then has negative curvature and a gradient outwards, and both persist at any larger gap.
         """
-        return self.half_space.mean_stiffness == 0 and total_gradient < 0 and self._curvature.max() <= 0
+        tension = self.half_space.mean_stiffness == 0 and state.total < 0
+        return tension and bool(gap.min() > self.law.peak_distance)
 
     def _newton_step(self, fading: float, largest: float) -> tuple[float, bool]:
         """Leave a step in ``_linearised.solution``; returns the fading it took, and if that had to be raised."""
@@ -148,7 +182,7 @@ class AdhesiveContact:
             if fading == 0 and not raised and largest < SADDLE_RESIDUAL * self.contact_modulus:
                 self._leave_saddle()
                 return fading, raised
-            fading = min(1.0, max(FADING_GROWTH * fading, FADING_START))
+            fading = _more(fading)
             raised = True
 
     def _leave_saddle(self) -> None:
@@ -173,34 +207,52 @@ class AdhesiveContact:
             Largest number of Newton iterations.
         """
         gap, trial = gap.copy(), np.empty_like(gap)
-        energy, largest, square, total = self._evaluate(gap, load)
+        state = self._evaluate(gap, load)
         fading = 0.0
         iteration = 0
-        outcome = Outcome.ITERATION_LIMIT
         while True:
-            if largest <= tolerance * self.contact_modulus:
+            if state.largest <= tolerance * self.contact_modulus:
                 outcome = Outcome.CONVERGED
                 break
-            if self._runs_away(total):
+            if self._runs_away(gap, state):
                 outcome = Outcome.DETACHED
                 break
             if iteration == max_iterations:
+                outcome = Outcome.ITERATION_LIMIT
                 break
             iteration += 1
-            fading, raised = self._newton_step(fading, largest)
-            step, fraction = self._linearised.solution, 1.0
-            while True:
-                self.law.advance(gap, step, STEP_LIMIT, trial)
-                new_energy, new_largest, new_square, total = self._evaluate(trial, load)
-                equal = new_energy <= energy + ENERGY_ROUNDING * abs(energy)
-                if new_energy <= energy or (equal and new_square < square) or fraction < SHORTEST_STEP:
+            fading, raised = self._newton_step(fading, state.largest)
+            new_state, fraction = self._line_search(gap, load, state, trial)
+            if new_state is None:
+                if fading == 1:
+                    outcome = Outcome.STALLED
                     break
-                step *= np.float32(BACKTRACKING)
-                fraction *= BACKTRACKING
+                fading = 1.0
+                state = self._evaluate(gap, load)  # the trials have overwritten curvature and right side
+                continue
             if fraction < 1:
-                fading = min(1.0, max(FADING_GROWTH * fading, FADING_START))
+                fading = _more(fading)
             elif not raised:
                 fading = fading * FADING_DECAY if fading > 0.9 * FADING_START else 0.0
             gap, trial = trial, gap
-            energy, largest, square = new_energy, new_largest, new_square
-        return NewtonResult(gap, largest / self.contact_modulus, iteration, outcome)
+            state = new_state
+        return NewtonResult(gap, state.largest / self.contact_modulus, iteration, outcome)
+
+    def _line_search(
+        self, gap: np.ndarray, load: np.ndarray, state: _State, trial: np.ndarray
+    ) -> tuple[_State | None, float]:
+        """Shorten the step until the energy falls, leaving the new gap in ``trial``; None if it never does."""
+        step, fraction = self._linearised.solution, 1.0
+        while fraction > SHORTEST_STEP:
+            self.law.advance(gap, step, STEP_LIMIT, trial)
+            new = self._evaluate(trial, load)
+            equal = new.energy <= state.energy + ENERGY_ROUNDING * abs(state.energy)
+            if new.energy <= state.energy or (equal and new.square < state.square):
+                return new, fraction
+            step *= np.float32(BACKTRACKING)
+            fraction *= BACKTRACKING
+        return None, fraction
+
+
+def _more(fading: float) -> float:
+    return min(1.0, max(FADING_GROWTH * fading, FADING_START))

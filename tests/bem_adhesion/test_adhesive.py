@@ -46,11 +46,11 @@ def test_gradient_is_that_of_the_energy_to_second_order():
 
     assert np.log2(error(2e-3) / error(1e-3)) == pytest.approx(2.0, abs=0.1)
     solver = AdhesiveContact(grid, 1.0, the_law, 0.01)
-    energy, largest, square, total = solver._evaluate(gap, load)
-    assert energy == pytest.approx(energy_and_gradient(gap, load, stiffness_q, the_law)[0], rel=1e-13)
-    assert largest == pytest.approx(np.abs(gradient).max(), rel=1e-12)
-    assert square == pytest.approx(np.sum(gradient**2), rel=1e-12)
-    assert total == pytest.approx(gradient.sum(), rel=1e-10)
+    state = solver._evaluate(gap, load)
+    assert state.energy == pytest.approx(energy_and_gradient(gap, load, stiffness_q, the_law)[0], rel=1e-13)
+    assert state.largest == pytest.approx(np.abs(gradient).max(), rel=1e-12)
+    assert state.square == pytest.approx(np.sum(gradient**2), rel=1e-12)
+    assert state.total == pytest.approx(gradient.sum(), rel=1e-10)
     np.testing.assert_allclose(solver._right_side, -gradient, atol=1e-6 * np.abs(gradient).max())
 
 
@@ -141,15 +141,16 @@ def test_two_level_and_single_grid_solvers_end_in_the_same_state():
     assert double.equivalent_pairs(grid) < single.equivalent_pairs(grid)
 
 
-def test_coarse_grids_stop_at_a_quarter_of_the_process_zone():
+def test_coarse_grids_stop_where_they_cannot_bridge_the_process_zone():
     the_law = law().scaled(R0, E_STAR)
     zone = process_zone(1.0, the_law)
     assert zone * R0 == pytest.approx(41e-10, rel=0.01)  # SPEC: 41 Å
-    level = MultilevelContact(Grid((96, 96), (24 * zone / 2, 24 * zone / 2)), 1.0, the_law, 0.01)
+    level = MultilevelContact(Grid((96, 96), (24 * zone, 12 * zone)), 1.0, the_law, 0.01)
     shapes = []
     while level is not None:
         shapes.append(level.finest.grid.shape)
         level = level.coarser
+    # Spacing zone/4, then zone/2; at a whole zone there are fewer points than POINTS_FOR_PREDICTION.
     assert shapes == [(96, 96), (48, 48)]
     assert MultilevelContact(Grid((95, 96), (2 * zone, 2 * zone)), 1.0, the_law, 0.01).coarser is None
 
@@ -200,3 +201,16 @@ def test_harder_law_needs_no_new_constants():
     solution = contact.step(contact.separated(), 1e3)
     assert solution.converged
     assert solution.iterations < 40
+
+
+def test_a_tolerance_below_rounding_is_reported():
+    grid, the_law, load, gap = scaled_problem(40, 1.0, size=200e-10)
+    found = AdhesiveContact(grid, 1.0, the_law, 0.01).solve(gap, load, 1e-18, 60)
+    assert found.outcome in (Outcome.STALLED, Outcome.ITERATION_LIMIT)
+    assert found.residual < 1e-12
+
+
+def test_not_a_number_is_never_taken_for_a_solution():
+    grid, the_law, load, gap = scaled_problem(26, 1.0)
+    found = AdhesiveContact(grid, 1.0, the_law, 0.01).solve(gap, np.nan * load, 1e-8, 20)
+    assert found.outcome in (Outcome.STALLED, Outcome.ITERATION_LIMIT)

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numba import njit
 
-from contact_study.problem.laws.base import TractionLaw
+from contact_study.problem.laws.base import LANDING, TractionLaw
 
 
 def work_of_adhesion(well_depth: float, length: float, block_density: float, substrate_density: float) -> float:
@@ -43,7 +43,7 @@ def _evaluate(gap, length, prefactor, traction, stiffness):
 
 
 @njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "arcp", "nsz"})
-def _advance(gap, step, limit, length, out):
+def _advance(gap, step, limit, length, landing, out):
     """Newton step over flat arrays, see :meth:`TractionLaw.advance`; tractions in units of the prefactor."""
     tangent = 6.0 / length
     for i in range(gap.size):
@@ -58,7 +58,7 @@ def _advance(gap, step, limit, length, out):
             y = s4 * s * (s6 - 1.0) - s6 * (11.0 * s6 - 5.0) * x / length
             moved = length + min(-y / tangent, limit * length)
         else:
-            y = tangent * (length - moved)
+            y = min(tangent * (length - moved), landing)
         # s¹¹ − s⁵ = y for s >= 1. The root is a concave function of y, so its tangents (here at s = 1, 1.1, 1.25
         # and 1.6) bound it from above, as does the linear step; Newton descends from there.
         y_root = max(y, 0.0)
@@ -129,4 +129,5 @@ class LennardJones104(TractionLaw):
         return -self.work_of_adhesion * 5 / 3 * float(total)
 
     def advance(self, gap, step, limit, out):
-        _advance(gap.reshape(-1), step.reshape(-1), limit, self.length, out.reshape(-1))
+        landing = LANDING * self.peak_tensile_stress / self._prefactor
+        _advance(gap.reshape(-1), step.reshape(-1), limit, self.length, landing, out.reshape(-1))
