@@ -23,9 +23,17 @@ COARSE_TOLERANCE = 1e-3
 CLOSEST_PREDICTION = 0.85
 
 
+# Points along an axis below which a grid is not halved: nothing is left to save.
+FEWEST_POINTS = 8
+
+
 def process_zone(contact_modulus: float, law: TractionLaw) -> float:
     """Length E* Δγ / σ_max² over which the law bridges the edge of a contact (m)."""
     return contact_modulus * law.work_of_adhesion / law.peak_tensile_stress**2
+
+
+def _predicts(grid: Grid, contact_modulus: float, law: TractionLaw) -> bool:
+    return max(grid.spacing) * POINTS_FOR_PREDICTION <= process_zone(contact_modulus, law)
 
 
 @njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "arcp", "nsz"})
@@ -55,8 +63,8 @@ class MultilevelContact:
         self.finest = AdhesiveContact(grid, *arguments)
         self.coarser: MultilevelContact | None = None
         half = grid.with_shape((grid.shape[0] // 2, grid.shape[1] // 2))
-        predicts = max(half.spacing) * POINTS_FOR_PREDICTION <= process_zone(contact_modulus, law)
-        if grid.shape[0] % 2 == 0 and grid.shape[1] % 2 == 0 and predicts:
+        even = grid.shape[0] % 2 == 0 and grid.shape[1] % 2 == 0
+        if even and min(half.shape) >= FEWEST_POINTS and _predicts(half, contact_modulus, law):
             self.coarser = MultilevelContact(half, *arguments)
 
     def equivalent_pairs(self, grid: Grid) -> float:

@@ -5,7 +5,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-
 # Pressure at which a point lands that enters repulsion in one step, in units of the law's peak: enough to hold it
 # there, not so much that its overshoot decides the line search. Zero costs half as many iterations again.
 LANDING = 0.35
