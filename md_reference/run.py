@@ -16,9 +16,10 @@ from contact_study.problem.errors import InputError
 from contact_study.problem.study import Case
 from contact_study.problem.surface import Surface
 from md_reference.block import SurfaceStiffness, element_matrix, surface_stiffness
-from md_reference.equilibrium import Equilibrium, EquilibriumSolver, Outcome
+from md_reference.equilibrium import EquilibriumSolver
 from md_reference.interface import LennardJonesInterface
 from md_reference.measure import FlatInterface, effective_contact_modulus, measure_interface
+from md_reference.solution import Equilibrium, Outcome
 from md_reference.substrate import sample_substrate
 
 MODEL = Model(

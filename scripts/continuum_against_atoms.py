@@ -33,9 +33,10 @@ from contact_study.problem.study import Case, read_study
 from contact_study.problem.surface import Surface, realise
 from contact_study.problem.units import quantity
 from md_reference.block import SurfaceStiffness, without_lateral_freedom
-from md_reference.equilibrium import Equilibrium, EquilibriumSolver
-from md_reference.equilibrium import Outcome as AtomisticOutcome
+from md_reference.equilibrium import EquilibriumSolver
 from md_reference.interface import Interaction
+from md_reference.solution import Equilibrium
+from md_reference.solution import Outcome as AtomisticOutcome
 
 # Each model, and what sets it apart from the one before.
 MODELS = {

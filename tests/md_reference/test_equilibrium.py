@@ -1,8 +1,9 @@
 import numpy as np
 import pytest
 
-from md_reference.equilibrium import EquilibriumSolver, Outcome
+from md_reference.equilibrium import EquilibriumSolver
 from md_reference.run import separated
+from md_reference.solution import Outcome
 from tests.md_reference.systems import (
     CONTACT_MODULUS,
     LATTICE_CONSTANT,
