@@ -41,6 +41,19 @@ VARIABLES = {
     "converged": ("1", "1 where both states converged"),
 }
 
+COLUMNS = [
+    "ε/ε₀",
+    "p (GPa)",
+    "A own",
+    "A from continuum",
+    "ΔA",
+    "Δū (Å)",
+    "max\\|Δu\\| (Å)",
+    "atoms changed",
+    "ΔE (mJ/m²)",
+    "evaluations",
+]
+
 
 def main(arguments: Sequence[str] | None = None) -> int:
     return guarded("two_starts", lambda: _main(arguments), interrupted="nothing is written")
@@ -60,8 +73,8 @@ def _main(arguments: Sequence[str] | None) -> int:
     given.output.parent.mkdir(parents=True, exist_ok=True)
     storage.writable_output(given.output)
     rows = []
-    print("| ε/ε₀ | p (GPa) | A own | A from continuum | ΔA | Δū (Å) | max\\|Δu\\| (Å) | atoms changed | evaluations |")
-    print("|---|---|---|---|---|---|---|---|---|")
+    print("| " + " | ".join(COLUMNS) + " |")
+    print("|---" * len(COLUMNS) + "|")
     for ratio in given.ratios:
         for pressure, row in zip(pressures, compare(_case(given, ratio, pressures)), strict=True):
             rows.append(row)
@@ -138,7 +151,7 @@ def _line(ratio: float, pressure: float, row: dict[str, float]) -> str:
         f"| {ratio:g} | {pressure / 1e9:g} | {area:.4f} | {row['area_predicted']:.4f} "
         f"| {100 * (row['area_predicted'] / area - 1):+.2f} % | {1e10 * shift:+.4f} "
         f"| {1e10 * row['largest_gap_difference']:.1e} | {100 * row['changed_atoms']:.2f} % "
-        f"| {row['evaluations_own']}, {row['evaluations_predicted']} |"
+        f"| {1e3 * row['energy_difference']:+.3f} | {row['evaluations_own']}, {row['evaluations_predicted']} |"
     )
 
 
