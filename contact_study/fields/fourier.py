@@ -33,6 +33,9 @@ def _save_wisdom(path: Path) -> None:
     partial.replace(path)
 
 
+_planned: set[tuple[tuple[int, ...], np.dtype, int]] = set()  # what this process has planned and saved
+
+
 class RealTransform:
     """A planned pair of real transforms over the last two axes, with its own aligned buffers.
 
@@ -82,22 +85,20 @@ class RealTransform:
                 ),
             )
 
-        try:  # planned before in this process: no need to read the file again
-            self._forward, self._backward = plans("FFTW_MEASURE", "FFTW_WISDOM_ONLY")
-            return
-        except RuntimeError:
-            pass
+        key = (self.shape, self.dtype, threads)
         path = _wisdom_file()
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
-            lock = FileLock(path.with_suffix(".lock"))
-            with lock:
-                _load_wisdom(path)
-                try:
-                    self._forward, self._backward = plans("FFTW_MEASURE", "FFTW_WISDOM_ONLY")
-                except RuntimeError:
+            if key in _planned:  # the exact plan is in memory: no need to read the file again
+                self._forward, self._backward = plans("FFTW_MEASURE", "FFTW_WISDOM_ONLY")
+            else:
+                with FileLock(path.with_suffix(".lock")):
+                    _load_wisdom(path)
                     self._forward, self._backward = plans("FFTW_MEASURE")
+                    # Saved even when nothing had to be measured: a plan put together from the wisdom of other shapes
+                    # must be the plan of every later process too, whatever it has planned before.
                     _save_wisdom(path)
+                _planned.add(key)
         except OSError:  # a read-only home: plan without keeping
             self._forward, self._backward = plans("FFTW_MEASURE")
         self.field[...] = 0  # measuring overwrites the buffers
