@@ -19,6 +19,7 @@ import xarray as xr
 
 import contact_study
 from contact_study.campaign import storage
+from contact_study.campaign.memory import check_memory
 from contact_study.campaign.model import Model
 from contact_study.campaign.predictor import check_predictor
 from contact_study.campaign.progress import Progress
@@ -26,6 +27,7 @@ from contact_study.campaign.runner import CampaignError, collect, run_cases
 from contact_study.campaign.schema import CONVENTIONS, SCHEMA_VERSION
 from contact_study.problem.bins import with_bins
 from contact_study.problem.errors import InputError
+from contact_study.problem.keys import suggestion
 from contact_study.problem.study import Study, all_keys, read_study
 
 DONE, WRONG_INPUT, NOT_CONVERGED, INTERRUPTED = 0, 1, 2, 130
@@ -63,6 +65,11 @@ def guarded(command: str, body: Any, interrupted: str = "finished steps are kept
     except OSError as error:
         print(f"{command}: error: {error}", file=sys.stderr)
         return WRONG_INPUT
+    except MemoryError:
+        print(
+            f"{command}: error: not enough memory; use fewer points, atoms or layers, or --workers 1", file=sys.stderr
+        )
+        return WRONG_INPUT
     except Exception:
         traceback.print_exc()
         print(
@@ -80,15 +87,22 @@ def _interrupt(*_: Any) -> NoReturn:
 
 def _main(model: Model, arguments: Sequence[str]) -> int:
     parser = _parser(model)
-    given = parser.parse_args(arguments)
+    given, unknown = parser.parse_known_args(arguments)
+    if unknown:
+        options = [f"--{section}.{name}" for section, name, *_ in all_keys()]
+        raise InputError(f"unknown argument {unknown[0]}{suggestion(unknown[0], options)}; see --help")
+    if not given.output.name:
+        raise InputError(f"-o {given.output}: name a file")
     overrides = {
         name[4:]: value for name, value in vars(given).items() if name.startswith("key:") and value is not None
     }
-    study = with_bins(read_study(given.study, overrides))
     if given.resume and given.overwrite:
         raise InputError("--resume and --overwrite exclude each other")
     if given.workers is not None and given.workers < 1:
         raise InputError(f"--workers {given.workers}: must be at least 1")
+    study = read_study(given.study, overrides)
+    check_memory(study)
+    study = with_bins(study)
     predictor = getattr(given, "predictor", None)
     if predictor is not None:
         check_predictor(predictor)
@@ -105,6 +119,8 @@ def _main(model: Model, arguments: Sequence[str]) -> int:
         return status
     storage.writable_output(output)
     progress = Progress(model.command)
+    for note in study.notes:
+        progress.say(f"warning: {note}")
     parts.open(identity, resume=given.resume, overwrite=given.overwrite)
     try:
         notes = run_cases(model, study, parts, predictor, given.workers, progress)
@@ -131,7 +147,8 @@ def _parser(model: Model) -> Parser:
         + (" [--predictor BEM.nc]" if model.takes_predictor else ""),
         description=model.description,
         epilog="Exit status: 0 done and converged, 1 wrong input, 2 some step did not converge. "
-        "Quantities are SI numbers or strings with a unit.",
+        "Quantities are SI numbers or strings with a unit; a negative number needs an equals sign, "
+        "--loading.path=-1e8.",
         allow_abbrev=False,
     )
     parser.add_argument("study", type=Path, metavar="STUDY.toml", help="study file")

@@ -15,8 +15,6 @@ from multiprocessing.connection import wait
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from contact_study.campaign import storage
 from contact_study.campaign.model import Model
 from contact_study.campaign.predictor import GapFields

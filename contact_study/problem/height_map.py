@@ -36,7 +36,7 @@ def read_height_map(path: Path, height_unit: str | None, size: tuple[float, floa
         If the file is missing or damaged, is no table of at least 4 × 4 finite numbers, or its size is unknown.
     """
     if not path.is_file():
-        raise InputError(f"surface.path: {path} does not exist")
+        raise InputError(f"surface.path: {path} {'is no file' if path.exists() else 'does not exist'}")
     try:
         heights, unit, own_size = _read(path)
     except InputError:

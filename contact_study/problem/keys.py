@@ -50,7 +50,7 @@ def quantity(
     return read, unit if unit != "1" else "number"
 
 
-def integer(minimum: int | None = None) -> Reader:
+def integer(minimum: int | None = None, maximum: int | None = None) -> Reader:
     """A whole number."""
 
     def read(value: Any, name: str) -> int:
@@ -58,6 +58,8 @@ def integer(minimum: int | None = None) -> Reader:
             raise InputError(f"{name} = {value!r}: expected a whole number")
         if minimum is not None and value < minimum:
             raise InputError(f"{name} = {value!r}: must be at least {minimum}")
+        if maximum is not None and value > maximum:
+            raise InputError(f"{name} = {value!r}: must be at most {maximum}")
         return value
 
     return read, "integer"
@@ -68,7 +70,7 @@ def choice(*allowed: str) -> Reader:
 
     def read(value: Any, name: str) -> str:
         if value not in allowed:
-            raise InputError(f"{name} = {value!r}: expected one of {', '.join(allowed)}{_suggest(value, allowed)}")
+            raise InputError(f"{name} = {value!r}: expected one of {', '.join(allowed)}{suggestion(value, allowed)}")
         return value
 
     return read, " | ".join(allowed)
@@ -111,7 +113,7 @@ def pair(reader: Reader, *, broadcast: bool = False, names: str = "[y, x]") -> R
 
 
 def sequence(reader: Reader) -> Reader:
-    """A list of at least one value, all written in the same manner."""
+    """A list of at least one value."""
     read_one, kind = reader
 
     def read(value: Any, name: str) -> tuple[Any, ...]:
@@ -121,11 +123,7 @@ def sequence(reader: Reader) -> Reader:
             value = [value]
         if not value:
             raise InputError(f"{name} = []: is empty; give at least one value")
-        values = tuple(read_one(item, f"{name}[{i}]") for i, item in enumerate(value))
-        written = {units.unit_of(item) if isinstance(item, str) else "SI numbers" for item in value}
-        if len(written) > 1:
-            raise InputError(f"{name}: mixes {' and '.join(sorted(written))}; write every value in one unit")
-        return values
+        return tuple(read_one(item, f"{name}[{i}]") for i, item in enumerate(value))
 
     return read, f"list of {kind}"
 
@@ -146,7 +144,7 @@ def bind(section: type[Section], table: Mapping[str, Any], name: str) -> Section
     known = keys_of(section)
     for given in table:
         if given not in known:
-            raise InputError(f"unknown key {name}.{given}{_suggest(given, known)}; known: {', '.join(known)}")
+            raise InputError(f"unknown key {name}.{given}{suggestion(given, known)}; known: {', '.join(known)}")
     values = {given: known[given].read(value, f"{name}.{given}") for given, value in table.items()}
     for field in dataclasses.fields(section):  # type: ignore[arg-type]
         if field.name not in values and field.default is dataclasses.MISSING:
@@ -156,6 +154,7 @@ def bind(section: type[Section], table: Mapping[str, Any], name: str) -> Section
     return section(**values)
 
 
-def _suggest(given: Any, known: Iterable[str]) -> str:
+def suggestion(given: Any, known: Iterable[str]) -> str:
+    """A known name close to the one given, for the end of a message; empty if there is none."""
     close = difflib.get_close_matches(str(given), list(known), n=1)
     return f" (did you mean {close[0]}?)" if close else ""

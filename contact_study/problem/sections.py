@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 from contact_study.problem.errors import InputError
 from contact_study.problem.keys import choice, flag, integer, key, pair, quantity, sequence, text
+from contact_study.problem.units import unit_of
 
 LAWS = ("lennard_jones_10_4", "hard_wall")
 
@@ -59,6 +60,8 @@ class SurfaceSection:
         if self.kind == "self_affine":
             self._check_modes()
         if self.kind == "wavy":
+            if self.modes == (0, 0):
+                raise InputError("surface.modes = [0, 0]: make no wave; at least one must be positive")
             self._check_grid(max(self.modes), "surface.modes")
 
     def _check_modes(self) -> None:
@@ -148,6 +151,9 @@ class LoadingSection:
     def __post_init__(self):
         read = quantity("Pa" if self.control == "pressure" else "m")[0]
         values = tuple(read(value, f"loading.path[{i}]") for i, value in enumerate(self.path))
+        written = {unit_of(value) if isinstance(value, str) else "SI numbers" for value in self.path}
+        if len(written) > 1:
+            raise InputError(f"loading.path: mixes {' and '.join(sorted(written))}; write every value in one unit")
         object.__setattr__(self, "path", values)
 
 
@@ -160,8 +166,12 @@ class SolverSection:
         "largest residual stress in units of the contact modulus",
         1e-8,
     )
-    max_iterations: int = key(integer(minimum=1), "outer iterations of one step before it is flagged", 2000)
-    threads: int = key(integer(minimum=0), "threads of one solve; 0: the cores that the cases leave idle", 0)
+    max_iterations: int = key(
+        integer(minimum=1, maximum=2**31 - 1), "outer iterations of one step before it is flagged", 2000
+    )
+    threads: int = key(
+        integer(minimum=0, maximum=1024), "threads of one solve; 0: the cores that the cases leave idle", 0
+    )
 
 
 @dataclass(frozen=True)
@@ -172,8 +182,10 @@ class AtomisticSection:
     method: str = key(
         choice("surface_stiffness"), "the block condensed exactly to its bottom layer", "surface_stiffness"
     )
-    cutoff: float = key(quantity("1", minimum=2.0), "cutoff of the pair potential in units of interaction.length", 4.0)
-    layers: int = key(integer(minimum=0), "atomic layers of the block; 0: as thick as wide", 0)
+    cutoff: float = key(
+        quantity("1", minimum=2.0, maximum=20.0), "cutoff of the pair potential in units of interaction.length", 4.0
+    )
+    layers: int = key(integer(minimum=0, maximum=1_000_000), "atomic layers of the block; 0: as thick as wide", 0)
 
 
 @dataclass(frozen=True)
@@ -208,13 +220,13 @@ class OutputSection:
     pressure_range: tuple[float, float] | None = key(
         pair(quantity("Pa"), names="[low, high]"), "range of pressure_pdf, default from modulus, slopes and law", None
     )
-    pressure_bins: int = key(integer(minimum=2), "bins of pressure_pdf", 300)
+    pressure_bins: int = key(integer(minimum=2, maximum=100_000), "bins of pressure_pdf", 300)
     gap_range: tuple[float, float] | None = key(
         pair(quantity("m", minimum=0.0), names="[low, high]"),
         "range of gap_pdf, default from the surface's heights",
         None,
     )
-    gap_bins: int = key(integer(minimum=2), "bins of gap_pdf", 400)
+    gap_bins: int = key(integer(minimum=2, maximum=100_000), "bins of gap_pdf", 400)
 
     def __post_init__(self):
         for name in ("pressure_range", "gap_range"):

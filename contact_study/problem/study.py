@@ -5,6 +5,7 @@ model is given besides the surface.
 """
 
 import itertools
+import math
 import tomllib
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
@@ -37,6 +38,7 @@ SECTIONS: dict[str, type] = {
     "theory": sections.TheorySection,
     "output": sections.OutputSection,
 }
+WHOLE_STUDY = ("study", "output")  # sections that every point of a sweep shares
 
 
 @dataclass(frozen=True)
@@ -70,6 +72,13 @@ class Case:
             raise InputError(
                 f"loading.path: {min(self.loading.path):g} Pa cannot be carried by a hard wall without adhesion; "
                 "give positive pressures"
+            )
+        lowest_gap = min(self.loading.path) + self.law.equilibrium_distance
+        # Only a hard wall can be met everywhere, at a mean gap of zero.
+        if self.loading.control == "gap" and (lowest_gap < 0 or (lowest_gap == 0 and self.law.work_of_adhesion > 0)):
+            raise InputError(
+                f"loading.path: a mean gap of {min(self.loading.path):g} m above the equilibrium distance, "
+                f"{self.law.equilibrium_distance:g} m, leaves no gap between the surfaces"
             )
         if self.interaction.law != "hard_wall" and self.loading.control == "pressure":
             lowest = -self.law.peak_tensile_stress
@@ -194,12 +203,15 @@ class Study:
         Every point of the sweep, the last swept key running fastest.
     sweep : dict
         Swept keys by their last part, the leading dimensions of every dataset.
+    notes : tuple of str
+        What in the file has no effect.
     """
 
     table: dict[str, Any]
     directory: Path
     cases: tuple[Case, ...]
     sweep: dict[str, SweptKey]
+    notes: tuple[str, ...] = ()
 
     @property
     def title(self) -> str:
@@ -235,6 +247,7 @@ def read_study(path: Path | str, overrides: Mapping[str, Any] | None = None) -> 
         raise InputError(f"{path}: cannot be read ({reason}); expected a study file (TOML)") from None
     except tomllib.TOMLDecodeError as error:
         raise InputError(f"{path}: is no valid TOML: {error}") from None
+    _check_structure(table)
     for dotted, value in (overrides or {}).items():
         _override(table, dotted, value)
     return make_study(table, path.parent)
@@ -242,20 +255,18 @@ def read_study(path: Path | str, overrides: Mapping[str, Any] | None = None) -> 
 
 def make_study(table: dict[str, Any], directory: Path | str = ".") -> Study:
     """Check a table as TOML would hold it and expand its sweep; errors as :func:`read_study`."""
-    exceptions = table.get("override", [])
-    swept = table.get("sweep", {})
-    for name, content in table.items():
-        if name in SECTIONS or name == "sweep":
-            if not isinstance(content, dict):
-                raise InputError(f"{name} = {content!r}: expected a section, [{name}]")
-        elif name != "override":
-            raise InputError(f"unknown section [{name}]; known: {', '.join(SECTIONS)}, sweep, override")
-    _check_sweep(swept)
-    _check_exceptions(exceptions)
-    cases = tuple(
-        _case(_apply(table, point, exceptions), point, index, Path(directory)) for point, index in _points(swept)
+    _check_structure(table)
+    swept, exceptions = table.get("sweep", {}), table.get("override", [])
+    points = [(_apply(table, point, exceptions), point, index, Path(directory)) for point, index in _points(swept)]
+    cases = tuple(_case(*point) for point in points)
+    notes = tuple(
+        f"override {number} ({', '.join(f'{k} = {v!r}' for k, v in item['when'].items())}) matches no point"
+        for number, item in enumerate(exceptions, 1)
+        if not any(_matches(merged, item["when"]) for merged, *_ in points)
     )
-    return Study(table, Path(directory), cases, {_last(dotted): _swept_key(dotted, cases) for dotted in swept})
+    return Study(
+        table, Path(directory), cases, {_last(dotted): _swept_key(dotted, cases, swept) for dotted in swept}, notes
+    )
 
 
 def all_keys() -> Iterator[tuple[str, str, Key, Any]]:
@@ -282,39 +293,98 @@ def _override(table: dict[str, Any], dotted: str, value: Any) -> None:
         table["sweep"][dotted] = value if isinstance(value, list) else [value]
     else:
         table.setdefault(section, {})[name] = value
+    for item in table.get("override", []):  # the command line has the last word
+        item.pop(dotted, None)
+
+
+def _check_structure(table: dict[str, Any]) -> None:
+    """Sections, sweep and overrides are what they should be, and every value alone can be read."""
+    for section, content in table.items():
+        if section in SECTIONS or section == "sweep":
+            if not isinstance(content, dict):
+                raise InputError(f"{section} = {content!r}: expected a section, [{section}]")
+        elif section != "override":
+            raise InputError(f"unknown section [{section}]; known: {', '.join(SECTIONS)}, sweep, override")
+    _check_sweep(table.get("sweep", {}))
+    _check_exceptions(table.get("override", []), table.get("sweep", {}))
+    for dotted in table.get("sweep", {}):  # a value that the sweep replaces is written there to be read, too
+        section, name = _split(dotted, "sweep")
+        if name in table.get(section, {}):
+            _read(dotted, table[section][name])
 
 
 def _check_sweep(swept: dict[str, Any]) -> None:
     seen: set[str] = set()
     for dotted, values in swept.items():
-        _split(dotted, "sweep")
+        section, name = _split(dotted, "sweep")
+        if section in WHOLE_STUDY:
+            raise InputError(f"sweep.{dotted}: section [{section}] is one for the whole study and cannot be swept")
+        if dotted == "loading.path":
+            raise InputError(
+                "sweep.loading.path: a path cannot be swept; give points of a sweep their own by [[override]]"
+            )
         if not isinstance(values, list) or not values:
             raise InputError(f"sweep.{dotted} = {values!r}: expected a list of at least one value")
         if any(isinstance(value, list | dict) for value in values):
             raise InputError(f"sweep.{dotted}: each value must be a number or a text")
-        if len({str(value) for value in values}) < len(values):
-            raise InputError(f"sweep.{dotted} = {values!r}: holds a value twice")
-        if _last(dotted) in seen:
-            raise InputError(f"sweep: two swept keys are called {_last(dotted)}")
-        seen.add(_last(dotted))
+        if name in seen:
+            raise InputError(f"sweep: two swept keys are called {name}")
+        seen.add(name)
 
 
-def _check_exceptions(exceptions: Any) -> None:
+def _check_exceptions(exceptions: Any, swept: dict[str, Any]) -> None:
     if not isinstance(exceptions, list) or not all(isinstance(item, dict) for item in exceptions):
         raise InputError('override: expected tables, [[override]] with when = { "section.key" = value }')
     for item in exceptions:
         if not isinstance(item.get("when"), dict) or not item["when"]:
             raise InputError('override: needs when = { "section.key" = value }')
-        for dotted in [*item["when"], *(key for key in item if key != "when")]:
+        changes = {dotted: value for dotted, value in item.items() if dotted != "when"}
+        for dotted, value in [*item["when"].items(), *changes.items()]:
             _split(dotted, "override")
+            _read(dotted, value, "override: ")
+        for dotted in changes:
+            if dotted in swept:
+                raise InputError(f"override: {dotted} is swept; an override may change other keys only")
+            if dotted.partition(".")[0] in WHOLE_STUDY:
+                raise InputError(f"override: {dotted} is one for the whole study and cannot differ between points")
 
 
-def _swept_key(dotted: str, cases: tuple[Case, ...]) -> SweptKey:
+def _read(dotted: str, value: Any, where: str = "") -> Any:
+    """The value of a key as its section will hold it."""
+    section, name = _split(dotted, where)
+    return keys_of(SECTIONS[section])[name].read(value, where + dotted)
+
+
+def _matches(merged: dict[str, Any], when: dict[str, Any]) -> bool:
+    """Whether a point has these values, however they are written: 8, 8.0; "1 nm", "10 angstrom"."""
+    for dotted, wanted in when.items():
+        section, name = _split(dotted, "override")
+        if name in merged[section]:
+            value = _read(dotted, merged[section][name])
+        else:
+            value = SECTIONS[section].__dataclass_fields__[name].default  # type: ignore[attr-defined]
+        if not _same(value, _read(dotted, wanted)):
+            return False
+    return True
+
+
+def _same(one: Any, other: Any) -> bool:
+    if isinstance(one, float) and isinstance(other, float):
+        return math.isclose(one, other, rel_tol=1e-12)  # units are converted with a rounding each
+    if isinstance(one, tuple) and isinstance(other, tuple):
+        return len(one) == len(other) and all(_same(*pair) for pair in zip(one, other, strict=True))
+    return bool(one == other)
+
+
+def _swept_key(dotted: str, cases: tuple[Case, ...], swept: dict[str, Any]) -> SweptKey:
     section, name = _split(dotted, "sweep")
     declaration = keys_of(SECTIONS[section])[name]
     written = declaration.kind.partition(" or ")[0]
     units = written.replace("J/m^2", "J m-2") if written in EXAMPLES else "1"
-    return SweptKey(tuple(dict.fromkeys(case.coordinates[name] for case in cases)), units, declaration.description)
+    values = tuple(dict.fromkeys(case.coordinates[name] for case in cases))
+    if len(values) < len(swept[dotted]) or any(_same(*pair) for pair in itertools.combinations(values, 2)):
+        raise InputError(f"sweep.{dotted} = {swept[dotted]!r}: holds a value twice")
+    return SweptKey(values, units, declaration.description)
 
 
 def _points(swept: dict[str, list[Any]]) -> Iterator[tuple[dict[str, Any], tuple[int, ...]]]:
@@ -328,7 +398,7 @@ def _apply(table: dict[str, Any], point: dict[str, Any], exceptions: list[dict[s
         section, name = _split(dotted, "sweep")
         merged[section][name] = value
     for item in exceptions:
-        if all(merged[_split(k, "override")[0]].get(_last(k)) == value for k, value in item["when"].items()):
+        if _matches(merged, item["when"]):
             for dotted, value in item.items():
                 if dotted != "when":
                     section, name = _split(dotted, "override")

@@ -1,10 +1,22 @@
 """Dimensional input, parsed once at the edge into SI floats."""
 
 import math
+import re
 from functools import cache
 from typing import Any
 
 from contact_study.problem.errors import InputError
+
+# Moments take the fifth power of a wavevector: within these limits no product over- or underflows.
+SMALLEST, LARGEST = 1e-40, 1e40
+# One number and a product of units. Pint alone would also calculate, for as long as "9**9**9 m" takes, and would read
+# "GPa" as 1 GPa.
+_LONGEST = 100
+_FACTOR = r"[^\W\d]+(?:\s*(?:\^|\*\*)\s*-?\d)?"
+_QUANTITY = re.compile(
+    r"\s*(?P<number>[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)"
+    rf"\s*(?P<unit>(?:{_FACTOR}(?:\s*[*/·]\s*|\s+))*{_FACTOR}|)\s*"
+)
 
 
 @cache
@@ -29,31 +41,41 @@ def quantity(value: Any, unit: str, name: str) -> float:
     Raises
     ------
     InputError
-        If the value is no finite number or has another dimension.
+        If the value is no finite number of a sensible size or has another dimension.
     """
     if isinstance(value, bool) or not isinstance(value, int | float | str):
         raise InputError(f"{name} = {value!r}: expected {_expected(unit)}")
     number = _from_text(value, unit, name) if isinstance(value, str) else float(value)
     if not math.isfinite(number):
         raise InputError(f"{name} = {value!r}: must be a finite number")
+    if number and not SMALLEST <= abs(number) <= LARGEST:
+        raise InputError(f"{name} = {value!r}: is far from any size of use; expected {_expected(unit)}")
     return number
 
 
 def unit_of(text: str) -> str:
     """The unit that a string such as ``"0.1 GPa"`` carries, in a normal form."""
-    return str(_registry().parse_expression(text).units)
+    return str(_registry().parse_units(_split(text)[1]))
+
+
+def _split(text: str) -> tuple[str, str]:
+    """Number and unit; ValueError if the text is anything else."""
+    match = _QUANTITY.fullmatch(text) if len(text) <= _LONGEST else None
+    if match is None:
+        raise ValueError(text)
+    return match["number"], match["unit"]
 
 
 def _from_text(text: str, unit: str, name: str) -> float:
     import pint
 
     try:
-        parsed = _registry().parse_expression(text)
-        if isinstance(parsed, int | float):
-            parsed = _registry().Quantity(parsed)
-        if parsed.dimensionless and unit not in ("1", ""):
+        number, written = _split(text)
+        if unit == "1" and written:
+            raise InputError(f"{name} = {text!r}: must be a pure number, without a unit")
+        if unit != "1" and not written:
             raise InputError(f"{name} = {text!r}: has no unit; expected {_expected(unit)}")
-        return float(parsed.to("" if unit == "1" else unit).magnitude)
+        return float(_registry().Quantity(float(number), written).to("" if unit == "1" else unit).magnitude)
     except pint.DimensionalityError as error:
         raise InputError(
             f"{name} = {text!r}: a unit of {error.units1} cannot be converted; expected {_expected(unit)}"

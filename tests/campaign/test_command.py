@@ -212,6 +212,9 @@ def test_warnings_are_shown_and_kept(study, tmp_path, capsys):
     ("arguments", "culprit"),
     [
         (["--surface.hurst", "0.8"], "--surface.hurst"),
+        (["--surface.rms_heigth", "1 nm"], "did you mean --surface.rms_height?"),
+        (["--surface.shape", "[200000, 200000]"], "GB of memory"),
+        (["-o", ""], "name a file"),
         (["--interaction.well_depth_ratio", "13"], "unlucky"),
         (["--resume", "--overwrite"], "--resume"),
         (["--workers", "0"], "--workers"),

@@ -85,6 +85,45 @@ def test_overrides_replace_keys_and_sweeps(tmp_path):
     assert [value for value, _ in study.cases[0].path] == pytest.approx([1e8, 2e8])
 
 
+@pytest.mark.parametrize("written", [4, 4.0, "4"])
+def test_override_matches_however_the_value_is_written(written):
+    table = changed("sweep", **{"interaction.well_depth_ratio": [1, 4]})
+    table["override"] = [{"when": {"interaction.well_depth_ratio": written}, "loading.path": ["2 GPa"]}]
+    assert [len(case.path) for case in make_study(table).cases] == [2, 1]
+
+
+@pytest.mark.parametrize(
+    "when", [{"surface.size": "104 nm"}, {"surface.size": [1.04e-7, "1040 angstrom"]}, {"surface.hurst_exponent": 0.8}]
+)
+def test_override_matches_in_other_units_and_by_default(when):
+    study = make_study({**TABLE, "override": [{"when": when, "loading.path": ["2 GPa"]}]})
+    assert len(study.cases[0].path) == 1
+    assert study.notes == ()
+
+
+def test_override_without_a_point_is_noted():
+    study = make_study({**TABLE, "override": [{"when": {"surface.seed": 2}, "loading.path": ["2 GPa"]}]})
+    assert len(study.notes) == 1
+    assert "surface.seed = 2" in study.notes[0]
+
+
+def test_command_line_has_the_last_word(tmp_path):
+    path = tmp_path / "study.toml"
+    table = changed("sweep", **{"interaction.well_depth_ratio": [1, 4]})
+    table["override"] = [{"when": {"interaction.well_depth_ratio": 4}, "loading.path": ["2 GPa", "3 GPa", "4 GPa"]}]
+    path.write_text(make_study(table).toml)
+    study = read_study(path, {"loading.path": ["5 GPa"]})
+    assert [case.path[0][0] for case in study.cases] == pytest.approx([5e9, 5e9])
+
+
+def test_command_line_meets_a_damaged_table(tmp_path):
+    path = tmp_path / "study.toml"
+    for text, culprit in (("sweep = 3", "sweep = 3"), ("surface = 3", "surface = 3"), ("override = 3", "override")):
+        path.write_text(text)
+        with pytest.raises(InputError, match=culprit):
+            read_study(path, {"surface.seed": 2})
+
+
 WRONG = [
     (changed("surface", hurst=0.8), "surface.hurst"),
     (changed("surfaces"), "[surfaces]"),
@@ -127,12 +166,39 @@ WRONG = [
     (changed("solver", tolerance=0), "solver.tolerance"),
     (changed("solver", max_iterations=0), "solver.max_iterations"),
     (changed("output", gap_range=["2 nm", "1 nm"]), "output.gap_range"),
+    (changed("surface", rms_height="9**9**9**9 m"), "surface.rms_height"),  # nothing is calculated
+    (changed("surface", rms_height="nm"), "surface.rms_height"),
+    (changed("surface", rms_height="1 nm" + 100 * " nm"), "surface.rms_height"),
+    (changed("surface", rms_height="1e400 m"), "surface.rms_height"),
+    (changed("surface", rms_height=1e308), "far from any size"),
+    (changed("surface", size=1e-308), "far from any size"),
+    (changed("surface", hurst_exponent="80 %"), "surface.hurst_exponent"),
+    (changed("surface", hurst_exponent="0.8 m/m"), "without a unit"),
+    (changed("surface", kind="wavy", amplitude="1 nm", modes=[0, 0]), "surface.modes"),
+    (changed("atomistic", cutoff=1e9), "atomistic.cutoff"),
+    (changed("solver", threads=10**9), "solver.threads"),
+    (changed("output", gap_bins=10**9), "output.gap_bins"),
+    (changed("loading", path=["1 GPa", "much"]), "loading.path[1]"),
+    (changed("loading", path=""), "loading.path[0]"),
+    (changed("loading", control="gap", path=["1 nm", "-1 nm"]), "no gap between"),
+    (changed("loading", control="gap", path=["-3.28 angstrom"]), "no gap between"),
+    ({**TABLE, "sweep": 3}, "sweep = 3"),
+    (changed("sweep", **{"loading.path": ["1 GPa, 2 GPa", "1 GPa"]}), "sweep.loading.path"),
+    (changed("sweep", **{"output.gap_bins": [10, 20]}), "sweep.output.gap_bins"),
+    (changed("sweep", **{"surface.size": ["1040 angstrom", "104 nm"]}), "holds a value twice"),
+    ({**changed("interaction", well_depth_ratio="x"), "sweep": {"interaction.well_depth_ratio": [1]}}, "'x'"),
     (changed("sweep", **{"interaction.well_depth_ratios": [1]}), "well_depth_ratios"),
     (changed("sweep", **{"interaction.well_depth_ratio": []}), "well_depth_ratio"),
     (changed("sweep", **{"interaction.well_depth_ratio": [1, 1]}), "well_depth_ratio"),
     (changed("sweep", **{"interaction.well_depth_ratio": [1, -1]}), "well_depth_ratio"),
     ({**TABLE, "override": [{"loading.path": [1e8]}]}, "override"),
     ({**TABLE, "override": [{"when": {"surface.sed": 1}, "loading.path": [1e8]}]}, "surface.sed"),
+    ({**TABLE, "override": [{"when": {"surface.seed": 9}, "surface.rms_height": "1 Pa"}]}, "surface.rms_height"),
+    ({**TABLE, "override": [{"when": {"surface.seed": 1}, "output.gap_bins": 9}]}, "output.gap_bins"),
+    (
+        {**TABLE, "sweep": {"surface.seed": [1, 2]}, "override": [{"when": {"surface.seed": 1}, "surface.seed": 3}]},
+        "surface.seed is swept",
+    ),
     ({k: v for k, v in TABLE.items() if k != "material"}, "material.youngs_modulus"),
     ({k: v for k, v in TABLE.items() if k != "loading"}, "loading.path"),
 ]
@@ -165,7 +231,7 @@ def test_hard_wall_needs_neither_adhesion_nor_tension():
 def test_atoms_must_fill_the_cell():
     table = changed("material", lattice_constant="2.7 angstrom")
     with pytest.raises(InputError, match=r"material\.lattice_constant"):
-        make_study(table).cases[0].atoms
+        _ = make_study(table).cases[0].atoms
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,39 @@
+"""Whether a study can fit this machine at all, said before anything is allocated."""
+
+import os
+from pathlib import Path
+
+from contact_study.problem.errors import InputError
+from contact_study.problem.study import Study
+
+# Height, gap, pressure, displacement, its spectrum, the kernel and a few of the solver's own: a dozen doubles.
+_BYTES_PER_POINT = 100
+
+
+def check_memory(study: Study) -> None:
+    """Refuse a grid that the machine's memory cannot hold; the system would otherwise kill the run without a word.
+
+    Raises
+    ------
+    InputError
+        If the largest grid of the study needs more than all memory.
+    """
+    shape = max((case.surface.shape or (0, 0) for case in study.cases), key=lambda shape: shape[0] * shape[1])
+    needed, available = shape[0] * shape[1] * _BYTES_PER_POINT, _memory()
+    if needed > available:
+        raise InputError(
+            f"surface.shape = {list(shape)}: needs at least {needed / 1e9:.3g} GB of memory, "
+            f"this machine has {available / 1e9:.3g} GB; use fewer points"
+        )
+
+
+def _memory() -> float:
+    """Bytes that this process may use: the machine's, or less in a container."""
+    try:
+        physical = float(os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES"))
+    except (AttributeError, ValueError, OSError):  # not on every system
+        physical = float("inf")
+    try:
+        return min(physical, float(Path("/sys/fs/cgroup/memory.max").read_text()))
+    except (OSError, ValueError):  # no such group, or "max"
+        return physical
