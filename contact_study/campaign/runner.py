@@ -21,7 +21,11 @@ from contact_study.campaign.predictor import GapFields
 from contact_study.campaign.progress import Progress
 from contact_study.campaign.record import Step, Value
 from contact_study.problem.study import Case, Study
-from contact_study.problem.surface import realise
+from contact_study.problem.surface import Surface, realise
+
+
+# Below this number of points a second thread of FFTW gains little, and costs much when the other core is busy.
+_POINTS_FOR_THREADS = 1024**2
 
 
 class CampaignError(RuntimeError):
@@ -57,8 +61,9 @@ def run_cases(
     jobs = [Job(model, case, parts.case_folder(number), predictor, number) for number, case in enumerate(study.cases)]
     progress.start(sum(len(case.path) for case in study.cases), sum(_done(job) for job in jobs))
     unfinished = [job for job in jobs if _done(job) < len(job.case.path) or not (job.folder / "constants.nc").exists()]
-    workers = min(workers or available_cores(), len(unfinished))
-    threads = max(1, available_cores() // max(workers, 1))
+    given, workers = workers, min(workers or available_cores(), len(unfinished))
+    # Threads follow from the whole study, not from what is left of it: a resumed run repeats the arithmetic.
+    threads = max(1, available_cores() // max(1, min(given or available_cores(), len(jobs))))
     notes: list[str] = []
     if workers <= 1:
         for job in unfinished:
@@ -140,8 +145,8 @@ def _run_queued(job: Job, threads: int) -> list[str]:
 def _run(job: Job, threads: int, report: Any) -> list[str]:
     """Finish one case; returns its warnings."""
     with _recorded_warnings(job.case) as notes:
-        case = job.case if job.case.solver.threads else _with_threads(job.case, threads)
-        surface = realise(case)
+        surface = realise(job.case)
+        case = job.case if job.case.solver.threads else _with_threads(job.case, surface, threads)
         if not (job.folder / "constants.nc").exists():
             storage.save_constants(job.folder, job.model.constants(case, surface))
         start = _done(job)
@@ -172,8 +177,10 @@ def _summary(step: Step) -> Mapping[str, Any]:
     return {name: step.values.get(name) for name in ("relative_contact_area", "converged", "message")}
 
 
-def _with_threads(case: Case, threads: int) -> Case:
-    return replace(case, solver=replace(case.solver, threads=threads))
+def _with_threads(case: Case, surface: Surface, threads: int) -> Case:
+    """The case with the threads that are at hand, where the grid is large enough to gain from them."""
+    chosen = threads if surface.grid.points >= _POINTS_FOR_THREADS else 1
+    return replace(case, solver=replace(case.solver, threads=chosen))
 
 
 @contextmanager
