@@ -23,7 +23,6 @@ from contact_study.campaign.record import Step, Value
 from contact_study.problem.study import Case, Study
 from contact_study.problem.surface import Surface, realise
 
-
 # Below this number of points a second thread of FFTW gains little, and costs much when the other core is busy.
 _POINTS_FOR_THREADS = 1024**2
 
