@@ -6,7 +6,7 @@ from contact_study.problem.errors import InputError
 from contact_study.problem.keys import choice, flag, integer, key, pair, quantity, sequence, text
 from contact_study.problem.units import unit_of
 
-LAWS = ("lennard_jones_10_4", "hard_wall")
+LAWS = ("lennard_jones_10_4", "lennard_jones_9_3", "hard_wall")
 
 
 @dataclass(frozen=True)

@@ -4,10 +4,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from contact_study.problem.laws.base import TractionLaw
+from contact_study.problem.laws.lennard_jones_9_3 import LennardJones93
 from contact_study.problem.laws.lennard_jones_10_4 import LennardJones104, work_of_adhesion
 
 R0 = 3.28e-10
-LAWS = [LennardJones104(0.69, R0), LennardJones104(5.52, R0), LennardJones104(0.05, 2e-9)]
+LAWS = [LennardJones104(0.69, R0), LennardJones104(5.52, R0), LennardJones104(0.05, 2e-9), LennardJones93(0.69, R0)]
 laws = pytest.mark.parametrize("law", LAWS, ids=lambda law: f"{type(law).__name__}-{law.work_of_adhesion}")
 
 
@@ -40,6 +41,12 @@ def test_characteristic_points(law):
     assert law.traction(gap).max() == pytest.approx(law.peak_tensile_stress, rel=1e-8)
     assert gap[np.argmax(law.traction(gap))] == pytest.approx(law.peak_distance, rel=1e-5)
     assert -law.stiffness(gap).min() == pytest.approx(law.strongest_softening, rel=1e-8)
+
+
+def test_maugis_parameter_of_the_two_laws():
+    # λ = 2 σ0 (9R/16πwE*²)^(1/3) in units of Tabor's μ: the factors of SPEC section 6.
+    for law, factor in ((LennardJones93(1.0, 1.0), 1.1570), (LennardJones104(1.0, 1.0), 2.125)):
+        assert 2 * law.peak_tensile_stress * (9 / (16 * np.pi)) ** (1 / 3) == pytest.approx(factor, rel=3e-4)
 
 
 def test_values_of_the_paper():

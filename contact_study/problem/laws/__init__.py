@@ -2,9 +2,13 @@
 
 from contact_study.problem.laws.base import TractionLaw
 from contact_study.problem.laws.hard_wall import HardWall
+from contact_study.problem.laws.lennard_jones_9_3 import LennardJones93
 from contact_study.problem.laws.lennard_jones_10_4 import LennardJones104
 
-_ADHESIVE: dict[str, type[TractionLaw]] = {"lennard_jones_10_4": LennardJones104}
+_ADHESIVE: dict[str, type[TractionLaw]] = {
+    "lennard_jones_10_4": LennardJones104,
+    "lennard_jones_9_3": LennardJones93,
+}
 
 
 def make_law(name: str, work_of_adhesion: float, length: float) -> TractionLaw | HardWall:
