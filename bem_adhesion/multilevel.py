@@ -18,7 +18,7 @@ POINTS_PER_PROCESS_ZONE = 4
 # A coarser grid still predicts as well: down to this many points the final states were the same (42 of 42 at 512²).
 POINTS_FOR_PREDICTION = 1.25
 # Tolerance on the coarse grids: their solutions are predictions.
-COARSE_TOLERANCE = 1e-3
+COARSE_TOLERANCE = 1e-4
 # A prediction takes no gap below this fraction of the equilibrium distance, or further below than it was.
 CLOSEST_PREDICTION = 0.85
 
