@@ -121,8 +121,10 @@ def _main(model: Model, arguments: Sequence[str]) -> int:
     progress = Progress(model.command)
     for note in study.notes:
         progress.say(f"warning: {note}")
-    parts.open(identity, resume=given.resume, overwrite=given.overwrite)
     try:
+        damaged = parts.open(identity, resume=given.resume, overwrite=given.overwrite)
+        if damaged:
+            progress.say(f"warning: {damaged} damaged files of the earlier run are dropped and computed again")
         notes = run_cases(model, study, parts, predictor, given.workers, progress)
         progress.close()
         bins = study.cases[0].bins

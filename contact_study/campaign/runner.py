@@ -6,7 +6,7 @@ import signal
 import threading
 import time
 import warnings
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
@@ -50,7 +50,7 @@ def run_cases(
     workers: int | None,
     progress: Progress,
 ) -> list[str]:
-    """Run every unfinished step of every case; returns the warnings that came up.
+    """Run every unfinished step of every case; returns the warnings of all, also of the steps finished before.
 
     Raises
     ------
@@ -63,13 +63,12 @@ def run_cases(
     given, workers = workers, min(workers or available_cores(), len(unfinished))
     # Threads follow from the whole study, not from what is left of it: a resumed run repeats the arithmetic.
     threads = max(1, available_cores() // max(1, min(given or available_cores(), len(jobs))))
-    notes: list[str] = []
     if workers <= 1:
         for job in unfinished:
-            notes += _run(job, threads, lambda *event: progress.step(*event))
+            _run(job, threads, lambda *event: progress.step(*event))
     else:
-        notes = _run_in_processes(unfinished, workers, threads, progress)
-    return list(dict.fromkeys(notes))
+        _run_in_processes(unfinished, workers, threads, progress)
+    return list(dict.fromkeys(note for job in jobs for note in storage.load_notes(job.folder)))
 
 
 def available_cores() -> int:
@@ -89,18 +88,17 @@ def _done(job: Job) -> int:
     return min(storage.finished_steps(job.folder), len(job.case.path))
 
 
-def _run_in_processes(jobs: list[Job], workers: int, threads: int, progress: Progress) -> list[str]:
+def _run_in_processes(jobs: list[Job], workers: int, threads: int, progress: Progress) -> None:
     # Fresh interpreters: forking a process that holds FFTW plans and compiled kernels is not safe everywhere.
     context = mp.get_context("spawn")
     queue = context.Queue()
-    notes: list[str] = []
     listener = threading.Thread(target=_listen, args=(queue, progress), daemon=True)
     listener.start()
     executor = ProcessPoolExecutor(workers, context, _start_worker, (queue,))
     try:
         # The last case of a sweep is usually the hardest (strongest adhesion): started first, it is not waited for.
         for finished in as_completed([executor.submit(_run_queued, job, threads) for job in reversed(jobs)]):
-            notes += finished.result()
+            finished.result()
     except BrokenProcessPool:
         raise CampaignError("a worker process was killed (out of memory?); finished steps are kept") from None
     except BaseException:
@@ -111,7 +109,6 @@ def _run_in_processes(jobs: list[Job], workers: int, threads: int, progress: Pro
         executor.shutdown(wait=False, cancel_futures=True)
         queue.put(None)
         listener.join(timeout=5)
-    return notes
 
 
 def _listen(queue: Any, progress: Progress) -> None:
@@ -137,27 +134,29 @@ def _die_with_parent() -> None:
         os._exit(1)
 
 
-def _run_queued(job: Job, threads: int) -> list[str]:
-    return _run(job, threads, lambda *event: _queue.put(event))
+def _run_queued(job: Job, threads: int) -> None:
+    _run(job, threads, lambda *event: _queue.put(event))
 
 
-def _run(job: Job, threads: int, report: Any) -> list[str]:
-    """Finish one case; returns its warnings."""
-    with _recorded_warnings(job.case) as notes:
+def _run(job: Job, threads: int, report: Any) -> None:
+    """Finish one case."""
+    with _kept_warnings(job) as keep_warnings:
         surface = realise(job.case)
         case = job.case if job.case.solver.threads else _with_threads(job.case, surface, threads)
         if not (job.folder / "constants.nc").exists():
-            storage.save_constants(job.folder, job.model.constants(case, surface))
+            constants = job.model.constants(case, surface)
+            keep_warnings()
+            storage.save_constants(job.folder, constants)
         start = _done(job)
         restart = storage.load_state(job.folder, start - 1) if start else None
         predictor = GapFields(job.predictor, case) if job.predictor else None
         began = time.perf_counter()
         for number, step in enumerate(job.model.solve_path(case, surface, restart, start, predictor), start):
             now = time.perf_counter()
+            keep_warnings()
             storage.save_step(job.folder, number, _completed(case, number, step, now - began))
             report(case.label, case.loading.control, case.path[number][0], dict(_summary(step)), now - began)
             began = time.perf_counter()
-    return notes
 
 
 def _completed(case: Case, number: int, step: Step, seconds: float) -> Step:
@@ -183,10 +182,18 @@ def _with_threads(case: Case, surface: Surface, threads: int) -> Case:
 
 
 @contextmanager
-def _recorded_warnings(case: Case) -> Iterator[list[str]]:
-    notes: list[str] = []
+def _kept_warnings(job: Job) -> Iterator[Callable[[], None]]:
+    """Catch warnings; the function given puts those so far on disk, to be called before what they are about."""
+    prefix = f"{job.case.label}: " if job.case.label else ""
+    notes = storage.load_notes(job.folder)
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
-        yield notes
-    prefix = f"{case.label}: " if case.label else ""
-    notes += [prefix + str(item.message) for item in caught]
+
+        def keep() -> None:
+            new = [note for item in caught if (note := f"{prefix}{item.message}") not in notes]
+            caught.clear()
+            if new:
+                notes.extend(dict.fromkeys(new))
+                storage.save_notes(job.folder, notes)
+
+        yield keep

@@ -8,7 +8,7 @@ be read is complete. The dataset appears, by rename too, when all is done; then 
 import json
 import os
 import shutil
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +20,8 @@ from contact_study.campaign.record import Step, Value
 from contact_study.campaign.schema import COORDINATES, VARIABLES
 from contact_study.problem.errors import InputError
 from contact_study.problem.study import SweptKey
+
+_NOTES = "warnings.json"
 
 
 def writable_output(path: Path) -> None:
@@ -65,8 +67,13 @@ class Parts:
         self.folder = output.with_name(output.name + ".parts")
         self._lock = FileLock(str(self.folder) + ".lock")
 
-    def open(self, identity: Mapping[str, Any], *, resume: bool, overwrite: bool) -> None:
+    def open(self, identity: Mapping[str, Any], *, resume: bool, overwrite: bool) -> int:
         """Take the folder for this campaign, keeping what is there (resume) or clearing it (overwrite).
+
+        Returns
+        -------
+        int
+            How many damaged files were dropped; their steps count as unfinished.
 
         Raises
         ------
@@ -83,18 +90,19 @@ class Parts:
         text = json.dumps(identity, indent=1, sort_keys=True)
         if self.folder.exists() and overwrite:
             shutil.rmtree(self.folder)
-        if manifest.exists():
+        if manifest.exists() or any(self.folder.glob("case-*")):
             if not resume:
                 raise InputError(
                     f"{self.folder} holds the steps of an unfinished run; continue it with --resume "
                     "or drop it with --overwrite"
                 )
-            if manifest.read_text() != text:
+            if not manifest.exists() or manifest.read_text() != text:
                 raise InputError(
                     f"{self.folder} holds the steps of another study or version; use --overwrite or another output"
                 )
         self.folder.mkdir(parents=True, exist_ok=True)
         write_aside(manifest, lambda path: path.write_text(text))
+        return _drop_damaged(self.folder)
 
     def close(self) -> None:
         """Let other runs write."""
@@ -118,6 +126,18 @@ class Parts:
         return self.folder / f"case-{number:04d}"
 
 
+def _drop_damaged(folder: Path) -> int:
+    """Delete what cannot be read, such as the empty files that some file systems leave after a power cut."""
+    dropped = 0
+    for path in [*folder.glob("case-*/*.nc"), *folder.glob("case-*/*.npz"), *folder.glob(f"case-*/{_NOTES}")]:
+        try:
+            _READERS[path.suffix](path)
+        except Exception:  # each format raises its own types
+            path.unlink()
+            dropped += 1
+    return dropped
+
+
 def save_step(folder: Path, number: int, step: Step) -> None:
     """Put one finished step on disk; its restart state first, the previous state last away."""
     folder.mkdir(parents=True, exist_ok=True)
@@ -138,14 +158,25 @@ def finished_steps(folder: Path) -> int:
 
 def load_state(folder: Path, number: int) -> dict[str, np.ndarray]:
     """The state that the step after ``number`` starts from."""
-    with np.load(_state_file(folder, number), allow_pickle=False) as arrays:
-        return dict(arrays)
+    return _load_arrays(_state_file(folder, number))
 
 
 def save_constants(folder: Path, constants: Mapping[str, Value]) -> None:
     """Put what does not change along the path on disk."""
     folder.mkdir(parents=True, exist_ok=True)
     write_aside(folder / "constants.nc", lambda path: _save_values(path, constants))
+
+
+def save_notes(folder: Path, notes: Sequence[str]) -> None:
+    """Put a case's warnings on disk."""
+    folder.mkdir(parents=True, exist_ok=True)
+    write_aside(folder / _NOTES, lambda path: path.write_text(json.dumps(list(notes)), encoding="utf-8"))
+
+
+def load_notes(folder: Path) -> list[str]:
+    """A case's warnings so far."""
+    path = folder / _NOTES
+    return _load_notes(path) if path.exists() else []
 
 
 def load_case(folder: Path, steps: int) -> tuple[dict[str, Any], list[dict[str, Any]]]:
@@ -290,6 +321,16 @@ def _save_arrays(path: Path, arrays: Mapping[str, np.ndarray]) -> None:
         np.savez(stream, **dict(arrays))  # type: ignore[arg-type]
 
 
+def _load_arrays(path: Path) -> dict[str, np.ndarray]:
+    # np.load leaves a file open that it cannot read.
+    with path.open("rb") as stream, np.load(stream, allow_pickle=False) as arrays:
+        return dict(arrays)
+
+
+def _load_notes(path: Path) -> list[str]:
+    return json.loads(path.read_text(encoding="utf-8"))
+
+
 def _save_values(path: Path, values: Mapping[str, Value]) -> None:
     content = {}
     for name, value in values.items():
@@ -303,3 +344,6 @@ def _save_values(path: Path, values: Mapping[str, Value]) -> None:
 def _load_values(path: Path) -> dict[str, Any]:
     with xr.open_dataset(path, engine="netcdf4", mask_and_scale=False) as dataset:
         return {str(name).replace(".", "/"): variable.values for name, variable in dataset.variables.items()}
+
+
+_READERS: dict[str, Callable[[Path], Any]] = {".nc": _load_values, ".npz": _load_arrays, ".json": _load_notes}

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from contact_study.campaign import storage
 from contact_study.campaign.command import main
 from contact_study.campaign.schema import COORDINATES, VARIABLES
 from tests.campaign.toy_model import TOY
@@ -178,6 +179,65 @@ def test_steps_of_another_study_are_not_mixed(study, tmp_path, capsys):
     assert run(study, "-o", output, "--resume") == 1
     assert "another study" in capsys.readouterr().err
     assert (folder / "manifest.json").read_text() == "{}"
+
+
+@pytest.fixture
+def interrupted(study, tmp_path, monkeypatch):
+    """An output whose run was interrupted after three steps, in the only case, which warns at its first."""
+    output = tmp_path / "bem.nc"
+    save = storage.save_step
+
+    def stop_after_three(folder, number, step):
+        save(folder, number, step)
+        if number == 2:
+            raise KeyboardInterrupt
+
+    study.write_text(study.read_text().replace("[1, 4]", "[2]").replace("[1, 2]", "[1]"))
+    study.write_text(study.read_text().replace('when = { "interaction.well_depth_ratio" = 4 }', OVERRIDE_ALL))
+    assert run(study, "-o", tmp_path / "whole.nc") == 0
+    with monkeypatch.context() as patch:
+        patch.setattr(storage, "save_step", stop_after_three)
+        assert run(study, "-o", output) == 130
+    assert not output.exists()
+    return output
+
+
+OVERRIDE_ALL = 'when = { "interaction.well_depth_ratio" = 2 }'
+
+
+def test_warnings_of_finished_steps_survive_a_resume(study, interrupted, capsys):
+    capsys.readouterr()
+    assert run(study, "-o", interrupted, "--resume") == 0
+    assert "warning: well_depth_ratio = 2.0, seed = 1: a grid too coarse" in capsys.readouterr().err
+    with xr.open_dataset(interrupted) as dataset:
+        assert "a grid too coarse" in dataset.attrs["warnings"]
+
+
+@pytest.mark.parametrize(
+    "pattern", ["case-*/step-0001.nc", "case-*/state-*.npz", "case-*/constants.nc", "case-*/*.json"]
+)
+@pytest.mark.parametrize("length", [None, 0, 30])
+def test_damaged_steps_are_computed_again(study, interrupted, tmp_path, capsys, pattern, length):
+    parts = tmp_path / "bem.nc.parts"
+    (damaged,) = parts.glob(pattern)
+    if length is None:
+        damaged.unlink()
+    else:
+        damaged.write_bytes(damaged.read_bytes()[:length])
+    capsys.readouterr()
+    assert run(study, "-o", interrupted, "--resume") == 0
+    assert ("1 damaged files" in capsys.readouterr().err) == (length is not None)
+    assert_same(tmp_path / "whole.nc", interrupted)
+
+
+def test_steps_without_a_manifest_are_not_mixed(study, interrupted, tmp_path, capsys):
+    (tmp_path / "bem.nc.parts" / "manifest.json").unlink()
+    before = sorted(tmp_path.rglob("*"))
+    assert run(study, "-o", interrupted) == 1
+    assert run(study, "-o", interrupted, "--resume") == 1
+    assert "--overwrite" in capsys.readouterr().err
+    assert sorted(tmp_path.rglob("*")) == before
+    assert run(study, "-o", interrupted, "--overwrite") == 0
 
 
 def test_coordinate_that_the_sweep_changes(study, tmp_path):

@@ -31,9 +31,9 @@ def constants(case, surface):
 
 def solve_path(case, surface, restart=None, start=0):
     state = np.zeros(3) if restart is None else restart["state"]
-    if case.interaction.well_depth_ratio == 2:
-        warnings.warn("a grid too coarse", stacklevel=1)
     for number in range(start, len(case.path)):
+        if case.interaction.well_depth_ratio == 2 and number == 0:
+            warnings.warn("a grid too coarse", stacklevel=1)
         time.sleep(float(os.environ.get("TOY_SECONDS", "0")))
         value, _ = case.path[number]
         state = np.sin(state + value / 1e9 + case.interaction.well_depth_ratio)
