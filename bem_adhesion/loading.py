@@ -165,7 +165,9 @@ class LoadedContact:
     def _solution(self, result: NewtonResult, pairs: float) -> Solution:
         gap = result.gap * self._length
         displacement = self.height + gap
-        pressure = -self.law.traction(gap)
+        pressure = np.empty_like(gap)
+        interaction = self.law.evaluate(gap, pressure, np.empty(gap.shape, np.float32)) / gap.size
+        np.negative(pressure, out=pressure)
         # In equilibrium K w is the interface pressure less its mean: ½<w, K w> without another transform.
         elastic = 0.5 * np.mean((pressure - pressure.mean()) * displacement)
         return Solution(
@@ -173,7 +175,7 @@ class LoadedContact:
             gap,
             pressure,
             float(elastic),
-            float(np.mean(self.law.potential(gap))),
+            interaction,
             result.residual,
             result.iterations,
             pairs,
