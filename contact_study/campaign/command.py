@@ -3,6 +3,7 @@
 import argparse
 import dataclasses
 import hashlib
+import io
 import os
 import shlex
 import signal
@@ -51,6 +52,8 @@ def main(model: Model, arguments: Sequence[str] | None = None) -> int:
 
 def guarded(command: str, body: Any, interrupted: str = "finished steps are kept, continue with --resume") -> int:
     """Call ``body``; mistakes of input and interruption become one line on stderr and an exit status."""
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        sys.stdout.reconfigure(errors="backslashreplace")  # not every terminal has Greek letters
     previous = signal.signal(signal.SIGTERM, _interrupt)
     try:
         return body()
@@ -64,6 +67,13 @@ def guarded(command: str, body: Any, interrupted: str = "finished steps are kept
         return WRONG_INPUT
     except OSError as error:
         print(f"{command}: error: {error}", file=sys.stderr)
+        return WRONG_INPUT
+    except UnicodeEncodeError as error:
+        print(
+            f"{command}: error: {error.object[error.start : error.end]!a} cannot be written in this locale's encoding, "
+            f"{error.encoding}; try LC_ALL=C.UTF-8",
+            file=sys.stderr,
+        )
         return WRONG_INPUT
     except MemoryError:
         print(
@@ -109,6 +119,7 @@ def _main(model: Model, arguments: Sequence[str]) -> int:
     for case in study.cases:
         model.check(case)
     output: Path = given.output
+    _check_inputs_kept(output, [given.study, predictor, *(case.height_map for case in study.cases)])
     identity = _identity(model, study, predictor)
     parts = storage.Parts(output)
     if _is_complete(output, identity, resume=given.resume, overwrite=given.overwrite):
@@ -207,6 +218,12 @@ def _fingerprint(path: Path) -> str:
     """Name and content of a file, wherever it lies."""
     with path.open("rb") as stream:
         return f"{path.name} sha256:{hashlib.file_digest(stream, 'sha256').hexdigest()}"
+
+
+def _check_inputs_kept(output: Path, inputs: Sequence[Path | None]) -> None:
+    for path in inputs:
+        if path is not None and output.resolve() == path.resolve():
+            raise InputError(f"{output}: is read by this run; choose another output")
 
 
 def _is_complete(output: Path, identity: Mapping[str, Any], *, resume: bool, overwrite: bool) -> bool:

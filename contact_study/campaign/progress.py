@@ -1,6 +1,7 @@
 """Progress on stderr: a bar on a terminal, a line per finished step elsewhere."""
 
 import sys
+from contextlib import suppress
 from typing import Any
 
 from tqdm import tqdm
@@ -49,8 +50,9 @@ class Progress:
 
     def say(self, text: str) -> None:
         """A line of its own."""
-        tqdm.write(f"{self._name}: {text}", file=sys.stderr)
-        sys.stderr.flush()
+        with suppress(OSError):  # whoever read along may have gone; the run matters more
+            tqdm.write(f"{self._name}: {text}", file=sys.stderr)
+            sys.stderr.flush()
 
     def close(self) -> None:
         """No more steps."""

@@ -34,6 +34,8 @@ def writable_output(path: Path) -> None:
     """
     if path.is_dir():
         raise InputError(f"{path}: is a folder; name a file")
+    if path.exists() and not path.is_file():
+        raise InputError(f"{path}: is a device, not a file; choose another output")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         probe = path.parent / f".{path.name}.{os.getpid()}"
@@ -44,11 +46,19 @@ def writable_output(path: Path) -> None:
 
 
 def write_aside(path: Path, write: Any) -> None:
-    """Call ``write(temporary_path)`` and rename the result to ``path``: readers see all of it or nothing."""
+    """Call ``write(temporary_path)`` and rename the result to ``path``: readers see all of it or nothing.
+
+    Raises
+    ------
+    OSError
+        If it cannot be written.
+    """
     partial = path.with_name(f".{path.name}.{os.getpid()}.tmp")
     try:
         write(partial)
         partial.replace(path)
+    except RuntimeError as error:  # what the NetCDF library makes of a failed write
+        raise OSError(f"{path}: cannot be written; is the disk full? ({error})") from None
     finally:
         partial.unlink(missing_ok=True)
 

@@ -113,6 +113,12 @@ class Case:
         return 2 ** (1 / 6) * (self.interaction.length or 0.0)
 
     @property
+    def height_map(self) -> Path | None:
+        """File of the heights, for a surface from a file."""
+        section = self.surface
+        return self.directory / section.path if section.kind == "file" and section.path is not None else None
+
+    @property
     def path(self) -> list[tuple[float, str]]:
         """Prescribed values in order, each with its branch: "loading" or "unloading"."""
         points = [(value, "loading") for value in self.loading.path]

@@ -192,7 +192,8 @@ def _wavy(section: SurfaceSection, size: tuple[float, float], shape: tuple[int, 
 
 def _from_file(case: Case) -> Surface:
     section = case.surface
-    height_map = read_height_map(case.directory / str(section.path), section.height_unit, section.size)
+    assert case.height_map is not None  # checked by SurfaceSection
+    height_map = read_height_map(case.height_map, section.height_unit, section.size)
     heights = height_map.heights - height_map.heights.mean()
     return BandLimitedSurface(
         height_map.size,

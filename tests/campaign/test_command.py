@@ -297,6 +297,49 @@ def test_directory_that_cannot_be_written(study, capsys, output):
     assert output in capsys.readouterr().err
 
 
+def test_inputs_are_not_overwritten(study, tmp_path, capsys):
+    text = study.read_text()
+    assert run(study, "-o", tmp_path / "sub" / ".." / "study.toml", "--overwrite") == 1
+    np.save(tmp_path / "map.npy", np.eye(8))
+    keys = ("--surface.kind", "file", "--surface.path", "map.npy")
+    assert run(study, "-o", tmp_path / "map.npy", "--overwrite", *keys) == 1
+    assert capsys.readouterr().err.count("is read by this run") == 2
+    assert study.read_text() == text
+    assert np.load(tmp_path / "map.npy").shape == (8, 8)
+
+
+def test_output_that_is_a_device(study, capsys):
+    assert run(study, "-o", "/dev/null", "--overwrite") == 1
+    assert "/dev/null: is a device" in capsys.readouterr().err
+    assert Path("/dev/null").is_char_device()
+
+
+def test_full_disk_is_said_in_one_line(study, tmp_path, monkeypatch, capsys):
+    def fail(*_, **__):
+        raise RuntimeError("NetCDF: HDF error")
+
+    monkeypatch.setattr(xr.Dataset, "to_netcdf", fail)
+    assert run(study, "-o", tmp_path / "bem.nc", "--workers", 1) == 1
+    error = capsys.readouterr().err
+    assert "is the disk full?" in error
+    assert "Traceback" not in error
+    assert not list(tmp_path.rglob("*.tmp"))
+
+
+def test_closed_log_does_not_stop_the_run(study, tmp_path):
+    command = f"{sys.executable} -m tests.campaign.toy_model {study} -o {tmp_path}/bem.nc --workers 1 2>&1 >/dev/null"
+    subprocess.run(["bash", "-c", f"{command} | true"], check=True)
+    assert (tmp_path / "bem.nc").exists()
+
+
+@pytest.mark.parametrize("encoding", ["ascii", "latin-1"])
+def test_help_on_a_terminal_without_greek(encoding):
+    command = [sys.executable, "-m", "tests.campaign.toy_model", "--help"]
+    done = subprocess.run(command, capture_output=True, env={**os.environ, "PYTHONIOENCODING": encoding})
+    assert done.returncode == 0, done.stderr
+    assert b"--material.poissons_ratio" in done.stdout
+
+
 def test_output_that_is_a_directory(study, tmp_path, capsys):
     assert run(study, "-o", tmp_path) == 1
     assert run(study, "-o", tmp_path, "--overwrite") == 1
