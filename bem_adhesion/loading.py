@@ -148,19 +148,21 @@ class LoadedContact:
         compliance = 1.0
         previous: tuple[float, float] | None = None
         iterations = 0
+        outcome = Outcome.ITERATION_LIMIT
         for _ in range(GAP_CORRECTIONS):
             result = self._solve(gap, -self._spring * end)
             iterations += result.iterations
             gap = result.gap
             error = float(np.mean(gap)) - mean_gap
             if result.outcome is not Outcome.CONVERGED or abs(error) <= self.tolerance:
+                outcome = result.outcome
                 break
             if previous is not None and error != previous[1]:
                 # Between rigid (1) and a contact ten times as stiff as the spring.
                 compliance = np.clip((error - previous[1]) / (end - previous[0]), 0.1, 1.0)
             previous = end, error
             end -= error / compliance
-        return replace(result, iterations=iterations)
+        return replace(result, iterations=iterations, outcome=outcome)
 
     def _solution(self, result: NewtonResult, pairs: float) -> Solution:
         gap = result.gap * self._length
