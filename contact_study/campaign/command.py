@@ -13,6 +13,7 @@ import tomllib
 import traceback
 from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime
+from functools import cache
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -126,6 +127,12 @@ def _main(model: Model, arguments: Sequence[str]) -> int:
         parts.remove()  # of a run killed between its dataset and its tidying up
         with xr.open_dataset(output) as dataset:
             status = _status(model, dataset)
+            if dataset.attrs["git_commit"] != git_commit():
+                print(
+                    f"{model.command}: warning: {output} is of commit {dataset.attrs['git_commit']}, this is "
+                    f"{git_commit()}; use --overwrite to compute it anew",
+                    file=sys.stderr,
+                )
         print(output)
         return status
     storage.writable_output(output)
@@ -133,9 +140,8 @@ def _main(model: Model, arguments: Sequence[str]) -> int:
     for note in study.notes:
         progress.say(f"warning: {note}")
     try:
-        damaged = parts.open(identity, resume=given.resume, overwrite=given.overwrite)
-        if damaged:
-            progress.say(f"warning: {damaged} damaged files of the earlier run are dropped and computed again")
+        for note in parts.open(identity, git_commit(), resume=given.resume, overwrite=given.overwrite):
+            progress.say(f"warning: {note}")
         notes = run_cases(model, study, parts, predictor, given.workers, progress)
         progress.close()
         bins = study.cases[0].bins
@@ -257,6 +263,7 @@ def _provenance(
     }
 
 
+@cache
 def git_commit() -> str:
     """Commit of the checkout that this runs from, marked if it has been changed; "unknown" outside one."""
     try:

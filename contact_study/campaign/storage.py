@@ -77,13 +77,13 @@ class Parts:
         self.folder = output.with_name(output.name + ".parts")
         self._lock = FileLock(str(self.folder) + ".lock")
 
-    def open(self, identity: Mapping[str, Any], *, resume: bool, overwrite: bool) -> int:
+    def open(self, identity: Mapping[str, Any], git_commit: str, *, resume: bool, overwrite: bool) -> list[str]:
         """Take the folder for this campaign, keeping what is there (resume) or clearing it (overwrite).
 
         Returns
         -------
-        int
-            How many damaged files were dropped; their steps count as unfinished.
+        list of str
+            What is to be known of the steps that are there: some damaged, or of another commit of this software.
 
         Raises
         ------
@@ -97,7 +97,7 @@ class Parts:
                 f"{self.output}: another run is writing it; wait for its end or choose another output"
             ) from None
         manifest = self.folder / "manifest.json"
-        text = json.dumps(identity, indent=1, sort_keys=True)
+        notes = []
         if self.folder.exists() and overwrite:
             shutil.rmtree(self.folder)
         if manifest.exists() or any(self.folder.glob("case-*")):
@@ -106,13 +106,20 @@ class Parts:
                     f"{self.folder} holds the steps of an unfinished run; continue it with --resume "
                     "or drop it with --overwrite"
                 )
-            if not manifest.exists() or manifest.read_text() != text:
+            earlier = _manifest(manifest)
+            if any(earlier.get(name) != value for name, value in identity.items()):
                 raise InputError(
                     f"{self.folder} holds the steps of another study or version; use --overwrite or another output"
                 )
+            commit = earlier.get("git_commit")
+            if commit != git_commit:
+                notes.append(f"the earlier steps are of commit {commit}, the next of {git_commit}")
         self.folder.mkdir(parents=True, exist_ok=True)
-        write_aside(manifest, lambda path: path.write_text(text))
-        return _drop_damaged(self.folder)
+        _save_json(manifest, {**identity, "git_commit": git_commit})
+        damaged = _drop_damaged(self.folder)
+        if damaged:
+            notes.append(f"{damaged} damaged files of the earlier run are dropped and computed again")
+        return notes
 
     def close(self) -> None:
         """Let other runs write."""
@@ -134,6 +141,14 @@ class Parts:
     def case_folder(self, number: int) -> Path:
         """Folder of one case."""
         return self.folder / f"case-{number:04d}"
+
+
+def _manifest(path: Path) -> dict[str, Any]:
+    """What a folder's steps belong to; empty if nothing readable says so."""
+    try:
+        return dict(_load_json(path))
+    except (OSError, ValueError, TypeError):
+        return {}
 
 
 def _drop_damaged(folder: Path) -> int:
@@ -180,13 +195,13 @@ def save_constants(folder: Path, constants: Mapping[str, Value]) -> None:
 def save_notes(folder: Path, notes: Sequence[str]) -> None:
     """Put a case's warnings on disk."""
     folder.mkdir(parents=True, exist_ok=True)
-    write_aside(folder / _NOTES, lambda path: path.write_text(json.dumps(list(notes)), encoding="utf-8"))
+    _save_json(folder / _NOTES, list(notes))
 
 
 def load_notes(folder: Path) -> list[str]:
     """A case's warnings so far."""
     path = folder / _NOTES
-    return _load_notes(path) if path.exists() else []
+    return _load_json(path) if path.exists() else []
 
 
 def load_case(folder: Path, steps: int) -> tuple[dict[str, Any], list[dict[str, Any]]]:
@@ -337,7 +352,11 @@ def _load_arrays(path: Path) -> dict[str, np.ndarray]:
         return dict(arrays)
 
 
-def _load_notes(path: Path) -> list[str]:
+def _save_json(path: Path, content: Any) -> None:
+    write_aside(path, lambda partial: partial.write_text(json.dumps(content, indent=1), encoding="utf-8"))
+
+
+def _load_json(path: Path) -> Any:
     return json.loads(path.read_text(encoding="utf-8"))
 
 
@@ -356,4 +375,4 @@ def _load_values(path: Path) -> dict[str, Any]:
         return {str(name).replace(".", "/"): variable.values for name, variable in dataset.variables.items()}
 
 
-_READERS: dict[str, Callable[[Path], Any]] = {".nc": _load_values, ".npz": _load_arrays, ".json": _load_notes}
+_READERS: dict[str, Callable[[Path], Any]] = {".nc": _load_values, ".npz": _load_arrays, ".json": _load_json}

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from contact_study.campaign import storage
+from contact_study.campaign import command, storage
 from contact_study.campaign.command import main
 from contact_study.campaign.schema import COORDINATES, VARIABLES
 from tests.campaign.toy_model import TOY
@@ -230,8 +230,22 @@ def test_damaged_steps_are_computed_again(study, interrupted, tmp_path, capsys, 
     assert_same(tmp_path / "whole.nc", interrupted)
 
 
-def test_steps_without_a_manifest_are_not_mixed(study, interrupted, tmp_path, capsys):
-    (tmp_path / "bem.nc.parts" / "manifest.json").unlink()
+def test_another_commit_is_said(study, interrupted, monkeypatch, capsys):
+    """A run that is continued, or not repeated, after the program has changed."""
+    monkeypatch.setattr(command, "git_commit", lambda: "another")
+    assert run(study, "-o", interrupted, "--resume") == 0
+    assert "the next of another" in capsys.readouterr().err
+    monkeypatch.undo()
+    assert run(study, "-o", interrupted, "--resume") == 0
+    assert "is of commit another" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("content", [None, "", "[1]", "3"])
+def test_steps_without_a_manifest_are_not_mixed(study, interrupted, tmp_path, capsys, content):
+    manifest = tmp_path / "bem.nc.parts" / "manifest.json"
+    manifest.unlink()
+    if content is not None:
+        manifest.write_text(content)
     before = sorted(tmp_path.rglob("*"))
     assert run(study, "-o", interrupted) == 1
     assert run(study, "-o", interrupted, "--resume") == 1
