@@ -96,8 +96,10 @@ def _run_in_processes(jobs: list[Job], workers: int, threads: int, progress: Pro
     listener.start()
     executor = ProcessPoolExecutor(workers, context, _start_worker, (queue,))
     try:
-        # The last case of a sweep is usually the hardest (strongest adhesion): started first, it is not waited for.
-        for finished in as_completed([executor.submit(_run_queued, job, threads) for job in reversed(jobs)]):
+        with _interrupts_held():  # Ctrl-C reaches the workers too, but is the parent's to handle: they inherit this
+            # The last case of a sweep is usually the hardest (strongest adhesion): started first, it is not waited for.
+            running = [executor.submit(_run_queued, job, threads) for job in reversed(jobs)]
+        for finished in as_completed(running):
             finished.result()
     except BrokenProcessPool:
         raise CampaignError("a worker process was killed (out of memory?); finished steps are kept") from None
@@ -111,6 +113,18 @@ def _run_in_processes(jobs: list[Job], workers: int, threads: int, progress: Pro
         listener.join(timeout=5)
 
 
+@contextmanager
+def _interrupts_held() -> Iterator[None]:
+    if not hasattr(signal, "pthread_sigmask"):  # Windows
+        yield
+        return
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
 def _listen(queue: Any, progress: Progress) -> None:
     while (event := queue.get()) is not None:
         progress.step(*event)
@@ -122,7 +136,7 @@ _queue: Any = None
 def _start_worker(queue: Any) -> None:
     global _queue
     _queue = queue
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the parent's to handle
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # where interrupts cannot be held
     threading.Thread(target=_die_with_parent, daemon=True).start()
 
 

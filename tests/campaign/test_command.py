@@ -181,6 +181,19 @@ def test_steps_of_another_study_are_not_mixed(study, tmp_path, capsys):
     assert (folder / "manifest.json").read_text() == "{}"
 
 
+@pytest.mark.skipif(not Path("/proc/self/task").is_dir(), reason="finds the workers in /proc")
+def test_interrupt_while_workers_start(study, tmp_path):
+    command = [sys.executable, "-m", "tests.campaign.toy_model", study, "-o", tmp_path / "bem.nc", "--workers", "2"]
+    process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True, start_new_session=True)
+    children = Path(f"/proc/{process.pid}/task/{process.pid}/children")
+    while len(children.read_text().split()) < 3:  # the resource tracker and the two workers
+        assert process.poll() is None
+    os.killpg(process.pid, signal.SIGINT)
+    _, stderr = process.communicate(timeout=20)
+    assert process.returncode == 130
+    assert "Traceback" not in stderr
+
+
 @pytest.fixture
 def interrupted(study, tmp_path, monkeypatch):
     """An output whose run was interrupted after three steps, in the only case, which warns at its first."""
