@@ -188,6 +188,7 @@ def test_interrupt_while_workers_start(study, tmp_path):
     children = Path(f"/proc/{process.pid}/task/{process.pid}/children")
     while len(children.read_text().split()) < 3:  # the resource tracker and the two workers
         assert process.poll() is None
+    time.sleep(0.2)  # into their imports
     os.killpg(process.pid, signal.SIGINT)
     _, stderr = process.communicate(timeout=20)
     assert process.returncode == 130
