@@ -14,9 +14,9 @@ from contact_study.campaign import command
 from contact_study.campaign.model import Model
 from contact_study.campaign.record import Step, Value
 from contact_study.fields.observables import probability_density
+from contact_study.problem.case import Case
 from contact_study.problem.laws.base import TractionLaw
 from contact_study.problem.laws.hard_wall import HardWall
-from contact_study.problem.study import Case
 from contact_study.problem.surface import Surface
 
 MODEL = Model(

@@ -12,8 +12,8 @@ from contact_study.campaign.model import Model
 from contact_study.campaign.record import Step, Value
 from contact_study.fields import fourier
 from contact_study.fields.observables import probability_density
+from contact_study.problem.case import Case
 from contact_study.problem.errors import InputError
-from contact_study.problem.study import Case
 from contact_study.problem.surface import Surface
 from md_reference.block import SurfaceStiffness, element_matrix, surface_stiffness
 from md_reference.equilibrium import EquilibriumSolver

@@ -16,8 +16,9 @@ import numpy as np
 
 from bem_adhesion.loading import LoadedContact
 from contact_study.fields.fourier import RealTransform
+from contact_study.problem.case import Case
 from contact_study.problem.laws.base import TractionLaw
-from contact_study.problem.study import Case, read_study
+from contact_study.problem.study import read_study
 from contact_study.problem.surface import realise
 
 PRESSURES = np.array([0.1, 0.2, 0.5, 1, 2, 5, 10]) * 1e9

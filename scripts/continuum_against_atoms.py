@@ -27,9 +27,10 @@ from contact_study.campaign import storage
 from contact_study.campaign.command import Parser, guarded
 from contact_study.fields import fourier
 from contact_study.fields.grid import Grid
+from contact_study.problem.case import Case
 from contact_study.problem.errors import InputError
 from contact_study.problem.laws.base import TractionLaw
-from contact_study.problem.study import Case, read_study
+from contact_study.problem.study import read_study
 from contact_study.problem.surface import Surface, realise
 from contact_study.problem.units import quantity
 from md_reference.block import SurfaceStiffness, without_lateral_freedom

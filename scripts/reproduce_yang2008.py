@@ -22,14 +22,14 @@ def main() -> int:
     given = parser.parse_args()
     study = ROOT / STUDIES[given.preset]
     folder = given.output or Path("results") / f"yang2008-{given.preset}"
-    bem, md, theory = (folder / f"{name}.nc" for name in ("bem", "md", "theory"))
+    bem, md, theory, comparison = (folder / f"{name}.nc" for name in ("bem", "md", "theory", "comparison"))
+    figures, report = folder / "figures", folder / "report.html"
     again = "--overwrite" if given.overwrite else "--resume"
     commands = [
         ["bem-adhesion", study, "-o", bem, again],
         ["persson-theory", study, "-o", theory, again],
         ["md-reference", study, "-o", md, "--predictor", bem, again],
-        ["contact-compare", bem, md, theory, "-o", folder / "comparison.nc", "--figures", folder / "figures"]
-        + ["--report", folder / "report.html", "--overwrite"],
+        ["contact-compare", bem, md, theory, "-o", comparison, "--figures", figures, "--report", report, "--overwrite"],
     ]
     began, worst = time.monotonic(), 0
     for command in commands:
@@ -38,14 +38,16 @@ def main() -> int:
         if status not in (0, 2):  # 2: some step did not converge; the dataset and the report say which
             return status
         worst = max(worst, status)
-    print(f"\ndone in {time.monotonic() - began:.0f} s", file=sys.stderr)
+    print(f"\ndone in {time.monotonic() - began:.0f} s; results:", file=sys.stderr, flush=True)
+    print(bem, md, theory, comparison, *sorted(figures.glob("figure_*.png")), report, sep="\n")
     return worst
 
 
 def run(command: list[str]) -> int:
     """Run one of the project's commands from this interpreter's environment."""
     executable = Path(sys.executable).with_name(command[0])
-    process = subprocess.Popen([str(executable), *command[1:]])
+    # What the commands print on stdout is named once, at the end.
+    process = subprocess.Popen([str(executable), *command[1:]], stdout=subprocess.DEVNULL)
     while True:
         try:
             return process.wait()

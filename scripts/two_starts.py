@@ -22,8 +22,9 @@ from contact_study.campaign import storage
 from contact_study.campaign.command import Parser, guarded
 from contact_study.campaign.record import Step
 from contact_study.problem.bins import with_bins
+from contact_study.problem.case import Case
 from contact_study.problem.errors import InputError
-from contact_study.problem.study import Case, read_study
+from contact_study.problem.study import read_study
 from contact_study.problem.surface import realise
 from contact_study.problem.units import quantity
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from contact_study.campaign.record import Step, Value
-from contact_study.problem.study import Case
+from contact_study.problem.case import Case
 from contact_study.problem.surface import Surface
 
 Predictor = Callable[[int], np.ndarray | None]

@@ -5,8 +5,8 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
+from contact_study.problem.case import Case
 from contact_study.problem.errors import InputError
-from contact_study.problem.study import Case
 
 
 def check_predictor(path: Path) -> None:

@@ -20,7 +20,8 @@ from contact_study.campaign.model import Model
 from contact_study.campaign.predictor import GapFields
 from contact_study.campaign.progress import Progress
 from contact_study.campaign.record import Step, Value
-from contact_study.problem.study import Case, Study
+from contact_study.problem.case import Case
+from contact_study.problem.study import Study
 from contact_study.problem.surface import Surface, realise
 
 # Below this number of points a second thread of FFTW gains little, and costs much when the other core is busy.

@@ -13,8 +13,9 @@ import numpy as np
 import xarray as xr
 
 from contact_study.campaign.schema import SCHEMA_VERSION
+from contact_study.problem.case import Case
 from contact_study.problem.errors import InputError
-from contact_study.problem.study import Case, Study, make_study
+from contact_study.problem.study import Study, make_study
 
 # Order of trust where one number must stand for all: the two simulations, then the theories.
 MODELS = ("atomistic", "continuum", "theory", "gap_flow")

@@ -6,8 +6,9 @@ from contact_study.comparison.cases import coordinate_label
 from contact_study.comparison.datasets import Inputs
 from contact_study.comparison.path_points import AVERAGED
 from contact_study.comparison.wording import control_unit, length, number, pressure_unit
+from contact_study.problem.case import Case
 from contact_study.problem.errors import InputError
-from contact_study.problem.study import Case, Study
+from contact_study.problem.study import Study
 
 
 def study_paragraphs(inputs: Inputs) -> list[tuple[str, str]]:

@@ -9,8 +9,9 @@ import xarray as xr
 from contact_study.comparison.cases import SweepPoint, constant, first_constant, select, sweep_points
 from contact_study.fields import fourier
 from contact_study.fields.grid import Grid
+from contact_study.problem.case import Case
 from contact_study.problem.errors import InputError
-from contact_study.problem.study import Case, Study
+from contact_study.problem.study import Study
 from contact_study.problem.surface import realise
 
 # A grid coarser than this share of the process zone traps contact edges between its points.

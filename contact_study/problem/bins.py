@@ -5,8 +5,9 @@ import dataclasses
 import numpy as np
 
 from contact_study.fields.observables import Bins
+from contact_study.problem.case import Case
 from contact_study.problem.laws.base import TractionLaw
-from contact_study.problem.study import Case, Study
+from contact_study.problem.study import Study
 from contact_study.problem.surface import realise
 
 

@@ -9,10 +9,10 @@ import numpy as np
 from contact_study.fields import fourier
 from contact_study.fields.grid import Grid
 from contact_study.fields.spectrum import RadialSpectrum, SelfAffineSpectrum, radial_spectrum
+from contact_study.problem.case import Case
 from contact_study.problem.errors import InputError
 from contact_study.problem.height_map import read_height_map
 from contact_study.problem.sections import SurfaceSection
-from contact_study.problem.study import Case
 
 
 @dataclass(frozen=True)

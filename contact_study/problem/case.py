@@ -1,0 +1,161 @@
+"""One point of a study's sweep: all that a model is given besides the surface, frozen, in plain SI numbers."""
+
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+from contact_study.fields.observables import Bins
+from contact_study.problem import sections
+from contact_study.problem.errors import InputError
+from contact_study.problem.laws import make_law
+from contact_study.problem.laws.base import TractionLaw
+from contact_study.problem.laws.hard_wall import HardWall
+from contact_study.problem.laws.lennard_jones_10_4 import work_of_adhesion
+
+GOLDEN_MEAN = (1 + 5**0.5) / 2
+
+
+@dataclass(frozen=True)
+class Case:
+    """One point of a study's sweep.
+
+    Attributes
+    ----------
+    coordinates : dict
+        The swept keys, by their last part, and this case's values.
+    index : tuple of int
+        Position along each swept key.
+    """
+
+    study: sections.StudySection
+    surface: sections.SurfaceSection
+    material: sections.MaterialSection
+    interaction: sections.InteractionSection
+    loading: sections.LoadingSection
+    solver: sections.SolverSection
+    atomistic: sections.AtomisticSection
+    theory: sections.TheorySection
+    output: sections.OutputSection
+    coordinates: dict[str, Any] = field(default_factory=dict)
+    index: tuple[int, ...] = ()
+    directory: Path = Path(".")
+    study_bins: Bins | None = None
+
+    def __post_init__(self):
+        if self.interaction.law == "hard_wall" and self.loading.control == "pressure" and min(self.loading.path) <= 0:
+            raise InputError(
+                f"loading.path: {min(self.loading.path):g} Pa cannot be carried by a hard wall without adhesion; "
+                "give positive pressures"
+            )
+        lowest_gap = min(self.loading.path) + self.law.equilibrium_distance
+        # Only a hard wall can be met everywhere, at a mean gap of zero.
+        if self.loading.control == "gap" and (lowest_gap < 0 or (lowest_gap == 0 and self.law.work_of_adhesion > 0)):
+            raise InputError(
+                f"loading.path: a mean gap of {min(self.loading.path):g} m above the equilibrium distance, "
+                f"{self.law.equilibrium_distance:g} m, leaves no gap between the surfaces"
+            )
+        if self.interaction.law != "hard_wall" and self.loading.control == "pressure":
+            lowest = -self.law.peak_tensile_stress
+            if min(self.loading.path) < lowest:
+                raise InputError(
+                    f"loading.path: {min(self.loading.path):g} Pa is a tension beyond the law's peak, {lowest:g} Pa; "
+                    "no state can carry it"
+                )
+
+    @property
+    def bins(self) -> Bins:
+        """Bins of the distributions; known once :func:`~contact_study.problem.bins.with_bins` has chosen them."""
+        if self.study_bins is None:
+            raise RuntimeError("the study has no bins yet: call with_bins(study)")
+        return self.study_bins
+
+    @property
+    def label(self) -> str:
+        """Coordinates in words, for progress and messages."""
+        return ", ".join(f"{name} = {value}" for name, value in self.coordinates.items())
+
+    @cached_property
+    def law(self) -> TractionLaw | HardWall:
+        """The traction-separation law."""
+        return make_law(self.interaction.law, self.work_of_adhesion, self.interaction.length or 0.0)
+
+    @property
+    def contact_distance(self) -> float:
+        """Gaps below it count as contact (m)."""
+        if self.interaction.contact_distance is not None:
+            return self.interaction.contact_distance
+        return 2 ** (1 / 6) * (self.interaction.length or 0.0)
+
+    @property
+    def height_map(self) -> Path | None:
+        """File of the heights, for a surface from a file."""
+        section = self.surface
+        return self.directory / section.path if section.kind == "file" and section.path is not None else None
+
+    @property
+    def path(self) -> list[tuple[float, str]]:
+        """Prescribed values in order, each with its branch: "loading" or "unloading"."""
+        points = [(value, "loading") for value in self.loading.path]
+        if self.loading.unload:
+            points += [(value, "unloading") for value in self.loading.path[-2::-1]]
+        return points
+
+    @property
+    def atoms(self) -> tuple[int, int]:
+        """Atoms of the block's bottom layer along y and x.
+
+        Raises
+        ------
+        InputError
+            If a lattice constant is missing or does not divide the lateral size.
+        """
+        constant = self.material.lattice_constant
+        if constant is None:
+            raise InputError("missing key material.lattice_constant: atoms and interaction.well_depth need it")
+        if self.surface.size is None:
+            raise InputError("missing key surface.size: atoms need it")
+        counts = []
+        for size in self.surface.size:
+            number = size / constant
+            # An integer up to the rounding of two decimal inputs.
+            if abs(number - round(number)) > 1e-6 * number or round(number) < 4:
+                raise InputError(
+                    f"material.lattice_constant = {constant:g} m: {size:g} m holds {number:.6g} atoms, "
+                    "not a whole number of at least 4"
+                )
+            counts.append(round(number))
+        return counts[0], counts[1]
+
+    @property
+    def substrate_sites(self) -> tuple[int, int]:
+        """Sites of the substrate layer along y and x: the golden mean times the atoms, to the nearest integer."""
+        rows, columns = self.atoms
+        return round(GOLDEN_MEAN * rows), round(GOLDEN_MEAN * columns)
+
+    @property
+    def _densities(self) -> tuple[float, float]:
+        (rows, columns), (site_rows, site_columns) = self.atoms, self.substrate_sites
+        assert self.surface.size is not None  # atoms checked it
+        area = self.surface.size[0] * self.surface.size[1]
+        return rows * columns / area, site_rows * site_columns / area
+
+    @property
+    def work_of_adhesion(self) -> float:
+        """Δγ (J/m²), including ``well_depth_ratio``; zero for a hard wall without adhesion."""
+        given = self.interaction
+        if given.work_of_adhesion is not None:
+            return given.work_of_adhesion * given.well_depth_ratio
+        if given.well_depth is None or given.length is None:
+            return 0.0
+        return work_of_adhesion(given.well_depth * given.well_depth_ratio, given.length, *self._densities)
+
+    @property
+    def well_depth(self) -> float:
+        """ε of the pair potential (J), including ``well_depth_ratio``."""
+        given = self.interaction
+        if given.well_depth is not None:
+            return given.well_depth * given.well_depth_ratio
+        if given.length is None:
+            raise InputError("missing key interaction.length: atoms need a pair potential")
+        return self.work_of_adhesion / work_of_adhesion(1.0, given.length, *self._densities)
