@@ -144,9 +144,9 @@ def _main(model: Model, arguments: Sequence[str]) -> int:
             progress.say(f"warning: {note}")
         notes = run_cases(model, study, parts, predictor, given.workers, progress)
         progress.close()
-        bins = study.cases[0].bins
+        bins, longest = study.cases[0].bins, max(len(case.path) for case in study.cases)
         coordinates = {"pressure_bin": bins.pressure, "gap_bin": bins.gap}
-        groups = storage.assemble(study.sweep, collect(study, parts), coordinates)
+        groups = storage.assemble(study.sweep, longest, collect(study, parts), coordinates)
         command = f"{model.command} {shlex.join(arguments)}"
         groups[""].attrs.update(_provenance(model, study, identity, notes, command))
         parts.finish(groups)

@@ -22,6 +22,7 @@ from contact_study.problem.errors import InputError
 from contact_study.problem.study import SweptKey
 
 _NOTES = "warnings.json"
+_CHUNK_POINTS = 2**19
 
 
 def writable_output(path: Path) -> None:
@@ -211,6 +212,7 @@ def load_case(folder: Path, steps: int) -> tuple[dict[str, Any], list[dict[str, 
 
 def assemble(
     sweep: Mapping[str, SweptKey],
+    steps: int,
     cases: Iterable[tuple[tuple[int, ...], dict[str, Any], list[dict[str, Any]]]],
     coordinates: Mapping[str, np.ndarray],
 ) -> dict[str, xr.Dataset]:
@@ -220,14 +222,14 @@ def assemble(
     ----------
     sweep : mapping
         Swept keys: the leading dimensions.
+    steps : int
+        Points of the longest loading path.
     cases : iterable
         Position in the sweep, constants, and values of each step.
     coordinates : mapping
         One-dimensional coordinates of the whole study.
     """
-    cases = list(cases)
     lengths = tuple(len(swept.values) for swept in sweep.values())
-    steps = max(len(path) for _, _, path in cases)
     arrays: dict[str, np.ndarray] = {}
     for index, constants, path in cases:
         for name, value in constants.items():
@@ -261,8 +263,14 @@ def write_dataset(path: Path, groups: Mapping[str, xr.Dataset]) -> None:
 def _encoding(name: str, variable: xr.Variable) -> dict[str, Any]:
     if variable.dtype.kind not in "fiu":
         return {}
-    # CF: a coordinate has no missing values.
-    return {"_FillValue": None} if variable.dims == (name,) else _variable(name).encoding
+    if variable.dims == (name,):  # CF: a coordinate has no missing values
+        return {"_FillValue": None}
+    encoding = _variable(name).encoding
+    if encoding.get("zlib"):  # one state a chunk, and no more than a few MB: a reader of one field reads no other
+        rows, columns = variable.shape[-2:]
+        whole_rows = max(1, min(rows, _CHUNK_POINTS // columns)) if variable.dims[-2] != "step" else 1
+        encoding |= {"chunksizes": (*(1,) * (variable.ndim - 2), whole_rows, columns)}
+    return encoding
 
 
 def _all_variables() -> dict[str, Any]:

@@ -73,6 +73,8 @@ def test_writes_the_dataset_and_names_it(study, tmp_path, capsys):
         assert dataset.height.dims == ("seed", "y", "x")
         assert dataset.work_of_adhesion.dims == ("well_depth_ratio",)
         assert dataset.contact_modulus.dims == ()
+        assert dataset.gap.encoding["chunksizes"] == (1, 1, 1, 16, 16)  # one state
+        assert dataset.pressure_pdf.encoding["chunksizes"] == (1, 1, 1, 300)
         for name, variable in dataset.variables.items():
             assert variable.attrs["long_name"], name
             assert "units" in variable.attrs, name
