@@ -133,9 +133,11 @@ def _hard_wall_path(
 
 def _step(case: Case, solution: Solution, in_contact: np.ndarray, began: float, restart: dict[str, np.ndarray]) -> Step:
     gap, pressure = solution.gap, solution.pressure
+    mean_gap = float(np.mean(gap)) - case.law.equilibrium_distance
     values: dict[str, Value] = {
         "mean_pressure": float(np.mean(pressure)),
-        "mean_gap": float(np.mean(gap)) - case.law.equilibrium_distance,
+        "mean_gap": mean_gap,
+        "mean_separation": mean_gap,  # the half-space moves vertically only: the same
         "relative_contact_area": float(np.mean(in_contact)),
         "relative_repulsive_area": float(np.mean(pressure > 0)),
         "elastic_energy": solution.elastic_energy,

@@ -207,14 +207,14 @@ def at_mean_gap(interface: LennardJonesInterface, displacement: np.ndarray, mean
 
     Raises
     ------
-    ValueError
+    InputError
         If the mean gap is so small that all atoms would be closer.
     """
     length = interface.length
     floor = displacement[2] - interface.gap(displacement) + 0.85 * length
     target = mean_gap + length
     if np.mean(floor) >= target:
-        raise ValueError(f"loading.path: a mean gap of {mean_gap:g} m needs atoms closer than 0.85 r0 everywhere")
+        raise InputError(f"loading.path: a mean gap of {mean_gap:g} m needs atoms closer than 0.85 r0 everywhere")
 
     def excess(shift: float) -> float:
         return float(np.mean(np.maximum(displacement[2] + shift, floor))) - target
@@ -233,11 +233,14 @@ def _step(
     area_per_atom = interface.spacing[0] * interface.spacing[1]
     nominal_area = area_per_atom * found.displacement[0].size
     detached = found.outcome is Outcome.DETACHED
+    # Atoms that slide to other heights change their mean gap, not the distance that the load works on.
+    separation = float(np.mean(found.displacement[2]) - np.mean(interface.rest_heights())) - interface.length
     gap = np.full(interface.shape, np.inf) if detached else interface.gap(found.displacement)
     pressure = found.force[2] / area_per_atom
     values: dict[str, Value] = {
         "mean_pressure": float(np.mean(pressure)),
         "mean_gap": float(np.mean(gap)) - interface.length,
+        "mean_separation": np.inf if detached else separation,
         "relative_contact_area": float(np.mean(gap < case.contact_distance)),
         "relative_repulsive_area": float(np.mean(pressure > 0)),
         "elastic_energy": 0.0 if detached else found.elastic_energy / nominal_area,

@@ -64,6 +64,9 @@ _FLAG = {"flag_values": np.array([-1, 0, 1], np.int8), "flag_meanings": "absent 
 VARIABLES: dict[str, Variable] = {
     "mean_pressure": Variable("Pa", "mean normal pressure at the interface, compression positive"),
     "mean_gap": Variable("m", "mean gap, measured from the law's equilibrium distance"),
+    "mean_separation": Variable(
+        "m", "distance of the mean planes of block and surface from the equilibrium distance, conjugate to the pressure"
+    ),
     "relative_contact_area": Variable("1", "contact area over nominal area"),
     "relative_repulsive_area": Variable("1", "area under positive pressure over nominal area"),
     "elastic_energy": Variable("J m-2", "elastic energy per nominal area"),

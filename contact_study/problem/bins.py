@@ -26,12 +26,22 @@ def with_bins(study: Study) -> Study:
 def _choose(cases: tuple[Case, ...]) -> Bins:
     tension, compression, gap = zip(*(_ranges(case) for case in cases), strict=True)
     output = cases[0].output
-    pressure_range = output.pressure_range or (-_rounded(max(tension)), _rounded(max(compression)))
+    if output.pressure_range is not None:
+        pressure_edges = np.linspace(*output.pressure_range, output.pressure_bins + 1)
+    else:
+        pressure_edges = _around_zero(_rounded(max(tension)), _rounded(max(compression)), output.pressure_bins)
     gap_range = output.gap_range or (0.0, _rounded(max(gap)))
-    return Bins(
-        np.linspace(*pressure_range, output.pressure_bins + 1),
-        np.linspace(*gap_range, output.gap_bins + 1),
-    )
+    return Bins(pressure_edges, np.linspace(*gap_range, output.gap_bins + 1))
+
+
+def _around_zero(tension: float, compression: float, bins: int) -> np.ndarray:
+    """Edges over [−tension, compression] with zero in the middle of a bin.
+
+    Points out of contact carry no stress, or next to none of either sign: an edge at zero would part them at random.
+    """
+    width = (tension + compression) / bins
+    below = round(tension / width - 0.5) + 0.5  # bins on the side of tension, the middle one half
+    return (np.arange(bins + 1) - below) * width
 
 
 def _ranges(case: Case) -> tuple[float, float, float]:
