@@ -36,6 +36,7 @@ lint: env
 
 benchmark: env
 	$(BIN)/python scripts/benchmark_hard_wall.py
+	$(BIN)/python scripts/benchmark_adhesive.py
 
 clean:
 	rm -rf .venv results build *.egg-info

@@ -1,7 +1,7 @@
 """The continuum model against the table of an independent prototype: other surfaces, other code, the same statistics.
 
 Each entry is the mean and standard deviation over 24 surfaces of 256² points with a realised root-mean-square height
-of 10 Å, Δγ = 0.69 J/m² times the ratio, loaded from separation (docs: reference values of the continuum).
+of 10 Å, Δγ = 0.69 J/m² times the ratio, loaded from separation.
 """
 
 import numpy as np
