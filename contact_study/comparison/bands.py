@@ -64,12 +64,23 @@ def _bands(
         parts = [select(branches[side], point) for side in ("loading", "unloading")]
         if any(part is None for part in parts):
             continue
-        pressure, *_ = (series(part, "mean_pressure").values for part in parts if part is not None)
-        found = [series(part, name) for part in parts if part is not None]
-        good = found[0].fit & found[1].fit
-        along, one = scaled(pressure[good], found[0].values[good])
-        _, two = scaled(pressure[good], found[1].values[good])
-        _, order = np.unique(along, return_index=True)
-        order = order[np.isfinite(along[order])]
-        bands.append(Band(colour, along[order], np.minimum(one, two)[order], np.maximum(one, two)[order]))
+        sides = [_side(part, name, scaled) for part in parts if part is not None]
+        # Under a prescribed gap each branch has its own pressures; the band is where both have some.
+        every = np.unique(np.concatenate([along for along, _ in sides]))
+        if not all(along.size for along, _ in sides):
+            continue
+        shared = every[(every >= max(along[0] for along, _ in sides)) & (every <= min(along[-1] for along, _ in sides))]
+        one, two = (np.interp(shared, along, values) for along, values in sides)
+        bands.append(Band(colour, shared, np.minimum(one, two), np.maximum(one, two)))
     return bands
+
+
+def _side(
+    part: xr.Dataset, name: str, scaled: Callable[[np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]]
+) -> tuple[np.ndarray, np.ndarray]:
+    """Increasing pressures of one branch, and the quantity there, in the units of the figure."""
+    pressure, found = series(part, "mean_pressure"), series(part, name)
+    along, values = scaled(pressure.values[found.fit], found.values[found.fit])
+    finite = np.isfinite(along) & np.isfinite(values)
+    along, order = np.unique(along[finite], return_index=True)
+    return along, values[finite][order]

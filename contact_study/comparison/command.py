@@ -60,7 +60,7 @@ def _main(arguments: Sequence[str]) -> int:
     deviations = compute_deviations(inputs.models, inputs.control)
     if (deviations["state"] == MISSING).all():
         raise InputError("these datasets have no point of their loading paths in common; run the same study")
-    regime = compute_regime(inputs.models, inputs.study)
+    regime = compute_regime(inputs)
     attrs = _attributes(inputs, given.output, arguments)
     drawn = _draw(inputs, wanted) if given.figures or given.report else Figures({}, {})
     tree = comparison_tree(inputs, deviations, regime, attrs)

@@ -7,15 +7,13 @@ import numpy as np
 import xarray as xr
 
 from contact_study.comparison.cases import SweepPoint, constant, first_constant, select, sweep_points
+from contact_study.comparison.datasets import Inputs
+from contact_study.comparison.path_points import AVERAGED
 from contact_study.fields import fourier
 from contact_study.fields.grid import Grid
 from contact_study.problem.case import Case
 from contact_study.problem.errors import InputError
-from contact_study.problem.study import Study
 from contact_study.problem.surface import realise
-
-# A grid coarser than this share of the process zone traps contact edges between its points.
-COARSEST_PIXEL = 0.25
 
 
 @dataclass(frozen=True)
@@ -67,17 +65,21 @@ def roughness(heights: np.ndarray, size: tuple[float, float]) -> Roughness:
     )
 
 
-def compute_regime(models: Mapping[str, xr.Dataset], study: Study) -> xr.Dataset:
+def compute_regime(inputs: Inputs) -> xr.Dataset:
     """Regime numbers at each point of the sweep, on its swept dimensions without the seed.
+
+    Where seeds are swept, what depends on the surface is that of the first seed, and its ``long_name`` says so.
 
     With R = 2/√<(∇²h)²>, the radius of the root-mean-square mean curvature, the Tabor parameter at the scale of the
     roughness is μ = (R Δγ²/E*² r₀³)^(1/3); θ = Δγ S/U_full compares what full contact gains with what it costs
     (Persson and Tosatti, J. Chem. Phys. 115, 5597 (2001)).
     """
+    models = inputs.models
     points = sweep_points(models)
-    numbers = [_regime(models, point, _roughness_of(models, point, study)) for point in points]
+    numbers = [_regime(models, point, _roughness_of(inputs, point)) for point in points]
     dims = list(points[0].selection)
-    lead = max(models.values(), key=lambda dataset: len(dataset.sizes))
+    attrs = {d: next(dataset[d].attrs for dataset in models.values() if d in dataset.dims) for d in dims}
+    several_seeds = any(dataset.sizes.get(AVERAGED, 1) > 1 for dataset in models.values())
     data = {}
     for name, (units, long_name) in _MEANINGS.items():
         column = xr.DataArray([row[name] for row in numbers], dims="case")
@@ -85,11 +87,12 @@ def compute_regime(models: Mapping[str, xr.Dataset], study: Study) -> xr.Dataset
             values = [list(dict.fromkeys(point.selection[dim] for point in points)) for dim in dims]
             array = column.values.reshape([len(v) for v in values])
             column = xr.DataArray(
-                array, dims=dims, coords={d: (d, v, lead[d].attrs) for d, v in zip(dims, values, strict=True)}
+                array, dims=dims, coords={d: (d, v, attrs[d]) for d, v in zip(dims, values, strict=True)}
             )
         else:
             column = column[0]
-        data[name] = column.assign_attrs(units=units, long_name=long_name)
+        whose = ", surface of the first seed" if several_seeds and name in _OF_THE_SURFACE else ""
+        data[name] = column.assign_attrs(units=units, long_name=long_name + whose)
     return xr.Dataset(data)
 
 
@@ -110,6 +113,7 @@ _MEANINGS = {
     "rms_slope": ("1", "root-mean-square slope of the surface"),
     "rms_laplacian": ("m-1", "root-mean-square Laplacian of the surface"),
 }
+_OF_THE_SURFACE = set(_MEANINGS) - {"process_zone", "pixel_over_process_zone"}
 
 
 def _regime(models: Mapping[str, xr.Dataset], point: SweepPoint, surface: Roughness | None) -> dict[str, float]:
@@ -138,15 +142,19 @@ def _regime(models: Mapping[str, xr.Dataset], point: SweepPoint, surface: Roughn
     }
 
 
-def _roughness_of(models: Mapping[str, xr.Dataset], point: SweepPoint, study: Study) -> Roughness | None:
-    """Moments of the surface of a point of the sweep, of its first seed; None for what is no periodic roughness."""
-    case = next(case for case in study.cases if _is_at(case, point))
-    if case.surface.kind == "sphere":
+def _roughness_of(inputs: Inputs, point: SweepPoint) -> Roughness | None:
+    """Moments of the surface of a point of the sweep, of its first seed.
+
+    None for what is no periodic roughness, and for a point that only the sweeps together would hold.
+    """
+    cases = (case for study in inputs.studies.values() for case in study.cases if _is_at(case, point))
+    case = next(cases, None)
+    if case is None or case.surface.kind == "sphere":
         return None
     try:
         surface = realise(case)
     except InputError:  # a height map that is no longer where the study names it
-        return _from_dataset(models, point)
+        return _from_dataset(inputs.models, point)
     return roughness(surface.heights(surface.shape), surface.size)
 
 

@@ -62,6 +62,11 @@ def gap(ratio, pressure, seed=1):
     return 1e-9 * (0.3 + 0.01 * seed) * np.exp(-pressure / 2e9) / ratio
 
 
+def pressure_at(applied_gap):
+    """The made-up mean pressure at a prescribed gap: tension beyond half a nanometre."""
+    return 1e9 * (0.5 - applied_gap / 1e-9)
+
+
 def study(text=STUDY):
     return with_bins(make_study(tomllib.loads(text)))
 
@@ -73,16 +78,17 @@ def write(path, kind, text=STUDY, unconverged=(), detached=(), **attrs):
     for number, case in enumerate(asked.cases):
         steps = [
             {
-                **_values(case, kind, pressure),
+                **_values(case, kind, prescribed),
                 "branch": branch == "unloading",
                 "converged": (number, step) not in unconverged,
                 "detached": (number, step) in detached,
             }
-            for step, (pressure, branch) in enumerate(case.path)
+            for step, (prescribed, branch) in enumerate(case.path)
         ]
         cases.append((case.index, _constants(case, kind), steps))
     bins = asked.cases[0].bins
-    groups = assemble(asked.sweep, cases, {"pressure_bin": bins.pressure, "gap_bin": bins.gap})
+    longest = max(len(steps) for _, _, steps in cases)
+    groups = assemble(asked.sweep, longest, cases, {"pressure_bin": bins.pressure, "gap_bin": bins.gap})
     groups[""].attrs.update(
         {
             "Conventions": "CF-1.11",
@@ -113,7 +119,7 @@ def _constants(case, kind):
         "contact_modulus": case.material.contact_modulus,
         "work_of_adhesion": case.work_of_adhesion,
         "equilibrium_distance": case.law.equilibrium_distance,
-        "peak_tensile_stress": case.law.peak_tensile_stress,
+        "peak_tensile_stress": getattr(case.law, "peak_tensile_stress", 0.0),
         "rms_height": surface.rms_height,
         "rms_slope": surface.rms_slope,
         "contact_distance": case.contact_distance,
@@ -124,9 +130,11 @@ def _constants(case, kind):
     return constants
 
 
-def _values(case, kind, pressure):
+def _values(case, kind, prescribed):
+    control = case.loading.control
+    pressure = prescribed if control == "pressure" else pressure_at(prescribed)
     ratio, seed = case.interaction.well_depth_ratio, case.surface.seed
-    values = {"applied_pressure": pressure, "residual": 1e-9, "iterations": 7, "wall_time": 0.5, "message": ""}
+    values = {f"applied_{control}": prescribed, "residual": 1e-9, "iterations": 7, "wall_time": 0.5, "message": ""}
     for model in ("theory", "gap_flow") if kind == "theory" else (kind,):
         prefix = "gap_flow/" if model == "gap_flow" else ""
         contact = min(1.0, AREA_FACTOR[model] * area(ratio, pressure, seed))
@@ -142,7 +150,8 @@ def _values(case, kind, pressure):
             values[f"{prefix}gap_pdf"] = _bell(case.bins.gap_edges, shifted + 3.28e-10, 4e-10)
     if kind == "theory":
         for side, factor in BRANCH_FACTOR.items():
-            values[f"gap_flow/{side}/mean_pressure"] = pressure
+            # Under a prescribed gap it is the pressure that differs.
+            values[f"gap_flow/{side}/mean_pressure"] = pressure * (1 if control == "pressure" else factor)
             values[f"gap_flow/{side}/relative_contact_area"] = factor * values["gap_flow/relative_contact_area"]
             values[f"gap_flow/{side}/mean_gap"] = values["gap_flow/mean_gap"] / factor
     else:

@@ -5,6 +5,7 @@ import pytest
 
 from contact_study.comparison.datasets import read_inputs
 from contact_study.comparison.regime import compute_regime, roughness
+from contact_study.problem.surface import realise
 from tests.comparison.synthetic import STUDY, study, write
 
 
@@ -27,8 +28,6 @@ def test_roughness_of_a_wave():
 
 
 def test_roughness_does_not_depend_on_the_grid():
-    from contact_study.problem.surface import realise
-
     surface = realise(study().cases[0])
     coarse, fine = (roughness(surface.heights(shape), surface.size) for shape in ((24, 24), (45, 64)))
     for name in ("rms_height", "rms_slope", "rms_laplacian", "conformal_energy"):
@@ -47,7 +46,7 @@ PAPER = (
 def test_paper_system(tmp_path):
     paths = [write(tmp_path / f"{kind}.nc", kind, PAPER) for kind in ("continuum", "atomistic")]
     inputs = read_inputs(paths)
-    regime = compute_regime(inputs.models, inputs.study)
+    regime = compute_regime(inputs)
     # Of the ensemble 0.30, 0.76, 1.21; one surface's curvature scatters by some per cent, the cube root by a third.
     np.testing.assert_allclose(regime["tabor_parameter"], [0.30, 0.76, 1.21], rtol=0.03)
     np.testing.assert_allclose(regime["process_zone"], [41e-10, 10.3e-10, 5.13e-10], rtol=0.01)
@@ -64,7 +63,32 @@ def test_without_sweep_and_without_roughness(tmp_path):
     flat = STUDY[: STUDY.index("[sweep]")].replace('kind = "self_affine"', 'kind = "flat"')
     paths = [write(tmp_path / f"{kind}.nc", kind, flat) for kind in ("continuum", "atomistic")]
     inputs = read_inputs(paths)
-    regime = compute_regime(inputs.models, inputs.study)
+    regime = compute_regime(inputs)
     assert regime["process_zone"].dims == ()
     assert np.isfinite(regime["process_zone"])
     assert np.isnan(regime["tabor_parameter"])
+
+
+def test_a_point_that_the_first_file_lacks(tmp_path):
+    paths = [
+        write(tmp_path / "a.nc", "atomistic", STUDY.replace("[1, 8]", "[1, 4]").split("[[override]]")[0]),
+        write(tmp_path / "t.nc", "theory", STUDY.replace("[1, 8]", "[1, 4, 8]")),
+    ]
+    regime = compute_regime(read_inputs(paths))
+    np.testing.assert_array_equal(regime["well_depth_ratio"], [1, 4, 8])
+    assert np.isfinite(regime["tabor_parameter"]).all(), "the theory's study knows the surface of the third"
+
+
+def test_the_surface_is_said_to_be_of_the_first_seed(tmp_path):
+    text = STUDY.replace("[sweep]\n", '[sweep]\n"surface.seed" = [3, 2]\n')
+    paths = [write(tmp_path / f"{kind}.nc", kind, text) for kind in ("continuum", "atomistic")]
+    regime = compute_regime(read_inputs(paths))
+    first = regime_of_seed(3)
+    assert float(regime["rms_slope"][0]) == pytest.approx(first.rms_slope, rel=1e-12)
+    assert regime["rms_slope"].attrs["long_name"].endswith("first seed")
+    assert not regime["process_zone"].attrs["long_name"].endswith("first seed")
+
+
+def regime_of_seed(seed):
+    surface = realise(study(STUDY.replace("[sweep]\n", f'[sweep]\n"surface.seed" = [{seed}]\n')).cases[0])
+    return roughness(surface.heights(surface.shape), surface.size)
