@@ -202,7 +202,10 @@ def _scales(spectrum: RoughnessSpectrum, length: float, count: int) -> tuple[np.
     """
     edges = spectrum.band_edges(count)
     variance = 2 * np.pi * np.diff(spectrum.moment(1, upper=edges))
-    wavevector = 2 * np.pi * np.diff(spectrum.moment(2, upper=edges)) / variance
+    present = variance > 0  # some shells of a filtered surface are below the rounding of the sums
+    variance, lower, upper = variance[present], edges[:-1][present], edges[1:][present]
+    energy = 2 * np.pi * np.diff(spectrum.moment(2, upper=edges))[present]
+    wavevector = np.clip(energy / variance, lower, upper)  # and others little above it
     # The implicit Euler step is of first order in the variance; the shells of a realised surface hold much of it.
     pieces = np.ceil(variance / variance.sum() * 0.4 * count).astype(int)
     stiffness = np.repeat(0.5 * wavevector * length, pieces)

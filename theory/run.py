@@ -191,7 +191,7 @@ def _pressure_at(curve: SeparationCurve, gap: float) -> float:
 
 
 def _stored_wavevectors(theory: PerssonTheory) -> np.ndarray:
-    return np.geomspace(*theory.spectrum.limits, _STORED_WAVEVECTORS)
+    return np.geomspace(theory.wavevectors[0], theory.wavevectors[-1], _STORED_WAVEVECTORS)
 
 
 def _persson_values(case: Case, contact: PerssonContact) -> dict[str, Value]:

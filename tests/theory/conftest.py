@@ -4,8 +4,10 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
+from scipy.ndimage import gaussian_filter
 
-from contact_study.fields.spectrum import SelfAffineSpectrum
+from contact_study.fields.grid import Grid
+from contact_study.fields.spectrum import SelfAffineSpectrum, radial_spectrum
 from contact_study.problem.laws import LennardJones104
 from theory.persson import PerssonTheory
 
@@ -33,3 +35,10 @@ class PaperSystem:
 @pytest.fixture(scope="session")
 def paper():
     return PaperSystem()
+
+
+@pytest.fixture(scope="session")
+def filtered_spectrum():
+    """White noise under a Gaussian filter, as measured maps are: shells down to the rounding of their sum."""
+    heights = gaussian_filter(np.random.default_rng(0).standard_normal((64, 64)), 3, mode="wrap")
+    return radial_spectrum(1e-9 * heights / heights.std(), Grid((64, 64), (416e-10, 416e-10)))

@@ -200,6 +200,15 @@ def test_a_few_shells_are_taken_in_small_steps(paper):
     assert coarse.gap_at(1e9) == pytest.approx(fine.gap_at(1e9), rel=0.01)
 
 
+def test_filtered_surface_has_a_flow(paper, filtered_spectrum):
+    flow = gap_flow(filtered_spectrum, paper.contact_modulus, paper.law(1))
+    strong = filtered_spectrum.variances > 1e-12 * filtered_spectrum.variances.sum()
+    shells = RadialSpectrum(filtered_spectrum.wavevectors[strong], filtered_spectrum.variances[strong])
+    other = gap_flow(shells, paper.contact_modulus, paper.law(1))
+    # The shells left out hold less than 1e-9 of the height variance.
+    assert flow.gap_at(1e9) == pytest.approx(other.gap_at(1e9), rel=1e-6)
+
+
 def test_no_state_beyond_pull_off(paper):
     flow = flow_of(paper, 8)
     assert np.isfinite(flow.gap_at(0.9 * flow.pull_off_pressure))

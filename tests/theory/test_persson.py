@@ -165,6 +165,25 @@ def test_single_wave_is_served():
     assert 0 < contact.relative_contact_area < 1
 
 
+def test_filtered_surface_is_that_without_its_empty_shells(paper, filtered_spectrum):
+    theory = PerssonTheory(filtered_spectrum, paper.contact_modulus, 0.69)
+    assert np.diff(theory.stress_variance).min() > 0
+    assert theory.stress_scale == pytest.approx(0.5 * filtered_spectrum.rms_slope * paper.contact_modulus, rel=1e-8)
+    contact = solve(theory, 1e9)
+    assert contact.converged
+    # Shells up to where a thousandth of the stress's deviation is missing.
+    share = filtered_spectrum.moment(3, upper=filtered_spectrum.shell_edges[1:]) / filtered_spectrum.moment(3)
+    kept = share < 1 - 1e-6
+    shells = RadialSpectrum(filtered_spectrum.wavevectors[kept], filtered_spectrum.variances[kept])
+    expected = solve(PerssonTheory(shells, paper.contact_modulus, 0.69), 1e9)
+    assert contact.relative_contact_area == pytest.approx(expected.relative_contact_area, rel=2e-3)
+
+
+def test_a_state_that_is_no_number_ends_the_iteration(paper):
+    with pytest.raises(FloatingPointError, match="after 1 diffusions"):
+        solve(paper.theory(0.69, alpha=np.nan), 1e9, "detached")
+
+
 def test_area_factors_are_gaussian_means():
     slopes = np.array([0.0, 0.05, 0.26244, 1.0, 3.0])
     roots = [quad(lambda x, a=a: np.sqrt(1 + a**2 * x) * np.exp(-x), 0, 60)[0] for a in slopes]
