@@ -26,6 +26,10 @@ from theory.stress_diffusion import StressDistribution, diffuse
 ENERGY_WEIGHTS = ("paper", "wang_mueser", "area")
 TRUE_AREAS = ("persson", "none", "lattice")
 
+# Largest change of σ_a over the stress scale at which the iteration ends: four digits below the error of the nodes.
+TOLERANCE = 1e-7
+MAX_ITERATIONS = 400
+
 # Share of the nodes that resolves the start of the diffusion; the others are logarithmic in q.
 _EARLY_SHARE = 0.4
 
@@ -234,8 +238,8 @@ def solve(
     theory: PerssonTheory,
     pressure: float,
     start: np.ndarray | str = "adhered",
-    tolerance: float = 1e-7,
-    max_iterations: int = 400,
+    tolerance: float = TOLERANCE,
+    max_iterations: int = MAX_ITERATIONS,
 ) -> PerssonContact:
     """Contact at one pressure, on the branch that ``start`` leads to.
 

@@ -20,7 +20,7 @@ from contact_study.problem.laws.base import TractionLaw
 from contact_study.problem.surface import Surface
 from theory.gap_flow import BRANCHES, GapFlow, gap_flow
 from theory.gap_state import GapState
-from theory.persson import PerssonContact, PerssonTheory, solve
+from theory.persson import TOLERANCE, PerssonContact, PerssonTheory, solve
 from theory.separation import NegativeSeparation, SeparationCurve, energy_defect, pull_off_pressure, separation_curve
 
 MODEL = Model(
@@ -32,11 +32,16 @@ MODEL = Model(
     "B. N. J. Persson, J. Chem. Phys. 115, 3840 (2001)",
 )
 
+_UNSOUND_GAP = "states at higher pressures that the mean gap rests on did not converge; raise solver.max_iterations"
+
 # Wavevectors at which the magnification-resolved quantities are stored.
 _STORED_WAVEVECTORS = 129
 
 # Below this pressure, in units of the full-contact stress, a mean gap is not sought.
 _LOWEST_PRESSURE = 1e-9
+
+# Change of the detachment stress, in the same units, that rounding still lets the iteration reach.
+_FINEST_TOLERANCE = 1e-11
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -90,10 +95,21 @@ def persson_theory(case: Case, surface: Surface) -> PerssonTheory:
     )
 
 
+def _effort(case: Case, theory: PerssonTheory) -> tuple[float, int]:
+    """Tolerance, in units of the full-contact stress, and largest number of iterations of a state of Persson's theory.
+
+    Its residual is the change of σ_a over E*, which ``solver.tolerance`` bounds as it does the residual stress of the
+    simulations; but it is never looser than the theory's own choice, which counts on flat surfaces of little stress.
+    """
+    asked = case.solver.tolerance * theory.contact_modulus / theory.stress_scale
+    return float(np.clip(asked, _FINEST_TOLERANCE, TOLERANCE)), case.solver.max_iterations
+
+
 def constants(case: Case, surface: Surface) -> dict[str, Value]:
     """What does not change along the path."""
     theory, law = persson_theory(case, surface), case.law
     spectrum = theory.spectrum
+    tolerance, max_iterations = _effort(case, theory)
     values: dict[str, Value] = {
         "contact_modulus": theory.contact_modulus,
         "work_of_adhesion": law.work_of_adhesion,
@@ -102,8 +118,8 @@ def constants(case: Case, surface: Surface) -> dict[str, Value]:
         "contact_distance": case.contact_distance,
         "rms_height": float(np.sqrt(spectrum.mean_square_height)),
         "rms_slope": spectrum.rms_slope,
-        "energy_defect": energy_defect(theory),
-        "pull_off_pressure": pull_off_pressure(theory),
+        "energy_defect": energy_defect(theory, tolerance, max_iterations),
+        "pull_off_pressure": pull_off_pressure(theory, tolerance=tolerance, max_iterations=max_iterations),
         "wavevector": _stored_wavevectors(theory),
     }
     if isinstance(law, TractionLaw):
@@ -148,9 +164,11 @@ def solve_path(
         if np.isnan(pressures[number]):
             values = _unreachable(case, case.path[number][0])
         else:
-            contact = solve(theory, pressures[number], stress, max_iterations=case.solver.max_iterations)
+            contact = solve(theory, pressures[number], stress, *_effort(case, theory))
             stress = contact.detachment_stress
             values = _persson_values(case, contact) | {"mean_gap": float(gaps[number])}
+            if np.isfinite(gaps[number]) and not curve.converged_above(pressures[number]):
+                values |= {"converged": False, "message": _UNSOUND_GAP}
         for branch in flows:
             values |= branch[number]
         yield Step(values, restart={} if isinstance(stress, str) else {"detachment_stress": stress})
@@ -158,11 +176,16 @@ def solve_path(
 
 def _separation(case: Case, theory: PerssonTheory) -> SeparationCurve:
     """The separation curve down to the lowest pressure, or out to the largest gap, of the path."""
+    tolerance, max_iterations = _effort(case, theory)
+
+    def sweep(lowest: float) -> SeparationCurve:
+        return separation_curve(theory, lowest, tolerance=tolerance, max_iterations=max_iterations)
+
     if case.loading.control == "pressure":
         # Tension has no separation; a curve that nothing is read from stays short.
         lowest = min((p for p, _ in case.path if p > 0), default=theory.stress_scale)
-        return separation_curve(theory, min(lowest, theory.stress_scale))
-    curve = separation_curve(theory, 1e-3 * theory.stress_scale)
+        return sweep(min(lowest, theory.stress_scale))
+    curve = sweep(1e-3 * theory.stress_scale)
     largest = max(gap for gap, _ in case.path)
     ends = _quiet_gap(curve, curve.pressure[:2])
     growth = ends[0] - ends[1]
@@ -171,7 +194,7 @@ def _separation(case: Case, theory: PerssonTheory) -> SeparationCurve:
     # At light load the gap grows by the same step with every decade less pressure; one decade in reserve.
     decades = (largest - ends[0]) / growth * np.log10(curve.pressure[1] / curve.pressure[0]) + 1
     lowest = max(curve.pressure[0] * 10.0 ** (-decades), _LOWEST_PRESSURE * theory.stress_scale)
-    return separation_curve(theory, lowest)
+    return sweep(lowest)
 
 
 def _quiet_gap(curve: SeparationCurve, pressure: np.ndarray | float) -> np.ndarray:

@@ -7,13 +7,14 @@ diverges too, so ū stands for p > 0 only and the derivative at zero is given fo
 """
 
 import warnings
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from theory.persson import PerssonContact, PerssonTheory, solve
+from theory.persson import MAX_ITERATIONS, TOLERANCE, PerssonContact, PerssonTheory, solve
 
 # Pressure beyond which contact is full to 1e-12, in standard deviations of the full-contact stress.
 _FULL_CONTACT = 7.0
@@ -21,6 +22,10 @@ _FULL_CONTACT = 7.0
 
 class NegativeSeparation(UserWarning):
     """The energy of the theory is not monotonic in pressure, so that its mean separation falls below zero."""
+
+
+class NotConverged(UserWarning):
+    """States of a sweep, on which a mean gap or a limit of adhesion rests, did not converge."""
 
 
 @dataclass(frozen=True)
@@ -42,6 +47,16 @@ class SeparationCurve:
     def energy(self) -> np.ndarray:
         """U at each pressure (J/m²)."""
         return np.array([contact.energy for contact in self.contacts])
+
+    @property
+    def unconverged(self) -> np.ndarray:
+        """Pressures of the sweep whose state did not converge (Pa)."""
+        return self.pressure[[not contact.converged for contact in self.contacts]]
+
+    def converged_above(self, pressure: float) -> bool:
+        """Whether all states converged that the mean gap at a pressure is integrated from."""
+        first = max(int(np.searchsorted(self.pressure, pressure, side="right")) - 1, 0)
+        return all(contact.converged for contact in self.contacts[first:])
 
     def mean_gap(self, pressure: np.ndarray | float) -> np.ndarray:
         """ū at pressures within the sweep (m); NaN where p <= 0.
@@ -90,7 +105,13 @@ class SeparationCurve:
         return self._above[interval + 1] + self._integral(x, nodes[interval + 1])
 
 
-def separation_curve(theory: PerssonTheory, lowest: float, per_decade: int = 12) -> SeparationCurve:
+def separation_curve(
+    theory: PerssonTheory,
+    lowest: float,
+    per_decade: int = 12,
+    tolerance: float = TOLERANCE,
+    max_iterations: int = MAX_ITERATIONS,
+) -> SeparationCurve:
     """Sweep the pressure from full contact down to ``lowest`` > 0, each state started from the one before.
 
     Parameters
@@ -101,11 +122,18 @@ def separation_curve(theory: PerssonTheory, lowest: float, per_decade: int = 12)
         Smallest pressure of interest (Pa).
     per_decade : int, optional
         Pressures per decade.
+    tolerance, max_iterations : optional
+        Of each state, see :func:`theory.persson.solve`.
 
     Raises
     ------
     ValueError
         If ``lowest`` is not positive or beyond full contact.
+
+    Warns
+    -----
+    NotConverged
+        If states of the sweep did not converge.
     """
     highest = _FULL_CONTACT * theory.stress_scale
     if not 0 < lowest < highest:
@@ -114,42 +142,84 @@ def separation_curve(theory: PerssonTheory, lowest: float, per_decade: int = 12)
     pressure = np.geomspace(highest, lowest, count + 1)
     contacts: list[PerssonContact] = []
     for p in pressure:
-        contacts.append(solve(theory, float(p), contacts[-1].detachment_stress if contacts else "adhered"))
-    return SeparationCurve(pressure[::-1], tuple(reversed(contacts)))
+        start = contacts[-1].detachment_stress if contacts else "adhered"
+        contacts.append(solve(theory, float(p), start, tolerance, max_iterations))
+    curve = SeparationCurve(pressure[::-1], tuple(reversed(contacts)))
+    _warn_of_unconverged("mean gap", contacts)
+    return curve
 
 
-def energy_defect(theory: PerssonTheory) -> float:
-    """dU/dp at p = 0 on the adhered branch (m): zero without sticking, else what makes ū diverge there."""
-    at_rest = solve(theory, 0.0)
+def _warn_of_unconverged(quantity: str, contacts: Sequence[PerssonContact]) -> None:
+    lost = sorted(contact.pressure for contact in contacts if not contact.converged)
+    if lost:
+        warnings.warn(
+            f"{quantity}: {len(lost)} of {len(contacts)} states did not converge, "
+            f"at pressures from {lost[0]:.3g} to {lost[-1]:.3g} Pa; raise solver.max_iterations",
+            NotConverged,
+            stacklevel=3,
+        )
+
+
+def energy_defect(theory: PerssonTheory, tolerance: float = TOLERANCE, max_iterations: int = MAX_ITERATIONS) -> float:
+    """dU/dp at p = 0 on the adhered branch (m): zero without sticking, else what makes ū diverge there.
+
+    Parameters
+    ----------
+    theory : PerssonTheory
+        Interface and choices.
+    tolerance, max_iterations : optional
+        Of each state, see :func:`theory.persson.solve`.
+
+    Warns
+    -----
+    NotConverged
+        If a state that it is taken from did not converge.
+    """
+    at_rest = solve(theory, 0.0, "adhered", tolerance, max_iterations)
     if at_rest.detached:
+        _warn_of_unconverged("energy defect", [at_rest])
         return 0.0
     # Central difference: its error is of second order in a step that the iteration's tolerance still allows.
     step = 1e-3 * theory.stress_scale
-    pressed = solve(theory, step, at_rest.detachment_stress)
-    pulled = solve(theory, -step, at_rest.detachment_stress)
+    pressed = solve(theory, step, at_rest.detachment_stress, tolerance, max_iterations)
+    pulled = solve(theory, -step, at_rest.detachment_stress, tolerance, max_iterations)
+    _warn_of_unconverged("energy defect", [at_rest, pressed, pulled])
     if pulled.detached:
         return (pressed.energy - at_rest.energy) / step
     return (pressed.energy - pulled.energy) / (2 * step)
 
 
-def pull_off_pressure(theory: PerssonTheory, tolerance: float = 1e-3) -> float:
+def pull_off_pressure(
+    theory: PerssonTheory,
+    accuracy: float = 1e-3,
+    tolerance: float = TOLERANCE,
+    max_iterations: int = MAX_ITERATIONS,
+) -> float:
     """Pressure <= 0 at which the adhered branch ends (Pa); zero where nothing sticks.
 
     Parameters
     ----------
     theory : PerssonTheory
         Interface and choices.
-    tolerance : float, optional
+    accuracy : float, optional
         Accuracy over the stress scale.
+    tolerance, max_iterations : optional
+        Of each state, see :func:`theory.persson.solve`. A state that does not converge counts as lost.
+
+    Warns
+    -----
+    NotConverged
+        If a state of the search did not converge.
     """
-    contact = solve(theory, 0.0)
-    if contact.detached:
-        return 0.0
+    contact = solve(theory, 0.0, "adhered", tolerance, max_iterations)
+    tried = [contact]
     step, held = 0.05 * theory.stress_scale, 0.0
-    while step > tolerance * theory.stress_scale:
-        trial = solve(theory, held - step, contact.detachment_stress)
+    while not contact.detached and step > accuracy * theory.stress_scale:
+        trial = solve(theory, held - step, contact.detachment_stress, tolerance, max_iterations)
+        tried.append(trial)
         if trial.detached or not trial.converged:
             step /= 2
         else:
             held, contact = held - step, trial
-    return held - step / 2
+    _warn_of_unconverged("pull-off pressure", tried)
+    return 0.0 if contact.detached else held - step / 2

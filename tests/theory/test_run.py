@@ -12,6 +12,7 @@ from contact_study.problem.errors import InputError
 from contact_study.problem.study import make_study
 from contact_study.problem.surface import realise
 from theory import run
+from theory.separation import NegativeSeparation, NotConverged
 
 STUDY = {
     "surface": {
@@ -138,6 +139,31 @@ def test_tension_follows_the_adhered_branch_and_detaches():
     assert np.isnan(pulled["mean_gap"])
     assert lost["gap_flow/detached"]
     assert np.isnan(lost["gap_flow/mean_gap"])
+
+
+def test_gap_that_rests_on_unconverged_states_is_flagged():
+    # Strong adhesion: 16 iterations at 0.1 GPa and 8 at 70 GPa, but 40 to 50 from 1 to 3 GPa.
+    case = case_of(
+        interaction={"work_of_adhesion": "8 J/m^2"},
+        solver={"max_iterations": 37},
+        loading={"path": ["70 GPa", "0.1 GPa"], "unload": False},
+    )
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", NegativeSeparation)
+        with pytest.warns(NotConverged, match="mean gap"):
+            heavy, light = (step.values for step in steps_of(case))
+    assert heavy["converged"]
+    assert light["iterations"] < 37
+    assert not light["converged"]
+    assert "mean gap" in light["message"]
+
+
+def test_tolerance_of_the_case_is_that_of_the_state(steps):
+    tight = case_of(solver={"tolerance": 1e-11}, loading={"path": ["1 GPa"], "unload": False})
+    values = steps_of(tight)[0].values
+    assert values["converged"]
+    assert values["residual"] <= 1e-11 < steps[0].values["residual"] <= 1e-8
+    assert values["iterations"] > steps[0].values["iterations"]
 
 
 def test_measured_spectrum_replaces_the_target(case, steps):

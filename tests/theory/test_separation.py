@@ -6,7 +6,14 @@ import numpy as np
 import pytest
 
 from theory import closed_forms
-from theory.separation import NegativeSeparation, SeparationCurve, energy_defect, pull_off_pressure, separation_curve
+from theory.separation import (
+    NegativeSeparation,
+    NotConverged,
+    SeparationCurve,
+    energy_defect,
+    pull_off_pressure,
+    separation_curve,
+)
 
 LOG_PRESSURES = np.arange(-8.0, -1.0)  # ln(p/E*)
 # ū/h_rms, two independent schemes.
@@ -89,3 +96,18 @@ def test_pull_off(paper):
     assert pull_off_pressure(paper.theory(0.69)) == 0
     # The reference is good to 0.5 %, the search here to 1e-3 of 12.3 GPa.
     assert pull_off_pressure(paper.theory(5.52)) == pytest.approx(-1.82e9, abs=0.02e9)
+
+
+def test_states_that_did_not_converge_are_named(paper):
+    theory = paper.theory(2.95)  # near the sticking threshold a light load takes up to 168 iterations, full contact few
+    with pytest.warns(NotConverged, match=r"mean gap: \d+ of \d+ states did not converge, at pressures from"):
+        curve = separation_curve(theory, 1e7, max_iterations=20)
+    assert 0 < curve.unconverged.size < curve.pressure.size
+    worst = curve.unconverged.max()
+    assert not curve.converged_above(0.5 * worst)
+    assert not curve.converged_above(worst)
+    assert curve.converged_above(1.5 * worst)  # beyond the next node, of twelve a decade
+    with pytest.warns(NotConverged, match="energy defect"):
+        energy_defect(theory, max_iterations=3)
+    with pytest.warns(NotConverged, match="pull-off pressure"):
+        pull_off_pressure(theory, max_iterations=3)
