@@ -3,7 +3,7 @@
 import os
 import shlex
 import sys
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
@@ -123,6 +123,7 @@ def _draw(inputs: Inputs, wanted: float | None) -> Figures:
     shown = plotted.panel_points(models, control, wanted)
     scales = {point.label: plotted.scales(models, point) for point in points}
     scale, pressure = scales[shown.case.label], plotted.mean_pressure_unit(models)
+    areas, gaps = plotted.contact_area_data(models, control), plotted.mean_gap_data(models, control)
     drawn = {
         "stress_distribution": figures.stress_distribution_figure(
             *plotted.stress_distribution_data(models, control, shown)
@@ -131,27 +132,45 @@ def _draw(inputs: Inputs, wanted: float | None) -> Figures:
             *plotted.gap_distribution_data(models, control, shown), scale.height_symbol
         ),
         "contact_area": figures.contact_area_figure(
-            plotted.contact_area_data(models, control),
+            areas,
             pressure.name,
             bands.contact_area_bands(inputs.branches, points, pressure.size),
         ),
-        "mean_gap": figures.mean_gap_figure(
-            plotted.mean_gap_data(models, control),
-            scale.height_symbol,
-            bands.mean_gap_bands(inputs.branches, points, scales),
-        ),
     }
-    maps = _gap_maps(inputs, shown)
+    if any(np.isfinite(curve.x + curve.y).any() for curve in gaps):
+        drawn["mean_gap"] = figures.mean_gap_figure(
+            gaps, scale.height_symbol, bands.mean_gap_bands(inputs.branches, points, scales)
+        )
+    seed = _first_seed(inputs)
+    distance = 0.0 if _is_hard_wall(inputs) else first_constant(models, shown.case, "contact_distance")
+    maps = _gap_maps(inputs, shown, seed, distance)
     if maps:
-        size = inputs.study.cases[0].surface.size or (1.0, 1.0)
-        distance = first_constant(models, shown.case, "contact_distance")
-        drawn["gap_map"] = figures.gap_map_figure(maps, size, distance)
+        drawn["gap_map"] = figures.gap_map_figure(maps, _lateral_size(inputs, maps), distance)
     images = {name: figures.png(figure) for name, figure in drawn.items()}
-    return Figures(images, captions(models, shown, scale, control, points))
+    return Figures(images, captions(inputs, shown, scale, seed))
 
 
-def _gap_maps(inputs: Inputs, shown: plotted.PanelPoints) -> dict[str, np.ndarray]:
-    """Gap of each simulation that kept it, at the state common to the figures, of the first seed."""
+def _is_hard_wall(inputs: Inputs) -> bool:
+    return inputs.study.cases[0].interaction.law == "hard_wall"
+
+
+def _first_seed(inputs: Inputs) -> int | None:
+    """The first seed that all models have which sweep it; None where none does."""
+    swept = [list(dataset[AVERAGED].values) for dataset in inputs.models.values() if AVERAGED in dataset.dims]
+    return next((int(seed) for seed in swept[0] if all(seed in other for other in swept)), None) if swept else None
+
+
+def _lateral_size(inputs: Inputs, models: Iterable[str]) -> tuple[float, float]:
+    """Periods along y and x (m), from the positions of the points."""
+    dataset = inputs.models[next(iter(models))]
+    y, x = (len(dataset[axis]) * float(dataset[axis][1] - dataset[axis][0]) for axis in ("y", "x"))
+    return y, x
+
+
+def _gap_maps(
+    inputs: Inputs, shown: plotted.PanelPoints, seed: int | None, contact_distance: float
+) -> dict[str, np.ma.MaskedArray]:
+    """Gap of each simulation that kept it, at the state common to the figures, masked where there is contact."""
     maps = {}
     for model in ("atomistic", "continuum"):
         part = select(inputs.models[model], shown.case) if model in inputs.models else None
@@ -160,10 +179,12 @@ def _gap_maps(inputs: Inputs, shown: plotted.PanelPoints) -> dict[str, np.ndarra
         step = path.index(shown.common)
         selection = dict(shown.case.selection)
         if AVERAGED in part.dims:
-            selection[AVERAGED] = part[AVERAGED].values[0]
+            selection[AVERAGED] = seed
         gap = field_at(inputs.paths[model], "gap", selection, step)
-        if gap is not None and np.isfinite(gap).all():
-            maps[model] = gap
+        if gap is None or not np.isfinite(gap).all():
+            continue
+        pressure = field_at(inputs.paths[model], "pressure", selection, step) if _is_hard_wall(inputs) else None
+        maps[model] = np.ma.masked_array(gap, gap < contact_distance if pressure is None else pressure > 0)
     return maps
 
 

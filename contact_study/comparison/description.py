@@ -1,6 +1,6 @@
 """What was run, in plain words, from the studies that the datasets carry."""
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 
 from contact_study.comparison.cases import coordinate_label
 from contact_study.comparison.datasets import Inputs
@@ -9,6 +9,7 @@ from contact_study.comparison.wording import control_unit, length, number, press
 from contact_study.problem.case import Case
 from contact_study.problem.errors import InputError
 from contact_study.problem.study import Study
+from contact_study.problem.units import quantity
 
 
 def study_paragraphs(inputs: Inputs) -> list[tuple[str, str]]:
@@ -18,7 +19,7 @@ def study_paragraphs(inputs: Inputs) -> list[tuple[str, str]]:
     return [
         ("Surface", _surface(study)),
         ("Block", _block(case)),
-        ("Interaction", _interaction(study)),
+        ("Interaction", _interaction(study, inputs.models)),
         ("Loading", _loading(inputs)),
         ("Models", " ".join(_models(inputs))),
     ]
@@ -62,7 +63,7 @@ def _modulus(value: float) -> str:
     return f"{number(value / unit.size, 5)} {unit.name}"
 
 
-def _interaction(study: Study) -> str:
+def _interaction(study: Study, models: Collection[str]) -> str:
     case = study.cases[0]
     if case.interaction.law == "hard_wall":
         return "Hard wall without adhesion; contact is where the pressure is positive."
@@ -70,11 +71,20 @@ def _interaction(study: Study) -> str:
     given = case.interaction
     pair = ""
     if given.well_depth is not None:
-        pair = f" of atoms with ε₀ = {given.well_depth / 1.602176634e-22:.4g} meV"
+        meV = quantity("1 meV", "J", "well_depth")
+        pair = f" of atoms with ε₀ = {given.well_depth / meV:.4g} meV"
+    law = given.law.removeprefix("lennard_jones_").replace("_", "-")
+    # The 10-4 law is what one layer of atoms on either side gives; the 9-3 law is prescribed.
+    made = "smeared into" if law == "10-4" else "in"
+    users = " and ".join(
+        words
+        for words, there in (("continuum", "continuum" in models), ("gap-flow theory", "gap_flow" in models))
+        if there
+    )
+    smeared = f"; {made} the {law} traction-separation law for {users}" if users else ""
     return (
-        f"Lennard-Jones{pair}, r₀ = {length(given.length or 0)}; smeared into the 10-4 traction-separation law for "
-        f"continuum and gap-flow theory. Work of adhesion Δγ = {', '.join(works)} J/m². Gaps below "
-        f"{length(case.contact_distance)} count as contact."
+        f"Lennard-Jones{pair}, r₀ = {length(given.length or 0)}{smeared}. "
+        f"Work of adhesion Δγ = {', '.join(works)} J/m². Gaps below {length(case.contact_distance)} count as contact."
     )
 
 
@@ -91,7 +101,14 @@ def _loading(inputs: Inputs) -> str:
         values = ", ".join(number(value / unit.size, 5) for value in path)
         where = f" ({', '.join(dict.fromkeys(labels))})" if len(paths) > 1 else ""
         listed.append(f"{values} {unit.name}{where}{back}")
-    return f"Prescribed mean {inputs.control}, starting from separated surfaces, in this order: {'; '.join(listed)}."
+    words = f"Prescribed mean {inputs.control}, in this order: {'; '.join(listed)}."
+    if "atomistic" in inputs.models or "continuum" in inputs.models:
+        words += " The simulations start from separated surfaces and follow the path."
+    if "theory" in inputs.models:
+        words += " Persson's theory starts on the adhered branch, each state from the one before."
+    if "gap_flow" in inputs.models:
+        words += " The gap-flow theory gives the equilibrium at each point, whatever came before."
+    return words
 
 
 def _models(inputs: Inputs) -> Iterator[str]:
@@ -99,7 +116,11 @@ def _models(inputs: Inputs) -> Iterator[str]:
         case = inputs.studies["continuum"].cases[0]
         shape = case.surface.shape
         points = f"{shape[0]} × {shape[1]} points" if shape else "the height map's points"
-        yield f"Continuum: {points}, residual stress below {number(case.solver.tolerance, 3)} E*."
+        tolerance = number(case.solver.tolerance, 3)
+        if case.interaction.law == "hard_wall":
+            yield f"Continuum: {points}, contact condition violated by less than {tolerance} h_rms."
+        else:
+            yield f"Continuum: {points}, residual stress below {tolerance} E*."
     if "atomistic" in inputs.studies:
         yield _atoms(inputs.studies["atomistic"].cases[0])
     if "theory" in inputs.studies:

@@ -94,7 +94,8 @@ def _described(table: xr.Dataset, control: str) -> xr.Dataset:
     table = table.drop_vars(empty)
     for name in table.data_vars:
         table[name].attrs = _attributes(str(name))
-    table["state"].encoding = {"_FillValue": VARIABLES["converged"].empty}
+    table["state"].encoding = VARIABLES["converged"].encoding
+    table["branch"].encoding = COORDINATES["branch"].encoding
     for name in (f"applied_{control}", "branch", "step"):
         known = COORDINATES[name]
         table[name].attrs = {"units": known.units, "long_name": known.long_name, **known.attrs}
@@ -106,8 +107,8 @@ def _attributes(name: str) -> dict[str, object]:
         return {
             "units": "1",
             "long_name": "whether the point could be compared",
-            "flag_values": np.arange(4, dtype=np.int8),
-            "flag_meanings": "compared missing_in_one not_converged detached",
+            "flag_values": np.arange(-1, 4, dtype=np.int8),
+            "flag_meanings": "absent compared missing_in_one not_converged detached",
         }
     quantity = next(quantity for quantity in QUANTITIES if name.startswith(quantity))
     known, relative = VARIABLES[quantity], "_relative_deviation" in name

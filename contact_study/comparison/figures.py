@@ -5,7 +5,7 @@ Colour tells the point of the sweep (or the pressure), the line and marker tell 
 """
 
 import io
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -18,7 +18,8 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from contact_study.comparison.bands import Band
-from contact_study.comparison.plotted import Curve, smallest_resolved
+from contact_study.comparison.plotted import Curve, in_compression, smallest_resolved
+from contact_study.comparison.wording import length_unit
 
 RESOLUTION = 200  # dots per inch
 SINGLE, DOUBLE = 3.46, 7.0  # inches: one and two columns of a journal
@@ -127,24 +128,27 @@ def _limit_to_simulations(axes: Axes, curves: Sequence[Curve], lowest: float) ->
 
 @styled
 def contact_area_figure(curves: Sequence[Curve], unit: str = "GPa", bands: Sequence[Band] = ()) -> Figure:
-    """Figure 3: relative contact area against pressure, linear (a) and logarithmic (b)."""
-    figure = Figure(figsize=(DOUBLE, 3.5), layout="constrained")
-    left, right = figure.subplots(1, 2)
-    for axes, letter in ((left, "a"), (right, "b")):
+    """Figure 3: relative contact area against pressure, linear (a) and logarithmic (b); no (b) without compression."""
+    both = in_compression(curves)
+    figure = Figure(figsize=(DOUBLE if both else SINGLE + 0.6, 3.5), layout="constrained")
+    panels = list(figure.subplots(1, 2 if both else 1, squeeze=False)[0])
+    for axes, letter in zip(panels, "ab" if both else "a", strict=True):
         for band in bands:
             shown = band.along > (-np.inf if letter == "a" else 0)
             colour = _colour(_SWEEP_COLOURS, band.colour)
             axes.fill_between(band.along[shown], band.low[shown], band.high[shown], color=colour, alpha=0.15, lw=0)
         for curve in curves:
-            _draw_path(axes, curve if letter == "a" else _in_compression(curve))
+            _draw_path(axes, curve if letter == "a" else _of_compression(curve))
         axes.set_xlabel(rf"pressure $p$ ({unit})")
         axes.set_ylabel(r"contact area $A/A_0$")
-        _panel_letter(axes, letter)
+        if both:
+            _panel_letter(axes, letter)
         _colour_legend(axes, curves, _SWEEP_COLOURS)
-    left.set_ylim(0, None)
-    right.set_xscale("log")
-    right.set_yscale("log")
-    _model_legend(figure, curves, bands=bool(bands))
+    panels[0].set_ylim(0, None)
+    if both:
+        panels[1].set_xscale("log")
+        panels[1].set_yscale("log")
+    _model_legend(figure, curves, bands=bool(bands), columns=6 if both else 3)
     return figure
 
 
@@ -168,38 +172,39 @@ def mean_gap_figure(curves: Sequence[Curve], unit: str = "h_rms", bands: Sequenc
 
 
 @styled
-def gap_map_figure(maps: dict[str, np.ndarray], size: tuple[float, float], contact_distance: float) -> Figure:
+def gap_map_figure(maps: Mapping[str, np.ma.MaskedArray], size: tuple[float, float], contact_distance: float) -> Figure:
     """Figure 5: local gap of each simulation on one state, contact in black.
 
     Parameters
     ----------
-    maps : dict
-        Gap (y, x) of each model (m).
+    maps : mapping
+        Gap (y, x) of each model (m), masked where there is contact.
     size : tuple of float
         Lateral periods along y and x (m).
     contact_distance : float
-        Gaps below it are contact (m).
+        Where the colours of the gap begin (m): zero for a hard wall.
     """
     height = DOUBLE / 2 * min(size[0] / size[1], 1.6)
     figure = Figure(figsize=(DOUBLE if len(maps) > 1 else SINGLE + 0.6, height), layout="constrained")
     panels = np.atleast_1d(figure.subplots(1, len(maps), sharex=True, sharey=True))
-    top = max(np.quantile(gap, 0.995) for gap in maps.values()) * 1e9
-    colours = matplotlib.colormaps["cividis"].with_extremes(under="black")
+    across, along = length_unit(max(size)), length_unit(max(float(gap.data.max()) for gap in maps.values()))
+    top = max(np.quantile(gap.data, 0.995) for gap in maps.values()) / along.size
+    colours = matplotlib.colormaps["cividis"].with_extremes(under="black", bad="black")
     for axes, (model, gap) in zip(panels, maps.items(), strict=True):
         image = axes.imshow(
-            gap * 1e9,
+            gap / along.size,
             origin="lower",
-            extent=(0, size[1] * 1e9, 0, size[0] * 1e9),
+            extent=(0, size[1] / across.size, 0, size[0] / across.size),
             cmap=colours,
-            vmin=contact_distance * 1e9,
+            vmin=contact_distance / along.size,
             vmax=top,
             interpolation="nearest",
         )
         axes.set_title(MODEL_NAMES[model], fontsize=8.5)
-        axes.set_xlabel(r"$x$ (nm)")
+        axes.set_xlabel(rf"$x$ ({across.name})")
         axes.grid(False)
-    panels[0].set_ylabel(r"$y$ (nm)")
-    figure.colorbar(image, ax=list(panels), label="gap (nm), contact black", extend="min", shrink=0.9)
+    panels[0].set_ylabel(rf"$y$ ({across.name})")
+    figure.colorbar(image, ax=list(panels), label=f"gap ({along.name}), contact black", extend="min", shrink=0.9)
     return figure
 
 
@@ -235,8 +240,8 @@ def _draw_path(axes: Axes, curve: Curve) -> None:
     axes.plot(curve.x[left], curve.y[left], "x", color=colour, ms=5, mew=1.2, zorder=4)
 
 
-def _in_compression(curve: Curve) -> Curve:
-    return replace(curve, x=np.where(curve.x > 0, curve.x, np.nan))
+def _of_compression(curve: Curve) -> Curve:
+    return replace(curve, x=np.where((curve.x > 0) & (curve.y > 0), curve.x, np.nan))
 
 
 def _at(error: np.ndarray | None, here: np.ndarray) -> np.ndarray | None:

@@ -1,16 +1,17 @@
 """What the numbers say, as sentences made from them alone."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 import xarray as xr
 
 from contact_study.comparison.cases import SweepPoint, select, sweep_points
+from contact_study.comparison.datasets import Inputs
 from contact_study.comparison.deviations import COMPARED
 from contact_study.comparison.path_points import AVERAGED
 from contact_study.comparison.plotted import Scales, scales
-from contact_study.comparison.wording import number, percent, percent_of, pressure_unit
+from contact_study.comparison.wording import length_unit, number, percent, percent_of, pressure_unit
 
 MODEL_WORDS = {
     "atomistic": "the atoms",
@@ -88,7 +89,8 @@ def _prescribed_words(part: xr.Dataset, value: float) -> str:
     if "applied_pressure" in part.coords:
         unit = pressure_unit(float(np.abs(part["applied_pressure"]).max()))
         return f"p = {number(value / unit.size, 4)} {unit.name}"
-    return f"ū = {number(value * 1e9, 4)} nm"
+    unit = length_unit(float(np.abs(part["applied_gap"]).max()))
+    return f"ū = {number(value / unit.size, 4)} {unit.name}"
 
 
 def headline(models: Mapping[str, xr.Dataset], deviations: xr.Dataset) -> list[str]:
@@ -117,6 +119,40 @@ def headline(models: Mapping[str, xr.Dataset], deviations: xr.Dataset) -> list[s
             0, f"By the median relative deviation of contact area, nearest to {MODEL_WORDS[reference]}: {listed}."
         )
     return sentences
+
+
+def sample_notes(inputs: Inputs) -> list[str]:
+    """What the deviations mean statistically: whose surfaces they are of, and what their medians are over."""
+    case = inputs.study.cases[0]
+    simulated = [name for name in ("atomistic", "continuum") if name in inputs.models]
+    if case.surface.kind != "self_affine" or not simulated:
+        return []
+    seeds = max(inputs.models[name].sizes.get(AVERAGED, 1) for name in simulated)
+    surfaces = "one realisation" if seeds == 1 else f"{seeds} realisations"
+    notes = []
+    theory = inputs.studies.get("theory")
+    if theory is not None and any(case.theory.spectrum == "analytic" for case in theory.cases):
+        target, realised = _slopes(inputs, ["theory"]), _slopes(inputs, simulated)
+        notes.append(
+            f"The theory knows the target spectrum{target}, the simulations {surfaces} of it{realised}: the scatter "
+            "between surfaces enters the deviations of the theory from the simulations."
+        )
+    notes.append(
+        f"Medians and extremes are over states of the same {'surface' if seeds == 1 else 'surfaces'}, which are no "
+        "independent samples."
+    )
+    return notes
+
+
+def _slopes(inputs: Inputs, models: Sequence[str]) -> str:
+    """Root-mean-square slopes of the surfaces that some models know, in brackets; nothing where none is stored."""
+    stored = [inputs.models[name]["rms_slope"].values.ravel() for name in models if "rms_slope" in inputs.models[name]]
+    found = np.concatenate([np.empty(0), *stored])
+    found = found[np.isfinite(found)]
+    if not found.size:
+        return ""
+    words = dict.fromkeys(number(value, 4) for value in (found.min(), found.max()))
+    return f" (rms slope {' to '.join(words)})"
 
 
 def _area_spread(deviations: xr.Dataset, pair: str, points: list[SweepPoint]) -> Spread:

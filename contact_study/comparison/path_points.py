@@ -6,6 +6,8 @@ from collections.abc import Mapping
 import numpy as np
 import xarray as xr
 
+from contact_study.campaign.schema import COORDINATES
+
 AVERAGED = "seed"
 _STEP_DIMS = {"step", "pressure_bin", "gap_bin", "wavevector", "y", "x"}
 
@@ -68,7 +70,8 @@ def on_common_path(models: Mapping[str, xr.Dataset], control: str) -> dict[str, 
     union = {index: _union([of_model[index] for of_model in points.values()]) for index in np.ndindex(lead.shape)}
     steps = max(len(case) for case in union.values())
     position = {name: np.full((*lead.shape, steps), -1) for name in shared}
-    prescribed, branch = np.full((*lead.shape, steps), np.nan), np.full((*lead.shape, steps), np.nan)
+    prescribed = np.full((*lead.shape, steps), np.nan)
+    branch = np.full((*lead.shape, steps), COORDINATES["branch"].empty)
     for index, case in union.items():
         for step, point in enumerate(case):
             prescribed[(*index, step)], branch[(*index, step)] = float(point[0]), point[1]

@@ -1,6 +1,6 @@
 """What the figures show, as arrays; :mod:`contact_study.comparison.figures` draws it."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -101,6 +101,11 @@ def contact_area_data(models: Mapping[str, xr.Dataset], control: str) -> list[Cu
         return pressure.values / unit, area.values, pressure.standard_error / unit, area.standard_error, area.fit
 
     return _along_the_path(models, control, curve, "relative_contact_area")
+
+
+def in_compression(curves: Sequence[Curve]) -> bool:
+    """Whether some curve of :func:`contact_area_data` has a state to show on logarithmic axes."""
+    return any(((curve.x > 0) & (curve.y > 0)).any() for curve in curves)
 
 
 def mean_gap_data(models: Mapping[str, xr.Dataset], control: str) -> list[Curve]:

@@ -14,7 +14,8 @@ from contact_study.comparison import tables
 from contact_study.comparison.datasets import Inputs
 from contact_study.comparison.description import study_paragraphs
 from contact_study.comparison.figures import MODEL_NAMES
-from contact_study.comparison.findings import headline
+from contact_study.comparison.findings import headline, sample_notes
+from contact_study.comparison.path_points import AVERAGED
 
 FIGURE_TITLES = {
     "stress_distribution": "Stress distribution",
@@ -65,6 +66,7 @@ def render_report(
         attrs=attrs,
         paragraphs=study_paragraphs(inputs),
         findings=headline(inputs.models, deviations),
+        sample_notes=sample_notes(inputs),
         models=list(inputs.models),
         created=str(attrs["created"])[:16].replace("T", " "),
         provenance=_provenance(inputs),
@@ -80,7 +82,8 @@ def render_report(
         effort=tables.effort_table(inputs.models),
         warnings=collected_warnings(inputs),
         study_toml=inputs.study.toml,
-        names=MODEL_NAMES,
+        hard_wall=inputs.study.cases[0].interaction.law == "hard_wall",
+        several_seeds=any(dataset.sizes.get(AVERAGED, 1) > 1 for dataset in inputs.models.values()),
     )
 
 
@@ -107,7 +110,6 @@ def _provenance(inputs: Inputs) -> list[dict[str, str]]:
             {
                 "model": MODEL_NAMES[kind] if kind != "theory" else "theories",
                 "file": path.name,
-                "source": str(attrs.get("source", "not given")),
                 "commit": str(attrs.get("git_commit", "unknown"))[:12],
                 "when": when[:16].replace("T", " "),
                 "command": command,

@@ -20,7 +20,16 @@ from contact_study.comparison.figures import MODEL_NAMES
 from contact_study.comparison.findings import split_pair, spread
 from contact_study.comparison.path_points import Point
 from contact_study.comparison.plotted import Scales, scales
-from contact_study.comparison.wording import Unit, control_unit, fixed, number, percent, percent_of, pressure_unit
+from contact_study.comparison.wording import (
+    Unit,
+    control_unit,
+    fixed,
+    length_unit,
+    number,
+    percent,
+    percent_of,
+    pressure_unit,
+)
 
 NOTHING = "–"
 
@@ -185,32 +194,40 @@ def _deviation(here: xr.Dataset, name: str, scale: float) -> str:
 
 
 _REGIME = (
-    ("tabor_parameter", "Tabor parameter μ", 1.0, 2),
-    ("process_zone", "process zone (Å)", 1e-10, 1),
-    ("pixel_over_process_zone", "grid spacing / process zone", 1.0, 2),
-    ("adhesion_over_elastic_energy", "θ = Δγ S / U_full", 1.0, 2),
-    ("full_contact_stress_over_peak", "full-contact stress / σ_max", 1.0, 2),
-    ("rms_slope", "rms slope", 1.0, 3),
+    ("tabor_parameter", "Tabor parameter μ", 2),
+    ("process_zone", "process zone", 1),
+    ("pixel_over_process_zone", "grid spacing / process zone", 2),
+    ("adhesion_over_elastic_energy", "θ = Δγ S / U_full", 2),
+    ("full_contact_stress_over_peak", "full-contact stress / σ_max", 2),
+    ("rms_slope", "rms slope", 3),
 )
 
 
 def regime_table(models: Mapping[str, xr.Dataset], regime: xr.Dataset) -> Table:
-    """Regime numbers, and the pull-off pressures that the theories predict; a row for each point of the sweep."""
+    """Regime numbers, and the pull-off pressures that the theories predict; a row for each point of the sweep.
+
+    Columns without a number, such as those of adhesion for a hard wall, are left out.
+    """
     unit = _stress_unit(models)
+    columns = [column for column in _REGIME if (regime[column[0]].fillna(0) != 0).any()]
+    zone = length_unit(float(regime["process_zone"].fillna(0).max()))
     theories = [name for name in ("theory", "gap_flow") if "pull_off_pressure" in models.get(name, ())]
     rows = []
     for point in sweep_points(models):
         part = select(regime, point)
         if part is None:
             continue
-        cells = [_fixed_or_nothing(float(part[name]) / scale, decimals) for name, _, scale, decimals in _REGIME]
+        cells = [
+            _fixed_or_nothing(float(part[name]) / (zone.size if name == "process_zone" else 1), decimals)
+            for name, _, decimals in columns
+        ]
         pulls = [select(models[name], point) for name in theories]
         cells += [
             NOTHING if pull is None else _fixed_or_nothing(constant(pull, "pull_off_pressure") / unit.size, 3)
             for pull in pulls
         ]
         rows.append([point.label, *cells])
-    header = ["", *(words for _, words, _, _ in _REGIME)]
+    header = ["", *(f"{words} ({zone.name})" if name == "process_zone" else words for name, words, _ in columns)]
     header += [f"pull-off, {SHORT_NAMES[name]} ({unit.name})" for name in theories]
     return Table("Regime numbers", header, rows)
 
@@ -224,15 +241,20 @@ def _stress_unit(models: Mapping[str, xr.Dataset]) -> Unit:
     return pressure_unit(max(first_constant(models, point, "contact_modulus") for point in sweep_points(models)))
 
 
+def _length_unit(models: Mapping[str, xr.Dataset], name: str) -> Unit:
+    return length_unit(max((float(dataset[name].max()) for dataset in models.values() if name in dataset), default=0.0))
+
+
 def constants_table(models: Mapping[str, xr.Dataset]) -> Table:
     """Inputs of continuum and theories beside what the atomistic model measured on itself."""
     stress = _stress_unit(models)
+    distance, height = (_length_unit(models, name) for name in ("equilibrium_distance", "rms_height"))
     columns = {
         "contact_modulus": (f"E* ({stress.name})", stress.size),
         "work_of_adhesion": ("Δγ (J/m²)", 1.0),
-        "equilibrium_distance": ("d_eq (Å)", 1e-10),
+        "equilibrium_distance": (f"d_eq ({distance.name})", distance.size),
         "peak_tensile_stress": (f"σ_max ({stress.name})", stress.size),
-        "rms_height": ("h_rms (Å)", 1e-10),
+        "rms_height": (f"h_rms ({height.name})", height.size),
         "rms_slope": ("rms slope", 1.0),
     }
     used = {name: column for name, column in columns.items() if any(name in dataset for dataset in models.values())}

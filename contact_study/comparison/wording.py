@@ -37,18 +37,26 @@ def _decimals(fraction: float) -> int:
     return 0 if abs(fraction) >= 0.1 else 1
 
 
-def length(value: float) -> str:
-    """A length in the unit that suits it."""
-    unit, name = next(((u, n) for u, n in ((1e-10, "Å"), (1e-6, "µm"), (1e-3, "mm")) if value < 2000 * u), (1.0, "m"))
-    return f"{value / unit:.6g} {name}"
-
-
 @dataclass(frozen=True)
 class Unit:
     """A unit to show a quantity in: its name and its size in SI."""
 
     name: str
     size: float
+
+
+def length(value: float) -> str:
+    """A length in the unit that suits it."""
+    unit = length_unit(value)
+    return f"{value / unit.size:.6g} {unit.name}"
+
+
+def length_unit(largest: float) -> Unit:
+    """The unit in which lengths up to ``largest`` (m) read well; ångströms reach up to the cells of atoms."""
+    for name, size, limit in (("Å", 1e-10, 2e-7), ("nm", 1e-9, 1e-6), ("µm", 1e-6, 1e-3), ("mm", 1e-3, 1.0)):
+        if largest < limit:
+            return Unit(name, size)
+    return Unit("m", 1.0)
 
 
 def pressure_unit(largest: float) -> Unit:
@@ -62,5 +70,5 @@ def pressure_unit(largest: float) -> Unit:
 def control_unit(models: Mapping[str, xr.Dataset], control: str) -> Unit:
     """The unit of what was prescribed, for a whole study."""
     if control == "gap":
-        return Unit("nm", 1e-9)
+        return length_unit(max(float(np.abs(dataset["applied_gap"]).max()) for dataset in models.values()))
     return pressure_unit(max(float(np.abs(dataset["applied_pressure"]).max()) for dataset in models.values()))

@@ -42,6 +42,13 @@ when = { "interaction.well_depth_ratio" = 8 }
 "loading.path" = ["0.1 GPa", "-0.4987 GPa", "0.7799 GPa", "5.8725 GPa"]
 """
 
+# The same contact at prescribed gaps, down to compression.
+GAP_STUDY = (
+    STUDY[: STUDY.index("[[override]]")]
+    .replace("[loading]", '[loading]\ncontrol = "gap"')
+    .replace('"0.1 GPa", "0.7799 GPa", "5.8725 GPa"', '"1 nm", "0.7 nm", "0.3 nm", "0.2 nm"')
+)
+
 # Contact areas: the continuum's times these.
 AREA_FACTOR = {"continuum": 1.0, "atomistic": 0.9, "theory": 0.5, "gap_flow": 1.25}
 # Mean gaps: the continuum's plus these (m).
@@ -156,12 +163,13 @@ def _values(case, kind, prescribed):
             values[f"gap_flow/{side}/mean_gap"] = values["gap_flow/mean_gap"] / factor
     else:
         field = realise(case).heights(case.surface.shape)
-        values["gap"] = field - field.min() + 3e-10
+        values["gap"] = field - field.min() + (0 if case.interaction.law == "hard_wall" else 3e-10)
+        values["pressure"] = np.where(values["gap"] < np.quantile(values["gap"], 0.1), 10 * abs(pressure), 0.0)
     return values
 
 
 def _bell(edges, centre, width):
     """A density on bins whose integral is one."""
     middle = 0.5 * (edges[1:] + edges[:-1])
-    shape = np.exp(-0.5 * ((middle - centre) / width) ** 2)
+    shape = np.exp(-0.5 * ((middle - centre) / max(width, edges[1] - edges[0])) ** 2)
     return shape / np.sum(shape * np.diff(edges))

@@ -9,11 +9,13 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from contact_study.comparison import command, plotted
 from contact_study.comparison.command import main
-from contact_study.comparison.datasets import read_inputs
+from contact_study.comparison.datasets import field_at, read_inputs
 from contact_study.comparison.deviations import compute_deviations
 from contact_study.comparison.wording import percent
-from tests.comparison.synthetic import STUDY, write, write_all
+from contact_study.problem.surface import realise
+from tests.comparison.synthetic import GAP_STUDY, STUDY, study, write, write_all
 
 
 @pytest.fixture(scope="module")
@@ -75,8 +77,11 @@ def test_the_dataset_holds_everything_with_units(compared, files):
             kept = tree["continuum"].to_dataset()
             xr.testing.assert_equal(kept, original.drop_vars(["gap"])[list(kept.variables)])
         table = compute_deviations(read_inputs(files).models, "pressure")
-        # Read back, the fill value of a padded point is NaN.
-        table["state"] = table["state"].where(table["state"] >= 0)
+        for name in ("state", "branch"):
+            flags = tree["deviations"][name]
+            assert flags.dtype == np.int8, name
+            assert np.isin(flags, flags.attrs["flag_values"]).all(), name
+            assert (flags == -1).any(), "a padded point is marked, not missing"
         xr.testing.assert_equal(tree["deviations"].to_dataset(), table)
     with xr.open_dataset(compared[0] / "a" / "comparison.nc", group="theory/gap_flow") as group:
         assert "applied_pressure" in group.coords, "a group stands by itself"
@@ -104,6 +109,9 @@ def test_report_holds_the_numbers(compared, files):
         "a grid too coarse",
         "nearest to the atoms: the continuum (11 %), then the gap-flow theory (39 %), then Persson's theory (44 %)",
         "p/E* = −0.00532, 0.00832, 0.06265",
+        "The theory knows the target spectrum",
+        f"the simulations one realisation of it (rms slope {realise(study().cases[0]).rms_slope:.4g})",
+        "states of the same surface, which are no independent samples",
         "[surface]",
         "xr.open_datatree",
     ):
@@ -120,12 +128,65 @@ def test_report_of_seeds_and_of_unconverged_steps(special):
     status, page = special
     assert status == 2
     assert "2 realisations (seed 1, 2)" in page
+    assert "states of the same surfaces" in page
+    assert "the mean over those that converged in contact" in page
+    assert "surface of the first seed (1)" in page
+    assert "Persson" not in page
     assert " ± " in page
     assert "standard errors over seeds" in page
     assert "not converged" in page
     text = page.replace("\u00a0", " ")
     assert "for each point of the sweep at p/E* = 0.06265" in text, "the pressure of the path nearest to 5 GPa"
     assert "Not shown" not in text
+
+
+def test_a_study_without_compression(tmp_path):
+    tension = GAP_STUDY.replace('"1 nm", "0.7 nm", "0.3 nm", "0.2 nm"', '"1 nm", "0.7 nm"')
+    paths = [write(tmp_path / f"{kind}.nc", kind, tension) for kind in ("continuum", "atomistic", "theory")]
+    report = tmp_path / "r.html"
+    assert run(*paths, "-o", tmp_path / "out.nc", "--report", report) == 0
+    page = report.read_text(encoding="utf-8")
+    assert "logarithm" not in page, "neither panel b of figure 3 nor figure 4"
+
+
+def test_contact_of_a_hard_wall_is_shown(tmp_path):
+    text = (
+        STUDY[: STUDY.index("[sweep]")]
+        .replace('well_depth = "18.6 meV"', 'law = "hard_wall"')
+        .replace('length = "3.28 angstrom"\ncontact_distance = "3.68 angstrom"\n', "")
+    )
+    paths = [write(tmp_path / f"{kind}.nc", kind, text) for kind in ("continuum", "atomistic")]
+    inputs = read_inputs(paths)
+    shown = plotted.panel_points(inputs.models, "pressure")
+    maps = command._gap_maps(inputs, shown, None, 0.0)
+    pressed = field_at(paths[0], "pressure", {}, 0) > 0
+    assert pressed.any()
+    np.testing.assert_array_equal(np.ma.getmaskarray(maps["continuum"]), pressed)
+    assert command._lateral_size(inputs, maps) == pytest.approx((416e-10, 416e-10), rel=1e-12)
+    report = tmp_path / "r.html"
+    assert run(*paths, "-o", tmp_path / "out.nc", "--report", report) == 0
+    page = report.read_text(encoding="utf-8")
+    assert "contact, a positive pressure, is black" in page
+    for words in ("Persson", "gap-flow", "gap flow", "10-4", "Tabor", "local minimum"):
+        assert words not in page, words
+
+
+def test_a_large_contact_with_another_law(tmp_path):
+    text = (
+        STUDY[: STUDY.index("[sweep]")]
+        .replace('well_depth = "18.6 meV"', 'law = "lennard_jones_9_3"\nwork_of_adhesion = "0.05 J/m^2"')
+        .replace('"416 angstrom"', '"4 mm"')
+        .replace('rms_height = "10 angstrom"', 'rms_height = "5 um"')
+        .replace('lattice_constant = "2.6 angstrom"', "")
+    )
+    paths = [write(tmp_path / f"{kind}.nc", kind, text) for kind in ("continuum", "theory")]
+    report = tmp_path / "r.html"
+    assert run(*paths, "-o", tmp_path / "out.nc", "--report", report) == 0
+    text = html.unescape(re.sub(r"<[^>]+>", "", report.read_text(encoding="utf-8"))).replace("\u00a0", " ")
+    assert "in the 9-3 traction-separation law for continuum and gap-flow theory" in text
+    assert "10-4" not in text
+    assert "hrms (µm)" in text
+    assert "The gap-flow theory gives the equilibrium at each point" in text
 
 
 def test_existing_files_are_kept_unless_told(compared, files, tmp_path, capsys):

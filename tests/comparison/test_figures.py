@@ -10,9 +10,11 @@ from tests.comparison.synthetic import (
     AREA_FACTOR,
     BRANCH_FACTOR,
     GAP_SHIFT,
+    GAP_STUDY,
     STUDY,
     area,
     gap,
+    pressure_at,
     study,
     write,
     write_all,
@@ -173,3 +175,16 @@ def test_panels_are_ended_by_the_simulations(models, shown):
     lowest = plotted.smallest_resolved([*panels[0], *panels[1]])
     assert left.get_ylim() == right.get_ylim()
     assert left.get_ylim()[0] == pytest.approx(lowest - 0.3)
+
+
+def test_bands_of_a_prescribed_gap_are_over_each_branchs_pressure(tmp_path):
+    inputs = read_inputs([write(tmp_path / f"{kind}.nc", kind, GAP_STUDY) for kind in ("continuum", "theory")])
+    applied = np.array([1e-9, 0.7e-9, 0.3e-9, 0.2e-9])
+    band = bands.contact_area_bands(inputs.branches, sweep_points(inputs.models), 1e9)[0]
+    curves = []
+    for factor in BRANCH_FACTOR.values():
+        areas = factor * AREA_FACTOR["gap_flow"] * area(1, pressure_at(applied))
+        curves.append(np.interp(band.along, factor * pressure_at(applied) / 1e9, areas))
+    np.testing.assert_allclose(band.low, np.minimum(*curves), rtol=1e-12)
+    np.testing.assert_allclose(band.high, np.maximum(*curves), rtol=1e-12)
+    assert band.along[-1] == pytest.approx(BRANCH_FACTOR["loading"] * pressure_at(0.2e-9) / 1e9)
