@@ -1,8 +1,9 @@
 """Gap-flow theory: roughness added scale by scale to the traction-separation law itself.
 
-In the spirit of Joe, Scaraggi and Barber, Tribol. Int. 111, 220 (2017). Let U(ū) be the energy per area at mean gap ū
-with all roughness of wavevectors above q included; at the finest scale it is the law, φ(ū). A wave of height variance
-dm = 2πqC dq and elastic stiffness K = E*q/2, on the curvature c = U'', relaxes and adds
+In the spirit of Joe, Scaraggi and Barber (Tribology International, 2017) and of Joe, Thouless and Barber (J. Mech.
+Phys. Solids, 2018), both named from memory, unchecked. Let U(ū) be the energy per area at mean gap ū with all roughness
+of wavevectors above q included; at the finest scale it is the law, φ(ū). A wave of height variance dm = 2πqC dq and
+elastic stiffness K = E*q/2, on the curvature c = U'', relaxes and adds
 
     ∂U/∂m = ½ K c / (K + c).
 
@@ -30,6 +31,10 @@ BRANCHES = ("equilibrium", "loading", "unloading")
 
 _EQUILIBRIUM, _LOADING = 0, 1
 
+# Newton's method in a step: largest relative change of v in its last iteration, and iterations at most.
+_STEP_TOLERANCE = 1e-9
+_STEP_ITERATIONS = 60
+
 
 @dataclass(frozen=True)
 class GapFlow:
@@ -49,6 +54,8 @@ class GapFlow:
         Nodes of the gap.
     energy : numpy.ndarray, shape (n,)
         U at the nodes, all roughness included.
+    unconverged_steps : int
+        Steps of the roughness in which Newton's method did not meet its tolerance.
     """
 
     law: TractionLaw
@@ -57,10 +64,16 @@ class GapFlow:
     branch: str
     gaps: np.ndarray
     energy: np.ndarray
+    unconverged_steps: int
     _stiffness: np.ndarray
     _steps: np.ndarray
     _compliances: np.ndarray
     _hull: np.ndarray
+
+    @property
+    def converged(self) -> bool:
+        """Whether the implicit equations of every step are solved."""
+        return self.unconverged_steps == 0
 
     @cached_property
     def mean_gap(self) -> np.ndarray:
@@ -144,6 +157,7 @@ def gap_flow(
     largest_gap: float = 0.0,
     gaps: int = 800,
     scales: int = 1600,
+    iterations: int = _STEP_ITERATIONS,
 ) -> GapFlow:
     """Flow a traction-separation law through a roughness spectrum.
 
@@ -163,6 +177,8 @@ def gap_flow(
         Nodes of the gap.
     scales : int, optional
         Bands of wavevectors, at least; wide ones are taken in several steps.
+    iterations : int, optional
+        Newton iterations of a step at most.
 
     Raises
     ------
@@ -178,8 +194,8 @@ def gap_flow(
     energy = np.array(reduced.potential(x), dtype=float)
     compliances = np.empty((steps.size, x.size))
     hull = np.empty((steps.size, x.size), dtype=np.int32)
-    _flow(x, stiffness, steps, BRANCHES.index(branch), energy, compliances, hull)
-    return GapFlow(reduced, length, contact_modulus, branch, x, energy, stiffness, steps, compliances, hull)
+    lost = int(_flow(x, stiffness, steps, BRANCHES.index(branch), iterations, energy, compliances, hull))
+    return GapFlow(reduced, length, contact_modulus, branch, x, energy, lost, stiffness, steps, compliances, hull)
 
 
 def _gap_nodes(
@@ -263,8 +279,11 @@ def _jump_at_instability(x, energy, stiffness, loading, left):
 
 
 @njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "arcp", "nsz"})
-def _flow(x, stiffness, steps, branch, energy, compliances, hull):
-    """Add all scales to ``energy`` in place; keeps v of every step and the coexisting states."""
+def _flow(x, stiffness, steps, branch, iterations, energy, compliances, hull):
+    """Add all scales to ``energy`` in place; keeps v of every step and the coexisting states.
+
+    Returns the number of steps in which Newton's method did not meet its tolerance.
+    """
     n = x.size
     below = np.zeros(n)
     above = np.zeros(n)
@@ -276,6 +295,7 @@ def _flow(x, stiffness, steps, branch, energy, compliances, hull):
     v = np.empty(n)
     pivot = np.empty(n)
     change = np.empty(n)
+    unconverged = 0
     for k in range(steps.size):
         stiff, step = stiffness[k], steps[k]
         if branch == _EQUILIBRIUM:
@@ -294,7 +314,8 @@ def _flow(x, stiffness, steps, branch, energy, compliances, hull):
         # At the ends the curvature hardly changes: deep repulsion and no interaction at all.
         v[0] = square / modulus[1]
         v[n - 1] = 0.5 * stiff
-        for _ in range(60):
+        solved = False
+        for _ in range(iterations):
             pivot[0] = 1.0
             change[0] = 0.0
             for i in range(1, n - 1):
@@ -305,19 +326,22 @@ def _flow(x, stiffness, steps, branch, energy, compliances, hull):
                 diagonal = square / (v[i] * v[i]) + step * (above[i] + below[i])
                 pivot[i] = 1.0 / (diagonal + factor * upper)
                 change[i] = excess + factor * change[i - 1]
-            largest = 0.0
+            solved = True
             later = 0.0
             for i in range(n - 2, 0, -1):
                 later = (change[i] + step * above[i] * later) * pivot[i]
                 relative = later / v[i]
-                largest = max(largest, abs(relative))
+                solved &= abs(relative) < _STEP_TOLERANCE  # not so where it is no number
                 # From above the root the tangent may point beyond zero.
                 v[i] *= max(1.0 + relative, 0.1)
-            if largest < 1e-9:
+            if solved:
                 break
+        if not solved:
+            unconverged += 1
         for i in range(n):
             energy[i] += step * (0.5 * stiff - v[i])
             compliances[k, i] = v[i]
+    return unconverged
 
 
 @njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "arcp", "nsz"})

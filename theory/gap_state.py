@@ -47,7 +47,7 @@ class GapState:
 
     @property
     def mean_traction(self) -> float:
-        """−<φ'>, which balances :attr:`pressure` (Pa)."""
+        """−<φ'>, which balances :attr:`pressure` up to the resolution of gaps and scales (Pa)."""
         return -float(self.weights @ self.law.traction(self.gaps)) * self.contact_modulus
 
     @cached_property

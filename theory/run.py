@@ -29,13 +29,26 @@ MODEL = Model(
     module="theory.run",
     description="Persson's theory of rough contact with adhesion, and the gap-flow theory beside it",
     references="C. Yang, B. N. J. Persson, J. Israelachvili, K. Rosenberg, EPL 84, 46004 (2008); "
-    "B. N. J. Persson, J. Chem. Phys. 115, 3840 (2001)",
+    "B. N. J. Persson, J. Chem. Phys. 115, 3840 (2001); gap flow in the spirit of Joe, Scaraggi, Barber (2017) and "
+    "Joe, Thouless, Barber (2018), both from memory, unchecked",
 )
 
 _UNSOUND_GAP = "states at higher pressures that the mean gap rests on did not converge; raise solver.max_iterations"
 
+# What a block that has come off is, in every model; its mean gap is infinite where the model defines one.
+_DETACHED: dict[str, Value] = {
+    "mean_pressure": 0.0,
+    "relative_contact_area": 0.0,
+    "elastic_energy": 0.0,
+    "interaction_energy": 0.0,
+    "converged": True,
+    "detached": True,
+    "residual": 0.0,
+}
+
 # Wavevectors at which the magnification-resolved quantities are stored.
 _STORED_WAVEVECTORS = 129
+_RESOLVED = ("relative_contact_area_at", "detachment_stress", "effective_work_of_adhesion")
 
 # Below this pressure, in units of the full-contact stress, a mean gap is not sought.
 _LOWEST_PRESSURE = 1e-9
@@ -219,11 +232,18 @@ def _stored_wavevectors(theory: PerssonTheory) -> np.ndarray:
 
 def _persson_values(case: Case, contact: PerssonContact) -> dict[str, Value]:
     theory = contact.theory
+    if contact.detached:
+        return _DETACHED | {
+            **{name: np.zeros(_STORED_WAVEVECTORS) for name in _RESOLVED},
+            "pressure_pdf": np.zeros(case.bins.pressure_edges.size - 1),
+            "contact_stress": 0.0,
+            "edge_stress": 0.0,
+            "message": "detached: the adhered branch ends above this pressure",
+            "iterations": contact.iterations,
+        }
     stored, nodes = np.log(_stored_wavevectors(theory)), np.log(theory.wavevectors)
     message = ""
-    if contact.detached:
-        message = "detached: the adhered branch ends above this pressure"
-    elif contact.pressure <= 0:
+    if contact.pressure <= 0:
         message = "the theory's mean gap diverges at zero pressure and is not defined under tension"
     elif not contact.converged:
         message = "the detachment stress did not converge; raise solver.max_iterations"
@@ -250,9 +270,8 @@ def _unreachable(case: Case, gap: float) -> dict[str, Value]:
     """Values of a prescribed mean gap that Persson's theory has no pressure for: NaN."""
     names = ("mean_pressure", "relative_contact_area", "elastic_energy", "interaction_energy", "contact_stress")
     lost: dict[str, Value] = dict.fromkeys((*names, "edge_stress", "residual"), float("nan"))
-    resolved = ("relative_contact_area_at", "detachment_stress", "effective_work_of_adhesion")
     return lost | {
-        **{name: np.full(_STORED_WAVEVECTORS, np.nan) for name in resolved},
+        **{name: np.full(_STORED_WAVEVECTORS, np.nan) for name in _RESOLVED},
         "pressure_pdf": np.full(case.bins.pressure_edges.size - 1, np.nan),
         "mean_gap": gap,
         "converged": False,
@@ -293,29 +312,21 @@ def _flow_values(case: Case, flow: GapFlow) -> list[dict[str, Value]]:
     return [
         {
             _name(flow.branch, key): value
-            for key, value in _state_values(case, next(states) if there else None, path_value).items()
+            for key, value in _state_values(case, flow, next(states) if there else None).items()
         }
-        for there, (path_value, _) in zip(held, case.path, strict=True)
+        for there in held
     ]
 
 
-def _state_values(case: Case, state: GapState | None, applied: float) -> dict[str, Value]:
-    """Quantities of one state; NaN where the branch has none, because the block has come off."""
+def _state_values(case: Case, flow: GapFlow, state: GapState | None) -> dict[str, Value]:
+    """Quantities of one state; None where the branch has none, because the block has come off."""
     pressure_edges, gap_edges = case.bins.pressure_edges, case.bins.gap_edges
     if state is None:
-        nan = float("nan")
-        return {
-            "mean_pressure": applied,
-            "mean_gap": nan,
-            "relative_contact_area": 0.0,
+        return _DETACHED | {
+            "mean_gap": float("inf"),
             "relative_repulsive_area": 0.0,
-            "elastic_energy": nan,
-            "interaction_energy": nan,
-            "pressure_pdf": np.full(pressure_edges.size - 1, nan),
-            "gap_pdf": np.full(gap_edges.size - 1, nan),
-            "converged": True,
-            "detached": True,
-            "residual": nan,
+            "pressure_pdf": np.zeros(pressure_edges.size - 1),
+            "gap_pdf": np.zeros(gap_edges.size - 1),
         }
     return {
         "mean_pressure": state.pressure,
@@ -326,8 +337,10 @@ def _state_values(case: Case, state: GapState | None, applied: float) -> dict[st
         "interaction_energy": state.interaction_energy,
         "pressure_pdf": state.pressure_density(pressure_edges),
         "gap_pdf": state.gap_density(gap_edges),
-        "converged": True,
+        "converged": flow.converged,
         "detached": False,
+        # Mean traction of the local gaps against the slope of the energy: not a measure of convergence but of the
+        # resolution. Second order in the gap's nodes, first in the scales and where coexistence ends between nodes.
         "residual": abs(state.mean_traction - state.pressure) / case.material.contact_modulus,
     }
 

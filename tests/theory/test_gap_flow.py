@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from contact_study.fields.spectrum import RadialSpectrum, SelfAffineSpectrum
 from contact_study.problem.laws import LennardJones104
-from theory.gap_flow import gap_flow
+from theory.gap_flow import BRANCHES, gap_flow
 
 PRESSURES = (0.1, 0.5, 1, 2, 5, 10)  # GPa
 # A (u < 3.68 Å) and ū/h_rms of a prototype with 3200 gaps and 800 scales, and its pull-off pressure (GPa).
@@ -198,6 +198,24 @@ def test_a_few_shells_are_taken_in_small_steps(paper):
     shells = RadialSpectrum(2e8 * np.array([1.0, 2.0, 3.0]), 1e-18 * np.array([0.5, 0.3, 0.2]))
     coarse, fine = (gap_flow(shells, paper.contact_modulus, paper.law(1), scales=n) for n in (400, 3200))
     assert coarse.gap_at(1e9) == pytest.approx(fine.gap_at(1e9), rel=0.01)
+
+
+@pytest.mark.parametrize("branch", BRANCHES)
+def test_convergence_is_that_of_every_step(paper, branch):
+    assert flow_of(paper, 8, branch).converged
+    short = flow_of(paper, 8, branch, iterations=3)
+    assert not short.converged
+    # The first step starts from a guess, the later ones each from the one before.
+    assert 0 < short.unconverged_steps <= flow_of(paper, 8, branch, iterations=1).unconverged_steps <= 1601
+
+
+def test_balance_of_traction_is_of_second_order_in_the_gaps(paper):
+    def imbalance(gaps):
+        (state,) = states_at(flow_of(paper, 1, gaps=gaps), [5])
+        return abs(state.mean_traction - state.pressure)
+
+    # Without coexistence; a rate of two in 1/gaps, with the interpolation between nodes in it.
+    assert imbalance(3200) < imbalance(800) / 8
 
 
 def test_filtered_surface_has_a_flow(paper, filtered_spectrum):
