@@ -104,7 +104,7 @@ def _loading(inputs: Inputs) -> str:
     words = f"Prescribed mean {inputs.control}, in this order: {'; '.join(listed)}."
     if "atomistic" in inputs.models or "continuum" in inputs.models:
         words += " The simulations start from separated surfaces and follow the path."
-    if "theory" in inputs.models:
+    if "theory" in inputs.models and study.cases[0].interaction.law != "hard_wall":
         words += " Persson's theory starts on the adhered branch, each state from the one before."
     if "gap_flow" in inputs.models:
         words += " The gap-flow theory gives the equilibrium at each point, whatever came before."

@@ -189,6 +189,22 @@ def test_a_large_contact_with_another_law(tmp_path):
     assert "The gap-flow theory gives the equilibrium at each point" in text
 
 
+def test_a_point_of_the_sweep_that_one_model_lacks(tmp_path, capsys):
+    paths = [
+        write(tmp_path / "c.nc", "continuum", STUDY.replace("[1, 8]", "[1, 4]").split("[[override]]")[0]),
+        write(tmp_path / "t.nc", "theory", STUDY.replace("[1, 8]", "[1, 4, 8]")),
+    ]
+    report = tmp_path / "r.html"
+    assert run(*paths, "-o", tmp_path / "out.nc", "--report", report) == 0
+    assert "share 2 points of their sweeps" in capsys.readouterr().err
+    with xr.open_dataset(tmp_path / "out.nc", group="deviations") as deviations:
+        np.testing.assert_array_equal(deviations["well_depth_ratio"], [1, 4])
+    page = report.read_text(encoding="utf-8").replace("\u00a0", " ")
+    # Panel b is of the strongest adhesion; the continuum has none of it and is not called detached there.
+    assert "Not shown" not in page
+    assert "Not on the loading path" not in page
+
+
 def test_existing_files_are_kept_unless_told(compared, files, tmp_path, capsys):
     folder, _ = compared
     before = {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
