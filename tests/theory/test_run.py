@@ -68,12 +68,30 @@ def test_names_are_those_of_the_schema(case, steps):
     assert all(step.values.keys() == steps[0].values.keys() for step in steps)
 
 
+def assert_load_is_carried(values, applied):
+    # Two large terms cancel, each of second order in the stress cells: within 6e-4 of the contact's (test_persson).
+    assert values["contact_stress"] > 0 > values["edge_stress"]
+    total = values["contact_stress"] + values["edge_stress"]
+    assert total == pytest.approx(applied, abs=1e-3 * values["contact_stress"])
+
+
+def test_load_is_carried_where_adhesion_is_strong():
+    case = case_of(
+        surface={"size": "1040 angstrom"},
+        interaction={"work_of_adhesion": "5.54 J/m^2"},
+        loading={"path": ["0.1 GPa"], "unload": False},
+    )
+    (step,) = steps_of(case)
+    assert step.values["contact_stress"] > 20e8
+    assert_load_is_carried(step.values, 1e8)
+
+
 def test_values_are_consistent(case, steps):
     for (applied, _), step in zip(case.path, steps, strict=True):
         values = step.values
         assert values["converged"]
         assert values["mean_pressure"] == applied
-        assert values["contact_stress"] + values["edge_stress"] == pytest.approx(applied, rel=5e-3)
+        assert_load_is_carried(values, applied)
         area = np.sum(values["pressure_pdf"]) * np.diff(case.bins.pressure_edges)[0]
         # The root's distribution is that of the contact, without the δ of non-contact; of it, the bins leave out what
         # is under more tension than the law can exert, since the paper's detachment stress is not capped.
