@@ -8,6 +8,7 @@ import numpy as np
 from scipy import optimize
 
 from contact_study.campaign import command
+from contact_study.campaign.memory import require_memory
 from contact_study.campaign.model import Model
 from contact_study.campaign.record import Step, Value
 from contact_study.fields import fourier
@@ -35,6 +36,9 @@ MODEL = Model(
 # Below 1024² atoms a second thread of FFTW gains nothing, and loses much when the other core is busy.
 _POINTS_FOR_THREADS = 1024**2
 
+# Displacements, forces, Hessians, stiffness and transforms of one atom: some sixty doubles.
+_BYTES_PER_ATOM = 500
+
 # Error allowed to the interpolated height of the surface, in units of r0; the contact area does not notice 1e-4.
 _HEIGHT_TOLERANCE = 1e-4
 
@@ -59,8 +63,12 @@ def check(case: Case) -> None:
             f'interaction.law = "{case.interaction.law}": the atomistic model has Lennard-Jones pairs; '
             'use "lennard_jones_10_4", the law that follows from them'
         )
-    if min(case.atoms) < 4:
-        raise InputError(f"material.lattice_constant: {case.atoms} atoms a layer are too few; at least 4 a side")
+    rows, columns = case.atoms
+    require_memory(
+        rows * columns * _BYTES_PER_ATOM,
+        f"material.lattice_constant = {case.material.lattice_constant:g} m: a layer of {rows} x {columns} atoms",
+        "a larger one or a smaller cell",
+    )
 
 
 def build_stiffness(case: Case) -> SurfaceStiffness:

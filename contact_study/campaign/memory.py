@@ -19,11 +19,16 @@ def check_memory(study: Study) -> None:
         If the largest grid of the study needs more than all memory.
     """
     shape = max((case.surface.shape or (0, 0) for case in study.cases), key=lambda shape: shape[0] * shape[1])
-    needed, available = shape[0] * shape[1] * _BYTES_PER_POINT, _memory()
+    require_memory(shape[0] * shape[1] * _BYTES_PER_POINT, f"surface.shape = {list(shape)}", "fewer points")
+
+
+def require_memory(needed: float, culprit: str, advice: str) -> None:
+    """Raise InputError, naming the culprit, if ``needed`` bytes are more than all memory."""
+    available = _memory()
     if needed > available:
         raise InputError(
-            f"surface.shape = {list(shape)}: needs at least {needed / 1e9:.3g} GB of memory, "
-            f"this machine has {available / 1e9:.3g} GB; use fewer points"
+            f"{culprit}: needs at least {needed / 1e9:.3g} GB of memory, this machine has {available / 1e9:.3g} GB; "
+            f"use {advice}"
         )
 
 

@@ -152,3 +152,10 @@ def test_hard_walls_have_no_atoms():
         check(hard)
     check(case)
     assert isinstance(build_interface(case, realise(case)), LennardJonesInterface)
+
+
+def test_more_atoms_than_memory_are_refused():
+    case = case_of((32, 32))
+    tiny = dataclasses.replace(case, material=dataclasses.replace(case.material, lattice_constant=2.6e-15))
+    with pytest.raises(InputError, match=r"material\.lattice_constant.*memory"):
+        check(tiny)
