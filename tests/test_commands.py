@@ -139,6 +139,10 @@ def test_own_path_reaches_the_predicted_states(folder, tmp_path):
         assert gap.max() < 1e-15
 
 
+def test_report_says_where_the_atoms_started(folder):
+    assert "continuum&#39;s gap field (bem.nc)" in (folder / "report.html").read_text()
+
+
 def test_comparison_holds_the_numbers_of_its_inputs(folder):
     tree = xr.open_datatree(folder / "comparison.nc")
     with xr.open_dataset(folder / "bem.nc") as bem:

@@ -102,13 +102,31 @@ def _loading(inputs: Inputs) -> str:
         where = f" ({', '.join(dict.fromkeys(labels))})" if len(paths) > 1 else ""
         listed.append(f"{values} {unit.name}{where}{back}")
     words = f"Prescribed mean {inputs.control}, in this order: {'; '.join(listed)}."
-    if "atomistic" in inputs.models or "continuum" in inputs.models:
-        words += " The simulations start from separated surfaces and follow the path."
+    words += _starts(inputs)
     if "theory" in inputs.models and study.cases[0].interaction.law != "hard_wall":
         words += " Persson's theory starts on the adhered branch, each state from the one before."
     if "gap_flow" in inputs.models:
         words += " The gap-flow theory gives the equilibrium at each point, whatever came before."
     return words
+
+
+def _starts(inputs: Inputs) -> str:
+    """Where the states of the simulations start: adhesion leaves several, and the start chooses among them."""
+    atoms = inputs.models.get("atomistic")
+    predictor = str(atoms.attrs.get("predictor", "")).partition(" ")[0] if atoms is not None else ""
+    if predictor:
+        own = (
+            " The continuum starts from separated surfaces and follows the path."
+            if "continuum" in inputs.models
+            else ""
+        )
+        return (
+            f"{own} The atoms start each state from the continuum's gap field ({predictor}): where adhesion leaves them "
+            "several states, this chooses the continuum's branch, not that of their own way from separation."
+        )
+    if atoms is not None or "continuum" in inputs.models:
+        return " The simulations start from separated surfaces and follow the path."
+    return ""
 
 
 def _models(inputs: Inputs) -> Iterator[str]:
