@@ -115,14 +115,10 @@ def _starts(inputs: Inputs) -> str:
     atoms = inputs.models.get("atomistic")
     predictor = str(atoms.attrs.get("predictor", "")).partition(" ")[0] if atoms is not None else ""
     if predictor:
-        own = (
-            " The continuum starts from separated surfaces and follows the path."
-            if "continuum" in inputs.models
-            else ""
-        )
+        own = " The continuum starts from separation and follows the path." if "continuum" in inputs.models else ""
         return (
-            f"{own} The atoms start each state from the continuum's gap field ({predictor}): where adhesion leaves them "
-            "several states, this chooses the continuum's branch, not that of their own way from separation."
+            f"{own} The atoms start each state from the continuum's gap field ({predictor}): where adhesion leaves "
+            "them several states, this chooses the continuum's branch, not that of their own way from separation."
         )
     if atoms is not None or "continuum" in inputs.models:
         return " The simulations start from separated surfaces and follow the path."

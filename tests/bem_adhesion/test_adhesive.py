@@ -144,7 +144,7 @@ def test_two_level_and_single_grid_solvers_end_in_the_same_state():
 def test_coarse_grids_stop_where_they_cannot_bridge_the_process_zone():
     the_law = law().scaled(R0, E_STAR)
     zone = process_zone(1.0, the_law)
-    assert zone * R0 == pytest.approx(41e-10, rel=0.01)  # SPEC: 41 Å
+    assert zone * R0 == pytest.approx(41e-10, rel=0.01)  # 41 Å by hand from the formula
     level = MultilevelContact(Grid((96, 96), (24 * zone, 12 * zone)), 1.0, the_law, 0.01)
     shapes = []
     while level is not None:

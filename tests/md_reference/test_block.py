@@ -81,7 +81,7 @@ def test_element_carries_no_force_in_rigid_motion_and_has_the_isotropic_moduli()
     ("mode", "modulus"), [(1, 1.00040), (3, 0.99987), (12, 0.99921), (40, 0.98865), (100, 0.87122), (200, 0.52212)]
 )
 def test_contact_modulus_of_the_paper_block(mode, modulus):
-    # SPEC.md section 4 used μ = 27.18, λ = 142.73 GPa and E* = 93.7348 GPa, rounded: 1.2e-4 below the exact μ.
+    # The reference table used μ = 27.18, λ = 142.73 GPa and E* = 93.7348 GPa, rounded: 1.2e-4 below the exact μ.
     phase = 2 * np.pi * mode / 400
     coefficients = condense(ELEMENT, np.zeros(1), np.array([phase]), 400)
     found = contact_modulus(coefficients, np.array([phase / LATTICE_CONSTANT]), LATTICE_CONSTANT)

@@ -14,7 +14,7 @@ def flat(cutoff):
 @pytest.mark.parametrize(("cutoff", "adhesion"), [(4, 0.68646), (5, 0.68972), (6, 0.69089), (8, 0.69164)])
 def test_adhesion_of_flat_layers_is_that_of_the_prototype(cutoff, adhesion):
     found = measure_interface(flat(cutoff), LENGTH)
-    # NUMERICS.md 4 and SPEC.md 4, to the digits given there.
+    # An independent prototype, to the digits that it printed.
     assert found.work_of_adhesion == pytest.approx(adhesion, abs=6e-6)
     assert found.equilibrium_distance == pytest.approx(3.280e-10, abs=1e-14)
     assert found.peak_distance == pytest.approx(3.741e-10, abs=1e-13)

@@ -44,7 +44,7 @@ def test_characteristic_points(law):
 
 
 def test_maugis_parameter_of_the_two_laws():
-    # λ = 2 σ0 (9R/16πwE*²)^(1/3) in units of Tabor's μ: the factors of SPEC section 6.
+    # λ = 2 σ0 (9R/16πwE*²)^(1/3) in units of Tabor's μ: the factors for each law's peak stress.
     for law, factor in ((LennardJones93(1.0, 1.0), 1.1570), (LennardJones104(1.0, 1.0), 2.125)):
         assert 2 * law.peak_tensile_stress * (9 / (16 * np.pi)) ** (1 / 3) == pytest.approx(factor, rel=3e-4)
 

@@ -43,7 +43,7 @@ def test_work_of_adhesion_of_the_paper():
     (case,) = make_study(copy.deepcopy(TABLE)).cases
     assert case.atoms == (400, 400)
     assert case.substrate_sites == (647, 647)
-    # SPEC's 0.6924 J/m² is for b = a/φ; made periodic, b = 400a/647 holds (647/(400φ))² as many sites.
+    # The reference, 0.6924 J/m², is for b = a/φ; made periodic, b = 400a/647 holds (647/(400φ))² as many sites.
     expected = 0.6924 * (647 / (400 * (1 + 5**0.5) / 2)) ** 2
     assert case.work_of_adhesion == pytest.approx(expected, abs=5e-5)  # the reference has four digits
 
