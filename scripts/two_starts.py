@@ -128,9 +128,9 @@ def compare(case: Case) -> Iterator[dict[str, float]]:
 
 
 def _energy(step: Step, pressure: float) -> float:
-    """Elastic and interaction energy with the work of the load on the mean height, per area (J/m²)."""
-    height = float(np.mean(step.restart["displacement"][2]))
-    return step.values["elastic_energy"] + step.values["interaction_energy"] + pressure * height
+    """Elastic and interaction energy with the work of the load on the mean separation, per area (J/m²)."""
+    stored = step.values["elastic_energy"] + step.values["interaction_energy"]
+    return stored + pressure * step.values["mean_separation"]
 
 
 def _case(given: argparse.Namespace, ratio: float, pressures: Sequence[float]) -> Case:

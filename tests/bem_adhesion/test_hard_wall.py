@@ -126,7 +126,7 @@ def test_conditions_of_contact_even_on_noise(shape, exponent):
         assert_complementary(contact.at_pressure(fraction * full), height, grid, 1.0, fraction * full)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(
     rows=st.integers(1, 12),
     columns=st.integers(1, 12),
@@ -142,7 +142,7 @@ def test_any_small_problem(rows, columns, exponent, log_pressure, seed):
     assert_complementary(solve(height, grid, 1.0, pressure), height, grid, 1.0, pressure)
 
 
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=15)
 @given(
     shift=st.tuples(st.integers(0, 63), st.integers(0, 47)),
     offset=st.floats(-10, 10),

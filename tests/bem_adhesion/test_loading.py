@@ -85,7 +85,7 @@ def test_iteration_limit_is_reported_with_its_residual():
     assert "max_iterations" in solution.message
 
 
-small = settings(max_examples=8, deadline=None)
+small = settings(max_examples=8)
 
 
 def small_problem(shape=(20, 24)):

@@ -45,7 +45,7 @@ def test_laplacian_of_a_wave(shape):
     assert plan.pairs == 1
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(
     st.tuples(st.integers(1, 9), st.integers(1, 9)), st.tuples(st.integers(0, 9), st.integers(0, 9)), st.integers(0, 99)
 )
@@ -57,7 +57,7 @@ def test_interpolation_keeps_the_samples(shape, more, seed):
     np.testing.assert_allclose(fine[:: factors[0], :: factors[1]], field, atol=1e-12)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(
     st.tuples(st.integers(3, 12), st.integers(3, 12)),
     st.tuples(st.integers(0, 8), st.integers(0, 8)),

@@ -93,7 +93,7 @@ def test_forces_with_and_without_hessian_agree(interface):
     np.testing.assert_allclose(plain, full, rtol=0, atol=1e-13 * np.abs(plain).max())
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 @given(rows=st.integers(-4, 4), columns=st.integers(-4, 4), seed=st.integers(0, 99))
 def test_forces_are_periodic_in_the_lateral_position(interface, rows, columns, seed):
     u = state_on(interface, seed)
@@ -106,7 +106,7 @@ def test_forces_are_periodic_in_the_lateral_position(interface, rows, columns, s
     np.testing.assert_allclose(there, here, rtol=0, atol=1e-11 * np.abs(here).max())
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 @given(rows=st.integers(-20, 20), columns=st.integers(-20, 20))
 def test_moving_atoms_and_substrate_together_changes_nothing(rows, columns):
     interface = interface_of(ATOMS, SURFACE)

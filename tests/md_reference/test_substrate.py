@@ -41,7 +41,7 @@ def test_samples_are_refined_until_the_height_is_as_exact_as_asked():
     assert np.abs(fine.height_at(y, x) - exact(y, x)).max() < 0.01 * np.abs(coarse.height_at(y, x) - exact(y, x)).max()
 
 
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=50)
 @given(st.floats(-1, 1), st.floats(-1, 1), st.integers(-3, 3), st.integers(-3, 3))
 def test_height_is_periodic(y, x, rows, columns):
     substrate = Substrate(sample(SURFACE, (20, 30)), (SIZE[0] / 20, SIZE[1] / 30))

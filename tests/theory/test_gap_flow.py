@@ -171,7 +171,7 @@ def test_gap_nodes_change_little(paper):
     assert area(800) == pytest.approx(area(2400), rel=2e-3)
 
 
-@settings(max_examples=8, deadline=None)
+@settings(max_examples=8)
 @given(length=st.floats(-9, 2), stress=st.floats(-6, 6), branch=st.sampled_from(["equilibrium", "loading"]))
 def test_units_do_not_matter(length, stress, branch):
     def curve(length, stress):

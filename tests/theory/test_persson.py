@@ -89,7 +89,7 @@ def test_state_obeys_the_crack_condition(paper):
     assert contact.detachment_stress == pytest.approx(expected, abs=2e-3 * expected.max())
 
 
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=15)
 @given(
     work=st.floats(0, 8),
     pressure=st.floats(0.01, 20),
@@ -112,7 +112,7 @@ def test_area_is_a_fraction_that_grows_with_pressure_and_adhesion(work, pressure
     assert area(1.1 * work, pressure) >= here * (1 - 3e-3)
 
 
-@settings(max_examples=10, deadline=None)
+@settings(max_examples=10)
 @given(length=st.floats(-9, 3), stress=st.floats(-6, 6))
 def test_units_do_not_matter(length, stress):
     length, stress = 10.0**length, 10.0**stress

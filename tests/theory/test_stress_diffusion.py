@@ -93,7 +93,7 @@ def test_second_order_in_stress():
     assert -np.polyfit(np.log(cells), np.log(errors), 1)[0] > 1.6
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(
     pressure=st.floats(-2, 4),
     start=st.floats(0, 1.5),

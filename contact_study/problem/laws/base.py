@@ -55,9 +55,9 @@ class TractionLaw(ABC):
         """Gap of the largest tensile traction (m)."""
 
     @property
-    @abstractmethod
     def peak_tensile_stress(self) -> float:
         """Largest tensile traction (Pa)."""
+        return float(self.traction(np.array(self.peak_distance)))
 
     @property
     @abstractmethod

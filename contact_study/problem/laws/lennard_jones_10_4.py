@@ -112,10 +112,6 @@ class LennardJones104(TractionLaw):
         return (11 / 5) ** (1 / 6) * self.length
 
     @property
-    def peak_tensile_stress(self) -> float:
-        return float(self.traction(np.array(self.peak_distance)))
-
-    @property
     def equilibrium_stiffness(self) -> float:
         return 40 * self.work_of_adhesion / self.length**2
 

@@ -54,10 +54,6 @@ class LennardJones93(TractionLaw):
         return 3 ** (1 / 6) * self.length
 
     @property
-    def peak_tensile_stress(self) -> float:
-        return float(self.traction(np.array(self.peak_distance)))
-
-    @property
     def equilibrium_stiffness(self) -> float:
         return 16 * self.work_of_adhesion / self.length**2
 
