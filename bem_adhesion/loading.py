@@ -2,12 +2,15 @@
 
 Each step is a function of the displacement it starts from and of its target, nothing else. Loading and unloading
 branches differ where the energy has several minima; the path decides, and it may go anywhere: compression, tension,
-back again. Under tension an equilibrium need not exist: the step then ends with :attr:`Outcome.DETACHED`.
+back again. It begins out of reach of the law, where only a positive pressure (or a prescribed gap) brings the surfaces
+together: a step under tension from there ends with :attr:`Outcome.APART`. Under tension an equilibrium need not exist:
+the step then ends with :attr:`Outcome.DETACHED`, and the next begins out of reach again.
 """
 
 from dataclasses import replace
 
 import numpy as np
+from scipy.optimize import brentq
 
 from bem_adhesion.adhesive import NewtonResult
 from bem_adhesion.multilevel import MultilevelContact
@@ -22,6 +25,8 @@ from contact_study.problem.laws.base import TractionLaw
 PRECONDITIONER_SHIFT = 0.22
 # Corrections of the spring's end under gap control.
 GAP_CORRECTIONS = 20
+# Tension, in units of the law's peak, that counts as none: the gap where it has fallen to this is out of reach.
+NO_TENSION = 1e-3
 
 
 def typical_wavenumber(height: np.ndarray, grid: Grid) -> float:
@@ -36,6 +41,15 @@ def typical_wavenumber(height: np.ndarray, grid: Grid) -> float:
     if variance == 0:
         return lowest
     return max(lowest, float(np.sqrt(np.sum(grid.wavenumber**2 * power) / variance)))
+
+
+def reach(law: TractionLaw) -> float:
+    """Gap beyond which the law's tension is less than a thousandth of its peak (m)."""
+    nearer, farther = law.peak_distance, 2 * law.peak_distance
+    no_tension = NO_TENSION * law.peak_tensile_stress
+    while law.traction(np.array(farther)) > no_tension:
+        nearer, farther = farther, 2 * farther
+    return float(brentq(lambda gap: float(law.traction(np.array(gap))) - no_tension, nearer, farther))
 
 
 class LoadedContact:
@@ -94,6 +108,7 @@ class LoadedContact:
         self.control = control
         self.tolerance = tolerance
         self.max_iterations = max_iterations
+        self._reach = reach(law)
         self._length = law.length
         self._law = law.scaled(self._length, contact_modulus)
         self._height = height / self._length
@@ -106,8 +121,8 @@ class LoadedContact:
         self._flattening = self._contact.finest.elastic_pressure(self._height).copy()
 
     def separated(self) -> np.ndarray:
-        """Displacement of the flat block whose lowest gap is the law's equilibrium distance (m)."""
-        return np.full(self.height.shape, self.height.max() + self.law.equilibrium_distance)
+        """Displacement of the flat block just out of reach of the law (m)."""
+        return np.full(self.height.shape, self.height.max() + self._reach)
 
     def step(self, displacement: np.ndarray, target: float) -> Solution:
         """The equilibrium that a state falls into under a new load.
@@ -129,20 +144,27 @@ class LoadedContact:
         gap = displacement / self._length - self._height
         if not gap.min() > 0:
             raise ValueError("the state to start from has gaps <= 0")
+        # Rounding of a displacement that was stored and read is less than this.
+        out_of_reach = gap.min() > (1 - 1e-6) * self._reach / self._length
         before = self._contact.equivalent_pairs(self._grid)
-        if self.control == "pressure":
-            result = self._solve(gap, target / self.contact_modulus)
+        if self.control == "gap":
+            mean_gap = target / self._length + self._law.equilibrium_distance
+            if out_of_reach:  # nothing deforms the block on its way
+                gap += max(mean_gap - gap.mean(), 0.0)
+            result = self._hold(gap, mean_gap, out_of_reach)
+        elif out_of_reach and target <= 0:
+            return self._apart(Outcome.APART)
         else:
-            result = self._hold(gap, target / self._length + self._law.equilibrium_distance)
+            result = self._solve(gap, target / self.contact_modulus, out_of_reach)
         pairs = self._contact.equivalent_pairs(self._grid) - before
         if result.outcome is Outcome.DETACHED:
-            return self._apart(result.iterations, pairs)
+            return self._apart(Outcome.DETACHED, result.iterations, pairs)
         return self._solution(result, pairs)
 
-    def _solve(self, gap: np.ndarray, pressure: float) -> NewtonResult:
-        return self._contact.solve(gap, self._flattening + pressure, self.tolerance, self.max_iterations)
+    def _solve(self, gap: np.ndarray, pressure: float, approach: bool) -> NewtonResult:
+        return self._contact.solve(gap, self._flattening + pressure, self.tolerance, self.max_iterations, approach)
 
-    def _hold(self, gap: np.ndarray, mean_gap: float) -> NewtonResult:
+    def _hold(self, gap: np.ndarray, mean_gap: float, approach: bool) -> NewtonResult:
         """Move the end of the spring by the secant method until the mean gap is met."""
         end = mean_gap + float(np.mean(self._law.traction(gap))) / self._spring
         compliance = 1.0
@@ -150,9 +172,9 @@ class LoadedContact:
         iterations = 0
         outcome = Outcome.ITERATION_LIMIT
         for _ in range(GAP_CORRECTIONS):
-            result = self._solve(gap, -self._spring * end)
+            result = self._solve(gap, -self._spring * end, approach)
             iterations += result.iterations
-            gap = result.gap
+            gap, approach = result.gap, False
             error = float(np.mean(gap)) - mean_gap
             if result.outcome is not Outcome.CONVERGED or abs(error) <= self.tolerance:
                 outcome = result.outcome
@@ -184,7 +206,7 @@ class LoadedContact:
             result.outcome,
         )
 
-    def _apart(self, iterations: int, pairs: float) -> Solution:
+    def _apart(self, outcome: Outcome, iterations: int = 0, pairs: float = 0.0) -> Solution:
         """No contact: infinite gaps, no pressure; a later step starts from separation."""
         return Solution(
             self.separated(),
@@ -195,5 +217,5 @@ class LoadedContact:
             0.0,
             iterations,
             pairs,
-            Outcome.DETACHED,
+            outcome,
         )

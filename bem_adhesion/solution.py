@@ -11,6 +11,7 @@ class Outcome(Enum):
 
     CONVERGED = "converged"
     DETACHED = "detached: no equilibrium in contact exists under this tension, the surfaces separate"
+    APART = "detached: the surfaces are apart and nothing presses them together; give a pressure above zero first"
     ITERATION_LIMIT = (
         "the iteration limit was reached before the tolerance: take smaller loading steps or raise "
         "solver.max_iterations"
@@ -60,7 +61,12 @@ class Solution:
     @property
     def converged(self) -> bool:
         """Whether the question is answered: an equilibrium within the tolerance, or the finding that none exists."""
-        return self.outcome in (Outcome.CONVERGED, Outcome.DETACHED)
+        return self.outcome is Outcome.CONVERGED or self.detached
+
+    @property
+    def detached(self) -> bool:
+        """Whether the surfaces are apart."""
+        return self.outcome in (Outcome.DETACHED, Outcome.APART)
 
     @property
     def message(self) -> str:

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from bem_adhesion.loading import LoadedContact
 from contact_study.problem.laws.lennard_jones_10_4 import LennardJones104
 from contact_study.problem.study import make_study
 from contact_study.problem.surface import Surface, realise
@@ -50,6 +51,11 @@ def study_table(points: int, seed: int = 1, size: float = SIZE, **sections: dict
 def surface(points: int, seed: int = 1, size: float = SIZE) -> Surface:
     """The paper's rough surface, root-mean-square height 10 Å."""
     return realise(make_study(study_table(points, seed, size)).cases[0])
+
+
+def touching(contact: LoadedContact) -> np.ndarray:
+    """Displacement of the flat block whose lowest gap is the law's equilibrium distance: a start within its reach."""
+    return np.full(contact.height.shape, contact.height.max() + contact.law.equilibrium_distance)
 
 
 def relative_contact_area(gap: np.ndarray) -> float:

@@ -10,6 +10,7 @@ from contact_study.fields.grid import Grid
 from contact_study.problem.laws.lennard_jones_9_3 import LennardJones93
 from contact_study.problem.laws.lennard_jones_10_4 import LennardJones104
 from tests import reference_problems as reference
+from tests.bem_adhesion.paper_system import touching
 
 
 def paraboloid(tabor_parameter, work_of_adhesion, points, cell, law=LennardJones104):
@@ -24,7 +25,7 @@ def paraboloid(tabor_parameter, work_of_adhesion, points, cell, law=LennardJones
 
 def pull_off_force(contact, grid, unit, bisections=7):
     """Largest tension −F/unit with an equilibrium, by bisection, each step from the last state in contact."""
-    state = contact.step(contact.separated(), 0.0).displacement
+    state = contact.step(touching(contact), 0.0).displacement
     held, lost = 0.0, 2.3
     for _ in range(bisections):
         tried = 0.5 * (held + lost)
@@ -53,7 +54,7 @@ def test_pull_off_of_a_sphere_lies_near_maugis(tabor_parameter, work_of_adhesion
 def test_contact_radius_tends_to_jkr_at_large_tabor_parameter():
     work_of_adhesion = 0.04
     contact, grid, radius = paraboloid(3.0, work_of_adhesion, 256, 8)
-    state = contact.separated()
+    state = touching(contact)
     for load in (0.0, 3.0):
         force = load * np.pi * work_of_adhesion * radius
         solution = contact.step(state, force / (grid.size[0] * grid.size[1]))

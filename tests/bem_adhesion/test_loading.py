@@ -3,9 +3,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from bem_adhesion.loading import LoadedContact
+from bem_adhesion.loading import LoadedContact, reach
 from bem_adhesion.solution import Outcome
 from contact_study.fields.grid import Grid
+from contact_study.problem.laws.lennard_jones_9_3 import LennardJones93
 from contact_study.problem.laws.lennard_jones_10_4 import LennardJones104
 from tests.bem_adhesion.paper_system import E_STAR, R0, law, relative_contact_area, surface
 
@@ -43,11 +44,78 @@ def test_tension_ends_in_detachment_and_contact_can_be_made_again():
     first, pulled, apart, still_apart, again = path(rough_contact(8.0), [1e9, -0.5e9, -12e9, -1e9, 1e9])
     assert pulled.converged
     assert pulled.pressure.mean() == pytest.approx(-0.5e9, abs=1e-8 * E_STAR)
-    for solution in (apart, still_apart):
-        assert solution.outcome is Outcome.DETACHED
+    for solution, outcome in ((apart, Outcome.DETACHED), (still_apart, Outcome.APART)):
+        assert solution.outcome is outcome
+        assert solution.detached
+        assert solution.converged
         assert np.all(np.isinf(solution.gap))
         assert np.all(solution.pressure == 0)
     np.testing.assert_array_equal(first.gap, again.gap)
+
+
+@pytest.mark.parametrize("target", [-5e6, 0.0])
+def test_without_pressure_separated_surfaces_stay_apart(target):
+    solution = path(rough_contact(8.0), [target])[0]
+    assert solution.outcome is Outcome.APART
+    assert "pressure above zero" in solution.message
+
+
+@pytest.mark.parametrize("law_type", [LennardJones104, LennardJones93])
+def test_the_separated_block_is_out_of_reach_of_the_law(law_type):
+    height, grid = small_problem()
+    contact = LoadedContact(height, grid, E_STAR, law_type(0.69, R0))
+    nearest = (contact.separated() - height).min()
+    assert nearest == pytest.approx(reach(contact.law), rel=1e-12)
+    # The tension falls with every larger gap, so that nowhere more than a thousandth of the peak acts.
+    assert 0 < contact.law.traction(nearest) <= 1.0001e-3 * contact.law.peak_tensile_stress
+
+
+def sphere(control, mean_gap_offset=0.0):
+    """A soft sphere of 8 nm radius under the paper's law: it snaps in on approach and holds on in retraction."""
+    points, size, radius = 64, 24e-9, 8e-9
+    grid = Grid((points, points), (size, size))
+    y, x = (axis - size / 2 for axis in grid.coordinates)
+    height = -(y[:, None] ** 2 + x[None, :] ** 2) / (2 * radius)
+    return LoadedContact(height - height.mean(), grid, 5e9 / (1 - 0.42**2), law(), control)
+
+
+def test_a_first_gap_from_separation_is_on_the_separated_branch():
+    contact = sphere("gap")
+    gaps = np.arange(10e-9, 5e-9, -0.25e-9)
+    approached = path(contact, gaps)
+    areas = np.array([np.mean(solution.gap < R0 * 2 ** (1 / 6)) for solution in approached])
+    snap_in = int(np.argmax(areas > 0))
+    retracted = contact.step(approached[snap_in].displacement, gaps[snap_in - 1])
+    # Just before the snap-in there are two states; the far one is what separation leads to, alone or on a path.
+    assert np.mean(retracted.gap < R0 * 2 ** (1 / 6)) > 0
+    alone = path(contact, [gaps[snap_in - 1]])[0]
+    assert np.mean(alone.gap < R0 * 2 ** (1 / 6)) == areas[snap_in - 1] == 0
+    # Residuals of 1e-8 E* over the softest stiffness.
+    np.testing.assert_allclose(alone.gap, approached[snap_in - 1].gap, atol=1e-4 * R0)
+
+
+def test_flat_surfaces_do_not_rest_on_top_of_the_barrier():
+    # Held 3 Å above equilibrium, where the law softens, the uniform state is an equilibrium but no minimum.
+    grid = Grid((32, 32), (520e-10, 520e-10))
+    contact = LoadedContact(np.zeros(grid.shape), grid, E_STAR, law(8.0), "gap")
+    solution = path(contact, [3e-10])[0]
+    assert solution.outcome is Outcome.CONVERGED
+    uniform = float(contact.law.potential(np.array(R0 + 3e-10)))
+    assert solution.elastic_energy + solution.interaction_energy < 2 * uniform < 0
+    assert np.ptp(solution.gap) > R0
+    # The same start with a ripple that decides for it: a minimum of the same kind, within the law's depth.
+    rippled = LoadedContact(
+        1e-13 * np.cos(np.arange(32) * np.pi / 16) * np.ones((32, 1)), grid, E_STAR, law(8.0), "gap"
+    )
+    other = path(rippled, [3e-10])[0]
+    assert other.elastic_energy + other.interaction_energy < 2 * uniform
+
+
+def test_a_law_next_to_nothing_ends_within_the_iteration_limit():
+    contact = rough_contact(1e-12, max_iterations=100)
+    for solution in path(contact, [1e7, 0.0, 1e3]):
+        assert solution.converged or solution.outcome is Outcome.ITERATION_LIMIT
+        assert solution.iterations <= 100
 
 
 def test_a_step_depends_on_its_start_and_target_only():
