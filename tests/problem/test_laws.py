@@ -2,13 +2,16 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy.integrate import quad
 
+from contact_study.problem.laws import make_law
 from contact_study.problem.laws.base import TractionLaw
 from contact_study.problem.laws.lennard_jones_9_3 import LennardJones93
 from contact_study.problem.laws.lennard_jones_10_4 import LennardJones104, work_of_adhesion
 
 R0 = 3.28e-10
 LAWS = [LennardJones104(0.69, R0), LennardJones104(5.52, R0), LennardJones104(0.05, 2e-9), LennardJones93(0.69, R0)]
+LAWS_93 = LennardJones93(1.0, 1.0)
 laws = pytest.mark.parametrize("law", LAWS, ids=lambda law: f"{type(law).__name__}-{law.work_of_adhesion}")
 
 
@@ -58,6 +61,72 @@ def test_values_of_the_paper():
     block, substrate = 1 / 2.6e-10**2, (647 / 1040e-10) ** 2
     # The sum over discrete atoms gives 0.6924; smearing them costs 0.06 %.
     assert work_of_adhesion(18.6e-3 * 1.602176634e-19, R0, block, substrate) == pytest.approx(0.6924, rel=1e-3)
+
+
+@laws
+def test_repulsive_gap_at_any_pressure(law):
+    """A weak law under a stiff block: pressures up to 1e16 times the peak."""
+    traction = -law.peak_tensile_stress * np.geomspace(1e6, 1e16, 41)
+    np.testing.assert_allclose(law.traction(law.repulsive_gap(traction)), traction, rtol=1e-12)
+
+
+@pytest.mark.parametrize("kind", [LennardJones104, LennardJones93])
+@pytest.mark.parametrize(
+    ("work_of_adhesion", "length", "culprit"),
+    [
+        (-0.69, R0, "work_of_adhesion = -0.69"),
+        (0.0, R0, "work_of_adhesion"),
+        (float("nan"), R0, "work_of_adhesion"),
+        (float("inf"), R0, "work_of_adhesion"),
+        ("0.69", R0, "work_of_adhesion"),
+        (True, R0, "work_of_adhesion"),
+        (0.69, "3.28 angstrom", "length = '3.28 angstrom'"),
+        (0.69, -R0, "length"),
+        (0.69, None, "length"),
+    ],
+)
+def test_laws_refuse_what_is_no_law(kind, work_of_adhesion, length, culprit):
+    with pytest.raises(ValueError, match=culprit):
+        kind(work_of_adhesion, length)
+
+
+def test_laws_take_numbers_of_any_kind():
+    assert LennardJones104(np.float64(1), 2).traction(np.array(2.0)) == 0
+    assert LennardJones104(np.float32(0.5), np.float64(R0)).length == R0
+
+
+def test_a_wall_has_what_every_law_has():
+    wall = make_law("hard_wall", 0.69, R0)
+    for name in ("work_of_adhesion", "length", "equilibrium_distance", "peak_tensile_stress"):
+        assert getattr(wall, name) == 0.0
+        assert getattr(make_law("lennard_jones_9_3", 0.69, R0), name) > 0
+    with pytest.raises(ValueError, match="lennard_jones_10_4"):
+        make_law("lennard_jones", 0.69, R0)
+
+
+def test_the_names_count_exponents():
+    """10-4 those of the energy, 9-3 those of the traction: far out and deep in, the powers of each law."""
+    for law, energy, traction in ((LennardJones104(1.0, 1.0), (10, 4), (11, 5)), (LAWS_93, (8, 2), (9, 3))):
+        for gap, which in ((1e-3, 0), (1e3, 1)):
+            pair = np.array([gap, 2 * gap])
+            # The other power is (1e-3)⁶ of this one.
+            slope = np.diff(np.log(np.abs(law.potential(pair)))) / np.log(2)
+            assert slope == pytest.approx(-energy[which], abs=1e-12)
+            slope = np.diff(np.log(np.abs(law.traction(pair)))) / np.log(2)
+            assert slope == pytest.approx(-traction[which], abs=1e-12)
+
+
+def test_half_spaces_of_lennard_jones_atoms_make_the_9_3_law():
+    """Δγ and z0 of the documentation: pairs summed over planes of continuous density, in units of ε, r0 and ρ."""
+
+    def plane(z):  # energy of an atom at height z over a half-space of unit density: ∫ V(r) d³r
+        return 4 * np.pi * (1 / (45 * z**9) - 1 / (6 * z**3))
+
+    length = (2 / 15) ** (1 / 6)
+    law = LennardJones93(np.pi / 4 * (15 / 2) ** (1 / 3), length)
+    for gap in length * np.array([0.8, 1.0, 1.5, 4.0]):
+        energy = quad(plane, gap, np.inf, epsabs=0, epsrel=1e-12)[0]
+        assert law.potential(np.array(gap)) == pytest.approx(energy, rel=1e-9)
 
 
 @laws

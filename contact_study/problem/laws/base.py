@@ -1,7 +1,9 @@
 """What every traction-separation law offers."""
 
+import math
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, replace
+from numbers import Real
 
 import numpy as np
 
@@ -23,10 +25,22 @@ class TractionLaw(ABC):
         Depth of the minimum of φ (J/m²).
     length : float
         The law's length: r0 or range (m).
+
+    Raises
+    ------
+    ValueError
+        If either is not a positive finite number.
     """
 
     work_of_adhesion: float
     length: float
+
+    def __post_init__(self):
+        for name, unit in (("work_of_adhesion", "J/m²"), ("length", "m")):
+            value = getattr(self, name)
+            number = isinstance(value, Real) and not isinstance(value, bool)
+            if not (number and math.isfinite(value) and value > 0):
+                raise ValueError(f"{name} = {value!r}: must be a positive finite number, in {unit}")
 
     @abstractmethod
     def potential(self, gap: np.ndarray) -> np.ndarray:

@@ -19,6 +19,8 @@ class HardWall:
     ----------
     work_of_adhesion : float
         None to gain (J/m²).
+    length : float
+        It has none, and no range (m).
     equilibrium_distance : float
         Gap in contact (m).
     peak_tensile_stress : float
@@ -26,5 +28,6 @@ class HardWall:
     """
 
     work_of_adhesion: ClassVar[float] = 0.0
+    length: ClassVar[float] = 0.0
     equilibrium_distance: ClassVar[float] = 0.0
     peak_tensile_stress: ClassVar[float] = 0.0

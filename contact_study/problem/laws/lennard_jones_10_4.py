@@ -96,10 +96,10 @@ class LennardJones104(TractionLaw):
 
     def repulsive_gap(self, traction):
         y = -np.asarray(traction, dtype=float) / self._prefactor
-        # s¹¹ − s⁵ = y for s >= 1: (1 + y)^(1/6) and 1 + y/6 both bound the root of this convex function from above,
-        # so Newton descends to it; the loop is long enough for any y up to 1e12.
-        s = np.minimum((1 + y) ** (1 / 6), 1 + y / 6)
-        for _ in range(16):
+        # s¹¹ − s⁵ = y for s >= 1: 1 + y/6 bounds the root of this convex function from above, and where s⁶ >= 2, hence
+        # s¹¹ − s⁵ >= s¹¹/2, so does (2y)^(1/11); Newton descends from there, for any y, in at most six iterations.
+        s = np.minimum(1 + y / 6, np.maximum(2 ** (1 / 6), (2 * y) ** (1 / 11)))
+        for _ in range(6):
             s = s - (s**11 - s**5 - y) / (11 * s**10 - 5 * s**4)
         return self.length / s
 
