@@ -144,6 +144,8 @@ class Case:
     def work_of_adhesion(self) -> float:
         """Δγ (J/m²), including ``well_depth_ratio``; zero for a hard wall without adhesion."""
         given = self.interaction
+        if given.law == "hard_wall":
+            return 0.0
         if given.work_of_adhesion is not None:
             return given.work_of_adhesion * given.well_depth_ratio
         if given.well_depth is None or given.length is None:

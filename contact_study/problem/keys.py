@@ -4,6 +4,7 @@ A section of the study file is a frozen dataclass whose fields carry a :class:`K
 into the dataclass and names the culprit of any mistake; the commands' ``--help`` is made from the same declarations.
 """
 
+import contextlib
 import dataclasses
 import difflib
 from collections.abc import Callable, Iterable, Mapping
@@ -103,6 +104,8 @@ def pair(reader: Reader, *, broadcast: bool = False, names: str = "[y, x]") -> R
     read_one, kind = reader
 
     def read(value: Any, name: str) -> tuple[Any, Any]:
+        if isinstance(value, str) and "," in value:
+            value = _listed(value)
         if broadcast and not isinstance(value, list):
             value = [value, value]
         if not isinstance(value, list) or len(value) != 2:
@@ -118,7 +121,7 @@ def sequence(reader: Reader) -> Reader:
 
     def read(value: Any, name: str) -> tuple[Any, ...]:
         if isinstance(value, str):
-            value = [part.strip() for part in value.split(",")]
+            value = _listed(value)
         if not isinstance(value, list):
             value = [value]
         if not value:
@@ -126,6 +129,21 @@ def sequence(reader: Reader) -> Reader:
         return tuple(read_one(item, f"{name}[{i}]") for i, item in enumerate(value))
 
     return read, f"list of {kind}"
+
+
+def _listed(text: str) -> list[Any]:
+    """The values of a list written as text: bare numbers, "512, 512", or each with its unit, "1 nm, 2 um"."""
+    parts = [part.strip() for part in text.split(",")]
+    numbers = [_number(part) for part in parts]
+    with_unit = any(isinstance(number, str) and number[:1] in set("+-.0123456789") for number in numbers)
+    return parts if with_unit else numbers
+
+
+def _number(text: str) -> Any:
+    for kind in (int, float):
+        with contextlib.suppress(ValueError):
+            return kind(text)
+    return text
 
 
 def keys_of(section: type) -> dict[str, Key]:

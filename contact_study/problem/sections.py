@@ -62,7 +62,17 @@ class SurfaceSection:
         if self.kind == "wavy":
             if self.modes == (0, 0):
                 raise InputError("surface.modes = [0, 0]: make no wave; at least one must be positive")
-            self._check_grid(max(self.modes), "surface.modes")
+            self._check_waves()
+
+    def _check_waves(self) -> None:
+        assert self.shape is not None
+        for axis, mode, points in zip("yx", self.modes, self.shape, strict=True):
+            if 2 * mode >= points:
+                raise InputError(
+                    f"surface.modes = {list(self.modes)}: {mode} waves along {axis} are beyond what "
+                    f"surface.shape = {list(self.shape)} can carry; use more than {2 * mode} points along {axis} or "
+                    "a smaller mode"
+                )
 
     def _check_modes(self) -> None:
         assert self.cutoff_mode is not None
@@ -71,19 +81,16 @@ class SurfaceSection:
                 f"surface.low_mode = {self.low_mode:g}, roll_off_mode = {self.roll_off_mode:g}, "
                 f"cutoff_mode = {self.cutoff_mode:g}: must not decrease, and the last must exceed the first"
             )
-        self._check_grid(self.cutoff_mode, "surface.cutoff_mode")
-
-    def _check_grid(self, mode: float, name: str) -> None:
         assert self.size is not None
         assert self.shape is not None
         # Modes count waves on the longest side; every axis must resolve that wavevector below its Nyquist mode.
         longest = max(self.size)
         for points, size in zip(self.shape, self.size, strict=True):
-            highest = mode * size / longest
+            highest = self.cutoff_mode * size / longest
             if 2 * highest >= points:
                 raise InputError(
-                    f"{name} = {mode}: beyond what surface.shape = {list(self.shape)} can carry; "
-                    f"use more than {int(2 * highest)} points or a smaller mode"
+                    f"surface.cutoff_mode = {self.cutoff_mode:g}: beyond what surface.shape = {list(self.shape)} can "
+                    f"carry; use more than {int(2 * highest)} points or a smaller mode"
                 )
 
 
@@ -98,7 +105,7 @@ class MaterialSection:
         "lattice constant a of the block; divides surface.size (atoms, well_depth)",
         None,
     )
-    atom_mass: float | None = key(quantity("kg", positive=True), "mass of a block atom (dynamics only)", None)
+    atom_mass: float | None = key(quantity("kg", positive=True), "mass of a block atom; no model uses it today", None)
 
     @property
     def contact_modulus(self) -> float:
@@ -111,10 +118,16 @@ class InteractionSection:
     """The interaction across the interface."""
 
     law: str = key(choice(*LAWS), "traction-separation law of the continuum", "lennard_jones_10_4")
-    well_depth: float | None = key(quantity("J", positive=True), "ε of the atomic pair potential", None)
+    well_depth: float | None = key(
+        quantity("J", positive=True), "ε of the pair potential between two layers of atoms (10-4 law)", None
+    )
     work_of_adhesion: float | None = key(quantity("J/m^2", positive=True), "Δγ, in place of well_depth", None)
     well_depth_ratio: float = key(quantity("1", positive=True), "multiplies well_depth or work_of_adhesion", 1.0)
-    length: float | None = key(quantity("m", positive=True), "the law's length: r0", None)
+    length: float | None = key(
+        quantity("m", positive=True),
+        "the law's length: distance of zero stress (10-4 law: r0 of the pairs; 9-3 law: z0)",
+        None,
+    )
     contact_distance: float | None = key(
         quantity("m", positive=True), "gaps below it count as contact, default 2^(1/6) length", None
     )
@@ -127,6 +140,12 @@ class InteractionSection:
         if self.well_depth is None and self.work_of_adhesion is None:
             raise InputError(
                 f'missing key interaction.well_depth or interaction.work_of_adhesion: law = "{self.law}" needs one'
+            )
+        if self.law == "lennard_jones_9_3" and self.well_depth is not None:
+            raise InputError(
+                'interaction.well_depth: law = "lennard_jones_9_3" is that of two half-spaces, whose adhesion needs '
+                "the number of atoms per volume of both; give interaction.work_of_adhesion and length = z0 "
+                "(docs/conventions.md has both from ε, r0 and the densities)"
             )
         if self.length is None:
             raise InputError(f'missing key interaction.length: law = "{self.law}" needs it')
@@ -149,12 +168,21 @@ class LoadingSection:
     unload: bool = key(flag(), "go back through the path after its last point", False)
 
     def __post_init__(self):
-        read = quantity("Pa" if self.control == "pressure" else "m")[0]
+        si = "Pa" if self.control == "pressure" else "m"
+        read = quantity(si)[0]
         values = tuple(read(value, f"loading.path[{i}]") for i, value in enumerate(self.path))
-        written = {unit_of(value) if isinstance(value, str) else "SI numbers" for value in self.path}
-        if len(written) > 1:
-            raise InputError(f"loading.path: mixes {' and '.join(sorted(written))}; write every value in one unit")
+        with_unit = [isinstance(value, str) for value in self.path]
+        if any(with_unit) and not all(with_unit):  # a forgotten unit is likelier than a number of pascals meant
+            bare = self.path[with_unit.index(False)]
+            raise InputError(f"loading.path: mixes values with a unit and bare numbers; give {bare!r} its unit, too")
+        unit = unit_of(str(self.path[0])) if all(with_unit) else si
+        self.__dict__["_unit"] = unit, read(f"1 {unit}", "loading.path")
         object.__setattr__(self, "path", values)
+
+    @property
+    def unit(self) -> tuple[str, float]:
+        """Name, and size in SI, of the unit that the path's first point is written in: to speak to the user in it."""
+        return self.__dict__["_unit"]
 
 
 @dataclass(frozen=True)
@@ -178,9 +206,11 @@ class SolverSection:
 class AtomisticSection:
     """The block of atoms."""
 
-    block: str = key(choice("isotropic"), "springs of the block", "isotropic")
+    block: str = key(choice("isotropic"), "springs of the block; isotropic is the only kind today", "isotropic")
     method: str = key(
-        choice("surface_stiffness"), "the block condensed exactly to its bottom layer", "surface_stiffness"
+        choice("surface_stiffness"),
+        "how the block is solved; today only one way: condensed exactly to its bottom layer, at zero temperature",
+        "surface_stiffness",
     )
     cutoff: float = key(
         quantity("1", minimum=2.0, maximum=20.0), "cutoff of the pair potential in units of interaction.length", 4.0

@@ -261,10 +261,16 @@ def _apply(table: dict[str, Any], point: dict[str, Any], exceptions: list[dict[s
 
 def _case(merged: dict[str, Any], point: dict[str, Any], index: tuple[int, ...], directory: Path) -> Case:
     bound: dict[str, Any] = {name: bind(declared, merged[name], name) for name, declared in SECTIONS.items()}
-    coordinates = {_last(dotted): _scalar(getattr(bound[dotted.partition(".")[0]], _last(dotted))) for dotted in point}
+    coordinates = {
+        _last(dotted): _scalar(getattr(bound[dotted.partition(".")[0]], _last(dotted)), dotted) for dotted in point
+    }
     return Case(**bound, coordinates=coordinates, index=index, directory=directory)
 
 
-def _scalar(value: Any) -> Any:
+def _scalar(value: Any, dotted: str) -> Any:
     """One number for a key that takes one for both axes: a sweep's values are scalars."""
-    return value[0] if isinstance(value, tuple) else value
+    if not isinstance(value, tuple):
+        return value
+    if value[0] != value[1]:
+        raise InputError(f"sweep.{dotted}: holds {list(value)}; a swept pair must have two equal values")
+    return value[0]

@@ -54,8 +54,8 @@ def quantity(value: Any, unit: str, name: str) -> float:
 
 
 def unit_of(text: str) -> str:
-    """The unit that a string such as ``"0.1 GPa"`` carries, in a normal form."""
-    return str(_registry().parse_units(_split(text)[1]))
+    """The unit that a string such as ``"0.1 GPa"`` carries, as it is written."""
+    return _split(text)[1]
 
 
 def _split(text: str) -> tuple[str, str]:

@@ -156,7 +156,6 @@ WRONG = [
     (changed("interaction", contact_distance="3 angstrom"), "interaction.contact_distance"),
     (changed("loading", path=[]), "loading.path"),
     (changed("loading", path=["0.1 GPa", 2e8]), "loading.path"),
-    (changed("loading", path=["0.1 GPa", "2e8 Pa"]), "loading.path"),
     (changed("loading", path=["0.1 GPa", "nan GPa"]), "loading.path[1]"),
     (changed("loading", path=["0.1 GPa", float("nan")]), "loading.path"),
     (changed("loading", path=["1 angstrom"]), "loading.path[0]"),
@@ -175,6 +174,15 @@ WRONG = [
     (changed("surface", hurst_exponent="80 %"), "surface.hurst_exponent"),
     (changed("surface", hurst_exponent="0.8 m/m"), "without a unit"),
     (changed("surface", kind="wavy", amplitude="1 nm", modes=[0, 0]), "surface.modes"),
+    (changed("surface", kind="wavy", amplitude="1 nm", modes=[5, 1], shape=[8, 32]), "5 waves along y"),
+    (changed("surface", kind="wavy", amplitude="1 nm", modes=[1, 16], shape=[64, 32]), "16 waves along x"),
+    (changed("surface", shape="512"), "surface.shape"),
+    (changed("surface", shape="512, many"), "surface.shape[1]"),
+    (changed("surface", size="3840 nm, 5120"), "surface.size[1] = '5120': has no unit"),
+    (changed("loading", path="1 GPa, 2e9"), "loading.path[1] = '2e9': has no unit"),
+    (changed("sweep", **{"surface.size": ["104 nm, 52 nm", "104 nm"]}), "two equal values"),
+    (changed("interaction", law="lennard_jones_9_3"), "interaction.well_depth"),
+    (changed("interaction", law="lennard_jones_9_3", work_of_adhesion=0.69), "not both"),
     (changed("atomistic", cutoff=1e9), "atomistic.cutoff"),
     (changed("solver", threads=10**9), "solver.threads"),
     (changed("output", gap_bins=10**9), "output.gap_bins"),
@@ -212,6 +220,69 @@ def test_wrong_input_is_named_in_one_line(table, culprit):
     assert "\n" not in str(failure.value)
 
 
+@pytest.mark.parametrize(
+    ("section", "name", "written", "value"),
+    [
+        ("surface", "size", "104 nm, 0.052 um", (1.04e-7, 5.2e-8)),
+        ("surface", "size", "104 nm", (1.04e-7, 1.04e-7)),
+        ("surface", "shape", "128,96", (128, 96)),
+        ("surface", "shape", " 128 , 96 ", (128, 96)),
+        ("output", "pressure_range", "-1 GPa, 20 GPa", (-1e9, 2e10)),
+        ("loading", "path", "2 kPa, 0.5 MPa", (2e3, 5e5)),
+        ("loading", "path", ["0.1 GPa", "2e8 Pa"], (1e8, 2e8)),
+        ("loading", "path", "-1e3, 2e5, 3", (-1e3, 2e5, 3.0)),
+        ("loading", "path", -1e3, (-1e3,)),
+    ],
+)
+def test_lists_as_people_type_them(section, name, written, value):
+    (case,) = make_study(changed(section, **{name: written})).cases
+    # Each to the rounding of a conversion.
+    np.testing.assert_allclose(getattr(getattr(case, section), name), value, rtol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("path", "unit"),
+    [
+        (["0.1 GPa", "2e8 Pa"], ("GPa", 1e9)),
+        ("5 kPa, 1 MPa", ("kPa", 1e3)),
+        ([1e8, 2e8], ("Pa", 1.0)),
+    ],
+)
+def test_unit_of_the_path_is_the_one_written(path, unit):
+    (case,) = make_study(changed("loading", path=path)).cases
+    assert case.loading.unit[0] == unit[0]
+    assert case.loading.unit[1] == pytest.approx(unit[1], rel=1e-12)
+
+
+@pytest.mark.parametrize("modes", [[1, 20], [3, 31]])
+def test_each_axis_of_waves_has_its_own_points(modes):
+    """The most waves that 8 x 64 points carry, along each axis on its own."""
+    surface = {"kind": "wavy", "amplitude": "1 nm", "modes": modes, "shape": [8, 64], "size": ["13 nm", "104 nm"]}
+    assert make_study(changed("surface", **surface)).cases[0].surface.modes == tuple(modes)
+
+
+def test_atoms_and_sites_along_each_axis():
+    """A rectangular cell has its own numbers of atoms and of substrate sites along y and x, and their densities."""
+    (case,) = make_study(changed("surface", size=["104 nm", "26 nm"], shape=[256, 64])).cases
+    assert case.atoms == (400, 100)
+    assert case.substrate_sites == (647, 162)
+    (square,) = make_study(copy.deepcopy(TABLE)).cases
+    # Δγ ∝ n_a n_b: the sites' density differs by the rounding of 161.8 sites to 162.
+    assert case.work_of_adhesion == pytest.approx(square.work_of_adhesion * 162 / 161.75, rel=1e-12)
+
+
+@pytest.mark.parametrize("given", ["well_depth", "work_of_adhesion"])
+def test_ratio_multiplies_the_well_depth_once(given):
+    tables = [changed("interaction", well_depth_ratio=ratio) for ratio in (1, 3)]
+    if given == "work_of_adhesion":
+        for table in tables:
+            del table["interaction"]["well_depth"]
+            table["interaction"]["work_of_adhesion"] = 0.69
+    one, three = (make_study(table).cases[0] for table in tables)
+    assert three.well_depth == pytest.approx(3 * one.well_depth, rel=1e-14)
+    assert three.work_of_adhesion == pytest.approx(3 * one.work_of_adhesion, rel=1e-14)
+
+
 def test_misspelt_key_gets_a_suggestion():
     with pytest.raises(InputError, match="did you mean rms_height"):
         make_study(changed("surface", rms_heigth="1 nm"))
@@ -223,6 +294,8 @@ def test_hard_wall_needs_neither_adhesion_nor_tension():
         del table["interaction"][name]
     (case,) = make_study(table).cases
     assert case.work_of_adhesion == 0.0
+    table["interaction"]["work_of_adhesion"] = 0.69
+    assert make_study(table).cases[0].work_of_adhesion == 0.0
     table["loading"]["path"] = ["-0.1 GPa"]
     with pytest.raises(InputError, match="hard wall"):
         make_study(table)
