@@ -1,5 +1,6 @@
 """Height maps from files: NetCDF, npy or text, as one array in metres."""
 
+import hashlib
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -9,10 +10,14 @@ import numpy as np
 from contact_study.problem import units
 from contact_study.problem.errors import InputError
 
+# Largest distance of a coordinate from its place on an even grid, in steps: what rounded decimals and single
+# precision leave, and far less than the height changes over.
+_UNEVEN = 0.01
+
 
 @dataclass(frozen=True)
 class HeightMap:
-    """Heights (y, x) and the lateral size of the cell, both in metres."""
+    """Heights (y, x) and the lateral size of the cell, both in metres; y and x increase along the axes."""
 
     heights: np.ndarray
     size: tuple[float, float]
@@ -24,7 +29,9 @@ def read_height_map(path: Path, height_unit: str | None, size: tuple[float, floa
     Parameters
     ----------
     path : pathlib.Path
-        ``.nc`` (variable ``height``, or the only two-dimensional one), ``.npy``, or a text table.
+        ``.nc`` (variable ``height``, or the only two-dimensional one), ``.npy``, or a text table. The axes of a
+        NetCDF variable are told by their names ``y`` and ``x`` (or the attribute ``axis`` of their coordinates), in
+        whatever order and direction; those of all else are (y, x), both increasing.
     height_unit : str, optional
         Unit of the numbers; default the NetCDF variable's ``units``, else metres.
     size : tuple of float, optional
@@ -33,7 +40,8 @@ def read_height_map(path: Path, height_unit: str | None, size: tuple[float, floa
     Raises
     ------
     InputError
-        If the file is missing or damaged, is no table of at least 4 × 4 finite numbers, or its size is unknown.
+        If the file is missing or damaged, is no table of at least 4 × 4 finite numbers, its coordinates are not evenly
+        spaced, or its size is unknown.
     """
     if not path.is_file():
         raise InputError(f"surface.path: {path} {'is no file' if path.exists() else 'does not exist'}")
@@ -60,6 +68,21 @@ def read_height_map(path: Path, height_unit: str | None, size: tuple[float, floa
     return HeightMap(np.ascontiguousarray(heights, dtype=float) * factor, size)
 
 
+def fingerprint(path: Path) -> str:
+    """SHA-256 of a file's content.
+
+    Raises
+    ------
+    InputError
+        If it cannot be read.
+    """
+    try:
+        with path.open("rb") as stream:
+            return hashlib.file_digest(stream, "sha256").hexdigest()
+    except OSError as error:
+        raise InputError(f"surface.path: {path} cannot be read ({error.strerror})") from None
+
+
 def _read(path: Path) -> tuple[np.ndarray, str, tuple[float, float] | None]:
     if path.suffix == ".npy":
         return np.load(path, allow_pickle=False), "m", None
@@ -77,16 +100,40 @@ def _read_netcdf(path: Path) -> tuple[np.ndarray, str, tuple[float, float] | Non
         if name is None:
             raise InputError(f"surface.path: {path} has no variable height and {len(names)} two-dimensional ones")
         heights = dataset[name].load()
-        steps = [_step(dataset, str(dimension)) for dimension in heights.dims]
+        axes = {_axis(dataset, str(dimension)): dimension for dimension in heights.dims}
+        if set(axes) == {"y", "x"}:
+            heights = heights.transpose(axes["y"], axes["x"])
+        steps = []
+        for dimension in map(str, heights.dims):
+            step = _step(path, dataset, dimension)
+            if step is not None and step < 0:
+                heights = heights.isel({dimension: slice(None, None, -1)})
+            steps.append(step)
         size = None
         if len(steps) == 2 and steps[0] and steps[1]:
-            size = steps[0] * heights.shape[0], steps[1] * heights.shape[1]
+            size = abs(steps[0]) * heights.shape[0], abs(steps[1]) * heights.shape[1]
         return heights.values, str(heights.attrs.get("units", "m")), size
 
 
-def _step(dataset: Any, dimension: str) -> float | None:
+def _axis(dataset: Any, dimension: str) -> str:
+    """``y`` or ``x`` as the coordinate's attribute or else the dimension's name says; another name as it is."""
+    attribute = dataset[dimension].attrs.get("axis") if dimension in dataset.coords else None
+    return str(attribute or dimension).lower()
+
+
+def _step(path: Path, dataset: Any, dimension: str) -> float | None:
+    """Distance of neighbouring points (m), negative where the coordinate decreases; None without a coordinate."""
     if dimension not in dataset.coords or dataset[dimension].size < 2:
         return None
     coordinate = dataset[dimension]
+    values = coordinate.values.astype(float)
+    step = (values[-1] - values[0]) / (values.size - 1)
+    even = values[0] + step * np.arange(values.size)
+    if not np.all(np.abs(values - even) <= _UNEVEN * abs(step)) or step == 0:
+        lengths = np.abs(np.diff(values))
+        raise InputError(
+            f"surface.path: the coordinate {dimension} of {path} is not evenly spaced (steps from "
+            f"{lengths.min():.6g} to {lengths.max():.6g}); resample the map on an even grid"
+        )
     unit = str(coordinate.attrs.get("units", "m"))
-    return float(coordinate[1] - coordinate[0]) * units.quantity(f"1 {unit}", "m", f"units of {dimension}")
+    return float(step) * units.quantity(f"1 {unit}", "m", f"units of {dimension}")

@@ -73,6 +73,11 @@ def test_wave_and_sphere_and_plane():
     dx = 104e-9 / 64
     curvature = (heights[32, 33] + heights[32, 31] - 2 * heights[32, 32]) / dx**2
     assert curvature == pytest.approx(-1e6, rel=1e-9)  # differences of 1e-13 of heights of 1e-9
+    # The mean of the paraboloid over a rectangle is zero; that of the points, by the midpoint rule's error, is
+    # (L_y²/m² + L_x²/n²)/24R below it.
+    rectangle = realise(case(kind="sphere", radius="1 um", size=["104 nm", "52 nm"])).heights((64, 32))
+    dy, dx = 104e-9 / 64, 52e-9 / 32
+    assert rectangle.mean() == pytest.approx(-(dy**2 + dx**2) / (24 * 1e-6), rel=1e-9)
     assert np.all(realise(case(kind="flat")).heights((5, 6)) == 0)
 
 
@@ -105,6 +110,66 @@ def test_netcdf_height_map_brings_its_size(tmp_path, bumps):
     surface = realise(make_study(table, tmp_path).cases[0])
     np.testing.assert_allclose(surface.size, (24e-9, 10e-9), rtol=1e-12)
     assert surface.shape == (24, 20)
+
+
+def write_netcdf(path, heights, dims, **coordinates):
+    coordinates = {name: (name, np.asarray(values), {"units": "nm"}) for name, values in coordinates.items()}
+    xr.Dataset({"height": (dims, heights, {"units": "m"})}, coordinates).to_netcdf(path)
+
+
+def map_case(tmp_path, **keys):
+    table = changed("surface", kind="file", path="map.nc", **keys)
+    for name in {"size", "shape"} - set(keys):
+        del table["surface"][name]
+    table["interaction"] = {"law": "hard_wall"}
+    return make_study(table, tmp_path).cases[0]
+
+
+@pytest.mark.parametrize("down", [(), ("y",), ("x",), ("y", "x")])
+def test_coordinates_that_decrease(tmp_path, bumps, down):
+    y, x = np.arange(24.0), 0.5 * np.arange(20.0)
+    turned = bumps[:: -1 if "y" in down else 1, :: -1 if "x" in down else 1]
+    y, x = (values[:: -1 if name in down else 1] for name, values in (("y", y), ("x", x)))
+    write_netcdf(tmp_path / "map.nc", turned, ("y", "x"), y=y, x=x)
+    surface = realise(map_case(tmp_path))
+    np.testing.assert_allclose(surface.size, (24e-9, 10e-9), rtol=1e-12)
+    np.testing.assert_allclose(surface.heights((24, 20)), bumps - bumps.mean(), atol=1e-22)
+
+
+@pytest.mark.parametrize("coordinates", [{}, {"y": np.arange(24.0), "x": np.arange(20.0)}])
+def test_dimensions_are_told_by_their_names(tmp_path, bumps, coordinates):
+    write_netcdf(tmp_path / "map.nc", bumps.T, ("x", "y"), **coordinates)
+    keys = {} if coordinates else {"size": ["24 nm", "20 nm"]}
+    surface = realise(map_case(tmp_path, **keys))
+    assert surface.shape == (24, 20)
+    np.testing.assert_allclose(surface.size, (24e-9, 20e-9), rtol=1e-12)
+    np.testing.assert_allclose(surface.heights((24, 20)), bumps - bumps.mean(), atol=1e-22)
+
+
+def test_dimensions_are_told_by_the_attribute_axis(tmp_path, bumps):
+    write_netcdf(tmp_path / "map.nc", bumps.T, ("u", "v"), u=np.arange(20.0), v=np.arange(24.0))
+    with xr.open_dataset(tmp_path / "map.nc") as dataset:
+        dataset = dataset.load()
+    dataset.u.attrs["axis"], dataset.v.attrs["axis"] = "X", "Y"
+    dataset.to_netcdf(tmp_path / "map.nc")
+    assert realise(map_case(tmp_path)).shape == (24, 20)
+
+
+@pytest.mark.parametrize("size", [None, "104 nm"])
+@pytest.mark.parametrize(
+    "x", [np.arange(20.0) ** 1.1, [*range(19), 19.5], np.zeros(20), [*range(19), np.nan], [*range(10), *range(10)]]
+)
+def test_uneven_coordinates_are_refused(tmp_path, bumps, x, size):
+    write_netcdf(tmp_path / "map.nc", bumps, ("y", "x"), y=np.arange(24.0), x=x)
+    with pytest.raises(InputError, match=r"coordinate x .* not evenly spaced"):
+        realise(map_case(tmp_path, **({} if size is None else {"size": size})))
+
+
+def test_rounded_coordinates_are_even(tmp_path, bumps):
+    """Three decimals, and single precision."""
+    x = np.round(np.arange(20) / 3, 3).astype(np.float32)
+    write_netcdf(tmp_path / "map.nc", bumps, ("y", "x"), y=np.arange(24.0), x=x)
+    assert realise(map_case(tmp_path)).size[1] == pytest.approx(20e-9 / 3, rel=1e-4)
 
 
 @pytest.mark.parametrize(
