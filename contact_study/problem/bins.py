@@ -1,6 +1,10 @@
-"""The ranges over which a study's distributions are resolved, chosen from its surfaces, moduli and laws."""
+"""The ranges over which a study's distributions are resolved, chosen from its spectra, moduli, laws and paths.
+
+No realisation has a say: two seeds of one study have the same bins, and their datasets concatenate.
+"""
 
 import dataclasses
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -8,29 +12,37 @@ from contact_study.fields.observables import Bins
 from contact_study.problem.case import Case
 from contact_study.problem.laws.base import TractionLaw
 from contact_study.problem.study import Study
-from contact_study.problem.surface import realise
+from contact_study.problem.surface_scales import SurfaceScales, scales_of
 
 
-def with_bins(study: Study) -> Study:
-    """The same study with one set of bins in every case; realises each surface once.
+def with_bins(study: Study, scales: Sequence[SurfaceScales] | None = None) -> Study:
+    """The same study with one set of bins in every case.
+
+    Parameters
+    ----------
+    study : Study
+        The study.
+    scales : sequence of SurfaceScales, optional
+        Those of its cases, if they are known already.
 
     Raises
     ------
     InputError
-        If a surface cannot be made.
+        If a height map cannot be used.
     """
-    chosen = _choose(study.cases)
+    chosen = _choose(study.cases, scales_of(study) if scales is None else scales)
     return dataclasses.replace(study, cases=tuple(dataclasses.replace(case, study_bins=chosen) for case in study.cases))
 
 
-def _choose(cases: tuple[Case, ...]) -> Bins:
-    tension, compression, gap = zip(*(_ranges(case) for case in cases), strict=True)
+def _choose(cases: tuple[Case, ...], scales: Sequence[SurfaceScales]) -> Bins:
+    ranges = (_ranges(case, scale) for case, scale in zip(cases, scales, strict=True))
+    tension, compression, gap = (max(values) for values in zip(*ranges, strict=True))
     output = cases[0].output
     if output.pressure_range is not None:
         pressure_edges = np.linspace(*output.pressure_range, output.pressure_bins + 1)
     else:
-        pressure_edges = _around_zero(_rounded(max(tension)), _rounded(max(compression)), output.pressure_bins)
-    gap_range = output.gap_range or (0.0, _rounded(max(gap)))
+        pressure_edges = _around_zero(_rounded(tension), _rounded(compression), output.pressure_bins)
+    gap_range = output.gap_range or (0.0, _rounded(gap))
     return Bins(pressure_edges, np.linspace(*gap_range, output.gap_bins + 1))
 
 
@@ -44,19 +56,20 @@ def _around_zero(tension: float, compression: float, bins: int) -> np.ndarray:
     return (np.arange(bins + 1) - below) * width
 
 
-def _ranges(case: Case) -> tuple[float, float, float]:
+def _ranges(case: Case, scales: SurfaceScales) -> tuple[float, float, float]:
     """Largest tension, compression (Pa) and gap (m) worth resolving in one case."""
-    surface = realise(case)
-    law = case.law
+    law, modulus = case.law, case.material.contact_modulus
     peak = law.peak_tensile_stress if isinstance(law, TractionLaw) else 0.0
     # Full contact has a Gaussian stress of deviation E* ξ / 2; six deviations leave 1e-9 of it outside.
-    fluctuation = 3 * case.material.contact_modulus * surface.rms_slope
+    fluctuation = 3 * modulus * scales.rms_slope
     applied = max((abs(p) for p in case.loading.path), default=0.0) if case.loading.control == "pressure" else 0.0
-    compression = fluctuation + applied + peak
+    # A flat hard wall under a prescribed gap carries nothing: any range will do.
+    compression = (fluctuation + applied + peak) or modulus
     # The 10-4 law's peak stress is exceeded nowhere in tension; a quarter more shows that it is not.
     tension = max(1.25 * peak, 0.05 * compression)
-    # At the lightest contact the block rests on the highest peaks, far above the deepest valley.
-    gap = 1.2 * surface.peak_to_valley + 4 * case.contact_distance
+    # At the lightest contact the block rests on the highest peaks, far above the deepest valley; under tension it
+    # bends up a little further between them.
+    gap = 1.1 * scales.peak_to_valley + 4 * case.contact_distance
     if case.loading.control == "gap":
         gap += max(case.loading.path)
     return tension, compression, gap or 1.0

@@ -5,6 +5,8 @@ import pytest
 
 from contact_study.problem.bins import with_bins
 from contact_study.problem.study import make_study
+from contact_study.problem.surface import realise
+from contact_study.problem.surface_scales import scales_of
 from tests.problem.test_study import changed
 
 
@@ -28,6 +30,74 @@ def test_tension_of_the_strongest_law_fits():
     assert bins.pressure_edges[0] < -strongest.law.peak_tensile_stress
     assert bins.pressure_edges[-1] > 10e9
     assert bins.gap_edges[0] == 0.0
+
+
+@pytest.mark.parametrize("normalisation", ["spectrum", "realised"])
+@pytest.mark.parametrize("control", ["pressure", "gap"])
+def test_seeds_have_the_same_bins(normalisation, control):
+    bins = []
+    for seeds in ([1], [2], [3, 4, 5]):
+        table = changed("surface", normalisation=normalisation)
+        table["sweep"] = {"surface.seed": seeds}
+        table["loading"] = {"control": control, "path": ["1 GPa"] if control == "pressure" else ["2 nm"]}
+        bins.append(with_bins(make_study(table)).cases[0].bins)
+    for other in bins[1:]:
+        np.testing.assert_array_equal(other.pressure_edges, bins[0].pressure_edges)
+        np.testing.assert_array_equal(other.gap_edges, bins[0].gap_edges)
+
+
+@pytest.mark.parametrize(
+    "surface", [{"cutoff_mode": 12, "roll_off_mode": 3}, {"cutoff_mode": 28, "hurst_exponent": 0.3}]
+)
+def test_surfaces_fit_into_the_bins(surface):
+    """One surface in fifty may be higher than its bins expect, by the choice of the expected number of such places."""
+    table = changed("surface", normalisation="spectrum", **surface)
+    table["sweep"] = {"surface.seed": list(range(100))}
+    study = make_study(table)
+    (scale,) = set(scales_of(make_study(changed("surface", **surface))))
+    surfaces = [realise(case) for case in study.cases]
+    extreme = np.array([np.abs(one.heights(one.shape)).max() for one in surfaces])
+    # Places of excess come singly at this height: Poisson, of mean 0.02 a surface, hence above 8 in 100 surfaces with a
+    # probability of 3e-4. The bound is no wider than that: at four fifths of it places are 20 times as many.
+    assert np.count_nonzero(extreme > scale.peak_to_valley / 2) <= 8
+    assert np.count_nonzero(extreme > 0.4 * scale.peak_to_valley) >= 12
+    assert scale.rms_height == 1e-9
+    slopes = np.array([one.rms_slope for one in surfaces])
+    # The integral over the spectrum is not the sum over the cell's modes.
+    assert scale.rms_slope == pytest.approx(np.sqrt(np.mean(slopes**2)), rel=0.15)
+
+
+@pytest.mark.parametrize(
+    ("surface", "error"),
+    [
+        ({"kind": "wavy", "amplitude": "1 nm", "modes": [2, 3]}, 1e-12),
+        ({"kind": "wavy", "amplitude": "1 nm", "modes": [0, 3]}, 1e-12),
+        # Sums over 256 points are the integrals to the square of their distance.
+        ({"kind": "sphere", "radius": "50 nm", "shape": [256, 256]}, 1e-4),
+        ({"kind": "flat"}, 0),
+    ],
+)
+def test_scales_of_other_surfaces_are_theirs(surface, error):
+    table = changed("surface", size=["104 nm", "52 nm"], **surface)
+    study = make_study(table)
+    (scale,) = scales_of(study)
+    heights = realise(study.cases[0]).heights(scale.shape)
+    assert scale.rms_height == pytest.approx(heights.std(), rel=error, abs=1e-30)
+    assert scale.peak_to_valley == pytest.approx(np.ptp(heights), rel=max(error, 0.01))  # points beside the crests
+    slope_y, slope_x = np.gradient(heights, *(size / n for size, n in zip(scale.size, scale.shape, strict=True)))
+    # Differences of second order, one-sided at the rim.
+    assert scale.rms_slope == pytest.approx(np.sqrt(np.mean(slope_y**2 + slope_x**2)), rel=0.05, abs=1e-30)
+    assert scale.pixel == 104e-9 / scale.shape[0]
+
+
+def test_bins_of_a_wall_that_carries_nothing():
+    table = changed("surface", kind="flat")
+    table["interaction"] = {"law": "hard_wall"}
+    table["loading"] = {"control": "gap", "path": [0.0, 1e-9]}
+    bins = with_bins(make_study(table)).cases[0].bins
+    assert np.all(np.isfinite(bins.pressure_edges))
+    assert bins.pressure_edges[0] < 0 < bins.pressure_edges[-1]
+    assert bins.gap_edges[-1] >= 1e-9
 
 
 def test_given_ranges_are_kept():
