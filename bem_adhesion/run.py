@@ -1,23 +1,29 @@
 """The continuum model as a campaign runs it, and its command ``bem-adhesion``."""
 
+import math
 import time
-import warnings
 from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
+from scipy.fft import next_fast_len
 
 from bem_adhesion.hard_wall import HardWallContact
 from bem_adhesion.loading import LoadedContact
 from bem_adhesion.multilevel import POINTS_PER_PROCESS_ZONE, process_zone
 from bem_adhesion.solution import Outcome, Solution
 from contact_study.campaign import command
+from contact_study.campaign.memory import grid_fits
 from contact_study.campaign.model import Model
 from contact_study.campaign.record import Step, Value
 from contact_study.fields.observables import probability_density
 from contact_study.problem.case import Case
+from contact_study.problem.errors import InputError
 from contact_study.problem.laws.base import TractionLaw
 from contact_study.problem.laws.hard_wall import HardWall
+from contact_study.problem.plausibility import points
+from contact_study.problem.study import Study
 from contact_study.problem.surface import Surface
+from contact_study.problem.surface_scales import SurfaceScales
 
 MODEL = Model(
     command="bem-adhesion",
@@ -26,6 +32,10 @@ MODEL = Model(
     description="boundary elements: elastic half-space on a rigid rough surface, hard wall or adhesive",
     references="C. Yang, B. N. J. Persson, J. Israelachvili, K. Rosenberg, EPL 84, 46004 (2008)",
 )
+
+# Grid spacing, in units of the longer of process zone and law's length, beyond which a study is refused: steps stop
+# converging from some 1e3 on where roughness and cell grow together, rubber with an atomic law works at 5e3.
+_COARSEST = 1e5
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -37,12 +47,53 @@ def check(case: Case) -> None:
     """Every case that a study can describe is served."""
 
 
-def constants(case: Case, surface: Surface) -> dict[str, Value]:
-    """What does not change along the path; warns where the grid cannot resolve the law.
+def review(study: Study, scales: Sequence[SurfaceScales]) -> list[str]:
+    """Say where the grid cannot resolve the law, in one line for the whole study.
 
     A grid coarser than a quarter of the process zone E*Δγ/σ_max² lets contact edges lock in to its points ("lattice
     trapping"): its hysteresis is then not the continuum's.
+
+    Raises
+    ------
+    InputError
+        If the grid is so coarse that law and surface have nothing to do with each other.
     """
+    unresolved = []
+    for case, scale in zip(study.cases, scales, strict=True):
+        if isinstance(case.law, TractionLaw):
+            zone = process_zone(case.material.contact_modulus, case.law)
+            if scale.pixel * POINTS_PER_PROCESS_ZONE > zone:
+                unresolved.append((scale.pixel / zone, zone, case, scale))
+            reach = max(zone, case.law.length)
+            if scale.pixel > _COARSEST * reach:
+                raise InputError(
+                    f"surface.size, surface.shape: the grid spacing {scale.pixel:.3g} m is {scale.pixel / reach:.2g} "
+                    f"times what the law acts over (its length {case.law.length:.3g} m, its process zone {zone:.3g} m)"
+                    f"; beyond {_COARSEST:g} no grid point feels it: check size, shape and interaction.length"
+                )
+    if not unresolved:
+        return []
+    ratio, zone, case, scale = max(unresolved, key=lambda item: item[0])
+    refined = [_fast(math.ceil(POINTS_PER_PROCESS_ZONE * length / zone)) for length in scale.size]
+    # The process zone grows with the square of the law's length where the work of adhesion stays.
+    longer = case.law.length * math.sqrt(POINTS_PER_PROCESS_ZONE * ratio)
+    ways = [f"interaction.length = {longer:.2g} m with the same work of adhesion"]
+    if grid_fits((refined[0], refined[1])):
+        ways.insert(0, f"surface.shape = {refined}")
+    where = points([case for *_, case, _ in unresolved], len(study.cases))
+    return [
+        f"the grid spacing {scale.pixel:.3g} m is coarser than a quarter of the process zone {zone:.3g} m{where}: "
+        f"contact edges may be trapped by the grid; {' or '.join(ways)} would resolve it"
+    ]
+
+
+def _fast(count: int) -> int:
+    """The next even number of points of small prime factors."""
+    return 2 * int(next_fast_len(math.ceil(count / 2), real=True))
+
+
+def constants(case: Case, surface: Surface) -> dict[str, Value]:
+    """What does not change along the path."""
     law, material = case.law, case.material
     pixel = max(surface.grid.spacing)
     values: dict[str, Value] = {
@@ -58,12 +109,6 @@ def constants(case: Case, surface: Surface) -> dict[str, Value]:
     if isinstance(law, TractionLaw):
         zone = process_zone(material.contact_modulus, law)
         values |= {"peak_distance": law.peak_distance, "process_zone": zone}
-        if pixel * POINTS_PER_PROCESS_ZONE > zone:
-            warnings.warn(
-                f"the grid spacing {pixel:.3g} m is coarser than a quarter of the process zone {zone:.3g} m: contact "
-                "edges may be trapped by the grid; use more points (surface.shape)",
-                stacklevel=2,
-            )
     if case.output.fields:
         y, x = surface.grid.coordinates
         values |= {"y": y, "x": x, "height": surface.heights(surface.shape)}

@@ -16,7 +16,7 @@ from md_reference.substrate import Substrate
 
 # Below this height over the nearest site, in units of r0, an atom counts as inside the substrate: the repulsion there
 # is beyond (1/0.3)¹¹ of the law's scale, which no block can exert, and further down it would change sign.
-_INSIDE = 0.3
+INSIDE = 0.3
 
 # The switch acts between this fraction of the cutoff and the cutoff.
 _SWITCH_START = 0.9
@@ -166,7 +166,7 @@ def _lennard_jones(
                     for c in range(6):
                         hessian[c, iy, ix] = 0.0
                 continue
-            if z - padded[hy + margin[0], hx + margin[1]] < _INSIDE:
+            if z - padded[hy + margin[0], hx + margin[1]] < INSIDE:
                 inside += 1
                 continue
             x -= (jx - hx) * b_x

@@ -15,10 +15,14 @@ from contact_study.fields import fourier
 from contact_study.fields.observables import probability_density
 from contact_study.problem.case import Case
 from contact_study.problem.errors import InputError
+from contact_study.problem.laws.base import TractionLaw
+from contact_study.problem.plausibility import contact_stress, points, squeeze
+from contact_study.problem.study import Study
 from contact_study.problem.surface import Surface
+from contact_study.problem.surface_scales import SurfaceScales
 from md_reference.block import SurfaceStiffness, element_matrix, surface_stiffness
 from md_reference.equilibrium import EquilibriumSolver
-from md_reference.interface import LennardJonesInterface
+from md_reference.interface import INSIDE, LennardJonesInterface
 from md_reference.measure import FlatInterface, effective_contact_modulus, measure_interface
 from md_reference.solution import Equilibrium, Outcome
 from md_reference.substrate import sample_substrate
@@ -56,12 +60,18 @@ def check(case: Case) -> None:
     Raises
     ------
     InputError
-        If the law is not that of Lennard-Jones atoms, or the lattice does not fit the cell.
+        If the law is not that of Lennard-Jones atoms, the block is incompressible, or the lattice does not fit the
+        cell.
     """
     if case.interaction.law != "lennard_jones_10_4":
         raise InputError(
             f'interaction.law = "{case.interaction.law}": the atomistic model has Lennard-Jones pairs; '
             'use "lennard_jones_10_4", the law that follows from them'
+        )
+    if case.material.poissons_ratio >= 0.5:
+        raise InputError(
+            f"material.poissons_ratio = {case.material.poissons_ratio:g}: springs cannot make a block incompressible; "
+            "use less than 0.5, such as 0.499"
         )
     rows, columns = case.atoms
     require_memory(
@@ -69,6 +79,39 @@ def check(case: Case) -> None:
         f"material.lattice_constant = {case.material.lattice_constant:g} m: a layer of {rows} x {columns} atoms",
         "a larger one or a smaller cell",
     )
+
+
+def review(study: Study, scales: Sequence[SurfaceScales]) -> list[str]:
+    """Say what the lattice cannot carry, in one line for the whole study.
+
+    Raises
+    ------
+    InputError
+        If the pair potential is too weak to hold the atoms of the block out of the substrate.
+    """
+    filtered = []
+    for case, scale in zip(study.cases, scales, strict=True):
+        # Six deviations of the stress in full contact, to which the highest pressures of a rough contact come near.
+        stress = 3 * case.material.contact_modulus * scale.rms_slope
+        assert isinstance(case.law, TractionLaw)  # checked by check(case)
+        closest = squeeze(case.law, max(stress, contact_stress(case, scale)))
+        if closest < INSIDE:
+            raise InputError(
+                f"interaction: against stresses of up to {stress:.3g} Pa the pair potential lets atoms come to "
+                f"{closest:.2g} of interaction.length, where they count as inside the substrate; check well_depth "
+                "(work_of_adhesion) and well_depth_ratio"
+            )
+        spacing = max(length / sites for length, sites in zip(scale.size, case.substrate_sites, strict=True))
+        if scale.shortest_wave < 2 * spacing:
+            filtered.append((case, scale.shortest_wave, spacing))
+    if not filtered:
+        return []
+    case, wave, spacing = filtered[0]
+    where = points([case for case, *_ in filtered], len(study.cases))
+    return [
+        f"surface: its shortest wave, {wave:.3g} m, is below two distances of the substrate's sites, {spacing:.3g} m"
+        f"{where}: what the sites cannot carry is left out"
+    ]
 
 
 def build_stiffness(case: Case) -> SurfaceStiffness:

@@ -17,7 +17,10 @@ from contact_study.fields.spectrum import RoughnessSpectrum
 from contact_study.problem.case import Case
 from contact_study.problem.errors import InputError
 from contact_study.problem.laws.base import TractionLaw
+from contact_study.problem.plausibility import points
+from contact_study.problem.study import Study
 from contact_study.problem.surface import Surface
+from contact_study.problem.surface_scales import SurfaceScales
 from theory.gap_flow import BRANCHES, GapFlow, gap_flow
 from theory.gap_state import GapState
 from theory.persson import TOLERANCE, PerssonContact, PerssonTheory, solve
@@ -53,6 +56,9 @@ _RESOLVED = ("relative_contact_area_at", "detachment_stress", "effective_work_of
 # Below this pressure, in units of the full-contact stress, a mean gap is not sought.
 _LOWEST_PRESSURE = 1e-9
 
+# Shortest wave over the law's length from which on a spectrum is said to leave out most of what adhesion meets.
+_COARSEST = 1e5
+
 # Change of the detachment stress, in the same units, that rounding still lets the iteration reach.
 _FINEST_TOLERANCE = 1e-11
 
@@ -75,6 +81,40 @@ def check(case: Case) -> None:
         raise InputError('surface.kind = "flat": a theory of roughness needs a rough surface')
     if kind != "self_affine" and case.theory.spectrum == "analytic":
         raise InputError(f'theory.spectrum = "analytic": surface.kind = "{kind}" has none; use "surface"')
+
+
+def review(study: Study, scales: Sequence[SurfaceScales]) -> list[str]:
+    """Say where roughness and law have too little to do with each other, in one line for the whole study.
+
+    Raises
+    ------
+    InputError
+        If the detachment stress dwarfs the stress of the roughness so far that the theory's cells cannot hold both.
+    """
+    coarse = []
+    for case, scale in zip(study.cases, scales, strict=True):
+        modulus, law = case.material.contact_modulus, case.law
+        finest = min(scale.shortest_wave, scale.size[0], scale.size[1])
+        stress = 0.5 * modulus * scale.rms_slope
+        tension = np.sqrt(case.theory.alpha * modulus * 2 * np.pi / finest * law.work_of_adhesion)
+        if case.theory.cap_detachment_stress:
+            tension = min(tension, law.peak_tensile_stress)
+        if tension > PerssonTheory.cells * stress > 0:
+            raise InputError(
+                f"surface, interaction: adhesion ({tension:.3g} Pa at the finest roughness) dwarfs the stress that the "
+                f"roughness makes ({stress:.3g} Pa) by {tension / stress:.3g}; Persson's theory resolves a factor of "
+                f"{PerssonTheory.cells}. Such a surface is flat to this law: check size, heights and adhesion"
+            )
+        if isinstance(law, TractionLaw) and finest > _COARSEST * law.length:
+            coarse.append((case, finest, law.length))
+    if not coarse:
+        return []
+    case, finest, length = coarse[0]
+    where = points([case for case, *_ in coarse], len(study.cases))
+    return [
+        f"surface: its finest roughness, of wavelength {finest:.3g} m, is {finest / length:.2g} times "
+        f"interaction.length{where}: the theories know of none below it"
+    ]
 
 
 def roughness(case: Case, surface: Surface) -> RoughnessSpectrum:

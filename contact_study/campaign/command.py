@@ -30,7 +30,9 @@ from contact_study.campaign.schema import CONVENTIONS, SCHEMA_VERSION
 from contact_study.problem.bins import with_bins
 from contact_study.problem.errors import InputError
 from contact_study.problem.keys import suggestion
+from contact_study.problem.plausibility import review
 from contact_study.problem.study import Study, all_keys, read_study
+from contact_study.problem.surface_scales import scales_of
 
 DONE, WRONG_INPUT, NOT_CONVERGED, INTERRUPTED = 0, 1, 2, 130
 
@@ -113,12 +115,15 @@ def _main(model: Model, arguments: Sequence[str]) -> int:
         raise InputError(f"--workers {given.workers}: must be at least 1")
     study = read_study(given.study, overrides)
     check_memory(study)
-    study = with_bins(study)
+    scales = scales_of(study)
+    said = [*study.notes, *review(study, scales)]
+    for case in study.cases:
+        model.check(case)
+    said += model.review(study, scales)
+    study = with_bins(study, scales)
     predictor = getattr(given, "predictor", None)
     if predictor is not None:
         check_predictor(predictor)
-    for case in study.cases:
-        model.check(case)
     output: Path = given.output
     _check_inputs_kept(output, [given.study, predictor, *(case.height_map for case in study.cases)])
     identity = _identity(model, study, predictor)
@@ -137,7 +142,7 @@ def _main(model: Model, arguments: Sequence[str]) -> int:
         return status
     storage.writable_output(output)
     progress = Progress(model.command)
-    for note in study.notes:
+    for note in said:
         progress.say(f"warning: {note}")
     try:
         for note in parts.open(identity, git_commit(), resume=given.resume, overwrite=given.overwrite):
@@ -148,7 +153,7 @@ def _main(model: Model, arguments: Sequence[str]) -> int:
         coordinates = {"pressure_bin": bins.pressure, "gap_bin": bins.gap}
         groups = storage.assemble(study.sweep, longest, collect(study, parts), coordinates)
         command = f"{model.command} {shlex.join(arguments)}"
-        groups[""].attrs.update(_provenance(model, study, identity, notes, command))
+        groups[""].attrs.update(_provenance(model, study, identity, [*said, *notes], command))
         parts.finish(groups)
     finally:
         progress.close()

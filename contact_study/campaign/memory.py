@@ -22,6 +22,11 @@ def check_memory(study: Study) -> None:
     require_memory(shape[0] * shape[1] * _BYTES_PER_POINT, f"surface.shape = {list(shape)}", "fewer points")
 
 
+def grid_fits(shape: tuple[int, int]) -> bool:
+    """Whether the machine's memory holds a simulation on so many points."""
+    return shape[0] * shape[1] * _BYTES_PER_POINT <= _memory()
+
+
 def require_memory(needed: float, culprit: str, advice: str) -> None:
     """Raise InputError, naming the culprit, if ``needed`` bytes are more than all memory."""
     available = _memory()

@@ -1,7 +1,7 @@
 """What the campaign must know of a model: its name and where its two functions are."""
 
 import importlib
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -9,7 +9,9 @@ import numpy as np
 
 from contact_study.campaign.record import Step, Value
 from contact_study.problem.case import Case
+from contact_study.problem.study import Study
 from contact_study.problem.surface import Surface
+from contact_study.problem.surface_scales import SurfaceScales
 
 Predictor = Callable[[int], np.ndarray | None]
 
@@ -25,8 +27,8 @@ class Model:
     kind : str
         ``"continuum"``, ``"atomistic"`` or ``"theory"``: the dataset's ``model`` attribute.
     module : str
-        Module that has ``check(case)``, which raises InputError where the model cannot serve a case,
-        ``constants(case, surface)`` and ``solve_path(case, surface, restart, start, predictor)``.
+        Module that has ``check(case)``, which raises InputError where the model cannot serve a case, ``review(study,
+        scales)``, ``constants(case, surface)`` and ``solve_path(case, surface, restart, start, predictor)``.
     description : str
         One sentence for ``--help`` and the dataset's ``source``.
     references : str
@@ -45,6 +47,10 @@ class Model:
     def check(self, case: Case) -> None:
         """Raise InputError if the model cannot serve the case."""
         importlib.import_module(self.module).check(case)
+
+    def review(self, study: Study, scales: Sequence[SurfaceScales]) -> list[str]:
+        """Warnings, once for the whole study; InputError where the model's grids cannot hold the scales of a case."""
+        return importlib.import_module(self.module).review(study, scales)
 
     def constants(self, case: Case, surface: Surface) -> Mapping[str, Value]:
         """What does not change along the path."""

@@ -1,3 +1,5 @@
+import json
+import re
 import warnings
 
 import numpy as np
@@ -6,8 +8,10 @@ import pytest
 from bem_adhesion import run
 from contact_study.campaign.schema import COORDINATES, VARIABLES
 from contact_study.problem.bins import with_bins
+from contact_study.problem.errors import InputError
 from contact_study.problem.study import make_study
 from contact_study.problem.surface import realise
+from contact_study.problem.surface_scales import scales_of
 from tests.bem_adhesion.paper_system import E_STAR, R0, study_table
 
 
@@ -78,7 +82,50 @@ def test_constants_of_law_material_and_surface():
     assert found["height"].shape == (64, 64)
 
 
+def review(points, **sections):
+    study = make_study(study_table(points, size=500e-10, **sections))
+    return run.review(study, scales_of(study))
+
+
 def test_a_grid_that_cannot_resolve_the_law_is_warned_of():
-    case, surface = problem(32)
-    with pytest.warns(UserWarning, match="quarter of the process zone"):
-        run.constants(case, surface)
+    (note,) = review(32)
+    assert "quarter of the process zone" in note
+    assert review(64) == []
+
+
+def test_the_grid_is_warned_of_once_a_study_with_ways_out():
+    table = study_table(64, size=500e-10, sweep={"interaction.well_depth_ratio": [1, 4, 8], "surface.seed": [1, 2]})
+    study = make_study(table)
+    (note,) = run.review(study, scales_of(study))
+    assert "(4 of 6 points of the sweep, such as well_depth_ratio = 4.0, seed = 1)" in note  # of process zone 10, 5 Å
+    # Each of the ways that are named resolves the law of the strongest adhesion, and not by far.
+    shape = json.loads(re.search(r"surface\.shape = (\[.*?\])", note)[1])
+    length = float(re.search(r"interaction\.length = (\S+) m", note)[1])
+    for keys, resolves in (
+        ({"surface": {"shape": shape}}, True),
+        ({"surface": {"shape": [n - 16 for n in shape]}}, False),
+        ({"interaction": {"length": 1.03 * length, "contact_distance": 1e-9}}, True),  # two digits are said
+        ({"interaction": {"length": 0.95 * length, "contact_distance": 1e-9}}, False),
+    ):
+        changed = {**table, **{name: table[name] | section for name, section in keys.items()}}
+        assert (run.review(make_study(changed), scales_of(make_study(changed))) == []) == resolves
+
+
+def test_a_grid_beyond_this_machine_is_not_proposed():
+    (note,) = review(64, surface={"size": 1e-3}, interaction={"length": 1e-9, "contact_distance": 1.2e-9})
+    assert "interaction.length = " in note
+    assert "surface.shape" not in note
+
+
+@pytest.mark.parametrize("keys", [{"size": 3.0}, {"size": 3.0, "rms_height": 0.03}])
+def test_a_law_that_no_grid_point_feels_is_refused(keys):
+    with pytest.raises(InputError, match=r"surface\.size, surface\.shape: .* beyond 100000"):
+        review(64, surface=keys)
+    assert review(64, surface=keys, **HARD_WALL) == []
+
+
+def test_rubber_with_an_atomic_law_is_served():
+    """Its process zone is a hundredth of the law's length: the JKR limit, coarse on any grid, absurd on none."""
+    soft = {"material": {"youngs_modulus": 2e6}, "interaction": {"work_of_adhesion": 0.05, "length": 3e-10}}
+    (note,) = review(64, surface={"size": 1e-4, "rms_height": 1e-6}, **soft)
+    assert "quarter of the process zone" in note

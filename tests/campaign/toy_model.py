@@ -18,6 +18,10 @@ def check(case):
         raise InputError("interaction.well_depth_ratio = 13: unlucky")
 
 
+def review(study, scales):
+    return ["a toy is no model"] if study.cases[0].solver.max_iterations == 7 else []
+
+
 def constants(case, surface):
     y, x = surface.grid.coordinates
     return {

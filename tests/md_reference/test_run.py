@@ -1,14 +1,35 @@
 import dataclasses
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from contact_study.fields import fourier
 from contact_study.problem.errors import InputError
+from contact_study.problem.study import Study
 from contact_study.problem.surface import realise
+from contact_study.problem.surface_scales import scales_of
+from md_reference.block import element_matrix, surface_stiffness
 from md_reference.interface import LennardJonesInterface
-from md_reference.run import at_mean_gap, build_interface, check, constants, predicted, separated, solve_path
-from tests.md_reference.systems import CONTACT_MODULUS, LENGTH, case_of
+from md_reference.run import (
+    at_mean_gap,
+    build_interface,
+    build_stiffness,
+    check,
+    constants,
+    predicted,
+    review,
+    separated,
+    solve_path,
+)
+from tests.md_reference.systems import (
+    CONTACT_MODULUS,
+    LATTICE_CONSTANT,
+    LENGTH,
+    POISSONS_RATIO,
+    YOUNGS_MODULUS,
+    case_of,
+)
 
 PATH = ("0.5 GPa", "2 GPa", "8 GPa")
 
@@ -152,6 +173,59 @@ def test_hard_walls_have_no_atoms():
         check(hard)
     check(case)
     assert isinstance(build_interface(case, realise(case)), LennardJonesInterface)
+
+
+def test_layers_of_the_study_are_those_of_the_block():
+    """A thin block is stiffer to long waves: E*(q) of one layer is that of a clamped plane next to the surface."""
+    moduli = {}
+    for layers in (0, 4, 32):
+        case = case_of((32, 32), atomistic={"layers": layers})
+        moduli[layers] = build_stiffness(case).contact_modulus[0, 1]
+        element = element_matrix("isotropic", LATTICE_CONSTANT, YOUNGS_MODULUS, POISSONS_RATIO)
+        direct = surface_stiffness(element, (32, 32), LATTICE_CONSTANT, layers or 32)
+        assert moduli[layers] == pytest.approx(direct.contact_modulus[0, 1], rel=1e-12)
+    assert moduli[0] == moduli[32]
+    assert moduli[4] > 1.5 * moduli[32]
+
+
+def test_cutoff_of_the_study_is_that_of_the_pairs():
+    found = {}
+    for cutoff in (2.0, 4.0, 8.0):
+        case = case_of((32, 32), atomistic={"cutoff": cutoff})
+        surface = realise(case)
+        assert build_interface(case, surface).cutoff == cutoff
+        found[cutoff] = constants(case, surface)["work_of_adhesion"]
+    # Pairs beyond r_c hold (5/3)(r0/r_c)⁴ of Δγ if they are cut off sharply, 0.65 % at 4 r0 and 0.04 % at 8 r0, and
+    # somewhat more with the switch from 0.9 r_c on.
+    assert found[8.0] == pytest.approx(case_of((32, 32)).work_of_adhesion, rel=2e-3)
+    assert 0.0061 < 1 - found[4.0] / found[8.0] < 0.0061 / 0.9**4
+    assert 0.09 < 1 - found[2.0] / found[4.0] < 0.16
+
+
+def test_incompressible_blocks_are_refused():
+    case = case_of((32, 32), material={"poissons_ratio": 0.5})
+    with pytest.raises(InputError, match=r"material\.poissons_ratio = 0\.5"):
+        check(case)
+    nearly = case_of((32, 32), material={"poissons_ratio": 0.499})
+    check(nearly)
+    assert np.isfinite(build_stiffness(nearly).contact_modulus[0, 1:]).all()
+
+
+def test_a_potential_too_weak_to_stand_on_is_refused():
+    for ratio, refused in ((1.0, False), (1e-3, False), (1e-6, True)):
+        study = Study({}, Path(), (case_of((32, 32), ratio=ratio),), {})
+        if refused:
+            with pytest.raises(InputError, match="inside the substrate"):
+                review(study, scales_of(study))
+        else:
+            assert review(study, scales_of(study)) == []
+
+
+def test_waves_that_the_sites_cannot_carry_are_said():
+    fine = case_of((16, 48), surface={"shape": [128, 128], "cutoff_mode": 40, "rms_height": "0.1 angstrom"})
+    study = Study({}, Path(), (fine,), {})
+    (note,) = review(study, scales_of(study))
+    assert "left out" in note
 
 
 def test_more_atoms_than_memory_are_refused():

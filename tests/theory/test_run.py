@@ -11,6 +11,7 @@ from contact_study.problem.bins import with_bins
 from contact_study.problem.errors import InputError
 from contact_study.problem.study import make_study
 from contact_study.problem.surface import realise
+from contact_study.problem.surface_scales import scales_of
 from theory import run
 from theory.gap_flow import gap_flow
 from theory.separation import NegativeSeparation, NotConverged
@@ -210,6 +211,56 @@ def test_measured_spectrum_replaces_the_target(case, steps):
     assert run.constants(case, realise(case))["rms_height"] == pytest.approx(1e-9, rel=1e-9)
     other = steps_of(measured)[0].values
     assert other["relative_contact_area"] != pytest.approx(steps[0].values["relative_contact_area"], rel=1e-3)
+
+
+CHOICES = {
+    "energy_weight": ("wang_mueser", "energy_weight"),
+    "beta": (0.45, "beta"),
+    "true_area": ("lattice", "true_area"),
+    "alpha": (0.5, "alpha"),
+}
+
+
+@pytest.mark.parametrize("key", CHOICES)
+def test_choices_of_the_study_are_those_of_the_theory(case, steps, key):
+    value, attribute = CHOICES[key]
+    chosen = case_of(theory={key: value}, loading={"path": ["1 GPa"], "unload": False})
+    theory = run.persson_theory(chosen, realise(chosen))
+    assert getattr(theory, attribute) == value
+    assert getattr(run.persson_theory(case, realise(case)), attribute) != value
+    area = steps_of(chosen)[0].values["relative_contact_area"]
+    assert area != pytest.approx(steps[0].values["relative_contact_area"], rel=1e-3)
+
+
+def test_detachment_stress_is_capped_where_the_study_says_so(case):
+    capped = case_of(theory={"cap_detachment_stress": True})
+    assert run.persson_theory(capped, realise(capped)).stress_cap == case.law.peak_tensile_stress
+    assert run.persson_theory(case, realise(case)).stress_cap == np.inf
+
+
+def review(**sections):
+    table = copy.deepcopy(STUDY)
+    for name, keys in sections.items():
+        table.setdefault(name, {}).update(keys)
+    study = make_study(table)
+    return run.review(study, scales_of(study))
+
+
+def test_roughness_that_adhesion_dwarfs_is_refused():
+    assert review() == []
+    with pytest.raises(InputError, match="resolves a factor of 300"):
+        review(surface={"size": "3 m"})
+    soft = {"material": {"youngs_modulus": "2 MPa"}, "interaction": {"work_of_adhesion": "0.05 J/m^2"}}
+    assert review(surface={"size": "1 um"}, **soft) == []
+    # A cap on the tension is a cap on what the cells must hold.
+    with pytest.raises(InputError, match="resolves a factor of 300"):
+        review(theory={"alpha": 1e6})
+    assert review(theory={"alpha": 1e6, "cap_detachment_stress": True}) == []
+
+
+def test_spectra_far_above_the_law_are_said():
+    (note,) = review(surface={"size": "3 m", "rms_height": "3 cm"})
+    assert "times interaction.length: the theories know of none below it" in note
 
 
 def test_hard_wall_has_persson_only():

@@ -1,0 +1,166 @@
+"""Whether a study can mean what it says: numbers that do not fit each other, named before any work starts.
+
+Every criterion is a ratio of the study's own scales, so that no unit, material or size is favoured:
+
+- **slope** √<|∇h|²>. Linear elasticity of a half-space is an expansion in it. Above 1 the study goes on with a
+  warning, above 100 (a surface steeper than 89°) heights and lateral size cannot belong together.
+- **squeeze**: the distance at which the law's repulsion carries the stress of the contact, over the law's length. That
+  stress is half of E* times the slope, the deviation in full contact, or the applied pressure if that is larger. Atoms
+  in contact stand at 0.9 to 1. Half the length takes stresses of 7000 times the law's peak (10-4 law), and a contact
+  distance then counts points as touching that carry nothing. Below 0.1 (4e11 times) it is no law for this modulus.
+- **peak over tolerance**: the law's largest tension against the residual stress that ``solver.tolerance`` leaves.
+
+The models add what only they need: see ``review`` in their ``run.py``.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from contact_study.problem.case import Case
+from contact_study.problem.errors import InputError
+from contact_study.problem.laws.base import TractionLaw
+from contact_study.problem.study import Study
+from contact_study.problem.surface_scales import SurfaceScales
+
+STEEP, IMPOSSIBLY_STEEP = 1.0, 100.0
+SQUEEZED, IMPOSSIBLY_SQUEEZED = 0.5, 0.1
+
+
+def review(study: Study, scales: Sequence[SurfaceScales]) -> list[str]:
+    """Warnings for the user, each once for the whole study.
+
+    Parameters
+    ----------
+    study : Study
+        The study.
+    scales : sequence of SurfaceScales
+        Of the surface of each of its cases.
+
+    Raises
+    ------
+    InputError
+        If the numbers of some case cannot belong together.
+    """
+    pairs = list(zip(study.cases, scales, strict=True))
+    adhesive = [(case, scale, case.law) for case, scale in pairs if isinstance(case.law, TractionLaw)]
+    notes = _slopes(pairs)
+    notes += _squeezes(adhesive)
+    notes += _peaks(adhesive)
+    notes += _maps(pairs)
+    notes += _idle_keys(study.cases)
+    return notes
+
+
+def contact_stress(case: Case, scales: SurfaceScales) -> float:
+    """Stress that contacts carry (Pa): E* ξ / 2, its deviation in full contact, or the applied pressure if larger."""
+    applied = max(case.loading.path) if case.loading.control == "pressure" else 0.0
+    return max(0.5 * case.material.contact_modulus * scales.rms_slope, applied)
+
+
+def squeeze(law: TractionLaw, stress: float) -> float:
+    """Gap at which the law's repulsion carries a stress >= 0 (Pa), over its equilibrium distance."""
+    return float(law.repulsive_gap(np.array(-stress))) / law.equilibrium_distance
+
+
+def points(cases: Sequence[Case], study_size: int) -> str:
+    """Which part of the sweep is meant, in brackets; nothing for all of it."""
+    if len(cases) == study_size:
+        return ""
+    return f" ({len(cases)} of {study_size} points of the sweep, such as {cases[0].label})"
+
+
+def _slopes(pairs: list[tuple[Case, SurfaceScales]]) -> list[str]:
+    steep = [(scale.rms_slope, case, scale) for case, scale in pairs if scale.rms_slope > STEEP]
+    if not steep:
+        return []
+    slope, case, scale = max(steep, key=lambda item: item[0])
+    if slope > IMPOSSIBLY_STEEP:
+        raise InputError(
+            f"surface: heights of {scale.rms_height:.3g} m (root mean square) on a cell of {scale.size[0]:.3g} x "
+            f"{scale.size[1]:.3g} m make an rms slope of {slope:.3g}{_at(case)}; beyond {IMPOSSIBLY_STEEP:g} the "
+            f"heights ({_HEIGHT_KEYS[case.surface.kind]}) and surface.size cannot belong together"
+        )
+    where = points([case for _, case, _ in steep], len(pairs))
+    return [
+        f"surface: rms slope {slope:.3g}{where}: linear elasticity of a half-space is meant for slopes well below 1"
+    ]
+
+
+_HEIGHT_KEYS = {
+    "self_affine": "surface.rms_height",
+    "file": "surface.height_unit",
+    "sphere": "surface.radius",
+    "wavy": "surface.amplitude",
+    "flat": "surface.size",
+}
+
+
+def _squeezes(adhesive: list[tuple[Case, SurfaceScales, TractionLaw]]) -> list[str]:
+    found = [(squeeze(law, contact_stress(case, scale)), case, scale, law) for case, scale, law in adhesive]
+    weak = [item for item in found if item[0] < SQUEEZED]
+    if not weak:
+        return []
+    smallest, case, scale, law = min(weak, key=lambda item: item[0])
+    words = (
+        f"interaction: against stresses of {contact_stress(case, scale):.3g} Pa the law's peak, "
+        f"{law.peak_tensile_stress:.3g} Pa, is so weak that contacts are pressed to {smallest:.2g} of its length"
+    )
+    if smallest < IMPOSSIBLY_SQUEEZED:
+        raise InputError(
+            f'{words}{_at(case)}; use interaction.law = "hard_wall", or check work_of_adhesion (well_depth), '
+            "well_depth_ratio and length"
+        )
+    where = points([case for _, case, *_ in weak], len(adhesive))
+    return [f"{words}{where}: interaction.contact_distance counts points as touching that carry next to nothing"]
+
+
+def _peaks(adhesive: list[tuple[Case, SurfaceScales, TractionLaw]]) -> list[str]:
+    lost = [
+        case
+        for case, _, law in adhesive
+        if law.peak_tensile_stress < case.solver.tolerance * case.material.contact_modulus
+    ]
+    if not lost:
+        return []
+    case = lost[0]
+    residual = case.solver.tolerance * case.material.contact_modulus
+    return [
+        f"interaction: the law's peak, {case.law.peak_tensile_stress:.3g} Pa, is below the residual stress that "
+        f"solver.tolerance leaves, {residual:.3g} Pa{points(lost, len(adhesive))}: adhesion is not resolved; use a "
+        "smaller tolerance"
+    ]
+
+
+def _maps(pairs: list[tuple[Case, SurfaceScales]]) -> list[str]:
+    """One line for each map that the continuum's grid cannot carry."""
+    notes = {}
+    for case, scale in pairs:
+        if scale.lost is not None:
+            height, slope = scale.lost
+            notes[case.surface.path, case.surface.shape] = (
+                f"surface.shape = {list(scale.shape)} is coarser than the height map {case.surface.path}: waves "
+                f"shorter than two grid spacings are left out, rms height {scale.rms_height:.4g} m becomes "
+                f"{height:.4g} m ({_change(height, scale.rms_height)}), rms slope {scale.rms_slope:.4g} becomes "
+                f"{slope:.4g} ({_change(slope, scale.rms_slope)})"
+            )
+    return list(notes.values())
+
+
+def _change(left: float, whole: float) -> str:
+    return f"{100 * (left / whole - 1):+.2g} %" if whole else "flat"
+
+
+def _idle_keys(cases: Sequence[Case]) -> list[str]:
+    names = ("work_of_adhesion", "well_depth", "length", "contact_distance")
+    walls = [case.interaction for case in cases if case.interaction.law == "hard_wall"]
+    idle = [f"interaction.{name}" for name in names if any(getattr(wall, name) is not None for wall in walls)]
+    if not idle:
+        return []
+    return [
+        f'{", ".join(idle)}: without effect where interaction.law = "hard_wall", which neither attracts nor reaches'
+    ]
+
+
+def _at(case: Case) -> str:
+    return f" at {case.label}" if case.label else ""
