@@ -46,6 +46,9 @@ _BYTES_PER_ATOM = 500
 # Error allowed to the interpolated height of the surface, in units of r0; the contact area does not notice 1e-4.
 _HEIGHT_TOLERANCE = 1e-4
 
+# The springs' Lamé modulus grows as 1/(1 − 2ν): five digits nearer to 0.5 than this, rounding makes moduli negative.
+_MOST_INCOMPRESSIBLE = 0.49999
+
 Predictor = Callable[[int], np.ndarray | None]
 
 
@@ -68,10 +71,10 @@ def check(case: Case) -> None:
             f'interaction.law = "{case.interaction.law}": the atomistic model has Lennard-Jones pairs; '
             'use "lennard_jones_10_4", the law that follows from them'
         )
-    if case.material.poissons_ratio >= 0.5:
+    if case.material.poissons_ratio > _MOST_INCOMPRESSIBLE:
         raise InputError(
-            f"material.poissons_ratio = {case.material.poissons_ratio:g}: springs cannot make a block incompressible; "
-            "use less than 0.5, such as 0.499"
+            f"material.poissons_ratio = {case.material.poissons_ratio:.12g}: springs cannot make a block "
+            f"incompressible; use at most {_MOST_INCOMPRESSIBLE}"
         )
     rows, columns = case.atoms
     require_memory(
