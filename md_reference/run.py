@@ -35,6 +35,7 @@ MODEL = Model(
     "at zero temperature on a rigid rough layer of Lennard-Jones sites",
     references="C. Yang, B. N. J. Persson, J. Israelachvili, K. Rosenberg, EPL 84, 46004 (2008)",
     takes_predictor=True,
+    ignores=("theory",),
 )
 
 # Below 1024² atoms a second thread of FFTW gains nothing, and loses much when the other core is busy.

@@ -2,9 +2,9 @@
 
 import argparse
 import dataclasses
-import hashlib
 import io
 import os
+import re
 import shlex
 import signal
 import subprocess
@@ -21,17 +21,20 @@ import xarray as xr
 
 import contact_study
 from contact_study.campaign import storage
+from contact_study.campaign.identity import Run, run_of
 from contact_study.campaign.memory import check_memory
 from contact_study.campaign.model import Model
+from contact_study.campaign.parts import Parts
 from contact_study.campaign.predictor import check_predictor
 from contact_study.campaign.progress import Progress
-from contact_study.campaign.runner import CampaignError, collect, run_cases
-from contact_study.campaign.schema import CONVENTIONS, SCHEMA_VERSION
+from contact_study.campaign.resume import Finished, finished_at, take_up
+from contact_study.campaign.runner import CampaignError, collect, last_states, run_cases
+from contact_study.campaign.schema import CONVENTIONS
 from contact_study.problem.bins import with_bins
 from contact_study.problem.errors import InputError
 from contact_study.problem.keys import suggestion
 from contact_study.problem.plausibility import review
-from contact_study.problem.study import Study, all_keys, read_study
+from contact_study.problem.study import Study, all_keys, make_study, read_study
 from contact_study.problem.surface_scales import scales_of
 
 DONE, WRONG_INPUT, NOT_CONVERGED, INTERRUPTED = 0, 1, 2, 130
@@ -100,7 +103,7 @@ def _interrupt(*_: Any) -> NoReturn:
 
 def _main(model: Model, arguments: Sequence[str]) -> int:
     parser = _parser(model)
-    given, unknown = parser.parse_known_args(arguments)
+    given, unknown = parser.parse_known_args(_joined(arguments))
     if unknown:
         options = [f"--{section}.{name}" for section, name, *_ in all_keys()]
         raise InputError(f"unknown argument {unknown[0]}{suggestion(unknown[0], options)}; see --help")
@@ -113,55 +116,94 @@ def _main(model: Model, arguments: Sequence[str]) -> int:
         raise InputError("--resume and --overwrite exclude each other")
     if given.workers is not None and given.workers < 1:
         raise InputError(f"--workers {given.workers}: must be at least 1")
-    study = read_study(given.study, overrides)
-    check_memory(study)
-    scales = scales_of(study)
-    said = [*study.notes, *review(study, scales)]
-    for case in study.cases:
-        model.check(case)
-    said += model.review(study, scales)
-    study = with_bins(study, scales)
-    predictor = getattr(given, "predictor", None)
-    if predictor is not None:
-        check_predictor(predictor)
     output: Path = given.output
+    study = read_study(given.study, overrides)
+    predictor = getattr(given, "predictor", None)
     _check_inputs_kept(output, [given.study, predictor, *(case.height_map for case in study.cases)])
-    identity = _identity(model, study, predictor)
-    parts = storage.Parts(output)
-    if _is_complete(output, identity, resume=given.resume, overwrite=given.overwrite):
-        parts.remove()  # of a run killed between its dataset and its tidying up
-        with xr.open_dataset(output) as dataset:
-            status = _status(model, dataset)
-            if dataset.attrs["git_commit"] != git_commit():
-                print(
-                    f"{model.command}: warning: {output} is of commit {dataset.attrs['git_commit']}, this is "
-                    f"{git_commit()}; use --overwrite to compute it anew",
-                    file=sys.stderr,
-                )
-        print(output)
-        return status
+    study, said = _reviewed(model, study)
+    run = run_of(model, study, predictor if predictor is not None and predictor.is_file() else None)
+    if predictor is not None:
+        said += check_predictor(predictor, study, run.height_maps)
+    parts = Parts(output)
+    finished = finished_at(output, resume=given.resume, overwrite=given.overwrite)
+    if finished is not None and finished.is_of(run):
+        return _already_done(run, parts, finished)
     storage.writable_output(output)
     progress = Progress(model.command)
     for note in said:
         progress.say(f"warning: {note}")
     try:
-        for note in parts.open(identity, git_commit(), resume=given.resume, overwrite=given.overwrite):
+        unfinished = parts.open(resume=given.resume, overwrite=given.overwrite)
+        names = run.case_names()
+        for note in take_up(run, names, parts, unfinished, finished, git_commit()):
             progress.say(f"warning: {note}")
-        notes = run_cases(model, study, parts, predictor, given.workers, progress)
+        notes = run_cases(run, names, parts, given.workers, progress)
         progress.close()
-        bins, longest = study.cases[0].bins, max(len(case.path) for case in study.cases)
-        coordinates = {"pressure_bin": bins.pressure, "gap_bin": bins.gap}
-        groups = storage.assemble(study.sweep, longest, collect(study, parts), coordinates)
+        groups, late = _assembled(run, names, parts)
+        notes = [*_carried(run, finished), *notes, *late]
         command = f"{model.command} {shlex.join(arguments)}"
-        groups[""].attrs.update(_provenance(model, study, identity, [*said, *notes], command))
+        groups[""].attrs.update(_provenance(run, finished, [*said, *notes], command))
         parts.finish(groups)
     finally:
         progress.close()
         parts.close()
-    for note in notes:
+    for note in dict.fromkeys(notes):
         progress.say(f"warning: {note}")
     print(output)
-    return _status(model, groups[""])
+    return _status(model, groups)
+
+
+def _reviewed(model: Model, study: Study) -> tuple[Study, list[str]]:
+    """The study with its bins, and what there is to be said of it as a whole.
+
+    Raises
+    ------
+    InputError
+        If it cannot be served.
+    """
+    check_memory(study)
+    scales = scales_of(study)
+    said = [*study.notes, *review(study, scales)]
+    for case in study.cases:
+        model.check(case)
+    return with_bins(study, scales), [*said, *model.review(study, scales)]
+
+
+def _already_done(run: Run, parts: Parts, finished: Finished) -> int:
+    command, path = run.model.command, finished.path
+    if parts.belong_to(run.attributes):
+        parts.remove()  # of a run killed between its dataset and its tidying up
+    elif parts.folder.exists():
+        print(f"{command}: warning: {parts.folder} holds steps of another run, which are left alone", file=sys.stderr)
+    with xr.open_datatree(path, decode_timedelta=False) as tree:
+        groups = {node.path.strip("/"): node.to_dataset().load() for node in _with_flags(tree)}
+    status = _status(run.model, groups)
+    if finished.attributes["git_commit"] != git_commit():
+        print(
+            f"{command}: warning: {path} is of commit {finished.attributes['git_commit']}, this is {git_commit()}; use "
+            "--overwrite to compute it anew",
+            file=sys.stderr,
+        )
+    print(path)
+    return status
+
+
+def _assembled(run: Run, names: Sequence[str], parts: Parts) -> tuple[dict[str, xr.Dataset], list[str]]:
+    """The groups of the dataset, and what came to light on the way."""
+    study = run.study
+    brought: list[str] = []
+    bins, longest = study.cases[0].bins, max(len(case.path) for case in study.cases)
+    coordinates = {"pressure_bin": bins.pressure, "gap_bin": bins.gap}
+    groups = storage.assemble(study.sweep, longest, collect(run, names, parts, brought), coordinates)
+    if study.cases[0].output.restart:
+        groups[storage.RESTART] = storage.restart_group(last_states(run, names, parts))
+    notes = []
+    if brought:
+        notes.append(
+            f"the distributions of {len(brought)} steps finished before were on other bins and are spread over this "
+            "study's, within one bin; --overwrite computes them anew"
+        )
+    return groups, notes
 
 
 def _parser(model: Model) -> Parser:
@@ -171,8 +213,7 @@ def _parser(model: Model) -> Parser:
         + (" [--predictor BEM.nc]" if model.takes_predictor else ""),
         description=model.description,
         epilog="Exit status: 0 done and converged, 1 wrong input, 2 some step did not converge. "
-        "Quantities are SI numbers or strings with a unit; a negative number needs an equals sign, "
-        "--loading.path=-1e8.",
+        'Quantities are SI numbers or strings with a unit, lists have commas: --loading.path "-1 kPa, 2 MPa".',
         allow_abbrev=False,
     )
     parser.add_argument("study", type=Path, metavar="STUDY.toml", help="study file")
@@ -202,6 +243,18 @@ def _parser(model: Model) -> Parser:
     return parser
 
 
+def _joined(arguments: Sequence[str]) -> list[str]:
+    """Arguments with each negative value tied to its key, which argparse would take for an option."""
+    keys = {f"--{section}.{name}" for section, name, *_ in all_keys()}
+    joined: list[str] = []
+    for argument in arguments:
+        if joined and joined[-1] in keys and re.match(r"-\.?\d", argument):
+            joined[-1] += f"={argument}"
+        else:
+            joined.append(argument)
+    return joined
+
+
 def _shown(default: Any) -> str:
     return str(default).lower() if isinstance(default, bool) else str(default)
 
@@ -214,57 +267,39 @@ def _toml_value(text: str) -> Any:
         return text
 
 
-def _identity(model: Model, study: Study, predictor: Path | None) -> dict[str, Any]:
-    """What must agree for finished steps to be continued."""
-    return {
-        "model": model.kind,
-        "study_toml": study.toml,
-        "version": contact_study.__version__,
-        "schema_version": SCHEMA_VERSION,
-        "predictor": "" if predictor is None else _fingerprint(predictor),
-    }
-
-
-def _fingerprint(path: Path) -> str:
-    """Name and content of a file, wherever it lies."""
-    with path.open("rb") as stream:
-        return f"{path.name} sha256:{hashlib.file_digest(stream, 'sha256').hexdigest()}"
-
-
 def _check_inputs_kept(output: Path, inputs: Sequence[Path | None]) -> None:
     for path in inputs:
         if path is not None and output.resolve() == path.resolve():
             raise InputError(f"{output}: is read by this run; choose another output")
 
 
-def _is_complete(output: Path, identity: Mapping[str, Any], *, resume: bool, overwrite: bool) -> bool:
-    """Whether the output stands already; refuses to touch what is not to be touched."""
-    if not output.exists() or overwrite:
-        return False
-    if not resume:
-        raise InputError(f"{output} exists; use --overwrite to replace it or --resume to continue its run")
+def _carried(run: Run, finished: Finished | None) -> list[str]:
+    """Warnings of a finished dataset that hold on: those of its steps, not those that were said of its whole study."""
+    if finished is None:
+        return []
+    lines = str(finished.attributes.get("warnings", "")).splitlines()
     try:
-        with xr.open_dataset(output) as dataset:
-            same = all(dataset.attrs.get(name) == value for name, value in identity.items())
-    except (OSError, ValueError):
-        raise InputError(f"{output} exists and is no readable dataset; use --overwrite or another output") from None
-    if not same:
-        raise InputError(f"{output} exists and belongs to another study or model; use --overwrite or another output")
-    return True
+        _, said = _reviewed(
+            run.model, make_study(tomllib.loads(finished.attributes["study_toml"]), run.study.directory)
+        )
+    except InputError:  # a height map has moved since
+        said = []
+    return [line for line in lines if line not in said]
 
 
-def _provenance(
-    model: Model, study: Study, identity: Mapping[str, Any], notes: Sequence[str], command: str
-) -> dict[str, Any]:
+def _provenance(run: Run, finished: Finished | None, notes: Sequence[str], command: str) -> dict[str, Any]:
+    history = f"{datetime.now(UTC).isoformat(timespec='seconds')}: {command}"
+    if finished is not None:
+        history += f"\n{finished.attributes.get('history', '')}"
     return {
         "Conventions": CONVENTIONS,
-        "title": study.title,
-        "source": f"bem-adhesion {contact_study.__version__}, {model.command}: {model.description}",
-        "history": f"{datetime.now(UTC).isoformat(timespec='seconds')}: {command}",
-        "references": model.references,
+        "title": run.study.title,
+        "source": f"bem-adhesion {contact_study.__version__}, {run.model.command}: {run.model.description}",
+        "history": history,
+        "references": run.model.references,
         "git_commit": git_commit(),
-        "warnings": "\n".join(notes),
-        **identity,
+        "warnings": "\n".join(dict.fromkeys(notes)),
+        **run.attributes,
     }
 
 
@@ -292,15 +327,23 @@ def git_commit() -> str:
     return found.stdout.strip() or "unknown"
 
 
-def _status(model: Model, dataset: xr.Dataset) -> int:
-    """Exit status of a dataset; names the steps that did not converge."""
-    converged = dataset["converged"]
-    failed = int((converged == 0).sum())
-    if not failed:
-        return DONE
-    total = int((converged >= 0).sum())
-    print(
-        f"{model.command}: {failed} of {total} steps did not converge; see the variables converged and residual",
-        file=sys.stderr,
-    )
-    return NOT_CONVERGED
+def _with_flags(tree: xr.DataTree) -> list[xr.DataTree]:
+    return [node for node in tree.subtree if "converged" in node.data_vars]
+
+
+def _status(model: Model, groups: Mapping[str, xr.Dataset]) -> int:
+    """Exit status of a dataset; names each group with steps that did not converge."""
+    status = DONE
+    for group, dataset in groups.items():
+        if "converged" not in dataset:
+            continue
+        failed, total = (int(flags.sum()) for flags in (dataset["converged"] == 0, dataset["converged"] >= 0))
+        if failed:
+            status = NOT_CONVERGED
+            where = f" in the group {group}" if group else ""
+            print(
+                f"{model.command}: {failed} of {total} steps did not converge{where}; see the variables converged and "
+                "residual there",
+                file=sys.stderr,
+            )
+    return status

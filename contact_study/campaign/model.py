@@ -35,6 +35,10 @@ class Model:
         Literature of the method, for the dataset.
     takes_predictor : bool
         Whether each step may start from the gap field of another dataset.
+    ignores : tuple of str
+        Sections of the study file that the model does not read.
+    whole_path : bool
+        Whether the numbers of a step follow from the whole path, not only from its points so far.
     """
 
     command: str
@@ -43,6 +47,8 @@ class Model:
     description: str
     references: str
     takes_predictor: bool = False
+    ignores: tuple[str, ...] = ()
+    whole_path: bool = False
 
     def check(self, case: Case) -> None:
         """Raise InputError if the model cannot serve the case."""

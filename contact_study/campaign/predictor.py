@@ -1,32 +1,85 @@
 """Gap fields of another dataset, as starts for the steps of a case."""
 
+import hashlib
+import tomllib
+from collections.abc import Iterator, Mapping
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import xarray as xr
 
 from contact_study.problem.case import Case
 from contact_study.problem.errors import InputError
+from contact_study.problem.keys import keys_of
+from contact_study.problem.sections import InteractionSection, MaterialSection, SurfaceSection
+from contact_study.problem.study import Study, make_study
+
+# Sections and keys that make a contact what it is. The grid is each model's own, a map's content counts and not its
+# place, and the lattice and the distance that counts as contact are nothing to a gap field.
+_CONTACT = {"surface": SurfaceSection, "material": MaterialSection, "interaction": InteractionSection}
+_APART = ("shape", "path", "atom_mass", "lattice_constant", "contact_distance")
+# What stands for these is Δγ.
+_ADHESION = ("well_depth", "well_depth_ratio", "work_of_adhesion")
 
 
-def check_predictor(path: Path) -> None:
-    """Make sure that a dataset can serve as predictor.
+def check_predictor(path: Path, study: Study, height_maps: Mapping[str, str]) -> list[str]:
+    """Make sure that a dataset can serve a study as predictor.
+
+    A start chooses among the states that adhesion leaves, so it must be of the same surface; other moduli or another
+    law give starts that are only rough, and are said.
+
+    Parameters
+    ----------
+    path : pathlib.Path
+        Dataset of the continuum.
+    study : Study
+        The study to be started.
+    height_maps : mapping
+        SHA-256 of each of its height maps by the path as the study writes it.
+
+    Returns
+    -------
+    list of str
+        In what the dataset's study differs.
 
     Raises
     ------
     InputError
-        If it cannot be read or holds no gap fields.
+        If it cannot be read, holds no gap fields, or is of another surface or control.
     """
     if not path.is_file():
         raise InputError(f"--predictor: {path} does not exist")
     try:
         with xr.open_dataset(path) as dataset:
-            if "gap" not in dataset or dataset["gap"].dims[-2:] != ("y", "x"):
+            if "gap" not in dataset or not str(dataset["gap"].dims[-1]).startswith("x"):
                 raise InputError(f"--predictor: {path} holds no gap fields; write it with output.fields = true")
+            attributes = dict(dataset.attrs)
     except (OSError, ValueError) as error:
         if isinstance(error, InputError):
             raise
         raise InputError(f"--predictor: {path} is no readable dataset") from None
+    other = _study(path, attributes)
+    maps = {line.partition(" ")[2]: line.split(" ")[0] for line in str(attributes.get("height_maps", "")).splitlines()}
+    differing: dict[str, tuple[Any, Any]] = {}
+    for case in study.cases:
+        start = _matching(other, case)
+        if start is not None:
+            differing.update(_differences(case, start))
+            if case.height_map is not None:
+                content = f"sha256:{height_maps[str(case.surface.path)]}", maps.get(str(start.surface.path))
+                if content[0] != content[1]:
+                    raise InputError(f"--predictor: {path} is of another height map than {case.surface.path}")
+    for dotted, (own, others) in differing.items():
+        if dotted.startswith(("surface.", "loading.")):
+            raise InputError(
+                f"--predictor: {path} is of another contact: {dotted} is {_shown(others)} there and {_shown(own)} here"
+            )
+    return [
+        f"the predictor {path} is of another contact: {dotted} is {_shown(others)} there and {_shown(own)} here; its "
+        "gap fields may choose other states"
+        for dotted, (own, others) in differing.items()
+    ]
 
 
 class GapFields:
@@ -37,21 +90,23 @@ class GapFields:
     path : pathlib.Path
         Dataset of the continuum.
     case : Case
-        The case to be started; matched by its sweep coordinates and prescribed values.
+        The case to be started; matched by what either study sweeps and by the prescribed values.
     """
 
     def __init__(self, path: Path, case: Case):
         self._path = path
         self._case = case
+        with xr.open_dataset(path, decode_timedelta=False) as dataset:
+            study = _study(path, dataset.attrs)
+        start = _matching(study, case)
+        self._index = None if start is None else dict(zip(study.sweep, start.index, strict=True))
 
     def __call__(self, number: int) -> np.ndarray | None:
+        if self._index is None:
+            return None
         wanted, branch = self._case.path[number]
         with xr.open_dataset(self._path, decode_timedelta=False) as dataset:
-            for name, value in self._case.coordinates.items():
-                if name in dataset.dims:
-                    if value not in dataset[name].values:
-                        return None
-                    dataset = dataset.sel({name: value})
+            dataset = dataset.isel({name: i for name, i in self._index.items() if name in dataset.dims})
             applied = dataset[f"applied_{self._case.loading.control}"].values
             # The same study file gives the same floats; 1e-9 forgives a value written in another unit.
             same = np.isclose(applied, wanted, rtol=1e-9, atol=0.0) & (
@@ -62,4 +117,72 @@ class GapFields:
                 return None
             # A path may visit one pressure twice: the visit nearest in order is the one meant.
             visits = np.flatnonzero(usable)
-            return dataset["gap"].isel(step=int(visits[np.argmin(np.abs(visits - number))])).values
+            return _unpadded(dataset["gap"].isel(step=int(visits[np.argmin(np.abs(visits - number))])).values)
+
+    def fingerprint(self, number: int) -> str:
+        """SHA-256 of the field of a path point; empty where there is none."""
+        field = self(number)
+        return "" if field is None else hashlib.sha256(np.ascontiguousarray(field).tobytes()).hexdigest()
+
+
+def _study(path: Path, attributes: Mapping[str, Any]) -> Study:
+    try:
+        return make_study(tomllib.loads(str(attributes["study_toml"])), path.parent)
+    except (KeyError, tomllib.TOMLDecodeError, InputError):
+        raise InputError(f"--predictor: {path} does not hold the study it came from (attribute study_toml)") from None
+
+
+def _matching(study: Study, case: Case) -> Case | None:
+    """The case of another study that stands at the same point of what either study sweeps, as far as contacts go."""
+    swept = {*study.sweep, *case.coordinates}
+    deciding = {name for declared in _CONTACT.values() for name in keys_of(declared)} - {*_APART} | {"path"}
+    alike = [
+        other
+        for other in study.cases
+        if all(_same(_value(other, name), _value(case, name)) for name in swept & deciding)
+    ]
+    rest = swept - deciding
+    return max(
+        alike, key=lambda other: sum(_same(_value(other, name), _value(case, name)) for name in rest), default=None
+    )
+
+
+def _value(case: Case, name: str) -> Any:
+    """What a case holds under the last part of a key that can be swept."""
+    for section in (case.surface, case.material, case.interaction, case.solver, case.atomistic, case.theory):
+        if name in keys_of(type(section)):
+            return getattr(section, name)
+    return getattr(case.loading, name)
+
+
+def _differences(case: Case, other: Case) -> Iterator[tuple[str, tuple[Any, Any]]]:
+    """Keys that tell two contacts apart, with the values of both."""
+    for section, declared in _CONTACT.items():
+        for name in keys_of(declared):
+            values = getattr(getattr(case, section), name), getattr(getattr(other, section), name)
+            if name not in (*_APART, *_ADHESION) and not _same(*values):
+                yield f"{section}.{name}", values
+    if not _same(case.work_of_adhesion, other.work_of_adhesion):
+        yield "the work of adhesion", (case.work_of_adhesion, other.work_of_adhesion)
+    if case.loading.control != other.loading.control:
+        yield "loading.control", (case.loading.control, other.loading.control)
+
+
+def _same(one: Any, other: Any) -> bool:
+    if isinstance(one, tuple) and isinstance(other, tuple):
+        return len(one) == len(other) and all(_same(*pair) for pair in zip(one, other, strict=True))
+    if isinstance(one, float) and isinstance(other, float):
+        return bool(np.isclose(one, other, rtol=1e-9, atol=0.0))
+    return bool(one == other)
+
+
+def _shown(value: Any) -> str:
+    if isinstance(value, tuple):
+        return "[" + ", ".join(_shown(item) for item in value) + "]"
+    return "not given" if value is None else f"{value:g}" if isinstance(value, float) else str(value)
+
+
+def _unpadded(field: np.ndarray) -> np.ndarray:
+    """A field without the rows and columns that a sweep over sizes pads it with."""
+    there = ~np.isnan(field)
+    return field[: np.count_nonzero(there.any(axis=1)), : np.count_nonzero(there.any(axis=0))]

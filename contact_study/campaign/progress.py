@@ -32,10 +32,9 @@ class Progress:
         if done:
             self.say(f"{done} of {total} steps were finished before")
 
-    def step(self, label: str, control: str, value: float, summary: dict[str, Any], seconds: float) -> None:
-        """One more step is finished."""
+    def step(self, label: str, point: str, summary: dict[str, Any], seconds: float) -> None:
+        """One more step is finished, at a point of the path of the case with a label."""
         self._done += 1
-        point = f"{value / 1e9:.4g} GPa" if control == "pressure" else f"gap {value * 1e9:.4g} nm"
         area = summary.get("relative_contact_area")
         text = f"{label + ': ' if label else ''}{point}"
         if area is not None:

@@ -5,6 +5,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from contact_study.fields.observables import Bins
+
 Value = float | int | bool | str | np.ndarray
 
 
@@ -20,8 +22,11 @@ class Step:
         Fields over the lateral plane (y, x), only where the study asks for them.
     restart : mapping
         All that the next step needs, nothing else.
+    bins : Bins or None
+        Those of its distributions; the campaign's to set.
     """
 
     values: Mapping[str, Value]
     fields: Mapping[str, np.ndarray] = field(default_factory=dict)
     restart: Mapping[str, np.ndarray] = field(default_factory=dict)
+    bins: Bins | None = None

@@ -6,7 +6,7 @@ import signal
 import threading
 import time
 import warnings
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
@@ -15,13 +15,17 @@ from multiprocessing.connection import wait
 from pathlib import Path
 from typing import Any
 
-from contact_study.campaign import storage
+import numpy as np
+
+from contact_study.campaign import parts as store
+from contact_study.campaign.identity import Run, content_hash
 from contact_study.campaign.model import Model
+from contact_study.campaign.parts import Parts
 from contact_study.campaign.predictor import GapFields
 from contact_study.campaign.progress import Progress
 from contact_study.campaign.record import Step, Value
+from contact_study.fields.observables import Bins, redistributed
 from contact_study.problem.case import Case
-from contact_study.problem.study import Study
 from contact_study.problem.surface import Surface, realise
 
 # Below this number of points a second thread of FFTW gains little, and costs much when the other core is busy.
@@ -40,27 +44,23 @@ class Job:
     case: Case
     folder: Path
     predictor: Path | None
-    number: int
+    height_map: str
 
 
-def run_cases(
-    model: Model,
-    study: Study,
-    parts: storage.Parts,
-    predictor: Path | None,
-    workers: int | None,
-    progress: Progress,
-) -> list[str]:
+def run_cases(run: Run, names: Sequence[str], parts: Parts, workers: int | None, progress: Progress) -> list[str]:
     """Run every unfinished step of every case; returns the warnings of all, also of the steps finished before.
 
     Raises
     ------
     CampaignError
-        If a worker process died.
+        If a worker process died, or a height map changed.
     """
-    jobs = [Job(model, case, parts.case_folder(number), predictor, number) for number, case in enumerate(study.cases)]
-    progress.start(sum(len(case.path) for case in study.cases), sum(_done(job) for job in jobs))
-    unfinished = [job for job in jobs if _done(job) < len(job.case.path) or not (job.folder / "constants.nc").exists()]
+    jobs = [
+        Job(run.model, case, parts.case_folder(name), run.predictor, run.height_maps.get(str(case.surface.path), ""))
+        for case, name in zip(run.study.cases, names, strict=True)
+    ]
+    progress.start(sum(len(job.case.path) for job in jobs), sum(_done(job) for job in jobs))
+    unfinished = [job for job in jobs if _done(job) < len(job.case.path) or not store.has_constants(job.folder)]
     given, workers = workers, min(workers or available_cores(), len(unfinished))
     # Threads follow from the whole study, not from what is left of it: a resumed run repeats the arithmetic.
     threads = max(1, available_cores() // max(1, min(given or available_cores(), len(jobs))))
@@ -69,7 +69,7 @@ def run_cases(
             _run(job, threads, lambda *event: progress.step(*event))
     else:
         _run_in_processes(unfinished, workers, threads, progress)
-    return list(dict.fromkeys(note for job in jobs for note in storage.load_notes(job.folder)))
+    return list(dict.fromkeys(note for job in jobs for note in store.load_notes(job.folder)))
 
 
 def available_cores() -> int:
@@ -78,15 +78,43 @@ def available_cores() -> int:
 
 
 def collect(
-    study: Study, parts: storage.Parts
+    run: Run, names: Sequence[str], parts: Parts, brought: list[str]
 ) -> Iterator[tuple[tuple[int, ...], dict[str, Any], list[dict[str, Any]]]]:
-    """Position, constants and steps of every case of a finished campaign."""
-    for number, case in enumerate(study.cases):
-        yield case.index, *storage.load_case(parts.case_folder(number), len(case.path))
+    """Position, constants and steps of every case of a finished campaign, their distributions on the study's bins.
+
+    Labels of steps whose distributions were on others are appended to ``brought``.
+    """
+    for case, name in zip(run.study.cases, names, strict=True):
+        folder = parts.case_folder(name)
+        steps = []
+        for number in range(len(case.path)):
+            values, bins = store.load_step(folder, number), store.step_bins(folder, number)
+            if not bins.equal(case.bins):
+                brought.append(f"{case.label}, point {number + 1}")
+                values = _on_bins(values, bins, case.bins)
+            steps.append(values)
+        yield case.index, store.load_constants(folder), steps
+
+
+def last_states(run: Run, names: Sequence[str], parts: Parts) -> Iterator[dict[str, np.ndarray]]:
+    """State after the last step of every case of a finished campaign; empty where it is not there."""
+    for case, name in zip(run.study.cases, names, strict=True):
+        yield store.load_state(parts.case_folder(name), len(case.path) - 1)
+
+
+def _on_bins(values: dict[str, Any], old: Bins, new: Bins) -> dict[str, Any]:
+    edges = {
+        "pressure_pdf": (old.pressure_edges, new.pressure_edges),
+        "gap_pdf": (old.gap_edges, new.gap_edges),
+    }
+    return {
+        name: redistributed(value, *edges[short]) if (short := name.rpartition("/")[2]) in edges else value
+        for name, value in values.items()
+    }
 
 
 def _done(job: Job) -> int:
-    return min(storage.finished_steps(job.folder), len(job.case.path))
+    return store.finished_steps(job.folder, len(job.case.path))
 
 
 def _run_in_processes(jobs: list[Job], workers: int, threads: int, progress: Progress) -> None:
@@ -155,26 +183,42 @@ def _run_queued(job: Job, threads: int) -> None:
 
 def _run(job: Job, threads: int, report: Any) -> None:
     """Finish one case."""
+    _check_height_map(job)
     with _kept_warnings(job) as keep_warnings:
         surface = realise(job.case)
         case = job.case if job.case.solver.threads else _with_threads(job.case, surface, threads)
-        if not (job.folder / "constants.nc").exists():
+        if not store.has_constants(job.folder):
             constants = job.model.constants(case, surface)
             keep_warnings()
-            storage.save_constants(job.folder, constants)
+            store.save_constants(job.folder, constants)
         start = _done(job)
-        restart = storage.load_state(job.folder, start - 1) if start else None
+        if start == len(case.path):
+            return
+        restart = (store.load_state(job.folder, start - 1) or None) if start else None
         predictor = GapFields(job.predictor, case) if job.predictor else None
         began = time.perf_counter()
         for number, step in enumerate(job.model.solve_path(case, surface, restart, start, predictor), start):
             now = time.perf_counter()
             keep_warnings()
-            storage.save_step(job.folder, number, _completed(case, number, step, now - began))
-            report(case.label, case.loading.control, case.path[number][0], dict(_summary(step)), now - began)
+            started = {} if predictor is None else {"predictor_field": predictor.fingerprint(number)}
+            store.save_step(job.folder, number, _completed(case, number, step, now - began, started))
+            report(case.label, _point(case, number), dict(_summary(step)), now - began)
             began = time.perf_counter()
 
 
-def _completed(case: Case, number: int, step: Step, seconds: float) -> Step:
+def _check_height_map(job: Job) -> None:
+    path = job.case.height_map
+    if path is not None and content_hash(path) != job.height_map:
+        raise CampaignError(f"{path} has changed while the study ran; finished steps are kept")
+
+
+def _point(case: Case, number: int) -> str:
+    """A point of the path in the unit that the study is written in."""
+    name, size = case.loading.unit
+    return f"{'' if case.loading.control == 'pressure' else 'gap '}{case.path[number][0] / size:.6g} {name}"
+
+
+def _completed(case: Case, number: int, step: Step, seconds: float, started: Mapping[str, Value]) -> Step:
     value, branch = case.path[number]
     known: dict[str, Value] = {
         f"applied_{case.loading.control}": value,
@@ -183,7 +227,7 @@ def _completed(case: Case, number: int, step: Step, seconds: float) -> Step:
         "detached": False,
         "message": "",
     }
-    return Step({**known, **step.values}, step.fields, step.restart)
+    return Step({**known, **started, **step.values}, step.fields, step.restart, case.bins)
 
 
 def _summary(step: Step) -> Mapping[str, Any]:
@@ -200,7 +244,7 @@ def _with_threads(case: Case, surface: Surface, threads: int) -> Case:
 def _kept_warnings(job: Job) -> Iterator[Callable[[], None]]:
     """Catch warnings; the function given puts those so far on disk, to be called before what they are about."""
     prefix = f"{job.case.label}: " if job.case.label else ""
-    notes = storage.load_notes(job.folder)
+    notes = store.load_notes(job.folder)
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
 
@@ -209,6 +253,6 @@ def _kept_warnings(job: Job) -> Iterator[Callable[[], None]]:
             caught.clear()
             if new:
                 notes.extend(dict.fromkeys(new))
-                storage.save_notes(job.folder, notes)
+                store.save_notes(job.folder, notes)
 
         yield keep

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-SCHEMA_VERSION = "1.0"
+SCHEMA_VERSION = "1.1"
 CONVENTIONS = "CF-1.11"
 
 
@@ -79,6 +79,9 @@ VARIABLES: dict[str, Variable] = {
     "iterations": Variable("1", "iterations of the solver", kind="count"),
     "wall_time": Variable("s", "wall-clock time of the step"),
     "message": Variable("1", "what the solver has to say of the step", kind="text"),
+    "predictor_field": Variable(
+        "1", "SHA-256 of the predictor's gap field that the step started from; empty: from the step before", kind="text"
+    ),
     "fft_pairs": Variable("1", "pairs of Fourier transforms, in equivalents of the finest grid in double precision"),
     "force_evaluations": Variable("1", "evaluations of the interface forces", kind="count"),
     "height": Variable("m", "height of the rigid surface, toward the block", ("y", "x")),
@@ -122,3 +125,8 @@ COORDINATES: dict[str, Variable] = {
         attrs={"flag_values": np.array([-1, 0, 1], np.int8), "flag_meanings": "absent loading unloading"},
     ),
 }
+
+
+def variable_of(name: str) -> Variable:
+    """The entry of a quantity or coordinate."""
+    return COORDINATES[name] if name in COORDINATES else VARIABLES[name]

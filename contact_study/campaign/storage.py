@@ -1,27 +1,20 @@
-"""Finished steps on disk, safe against a kill at any moment, and their assembly into one dataset.
+"""The one dataset of a study: assembled from its cases, written by rename, and taken apart into its cases again."""
 
-While a campaign runs, ``bem.nc.parts`` holds one folder per case with one small NetCDF file per finished step and the
-state that the next step starts from. Every file is written aside and renamed, the state before its step, so what can
-be read is complete. The dataset appears, by rename too, when all is done; then the folder goes.
-"""
-
-import json
 import os
-import shutil
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import xarray as xr
-from filelock import FileLock, Timeout
 
-from contact_study.campaign.record import Step, Value
-from contact_study.campaign.schema import COORDINATES, VARIABLES
+from contact_study.campaign.schema import COORDINATES, variable_of
 from contact_study.problem.errors import InputError
 from contact_study.problem.study import SweptKey
 
-_NOTES = "warnings.json"
+# Group of the states from which paths can be gone on with; no quantity, and nothing for a reader.
+RESTART = "restart"
+
 _CHUNK_POINTS = 2**19
 
 
@@ -64,152 +57,6 @@ def write_aside(path: Path, write: Any) -> None:
         partial.unlink(missing_ok=True)
 
 
-class Parts:
-    """The folder of a running campaign.
-
-    Parameters
-    ----------
-    output : pathlib.Path
-        The dataset it will become.
-    """
-
-    def __init__(self, output: Path):
-        self.output = output
-        self.folder = output.with_name(output.name + ".parts")
-        self._lock = FileLock(str(self.folder) + ".lock")
-
-    def open(self, identity: Mapping[str, Any], git_commit: str, *, resume: bool, overwrite: bool) -> list[str]:
-        """Take the folder for this campaign, keeping what is there (resume) or clearing it (overwrite).
-
-        Returns
-        -------
-        list of str
-            What is to be known of the steps that are there: some damaged, or of another commit of this software.
-
-        Raises
-        ------
-        InputError
-            If another run is writing, or steps are there that may be neither used nor cleared.
-        """
-        try:
-            self._lock.acquire(blocking=False)
-        except Timeout:
-            raise InputError(
-                f"{self.output}: another run is writing it; wait for its end or choose another output"
-            ) from None
-        manifest = self.folder / "manifest.json"
-        notes = []
-        if self.folder.exists() and overwrite:
-            shutil.rmtree(self.folder)
-        if manifest.exists() or any(self.folder.glob("case-*")):
-            if not resume:
-                raise InputError(
-                    f"{self.folder} holds the steps of an unfinished run; continue it with --resume "
-                    "or drop it with --overwrite"
-                )
-            earlier = _manifest(manifest)
-            if any(earlier.get(name) != value for name, value in identity.items()):
-                raise InputError(
-                    f"{self.folder} holds the steps of another study or version; use --overwrite or another output"
-                )
-            commit = earlier.get("git_commit")
-            if commit != git_commit:
-                notes.append(f"the earlier steps are of commit {commit}, the next of {git_commit}")
-        self.folder.mkdir(parents=True, exist_ok=True)
-        _save_json(manifest, {**identity, "git_commit": git_commit})
-        damaged = _drop_damaged(self.folder)
-        if damaged:
-            notes.append(f"{damaged} damaged files of the earlier run are dropped and computed again")
-        return notes
-
-    def close(self) -> None:
-        """Let other runs write."""
-        if self._lock.is_locked:
-            Path(self._lock.lock_file).unlink(missing_ok=True)
-            self._lock.release()
-
-    def finish(self, groups: Mapping[str, xr.Dataset]) -> None:
-        """Write the dataset, inside the folder first, then rename it to the output and drop the folder."""
-        dataset = self.folder / "dataset.nc"
-        write_dataset(dataset, groups)
-        dataset.replace(self.output)
-        self.remove()
-
-    def remove(self) -> None:
-        """Drop the folder, whose dataset is written."""
-        shutil.rmtree(self.folder, ignore_errors=True)
-
-    def case_folder(self, number: int) -> Path:
-        """Folder of one case."""
-        return self.folder / f"case-{number:04d}"
-
-
-def _manifest(path: Path) -> dict[str, Any]:
-    """What a folder's steps belong to; empty if nothing readable says so."""
-    try:
-        return dict(_load_json(path))
-    except (OSError, ValueError, TypeError):
-        return {}
-
-
-def _drop_damaged(folder: Path) -> int:
-    """Delete what cannot be read, such as the empty files that some file systems leave after a power cut."""
-    dropped = 0
-    for path in [*folder.glob("case-*/*.nc"), *folder.glob("case-*/*.npz"), *folder.glob(f"case-*/{_NOTES}")]:
-        try:
-            _READERS[path.suffix](path)
-        except Exception:  # each format raises its own types
-            path.unlink()
-            dropped += 1
-    return dropped
-
-
-def save_step(folder: Path, number: int, step: Step) -> None:
-    """Put one finished step on disk; its restart state first, the previous state last away."""
-    folder.mkdir(parents=True, exist_ok=True)
-    write_aside(_state_file(folder, number), lambda path: _save_arrays(path, step.restart))
-    write_aside(_step_file(folder, number), lambda path: _save_values(path, {**step.values, **step.fields}))
-    _state_file(folder, number - 1).unlink(missing_ok=True)
-
-
-def finished_steps(folder: Path) -> int:
-    """How many steps of a case are on disk, counted from the first without a gap."""
-    number = 0
-    while _step_file(folder, number).exists():
-        number += 1
-    while number and not _state_file(folder, number - 1).exists():
-        number -= 1
-    return number
-
-
-def load_state(folder: Path, number: int) -> dict[str, np.ndarray]:
-    """The state that the step after ``number`` starts from."""
-    return _load_arrays(_state_file(folder, number))
-
-
-def save_constants(folder: Path, constants: Mapping[str, Value]) -> None:
-    """Put what does not change along the path on disk."""
-    folder.mkdir(parents=True, exist_ok=True)
-    write_aside(folder / "constants.nc", lambda path: _save_values(path, constants))
-
-
-def save_notes(folder: Path, notes: Sequence[str]) -> None:
-    """Put a case's warnings on disk."""
-    folder.mkdir(parents=True, exist_ok=True)
-    _save_json(folder / _NOTES, list(notes))
-
-
-def load_notes(folder: Path) -> list[str]:
-    """A case's warnings so far."""
-    path = folder / _NOTES
-    return _load_json(path) if path.exists() else []
-
-
-def load_case(folder: Path, steps: int) -> tuple[dict[str, Any], list[dict[str, Any]]]:
-    """Constants and the values of every step of a finished case."""
-    return _load_values(folder / "constants.nc"), [_load_values(_step_file(folder, i)) for i in range(steps)]
-
-
 def assemble(
     sweep: Mapping[str, SweptKey],
     steps: int,
@@ -217,6 +64,9 @@ def assemble(
     coordinates: Mapping[str, np.ndarray],
 ) -> dict[str, xr.Dataset]:
     """Datasets by group ("" for the root) from the values of every case.
+
+    Where cases differ in the number of points of an array, such as the atoms of cells of different sizes, the shorter
+    ones are padded at their ends.
 
     Parameters
     ----------
@@ -242,9 +92,20 @@ def assemble(
         group, _, short = name.rpartition("/")
         groups.setdefault(group, {})[short] = array
     on_step = {
-        name: groups[""][name] for name in groups[""] if name in COORDINATES and _variable(name).dims == ("step",)
+        name: groups[""][name] for name in groups[""] if name in COORDINATES and variable_of(name).dims == ("step",)
     }
     return {group: _dataset({**on_step, **content}, sweep, coordinates, steps) for group, content in groups.items()}
+
+
+def restart_group(states: Iterable[Mapping[str, np.ndarray]]) -> xr.Dataset:
+    """The states after the last step of each case, in the order of the cases; empty where one was not kept."""
+    content = {}
+    for number, arrays in enumerate(states):
+        for name, array in arrays.items():
+            key = f"case_{number}_{name}"
+            attrs = {"long_name": f"{name} after the last point of case {number}, to continue its path from"}
+            content[key] = xr.Variable([f"{key}_{axis}" for axis in range(array.ndim)], array, attrs)
+    return xr.Dataset(content)
 
 
 def write_dataset(path: Path, groups: Mapping[str, xr.Dataset]) -> None:
@@ -252,7 +113,11 @@ def write_dataset(path: Path, groups: Mapping[str, xr.Dataset]) -> None:
 
     def write(partial: Path) -> None:
         for group, dataset in groups.items():
-            encoding = {str(name): _encoding(str(name), variable) for name, variable in dataset.variables.items()}
+            encoding = (
+                {name: {"zlib": True, "complevel": 1, "shuffle": True} for name, array in dataset.items() if array.ndim}
+                if group == RESTART
+                else {str(name): _encoding(str(name), variable) for name, variable in dataset.variables.items()}
+            )
             dataset.to_netcdf(
                 partial, mode="a" if group else "w", group=group or None, encoding=encoding, engine="netcdf4"
             )
@@ -260,12 +125,91 @@ def write_dataset(path: Path, groups: Mapping[str, xr.Dataset]) -> None:
     write_aside(path, write)
 
 
+class Earlier:
+    """The cases of a dataset that :func:`write_dataset` wrote.
+
+    Parameters
+    ----------
+    path : pathlib.Path
+        The dataset.
+    sweep : mapping
+        The swept keys of its study.
+
+    Raises
+    ------
+    OSError, ValueError
+        If it cannot be read.
+    """
+
+    def __init__(self, path: Path, sweep: Mapping[str, SweptKey]):
+        self._sweep = sweep
+        self._tree = xr.open_datatree(path, engine="netcdf4", mask_and_scale=False, decode_timedelta=False)
+
+    def __enter__(self) -> "Earlier":
+        return self
+
+    def __exit__(self, *_: Any) -> None:
+        self._tree.close()
+
+    @property
+    def bin_centres(self) -> tuple[np.ndarray | None, np.ndarray | None]:
+        """Centres of the bins of pressure (Pa) and gap (m); None where there is no such distribution."""
+        names = ("pressure_bin", "gap_bin")
+        nodes = list(self._tree.subtree)
+        found = [next((node[name].values for node in nodes if name in node.coords), None) for name in names]
+        return found[0], found[1]
+
+    def constants(self, index: tuple[int, ...]) -> dict[str, Any]:
+        """What does not change along the path of the case at a position of the sweep."""
+        found = {}
+        for name, variable in self._variables(index):
+            if "step" not in variable.dims:
+                found[name] = variable.values
+        return found
+
+    def step(self, index: tuple[int, ...], number: int) -> dict[str, Any]:
+        """Quantities and fields of one step of a case."""
+        return {
+            name: variable.isel(step=number).values
+            for name, variable in self._variables(index)
+            if "step" in variable.dims
+        }
+
+    def text(self, name: str, index: tuple[int, ...], number: int) -> str | None:
+        """A text at one step of a case; None if the dataset has no such quantity."""
+        for other, variable in self._variables(index):
+            if other == name:
+                return str(variable.isel(step=number).values)
+        return None
+
+    def state(self, number: int) -> dict[str, np.ndarray]:
+        """State after the last step of the case of that number; empty if it was not kept."""
+        if RESTART not in self._tree.children:
+            return {}
+        states, prefix = self._tree[RESTART], f"case_{number}_"
+        return {str(name)[len(prefix) :]: states[name].values for name in states if str(name).startswith(prefix)}
+
+    def _variables(self, index: tuple[int, ...]) -> Iterator[tuple[str, xr.Variable]]:
+        """Quantities of all groups at a position of the sweep, those of the whole study apart."""
+        whole = {*self._sweep, "step", "pressure_bin", "gap_bin"}
+        for node in self._tree.subtree:
+            group = node.path.strip("/")
+            if group == RESTART:
+                continue
+            dataset = node.to_dataset(inherit=False)
+            for name, variable in dataset.variables.items():
+                if name in whole or (group and name in COORDINATES):
+                    continue
+                chosen = {dim: i for dim, i in zip(self._sweep, index, strict=True) if dim in variable.dims}
+                yield f"{group}/{name}" if group else str(name), variable.isel(chosen)
+
+
 def _encoding(name: str, variable: xr.Variable) -> dict[str, Any]:
     if variable.dtype.kind not in "fiu":
         return {}
     if variable.dims == (name,):  # CF: a coordinate has no missing values
         return {"_FillValue": None}
-    encoding = _variable(name).encoding
+    encoding = variable_of(name).encoding
     if encoding.get("zlib"):  # one state a chunk, and no more than a few MB: a reader of one field reads no other
         rows, columns = variable.shape[-2:]
         whole_rows = max(1, min(rows, _CHUNK_POINTS // columns)) if variable.dims[-2] != "step" else 1
@@ -273,24 +217,26 @@ def _encoding(name: str, variable: xr.Variable) -> dict[str, Any]:
     return encoding
 
 
-def _all_variables() -> dict[str, Any]:
-    return {**COORDINATES, **VARIABLES}
-
-
-def _variable(name: str) -> Any:
-    return _all_variables()[name]
-
-
 def _place(
     arrays: dict[str, np.ndarray], name: str, value: Any, lengths: tuple[int, ...], index: tuple[int, ...]
 ) -> None:
-    variable = _variable(name.rpartition("/")[2])
+    variable = variable_of(name.rpartition("/")[2])
     value = np.asarray(value)
-    if name not in arrays:
-        arrays[name] = np.full((*lengths, *value.shape), variable.empty, dtype=variable.dtype)
-    if np.shape(arrays[name][index]) != value.shape:
-        raise InputError(f"the sweep changes the number of points of {name}; run its points as studies of their own")
-    arrays[name][index] = value if value.shape else value.item()
+    there = arrays[name].shape[len(lengths) :] if name in arrays else ()
+    if name not in arrays or any(new > old for new, old in zip(value.shape, there, strict=True)):
+        shape = tuple(map(max, value.shape, there)) if name in arrays else value.shape
+        larger = np.full((*lengths, *shape), variable.empty, dtype=variable.dtype)
+        if name in arrays:
+            larger[_corner(arrays[name].shape)] = arrays[name]
+        arrays[name] = larger
+    if value.shape:
+        arrays[name][index][_corner(value.shape)] = value
+    else:
+        arrays[name][index] = value.item()
+
+
+def _corner(shape: tuple[int, ...]) -> tuple[slice, ...]:
+    return tuple(slice(count) for count in shape)
 
 
 def _dataset(
@@ -302,9 +248,9 @@ def _dataset(
     data: dict[str, xr.Variable] = {}
     coords: dict[str, xr.Variable] = {}
     for name, array in content.items():
-        dims = (*sweep, *_variable(name).dims)
+        dims = (*sweep, *variable_of(name).dims)
         target = coords if name in COORDINATES else data
-        if name in COORDINATES or not _variable(name).dims or _variable(name).dims[0] != "step":
+        if name in COORDINATES or not variable_of(name).dims or variable_of(name).dims[0] != "step":
             array, dims = _drop_constant_sweep(array, dims, len(sweep))
         target[name] = xr.Variable(dims, array, _attributes(name))
     # A coordinate that changes over the sweep cannot index its own dimension, which then counts points only.
@@ -337,50 +283,5 @@ def _drop_constant_sweep(array: np.ndarray, dims: tuple[str, ...], swept: int) -
 
 
 def _attributes(name: str) -> dict[str, Any]:
-    variable = _variable(name)
+    variable = variable_of(name)
     return {"units": variable.units, "long_name": variable.long_name, **variable.attrs}
-
-
-def _step_file(folder: Path, number: int) -> Path:
-    return folder / f"step-{number:04d}.nc"
-
-
-def _state_file(folder: Path, number: int) -> Path:
-    return folder / f"state-{number:04d}.npz"
-
-
-def _save_arrays(path: Path, arrays: Mapping[str, np.ndarray]) -> None:
-    with path.open("wb") as stream:
-        np.savez(stream, **dict(arrays))  # type: ignore[arg-type]
-
-
-def _load_arrays(path: Path) -> dict[str, np.ndarray]:
-    # np.load leaves a file open that it cannot read.
-    with path.open("rb") as stream, np.load(stream, allow_pickle=False) as arrays:
-        return dict(arrays)
-
-
-def _save_json(path: Path, content: Any) -> None:
-    write_aside(path, lambda partial: partial.write_text(json.dumps(content, indent=1), encoding="utf-8"))
-
-
-def _load_json(path: Path) -> Any:
-    return json.loads(path.read_text(encoding="utf-8"))
-
-
-def _save_values(path: Path, values: Mapping[str, Value]) -> None:
-    content = {}
-    for name, value in values.items():
-        value = np.asarray(value)
-        dims = [f"{name.replace('/', '.')}_{axis}" for axis in range(value.ndim)]
-        short = _variable(name.rpartition("/")[2])
-        content[name.replace("/", ".")] = xr.Variable(dims, value, {"units": short.units, "long_name": short.long_name})
-    xr.Dataset(content).to_netcdf(path, engine="netcdf4")
-
-
-def _load_values(path: Path) -> dict[str, Any]:
-    with xr.open_dataset(path, engine="netcdf4", mask_and_scale=False) as dataset:
-        return {str(name).replace(".", "/"): variable.values for name, variable in dataset.variables.items()}
-
-
-_READERS: dict[str, Callable[[Path], Any]] = {".nc": _load_values, ".npz": _load_arrays, ".json": _load_json}

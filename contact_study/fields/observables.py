@@ -1,5 +1,6 @@
 """What is read off fields of gap and pressure, the same way for every simulation."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -24,6 +25,30 @@ def probability_density(values: np.ndarray, edges: np.ndarray) -> np.ndarray:
     return counts / (values.size * np.diff(edges))
 
 
+def redistributed(density: np.ndarray, edges: np.ndarray, new_edges: np.ndarray) -> np.ndarray:
+    """A density on other bins, taken as constant within each of the old ones.
+
+    The integral over any range between edges that both sets have is kept; elsewhere the error is what lies in one bin.
+
+    Parameters
+    ----------
+    density : numpy.ndarray, shape (n,)
+        Means over the old bins, zero outside them.
+    edges, new_edges : numpy.ndarray, shapes (n + 1,), (m + 1,)
+        Increasing edges of the old and new bins.
+
+    Returns
+    -------
+    numpy.ndarray, shape (m,)
+    """
+    cumulative = np.concatenate([[0.0], np.cumsum(density * np.diff(edges))])
+    return np.diff(np.interp(new_edges, edges, cumulative)) / np.diff(new_edges)
+
+
+# Relative difference of widths and edges that rounding makes.
+_SAME = 1e-9
+
+
 @dataclass(frozen=True)
 class Bins:
     """Bin edges of the two distributions, one set for a whole study so that its cases and models compare.
@@ -31,9 +56,9 @@ class Bins:
     Parameters
     ----------
     pressure_edges : numpy.ndarray
-        Edges of ``pressure_pdf`` (Pa).
+        Edges of ``pressure_pdf`` (Pa), evenly spaced.
     gap_edges : numpy.ndarray
-        Edges of ``gap_pdf`` (m).
+        Edges of ``gap_pdf`` (m), evenly spaced.
     """
 
     pressure_edges: np.ndarray
@@ -48,3 +73,31 @@ class Bins:
     def gap(self) -> np.ndarray:
         """Centres of the gap bins (m)."""
         return 0.5 * (self.gap_edges[1:] + self.gap_edges[:-1])
+
+    @property
+    def spans(self) -> tuple[list[float], list[float]]:
+        """Lowest edge, highest edge and number of the bins of pressure (Pa) and gap (m); see :meth:`evenly`."""
+        return _span(self.pressure_edges), _span(self.gap_edges)
+
+    @classmethod
+    def evenly(cls, pressure: Sequence[float], gap: Sequence[float]) -> "Bins":
+        """Bins between two edges each, of a number."""
+        return cls(*(np.linspace(low, high, int(count) + 1) for low, high, count in (pressure, gap)))
+
+    def equal(self, other: "Bins") -> bool:
+        """Whether the edges are the same but for rounding."""
+        return all(
+            one.size == two.size and np.allclose(one, two, rtol=0, atol=_SAME * (one[1] - one[0]))
+            for one, two in self._pairs(other)
+        )
+
+    def hold(self, other: "Bins") -> bool:
+        """Whether distributions on the other bins can be had from these: no bin of theirs is finer."""
+        return all((two[1] - two[0]) >= (1 - _SAME) * (one[1] - one[0]) for one, two in self._pairs(other))
+
+    def _pairs(self, other: "Bins") -> list[tuple[np.ndarray, np.ndarray]]:
+        return [(self.pressure_edges, other.pressure_edges), (self.gap_edges, other.gap_edges)]
+
+
+def _span(edges: np.ndarray) -> list[float]:
+    return [float(edges[0]), float(edges[-1]), float(edges.size - 1)]

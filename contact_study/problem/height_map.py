@@ -1,6 +1,5 @@
 """Height maps from files: NetCDF, npy or text, as one array in metres."""
 
-import hashlib
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -66,21 +65,6 @@ def read_height_map(path: Path, height_unit: str | None, size: tuple[float, floa
         raise InputError(f"missing key surface.size: {path} does not tell its lateral size")
     factor = units.quantity(f"1 {height_unit or unit}", "m", "surface.height_unit")
     return HeightMap(np.ascontiguousarray(heights, dtype=float) * factor, size)
-
-
-def fingerprint(path: Path) -> str:
-    """SHA-256 of a file's content.
-
-    Raises
-    ------
-    InputError
-        If it cannot be read.
-    """
-    try:
-        with path.open("rb") as stream:
-            return hashlib.file_digest(stream, "sha256").hexdigest()
-    except OSError as error:
-        raise InputError(f"surface.path: {path} cannot be read ({error.strerror})") from None
 
 
 def _read(path: Path) -> tuple[np.ndarray, str, tuple[float, float] | None]:

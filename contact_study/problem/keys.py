@@ -105,7 +105,7 @@ def pair(reader: Reader, *, broadcast: bool = False, names: str = "[y, x]") -> R
 
     def read(value: Any, name: str) -> tuple[Any, Any]:
         if isinstance(value, str) and "," in value:
-            value = _listed(value)
+            value = listed(value)
         if broadcast and not isinstance(value, list):
             value = [value, value]
         if not isinstance(value, list) or len(value) != 2:
@@ -121,7 +121,7 @@ def sequence(reader: Reader) -> Reader:
 
     def read(value: Any, name: str) -> tuple[Any, ...]:
         if isinstance(value, str):
-            value = _listed(value)
+            value = listed(value)
         if not isinstance(value, list):
             value = [value]
         if not value:
@@ -131,7 +131,7 @@ def sequence(reader: Reader) -> Reader:
     return read, f"list of {kind}"
 
 
-def _listed(text: str) -> list[Any]:
+def listed(text: str) -> list[Any]:
     """The values of a list written as text: bare numbers, "512, 512", or each with its unit, "1 nm, 2 um"."""
     parts = [part.strip() for part in text.split(",")]
     numbers = [_number(part) for part in parts]

@@ -247,6 +247,12 @@ class OutputSection:
     """What is kept."""
 
     fields: bool = key(flag(), "keep gap and pressure fields of every step", False)
+    restart: bool = key(
+        flag(),
+        "keep each case's last state (8 bytes a point, 24 an atom), so that --resume can lengthen its path; without it "
+        "a longer path is computed from its beginning",
+        True,
+    )
     pressure_range: tuple[float, float] | None = key(
         pair(quantity("Pa"), names="[low, high]"), "range of pressure_pdf, default from modulus, slopes and law", None
     )

@@ -16,7 +16,7 @@ import tomli_w
 from contact_study.problem import sections
 from contact_study.problem.case import Case
 from contact_study.problem.errors import InputError
-from contact_study.problem.keys import Key, bind, keys_of
+from contact_study.problem.keys import Key, bind, keys_of, listed
 from contact_study.problem.units import EXAMPLES
 
 SECTIONS: dict[str, type] = {
@@ -143,6 +143,8 @@ def _split(dotted: str, where: str) -> tuple[str, str]:
 def _override(table: dict[str, Any], dotted: str, value: Any) -> None:
     section, name = _split(dotted, "command line")
     if dotted in table.get("sweep", {}):
+        if isinstance(value, str) and "," in value:
+            value = listed(value)
         table["sweep"][dotted] = value if isinstance(value, list) else [value]
     else:
         table.setdefault(section, {})[name] = value

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from contact_study.campaign import command, storage
+from contact_study.campaign import command, parts
 from contact_study.campaign.command import main
 from contact_study.campaign.schema import COORDINATES, VARIABLES
 from tests.campaign.toy_model import TOY
@@ -201,7 +201,7 @@ def test_interrupt_while_workers_start(study, tmp_path):
 def interrupted(study, tmp_path, monkeypatch):
     """An output whose run was interrupted after three steps, in the only case, which warns at its first."""
     output = tmp_path / "bem.nc"
-    save = storage.save_step
+    save = parts.save_step
 
     def stop_after_three(folder, number, step):
         save(folder, number, step)
@@ -212,7 +212,7 @@ def interrupted(study, tmp_path, monkeypatch):
     study.write_text(study.read_text().replace('when = { "interaction.well_depth_ratio" = 4 }', OVERRIDE_ALL))
     assert run(study, "-o", tmp_path / "whole.nc") == 0
     with monkeypatch.context() as patch:
-        patch.setattr(storage, "save_step", stop_after_three)
+        patch.setattr(parts, "save_step", stop_after_three)
         assert run(study, "-o", output) == 130
     assert not output.exists()
     return output

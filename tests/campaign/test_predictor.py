@@ -29,9 +29,19 @@ def dataset(tmp_path):
             "branch": ("step", np.zeros(4, np.int8)),
         },
     )
+    content.attrs["study_toml"] = study().toml
     path = tmp_path / "bem.nc"
     content.to_netcdf(path)
     return path
+
+
+def study(ratios=(1, 4), **sections):
+    """The study of the dataset, or another with further sections and keys."""
+    table = changed("sweep", **{"interaction.well_depth_ratio": list(ratios)})
+    table["loading"]["path"] = PATH
+    for name, keys in sections.items():
+        table.setdefault(name, {}).update(keys)
+    return make_study(table)
 
 
 def case(ratio):
@@ -67,4 +77,4 @@ def test_unusable_predictor(tmp_path, content):
     elif content is not None:
         path.write_bytes(content)
     with pytest.raises(InputError, match="--predictor"):
-        check_predictor(path)
+        check_predictor(path, study(), {})

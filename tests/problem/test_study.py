@@ -85,6 +85,14 @@ def test_overrides_replace_keys_and_sweeps(tmp_path):
     assert [value for value, _ in study.cases[0].path] == pytest.approx([1e8, 2e8])
 
 
+@pytest.mark.parametrize("written", ["1, 4", [1, 4], "1,4.0"])
+def test_swept_key_takes_a_list_of_either_form(tmp_path, written):
+    path = tmp_path / "study.toml"
+    path.write_text(make_study(changed("sweep", **{"interaction.well_depth_ratio": [8]})).toml)
+    study = read_study(path, {"interaction.well_depth_ratio": written})
+    assert study.sweep["well_depth_ratio"].values == (1.0, 4.0)
+
+
 @pytest.mark.parametrize("written", [4, 4.0, "4"])
 def test_override_matches_however_the_value_is_written(written):
     table = changed("sweep", **{"interaction.well_depth_ratio": [1, 4]})

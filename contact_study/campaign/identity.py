@@ -1,0 +1,228 @@
+"""What decides the numbers of a run, case by case and step by step, and in what two runs differ.
+
+The numbers of a step follow from the model and its version, from every key of the case that the model reads (a height
+map by its content), from the points of the path up to the step, and from the gap field that a predictor gave. The
+title, what is kept, the unit a value is written in and the number of threads decide nothing.
+"""
+
+import hashlib
+import json
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import contact_study
+from contact_study.campaign.model import Model
+from contact_study.campaign.schema import SCHEMA_VERSION
+from contact_study.problem.case import Case
+from contact_study.problem.errors import InputError
+from contact_study.problem.keys import keys_of
+from contact_study.problem.study import SECTIONS, WHOLE_STUDY, Study, make_study
+
+# Keys of a case that decide none of its numbers, or decide them in a way of their own.
+_APART = ("loading.path", "loading.unload", "solver.threads")
+
+_SHOWN = 3  # differing keys that a message names
+
+
+@dataclass(frozen=True)
+class Run:
+    """A model, a study and the content of the files that they read.
+
+    Attributes
+    ----------
+    model : Model
+        The model.
+    study : Study
+        The study.
+    height_maps : dict
+        SHA-256 of each height map by its path as the study writes it.
+    predictor : pathlib.Path or None
+        Dataset whose gap fields the steps start from.
+    predictor_content : str
+        Its SHA-256.
+    """
+
+    model: Model
+    study: Study
+    height_maps: Mapping[str, str]
+    predictor: Path | None = None
+    predictor_content: str = ""
+
+    @property
+    def attributes(self) -> dict[str, str]:
+        """The run as attributes of its dataset."""
+        return {
+            "model": self.model.kind,
+            "study_toml": self.study.toml,
+            "version": contact_study.__version__,
+            "schema_version": SCHEMA_VERSION,
+            "predictor": f"{self.predictor.name} sha256:{self.predictor_content}" if self.predictor else "",
+            "height_maps": "\n".join(f"sha256:{content} {path}" for path, content in self.height_maps.items()),
+        }
+
+    def deciding(self, case: Case) -> dict[str, Any]:
+        """Every key that decides the numbers of a case, and its value in SI."""
+        values: dict[str, Any] = {}
+        for section, declared in SECTIONS.items():
+            if section not in (*WHOLE_STUDY, *self.model.ignores):
+                for name in keys_of(declared):
+                    values[f"{section}.{name}"] = _rounded(getattr(getattr(case, section), name))
+        for dotted in _APART:
+            values.pop(dotted, None)
+        if case.height_map is not None:
+            values["surface.path"] = f"a file of SHA-256 {self.height_maps[str(case.surface.path)]}"
+        return values
+
+    def case_names(self) -> list[str]:
+        """A name for each case that follows from what decides its numbers and from its place in the sweep."""
+        names = []
+        for case in self.study.cases:
+            # Two points of a sweep may differ in nothing that decides a number, such as the threads.
+            apart = {name: _rounded(value) for name, value in case.coordinates.items()}
+            text = json.dumps([self.deciding(case), case.loading.unload, apart], sort_keys=True)
+            names.append(hashlib.sha256(text.encode()).hexdigest()[:16])
+        return names
+
+
+def _rounded(value: Any) -> Any:
+    """Floats to twelve digits: a value written in another unit differs by a rounding."""
+    if isinstance(value, tuple):
+        return [_rounded(item) for item in value]
+    return float(f"{value:.12g}") if isinstance(value, float) else value
+
+
+def run_of(model: Model, study: Study, predictor: Path | None = None) -> Run:
+    """The run of a model on a study, its files looked at."""
+    maps = {str(case.surface.path): case.height_map for case in study.cases if case.height_map is not None}
+    contents = {name: content_hash(path) for name, path in maps.items()}
+    return Run(model, study, contents, predictor, content_hash(predictor) if predictor else "")
+
+
+def content_hash(path: Path) -> str:
+    """SHA-256 of a file's content."""
+    with path.open("rb") as stream:
+        return hashlib.file_digest(stream, "sha256").hexdigest()
+
+
+@dataclass(frozen=True)
+class Match:
+    """Where the numbers of a case stand in an earlier run.
+
+    Attributes
+    ----------
+    earlier : int
+        Number of the case there.
+    steps : int
+        How many of its steps have the same numbers.
+    anew : str
+        Why steps that the earlier run has must be computed again; empty if none must.
+    """
+
+    earlier: int
+    steps: int
+    anew: str = ""
+
+
+def match(attributes: Mapping[str, Any], run: Run) -> tuple[Run, dict[int, Match]]:
+    """The earlier run that attributes describe, and its part in this one, by the number of this one's cases.
+
+    An earlier run may be widened, by points of the sweep or of the path and by what is kept; nothing of it is given up.
+
+    Raises
+    ------
+    InputError
+        If this run is another one; the message says in what, without saying where the earlier run is.
+    """
+    _check_program(attributes, run)
+    earlier = _earlier(attributes, run)
+    free = set(range(len(run.study.cases)))
+    matches: dict[int, Match] = {}
+    new_values = [run.deciding(case) for case in run.study.cases]
+    for number, case in enumerate(earlier.study.cases):
+        values = earlier.deciding(case)
+        alike = [other for other in sorted(free) if new_values[other] == values]
+        if not alike:
+            raise InputError(_differences(values, new_values, case, run.study))
+        # Of cases that differ in nothing but how far they go (unload swept) the same one comes first.
+        chosen = min(alike, key=lambda other: run.study.cases[other].loading.unload != case.loading.unload)
+        matches[chosen] = _match(number, case, run.study.cases[chosen], run.model)
+        free.remove(chosen)
+    return earlier, matches
+
+
+def _check_program(attributes: Mapping[str, Any], run: Run) -> None:
+    wanted = run.attributes
+    for name in ("model", "version", "schema_version"):
+        if attributes.get(name) != wanted[name]:
+            raise InputError(f"{name} is {attributes.get(name, 'unknown')} there and {wanted[name]} here")
+    there = str(attributes.get("predictor", ""))
+    if bool(there) != bool(run.predictor):
+        raise InputError(f"--predictor is {there.partition(' ')[0] or 'none'} there and {run.predictor or 'none'} here")
+
+
+def _earlier(attributes: Mapping[str, Any], run: Run) -> Run:
+    import tomllib
+
+    maps = {}
+    for line in str(attributes.get("height_maps", "")).splitlines():
+        content, _, path = line.partition(" ")
+        maps[path] = content.removeprefix("sha256:")
+    try:
+        study = make_study(tomllib.loads(str(attributes["study_toml"])), run.study.directory)
+    except (KeyError, tomllib.TOMLDecodeError, InputError):
+        raise InputError("its study cannot be read") from None
+    if any(case.height_map is not None and case.surface.path not in maps for case in study.cases):
+        raise InputError("it does not say what its height map held")
+    return Run(run.model, study, maps)
+
+
+def _differences(values: dict[str, Any], others: Sequence[dict[str, Any]], case: Case, study: Study) -> str:
+    """In what a case that is not found differs from the nearest that is there."""
+    nearest = min(others, key=lambda other: sum(1 for _ in _differing(values, other)))
+    differing = dict(_differing(values, nearest))
+    if list(differing) == ["surface.path"] and case.height_map is not None:
+        one, two = (str(value).rpartition(" ")[2][:12] for value in differing["surface.path"])
+        return f"the height map {case.surface.path} has changed (SHA-256 {one}… there, {two}… here)"
+    lost = {dotted.rpartition(".")[2] for dotted in differing} & set(case.coordinates) & set(study.sweep)
+    if len(lost) == len(differing):
+        return f"the study has its point {case.label} no longer"
+    words = [f"{dotted} is {_shown(one)} there and {_shown(two)} here" for dotted, (one, two) in differing.items()]
+    more = f", and {len(words) - _SHOWN} keys more differ" if len(words) > _SHOWN else ""
+    return ", ".join(words[:_SHOWN]) + more
+
+
+def _differing(values: dict[str, Any], other: dict[str, Any]) -> Iterator[tuple[str, tuple[Any, Any]]]:
+    for dotted in {**values, **other}:
+        if values.get(dotted) != other.get(dotted):
+            yield dotted, (values.get(dotted), other.get(dotted))
+
+
+def _shown(value: Any) -> str:
+    return "not given" if value is None else f"{value:g}" if isinstance(value, float) else str(value)
+
+
+def _match(number: int, case: Case, other: Case, model: Model) -> Match:
+    """How much of a case stands in another that differs in nothing but its path and what is kept."""
+    where = f" at {case.label}" if case.label else ""
+    if case.output.fields and not other.output.fields:
+        raise InputError("output.fields is true there and false here: the fields there would be lost")
+    if case.loading.unload and not other.loading.unload:
+        raise InputError(f"loading.unload is true there and false here{where}")
+    before, after = (_points(one) for one in (case, other))
+    length = len(case.loading.path)
+    if after[:length] != before[:length]:
+        raise InputError(f"loading.path{where} does not begin with the {length} points that are there")
+    same = next((i for i, pair in enumerate(zip(before, after, strict=False)) if pair[0] != pair[1]), len(before))
+    if other.output.fields and not case.output.fields:
+        return Match(number, 0, "output.fields = true: fields that were not kept cannot be made from nothing")
+    if model.whole_path and before != after:
+        return Match(number, 0, "the path has changed, and what its points share is computed from all of them")
+    if same < len(before):
+        return Match(number, same, "unloading starts from another point")
+    return Match(number, same)
+
+
+def _points(case: Case) -> list[tuple[Any, str]]:
+    return [(_rounded(value), branch) for value, branch in case.path]
