@@ -189,6 +189,43 @@ def test_unreadable_dataset_is_named(folder, tmp_path, capsys):
     assert [path.name for path in tmp_path.iterdir()] == ["bem.nc"]
 
 
+@pytest.mark.parametrize("name", MODELS)
+def test_smaller_study_is_widened_to_the_whole(folder, tmp_path, name):
+    """One law, one pressure; then all of the study: the numbers are those of a run that asked for all at once."""
+    model = {"bem": bem_adhesion.run.MODEL, "md": md_reference.run.MODEL, "theory": theory.run.MODEL}[name]
+    smaller = STUDY[: STUDY.index("[[override]]")].replace('"0.5 GPa", "2 GPa"', '"0.5 GPa"').replace("[1, 4]", "[1]")
+    (tmp_path / "smaller.toml").write_text(smaller)
+    arguments = ["-o", str(tmp_path / "out.nc"), "--workers", "1"]
+    arguments += ["--predictor", str(folder / "bem.nc")] if name == "md" else []
+    assert main(model, [str(tmp_path / "smaller.toml"), *arguments]) == 0
+    assert main(model, [str(folder / "study.toml"), *arguments, "--resume"]) == 0
+    with xr.open_datatree(folder / f"{name}.nc") as whole, xr.open_datatree(tmp_path / "out.nc") as widened:
+        assert set(whole.groups) == set(widened.groups)
+        for group in whole.groups:
+            for variable in set(whole[group].variables) - {"wall_time", "pressure_pdf", "gap_pdf"}:
+                one, two = whole[group][variable].values, widened[group][variable].values
+                np.testing.assert_array_equal(one, two, err_msg=f"{group} {variable}")
+        if name != "theory":
+            # The step that was there before is counted in other bins: all of it, wherever it is spread to.
+            pdf = widened["gap_pdf"].isel(well_depth_ratio=0, step=0)
+            assert float(pdf.sum() * (pdf.gap_bin[1] - pdf.gap_bin[0])) == pytest.approx(1, rel=1e-9)
+        assert ("other bins" in widened.attrs["warnings"]) == (name != "theory")
+
+
+def test_group_of_the_steps_that_did_not_converge_is_named(folder, tmp_path, capsys, monkeypatch):
+    """A Newton iteration less than the gap flow needs: its groups fail, the root does not."""
+    flow = theory.run.gap_flow
+    monkeypatch.setattr(theory.run, "gap_flow", lambda *arguments: flow(*arguments, iterations=1))
+    arguments = [str(folder / "study.toml"), "-o", str(tmp_path / "theory.nc"), "--workers", "1"]
+    arguments += ["--interaction.well_depth_ratio", "4"]
+    assert main(theory.run.MODEL, arguments) == 2
+    said = capsys.readouterr().err
+    for group in ("gap_flow", "gap_flow/loading", "gap_flow/unloading"):
+        assert f"3 of 3 steps did not converge in the group {group};" in said
+    assert main(theory.run.MODEL, [*arguments, "--resume"]) == 2
+    assert "in the group gap_flow/loading;" in capsys.readouterr().err
+
+
 def test_killed_campaign_resumes_bit_for_bit(folder, tmp_path):
     """SIGKILL after the first finished step; every number but the times is that of the whole run."""
     output = tmp_path / "bem.nc"

@@ -197,15 +197,26 @@ def load_notes(folder: Path) -> list[str]:
     return _load_json(path) if path.exists() else []
 
 
-def load_step(folder: Path, number: int) -> dict[str, Any]:
-    """Quantities and fields of one finished step."""
-    return _load_values(_step_file(folder, number))
+def load_step(folder: Path, number: int) -> tuple[dict[str, Any], Bins]:
+    """Quantities and fields of one finished step, and the bins of its distributions."""
+    with xr.open_dataset(_step_file(folder, number), engine="netcdf4", mask_and_scale=False) as dataset:
+        return _values(dataset), _bins(dataset)
+
+
+def step_text(folder: Path, number: int, name: str) -> str:
+    """A text among the quantities of one finished step."""
+    with xr.open_dataset(_step_file(folder, number), engine="netcdf4") as dataset:
+        return str(dataset[name].values)
 
 
 def step_bins(folder: Path, number: int) -> Bins:
     """Bins of the distributions of one finished step."""
     with xr.open_dataset(_step_file(folder, number), engine="netcdf4") as dataset:
-        return Bins.evenly(*(dataset.attrs[name] for name in _SPANS))
+        return _bins(dataset)
+
+
+def _bins(dataset: xr.Dataset) -> Bins:
+    return Bins.evenly(*(dataset.attrs[name] for name in _SPANS))
 
 
 def step_numbers(folder: Path) -> list[int]:
@@ -252,7 +263,11 @@ def _save_values(path: Path, values: Mapping[str, Value], attrs: Mapping[str, An
 
 def _load_values(path: Path) -> dict[str, Any]:
     with xr.open_dataset(path, engine="netcdf4", mask_and_scale=False) as dataset:
-        return {str(name).replace(".", "/"): variable.values for name, variable in dataset.variables.items()}
+        return _values(dataset)
+
+
+def _values(dataset: xr.Dataset) -> dict[str, Any]:
+    return {str(name).replace(".", "/"): variable.values for name, variable in dataset.variables.items()}
 
 
 _READERS: dict[str, Callable[[Path], Any]] = {".nc": _load_values, ".npz": _load_arrays, ".json": _load_json}

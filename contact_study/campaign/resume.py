@@ -195,7 +195,7 @@ def _check_starts(run: Run, earlier: _Matched, started: Callable[[Match, int], s
 
 def _text(folder: Path, name: str, number: int) -> str | None:
     try:
-        return str(store.load_step(folder, number)[name])
+        return store.step_text(folder, number, name)
     except (OSError, ValueError, KeyError):  # not finished, or damaged: dropped later
         return None
 

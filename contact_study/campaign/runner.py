@@ -88,7 +88,7 @@ def collect(
         folder = parts.case_folder(name)
         steps = []
         for number in range(len(case.path)):
-            values, bins = store.load_step(folder, number), store.step_bins(folder, number)
+            values, bins = store.load_step(folder, number)
             if not bins.equal(case.bins):
                 brought.append(f"{case.label}, point {number + 1}")
                 values = _on_bins(values, bins, case.bins)

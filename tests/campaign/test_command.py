@@ -282,12 +282,89 @@ def test_coordinate_that_the_sweep_changes(study, tmp_path):
         assert dataset.gap.dims == ("well_depth_ratio", "size", "step", "y_index", "x_index")
 
 
+def test_points_of_a_sweep_with_other_numbers_of_points(study, tmp_path):
+    """Grids of 16 and 24 points: the smaller is padded at its ends."""
+    output = tmp_path / "bem.nc"
+    text = study.read_text().replace('"surface.seed" = [1, 2]', '"surface.shape" = ["16, 16", "24, 24"]')
+    study.write_text(text)
+    assert run(study, "-o", output, "--workers", 1) == 0
+    with xr.open_dataset(output) as dataset:
+        assert dataset.gap.dims == ("well_depth_ratio", "shape", "step", "y_index", "x_index")
+        np.testing.assert_array_equal(dataset["shape"], [16, 24])
+        gap = dataset.gap.isel(well_depth_ratio=0, step=0)
+        assert np.isfinite(gap.sel(shape=24)).all()
+        assert np.isfinite(gap.sel(shape=16)[:16, :16]).all()
+        assert np.isnan(gap.sel(shape=16)[16:]).all()
+        assert np.isnan(gap.sel(shape=16)[:, 16:]).all()
+        np.testing.assert_allclose(dataset.y.sel(shape=16)[:16], np.arange(16) * 1e-8 / 16, rtol=1e-12)
+
+
 def test_non_convergence_is_said_and_written(study, tmp_path, capsys):
     output = tmp_path / "bem.nc"
     assert run(study, "-o", output, "--workers", 1, "--interaction.well_depth_ratio", "[1, 5]") == 2
     assert "2 of 12 steps did not converge" in capsys.readouterr().err
     with xr.open_dataset(output) as dataset:
         np.testing.assert_array_equal(dataset.converged.sel(well_depth_ratio=5, seed=1), [1, 0, 1])
+
+
+def test_groups_count_for_the_status(study, tmp_path, capsys):
+    output = tmp_path / "bem.nc"
+    assert run(study, "-o", output, "--workers", 1, "--interaction.well_depth_ratio", "[1, 6]") == 2
+    said = capsys.readouterr().err
+    assert "2 of 12 steps did not converge in the group gap_flow;" in said
+    assert said.count("did not converge") == 1
+    assert run(study, "-o", output, "--resume", "--interaction.well_depth_ratio", "[1, 6]") == 2
+    assert "in the group gap_flow;" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("path", "said"),
+    [
+        ("-1e3, 2e3", ["] well_depth_ratio = 1.0, seed = 1: -1000 Pa,", "2000 Pa,"]),
+        ("-0.5 MPa", ["-0.5 MPa,"]),
+        (["-.5 MPa,3 kPa"], ["-0.5 MPa,", "0.003 MPa,"]),
+    ],
+)
+def test_progress_is_in_the_unit_of_the_study(study, tmp_path, capsys, path, said):
+    path = path if isinstance(path, list) else [path]
+    assert run(study, "-o", tmp_path / "bem.nc", "--workers", 1, "--loading.path", *path) == 0
+    shown = capsys.readouterr().err
+    for words in said:
+        assert words in shown
+
+
+def test_prescribed_gaps_are_in_the_unit_of_the_study(study, tmp_path, capsys):
+    keys = ("--loading.control", "gap", "--loading.path", "5 angstrom, 1 nm")
+    assert run(study, "-o", tmp_path / "bem.nc", "--workers", 1, *keys) == 0
+    assert "gap 10 angstrom," in capsys.readouterr().err
+
+
+def test_pairs_as_people_type_them(study, tmp_path):
+    keys = ("--surface.size", "100 angstrom, 0.02 um", "--surface.shape", "16,32")
+    assert run(study, "-o", tmp_path / "bem.nc", "--workers", 1, *keys) == 0
+    with xr.open_dataset(tmp_path / "bem.nc") as dataset:
+        assert dataset.gap.shape[-2:] == (16, 32)
+        assert float(dataset.x[1]) == pytest.approx(2e-8 / 32)
+
+
+@pytest.mark.parametrize("keys", [("--surface.rms_height", "200 m"), ("--interaction.well_depth_ratio", "1e-12")])
+def test_absurd_studies_are_refused_before_anything(study, tmp_path, capsys, keys):
+    assert run(study, "-o", tmp_path / "bem.nc", *keys) == 1
+    assert capsys.readouterr().err.count("\n") == 1
+    assert not list(tmp_path.glob("bem.nc*"))
+
+
+def test_reviews_of_study_and_model_are_shown_and_kept_once(study, tmp_path, capsys):
+    keys = ("--solver.max_iterations", "7", "--surface.rms_height", "30 angstrom")
+    assert run(study, "-o", tmp_path / "bem.nc", "--workers", 1, *keys) == 0
+    said = capsys.readouterr().err
+    assert said.count("a toy is no model") == 1
+    assert said.count("rms slope") == 1
+    assert said.index("rms slope") < said.index("[1/")  # before any work
+    with xr.open_dataset(tmp_path / "bem.nc") as dataset:
+        first, second = dataset.attrs["warnings"].splitlines()
+    assert "rms slope" in first
+    assert second == "a toy is no model"
 
 
 def test_warnings_are_shown_and_kept(study, tmp_path, capsys):

@@ -1,5 +1,6 @@
 """A model of a few lines, to test the campaign without physics: area grows along the path, state is carried on."""
 
+import dataclasses
 import os
 import time
 import warnings
@@ -10,7 +11,11 @@ from contact_study.campaign.model import Model
 from contact_study.campaign.record import Step
 from contact_study.problem.errors import InputError
 
-TOY = Model("toy", "continuum", "tests.campaign.toy_model", "a toy", "none")
+TOY = Model("toy", "continuum", "tests.campaign.toy_model", "a toy", "none", ignores=("atomistic", "theory"))
+TOY_OF_WHOLE_PATHS = dataclasses.replace(TOY, whole_path=True)
+TOY_ATOMS = dataclasses.replace(TOY, kind="atomistic", takes_predictor=True, ignores=("theory",))
+
+SOLVED: list[tuple[str, int]] = []  # label and number of each step that this process has solved
 
 
 def check(case):
@@ -33,13 +38,16 @@ def constants(case, surface):
     }
 
 
-def solve_path(case, surface, restart=None, start=0):
+def solve_path(case, surface, restart=None, start=0, predictor=None):
     state = np.zeros(3) if restart is None else restart["state"]
     for number in range(start, len(case.path)):
         if case.interaction.well_depth_ratio == 2 and number == 0:
             warnings.warn("a grid too coarse", stacklevel=1)
         time.sleep(float(os.environ.get("TOY_SECONDS", "0")))
         value, _ = case.path[number]
+        SOLVED.append((case.label, number))
+        if predictor is not None and predictor(number) is not None:
+            state = state + predictor(number)[0, 0]
         state = np.sin(state + value / 1e9 + case.interaction.well_depth_ratio)
         yield Step(
             values={
@@ -48,6 +56,7 @@ def solve_path(case, surface, restart=None, start=0):
                 "pressure_pdf": np.full(len(case.bins.pressure), state[1]),
                 "gap_flow/relative_contact_area": float(state[2] ** 2),
                 "converged": not (case.interaction.well_depth_ratio == 5 and number == 1),
+                "gap_flow/converged": not (case.interaction.well_depth_ratio == 6 and number == 1),
                 "residual": 1e-9,
                 "iterations": number,
             },

@@ -1,0 +1,76 @@
+"""What decides the numbers of a run, without running it."""
+
+import copy
+
+import pytest
+
+from contact_study.campaign.identity import match, run_of
+from contact_study.problem.errors import InputError
+from contact_study.problem.study import make_study
+from tests.campaign.test_resume import BASE, changed
+from tests.campaign.toy_model import TOY
+
+REFUSED = [
+    ({"surface": {"hurst_exponent": 0.7}}, "surface.hurst_exponent is 0.8 there and 0.7 here"),
+    ({"material": {"youngs_modulus": "70 GPa"}}, "material.youngs_modulus is 7.72e+10 there and 7e+10 here"),
+    ({"solver": {"tolerance": 1e-6}}, "solver.tolerance"),
+    (
+        {
+            "surface": {"hurst_exponent": 0.7, "seed": 3},
+            "material": {"poissons_ratio": 0.3},
+            "solver": {"tolerance": 1e-6},
+        },
+        "surface.hurst_exponent is 0.8 there and 0.7 here, surface.seed is 1 there and 3 here, "
+        "material.poissons_ratio is 0.42 there and 0.3 here, and 1 keys more differ",
+    ),
+    ({"sweep": {"interaction.well_depth_ratio": [1, 8]}}, "its point well_depth_ratio = 4.0 no longer"),
+    ({"sweep": {"interaction.well_depth_ratio": None}}, "interaction.well_depth_ratio is 4 there and 1 here"),
+    ({"loading": {"path": ["0.1 GPa", "1 GPa"]}}, "loading.path at well_depth_ratio = 1.0"),
+    ({"loading": {"path": ["0.1 GPa", "1.1 GPa", "2 GPa"]}}, "does not begin with the 3 points"),
+    ({"loading": {"path": ["0.05 GPa", "0.1 GPa", "1 GPa", "2 GPa"]}}, "loading.path"),
+    ({"output": {"fields": False}}, "output.fields is true there and false here"),
+]
+
+
+def run(table):
+    return run_of(TOY, make_study(copy.deepcopy(table)))
+
+
+@pytest.mark.parametrize(("sections", "words"), REFUSED)
+def test_another_study_is_refused_and_its_keys_named(sections, words):
+    with pytest.raises(InputError) as failure:
+        match(run(BASE).attributes, run(changed(**sections)))
+    assert words in str(failure.value)
+    assert "\n" not in str(failure.value)
+
+
+def test_unloading_that_is_there_is_not_given_up():
+    with pytest.raises(InputError, match=r"loading\.unload is true there and false here"):
+        match(run(changed(loading={"unload": True})).attributes, run(BASE))
+
+
+@pytest.mark.parametrize("name", ["model", "version", "schema_version", "study_toml"])
+def test_what_is_not_known_is_refused(name):
+    attributes = run(BASE).attributes
+    for other in ({**attributes, name: "another"}, {key: value for key, value in attributes.items() if key != name}):
+        with pytest.raises(InputError, match=name if name != "study_toml" else "its study cannot be read"):
+            match(other, run(BASE))
+
+
+def test_names_of_cases_follow_from_their_numbers():
+    names = run(BASE).case_names()
+    assert len(set(names)) == 2
+    assert run(changed(study={"title": "t"}, surface={"size": "10 nm"}, solver={"threads": 2})).case_names() == names
+    assert run(changed(loading={"path": ["1 GPa"]})).case_names() == names
+    assert not set(run(changed(surface={"seed": 2})).case_names()) & set(names)
+    # Points of a sweep over what decides nothing are cases all the same.
+    threads = changed(sweep={"interaction.well_depth_ratio": [1], "solver.threads": [1, 2], "theory.alpha": [1, 2]})
+    assert len(set(run(threads).case_names())) == 4
+    assert len(match(run(threads).attributes, run(threads))[1]) == 4
+
+
+def test_points_that_differ_in_how_far_they_go():
+    table = changed(sweep={"loading.unload": [False, True], "interaction.well_depth_ratio": None})
+    _, matches = match(run(table).attributes, run(table))
+    assert [matches[number].earlier for number in (0, 1)] == [0, 1]
+    assert [matches[number].steps for number in (0, 1)] == [3, 5]
