@@ -30,11 +30,11 @@ MODEL = Model(
     command="persson-theory",
     kind="theory",
     module="theory.run",
+    ignores=("atomistic",),
+    whole_path=True,  # the separation curve, and the gaps of the gap flow, reach as far as the path asks
     description="Persson's theory of rough contact with adhesion, and the gap-flow theory beside it",
     references="C. Yang, B. N. J. Persson, J. Israelachvili, K. Rosenberg, EPL 84, 46004 (2008); "
     "B. N. J. Persson, J. Chem. Phys. 115, 3840 (2001)",
-    ignores=("atomistic",),
-    whole_path=True,  # the separation curve, and the gaps of the gap flow, reach as far as the path asks
 )
 
 _UNSOUND_GAP = "states at higher pressures that the mean gap rests on did not converge; raise solver.max_iterations"
@@ -225,6 +225,9 @@ def solve_path(
                 values |= {"converged": False, "message": _UNSOUND_GAP}
         for branch in flows:
             values |= branch[number]
+        # Nothing slides in a theory of the mean gap: it is the distance of the mean planes, too.
+        distances = {name: value for name, value in values.items() if name.rpartition("/")[2] == "mean_gap"}
+        values |= {name.replace("mean_gap", "mean_separation"): value for name, value in distances.items()}
         yield Step(values, restart={} if isinstance(stress, str) else {"detachment_stress": stress})
 
 

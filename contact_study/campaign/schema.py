@@ -63,9 +63,10 @@ _FLAG = {"flag_values": np.array([-1, 0, 1], np.int8), "flag_meanings": "absent 
 
 VARIABLES: dict[str, Variable] = {
     "mean_pressure": Variable("Pa", "mean normal pressure at the interface, compression positive"),
-    "mean_gap": Variable("m", "mean gap, measured from the law's equilibrium distance"),
+    "mean_gap": Variable("m", "mean of the local gap, less the law's equilibrium distance"),
     "mean_separation": Variable(
-        "m", "distance of the mean planes of block and surface from the equilibrium distance, conjugate to the pressure"
+        "m",
+        "distance of the mean planes of block and surface, less the equilibrium distance; conjugate to the pressure",
     ),
     "relative_contact_area": Variable("1", "contact area over nominal area"),
     "relative_repulsive_area": Variable("1", "area under positive pressure over nominal area"),
@@ -75,7 +76,16 @@ VARIABLES: dict[str, Variable] = {
     "gap_pdf": Variable("m-1", "probability density of the local gap", ("step", "gap_bin")),
     "converged": Variable("1", "whether the step met the tolerance", kind="flag", attrs=_FLAG),
     "detached": Variable("1", "whether no contact survives at this point", kind="flag", attrs=_FLAG),
-    "residual": Variable("1", "largest residual stress over contact modulus"),
+    "residual": Variable(
+        "1",
+        "error left in the equations of the model, in units of their own scales; see comment",
+        attrs={
+            "comment": "adhesive simulations: largest unbalanced stress over contact modulus; hard wall: largest gap "
+            "inside or penetration outside the contact over rms height; Persson's theory: last change of the "
+            "detachment stress over contact modulus; gap-flow theory: mean traction less pressure over contact "
+            "modulus, an error of its grid"
+        },
+    ),
     "iterations": Variable("1", "iterations of the solver", kind="count"),
     "wall_time": Variable("s", "wall-clock time of the step"),
     "message": Variable("1", "what the solver has to say of the step", kind="text"),
@@ -85,7 +95,7 @@ VARIABLES: dict[str, Variable] = {
     "fft_pairs": Variable("1", "pairs of Fourier transforms, in equivalents of the finest grid in double precision"),
     "force_evaluations": Variable("1", "evaluations of the interface forces", kind="count"),
     "height": Variable("m", "height of the rigid surface, toward the block", ("y", "x")),
-    "gap": Variable("m", "local gap", ("step", "y", "x")),
+    "gap": Variable("m", "local gap: height of the block's surface over the rigid one", ("step", "y", "x")),
     "pressure": Variable("Pa", "local pressure, compression positive", ("step", "y", "x")),
     "relative_contact_area_at": Variable(
         "1", "apparent relative contact area at a magnification", ("step", "wavevector")
@@ -117,7 +127,9 @@ COORDINATES: dict[str, Variable] = {
     "x": Variable("m", "position along x", ("x",)),
     "step": Variable("1", "point of the loading path", ("step",), kind="count"),
     "applied_pressure": Variable("Pa", "prescribed mean pressure"),
-    "applied_gap": Variable("m", "prescribed mean gap above the equilibrium distance"),
+    "applied_gap": Variable(
+        "m", "prescribed distance less the equilibrium distance: mean gap (atoms: mean separation)"
+    ),
     "branch": Variable(
         "1",
         "branch of the loading path",

@@ -78,3 +78,139 @@ def test_unusable_predictor(tmp_path, content):
         path.write_bytes(content)
     with pytest.raises(InputError, match="--predictor"):
         check_predictor(path, study(), {})
+
+
+def content_of(study, path, **attrs):
+    """A dataset whose gap fields hold the number of their state, as a campaign would write it for a study."""
+    shape = (*(len(key.values) for key in study.sweep.values()), len(PATH))
+    dims = (*study.sweep, "step")
+    gap = np.arange(float(np.prod(shape))).reshape(shape)[..., None, None] + np.zeros((3, 5))
+    xr.Dataset(
+        {
+            "gap": ((*dims, "y", "x"), gap),
+            "converged": (dims, np.ones(shape, np.int8)),
+            "detached": (dims, np.zeros(shape, np.int8)),
+        },
+        {
+            **{name: list(key.values) for name, key in study.sweep.items()},
+            "applied_pressure": ("step", PATH),
+            "branch": ("step", np.zeros(4, np.int8)),
+        },
+        {"study_toml": study.toml, **attrs},
+    ).to_netcdf(path)
+    return path
+
+
+def single(ratio=4.0, seed=1, **sections):
+    """A study of one case, nothing swept."""
+    table = changed("interaction", well_depth_ratio=ratio)
+    table["surface"]["seed"] = seed
+    table["loading"]["path"] = PATH
+    for name, keys in sections.items():
+        table.setdefault(name, {}).update(keys)
+    return make_study(table)
+
+
+def test_dataset_that_sweeps_more_than_the_run(tmp_path):
+    swept = study(sweep={"interaction.well_depth_ratio": [1, 4], "surface.seed": [1, 2, 3]})
+    path = content_of(swept, tmp_path / "bem.nc")
+    (case,) = single(ratio=4.0, seed=2).cases
+    assert check_predictor(path, single(ratio=4.0, seed=2), {}) == []
+    # Position [1, 1] of 2 x 3 cases of four states each.
+    assert [GapFields(path, case)(number)[0, 0] for number in range(4)] == [16.0, 17.0, 16.0 + 2, 19.0]
+    assert GapFields(path, single(ratio=4.0, seed=9).cases[0])(0) is None
+
+
+def test_run_that_sweeps_more_than_the_dataset(tmp_path):
+    path = content_of(single(ratio=4.0), tmp_path / "bem.nc")
+    one, four = study().cases
+    assert GapFields(path, one)(0) is None
+    assert GapFields(path, four)(0)[0, 0] == 0.0
+    # What the continuum does not know is no reason to have no start.
+    for key in ("atomistic.cutoff", "solver.tolerance", "theory.alpha"):
+        swept = make_study({**single().table, "sweep": {key: [3.0, 5.0] if "tol" not in key else [1e-9, 1e-8]}})
+        assert all(GapFields(path, case)(1)[0, 0] == 1.0 for case in swept.cases)
+
+
+def test_states_of_other_accuracy_yield_to_those_of_the_same(tmp_path):
+    swept = study(sweep={"interaction.well_depth_ratio": [4], "solver.tolerance": [1e-6, 1e-8]})
+    path = content_of(swept, tmp_path / "bem.nc")
+    assert GapFields(path, single().cases[0])(0)[0, 0] == 4.0  # the default, 1e-8
+    assert GapFields(path, single(solver={"tolerance": 1e-6}).cases[0])(0)[0, 0] == 0.0
+    assert GapFields(path, single(solver={"tolerance": 1e-7}).cases[0])(0)[0, 0] == 0.0
+
+
+@pytest.mark.parametrize(
+    ("sections", "culprit"),
+    [
+        ({"surface": {"seed": 2}}, "surface.seed is 1 there and 2 here"),
+        ({"surface": {"rms_height": "9 angstrom"}}, "surface.rms_height is 1e-09 there and 9e-10 here"),
+        ({"surface": {"size": ["104 nm", "52 nm"]}}, "surface.size"),
+        ({"loading": {"control": "gap", "path": ["1 nm"]}}, "loading.control is pressure there and gap here"),
+    ],
+)
+def test_predictor_of_another_surface_is_refused(tmp_path, sections, culprit):
+    path = content_of(single(), tmp_path / "bem.nc")
+    with pytest.raises(InputError, match="--predictor") as failure:
+        check_predictor(path, single(**sections), {})
+    assert culprit in str(failure.value)
+
+
+@pytest.mark.parametrize(
+    ("sections", "words"),
+    [
+        ({"material": {"youngs_modulus": "76 GPa"}}, "material.youngs_modulus is 7.72e+10 there and 7.6e+10 here"),
+        ({"interaction": {"well_depth_ratio": 8}}, "the work of adhesion is 2.76"),
+        ({"interaction": {"length": "3.3 angstrom"}}, "interaction.length is 3.28e-10 there and 3.3e-10 here"),
+    ],
+)
+def test_predictor_of_another_law_is_said(tmp_path, sections, words):
+    path = content_of(single(), tmp_path / "bem.nc")
+    notes = check_predictor(path, single(**sections), {})
+    assert any(words in note for note in notes)
+    assert all("may choose other states" in note for note in notes)
+
+
+@pytest.mark.parametrize(
+    "sections",
+    [
+        {"surface": {"shape": [128, 128]}},  # another grid of the same surface
+        {"interaction": {"contact_distance": "3.8 angstrom"}},
+        {"material": {"atom_mass": "197 u"}},
+        {"atomistic": {"cutoff": 5.0}},
+        {"solver": {"tolerance": 1e-10}},
+        {"surface": {"size": "104 nm"}},  # as written elsewhere: 1040 angstrom
+    ],
+)
+def test_what_is_no_part_of_the_contact_is_not_said(tmp_path, sections):
+    assert check_predictor(content_of(single(), tmp_path / "bem.nc"), single(**sections), {}) == []
+
+
+def test_predictor_of_another_height_map(tmp_path):
+    def mapped(name):
+        np.save(tmp_path / name, np.eye(8))
+        surface = {"kind": "file", "path": name, "height_unit": "angstrom", "shape": [8, 8]}
+        return make_study(single(surface=surface).table, tmp_path)
+
+    path = content_of(mapped("one.npy"), tmp_path / "bem.nc", height_maps="sha256:abc one.npy")
+    assert check_predictor(path, mapped("two.npy"), {"two.npy": "abc"}) == []
+    with pytest.raises(InputError, match=r"another height map than two\.npy"):
+        check_predictor(path, mapped("two.npy"), {"two.npy": "def"})
+
+
+def test_dataset_without_its_study_is_refused(tmp_path):
+    path = content_of(single(), tmp_path / "bem.nc", study_toml="[surface]\nkind = 3")
+    with pytest.raises(InputError, match="does not hold the study"):
+        check_predictor(path, single(), {})
+
+
+def test_padded_fields_come_without_their_padding(tmp_path):
+    path = content_of(single(), tmp_path / "bem.nc")
+    with xr.open_dataset(path) as dataset:
+        padded = dataset.load().pad(y=(0, 4), x=(0, 1))
+    padded["gap"][0, 1, 1] = np.inf  # no padding
+    padded.attrs = {"study_toml": single().toml}
+    padded.to_netcdf(tmp_path / "padded.nc")
+    field = GapFields(tmp_path / "padded.nc", single().cases[0])(0)
+    assert field.shape == (3, 5)
+    assert np.isinf(field[1, 1])
