@@ -344,7 +344,7 @@ def test_pairs_as_people_type_them(study, tmp_path):
     assert run(study, "-o", tmp_path / "bem.nc", "--workers", 1, *keys) == 0
     with xr.open_dataset(tmp_path / "bem.nc") as dataset:
         assert dataset.gap.shape[-2:] == (16, 32)
-        assert float(dataset.x[1]) == pytest.approx(2e-8 / 32)
+        assert float(dataset.x[1]) == pytest.approx(2e-8 / 32, rel=1e-12, abs=0)
 
 
 @pytest.mark.parametrize("keys", [("--surface.rms_height", "200 m"), ("--interaction.well_depth_ratio", "1e-12")])

@@ -42,7 +42,7 @@ def test_characteristic_points(law):
     assert law.stiffness(at) == pytest.approx(law.equilibrium_stiffness, rel=1e-13)
     # The maxima of sampled smooth functions are low by the curvature times the square of the spacing, 1e-5.
     assert law.traction(gap).max() == pytest.approx(law.peak_tensile_stress, rel=1e-8)
-    assert gap[np.argmax(law.traction(gap))] == pytest.approx(law.peak_distance, rel=1e-5)
+    assert gap[np.argmax(law.traction(gap))] == pytest.approx(law.peak_distance, abs=0, rel=1e-5)
     assert -law.stiffness(gap).min() == pytest.approx(law.strongest_softening, rel=1e-8)
 
 
@@ -55,7 +55,7 @@ def test_maugis_parameter_of_the_two_laws():
 def test_values_of_the_paper():
     law = LennardJones104(0.69, R0)
     assert law.peak_tensile_stress == pytest.approx(1.8850 * 0.69 / R0, rel=1e-4)
-    assert law.peak_distance == pytest.approx(3.741e-10, rel=1e-4)
+    assert law.peak_distance == pytest.approx(3.741e-10, abs=0, rel=1e-4)
     assert law.equilibrium_stiffness == pytest.approx(40 * 0.69 / R0**2, rel=1e-12)
     assert law.strongest_softening == pytest.approx(3.788 * 0.69 / R0**2, rel=1e-4)
     block, substrate = 1 / 2.6e-10**2, (647 / 1040e-10) ** 2

@@ -53,7 +53,7 @@ def test_well_depth_and_work_of_adhesion_are_equivalent():
     table = changed("interaction", work_of_adhesion=case.work_of_adhesion)
     del table["interaction"]["well_depth"]
     (other,) = make_study(table).cases
-    assert other.well_depth == pytest.approx(case.well_depth, rel=1e-14)  # rounding of two inverse formulas
+    assert other.well_depth == pytest.approx(case.well_depth, abs=0, rel=1e-14)  # rounding of two inverse formulas
 
 
 def test_sweep_expands_with_the_last_key_fastest():
@@ -287,7 +287,7 @@ def test_ratio_multiplies_the_well_depth_once(given):
             del table["interaction"]["well_depth"]
             table["interaction"]["work_of_adhesion"] = 0.69
     one, three = (make_study(table).cases[0] for table in tables)
-    assert three.well_depth == pytest.approx(3 * one.well_depth, rel=1e-14)
+    assert three.well_depth == pytest.approx(3 * one.well_depth, abs=0, rel=1e-14)
     assert three.work_of_adhesion == pytest.approx(3 * one.work_of_adhesion, rel=1e-14)
 
 
