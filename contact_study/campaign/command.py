@@ -12,7 +12,6 @@ import sys
 import tomllib
 import traceback
 from collections.abc import Mapping, Sequence
-from datetime import UTC, datetime
 from functools import cache
 from pathlib import Path
 from typing import Any, NoReturn
@@ -21,21 +20,18 @@ import xarray as xr
 
 import contact_study
 from contact_study.campaign import storage
+from contact_study.campaign.check import checked
+from contact_study.campaign.dataset import assembled, carried_warnings, provenance, read_flags, unconverged
 from contact_study.campaign.identity import Run, run_of
-from contact_study.campaign.memory import check_memory
 from contact_study.campaign.model import Model
 from contact_study.campaign.parts import Parts
 from contact_study.campaign.predictor import check_predictor
 from contact_study.campaign.progress import Progress
-from contact_study.campaign.resume import Finished, finished_at, take_up
-from contact_study.campaign.runner import CampaignError, collect, last_states, run_cases
-from contact_study.campaign.schema import CONVENTIONS
-from contact_study.problem.bins import with_bins
+from contact_study.campaign.resume import Finished, earlier_commits, finished_at, take_up
+from contact_study.campaign.runner import CampaignError, run_cases
 from contact_study.problem.errors import InputError
 from contact_study.problem.keys import suggestion
-from contact_study.problem.plausibility import review
-from contact_study.problem.study import Study, all_keys, make_study, read_study
-from contact_study.problem.surface_scales import scales_of
+from contact_study.problem.study import all_keys, read_study
 
 DONE, WRONG_INPUT, NOT_CONVERGED, INTERRUPTED = 0, 1, 2, 130
 
@@ -120,7 +116,7 @@ def _main(model: Model, arguments: Sequence[str]) -> int:
     study = read_study(given.study, overrides)
     predictor = getattr(given, "predictor", None)
     _check_inputs_kept(output, [given.study, predictor, *(case.height_map for case in study.cases)])
-    study, said = _reviewed(model, study)
+    study, said = checked(model, study)
     run = run_of(model, study, predictor if predictor is not None and predictor.is_file() else None)
     if predictor is not None:
         said += check_predictor(predictor, study, run.height_maps)
@@ -135,14 +131,15 @@ def _main(model: Model, arguments: Sequence[str]) -> int:
     try:
         unfinished = parts.open(resume=given.resume, overwrite=given.overwrite)
         names = run.case_names()
-        for note in take_up(run, names, parts, unfinished, finished, git_commit()):
+        commits = earlier_commits(unfinished, finished, git_commit())
+        for note in [*commits, *take_up(run, names, parts, unfinished, finished, git_commit())]:
             progress.say(f"warning: {note}")
         notes = run_cases(run, names, parts, given.workers, progress)
         progress.close()
-        groups, late = _assembled(run, names, parts)
-        notes = [*_carried(run, finished), *notes, *late]
+        groups, late = assembled(run, names, parts)
+        notes = [*carried_warnings(run, finished), *notes, *late]
         command = f"{model.command} {shlex.join(arguments)}"
-        groups[""].attrs.update(_provenance(run, finished, [*said, *notes], command))
+        groups[""].attrs.update(provenance(run, finished, [*said, *notes, *commits], command, git_commit()))
         parts.finish(groups)
     finally:
         progress.close()
@@ -153,31 +150,13 @@ def _main(model: Model, arguments: Sequence[str]) -> int:
     return _status(model, groups)
 
 
-def _reviewed(model: Model, study: Study) -> tuple[Study, list[str]]:
-    """The study with its bins, and what there is to be said of it as a whole.
-
-    Raises
-    ------
-    InputError
-        If it cannot be served.
-    """
-    check_memory(study)
-    scales = scales_of(study)
-    said = [*study.notes, *review(study, scales)]
-    for case in study.cases:
-        model.check(case)
-    return with_bins(study, scales), [*said, *model.review(study, scales)]
-
-
 def _already_done(run: Run, parts: Parts, finished: Finished) -> int:
     command, path = run.model.command, finished.path
     if parts.belong_to(run.attributes):
         parts.remove()  # of a run killed between its dataset and its tidying up
     elif parts.folder.exists():
         print(f"{command}: warning: {parts.folder} holds steps of another run, which are left alone", file=sys.stderr)
-    with xr.open_datatree(path, decode_timedelta=False) as tree:
-        groups = {node.path.strip("/"): node.to_dataset().load() for node in _with_flags(tree)}
-    status = _status(run.model, groups)
+    status = _status(run.model, read_flags(finished))
     if finished.attributes["git_commit"] != git_commit():
         print(
             f"{command}: warning: {path} is of commit {finished.attributes['git_commit']}, this is {git_commit()}; use "
@@ -186,24 +165,6 @@ def _already_done(run: Run, parts: Parts, finished: Finished) -> int:
         )
     print(path)
     return status
-
-
-def _assembled(run: Run, names: Sequence[str], parts: Parts) -> tuple[dict[str, xr.Dataset], list[str]]:
-    """The groups of the dataset, and what came to light on the way."""
-    study = run.study
-    brought: list[str] = []
-    bins, longest = study.cases[0].bins, max(len(case.path) for case in study.cases)
-    coordinates = {"pressure_bin": bins.pressure, "gap_bin": bins.gap}
-    groups = storage.assemble(study.sweep, longest, collect(run, names, parts, brought), coordinates)
-    if study.cases[0].output.restart:
-        groups[storage.RESTART] = storage.restart_group(last_states(run, names, parts))
-    notes = []
-    if brought:
-        notes.append(
-            f"the distributions of {len(brought)} steps finished before were on other bins and are spread over this "
-            "study's, within one bin; --overwrite computes them anew"
-        )
-    return groups, notes
 
 
 def _parser(model: Model) -> Parser:
@@ -273,36 +234,6 @@ def _check_inputs_kept(output: Path, inputs: Sequence[Path | None]) -> None:
             raise InputError(f"{output}: is read by this run; choose another output")
 
 
-def _carried(run: Run, finished: Finished | None) -> list[str]:
-    """Warnings of a finished dataset that hold on: those of its steps, not those that were said of its whole study."""
-    if finished is None:
-        return []
-    lines = str(finished.attributes.get("warnings", "")).splitlines()
-    try:
-        _, said = _reviewed(
-            run.model, make_study(tomllib.loads(finished.attributes["study_toml"]), run.study.directory)
-        )
-    except InputError:  # a height map has moved since
-        said = []
-    return [line for line in lines if line not in said]
-
-
-def _provenance(run: Run, finished: Finished | None, notes: Sequence[str], command: str) -> dict[str, Any]:
-    history = f"{datetime.now(UTC).isoformat(timespec='seconds')}: {command}"
-    if finished is not None:
-        history += f"\n{finished.attributes.get('history', '')}"
-    return {
-        "Conventions": CONVENTIONS,
-        "title": run.study.title,
-        "source": f"bem-adhesion {contact_study.__version__}, {run.model.command}: {run.model.description}",
-        "history": history,
-        "references": run.model.references,
-        "git_commit": git_commit(),
-        "warnings": "\n".join(dict.fromkeys(notes)),
-        **run.attributes,
-    }
-
-
 @cache
 def git_commit() -> str:
     """Commit of the checkout that this runs from, marked if it has been changed; "unknown" outside one."""
@@ -327,23 +258,9 @@ def git_commit() -> str:
     return found.stdout.strip() or "unknown"
 
 
-def _with_flags(tree: xr.DataTree) -> list[xr.DataTree]:
-    return [node for node in tree.subtree if "converged" in node.data_vars]
-
-
 def _status(model: Model, groups: Mapping[str, xr.Dataset]) -> int:
     """Exit status of a dataset; names each group with steps that did not converge."""
-    status = DONE
-    for group, dataset in groups.items():
-        if "converged" not in dataset:
-            continue
-        failed, total = (int(flags.sum()) for flags in (dataset["converged"] == 0, dataset["converged"] >= 0))
-        if failed:
-            status = NOT_CONVERGED
-            where = f" in the group {group}" if group else ""
-            print(
-                f"{model.command}: {failed} of {total} steps did not converge{where}; see the variables converged and "
-                "residual there",
-                file=sys.stderr,
-            )
-    return status
+    said = list(unconverged(groups))
+    for words in said:
+        print(f"{model.command}: {words}", file=sys.stderr)
+    return NOT_CONVERGED if said else DONE

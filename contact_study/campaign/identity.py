@@ -219,9 +219,21 @@ def _match(number: int, case: Case, other: Case, model: Model) -> Match:
         return Match(number, 0, "output.fields = true: fields that were not kept cannot be made from nothing")
     if model.whole_path and before != after:
         return Match(number, 0, "the path has changed, and what its points share is computed from all of them")
+    if not _ranges_hold(case, other):
+        return Match(number, 0, "the distributions there were counted in a narrower range")
     if same < len(before):
         return Match(number, same, "unloading starts from another point")
     return Match(number, same)
+
+
+def _ranges_hold(case: Case, other: Case) -> bool:
+    """Whether ranges that a study has chosen for its distributions hold all that another asks for."""
+    asked = (other.bins.pressure_edges, other.bins.gap_edges)
+    for chosen, edges in zip((case.output.pressure_range, case.output.gap_range), asked, strict=True):
+        slack = 1e-9 * (edges[-1] - edges[0])
+        if chosen is not None and not chosen[0] - slack <= edges[0] < edges[-1] <= chosen[1] + slack:
+            return False
+    return True
 
 
 def _points(case: Case) -> list[tuple[Any, str]]:

@@ -103,7 +103,7 @@ def take_up(
     InputError
         If an earlier run is of another study, or its steps started from other fields of the predictor.
     """
-    notes = _commits(unfinished, finished, git_commit)
+    notes: list[str] = []
     taken, kept = _Matched(), _Matched()
     if finished is not None:
         taken = _Matched.of(finished.attributes, run, f"{finished.path} exists and belongs to another study or model")
@@ -163,7 +163,8 @@ class _Matched:
         return self.earlier.study.cases[found.earlier]
 
 
-def _commits(unfinished: Mapping[str, Any] | None, finished: Finished | None, now: str) -> list[str]:
+def earlier_commits(unfinished: Mapping[str, Any] | None, finished: Finished | None, now: str) -> list[str]:
+    """Which commits of the program earlier steps are of, where it is not this one."""
     earlier = [attributes for attributes in (unfinished, finished and finished.attributes) if attributes]
     commits = dict.fromkeys(str(attributes.get("git_commit")) for attributes in earlier)
     return [f"the earlier steps are of commit {commit}, the next of {now}" for commit in commits if commit != now]

@@ -5,6 +5,7 @@ import copy
 import pytest
 
 from contact_study.campaign.identity import match, run_of
+from contact_study.problem.bins import with_bins
 from contact_study.problem.errors import InputError
 from contact_study.problem.study import make_study
 from tests.campaign.test_resume import BASE, changed
@@ -33,7 +34,7 @@ REFUSED = [
 
 
 def run(table):
-    return run_of(TOY, make_study(copy.deepcopy(table)))
+    return run_of(TOY, with_bins(make_study(copy.deepcopy(table))))
 
 
 @pytest.mark.parametrize(("sections", "words"), REFUSED)
@@ -67,6 +68,29 @@ def test_names_of_cases_follow_from_their_numbers():
     threads = changed(sweep={"interaction.well_depth_ratio": [1], "solver.threads": [1, 2], "theory.alpha": [1, 2]})
     assert len(set(run(threads).case_names())) == 4
     assert len(match(run(threads).attributes, run(threads))[1]) == 4
+
+
+@pytest.mark.parametrize(
+    ("first", "then", "stands"),
+    [
+        (["-40 GPa", "100 GPa"], ["-40 GPa", "100 GPa"], True),
+        (["-40 GPa", "100 GPa"], ["-10 GPa", "90 GPa"], True),
+        (["-40 GPa", "100 GPa"], ["-41 GPa", "100 GPa"], False),
+        (["-40 GPa", "100 GPa"], ["-40 GPa", "101 GPa"], False),
+        (["0 GPa", "1 GPa"], None, False),  # what lies outside was not counted
+        (None, ["-1000 GPa", "1000 GPa"], True),  # nothing lay outside
+    ],
+)
+def test_ranges_that_left_something_out(first, then, stands):
+    _, matches = match(
+        run(changed(output={"pressure_range": first})).attributes, run(changed(output={"pressure_range": then}))
+    )
+    assert [found.steps for found in matches.values()] == ([3, 3] if stands else [0, 0])
+    _, matches = match(
+        run(changed(output={"gap_range": ["0 nm", "2 nm"]})).attributes,
+        run(changed(output={"gap_range": ["0 nm", "1 nm"] if stands else ["0 nm", "3 nm"]})),
+    )
+    assert [found.steps for found in matches.values()] == ([3, 3] if stands else [0, 0])
 
 
 def test_points_that_differ_in_how_far_they_go():

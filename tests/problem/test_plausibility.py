@@ -47,6 +47,12 @@ LEGITIMATE = {
         "surface": {"rms_height": "1 nm"},
         "loading": {"path": ["1 MPa"]},
     },
+    "a micrometre's reach": {
+        "material": {"youngs_modulus": "1 GPa"},
+        "interaction": {"work_of_adhesion": "1 mJ/m^2", "length": "1 um", "contact_distance": "1.2 um"},
+        "surface": {"size": "100 um", "rms_height": "0.01 um"},
+        "loading": {"path": ["10 Pa"]},
+    },
     "a hundredth of the paper's adhesion": {"interaction": {"well_depth_ratio": 0.01}},
     "a ripple of a thousandth of an angstrom": {"surface": {"kind": "wavy", "amplitude": "0.001 angstrom"}},
 }
@@ -97,6 +103,7 @@ def test_heights_in_the_wrong_unit(tmp_path):
 
 
 def test_weak_laws_are_said():
+    assert len(notes_of(interaction={"well_depth_ratio": 1e-6})) == 1
     notes = notes_of(interaction={"well_depth_ratio": 1e-5})
     assert len(notes) == 1
     assert "pressed to 0.3" in notes[0]

@@ -73,8 +73,8 @@ def test_wave_and_sphere_and_plane():
     dx = 104e-9 / 64
     curvature = (heights[32, 33] + heights[32, 31] - 2 * heights[32, 32]) / dx**2
     assert curvature == pytest.approx(-1e6, rel=1e-9)  # differences of 1e-13 of heights of 1e-9
-    # The mean of the paraboloid over a rectangle is zero; that of the points is (d_y² + d_x²)/12R below it, the error of
-    # the trapezoidal rule.
+    # The mean of the paraboloid over a rectangle is zero; that of the points is (d_y² + d_x²)/12R below it, the error
+    # of the trapezoidal rule.
     rectangle = realise(case(kind="sphere", radius="1 um", size=["104 nm", "52 nm"])).heights((64, 32))
     dy, dx = 104e-9 / 64, 52e-9 / 32
     assert rectangle.mean() == pytest.approx(-(dy**2 + dx**2) / (12 * 1e-6), abs=0, rel=1e-9)

@@ -1,0 +1,24 @@
+"""Everything that may refuse a study, and all that is to be said of it, before any work."""
+
+from contact_study.campaign.memory import check_memory
+from contact_study.campaign.model import Model
+from contact_study.problem.bins import with_bins
+from contact_study.problem.plausibility import review
+from contact_study.problem.study import Study
+from contact_study.problem.surface_scales import scales_of
+
+
+def checked(model: Model, study: Study) -> tuple[Study, list[str]]:
+    """The study with its bins, and what a user must know of it as a whole.
+
+    Raises
+    ------
+    InputError
+        If the model cannot serve it, or its numbers cannot belong together.
+    """
+    check_memory(study)
+    scales = scales_of(study)
+    notes = [*study.notes, *review(study, scales)]
+    for case in study.cases:
+        model.check(case)
+    return with_bins(study, scales), [*notes, *model.review(study, scales)]

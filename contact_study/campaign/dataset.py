@@ -1,0 +1,87 @@
+"""The dataset of a finished campaign: its groups, where it came from, and which of its steps did not converge."""
+
+import tomllib
+from collections.abc import Iterator, Mapping, Sequence
+from datetime import UTC, datetime
+from typing import Any
+
+import xarray as xr
+
+import contact_study
+from contact_study.campaign import storage
+from contact_study.campaign.check import checked
+from contact_study.campaign.identity import Run
+from contact_study.campaign.parts import Parts
+from contact_study.campaign.resume import Finished
+from contact_study.campaign.runner import collect, last_states
+from contact_study.campaign.schema import CONVENTIONS
+from contact_study.problem.errors import InputError
+from contact_study.problem.study import make_study
+
+
+def assembled(run: Run, names: Sequence[str], parts: Parts) -> tuple[dict[str, xr.Dataset], list[str]]:
+    """The groups of the dataset, and what came to light on the way."""
+    study = run.study
+    brought: list[str] = []
+    bins, longest = study.cases[0].bins, max(len(case.path) for case in study.cases)
+    coordinates = {"pressure_bin": bins.pressure, "gap_bin": bins.gap}
+    groups = storage.assemble(study.sweep, longest, collect(run, names, parts, brought), coordinates)
+    if study.cases[0].output.restart:
+        groups[storage.RESTART] = storage.restart_group(last_states(run, names, parts))
+    if not brought:
+        return groups, []
+    return groups, [
+        f"the distributions of {len(brought)} steps finished before were on other bins and are spread over this "
+        "study's, within one bin; --overwrite computes them anew"
+    ]
+
+
+def carried_warnings(run: Run, finished: Finished | None) -> list[str]:
+    """Warnings of an earlier dataset that hold on: those of its steps, not those that were said of its whole study."""
+    if finished is None:
+        return []
+    lines = str(finished.attributes.get("warnings", "")).splitlines()
+    try:
+        study = make_study(tomllib.loads(finished.attributes["study_toml"]), run.study.directory)
+        _, said = checked(run.model, study)
+    except InputError:  # a height map has moved since
+        said = []
+    return [line for line in lines if line not in said]
+
+
+def provenance(
+    run: Run, finished: Finished | None, warnings: Sequence[str], command: str, git_commit: str
+) -> dict[str, Any]:
+    """Attributes of the root; ``command`` is the command line, the newest of the dataset's history."""
+    history = f"{datetime.now(UTC).isoformat(timespec='seconds')}: {command}"
+    if finished is not None:
+        history += f"\n{finished.attributes.get('history', '')}"
+    return {
+        "Conventions": CONVENTIONS,
+        "title": run.study.title,
+        "source": f"bem-adhesion {contact_study.__version__}, {run.model.command}: {run.model.description}",
+        "history": history,
+        "references": run.model.references,
+        "git_commit": git_commit,
+        "warnings": "\n".join(dict.fromkeys(warnings)),
+        **run.attributes,
+    }
+
+
+def read_flags(finished: Finished) -> dict[str, xr.Dataset]:
+    """Which steps converged, in each group of a finished dataset."""
+    with xr.open_datatree(finished.path, decode_timedelta=False) as tree:
+        nodes = {node.path.strip("/"): node for node in tree.subtree if "converged" in node.data_vars}
+        return {group: node.to_dataset()[["converged"]].load() for group, node in nodes.items()}
+
+
+def unconverged(groups: Mapping[str, xr.Dataset]) -> Iterator[str]:
+    """For each group with steps that did not converge, how many of how many, in words."""
+    for group, dataset in groups.items():
+        if "converged" in dataset:
+            failed, total = (int(flags.sum()) for flags in (dataset["converged"] == 0, dataset["converged"] >= 0))
+            if failed:
+                where = f" in the group {group}" if group else ""
+                yield (
+                    f"{failed} of {total} steps did not converge{where}; see the variables converged and residual there"
+                )
