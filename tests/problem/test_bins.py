@@ -92,6 +92,44 @@ def test_scales_of_other_surfaces_are_theirs(surface, error):
     assert scale.pixel == 104e-9 / scale.shape[0]
 
 
+def test_ranges_are_those_of_the_largest_values():
+    """Six deviations of the full-contact stress beside pressure and peak; heights, contact and prescribed gaps."""
+    table = changed("loading", path=["1 GPa", "200 GPa"])
+    study = with_bins(make_study(table))
+    (case,), (scale,) = study.cases, scales_of(study)
+    highest = 3 * case.material.contact_modulus * scale.rms_slope + 200e9 + case.law.peak_tensile_stress
+    # Rounded upwards to two digits, and moved by half a bin for zero to lie in the middle of one.
+    width = case.bins.pressure_edges[1] - case.bins.pressure_edges[0]
+    assert 0 <= case.bins.pressure_edges[-1] + width - highest <= 0.1 * highest
+    widest = 1.1 * scale.peak_to_valley + 4 * case.contact_distance
+    assert 0 <= case.bins.gap_edges[-1] - widest <= 0.1 * widest
+    table["loading"] = {"control": "gap", "path": ["30 nm", "1 nm"]}
+    (case,) = with_bins(make_study(table)).cases
+    assert 0 <= case.bins.gap_edges[-1] - (widest + 30e-9) <= 0.1 * (widest + 30e-9)
+    assert case.bins.pressure_edges[-1] < 0.5 * highest  # 30 nm are no pressure
+
+
+def test_peak_to_valley_of_random_surfaces():
+    """Places above u rms heights in the mean, 0.01: the Euler characteristic of the excursion set, solved for u."""
+    (scale,) = scales_of(make_study(changed("surface", size=["104 nm", "52 nm"])))
+    u = 0.5 * scale.peak_to_valley / scale.rms_height
+    area, axis_slope = 104e-9 * 52e-9, scale.rms_slope / np.sqrt(2)
+    places = area * (axis_slope / scale.rms_height) ** 2 * (2 * np.pi) ** -1.5 * u * np.exp(-(u**2) / 2)
+    assert places == pytest.approx(0.01, rel=1e-9)
+
+
+def test_scales_of_a_height_map(tmp_path):
+    heights = 5e-9 + 1e-9 * np.cos(2 * np.pi * np.arange(16)[:, None] / 16) * np.ones(32)
+    np.save(tmp_path / "map.npy", heights)
+    table = changed("surface", kind="file", path="map.npy", shape=[16, 32], size=["104 nm", "52 nm"])
+    (scale,) = scales_of(make_study(table, tmp_path))
+    assert scale.rms_height == pytest.approx(1e-9 / np.sqrt(2), rel=1e-12, abs=0)  # about its mean
+    assert scale.rms_slope == pytest.approx(1e-9 / np.sqrt(2) * 2 * np.pi / 104e-9, rel=1e-12)
+    assert scale.peak_to_valley == pytest.approx(2e-9, rel=1e-12, abs=0)
+    assert scale.shortest_wave == pytest.approx(2 * 104e-9 / 16, rel=1e-12, abs=0)  # of the coarser axis
+    assert scale.lost is None
+
+
 def test_bins_of_a_wall_that_carries_nothing():
     table = changed("surface", kind="flat")
     table["interaction"] = {"law": "hard_wall"}
