@@ -17,7 +17,7 @@ from contact_study.campaign.model import Model
 from contact_study.campaign.schema import SCHEMA_VERSION
 from contact_study.problem.case import Case
 from contact_study.problem.errors import InputError
-from contact_study.problem.keys import keys_of
+from contact_study.problem.keys import keys_of, shown
 from contact_study.problem.study import SECTIONS, WHOLE_STUDY, Study, make_study
 
 # Keys of a case that decide none of its numbers, or decide them in a way of their own.
@@ -188,7 +188,7 @@ def _differences(values: dict[str, Any], others: Sequence[dict[str, Any]], case:
     lost = {dotted.rpartition(".")[2] for dotted in differing} & set(case.coordinates) & set(study.sweep)
     if len(lost) == len(differing):
         return f"the study has its point {case.label} no longer"
-    words = [f"{dotted} is {_shown(one)} there and {_shown(two)} here" for dotted, (one, two) in differing.items()]
+    words = [f"{dotted} is {shown(one)} there and {shown(two)} here" for dotted, (one, two) in differing.items()]
     more = f", and {len(words) - _SHOWN} keys more differ" if len(words) > _SHOWN else ""
     return ", ".join(words[:_SHOWN]) + more
 
@@ -197,10 +197,6 @@ def _differing(values: dict[str, Any], other: dict[str, Any]) -> Iterator[tuple[
     for dotted in {**values, **other}:
         if values.get(dotted) != other.get(dotted):
             yield dotted, (values.get(dotted), other.get(dotted))
-
-
-def _shown(value: Any) -> str:
-    return "not given" if value is None else f"{value:g}" if isinstance(value, float) else str(value)
 
 
 def _match(number: int, case: Case, other: Case, model: Model) -> Match:

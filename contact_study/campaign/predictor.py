@@ -11,9 +11,9 @@ import xarray as xr
 
 from contact_study.problem.case import Case
 from contact_study.problem.errors import InputError
-from contact_study.problem.keys import keys_of
+from contact_study.problem.keys import keys_of, shown
 from contact_study.problem.sections import InteractionSection, MaterialSection, SurfaceSection
-from contact_study.problem.study import Study, make_study
+from contact_study.problem.study import Study, make_study, same
 
 # Sections and keys that make a contact what it is. The grid is each model's own, a map's content counts and not its
 # place, and the lattice and the distance that counts as contact are nothing to a gap field.
@@ -73,10 +73,10 @@ def check_predictor(path: Path, study: Study, height_maps: Mapping[str, str]) ->
     for dotted, (own, others) in differing.items():
         if dotted.startswith(("surface.", "loading.")):
             raise InputError(
-                f"--predictor: {path} is of another contact: {dotted} is {_shown(others)} there and {_shown(own)} here"
+                f"--predictor: {path} is of another contact: {dotted} is {shown(others)} there and {shown(own)} here"
             )
     return [
-        f"the predictor {path} is of another contact: {dotted} is {_shown(others)} there and {_shown(own)} here; its "
+        f"the predictor {path} is of another contact: {dotted} is {shown(others)} there and {shown(own)} here; its "
         "gap fields may choose other states"
         for dotted, (own, others) in differing.items()
     ]
@@ -139,11 +139,11 @@ def _matching(study: Study, case: Case) -> Case | None:
     alike = [
         other
         for other in study.cases
-        if all(_same(_value(other, name), _value(case, name)) for name in swept & deciding)
+        if all(same(_value(other, name), _value(case, name)) for name in swept & deciding)
     ]
     rest = swept - deciding
     return max(
-        alike, key=lambda other: sum(_same(_value(other, name), _value(case, name)) for name in rest), default=None
+        alike, key=lambda other: sum(same(_value(other, name), _value(case, name)) for name in rest), default=None
     )
 
 
@@ -160,26 +160,12 @@ def _differences(case: Case, other: Case) -> Iterator[tuple[str, tuple[Any, Any]
     for section, declared in _CONTACT.items():
         for name in keys_of(declared):
             values = getattr(getattr(case, section), name), getattr(getattr(other, section), name)
-            if name not in (*_APART, *_ADHESION) and not _same(*values):
+            if name not in (*_APART, *_ADHESION) and not same(*values):
                 yield f"{section}.{name}", values
-    if not _same(case.work_of_adhesion, other.work_of_adhesion):
+    if not same(case.work_of_adhesion, other.work_of_adhesion):
         yield "the work of adhesion", (case.work_of_adhesion, other.work_of_adhesion)
     if case.loading.control != other.loading.control:
         yield "loading.control", (case.loading.control, other.loading.control)
-
-
-def _same(one: Any, other: Any) -> bool:
-    if isinstance(one, tuple) and isinstance(other, tuple):
-        return len(one) == len(other) and all(_same(*pair) for pair in zip(one, other, strict=True))
-    if isinstance(one, float) and isinstance(other, float):
-        return bool(np.isclose(one, other, rtol=1e-9, atol=0.0))
-    return bool(one == other)
-
-
-def _shown(value: Any) -> str:
-    if isinstance(value, tuple):
-        return "[" + ", ".join(_shown(item) for item in value) + "]"
-    return "not given" if value is None else f"{value:g}" if isinstance(value, float) else str(value)
 
 
 def _unpadded(field: np.ndarray) -> np.ndarray:

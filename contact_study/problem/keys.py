@@ -176,3 +176,10 @@ def suggestion(given: Any, known: Iterable[str]) -> str:
     """A known name close to the one given, for the end of a message; empty if there is none."""
     close = difflib.get_close_matches(str(given), list(known), n=1)
     return f" (did you mean {close[0]}?)" if close else ""
+
+
+def shown(value: Any) -> str:
+    """A value of a key for a message."""
+    if isinstance(value, tuple | list):
+        return "[" + ", ".join(shown(item) for item in value) + "]"
+    return "not given" if value is None else f"{value:g}" if isinstance(value, float) else str(value)

@@ -218,16 +218,17 @@ def _matches(merged: dict[str, Any], when: dict[str, Any]) -> bool:
             value = _read(dotted, merged[section][name])
         else:
             value = SECTIONS[section].__dataclass_fields__[name].default  # type: ignore[attr-defined]
-        if not _same(value, _read(dotted, wanted)):
+        if not same(value, _read(dotted, wanted)):
             return False
     return True
 
 
-def _same(one: Any, other: Any) -> bool:
+def same(one: Any, other: Any) -> bool:
+    """Whether two values of a key are equal but for the rounding of a unit's conversion."""
     if isinstance(one, float) and isinstance(other, float):
-        return math.isclose(one, other, rel_tol=1e-12)  # units are converted with a rounding each
+        return math.isclose(one, other, rel_tol=1e-12)
     if isinstance(one, tuple) and isinstance(other, tuple):
-        return len(one) == len(other) and all(_same(*pair) for pair in zip(one, other, strict=True))
+        return len(one) == len(other) and all(same(*pair) for pair in zip(one, other, strict=True))
     return bool(one == other)
 
 
@@ -237,7 +238,7 @@ def _swept_key(dotted: str, cases: tuple[Case, ...], swept: dict[str, Any]) -> S
     written = declaration.kind.partition(" or ")[0]
     units = written.replace("J/m^2", "J m-2") if written in EXAMPLES else "1"
     values = tuple(dict.fromkeys(case.coordinates[name] for case in cases))
-    if len(values) < len(swept[dotted]) or any(_same(*pair) for pair in itertools.combinations(values, 2)):
+    if len(values) < len(swept[dotted]) or any(same(*pair) for pair in itertools.combinations(values, 2)):
         raise InputError(f"sweep.{dotted} = {swept[dotted]!r}: holds a value twice")
     return SweptKey(values, units, declaration.description)
 
