@@ -34,7 +34,8 @@ MODEL = Model(
     whole_path=True,  # the separation curve, and the gaps of the gap flow, reach as far as the path asks
     description="Persson's theory of rough contact with adhesion, and the gap-flow theory beside it",
     references="C. Yang, B. N. J. Persson, J. Israelachvili, K. Rosenberg, EPL 84, 46004 (2008); "
-    "B. N. J. Persson, J. Chem. Phys. 115, 3840 (2001)",
+    "B. N. J. Persson, J. Chem. Phys. 115, 3840 (2001); gap flow in the spirit of Joe, Scaraggi, Barber (2017) and "
+    "Joe, Thouless, Barber (2018), both from memory, unchecked",
 )
 
 _UNSOUND_GAP = "states at higher pressures that the mean gap rests on did not converge; raise solver.max_iterations"

@@ -13,7 +13,6 @@ import numpy as np
 import xarray as xr
 
 from contact_study.campaign.schema import SCHEMA_VERSION
-from contact_study.campaign.storage import RESTART
 from contact_study.problem.case import Case
 from contact_study.problem.errors import InputError
 from contact_study.problem.study import Study, make_study
@@ -115,8 +114,7 @@ def _open(path: Path) -> dict[str, xr.Dataset]:
         with xr.open_datatree(path, engine="netcdf4", decode_timedelta=False) as tree:
             attrs = tree.attrs
             foreign = "schema_version" not in attrs or attrs.get("model") not in _ROOTS
-            nodes = [] if foreign else [node for node in tree.subtree if node.name != RESTART]
-            groups = {node.path.strip("/"): _in_memory(node) for node in nodes}
+            groups = {} if foreign else {node.path.strip("/"): _in_memory(node) for node in tree.subtree}
     except (OSError, RuntimeError, ValueError) as error:
         reason = str(error).splitlines()[0] if str(error) else type(error).__name__
         raise InputError(f"{path}: cannot be read as NetCDF, perhaps cut short ({reason})") from None
