@@ -81,7 +81,7 @@ class Run:
         for case in self.study.cases:
             # Two points of a sweep may differ in nothing that decides a number, such as the threads.
             apart = {name: _rounded(value) for name, value in case.coordinates.items()}
-            text = json.dumps([self.deciding(case), case.loading.unload, apart], sort_keys=True)
+            text = json.dumps([self.deciding(case), apart], sort_keys=True)
             names.append(hashlib.sha256(text.encode()).hexdigest()[:16])
         return names
 

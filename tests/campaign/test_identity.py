@@ -93,6 +93,14 @@ def test_ranges_that_left_something_out(first, then, stands):
     assert [found.steps for found in matches.values()] == ([3, 3] if stands else [0, 0])
 
 
+def test_values_in_other_units_are_the_same():
+    """A conversion's rounding is no difference: 83.2 angstrom and 8.32e-9 m are not the same number."""
+    one, two = (run(changed(surface={"size": size, "rms_height": "0.1 nm"})) for size in ("83.2 angstrom", 8.32e-9))
+    assert one.study.cases[0].surface.size != two.study.cases[0].surface.size
+    assert one.case_names() == two.case_names()
+    assert [found.steps for found in match(one.attributes, two)[1].values()] == [3, 3]
+
+
 def test_points_that_differ_in_how_far_they_go():
     table = changed(sweep={"loading.unload": [False, True], "interaction.well_depth_ratio": None})
     _, matches = match(run(table).attributes, run(table))

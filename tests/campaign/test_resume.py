@@ -211,6 +211,17 @@ def test_unfinished_study_is_widened(run, stopped, tmp_path, words):
     assert len(solved) == SOLVED_OF.get(words, 0) + 2
 
 
+@pytest.mark.parametrize("why", ["fields", "another turn", "finer bins"])
+def test_what_must_be_computed_anew_of_an_unfinished_study(run, stopped, tmp_path, why):
+    first, then, steps, _ = ANEW[why]
+    stopped(changed(**first), 4)
+    status, solved, said = run(changed(**then), "--resume")
+    assert status == 0, said
+    assert len(solved) == steps
+    run(changed(**then), output="fresh.nc")
+    assert_same(tmp_path / "bem.nc", tmp_path / "fresh.nc")
+
+
 def test_unfinished_study_says_what_differs(run, stopped, tmp_path):
     stopped(BASE, 4)
     before = sorted(tmp_path.rglob("*"))
