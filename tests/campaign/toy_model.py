@@ -29,13 +29,8 @@ def review(study, scales):
 
 def constants(case, surface):
     y, x = surface.grid.coordinates
-    return {
-        "y": y,
-        "x": x,
-        "height": surface.heights(surface.shape),
-        "contact_modulus": case.material.contact_modulus,
-        "work_of_adhesion": case.work_of_adhesion,
-    }
+    fields = {"y": y, "x": x, "height": surface.heights(surface.shape)} if case.output.fields else {}
+    return {"contact_modulus": case.material.contact_modulus, "work_of_adhesion": case.work_of_adhesion, **fields}
 
 
 def solve_path(case, surface, restart=None, start=0, predictor=None):
