@@ -30,6 +30,13 @@ from theory.scale_steps import BRANCHES, flow_through_scales, trace_back
 # Iterations of Newton's method in a step, at most.
 _STEP_ITERATIONS = 60
 
+# Height variance of the first step, in units of the law's length squared, and growth of those after it, times the
+# number of scales, until the bands of the spectrum are shorter. Where two states coexist, a step throws an area of the
+# square root of its variance across the end of coexistence, which is put back onto its last node. Finer steps spread it
+# again; the first, which nothing follows on the way back, must spread by less than the distance of two nodes.
+_FIRST_VARIANCE = 1e-5
+_STEP_GROWTH = 500
+
 
 @dataclass(frozen=True)
 class GapFlow:
@@ -64,6 +71,11 @@ class GapFlow:
     _steps: np.ndarray
     _compliances: np.ndarray
     _hull: np.ndarray
+
+    @property
+    def steps(self) -> int:
+        """Steps in which the roughness was added."""
+        return self._steps.size
 
     @property
     def converged(self) -> bool:
@@ -209,7 +221,8 @@ def _gap_nodes(
 def _scales(spectrum: RoughnessSpectrum, length: float, count: int) -> tuple[np.ndarray, np.ndarray]:
     """Stiffness and height variance of each step, fine scales first.
 
-    The wavevector of a band is the mean over its variance, which makes the full-contact energy Σ ½K Δm exact.
+    The wavevector of a band is the mean over its variance, which makes the full-contact energy Σ ½K Δm exact. At the
+    finest scale the steps begin small and grow.
     """
     edges = spectrum.band_edges(count)
     variance = 2 * np.pi * np.diff(spectrum.moment(1, upper=edges))
@@ -219,6 +232,12 @@ def _scales(spectrum: RoughnessSpectrum, length: float, count: int) -> tuple[np.
     wavevector = np.clip(energy / variance, lower, upper)  # and others little above it
     # The implicit Euler step is of first order in the variance; the shells of a realised surface hold much of it.
     pieces = np.ceil(variance / variance.sum() * 0.4 * count).astype(int)
-    stiffness = np.repeat(0.5 * wavevector * length, pieces)
-    steps = np.repeat(variance / pieces / length**2, pieces)
-    return stiffness[::-1].copy(), steps[::-1].copy()
+    stiffness = np.repeat(0.5 * wavevector * length, pieces)[::-1]
+    steps = np.repeat(variance / pieces / length**2, pieces)[::-1]
+    ends = np.cumsum(steps)
+    growth = _STEP_GROWTH / count
+    first = np.log1p(growth * ends[-1] / _FIRST_VARIANCE) / np.log1p(growth)
+    grown = _FIRST_VARIANCE * np.expm1(np.log1p(growth) * np.arange(first)) / growth
+    edges = np.union1d(ends, grown)
+    inside = np.searchsorted(ends, 0.5 * (edges[1:] + edges[:-1]))
+    return stiffness[inside], np.diff(edges)

@@ -8,6 +8,9 @@ from scipy.interpolate import PchipInterpolator
 
 from contact_study.problem.laws.base import TractionLaw
 
+# Relative change of the area and of the mean gap that the rounding of some thousand steps explains.
+_KEPT = 1e-6
+
 
 @dataclass(frozen=True)
 class GapState:
@@ -39,6 +42,12 @@ class GapState:
     elastic_energy: float
     gaps: np.ndarray
     weights: np.ndarray
+
+    @property
+    def complete(self) -> bool:
+        """Whether the distribution holds the whole area and the mean gap, which every step keeps but for rounding."""
+        area, gap = self.weights.sum(), self.weights @ self.gaps
+        return bool(abs(area - 1) < _KEPT and abs(gap * self.length - self.mean_gap) < _KEPT * self.mean_gap)
 
     @property
     def interaction_energy(self) -> float:

@@ -30,6 +30,10 @@ TRUE_AREAS = ("persson", "none", "lattice")
 TOLERANCE = 1e-7
 MAX_ITERATIONS = 400
 
+# Iterations in which the smallest change so far must halve: at a slower pace a state takes over four thousand. States
+# near the sticking threshold with an α several times the paper's circle without end.
+_PATIENCE = 200
+
 # Share of the nodes that resolves the start of the diffusion; the others are logarithmic in q.
 _EARLY_SHARE = 0.4
 
@@ -168,6 +172,8 @@ class PerssonContact:
         P(σ) at the highest magnification and A(q), in units of ``theory.stress_scale``.
     converged : bool
         Whether the residual met the tolerance.
+    stalled : bool
+        Whether the iteration was ended because it came no nearer to its end.
     residual : float
         Largest change of σ_a in the last iteration over ``theory.stress_scale``.
     iterations : int
@@ -179,6 +185,7 @@ class PerssonContact:
     detachment_stress: np.ndarray
     distribution: StressDistribution
     converged: bool
+    stalled: bool
     residual: float
     iterations: int
 
@@ -196,6 +203,11 @@ class PerssonContact:
     def detached(self) -> bool:
         """Whether no contact is left: without pressure the iteration ends near zero area, not on it."""
         return self.pressure <= 0 and self.relative_contact_area < 1e-6
+
+    @property
+    def advice(self) -> str:
+        """What to do about a state that did not converge."""
+        return "its iteration circles; lower theory.alpha" if self.stalled else "raise solver.max_iterations"
 
     @property
     def effective_work_of_adhesion(self) -> np.ndarray:
@@ -219,14 +231,14 @@ class PerssonContact:
         return self.elastic_energy + self.adhesion_energy
 
     @property
-    def contact_force(self) -> float:
-        """∫ σ P dσ over the contact (Pa)."""
-        return self.distribution.contact_force * self.theory.stress_scale
+    def contact_stress(self) -> float:
+        """Mean stress carried inside the contact, ∫ σ P dσ (Pa)."""
+        return self.distribution.contact_stress * self.theory.stress_scale
 
     @property
-    def edge_force(self) -> float:
+    def edge_stress(self) -> float:
         """Mean stress carried at detached edges, −∫ σ_a g ds <= 0 (Pa); with the contact's it makes the pressure."""
-        return self.distribution.edge_force * self.theory.stress_scale
+        return self.distribution.edge_stress * self.theory.stress_scale
 
     def pressure_density(self, edges: np.ndarray) -> np.ndarray:
         """Mean of P(σ) in bins (1/Pa), shape (n,) for n + 1 edges (Pa)."""
@@ -255,7 +267,7 @@ def solve(
     tolerance : float, optional
         Largest change of σ_a over the stress scale at which the iteration ends.
     max_iterations : int, optional
-        Diffusions after which it ends unconverged.
+        Diffusions after which it ends unconverged; it does so earlier where the change no longer falls.
 
     Raises
     ------
@@ -270,7 +282,7 @@ def solve(
         return diffuse(pressure / scale, variance, stress / scale, theory.cells)
 
     if theory.work_of_adhesion == 0:
-        return PerssonContact(theory, pressure, stress, diffused(np.zeros_like(stress)), True, 0.0, 1)
+        return PerssonContact(theory, pressure, stress, diffused(np.zeros_like(stress)), True, False, 0.0, 1)
 
     def updated(stress: np.ndarray) -> tuple[np.ndarray, StressDistribution]:
         distribution = diffused(stress)
@@ -303,6 +315,7 @@ def _damped_fixed_point(
     the others, and each by what it needs.
     """
     relaxation, previous, iterations = np.full(stress.size, 0.8), np.zeros(stress.size), 0
+    best, since = np.inf, 0
     while True:
         target, distribution = updated(stress)
         iterations += 1
@@ -310,14 +323,17 @@ def _damped_fixed_point(
         change = float(np.max(np.abs(difference)))
         if not np.isfinite(change):
             raise FloatingPointError(f"p = {pressure:g} Pa: σ_a is not finite after {iterations} diffusions")
-        if change <= tolerance or iterations == max_iterations:
+        if change < 0.5 * best:
+            best, since = change, iterations
+        converged = change <= tolerance
+        stalled = not converged and iterations - since == _PATIENCE
+        if converged or stalled or iterations == max_iterations:
             break
         alternates = difference * previous < 0
         relaxation = np.where(alternates, 0.7 * relaxation, np.minimum(1.1 * relaxation, 0.8))
         stress, previous = stress + relaxation * difference, difference
-    return PerssonContact(
-        theory, pressure, stress, distribution, change <= tolerance, change / theory.stress_scale, iterations
-    )
+    residual = change / theory.stress_scale
+    return PerssonContact(theory, pressure, stress, distribution, converged, stalled, residual, iterations)
 
 
 def energy_weight(contact: np.ndarray, kind: str, beta: float) -> np.ndarray:

@@ -24,7 +24,14 @@ from contact_study.problem.surface_scales import SurfaceScales
 from theory.gap_flow import BRANCHES, GapFlow, gap_flow
 from theory.gap_state import GapState
 from theory.persson import TOLERANCE, PerssonContact, PerssonTheory, solve
-from theory.separation import NegativeSeparation, SeparationCurve, energy_defect, pull_off_pressure, separation_curve
+from theory.separation import (
+    NegativeSeparation,
+    NotConverged,
+    SeparationCurve,
+    energy_defect,
+    pull_off_pressure,
+    separation_curve,
+)
 
 MODEL = Model(
     command="persson-theory",
@@ -38,7 +45,7 @@ MODEL = Model(
     "Joe, Thouless, Barber (2018), both from memory, unchecked",
 )
 
-_UNSOUND_GAP = "states at higher pressures that the mean gap rests on did not converge; raise solver.max_iterations"
+_UNSOUND_GAP = "states at higher pressures that the mean gap rests on did not converge"
 
 # What a block that has come off is, in every model; its mean gap is infinite where the model defines one.
 _DETACHED: dict[str, Value] = {
@@ -180,6 +187,7 @@ def constants(case: Case, surface: Surface) -> dict[str, Value]:
     if isinstance(law, TractionLaw):
         for branch in BRANCHES:
             flow = gap_flow(spectrum, theory.contact_modulus, law, branch)
+            _warn_of_unconverged(flow)
             values[_name(branch, "pull_off_pressure")] = flow.pull_off_pressure
     return values
 
@@ -291,15 +299,15 @@ def _persson_values(case: Case, contact: PerssonContact) -> dict[str, Value]:
     if contact.pressure <= 0:
         message = "the theory's mean gap diverges at zero pressure and is not defined under tension"
     elif not contact.converged:
-        message = "the detachment stress did not converge; raise solver.max_iterations"
+        message = f"the detachment stress did not converge; {contact.advice}"
     return {
         "mean_pressure": contact.pressure,
         "relative_contact_area": contact.relative_contact_area,
         "elastic_energy": contact.elastic_energy,
         "interaction_energy": contact.adhesion_energy,
         "pressure_pdf": contact.pressure_density(case.bins.pressure_edges),
-        "contact_stress": contact.contact_force,
-        "edge_stress": contact.edge_force,
+        "contact_stress": contact.contact_stress,
+        "edge_stress": contact.edge_stress,
         "relative_contact_area_at": np.interp(stored, nodes, contact.contact),
         "detachment_stress": np.interp(stored, nodes, contact.detachment_stress),
         "effective_work_of_adhesion": np.interp(stored, nodes, contact.effective_work_of_adhesion),
@@ -340,10 +348,22 @@ def _gap_flow_path(case: Case, spectrum: RoughnessSpectrum) -> list[list[dict[st
     if case.loading.control == "gap":
         largest = max(gap for gap, _ in case.path) + case.law.equilibrium_distance
     flows = [gap_flow(spectrum, case.material.contact_modulus, case.law, branch, largest) for branch in BRANCHES]
+    for flow in flows:
+        _warn_of_unconverged(flow)
     try:
         return [_flow_values(case, flow) for flow in flows]
     except ValueError as error:
         raise InputError(f"loading.path: {error}") from None
+
+
+def _warn_of_unconverged(flow: GapFlow) -> None:
+    if not flow.converged:
+        warnings.warn(
+            f"gap flow, {flow.branch}: {flow.unconverged_steps} of {flow.steps} steps of the roughness "
+            "did not converge",
+            NotConverged,
+            stacklevel=2,
+        )
 
 
 def _flow_values(case: Case, flow: GapFlow) -> list[dict[str, Value]]:
@@ -369,6 +389,7 @@ def _state_values(case: Case, flow: GapFlow, state: GapState | None) -> dict[str
     if state is None:
         return _DETACHED | {
             "mean_gap": float("inf"),
+            "converged": flow.converged,  # a curve that is not solved does not tell where it ends either
             "relative_repulsive_area": 0.0,
             "pressure_pdf": np.zeros(pressure_edges.size - 1),
             "gap_pdf": np.zeros(gap_edges.size - 1),
@@ -382,7 +403,7 @@ def _state_values(case: Case, flow: GapFlow, state: GapState | None) -> dict[str
         "interaction_energy": state.interaction_energy,
         "pressure_pdf": state.pressure_density(pressure_edges),
         "gap_pdf": state.gap_density(gap_edges),
-        "converged": flow.converged,
+        "converged": flow.converged and state.complete,
         "detached": False,
         # Mean traction of the local gaps against the slope of the energy: not a measure of convergence but of the
         # resolution. Second order in the gap's nodes, first in the scales and where coexistence ends between nodes.

@@ -150,11 +150,11 @@ def separation_curve(
 
 
 def _warn_of_unconverged(quantity: str, contacts: Sequence[PerssonContact]) -> None:
-    lost = sorted(contact.pressure for contact in contacts if not contact.converged)
+    lost = sorted((contact for contact in contacts if not contact.converged), key=lambda contact: contact.pressure)
     if lost:
         warnings.warn(
             f"{quantity}: {len(lost)} of {len(contacts)} states did not converge, "
-            f"at pressures from {lost[0]:.3g} to {lost[-1]:.3g} Pa; raise solver.max_iterations",
+            f"at pressures from {lost[0].pressure:.3g} to {lost[-1].pressure:.3g} Pa; {lost[0].advice}",
             NotConverged,
             stacklevel=3,
         )
@@ -197,12 +197,15 @@ def pull_off_pressure(
 ) -> float:
     """Pressure <= 0 at which the adhered branch ends (Pa); zero where nothing sticks.
 
+    Steps double until one fails and halve from there: smooth surfaces, whose pull-off is many times the stress of their
+    roughness, take some thirty states.
+
     Parameters
     ----------
     theory : PerssonTheory
         Interface and choices.
     accuracy : float, optional
-        Accuracy over the stress scale.
+        Accuracy over the stress scale, or over the pull-off pressure where that is larger.
     tolerance, max_iterations : optional
         Of each state, see :func:`theory.persson.solve`. A state that does not converge counts as lost.
 
@@ -213,13 +216,13 @@ def pull_off_pressure(
     """
     contact = solve(theory, 0.0, "adhered", tolerance, max_iterations)
     tried = [contact]
-    step, held = 0.05 * theory.stress_scale, 0.0
-    while not contact.detached and step > accuracy * theory.stress_scale:
+    step, growth, held = 0.05 * theory.stress_scale, 2.0, 0.0
+    while not contact.detached and step > accuracy * max(theory.stress_scale, -held):
         trial = solve(theory, held - step, contact.detachment_stress, tolerance, max_iterations)
         tried.append(trial)
         if trial.detached or not trial.converged:
-            step /= 2
+            step, growth = step / 2, 1.0
         else:
-            held, contact = held - step, trial
+            held, contact, step = held - step, trial, growth * step
     _warn_of_unconverged("pull-off pressure", tried)
-    return 0.0 if contact.detached else held - step / 2
+    return 0.0 if contact.detached else held - step

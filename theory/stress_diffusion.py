@@ -15,9 +15,17 @@ from dataclasses import dataclass
 import numpy as np
 from numba import njit
 from scipy.interpolate import PchipInterpolator
+from scipy.special import ndtr
 
 # Alexander's stiffly accurate SDIRK method of order two.
 _GAMMA = 1 - 1 / np.sqrt(2)
+
+# Standard deviations outside which 1e-12 of a Gaussian lies.
+_REACH = 7.0
+
+# Standard deviations of its stress that a contact may be away from detaching anywhere before none is lost: beyond ten
+# lies 1e-23 of a Gaussian. Cells that reach from the boundary to a far contact would be wider than its distribution.
+_SAFE_DISTANCE = 10.0
 
 
 @dataclass(frozen=True)
@@ -32,18 +40,18 @@ class StressDistribution:
         Cell edges of the stress, from −σ_a upward, compression positive.
     density : numpy.ndarray, shape (m,)
         P in each cell, per unit of stress.
-    edge_force : float
+    edge_stress : float
         −∫ σ_a g ds with g the absorbed flux: the mean stress that left with the detached area, which is tension.
     """
 
     contact: np.ndarray
     edges: np.ndarray
     density: np.ndarray
-    edge_force: float
+    edge_stress: float
 
     @property
-    def contact_force(self) -> float:
-        """∫ σ P dσ; together with :attr:`edge_force` it balances the applied pressure."""
+    def contact_stress(self) -> float:
+        """∫ σ P dσ; together with :attr:`edge_stress` it balances the applied pressure."""
         return float(np.sum(self.density * 0.5 * np.diff(self.edges**2)))
 
     def bin_averages(self, edges: np.ndarray) -> np.ndarray:
@@ -58,6 +66,8 @@ def diffuse(
 ) -> StressDistribution:
     """Stress distribution of a contact pressed by ``pressure``, in units where the last variance is about one.
 
+    A contact that never comes near the boundary stays whole, and its distribution is the Gaussian of full contact.
+
     Parameters
     ----------
     pressure : float
@@ -69,18 +79,30 @@ def diffuse(
     cells : int, optional
         Number of stress cells.
     """
-    # Seven standard deviations leave 1e-12 of a Gaussian outside.
-    reach = max(pressure, 0.0) + detachment_stress.max() + 7 * np.sqrt(variance[-1])
-    faces = graded(reach, cells)
-    mass = np.zeros(cells)
     start = pressure + detachment_stress[0]
+    if np.min(pressure + detachment_stress - _SAFE_DISTANCE * np.sqrt(variance)) > 0:
+        return _full_contact(pressure, variance, cells)
+    reach = max(pressure, 0.0) + detachment_stress.max() + _REACH * np.sqrt(variance[-1])
+    faces = graded(reach, cells)
+    if start > 0.5 * (faces[-2] + faces[-1]):  # in the outer half of a last cell that is wider than the distribution
+        faces = graded(1.5 * reach, cells)
+    mass = np.zeros(cells)
     if start <= 0:
         contact = np.zeros(variance.size)
         return StressDistribution(contact, faces - detachment_stress[-1], mass, min(pressure, 0.0))
     _split_delta(start, faces, mass)
     contact = np.empty(variance.size)
-    edge_force = _march(variance, detachment_stress, faces, mass, contact)
-    return StressDistribution(contact, faces - detachment_stress[-1], mass / np.diff(faces), edge_force)
+    edge_stress = _march(variance, detachment_stress, faces, mass, contact)
+    return StressDistribution(contact, faces - detachment_stress[-1], mass / np.diff(faces), edge_stress)
+
+
+def _full_contact(pressure: float, variance: np.ndarray, cells: int) -> StressDistribution:
+    """The Gaussian of full contact in equal cells."""
+    deviations = np.linspace(-_REACH, _REACH, cells + 1)
+    mass = np.diff(ndtr(deviations))
+    mass /= mass.sum()
+    edges = pressure + np.sqrt(variance[-1]) * deviations
+    return StressDistribution(np.ones(variance.size), edges, mass / np.diff(edges), 0.0)
 
 
 def graded(reach: float, cells: int) -> np.ndarray:
@@ -103,7 +125,7 @@ def _split_delta(start: float, faces: np.ndarray, mass: np.ndarray) -> None:
 
 @njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "arcp", "nsz"})
 def _march(variance, detachment_stress, faces, mass, contact):
-    """Advance the cell masses through all nodes in place; fills the contact area, returns the edge force."""
+    """Advance the cell masses through all nodes in place; fills the contact area, returns the edge stress."""
     gamma = _GAMMA
     n = mass.size
     width = faces[1:] - faces[:-1]
@@ -118,7 +140,7 @@ def _march(variance, detachment_stress, faces, mass, contact):
     first = np.empty(n)
     total = mass.sum()
     contact[0] = 1.0
-    edge_force = 0.0
+    edge_stress = 0.0
     for k in range(variance.size - 1):
         step = variance[k + 1] - variance[k]
         rise = detachment_stress[k + 1] - detachment_stress[k]
@@ -157,7 +179,7 @@ def _march(variance, detachment_stress, faces, mass, contact):
         for i in range(n - 2, -1, -1):
             mass[i] = (mass[i] - upper[i + 1] * mass[i + 1]) * pivot[i]
         late = backward[0] * mass[0] * weight
-        edge_force -= early * (detachment_stress[k] + gamma * rise) + late * detachment_stress[k + 1]
+        edge_stress -= early * (detachment_stress[k] + gamma * rise) + late * detachment_stress[k + 1]
         total -= early + late
         contact[k + 1] = total
-    return edge_force
+    return edge_stress

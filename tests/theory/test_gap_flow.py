@@ -110,6 +110,22 @@ def test_dissipated_energy_is_not_elastic(paper):
     assert total["equilibrium"] < total["loading"]
 
 
+@pytest.mark.parametrize("ratio", [4, 8])
+@pytest.mark.parametrize("branch", ["equilibrium", "unloading"])
+def test_gaps_of_coexistence_are_left_out_and_nothing_more(paper, ratio, branch):
+    flow = flow_of(paper, ratio, branch)
+    (state,) = states_at(flow, [0.78])
+    gaps = state.gaps * flow.length
+    above = gaps[(gaps > 4.5e-10) & (state.weights > 0)][0]
+    # No gap lies between the two states that coexist: contact below 3.8 Å and the wide gap that attraction leaves.
+    assert above > 6.5e-10
+    assert not np.any(state.weights[(gaps > 4e-10) & (gaps < above)])
+    # Above it P(u) varies as slowly as the roughness, by 17 % in 1.4 Å. A finest step as long as the others would put
+    # the area of several nodes on the first and leave a third of it on those beside.
+    density = state.gap_density(above + 0.1e-10 * np.arange(15))
+    assert density == pytest.approx(np.full(14, density[-1]), rel=0.25)
+
+
 def test_far_away_the_gap_has_the_height_distribution(paper):
     flow = flow_of(paper, 1)
     gap = 6 * paper.rms_height
@@ -206,7 +222,7 @@ def test_convergence_is_that_of_every_step(paper, branch):
     short = flow_of(paper, 8, branch, iterations=3)
     assert not short.converged
     # The first step starts from a guess, the later ones each from the one before.
-    assert 0 < short.unconverged_steps <= flow_of(paper, 8, branch, iterations=1).unconverged_steps <= 1601
+    assert 0 < short.unconverged_steps <= flow_of(paper, 8, branch, iterations=1).unconverged_steps <= short.steps
 
 
 def test_balance_of_traction_is_of_second_order_in_the_gaps(paper):

@@ -61,15 +61,15 @@ def test_vanishing_adhesion_gives_the_closed_forms(paper):
 @pytest.mark.parametrize("work_of_adhesion", [0.69, 2.76, 5.52])
 def test_load_is_carried_in_the_contact_and_at_its_edges(paper, work_of_adhesion, pressure):
     contact = solve(paper.theory(work_of_adhesion), pressure)
-    assert contact.edge_force < 0
+    assert contact.edge_stress < 0
     # The fluxes hold the first moment to second order in the stress cells: 6e-4 of the contact's force at most, which
     # is many times the load where adhesion is strong (2.8 GPa against 0.1 GPa).
-    assert contact.contact_force + contact.edge_force == pytest.approx(pressure, abs=1e-3 * contact.contact_force)
+    assert contact.contact_stress + contact.edge_stress == pytest.approx(pressure, abs=1e-3 * contact.contact_stress)
 
 
 def test_balance_of_load_is_of_second_order_in_the_stress_cells(paper):
     contacts = [solve(paper.theory(5.52, cells=cells), 1e8) for cells in (150, 300)]
-    coarse, fine = (abs(contact.contact_force + contact.edge_force - 1e8) for contact in contacts)
+    coarse, fine = (abs(contact.contact_stress + contact.edge_stress - 1e8) for contact in contacts)
     assert np.log2(coarse / fine) == pytest.approx(2, abs=0.2)
 
 
@@ -147,6 +147,21 @@ def test_converges_near_the_sticking_threshold(paper, work_of_adhesion, pressure
     early = solve(paper.theory(work_of_adhesion), pressure * 1e9, max_iterations=3)
     assert not early.converged
     assert early.residual > 1e-7
+
+
+def test_state_that_circles_is_given_up(paper):
+    # With an α four times the paper's, near the sticking threshold, the change stays at some 6 % of the stress scale.
+    contact = solve(paper.theory(3.0, alpha=4.0), 1e8, max_iterations=2000)
+    assert contact.stalled
+    assert not contact.converged
+    assert contact.iterations < 400
+    assert "alpha" in contact.advice
+    slow = solve(paper.theory(3.5, alpha=4.0), 1e7, max_iterations=2000)  # 1145 iterations
+    assert slow.converged
+    assert not slow.stalled
+    early = solve(paper.theory(3.0, alpha=4.0), 1e8, max_iterations=20)
+    assert not early.stalled
+    assert "max_iterations" in early.advice
 
 
 def test_cap_limits_the_detachment_stress(paper):

@@ -1,6 +1,7 @@
 """The theories along a loading path: names of the schema, restarts, gap control, branches, mistakes of input."""
 
 import copy
+import dataclasses
 import warnings
 
 import numpy as np
@@ -177,6 +178,34 @@ def test_tension_follows_the_adhered_branch_and_detaches():
 def test_flow_whose_steps_did_not_converge_is_flagged(case):
     flow = gap_flow(realise(case).spectrum, case.material.contact_modulus, case.law, iterations=3)
     assert not any(values["gap_flow/converged"] for values in run._flow_values(case, flow))
+
+
+def test_every_state_of_an_unconverged_branch_is_flagged(monkeypatch):
+    case = case_of(loading={"path": ["1 GPa", "-2 GPa"], "unload": False})
+
+    def loading_cut_short(*arguments):
+        return gap_flow(*arguments, iterations=3 if "loading" in arguments else 60)
+
+    monkeypatch.setattr(run, "gap_flow", loading_cut_short)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", NegativeSeparation)
+        with pytest.warns(NotConverged, match=r"gap flow, loading: \d+ of \d+ steps of the roughness"):
+            held, lost = (step.values for step in steps_of(case))
+    assert lost["gap_flow/loading/detached"]
+    for values in (held, lost):
+        assert not values["gap_flow/loading/converged"]
+        assert values["gap_flow/converged"]
+        assert values["gap_flow/unloading/converged"]
+    with pytest.warns(NotConverged, match="gap flow, loading"):  # its pull-off pressure rests on the same steps
+        run.constants(case, realise(case))
+
+
+def test_distribution_that_lost_area_is_not_converged(case):
+    flow = gap_flow(realise(case).spectrum, case.material.contact_modulus, case.law)
+    (state,) = flow.states(np.array([flow.gap_at(1e9)]))
+    assert run._state_values(case, flow, state)["converged"]
+    for weights in (0.999 * state.weights, np.roll(state.weights, 1)):
+        assert not run._state_values(case, flow, dataclasses.replace(state, weights=weights))["converged"]
 
 
 def test_gap_that_rests_on_unconverged_states_is_flagged():

@@ -1,11 +1,13 @@
 """Mean separation: the reference table, the closed form without adhesion, sticking and pull-off."""
 
+import dataclasses
 import warnings
 
 import numpy as np
 import pytest
 
-from theory import closed_forms
+from theory import closed_forms, separation
+from theory.persson import solve
 from theory.separation import (
     NegativeSeparation,
     NotConverged,
@@ -96,6 +98,24 @@ def test_pull_off(paper):
     assert pull_off_pressure(paper.theory(0.69)) == 0
     # The reference is good to 0.5 %, the search here to 1e-3 of 12.3 GPa.
     assert pull_off_pressure(paper.theory(5.52)) == pytest.approx(-1.82e9, abs=0.02e9)
+
+
+@pytest.mark.parametrize("rms_height", [1e-12, 1e-14, 1e-20])
+def test_pull_off_of_a_smooth_surface(paper, monkeypatch, rms_height):
+    """A contact that is whole lets go where a crack of the cell's size runs, whatever the stress of its roughness."""
+    tried = []
+
+    def counted(theory, pressure, *others):
+        tried.append(pressure)
+        # Steps that double from 5 % of the stress of the roughness to its 1.6e10-fold, then halve to 0.1 % of that.
+        assert len(tried) <= 38 + 2 * 10
+        return solve(theory, pressure, *others)
+
+    monkeypatch.setattr(separation, "solve", counted)
+    smooth = dataclasses.replace(paper, rms_height=rms_height)
+    expected = -np.sqrt(smooth.contact_modulus * smooth.spectrum.low * 0.69)
+    # The search's own accuracy; the energy of the roughness lowers Δγ by 1e-5 at most.
+    assert pull_off_pressure(smooth.theory(0.69)) == pytest.approx(expected, rel=2e-3)
 
 
 def test_states_that_did_not_converge_are_named(paper):

@@ -5,6 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.special import erf
+from scipy.stats import norm
 
 from theory.stress_diffusion import diffuse
 
@@ -48,8 +49,8 @@ def test_resting_boundary_is_the_method_of_images(pressure):
     assert result.contact[later] == pytest.approx(erf(pressure / np.sqrt(2 * nodes()[later])), rel=1e-3)
     assert result.contact[-1] == pytest.approx(erf(pressure / np.sqrt(2)), rel=5e-5)
     # Without tension the contact carries all; the pressure is a harmonic function of the scheme itself.
-    assert result.contact_force == pytest.approx(pressure, rel=1e-9)
-    assert result.edge_force == 0
+    assert result.contact_stress == pytest.approx(pressure, rel=1e-9)
+    assert result.edge_stress == 0
 
 
 def test_moving_boundary_agrees_with_the_integral_equation():
@@ -71,9 +72,9 @@ def test_falling_boundary_agrees_with_the_integral_equation():
 def test_load_is_carried_in_the_contact_and_at_its_edges(pressure):
     s = nodes()
     result = diffuse(pressure, s, boundary(s), 300)
-    assert result.edge_force < 0
+    assert result.edge_stress < 0
     # First moment of the scheme: exact but for the Scharfetter-Gummel fluxes, of second order in the cells.
-    assert result.contact_force + result.edge_force == pytest.approx(pressure, abs=5e-5)
+    assert result.contact_stress + result.edge_stress == pytest.approx(pressure, abs=5e-5)
 
 
 def test_second_order_in_variance():
@@ -126,3 +127,37 @@ def test_tension_beyond_the_boundary_detaches_at_once():
     result = diffuse(-1.0, nodes(), np.full(161, 0.5), 100)
     assert np.all(result.contact == 0)
     assert np.all(result.density == 0)
+
+
+@pytest.mark.parametrize("pressure", [11.0, 400.0, 1e7])
+def test_contact_far_from_detaching_is_whole(pressure):
+    s = nodes()
+    for result in (diffuse(pressure, s, 0 * s, 300), diffuse(-pressure, s, 2 * pressure + s, 300)):
+        mean = pressure if result.edges[0] > 0 else -pressure
+        assert np.all(result.contact == 1)
+        assert result.edge_stress == 0
+        # The cells are differences of edges that lie up to 1e8 of their widths away: their rounding.
+        assert result.contact_stress == pytest.approx(mean, rel=1e-10)
+        density = norm.pdf(0.5 * (result.edges[1:] + result.edges[:-1]), mean)
+        assert result.density == pytest.approx(density, abs=1e-3 * density.max())  # cells of 1/20: w²/24
+
+
+def test_whole_contact_joins_that_of_the_march():
+    s = nodes()
+    near, far = diffuse(9.9, s, 0 * s, 2000), diffuse(10.1, s, 0 * s, 2000)
+    assert near.contact[-1] == pytest.approx(far.contact[-1], abs=1e-12)
+    spread = [
+        np.sqrt(np.diff(r.edges) * r.density @ (0.5 * (r.edges[1:] + r.edges[:-1]) - p) ** 2)
+        for r, p in ((near, 9.9), (far, 10.1))
+    ]
+    # The march starts from a δ over two of its cells, some 0.04 wide there, and steps of second order.
+    assert spread == pytest.approx([1, 1], abs=2e-3)
+
+
+def test_boundary_that_comes_near_from_afar():
+    s = nodes()
+    result = diffuse(0.0, s, 1 + 2000 * (1 - s), 300)
+    assert 0 < result.contact[-1] < 1
+    assert np.sum(result.density * np.diff(result.edges)) == pytest.approx(result.contact[-1], abs=1e-12)
+    # The cells that the mass starts in are fourteen deviations wide, and it crosses as many as a front in some steps.
+    assert result.contact_stress + result.edge_stress == pytest.approx(0, abs=0.02 * 2001)
