@@ -1,7 +1,8 @@
 """Persson's theory without adhesion, where the diffusion with a resting boundary is solved by images.
 
-Persson, J. Chem. Phys. 115, 3840 (2001) for the area and stress; Phys. Rev. Lett. 99, 125502 (2007) and Yang and
-Persson, J. Phys.: Condens. Matter 20, 215214 (2008) for the separation.
+Area and stress: B. N. J. Persson, J. Chem. Phys. 115, 3840 (2001). Separation: B. N. J. Persson, Phys. Rev. Lett. 99,
+125502 (2007), doi:10.1103/PhysRevLett.99.125502, with the elastic energy's weight of C. Yang et al., EPL 84, 46004
+(2008).
 """
 
 import numpy as np

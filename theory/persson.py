@@ -1,8 +1,9 @@
 """Persson's theory of rough contact with adhesion, as Yang et al. used it.
 
-C. Yang, B. N. J. Persson, J. Israelachvili and K. Rosenberg, EPL 84, 46004 (2008), with Persson, Eur. Phys. J. E 8,
-385 (2002). The contact is studied at growing magnification q: its stress distribution diffuses with the roughness
-added (:mod:`theory.stress_diffusion`), stopped at the detachment stress σ_a(q) of a crack of size 1/q,
+C. Yang, B. N. J. Persson, J. Israelachvili and K. Rosenberg, EPL 84, 46004 (2008), arXiv:0808.3463, with B. N. J.
+Persson, Surf. Sci. Rep. 61, 201 (2006), arXiv:cond-mat/0603807, section 8. The contact is studied at growing
+magnification q: its stress distribution diffuses with the roughness added (:mod:`theory.stress_diffusion`), stopped at
+the detachment stress σ_a(q) of a crack of size 1/q,
 
     σ_a² = α E* q γ_eff(q),     γ_eff(q) A*(q) = Δγ A*(q₁) − U_el(q),
 

@@ -41,8 +41,8 @@ MODEL = Model(
     whole_path=True,  # the separation curve, and the gaps of the gap flow, reach as far as the path asks
     description="Persson's theory of rough contact with adhesion, and the gap-flow theory beside it",
     references="C. Yang, B. N. J. Persson, J. Israelachvili, K. Rosenberg, EPL 84, 46004 (2008); "
-    "B. N. J. Persson, J. Chem. Phys. 115, 3840 (2001); gap flow in the spirit of Joe, Scaraggi, Barber (2017) and "
-    "Joe, Thouless, Barber (2018), both from memory, unchecked",
+    "B. N. J. Persson, J. Chem. Phys. 115, 3840 (2001); akin to the gap flow: J. Joe, Traction Between Rough Surfaces, "
+    "PhD thesis, University of Michigan (2021), https://hdl.handle.net/2027.42/169927",
 )
 
 _UNSOUND_GAP = "states at higher pressures that the mean gap rests on did not converge"

@@ -1,8 +1,9 @@
 """Diffusion of the interfacial stress distribution with an absorbing boundary that moves.
 
-Persson, J. Chem. Phys. 115, 3840 (2001): while roughness of ever shorter wavelength is added, the stress of the
-contact diffuses, ∂P/∂s = ½ ∂²P/∂σ², where s is the stress variance that the roughness so far would make in full
-contact. Contact is lost where the stress reaches the detachment stress: P(−σ_a(s), s) = 0.
+B. N. J. Persson, Theory of rubber friction and contact mechanics, J. Chem. Phys. 115, 3840 (2001): while roughness of
+ever shorter wavelength is added, the stress of the contact diffuses, ∂P/∂s = ½ ∂²P/∂σ², where s is the stress variance
+that the roughness so far would make in full contact. Contact is lost where the stress reaches the detachment stress:
+P(−σ_a(s), s) = 0.
 
 Scheme: the front is fixed by x = σ + σ_a(s), where ∂P/∂s = −∂J/∂x with J = σ_a' P − ½ ∂P/∂x. Finite volumes with
 Scharfetter-Gummel fluxes, exact for constant J and monotone at any speed of the front; in s the L-stable two-stage
