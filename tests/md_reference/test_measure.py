@@ -43,6 +43,12 @@ def test_effective_modulus_is_that_of_the_waves_present():
     x = np.arange(36) / 36
     wave = np.cos(2 * np.pi * 5 * x)[None, :] * np.ones((24, 1))
     assert effective_contact_modulus(stiffness, wave) == pytest.approx(stiffness.contact_modulus[0, 5], rel=1e-9)
+    # The transform holds a wave along y twice, one along x once; each weighs by its wavenumber and squared amplitude.
+    y = np.arange(24)[:, None] / 24
+    both = effective_contact_modulus(stiffness, 3 * np.cos(2 * np.pi * 8 * y) + 2 * wave)
+    along_y, along_x = 9 * 8 / 24, 4 * 5 / 36
+    expected = along_y * stiffness.contact_modulus[8, 0] + along_x * stiffness.contact_modulus[0, 5]
+    assert both == pytest.approx(expected / (along_y + along_x), rel=1e-9)
     flat_surface = effective_contact_modulus(stiffness, np.zeros((24, 36)))
     assert flat_surface == pytest.approx(stiffness.contact_modulus[0, 1], rel=1e-12)
     assert flat_surface == pytest.approx(CONTACT_MODULUS, rel=0.05)
