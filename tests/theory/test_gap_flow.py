@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from contact_study.fields.spectrum import RadialSpectrum, SelfAffineSpectrum
 from contact_study.problem.laws import LennardJones104
-from theory.gap_flow import BRANCHES, gap_flow
+from theory.gap_flow import BRANCHES, GapFlow, gap_flow
 
 PRESSURES = (0.1, 0.5, 1, 2, 5, 10)  # GPa
 # A (u < 3.68 Å) and ū/h_rms of a prototype with 3200 gaps and 800 scales, and its pull-off pressure (GPa).
@@ -64,6 +64,21 @@ def test_reference_areas_of_the_branches(paper, ratio, branch):
     states = states_at(flow_of(paper, ratio, branch, 0.69), (0.1, 1, 5))
     areas = [s.fraction_below(paper.contact_distance) for s in states]
     assert areas == pytest.approx(BRANCH_AREAS[ratio, branch], rel=0.02)  # 2400 gaps and 600 scales, first order
+
+
+@pytest.mark.parametrize(("branch", "gap"), [("loading", 28 / 3), ("equilibrium", 28 / 3), ("unloading", 1.5)])
+def test_of_several_stable_states_an_approaching_block_meets_the_farthest(branch, gap):
+    # Pressures at 1, 3, 5, 7, 9, 11 m: they fall through 15 Pa at 1.5, 6.5 and 28/3 m.
+    pressures = np.array([20.0, 0.0, 30.0, 10.0, 20.0, -10.0])
+    energy = -np.concatenate([[0.0], np.cumsum(pressures)]) / 10
+    nothing = np.empty((0, energy.size))
+    law, nodes = LennardJones104(1.0, 1.0), np.arange(7.0)
+    flow = GapFlow(law, 2.0, 10.0, branch, nodes, energy, 0, nodes[:0], nodes[:0], nothing, nothing)
+    assert flow.pressure == pytest.approx(pressures)
+    assert flow.mean_gap == pytest.approx([1, 3, 5, 7, 9, 11])
+    assert flow.gap_at(15.0) == pytest.approx(gap)
+    assert flow.pressure_at(6.5) == pytest.approx(15.0)
+    assert flow.pull_off_pressure == pytest.approx(-10.0)
 
 
 @pytest.mark.parametrize("ratio", [1, 4, 8])

@@ -216,6 +216,14 @@ def test_area_factors_are_gaussian_means():
     assert true_area_factor(np.array(0.26244)) == pytest.approx(1.03336, abs=5e-6)
 
 
+def test_share_of_the_energy_in_incomplete_contact():
+    # A[β + (1−β)A²] and A[5/9 − (2/9)A² + (2/3)A⁴] at A = ½, by hand.
+    half = np.array([0.5])
+    assert energy_weight(half, "paper", 0.4) == pytest.approx(0.5 * (0.4 + 0.6 / 4))
+    assert energy_weight(half, "wang_mueser", 0.4) == pytest.approx(13 / 48)
+    assert energy_weight(half, "area", 0.4) == pytest.approx(0.5)
+
+
 def test_full_contact_stores_the_full_energy(paper):
     for kind in ("paper", "wang_mueser", "area"):
         assert energy_weight(np.array([0.0, 1.0]), kind, 0.4) == pytest.approx([0, 1])

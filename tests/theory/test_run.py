@@ -15,8 +15,10 @@ from contact_study.problem.surface import realise
 from contact_study.problem.surface_scales import scales_of
 from theory import run
 from theory.gap_flow import gap_flow
+from theory.persson import true_area_factor
 from theory.separation import NegativeSeparation, NotConverged
 
+ENERGIES = ("mean_pressure", "mean_gap", "elastic_energy", "interaction_energy")
 STUDY = {
     "surface": {
         "kind": "self_affine",
@@ -102,6 +104,25 @@ def test_values_are_consistent(case, steps):
         assert values["gap_flow/mean_pressure"] == pytest.approx(applied, rel=1e-9)
         for name, edges in (("pressure_pdf", case.bins.pressure_edges), ("gap_pdf", case.bins.gap_edges)):
             assert np.sum(values[f"gap_flow/{name}"] * np.diff(edges)) == pytest.approx(1, abs=2e-3)
+
+
+@pytest.mark.parametrize("group", ["", "gap_flow/", "gap_flow/loading/", "gap_flow/unloading/"])
+def test_work_of_the_pressure_is_the_energy_stored(group):
+    path = ["2 GPa", "2.02 GPa", "2.04 GPa"]
+    steps = steps_of(case_of(loading={"path": path, "unload": False}))
+    one, _, other = ({name: step.values[group + name] for name in ENERGIES} for step in steps)
+    stored = sum(other[name] - one[name] for name in ENERGIES[2:])
+    work = -2.02e9 * (other["mean_gap"] - one["mean_gap"])
+    # Differences over 2 % in pressure of numbers good to 1e-5 or better, the trapezoidal rule to 1e-4.
+    assert stored == pytest.approx(work, rel=0.01)
+
+
+def test_energies_of_perssons_theory(case, steps):
+    spectrum = realise(case).spectrum
+    values = steps[0].values
+    gained = 1.4 * values["relative_contact_area"] * true_area_factor(np.array(spectrum.rms_slope))
+    assert values["interaction_energy"] == pytest.approx(-gained, rel=1e-6)
+    assert 0 < values["elastic_energy"] < spectrum.full_contact_energy(case.material.contact_modulus)
 
 
 def test_both_ways_agree_under_pressure(steps):
