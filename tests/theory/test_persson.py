@@ -150,18 +150,22 @@ def test_converges_near_the_sticking_threshold(paper, work_of_adhesion, pressure
 
 
 def test_state_that_circles_is_given_up(paper):
-    # With an α four times the paper's, near the sticking threshold, the change stays at some 6 % of the stress scale.
-    contact = solve(paper.theory(3.0, alpha=4.0), 1e8, max_iterations=2000)
+    # With an α several times the paper's, near the sticking threshold, the change stays at 4 % of the stress scale.
+    theory = paper.theory(3.1, alpha=4.0, nodes=80, cells=120)
+    contact = solve(theory, 1e8, max_iterations=2000)
     assert contact.stalled
     assert not contact.converged
-    assert contact.iterations < 400
+    assert 200 < contact.iterations < 500
     assert "alpha" in contact.advice
-    slow = solve(paper.theory(3.5, alpha=4.0), 1e7, max_iterations=2000)  # 1145 iterations
+    early = solve(theory, 1e8, max_iterations=20)
+    assert not early.stalled
+    assert early.iterations == 20
+    assert "max_iterations" in early.advice
+    # One that takes four times as long as the patience, and gets there.
+    slow = solve(paper.theory(3.3, alpha=3.0, nodes=80, cells=120), 3e7, max_iterations=2000)
+    assert slow.iterations > 600
     assert slow.converged
     assert not slow.stalled
-    early = solve(paper.theory(3.0, alpha=4.0), 1e8, max_iterations=20)
-    assert not early.stalled
-    assert "max_iterations" in early.advice
 
 
 def test_cap_limits_the_detachment_stress(paper):
