@@ -1,10 +1,12 @@
 # make paper   the comparison of Yang et al. 2008 at the paper's size (PRESET=quick: a first look)
 # make test    the tests
+# make mutants  what share of small changes to the numerical modules the tests notice (an hour and more; by hand)
 PYTHON ?= python3
 PRESET ?= paper
+SAMPLE ?= 60
 BIN := .venv/bin
 
-.PHONY: env paper test validation lint benchmark clean
+.PHONY: env paper test validation lint benchmark mutants clean
 .DELETE_ON_ERROR:
 
 env: .venv/.ready
@@ -38,6 +40,9 @@ lint: env
 benchmark: env
 	$(BIN)/python scripts/benchmark_hard_wall.py
 	$(BIN)/python scripts/benchmark_adhesive.py
+
+mutants: env
+	$(BIN)/python scripts/mutants.py --sample $(SAMPLE)
 
 clean:
 	rm -rf .venv results build *.egg-info
