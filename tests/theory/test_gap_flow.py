@@ -125,6 +125,30 @@ def test_dissipated_energy_is_not_elastic(paper):
     assert total["equilibrium"] < total["loading"]
 
 
+def test_area_below_a_gap_is_read_off_the_weights(paper):
+    flow = flow_of(paper, 4)
+    (state,) = states_at(flow, [1.0])
+    gaps = state.gaps * flow.length
+    for gap in (3.2e-10, 3.68e-10, 15e-10):
+        # Each weight covers half of the intervals beside its node: between the sums without and with the next node.
+        below = np.searchsorted(gaps, gap)
+        least, most = state.weights[: below - 1].sum(), state.weights[: below + 1].sum()
+        assert least - 1e-12 <= state.fraction_below(gap) <= most + 1e-12  # rounding of the sums
+    # The law's zero is its equilibrium distance, which is the unit of length here.
+    assert state.relative_repulsive_area == state.fraction_below(3.28e-10)
+    assert 0.3 * state.fraction_below(3.68e-10) < state.relative_repulsive_area < 0.9 * state.fraction_below(3.68e-10)
+    densest = gaps[np.argmax(state.weights)]
+    assert 3.0e-10 < densest < 3.5e-10
+
+
+def test_mean_gaps_at_the_ends_of_the_nodes(paper):
+    flow = flow_of(paper, 1, gaps=200, scales=60)
+    first, last = (flow.states(np.array([flow.gaps[i] * flow.length]))[0] for i in (0, -1))
+    # The end nodes neither lose nor gain: all area stays where it was put.
+    assert first.weights[0] == pytest.approx(1)
+    assert last.weights[-1] == pytest.approx(1)
+
+
 @pytest.mark.parametrize("ratio", [4, 8])
 @pytest.mark.parametrize("branch", ["equilibrium", "unloading"])
 def test_gaps_of_coexistence_are_left_out_and_nothing_more(paper, ratio, branch):

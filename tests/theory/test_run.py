@@ -13,7 +13,7 @@ from contact_study.problem.errors import InputError
 from contact_study.problem.study import make_study
 from contact_study.problem.surface import realise
 from contact_study.problem.surface_scales import scales_of
-from theory import run
+from theory import closed_forms, run
 from theory.gap_flow import gap_flow
 from theory.persson import true_area_factor
 from theory.separation import NegativeSeparation, NotConverged
@@ -152,6 +152,20 @@ def test_prescribed_gap_is_the_inverse_of_prescribed_pressure(steps):
     flow_gap = steps[0].values["gap_flow/mean_gap"]
     step = steps_of(case_of(loading={"control": "gap", "path": [flow_gap], "unload": False}))
     assert step[0].values["gap_flow/mean_pressure"] == pytest.approx(1e9, rel=1e-6)
+
+
+def test_large_gaps_take_light_loads():
+    """The first sweep ends at 6 h_rms or so; the gap beyond is found by going on to a lower pressure."""
+    case = case_of(
+        interaction={"work_of_adhesion": "0.01 J/m^2"},
+        loading={"control": "gap", "path": ["45 angstrom"], "unload": False},
+    )
+    (step,) = steps_of(case)
+    assert step.values["converged"]
+    spectrum, modulus = realise(case).spectrum, case.material.contact_modulus
+    decay, prefactor = closed_forms.low_pressure_asymptote(spectrum, modulus)
+    # Adhesion this weak moves the separation by less than a tenth of its decay length.
+    assert step.values["mean_pressure"] == pytest.approx(prefactor * np.exp(-45e-10 / decay), rel=0.1)
 
 
 def test_gap_that_strong_adhesion_never_opens_is_said():
