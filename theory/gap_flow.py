@@ -136,7 +136,7 @@ class GapFlow:
         if np.any((positions < self.gaps[0]) | (positions > self.gaps[-1])):
             raise ValueError("mean_gaps: outside the nodes of the flow")
         weights = np.zeros((positions.size, self.gaps.size))
-        right = np.clip(np.searchsorted(self.gaps, positions), 1, self.gaps.size - 1)
+        right = np.maximum(np.searchsorted(self.gaps, positions), 1)
         share = (positions - self.gaps[right - 1]) / (self.gaps[right] - self.gaps[right - 1])
         rows = np.arange(positions.size)
         weights[rows, right - 1] = 1 - share
