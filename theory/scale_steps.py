@@ -138,7 +138,6 @@ def trace_back(x, stiffness, steps, compliances, hull, weights, elastic):
         v, left = compliances[k], hull[k]
         # The transpose of the step's matrix ½K²/v² − Δm ∂², whose end rows are diagonal.
         pivot[0] = 2.0 * v[0] * v[0] / (stiff * stiff)
-        right[n - 1] = n - 1
         for i in range(1, n):
             diagonal = 0.5 * stiff * stiff / (v[i] * v[i])
             if i < n - 1:

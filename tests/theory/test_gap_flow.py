@@ -141,9 +141,11 @@ def test_area_below_a_gap_is_read_off_the_weights(paper):
     assert 3.0e-10 < densest < 3.5e-10
 
 
-def test_mean_gaps_at_the_ends_of_the_nodes(paper):
-    flow = flow_of(paper, 1, gaps=200, scales=60)
-    first, last = (flow.states(np.array([flow.gaps[i] * flow.length]))[0] for i in (0, -1))
+@pytest.mark.parametrize("branch", BRANCHES)
+def test_mean_gaps_at_the_ends_of_the_nodes(paper, branch):
+    flow = flow_of(paper, 8, branch, gaps=200, scales=60)
+    inside = np.array([flow.gaps[0] * (1 + 1e-12), flow.gaps[-1] * (1 - 1e-12)])
+    first, last = flow.states(inside * flow.length)
     # The end nodes neither lose nor gain: all area stays where it was put.
     assert first.weights[0] == pytest.approx(1)
     assert last.weights[-1] == pytest.approx(1)

@@ -102,6 +102,8 @@ def test_values_are_consistent(case, steps):
         assert area == pytest.approx(values["relative_contact_area"], rel=0.01)
         assert values["relative_contact_area_at"][-1] == pytest.approx(values["relative_contact_area"], rel=1e-12)
         assert values["gap_flow/mean_pressure"] == pytest.approx(applied, rel=1e-9)
+        # Mean traction and slope of the energy balance to second order in the gap's nodes: 1e-6 of the modulus here.
+        assert values["gap_flow/residual"] < 1e-5
         for name, edges in (("pressure_pdf", case.bins.pressure_edges), ("gap_pdf", case.bins.gap_edges)):
             assert np.sum(values[f"gap_flow/{name}"] * np.diff(edges)) == pytest.approx(1, abs=2e-3)
 

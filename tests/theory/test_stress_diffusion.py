@@ -154,6 +154,14 @@ def test_whole_contact_joins_that_of_the_march():
     assert spread == pytest.approx([1, 1], abs=2e-3)
 
 
+def test_cells_end_seven_deviations_beyond_the_contact():
+    s = nodes()
+    for pressure, reach in ((0.5, 0.5 + 1.5 + 7), (-0.5, 1.5 + 7)):
+        edges = diffuse(pressure, s, 1 + 0.5 * s, 300).edges
+        assert edges[0] == pytest.approx(-1.5)
+        assert edges[-1] == pytest.approx(reach - 1.5)
+
+
 def test_boundary_that_comes_near_from_afar():
     s = nodes()
     result = diffuse(0.0, s, 1 + 2000 * (1 - s), 300)
