@@ -3,9 +3,9 @@
 Fields over the lateral plane stay in the files, which :func:`field_at` reads one at a time; all else is in memory.
 """
 
-import tomllib
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, fields
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -13,30 +13,17 @@ import numpy as np
 import xarray as xr
 
 from contact_study.campaign.schema import SCHEMA_VERSION
+from contact_study.comparison.carried_study import carried_study
+from contact_study.comparison.differences import check_studies, same
+from contact_study.comparison.path_points import swept_dims
 from contact_study.problem.case import Case
 from contact_study.problem.errors import InputError
-from contact_study.problem.study import Study, make_study
+from contact_study.problem.study import Study
 
 # Order of trust where one number must stand for all: the two simulations, then the theories.
 MODELS = ("atomistic", "continuum", "theory", "gap_flow")
 _ROOTS = ("continuum", "atomistic", "theory")
 _FIELDS = ("gap", "pressure")
-
-# Keys that a pair of datasets must share to be of one contact; a difference in any other is said, not refused.
-_IDENTICAL = {
-    "surface": {"size", "kind", "hurst_exponent", "rms_height", "low_mode", "roll_off_mode", "cutoff_mode", "seed"}
-    | {"normalisation", "path", "height_unit", "radius", "amplitude", "modes"},
-    "material": {"youngs_modulus", "poissons_ratio", "lattice_constant"},
-    "interaction": {"law", "well_depth", "work_of_adhesion", "well_depth_ratio", "length"},
-    "loading": {"control"},
-}
-_WORTH_A_NOTE = {
-    "surface": {"shape"},
-    "material": {"atom_mass"},
-    "interaction": {"contact_distance"},
-    "loading": {"path", "unload"},
-    "solver": {"tolerance"},
-}
 
 
 @dataclass(frozen=True)
@@ -68,10 +55,28 @@ class Inputs:
         """The study of the first model, in the order of trust."""
         return next(self.studies[name] for name in MODELS if name in self.studies)
 
+    @cached_property
+    def cases(self) -> list[Case]:
+        """Every case of some study, once; a theory that knows no seed has no other cases than the simulations."""
+        found = list(self.study.cases)
+        for study in (self.studies[name] for name in MODELS if name in self.studies):
+            if study is not self.study:
+                found += [case for case in study.cases if not any(is_at(known, case.coordinates) for known in found)]
+        return found
+
+    def cases_at(self, coordinates: Mapping[str, Any]) -> list[Case]:
+        """The cases at a point of the sweep: one, or one for each seed."""
+        return [case for case in self.cases if is_at(case, coordinates)]
+
     @property
     def control(self) -> str:
         """What was prescribed: "pressure" or "gap"."""
         return self.study.cases[0].loading.control
+
+
+def is_at(case: Case, coordinates: Mapping[str, Any]) -> bool:
+    """Whether a case has these swept values; a key that it does not sweep tells nothing."""
+    return all(same(case.coordinates.get(name, value), value) for name, value in coordinates.items())
 
 
 def read_inputs(paths: Sequence[Path]) -> Inputs:
@@ -87,6 +92,7 @@ def read_inputs(paths: Sequence[Path]) -> Inputs:
     models: dict[str, xr.Dataset] = {}
     branches: dict[str, xr.Dataset] = {}
     studies: dict[str, Study] = {}
+    notes: list[str] = []
     for path in paths:
         groups = _open(path)
         kind = groups[""].attrs["model"]
@@ -98,12 +104,28 @@ def read_inputs(paths: Sequence[Path]) -> Inputs:
             models["gap_flow"] = groups["gap_flow"]
             sides = {side: groups.get(f"gap_flow/{side}") for side in ("loading", "unloading")}
             branches = {side: dataset for side, dataset in sides.items() if dataset is not None}
-        studies[kind] = _study(path, groups[""])
+        studies[kind], joined = carried_study(path, groups[""])
+        notes += joined
     if len(files) < 2:
         raise InputError("a comparison needs the datasets of at least two models: continuum, atomistic, theory")
-    notes = tuple(_check_pairs(files, studies))
-    ordered = {name: models[name] for name in MODELS if name in models}
-    return Inputs(files, ordered, branches, studies, notes)
+    notes += check_studies([name for name in MODELS if name in studies], files, studies)
+    spelt = _one_spelling({name: models[name] for name in MODELS if name in models} | branches)
+    ordered = {name: dataset for name, dataset in spelt.items() if name in models}
+    return Inputs(files, ordered, {side: spelt[side] for side in branches}, studies, tuple(notes))
+
+
+def _one_spelling(models: Mapping[str, xr.Dataset]) -> dict[str, xr.Dataset]:
+    """The datasets with the swept values of the first that has them where they differ by roundings."""
+    known: dict[str, list[Any]] = {}
+    spelt = {}
+    for name, dataset in models.items():
+        for dim in swept_dims(dataset):
+            values = known.setdefault(dim, [])
+            own = [next((value for value in values if same(value, given)), given) for given in dataset[dim].values]
+            values += [value for value in own if value not in values]
+            dataset = dataset.assign_coords({dim: (dim, own, dataset[dim].attrs)})
+        spelt[name] = dataset
+    return spelt
 
 
 def _open(path: Path) -> dict[str, xr.Dataset]:
@@ -133,67 +155,6 @@ def _in_memory(node: xr.DataTree) -> xr.Dataset:
     return dataset.drop_dims(unused).load()
 
 
-def _study(path: Path, dataset: xr.Dataset) -> Study:
-    try:
-        return make_study(tomllib.loads(dataset.attrs["study_toml"]), path.parent)
-    except (KeyError, tomllib.TOMLDecodeError):
-        raise InputError(f"{path}: does not hold the study it came from (attribute study_toml)") from None
-    except InputError as error:
-        raise InputError(f"{path}: its study is not one this version can read: {error}") from None
-
-
-def _check_pairs(paths: Mapping[str, Path], studies: Mapping[str, Study]) -> Iterator[str]:
-    """Notes on the differences between the studies; refuses those of different contacts."""
-    names = [name for name in MODELS if name in studies]
-    for other in names[1:]:
-        first = names[0]
-        where = f"{paths[first]} and {paths[other]}"
-        pairs = _matching_cases(studies[first], studies[other])
-        if not pairs:
-            raise InputError(f"{where} cannot be compared: their sweeps have no point in common")
-        analytic = other == "theory" and all(case.theory.spectrum == "analytic" for case in studies[other].cases)
-        different: dict[str, tuple[Any, Any]] = {}
-        for one, two in pairs:
-            different.update(_differences(one, two))
-        for key, (one_value, two_value) in different.items():
-            section, _, name = key.partition(".")
-            values = f"{key} is {_shown(one_value)} in the one and {_shown(two_value)} in the other"
-            if key == "surface.seed" and analytic:
-                continue  # a theory of the ensemble knows no realisation
-            if name in _IDENTICAL.get(section, set()):
-                raise InputError(f"{where} cannot be compared: {values}")
-            if name in _WORTH_A_NOTE.get(section, set()):
-                yield f"{where}: {values}"
-        points = {len(study.cases) for study in (studies[first], studies[other])} | {len(pairs)}
-        if len(points) > 1 and set(studies[first].sweep) == set(studies[other].sweep):
-            yield f"{where} share {len(pairs)} points of their sweeps; only these are compared"
-
-
-def _matching_cases(one: Study, two: Study) -> list[tuple[Case, Case]]:
-    shared = set(one.sweep) & set(two.sweep)
-    return [
-        (a, b)
-        for a in one.cases
-        for b in two.cases
-        if all(a.coordinates[name] == b.coordinates[name] for name in shared)
-    ]
-
-
-def _differences(one: Case, two: Case) -> Iterator[tuple[str, tuple[Any, Any]]]:
-    for section in {**_IDENTICAL, **_WORTH_A_NOTE}:
-        left, right = getattr(one, section), getattr(two, section)
-        for field in fields(left):
-            values = getattr(left, field.name), getattr(right, field.name)
-            if values[0] != values[1]:
-                yield f"{section}.{field.name}", values
-
-
-def _shown(value: Any) -> str:
-    if isinstance(value, tuple):
-        return "[" + ", ".join(_shown(item) for item in value) + "]"
-    return f"{value:g}" if isinstance(value, float) else str(value)
-
-
 def field_at(path: Path, name: str, selection: Mapping[str, Any], step: int) -> np.ndarray | None:
     """One field (y, x) of a file, or None where the file keeps no fields.
 
@@ -211,5 +172,9 @@ def field_at(path: Path, name: str, selection: Mapping[str, Any], step: int) -> 
     with xr.open_dataset(path, decode_timedelta=False) as dataset:
         if name not in dataset:
             return None
-        chosen = {dim: value for dim, value in selection.items() if dim in dataset.dims}
-        return dataset[name].sel(chosen).isel(step=step).values
+        chosen = {
+            dim: next(index for index, given in enumerate(dataset[dim].values) if same(given, value))
+            for dim, value in selection.items()
+            if dim in dataset.dims
+        }
+        return dataset[name].isel(chosen).isel(step=step).values

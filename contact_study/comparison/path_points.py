@@ -9,14 +9,16 @@ import xarray as xr
 from contact_study.campaign.schema import COORDINATES
 
 AVERAGED = "seed"
-_STEP_DIMS = {"step", "pressure_bin", "gap_bin", "wavevector", "y", "x"}
-
 Point = tuple[str, int, int]  # prescribed value to nine digits, branch, how many times visited before
 
 
 def swept_dims(dataset: xr.Dataset) -> tuple[str, ...]:
-    """The swept keys among a dataset's dimensions, in their order."""
-    return tuple(str(dim) for dim in dataset.dims if dim not in _STEP_DIMS)
+    """The swept keys among a dataset's dimensions, in their order.
+
+    They have values of their own, which tells them from dimensions that only count, such as the points along y where
+    the sweep changes their positions.
+    """
+    return tuple(str(dim) for dim in dataset.dims if dim in dataset.coords and dim not in COORDINATES)
 
 
 def usable(dataset: xr.Dataset) -> xr.DataArray:

@@ -11,7 +11,6 @@ from contact_study.comparison.datasets import Inputs
 from contact_study.comparison.path_points import AVERAGED
 from contact_study.fields import fourier
 from contact_study.fields.grid import Grid
-from contact_study.problem.case import Case
 from contact_study.problem.errors import InputError
 from contact_study.problem.surface import realise
 
@@ -147,8 +146,7 @@ def _roughness_of(inputs: Inputs, point: SweepPoint) -> Roughness | None:
 
     None for what is no periodic roughness, and for a point that only the sweeps together would hold.
     """
-    cases = (case for study in inputs.studies.values() for case in study.cases if _is_at(case, point))
-    case = next(cases, None)
+    case = next(iter(inputs.cases_at(point.selection)), None)
     if case is None or case.surface.kind == "sphere":
         return None
     try:
@@ -156,10 +154,6 @@ def _roughness_of(inputs: Inputs, point: SweepPoint) -> Roughness | None:
     except InputError:  # a height map that is no longer where the study names it
         return _from_dataset(inputs.models, point)
     return roughness(surface.heights(surface.shape), surface.size)
-
-
-def _is_at(case: Case, point: SweepPoint) -> bool:
-    return all(case.coordinates.get(name, value) == value for name, value in point.selection.items())
 
 
 def _from_dataset(models: Mapping[str, xr.Dataset], point: SweepPoint) -> Roughness | None:

@@ -1,14 +1,21 @@
 """Which datasets may be compared, and what is said of those that may not."""
 
+import dataclasses
 import shutil
+from pathlib import Path
 
 import numpy as np
 import pytest
 import xarray as xr
 
+from contact_study.comparison.cases import sweep_points
 from contact_study.comparison.datasets import field_at, read_inputs
+from contact_study.comparison.differences import ONE_CONTACT, check_studies
 from contact_study.problem.errors import InputError
-from tests.comparison.synthetic import STUDY, write, write_all
+from contact_study.problem.study import all_keys
+from tests.comparison.synthetic import STUDY, study, write, write_all
+
+SINGLE = STUDY[: STUDY.index("[sweep]")]
 
 
 @pytest.fixture(scope="module")
@@ -122,6 +129,147 @@ def test_other_differences_are_noted(files, tmp_path, old, new, key):
     other = write(tmp_path / "other.nc", "atomistic", STUDY.replace(old, new))
     notes = read_inputs([files[0], other]).notes
     assert any(key in note for note in notes)
+
+
+def with_another(asked, section, name):
+    """The study with another value of one key in every case, unchecked."""
+    cases = []
+    for case in asked.cases:
+        changed = dataclasses.replace(getattr(case, section))
+        object.__setattr__(changed, name, "another")
+        cases.append(dataclasses.replace(case))
+        object.__setattr__(cases[-1], section, changed)
+    return dataclasses.replace(asked, cases=tuple(cases))
+
+
+@pytest.mark.parametrize("key", [f"{section}.{name}" for section, name, *_ in all_keys()])
+def test_a_difference_in_any_key_is_refused_or_said(key):
+    paths = {"continuum": Path("c.nc"), "atomistic": Path("a.nc")}
+    studies = {"continuum": study(), "atomistic": with_another(study(), *key.split("."))}
+    if key in ONE_CONTACT:
+        with pytest.raises(InputError, match=key):
+            list(check_studies(list(paths), paths, studies))
+    else:
+        (note,) = check_studies(list(paths), paths, studies)
+        assert key in note
+        assert "another in the other" in note
+
+
+def test_keys_of_one_contact_are_keys():
+    assert {f"{section}.{name}" for section, name, *_ in all_keys()} >= ONE_CONTACT
+
+
+def joined(folder, kind, seeds, **ranges):
+    """One dataset of runs that each knew one seed."""
+    parts = []
+    for seed in seeds:
+        text = SINGLE.replace('normalisation = "realised"', f'normalisation = "realised"\nseed = {seed}')
+        for name, limits in ranges.items():
+            text = text.replace("[output]", f"[output]\n{name} = {limits}")
+        path = write(folder / f"{kind}-{seed}.nc", kind, text)
+        parts.append(xr.load_dataset(path, decode_timedelta=False).expand_dims(seed=[seed]))
+    path = folder / f"{kind}.nc"
+    xr.concat(parts, dim="seed", data_vars="all", join="outer").to_netcdf(path)
+    return path
+
+
+def test_joined_seeds_of_one_binning_are_one_study(tmp_path):
+    ranges = {"pressure_range": [-4e10, 8e10], "gap_range": [0, 8e-9]}
+    inputs = read_inputs([joined(tmp_path, kind, (1, 2, 3), **ranges) for kind in ("continuum", "atomistic")])
+    assert inputs.study.sweep["seed"].values == (1, 2, 3)
+    assert [case.surface.seed for case in inputs.cases] == [1, 2, 3]
+    assert "[sweep]" in inputs.study.toml
+    assert all("holds seed = 1, 2, 3" in note for note in inputs.notes)
+    assert len(inputs.notes) == 2
+
+
+def test_joined_datasets_of_other_bins_are_refused(files, tmp_path):
+    path = joined(tmp_path, "continuum", (1, 2))
+    with xr.open_dataset(path) as dataset:
+        assert dataset.sizes["gap_bin"] > 30, "the surfaces have other ranges"
+    message = refused([path, files[2]])
+    assert "_bin are not the" in message
+    assert "output.gap_range" in message
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (lambda d: d.isel(gap_bin=slice(1, None)), "gap_bin are not the 30 even bins"),
+        (lambda d: d.assign_coords(pressure_bin=d["pressure_bin"] ** 3), "pressure_bin are not the 40 even bins"),
+        (lambda d: d.isel(step=slice(2)), "loading path at well_depth_ratio = 1.0 is not that of the study"),
+        (lambda d: d.assign_coords(branch=1 - d["branch"]), "loading path"),
+        (lambda d: d.sel(well_depth_ratio=8), "lacks the dimension well_depth_ratio"),
+        (lambda d: d.expand_dims(temperature=[300.0]), "its dimension temperature is no key"),
+        (lambda d: d.assign_coords(well_depth_ratio=[1.0, -8.0]), "its study is not one this version can read"),
+    ],
+)
+def test_a_dataset_that_is_not_its_studys_is_refused(files, tmp_path, change, words):
+    path = tmp_path / "changed.nc"
+    change(xr.load_dataset(files[1], decode_timedelta=False)).to_netcdf(path)
+    message = refused([files[0], path])
+    assert str(path) in message
+    assert words in message
+
+
+def test_bins_that_the_study_names_are_those_of_the_dataset(files, tmp_path):
+    named = STUDY.replace("[output]", "[output]\ngap_range = [0, 8e-9]")
+    right = write(tmp_path / "right.nc", "atomistic", named)
+    assert "output.gap_range" in read_inputs([files[0], right]).notes[0]
+    wrong = write(tmp_path / "wrong.nc", "atomistic", study_toml=named)
+    assert "gap_bin are not the 30 even bins" in refused([files[0], wrong])
+
+
+def test_a_part_of_a_sweep_is_compared_as_what_it_is(files, tmp_path):
+    path = tmp_path / "part.nc"
+    xr.load_dataset(files[1], decode_timedelta=False).sel(well_depth_ratio=[8]).to_netcdf(path)
+    inputs = read_inputs([files[0], path])
+    assert inputs.studies["atomistic"].sweep["well_depth_ratio"].values == (8.0,)
+    assert any("share 1 points" in note for note in inputs.notes)
+
+
+def test_seeds_on_different_paths_are_refused(tmp_path):
+    text = SINGLE + '[sweep]\n"surface.seed" = [1, 2]\n[[override]]\nwhen = { "surface.seed" = 2 }\n'
+    text += '"loading.path" = ["0.2 GPa", "1 GPa", "3 GPa"]\n'
+    paths = [write(tmp_path / f"{kind}.nc", kind, text) for kind in ("continuum", "atomistic")]
+    assert "different loading paths (seed = 2)" in refused(paths)
+
+
+def test_a_sweep_over_the_control_is_refused(tmp_path):
+    text = SINGLE.replace('"0.1 GPa", "0.7799 GPa", "5.8725 GPa"', "1e-9, 5e-10")
+    text += '[sweep]\n"loading.control" = ["pressure", "gap"]\n'
+    paths = [write(tmp_path / f"{kind}.nc", kind, text) for kind in ("continuum", "atomistic")]
+    assert "pressures at some points of its sweep, gaps at others" in refused(paths)
+
+
+def test_swept_values_that_differ_by_rounding_are_one_point(tmp_path):
+    sweeps = [
+        '[sweep]\n"surface.cutoff_mode" = [6.0, 7.0]\n',
+        '[sweep]\n"surface.cutoff_mode" = [6.0, 7.000000000000001]\n',
+    ]
+    paths = [
+        write(tmp_path / f"{kind}.nc", kind, SINGLE + sweep)
+        for kind, sweep in zip(("continuum", "atomistic"), sweeps, strict=True)
+    ]
+    inputs = read_inputs(paths)
+    assert len(sweep_points(inputs.models)) == 2
+    assert len(inputs.cases) == 2
+    assert inputs.notes == ()
+    for path in paths:
+        point = sweep_points(inputs.models)[1]
+        assert field_at(path, "gap", point.selection, 1).shape == (24, 24)
+
+
+def test_positions_that_change_over_a_sweep_are_no_swept_keys(tmp_path):
+    text = SINGLE.replace("lattice_constant", "# ").replace(
+        'well_depth = "18.6 meV"', 'work_of_adhesion = "0.69 J/m^2"'
+    )
+    text += '[sweep]\n"surface.size" = ["416 angstrom", "520 angstrom"]\n"interaction.well_depth_ratio" = [1, 8]\n'
+    inputs = read_inputs([write(tmp_path / f"{kind}.nc", kind, text) for kind in ("continuum", "theory")])
+    assert "y_index" in inputs.models["continuum"].dims
+    points = [(point.selection["size"], point.selection["well_depth_ratio"]) for point in sweep_points(inputs.models)]
+    assert sorted(points) == [(416e-10, 1), (416e-10, 8), (520e-10, 1), (520e-10, 8)]
+    assert all(len(point.selection) == 2 for point in sweep_points(inputs.models))
 
 
 def test_a_theory_of_the_ensemble_needs_no_seed(files, tmp_path):
