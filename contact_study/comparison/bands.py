@@ -7,7 +7,9 @@ import numpy as np
 import xarray as xr
 
 from contact_study.comparison.cases import SweepPoint, select, series
-from contact_study.comparison.plotted import Scales
+from contact_study.comparison.scales import Scales
+
+_VISIBLE = 2e-3  # of the quantity: a dot of the figures
 
 
 @dataclass(frozen=True)
@@ -36,14 +38,19 @@ def contact_area_bands(branches: Mapping[str, xr.Dataset], points: list[SweepPoi
 
 
 def mean_gap_bands(
-    branches: Mapping[str, xr.Dataset], points: list[SweepPoint], units: Mapping[str, Scales]
+    branches: Mapping[str, xr.Dataset],
+    points: list[SweepPoint],
+    units: Mapping[str, Scales],
+    linear: bool = False,
 ) -> list[Band]:
-    """Mean gap in units of h_rms between the branches, over ln(p/E*)."""
+    """Mean gap in units of h_rms between the branches, over ln(p/E*), or over p/E* if ``linear``."""
     bands = []
     for number, point in enumerate(points):
         unit = units[point.label]
 
         def scaled(pressure: np.ndarray, gap: np.ndarray, unit: Scales = unit) -> tuple[np.ndarray, np.ndarray]:
+            if linear:
+                return pressure / unit.contact_modulus, gap / unit.rms_height
             positive = np.where(pressure > 0, pressure, np.nan)
             return np.log(positive / unit.contact_modulus), gap / unit.rms_height
 
@@ -71,7 +78,9 @@ def _bands(
             continue
         shared = every[(every >= max(along[0] for along, _ in sides)) & (every <= min(along[-1] for along, _ in sides))]
         one, two = (np.interp(shared, along, values) for along, values in sides)
-        bands.append(Band(colour, shared, np.minimum(one, two), np.maximum(one, two)))
+        # Without hysteresis the branches differ by the error of their grids, which is no band.
+        if np.abs(one - two).max(initial=0.0) > _VISIBLE * max(np.abs(one).max(initial=0.0), 1e-300):
+            bands.append(Band(colour, shared, np.minimum(one, two), np.maximum(one, two)))
     return bands
 
 

@@ -1,20 +1,28 @@
 """Captions of the figures, from what they show."""
 
+from collections.abc import Collection
+
+import numpy as np
+
 from contact_study.comparison.cases import SweepPoint, case_points, select, sweep_points
 from contact_study.comparison.datasets import Inputs
+from contact_study.comparison.figures import mean_gap_panels
 from contact_study.comparison.findings import MODEL_WORDS
 from contact_study.comparison.path_points import AVERAGED, Point
 from contact_study.comparison.plotted import (
-    PanelPoints,
-    Scales,
+    Curve,
     contact_area_data,
     density_at,
     in_compression,
-    point_label,
+    mean_gap_data,
+    mean_gap_linear_data,
 )
+from contact_study.comparison.scales import scales
+from contact_study.comparison.shown_states import PanelPoints, common_label, point_label, state_label
+from contact_study.comparison.wording import listed
 
 
-def captions(inputs: Inputs, shown: PanelPoints, units: Scales, seed: int | None) -> dict[str, str]:
+def captions(inputs: Inputs, shown: PanelPoints, seed: int | None) -> dict[str, str]:
     """Captions of the figures, by figure name.
 
     Parameters
@@ -23,23 +31,13 @@ def captions(inputs: Inputs, shown: PanelPoints, units: Scales, seed: int | None
         What was compared.
     shown : PanelPoints
         States whose distributions and fields are shown.
-    units : Scales
-        Units of the axes.
     seed : int or None
         Seed of the surface whose fields are shown, None where no seed is swept.
     """
-    models, control = inputs.models, inputs.control
-    hard_wall = inputs.study.cases[0].interaction.law == "hard_wall"
-    common = point_label(shown.common, units, control)
-    several = ", ".join(point_label(named, units, control).partition(" = ")[2] for named in shown.several)
-    case = f" at {shown.case.label}" if shown.case.label else ""
-    panels = f"(a) for each point of the sweep at {common}; (b){case} at {common.partition(' = ')[0]} = {several}."
-    if shown.paper:
-        panels += " The paper does not state the pressure of its panel (a): this one is a choice."
-    if seed is not None:
-        panels += " With several seeds, each curve is the mean over those that converged in contact."
-    absent = _absent(inputs, shown, units)
-    counted = " and ".join(
+    models = inputs.models
+    panels, absent = _panels(inputs, shown, seed), _absent(inputs, shown)
+    gaps = scales(models, shown.case).height_symbol
+    counted = listed(
         words
         for words, there in (
             ("simulations", "atomistic" in models or "continuum" in models),
@@ -55,14 +53,13 @@ def captions(inputs: Inputs, shown: PanelPoints, units: Scales, seed: int | None
             "of gaps."
         )
         persson_area = ", Persson's theory its real contact area at the highest magnification"
-    contact = "points under positive pressure" if hard_wall else "gaps below the contact distance"
-    gaps = units.height_symbol
     panels_of_area = ""
-    if in_compression(contact_area_data(models, control)):
+    if in_compression(contact_area_data(models, inputs.control)):
         panels_of_area = ", (a) linear, (b) logarithmic, compression only"
-    from_where = "" if hard_wall else ", measured from the equilibrium distance of flat surfaces"
+    state = state_label(shown.case, point_label(shown.common, scales(models, shown.case), inputs.control))
     whose = f", surface of the first seed ({seed})" if seed is not None else ""
-    black = "a positive pressure" if hard_wall else "a gap below the contact distance"
+    own = {case.interaction.law for case in inputs.cases_at(shown.case.selection)}
+    black = "a positive pressure" if own == {"hard_wall"} else "a gap below the contact distance"
     return {
         "stress_distribution": "Distribution of the interfacial normal stress, compression positive, in units of E*: "
         f"{panels} {counted} are normalised over all sites, so that sites out of contact, nearly free of stress, make "
@@ -70,11 +67,68 @@ def captions(inputs: Inputs, shown: PanelPoints, units: Scales, seed: int | None
         "gap_distribution": f"Distribution of the local gap u in units of {gaps}: {panels} u is the distance of the "
         f"surfaces, not reduced by the equilibrium distance.{absent}",
         "contact_area": f"Relative contact area against mean pressure{panels_of_area}. {counted} count "
-        f"{contact}{persson_area}.{_lines(inputs)}",
-        "mean_gap": f"Natural logarithm of the mean pressure in units of E* against the mean gap in units of {gaps}"
-        f"{from_where}; compression only.{_lines(inputs)}",
-        "gap_map": f"Local gap of the simulations{case} at {common}{whose}; contact, {black}, is black.",
+        f"{_contact(inputs.laws)}{persson_area}.{_lines(inputs)}",
+        "mean_gap": _mean_gap(inputs, gaps),
+        "gap_map": f"Local gap of the simulations at {state}{whose}; contact, {black}, is black.",
     }
+
+
+def _panels(inputs: Inputs, shown: PanelPoints, seed: int | None) -> str:
+    """What the two panels of a distribution show."""
+    common = common_label(inputs.models, shown.common, inputs.control)
+    units = scales(inputs.models, shown.case)
+    symbol = point_label(shown.common, units, inputs.control).partition(" = ")[0]
+    several = ", ".join(point_label(named, units, inputs.control).partition(" = ")[2] for named in shown.several)
+    case = f" at {shown.case.label}" if shown.case.label else ""
+    every = "for each point of the sweep " if shown.case.label else ""
+    words = f"(a) {every}at {common}; (b){case} at {symbol} = {several}."
+    if shown.paper:
+        words += " The paper does not state the pressure of its panel (a): this one is a choice."
+    if seed is not None:
+        words += " With several seeds, each curve is the mean over those that converged in contact."
+    return words
+
+
+def _contact(laws: Collection[str]) -> str:
+    """What counts as contact, by law."""
+    if set(laws) == {"hard_wall"}:
+        return "points under positive pressure"
+    hard = " (for the hard wall points under positive pressure)" if "hard_wall" in laws else ""
+    return f"gaps below the contact distance{hard}"
+
+
+def _mean_gap(inputs: Inputs, gaps: str) -> str:
+    """Caption of figure 4, whose panels depend on where there is tension."""
+    models, control = inputs.models, inputs.control
+    curves, linear = mean_gap_data(models, control), mean_gap_linear_data(models, control)
+    shown = mean_gap_panels(curves, linear)
+    what = {
+        "logarithmic": "natural logarithm of the mean pressure in units of E*, compression only",
+        "linear": "mean pressure in units of E*, tension negative",
+    }
+    if len(shown) == 2:
+        words = f"(a) {what['logarithmic']}; (b) {what['linear']}"
+    else:
+        words = "; ".join(what[name][0].upper() + what[name][1:] for name in shown)
+    where = ", measured from the equilibrium distance of flat surfaces"
+    if "hard_wall" in inputs.laws:
+        where = "" if set(inputs.laws) == {"hard_wall"} else where + " (for the hard wall from touching)"
+    return f"{words}, against the mean gap ū in units of {gaps}{where}.{_below_zero(linear)}{_lines(inputs)}"
+
+
+def _below_zero(curves: Collection[Curve]) -> str:
+    """What a negative mean gap means, for each kind of model that has one."""
+    words = ""
+    for models, meaning in (
+        (("atomistic", "continuum", "gap_flow"), "the surfaces are pressed closer than this distance on average"),
+        (("theory",), "its energy U(p) somewhere falls with growing p, ū = ∫dU/p, and ū is no distance of surfaces"),
+    ):
+        found = [curve for curve in curves if curve.model in models and (curve.x[np.isfinite(curve.y)] < 0).any()]
+        if found:
+            who = listed(MODEL_WORDS[curve.model] for curve in found)
+            labels = listed(curve.label for curve in found if curve.label) if any(c.label for c in found) else ""
+            words += f" Where ū < 0 ({who}{'; ' + labels if labels else ''}), {meaning}."
+    return words
 
 
 def _lines(inputs: Inputs) -> str:
@@ -89,7 +143,7 @@ def _lines(inputs: Inputs) -> str:
     return words
 
 
-def _absent(inputs: Inputs, shown: PanelPoints, units: Scales) -> str:
+def _absent(inputs: Inputs, shown: PanelPoints) -> str:
     """Names the states without a distribution, apart by reason: none asked for, or none found."""
     states = [(point, shown.common) for point in sweep_points(inputs.models)]
     states += [(shown.case, named) for named in shown.several]
@@ -99,7 +153,7 @@ def _absent(inputs: Inputs, shown: PanelPoints, units: Scales) -> str:
             part = select(dataset, point)
             if "pressure_pdf" not in dataset or part is None:
                 continue
-            words = f"{MODEL_WORDS[model]} at {_state(point, named, units, inputs.control)}"
+            words = f"{MODEL_WORDS[model]} at {_state(inputs, point, named)}"
             if named not in case_points(part, inputs.control):
                 unvisited.append(words)
             elif density_at(dataset, point, "pressure_pdf", named, inputs.control) is None:
@@ -114,5 +168,5 @@ def _absent(inputs: Inputs, shown: PanelPoints, units: Scales) -> str:
     )
 
 
-def _state(point: SweepPoint, named: Point, units: Scales, control: str) -> str:
-    return ", ".join(filter(None, (point.label, point_label(named, units, control))))
+def _state(inputs: Inputs, point: SweepPoint, named: Point) -> str:
+    return state_label(point, point_label(named, scales(inputs.models, point), inputs.control))

@@ -8,17 +8,8 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from contact_study.comparison.labels import coordinate_label
 from contact_study.comparison.path_points import AVERAGED, Point, path_points, swept_dims, usable
-
-_SYMBOLS = {
-    "well_depth_ratio": "ε/ε₀",
-    "hurst_exponent": "H",
-    "rms_height": "h_rms",
-    "work_of_adhesion": "Δγ",
-    "youngs_modulus": "E",
-    "poissons_ratio": "ν",
-    "cutoff_mode": "q₁/q_L",
-}
 
 
 @dataclass(frozen=True)
@@ -51,14 +42,6 @@ def sweep_points(models: Mapping[str, xr.Dataset]) -> list[SweepPoint]:
         names = [coordinate_label(dim, value, lead[dim].attrs.get("units", "1")) for dim, value in selection.items()]
         points.append(SweepPoint(selection, ", ".join(names)))
     return points
-
-
-def coordinate_label(dim: str, value: Any, units: str = "1") -> str:
-    """One swept coordinate in the symbols of the field."""
-    shown = f"{value:g}" if np.issubdtype(np.asarray(value).dtype, np.number) else str(value)
-    if dim == "well_depth_ratio":
-        return "ε = ε₀" if shown == "1" else f"ε = {shown} ε₀"
-    return f"{_SYMBOLS.get(dim, dim.replace('_', ' '))} = {shown}{'' if units == '1' else ' ' + units}"
 
 
 def select(dataset: xr.Dataset, point: SweepPoint) -> xr.Dataset | None:
@@ -111,8 +94,8 @@ def series(part: xr.Dataset, name: str) -> Series:
         return Series(data.values, nothing, good.values.astype(bool), samples.values)
     mean = data.where(good).mean(AVERAGED)
     scatter = data.where(good).std(AVERAGED, ddof=1).where(samples > 1)
-    # A theory of the ensemble gives every seed the same number: no error, rather than one of zero.
-    error = scatter.where(scatter > 0) / np.sqrt(samples.where(samples > 1))
+    # A theory of the ensemble gives every seed the same number up to rounding: no error, rather than one of zero.
+    error = scatter.where(scatter > 1e-12 * np.abs(mean)) / np.sqrt(samples.where(samples > 1))
     left = data.mean(AVERAGED).where(samples == 0)
     return Series(mean.fillna(left).values, error.values, (samples > 0).values, samples.values)
 

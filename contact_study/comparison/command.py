@@ -3,26 +3,21 @@
 import os
 import shlex
 import sys
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
-
-import numpy as np
 
 import contact_study
 from contact_study.campaign.command import DONE, NOT_CONVERGED, Parser, git_commit, guarded
 from contact_study.campaign.schema import CONVENTIONS, SCHEMA_VERSION
 from contact_study.campaign.storage import writable_output
-from contact_study.comparison import bands, figures, plotted
-from contact_study.comparison.captions import captions
-from contact_study.comparison.cases import case_points, first_constant, select, sweep_points
-from contact_study.comparison.datasets import Inputs, field_at, read_inputs
+from contact_study.comparison.datasets import Inputs, read_inputs
 from contact_study.comparison.deviations import MISSING, compute_deviations
-from contact_study.comparison.path_points import AVERAGED
+from contact_study.comparison.illustrations import draw
 from contact_study.comparison.regime import compute_regime
 from contact_study.comparison.report import Figures, collected_warnings, render_report
-from contact_study.comparison.tables import unconverged_steps
+from contact_study.comparison.setting_tables import unconverged_steps
 from contact_study.comparison.tree import comparison_tree
 from contact_study.problem import units
 from contact_study.problem.errors import InputError
@@ -62,7 +57,7 @@ def _main(arguments: Sequence[str]) -> int:
         raise InputError("these datasets have no point of their loading paths in common; run the same study")
     regime = compute_regime(inputs)
     attrs = _attributes(inputs, given.output, arguments)
-    drawn = _draw(inputs, wanted) if given.figures or given.report else Figures({}, {})
+    drawn = draw(inputs, wanted) if given.figures or given.report else Figures({}, {})
     tree = comparison_tree(inputs, deviations, regime, attrs)
     outputs: dict[Path, Callable[[Path], Any]] = {
         given.output: lambda path: tree.to_netcdf(path, engine="netcdf4", write_inherited_coords=True)
@@ -115,77 +110,6 @@ def _check_outputs(planned: Sequence[Path], datasets: Sequence[Path], *, overwri
             raise InputError(f"{path}: is a folder; name a file")
         if path.exists() and not overwrite:
             raise InputError(f"{path} exists; use --overwrite to replace it")
-
-
-def _draw(inputs: Inputs, wanted: float | None) -> Figures:
-    models, control = inputs.models, inputs.control
-    points = sweep_points(models)
-    shown = plotted.panel_points(models, control, wanted)
-    scales = {point.label: plotted.scales(models, point) for point in points}
-    scale, pressure = scales[shown.case.label], plotted.mean_pressure_unit(models)
-    areas, gaps = plotted.contact_area_data(models, control), plotted.mean_gap_data(models, control)
-    drawn = {
-        "stress_distribution": figures.stress_distribution_figure(
-            *plotted.stress_distribution_data(models, control, shown)
-        ),
-        "gap_distribution": figures.gap_distribution_figure(
-            *plotted.gap_distribution_data(models, control, shown), scale.height_symbol
-        ),
-        "contact_area": figures.contact_area_figure(
-            areas,
-            pressure.name,
-            bands.contact_area_bands(inputs.branches, points, pressure.size),
-        ),
-    }
-    if any(np.isfinite(curve.x + curve.y).any() for curve in gaps):
-        drawn["mean_gap"] = figures.mean_gap_figure(
-            gaps, scale.height_symbol, bands.mean_gap_bands(inputs.branches, points, scales)
-        )
-    seed = _first_seed(inputs)
-    distance = 0.0 if _is_hard_wall(inputs) else first_constant(models, shown.case, "contact_distance")
-    maps = _gap_maps(inputs, shown, seed, distance)
-    if maps:
-        drawn["gap_map"] = figures.gap_map_figure(maps, _lateral_size(inputs, maps), distance)
-    images = {name: figures.png(figure) for name, figure in drawn.items()}
-    return Figures(images, captions(inputs, shown, scale, seed))
-
-
-def _is_hard_wall(inputs: Inputs) -> bool:
-    return inputs.study.cases[0].interaction.law == "hard_wall"
-
-
-def _first_seed(inputs: Inputs) -> int | None:
-    """The first seed that all models have which sweep it; None where none does."""
-    swept = [list(dataset[AVERAGED].values) for dataset in inputs.models.values() if AVERAGED in dataset.dims]
-    return next((int(seed) for seed in swept[0] if all(seed in other for other in swept)), None) if swept else None
-
-
-def _lateral_size(inputs: Inputs, models: Iterable[str]) -> tuple[float, float]:
-    """Periods along y and x (m), from the positions of the points."""
-    dataset = inputs.models[next(iter(models))]
-    y, x = (len(dataset[axis]) * float(dataset[axis][1] - dataset[axis][0]) for axis in ("y", "x"))
-    return y, x
-
-
-def _gap_maps(
-    inputs: Inputs, shown: plotted.PanelPoints, seed: int | None, contact_distance: float
-) -> dict[str, np.ma.MaskedArray]:
-    """Gap of each simulation that kept it, at the state common to the figures, masked where there is contact."""
-    maps = {}
-    for model in ("atomistic", "continuum"):
-        part = select(inputs.models[model], shown.case) if model in inputs.models else None
-        if part is None or shown.common not in (path := case_points(part, inputs.control)):
-            continue
-        step = path.index(shown.common)
-        selection = dict(shown.case.selection)
-        if AVERAGED in part.dims:
-            selection[AVERAGED] = seed
-        gap = field_at(inputs.paths[model], "gap", selection, step)
-        if gap is None or not np.isfinite(gap).all():
-            continue
-        pressure = field_at(inputs.paths[model], "pressure", selection, step) if _is_hard_wall(inputs) else None
-        maps[model] = np.ma.masked_array(gap, gap < contact_distance if pressure is None else pressure > 0)
-    return maps
 
 
 def _attributes(inputs: Inputs, output: Path, arguments: Sequence[str]) -> dict[str, str]:

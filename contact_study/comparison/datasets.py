@@ -69,6 +69,22 @@ class Inputs:
         return [case for case in self.cases if is_at(case, coordinates)]
 
     @property
+    def seeds(self) -> dict[str, list[int]]:
+        """The realisations that each simulation has, by model; empty for surfaces that are none."""
+        seeds = {}
+        for name in ("atomistic", "continuum"):
+            cases = self.studies[name].cases if name in self.studies else ()
+            found = [case.surface.seed for case in cases if case.surface.kind == "self_affine"]
+            if found:
+                seeds[name] = list(dict.fromkeys(found))
+        return seeds
+
+    @property
+    def laws(self) -> list[str]:
+        """Every traction-separation law of the cases."""
+        return list(dict.fromkeys(case.interaction.law for case in self.cases))
+
+    @property
     def control(self) -> str:
         """What was prescribed: "pressure" or "gap"."""
         return self.study.cases[0].loading.control

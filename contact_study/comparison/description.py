@@ -1,60 +1,94 @@
-"""What was run, in plain words, from the studies that the datasets carry."""
+"""What was run, in plain words that hold for every case of the studies that the datasets carry."""
 
-from collections.abc import Collection, Iterator
+from collections.abc import Callable, Iterator, Sequence
 
-from contact_study.comparison.cases import coordinate_label
 from contact_study.comparison.datasets import Inputs
+from contact_study.comparison.findings import MODEL_WORDS
+from contact_study.comparison.labels import coordinate_label, law_name
 from contact_study.comparison.path_points import AVERAGED
-from contact_study.comparison.wording import control_unit, length, number, pressure_unit
+from contact_study.comparison.wording import control_unit, length, listed, number, pressure_unit, varied
 from contact_study.problem.case import Case
 from contact_study.problem.errors import InputError
-from contact_study.problem.study import Study
 from contact_study.problem.units import quantity
+
+_SURFACES = {
+    "self_affine": "rigid, periodic, randomly rough",
+    "file": "rigid, periodic, height map",
+    "sphere": "a rigid sphere",
+    "wavy": "a rigid wavy surface",
+    "flat": "rigid and flat",
+}
 
 
 def study_paragraphs(inputs: Inputs) -> list[tuple[str, str]]:
     """Heading and text of each part of the question."""
-    study = inputs.study
-    case = study.cases[0]
     return [
-        ("Surface", _surface(study)),
-        ("Block", _block(case)),
-        ("Interaction", _interaction(study, inputs.models)),
+        ("Surface", _surface(inputs)),
+        ("Block", _block(inputs.cases)),
+        ("Interaction", " ".join(_interaction(inputs))),
         ("Loading", _loading(inputs)),
         ("Models", " ".join(_models(inputs))),
     ]
 
 
-def _surface(study: Study) -> str:
-    section = study.cases[0].surface
-    size = f"{length(section.size[0])} × {length(section.size[1])}" if section.size else "the size of its height map"
-    words = {
-        "self_affine": "Rigid, periodic, randomly rough",
-        "file": f"Rigid, periodic, height map {section.path}",
-        "sphere": f"A rigid sphere of radius {length(section.radius or 0)}",
-        "wavy": f"A rigid wavy surface of amplitude {length(section.amplitude or 0)}, modes {section.modes}",
-        "flat": "Rigid and flat",
-    }[section.kind]
-    words += f", {size}"
-    if section.kind == "self_affine" and section.rms_height is not None:
-        exact = "each sample exactly" if section.normalisation == "realised" else "in the mean over samples"
-        words += (
-            f": self-affine with Hurst exponent {section.hurst_exponent:g} between {section.roll_off_mode:g} and "
-            f"{section.cutoff_mode:g} times 2π/L, flat spectrum from {section.low_mode:g} to {section.roll_off_mode:g} "
-            f"times 2π/L, h_rms = {length(section.rms_height)} ({exact})"
-        )
-    seeds = study.sweep["seed"].values if "seed" in study.sweep else (section.seed,)
-    if section.kind == "self_affine":
-        listed = ", ".join(str(seed) for seed in seeds)
-        words += f"; {len(seeds)} realisation{'s' if len(seeds) > 1 else ''} (seed {listed})"
-    return words + "."
+def _over(cases: Sequence[Case], show: Callable[[Case], str], last: str = "and") -> str:
+    """One value of every case in words, different ones side by side."""
+    return varied((show(case) for case in cases), last)
 
 
-def _block(case: Case) -> str:
-    material = case.material
+def _surface(inputs: Inputs) -> str:
+    kinds: dict[str, list[Case]] = {}
+    for case in inputs.cases:
+        kinds.setdefault(case.surface.kind, []).append(case)
+    words = "; ".join(_surfaces_of_a_kind(inputs, kind, cases) for kind, cases in kinds.items())
+    return f"{words[0].upper()}{words[1:]}."
+
+
+def _surfaces_of_a_kind(inputs: Inputs, kind: str, cases: Sequence[Case]) -> str:
+    words = _SURFACES[kind]
+    if kind == "file":
+        words += " " + _over(cases, lambda case: str(case.surface.path))
+    if kind == "sphere":
+        words += " of radius " + _over(cases, lambda case: length(case.surface.radius or 0))
+    if kind == "wavy":
+        amplitude = _over(cases, lambda case: length(case.surface.amplitude or 0))
+        words += f" of amplitude {amplitude}, modes {_over(cases, lambda case: str(case.surface.modes))}"
+    words += ", " + _over(cases, _size)
+    if kind != "self_affine":
+        return words
+    low, roll_off, cutoff = (
+        _over(cases, lambda case, name=name: f"{getattr(case.surface, name):g}")  # type: ignore[misc]
+        for name in ("low_mode", "roll_off_mode", "cutoff_mode")
+    )
+    exact = {"realised": "each sample exactly", "spectrum": "in the mean over samples"}
+    words += (
+        f": self-affine with Hurst exponent {_over(cases, lambda case: f'{case.surface.hurst_exponent:g}')} between "
+        f"{roll_off} and {cutoff} times 2π/L, flat spectrum from {low} to {roll_off} times 2π/L, "
+        f"h_rms = {_over(cases, lambda case: length(case.surface.rms_height or 0))} "
+        f"({_over(cases, lambda case: exact[case.surface.normalisation])})"
+    )
+    return words + _realisations(inputs, cases)
+
+
+def _size(case: Case) -> str:
+    size = case.surface.size
+    return f"{length(size[0])} × {length(size[1])}" if size else "the size of its height map"
+
+
+def _realisations(inputs: Inputs, cases: Sequence[Case]) -> str:
+    seeds = list(dict.fromkeys(case.surface.seed for case in cases))
+    words = f"; {len(seeds)} realisation{'s' if len(seeds) > 1 else ''} (seed {', '.join(map(str, seeds))})"
+    for name, own in inputs.seeds.items():
+        if set(own) != set(seeds):
+            words += f", {MODEL_WORDS[name]} on seed {', '.join(map(str, own))} only"
+    return words
+
+
+def _block(cases: Sequence[Case]) -> str:
     return (
-        f"Elastic, E = {_modulus(material.youngs_modulus)}, ν = {material.poissons_ratio:g}, hence contact modulus "
-        f"E* = E/(1 − ν²) = {_modulus(material.contact_modulus)}."
+        f"Elastic, E = {_over(cases, lambda case: _modulus(case.material.youngs_modulus))}, "
+        f"ν = {_over(cases, lambda case: f'{case.material.poissons_ratio:g}')}, hence contact modulus "
+        f"E* = E/(1 − ν²) = {_over(cases, lambda case: _modulus(case.material.contact_modulus))}."
     )
 
 
@@ -63,47 +97,64 @@ def _modulus(value: float) -> str:
     return f"{number(value / unit.size, 5)} {unit.name}"
 
 
-def _interaction(study: Study, models: Collection[str]) -> str:
-    case = study.cases[0]
-    if case.interaction.law == "hard_wall":
-        return "Hard wall without adhesion; contact is where the pressure is positive."
-    works = list(dict.fromkeys(f"{case.work_of_adhesion:.4g}" for case in study.cases))
-    given = case.interaction
+def _interaction(inputs: Inputs) -> Iterator[str]:
+    hard = [case for case in inputs.cases if case.interaction.law == "hard_wall"]
+    adhesive = [case for case in inputs.cases if case.interaction.law != "hard_wall"]
+    if not adhesive:
+        yield "Hard wall without adhesion; contact is where the pressure is positive."
+        return
     pair = ""
-    if given.well_depth is not None:
+    depths = [case.interaction.well_depth for case in adhesive if case.interaction.well_depth is not None]
+    if depths:
         meV = quantity("1 meV", "J", "well_depth")
-        pair = f" of atoms with ε₀ = {given.well_depth / meV:.4g} meV"
-    law = given.law.removeprefix("lennard_jones_").replace("_", "-")
-    # The 10-4 law is what one layer of atoms on either side gives; the 9-3 law is prescribed.
-    made = "smeared into" if law == "10-4" else "in"
-    users = " and ".join(
+        pair = f" of atoms with ε₀ = {varied(f'{depth / meV:.4g} meV' for depth in depths)}"
+    # The 10-4 law is what one layer of atoms on either side gives; any other is prescribed.
+    made = listed(
+        f"{'smeared into' if law == 'lennard_jones_10_4' else 'in'} the {law_name(law)}"
+        for law in inputs.laws
+        if law != "hard_wall"
+    )
+    models = inputs.models
+    users = [
         words
         for words, there in (("continuum", "continuum" in models), ("gap-flow theory", "gap_flow" in models))
         if there
+    ]
+    yield (
+        f"Lennard-Jones{pair}, r₀ = {_over(adhesive, lambda case: length(case.interaction.length or 0))}"
+        f"{f'; {made} traction-separation law for {listed(users)}' if users else ''}."
     )
-    smeared = f"; {made} the {law} traction-separation law for {users}" if users else ""
-    return (
-        f"Lennard-Jones{pair}, r₀ = {length(given.length or 0)}{smeared}. "
-        f"Work of adhesion Δγ = {', '.join(works)} J/m². Gaps below {length(case.contact_distance)} count as contact."
+    yield f"Work of adhesion Δγ = {_over(adhesive, lambda case: f'{case.work_of_adhesion:.4g}')} J/m²."
+    yield f"Gaps below {_over(adhesive, lambda case: length(case.contact_distance))} count as contact."
+    if hard:
+        yield (
+            f"A hard wall without adhesion at {listed(_label(inputs, case) for case in hard)}, where points under "
+            "positive pressure count as contact."
+        )
+
+
+def _label(inputs: Inputs, case: Case) -> str:
+    """The point of the sweep of a case, its seed aside."""
+    units = {name: swept.units for study in inputs.studies.values() for name, swept in study.sweep.items()}
+    return ", ".join(
+        coordinate_label(name, value, units[name]) for name, value in case.coordinates.items() if name != AVERAGED
     )
 
 
 def _loading(inputs: Inputs) -> str:
     """Each different path, with the points of the sweep that take it."""
-    study, unit = inputs.study, control_unit(inputs.models, inputs.control)
-    paths: dict[tuple[float, ...], list[str]] = {}
-    for case in study.cases:
-        label = ", ".join(coordinate_label(key, value) for key, value in case.coordinates.items() if key != AVERAGED)
-        paths.setdefault(case.loading.path, []).append(label)
-    back = ", then back through the same values" if study.cases[0].loading.unload else ""
-    listed = []
-    for path, labels in paths.items():
+    unit = control_unit(inputs.models, inputs.control)
+    paths: dict[tuple[tuple[float, ...], bool], list[str]] = {}
+    for case in inputs.cases:
+        paths.setdefault((case.loading.path, case.loading.unload), []).append(_label(inputs, case))
+    ways = []
+    for (path, unload), labels in paths.items():
         values = ", ".join(number(value / unit.size, 5) for value in path)
-        where = f" ({', '.join(dict.fromkeys(labels))})" if len(paths) > 1 else ""
-        listed.append(f"{values} {unit.name}{where}{back}")
-    words = f"Prescribed mean {inputs.control}, in this order: {'; '.join(listed)}."
+        where = f" ({listed(labels)})" if len(paths) > 1 else ""
+        ways.append(f"{values} {unit.name}{where}{', then back through the same values' if unload else ''}")
+    words = f"Prescribed mean {inputs.control}, in this order: {'; '.join(ways)}."
     words += _starts(inputs)
-    if "theory" in inputs.models and study.cases[0].interaction.law != "hard_wall":
+    if "theory" in inputs.models and set(inputs.laws) != {"hard_wall"}:
         words += " Persson's theory starts on the adhered branch, each state from the one before."
     if "gap_flow" in inputs.models:
         words += " The gap-flow theory gives the equilibrium at each point, whatever came before."
@@ -126,36 +177,61 @@ def _starts(inputs: Inputs) -> str:
 
 
 def _models(inputs: Inputs) -> Iterator[str]:
+    """Each model's own choices, of all cases of its own study."""
     if "continuum" in inputs.studies:
-        case = inputs.studies["continuum"].cases[0]
-        shape = case.surface.shape
-        points = f"{shape[0]} × {shape[1]} points" if shape else "the height map's points"
-        tolerance = number(case.solver.tolerance, 3)
-        if case.interaction.law == "hard_wall":
-            yield f"Continuum: {points}, contact condition violated by less than {tolerance} h_rms."
-        else:
-            yield f"Continuum: {points}, residual stress below {tolerance} E*."
+        yield _continuum(inputs.studies["continuum"].cases)
     if "atomistic" in inputs.studies:
-        yield _atoms(inputs.studies["atomistic"].cases[0])
+        yield _atoms(inputs.studies["atomistic"].cases)
     if "theory" in inputs.studies:
-        chosen = inputs.studies["theory"].cases[0].theory
-        spectrum = "the target spectrum" if chosen.spectrum == "analytic" else "the spectrum of the very surface"
-        cap = ", σ_a limited to σ_max" if chosen.cap_detachment_stress else ""
-        yield (
-            f"Theories: {spectrum}; in Persson's theory elastic energy weight “{chosen.energy_weight}” "
-            f"(β = {chosen.beta:g}), true area “{chosen.true_area}”, α = {chosen.alpha:g}{cap}."
-        )
+        yield _theories(inputs.studies["theory"].cases)
 
 
-def _atoms(case: Case) -> str:
+def _continuum(cases: Sequence[Case]) -> str:
+    def points(case: Case) -> str:
+        shape = case.surface.shape
+        return f"{shape[0]} × {shape[1]} points" if shape else "the height map's points"
+
+    accuracies = []
+    for hard, words in (
+        (False, "residual stress below {} E*"),
+        (True, "contact condition violated by less than {} h_rms"),
+    ):
+        of_law = [case for case in cases if (case.interaction.law == "hard_wall") == hard]
+        if of_law:
+            accuracies.append(words.format(_over(of_law, lambda case: number(case.solver.tolerance, 3))))
+    return f"Continuum: {_over(cases, points)}, {' or, at the hard wall, '.join(accuracies)}."
+
+
+def _atoms(cases: Sequence[Case]) -> str:
+    def across(counts: tuple[int, int]) -> str:
+        return f"{counts[0]} × {counts[1]}"
+
+    def layers(case: Case) -> str:
+        rows, columns = case.atoms
+        count = case.atomistic.layers or max(rows, columns)
+        return f"{count} layers ({rows * columns * count:,} atoms)"
+
     try:
-        (rows, columns), (site_rows, site_columns) = case.atoms, case.substrate_sites
+        return (
+            f"Atoms: bottom layer of {_over(cases, lambda case: across(case.atoms))} atoms (lattice constant "
+            f"{_over(cases, lambda case: length(case.material.lattice_constant or 0))}) on "
+            f"{_over(cases, lambda case: across(case.substrate_sites))} substrate sites, block of "
+            f"{_over(cases, layers)} condensed exactly, potential cut off at "
+            f"{_over(cases, lambda case: f'{case.atomistic.cutoff:g}')} r₀, temperature 0 K."
+        )
     except InputError:
         return "Atoms: as their dataset says."
-    layers = case.atomistic.layers or max(rows, columns)
+
+
+def _theories(cases: Sequence[Case]) -> str:
+    spectra = {"analytic": "the target spectrum", "surface": "the spectrum of the very surface"}
+    caps = {False: "no limit to σ_a", True: "σ_a limited to σ_max"}
+    chosen = {case.theory.cap_detachment_stress for case in cases}
+    cap = "" if chosen == {False} else f", {_over(cases, lambda case: caps[case.theory.cap_detachment_stress])}"
     return (
-        f"Atoms: bottom layer of {rows} × {columns} atoms (lattice constant "
-        f"{length(case.material.lattice_constant or 0)}) on {site_rows} × {site_columns} substrate sites, block of "
-        f"{layers} layers ({rows * columns * layers:,} atoms) condensed exactly, potential cut off at "
-        f"{case.atomistic.cutoff:g} r₀, temperature 0 K."
+        f"Theories: {_over(cases, lambda case: spectra[case.theory.spectrum])}; in Persson's theory elastic energy "
+        f"weight {_over(cases, lambda case: f'“{case.theory.energy_weight}”')} "
+        f"(β = {_over(cases, lambda case: f'{case.theory.beta:g}')}), true area "
+        f"{_over(cases, lambda case: f'“{case.theory.true_area}”')}, "
+        f"α = {_over(cases, lambda case: f'{case.theory.alpha:g}')}{cap}."
     )

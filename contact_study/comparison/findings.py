@@ -6,12 +6,14 @@ from dataclasses import dataclass
 import numpy as np
 import xarray as xr
 
-from contact_study.comparison.cases import SweepPoint, select, sweep_points
+from contact_study.comparison.cases import SweepPoint, case_points, select, sweep_points
 from contact_study.comparison.datasets import Inputs
 from contact_study.comparison.deviations import COMPARED
-from contact_study.comparison.path_points import AVERAGED
-from contact_study.comparison.plotted import Scales, scales
-from contact_study.comparison.wording import length_unit, number, percent, percent_of, pressure_unit
+from contact_study.comparison.path_points import AVERAGED, Point
+from contact_study.comparison.scales import Scales, scales
+from contact_study.comparison.wording import length_unit, listed, number, percent, percent_of, pressure_unit
+
+AREA, GAP = "relative_contact_area_relative_deviation", "mean_gap_deviation"
 
 MODEL_WORDS = {
     "atomistic": "the atoms",
@@ -44,6 +46,16 @@ class Spread:
     low_at: str
     high_at: str
 
+    @property
+    def worst(self) -> float:
+        """The larger extreme, with sign."""
+        return self.low if abs(self.low) > abs(self.high) else self.high
+
+    @property
+    def worst_at(self) -> str:
+        """The state where it is."""
+        return self.low_at if abs(self.low) > abs(self.high) else self.high_at
+
 
 def split_pair(pair: str) -> tuple[str, str]:
     """Model and reference of an entry of the coordinate ``pair``."""
@@ -68,12 +80,12 @@ def spread(deviations: xr.Dataset, pair: str, name: str, points: list[SweepPoint
         part = part.where(part["state"] == COMPARED)
         lead = [AVERAGED] if AVERAGED in part[name].dims else []
         array = part[name].transpose(*lead, "step").values / scale[point.label]
+        path = case_points(part, "pressure" if "applied_pressure" in part.coords else "gap")
         for index in zip(*np.nonzero(np.isfinite(array)), strict=True):
             seed = f"seed {part[AVERAGED].values[index[0]]}, " if lead else ""
-            pressure = _prescribed(part).transpose(..., "step").values.reshape(-1, array.shape[-1])[-1, index[-1]]
             label = f"{point.label}, " if point.label else ""
             values.append(array[index])
-            places.append(f"{label}{seed}{_prescribed_words(part, pressure)}")
+            places.append(f"{label}{seed}{_point_words(part, path[index[-1]])}")
     if not values:
         raise ValueError("nothing was compared")
     found = np.array(values)
@@ -81,24 +93,23 @@ def spread(deviations: xr.Dataset, pair: str, name: str, points: list[SweepPoint
     return Spread(len(found), float(np.median(np.abs(found))), found[low], found[high], places[low], places[high])
 
 
-def _prescribed(part: xr.Dataset) -> xr.DataArray:
-    return part["applied_pressure"] if "applied_pressure" in part.coords else part["applied_gap"]
-
-
-def _prescribed_words(part: xr.Dataset, value: float) -> str:
+def _point_words(part: xr.Dataset, named: Point | None) -> str:
+    """A point of the path: its prescribed value, and what tells it from another visit of the same value."""
+    assert named is not None
+    value, branch, visits = float(named[0]), named[1], named[2]
     if "applied_pressure" in part.coords:
-        unit = pressure_unit(float(np.abs(part["applied_pressure"]).max()))
-        return f"p = {number(value / unit.size, 4)} {unit.name}"
-    unit = length_unit(float(np.abs(part["applied_gap"]).max()))
-    return f"ū = {number(value / unit.size, 4)} {unit.name}"
+        unit, symbol = pressure_unit(float(np.abs(part["applied_pressure"]).max())), "p"
+    else:
+        unit, symbol = length_unit(float(np.abs(part["applied_gap"]).max())), "ū"
+    again = f", visit {visits + 1}" if visits else ""
+    return f"{symbol} = {number(value / unit.size, 4)} {unit.name}{' on unloading' if branch else ''}{again}"
 
 
 def headline(models: Mapping[str, xr.Dataset], deviations: xr.Dataset) -> list[str]:
-    """One sentence for each pair of models, and one on which comes nearest to the first reference."""
+    """Which model comes nearest to the first reference in contact area, and one sentence for each pair of models."""
     points = sweep_points(models)
     units = {point.label: scales(models, point) for point in points}
-    sentences = []
-    medians: dict[str, float] = {}
+    sentences = _ranking(deviations, points)
     for pair in deviations["pair"].values:
         model, reference = split_pair(pair)
         try:
@@ -108,37 +119,64 @@ def headline(models: Mapping[str, xr.Dataset], deviations: xr.Dataset) -> list[s
                 f"Between {MODEL_WORDS[model]} and {MODEL_WORDS[reference]} no state could be compared: none was "
                 "found converged and in contact by both."
             )
-            continue
-        if reference == split_pair(deviations["pair"].values[0])[1]:
-            medians[model] = _area_spread(deviations, pair, points).median
-    if len(medians) > 1:
-        order = sorted(medians, key=medians.__getitem__)
-        listed = ", then ".join(f"{MODEL_WORDS[model]} ({percent_of(medians[model])})" for model in order)
-        reference = split_pair(deviations["pair"].values[0])[1]
-        sentences.insert(
-            0, f"By the median relative deviation of contact area, nearest to {MODEL_WORDS[reference]}: {listed}."
-        )
     return sentences
+
+
+def on_shared_states(deviations: xr.Dataset, name: str) -> xr.Dataset:
+    """The deviations of one quantity over the states that every pair has, so that pairs may be set side by side.
+
+    A pair without any state has no say, and is left out.
+    """
+    if name not in deviations:
+        return deviations.isel(pair=slice(0))
+    there = deviations[name].notnull() & (deviations["state"] == COMPARED)
+    some = there.any([dim for dim in there.dims if dim != "pair"])
+    there = there.sel(pair=some)
+    return deviations.sel(pair=some).where(there.all("pair"))
+
+
+def _ranking(deviations: xr.Dataset, points: list[SweepPoint]) -> list[str]:
+    """Models in the order of their nearness to the first reference, over the states that all of them share."""
+    reference = split_pair(deviations["pair"].values[0])[1]
+    pairs = [pair for pair in deviations["pair"].values if split_pair(pair)[1] == reference]
+    shared = on_shared_states(deviations.sel(pair=pairs), AREA)
+    if shared.sizes["pair"] < 2:
+        return []
+    try:
+        spreads = {split_pair(pair)[0]: _area_spread(shared, pair, points) for pair in shared["pair"].values}
+    except ValueError:
+        return ["No state was found converged and in contact by all models: their deviations are of different states."]
+    order = sorted(spreads, key=lambda model: spreads[model].median)
+    medians = ", then ".join(f"{MODEL_WORDS[model]} ({percent_of(spreads[model].median)})" for model in order)
+    worst = listed(f"{percent(spreads[model].worst)} ({spreads[model].worst_at})" for model in order)
+    count = spreads[order[0]].count
+    words = (
+        f"By the median relative deviation of contact area over the {count} state{'s' if count > 1 else ''} that all "
+        f"models share, nearest to {MODEL_WORDS[reference]}: {medians}. At worst they are off by {worst}, in this order"
+    )
+    by_worst = sorted(spreads, key=lambda model: abs(spreads[model].worst))
+    if by_worst != order:
+        words += f"; by the worst state the order is {', '.join(MODEL_WORDS[model] for model in by_worst)}"
+    return [f"{words}."]
 
 
 def sample_notes(inputs: Inputs) -> list[str]:
     """What the deviations mean statistically: whose surfaces they are of, and what their medians are over."""
-    case = inputs.study.cases[0]
-    simulated = [name for name in ("atomistic", "continuum") if name in inputs.models]
-    if case.surface.kind != "self_affine" or not simulated:
+    seeds = inputs.seeds
+    if not seeds:
         return []
-    seeds = max(inputs.models[name].sizes.get(AVERAGED, 1) for name in simulated)
-    surfaces = "one realisation" if seeds == 1 else f"{seeds} realisations"
+    counts = sorted({len(own) for own in seeds.values()})
+    surfaces = "one realisation" if counts == [1] else f"{listed((str(count) for count in counts), 'or')} realisations"
     notes = []
     theory = inputs.studies.get("theory")
     if theory is not None and any(case.theory.spectrum == "analytic" for case in theory.cases):
-        target, realised = _slopes(inputs, ["theory"]), _slopes(inputs, simulated)
+        target, realised = _slopes(inputs, ["theory"]), _slopes(inputs, list(seeds))
         notes.append(
             f"The theory knows the target spectrum{target}, the simulations {surfaces} of it{realised}: the scatter "
             "between surfaces enters the deviations of the theory from the simulations."
         )
     notes.append(
-        f"Medians and extremes are over states of the same {'surface' if seeds == 1 else 'surfaces'}, which are no "
+        f"Medians and extremes are over states of the same {'surface' if counts == [1] else 'surfaces'}, which are no "
         "independent samples."
     )
     return notes
@@ -157,7 +195,7 @@ def _slopes(inputs: Inputs, models: Sequence[str]) -> str:
 
 def _area_spread(deviations: xr.Dataset, pair: str, points: list[SweepPoint]) -> Spread:
     ones = {point.label: 1.0 for point in points}
-    return spread(deviations, pair, "relative_contact_area_relative_deviation", points, ones)
+    return spread(deviations, pair, AREA, points, ones)
 
 
 def _pair_sentence(deviations: xr.Dataset, pair: str, points: list[SweepPoint], units: dict[str, Scales]) -> str:
@@ -170,7 +208,7 @@ def _pair_sentence(deviations: xr.Dataset, pair: str, points: list[SweepPoint], 
     )
     heights = {label: unit.rms_height for label, unit in units.items()}
     try:
-        gap = spread(deviations, pair, "mean_gap_deviation", points, heights)
+        gap = spread(deviations, pair, GAP, points, heights)
     except ValueError:
         return words + "."
     symbol = next(iter(units.values())).height_symbol

@@ -1,56 +1,15 @@
 """What the figures show, as arrays; :mod:`contact_study.comparison.figures` draws it."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import xarray as xr
 
-from contact_study.comparison.cases import (
-    SweepPoint,
-    case_points,
-    first_constant,
-    select,
-    series,
-    strongest,
-    sweep_points,
-)
+from contact_study.comparison.cases import SweepPoint, case_points, select, series, sweep_points
 from contact_study.comparison.path_points import AVERAGED, Point, usable
-from contact_study.comparison.wording import Unit, number, pressure_unit
-
-# p/E* of figures 1b and 2b of Yang et al., EPL 84, 46004 (2008); their panels a state none.
-PAPER_PRESSURES = (-0.00532, 0.00832, 0.06265)
-PAPER_PANEL_A = PAPER_PRESSURES[1]
-_SAME_PRESSURE = 0.01  # of the wanted one: the paper gives three digits
-
-
-@dataclass(frozen=True)
-class Scales:
-    """Units of the axes at one point of the sweep, the same for every model.
-
-    Attributes
-    ----------
-    contact_modulus : float
-        E* (Pa).
-    rms_height : float
-        h_rms (m), or one nanometre for a surface without roughness.
-    """
-
-    contact_modulus: float
-    rms_height: float
-    rough: bool = True
-
-    @property
-    def height_symbol(self) -> str:
-        """Unit of gaps in words."""
-        return "h_rms" if self.rough else "nm"
-
-
-def scales(models: Mapping[str, xr.Dataset], point: SweepPoint) -> Scales:
-    """E* and h_rms of a point of the sweep, as the continuum was given them."""
-    rms_height = first_constant(models, point, "rms_height")
-    rough = bool(np.isfinite(rms_height) and rms_height > 0)
-    return Scales(first_constant(models, point, "contact_modulus"), rms_height if rough else 1e-9, rough)
+from contact_study.comparison.scales import Scales, mean_pressure_unit, scales
+from contact_study.comparison.shown_states import PanelPoints, point_label
 
 
 @dataclass(frozen=True)
@@ -86,12 +45,6 @@ class Curve:
     unloading: np.ndarray | None = None
 
 
-def mean_pressure_unit(models: Mapping[str, xr.Dataset]) -> Unit:
-    """The unit of the pressure axis."""
-    found = [float(np.abs(d["mean_pressure"]).max()) for d in models.values() if "mean_pressure" in d]
-    return pressure_unit(max(found, default=0.0))
-
-
 def contact_area_data(models: Mapping[str, xr.Dataset], control: str) -> list[Curve]:
     """A/A₀ against the mean pressure in units of :func:`mean_pressure_unit`, the paper's figure 3."""
     unit = mean_pressure_unit(models).size
@@ -101,11 +54,6 @@ def contact_area_data(models: Mapping[str, xr.Dataset], control: str) -> list[Cu
         return pressure.values / unit, area.values, pressure.standard_error / unit, area.standard_error, area.fit
 
     return _along_the_path(models, control, curve, "relative_contact_area")
-
-
-def in_compression(curves: Sequence[Curve]) -> bool:
-    """Whether some curve of :func:`contact_area_data` has a state to show on logarithmic axes."""
-    return any(((curve.x > 0) & (curve.y > 0)).any() for curve in curves)
 
 
 def mean_gap_data(models: Mapping[str, xr.Dataset], control: str) -> list[Curve]:
@@ -120,8 +68,20 @@ def mean_gap_data(models: Mapping[str, xr.Dataset], control: str) -> list[Curve]
             gap.standard_error / units.rms_height,
             # ln p has no such error where p may be zero.
             np.where(pressure.standard_error < positive, pressure.standard_error / positive, np.nan),
-            gap.fit,
+            pressure.fit,
         )
+
+    return _along_the_path(models, control, curve, "mean_gap")
+
+
+def mean_gap_linear_data(models: Mapping[str, xr.Dataset], control: str) -> list[Curve]:
+    """p/E* against ū/h_rms, tension included."""
+
+    def curve(part: xr.Dataset, units: Scales) -> tuple[np.ndarray, ...]:
+        gap, pressure = series(part, "mean_gap"), series(part, "mean_pressure")
+        modulus, height = units.contact_modulus, units.rms_height
+        errors = gap.standard_error / height, pressure.standard_error / modulus
+        return gap.values / height, pressure.values / modulus, *errors, pressure.fit
 
     return _along_the_path(models, control, curve, "mean_gap")
 
@@ -139,7 +99,7 @@ def _along_the_path(
             part = select(dataset, point)
             if part is None or needed not in part or "mean_pressure" not in part:
                 continue
-            x, y, x_error, y_error, fit = curve(part, units)
+            x, y, x_error, y_error, fit = curve(_with_resolved_pressure(part, control, units.contact_modulus), units)
             sides = [bool(named[1]) if named else False for named in case_points(part, control)]
             curves.append(
                 Curve(model, point.label, colour, x, y, _or_none(x_error), _or_none(y_error), fit, np.array(sides))
@@ -147,91 +107,98 @@ def _along_the_path(
     return curves
 
 
+def _with_resolved_pressure(part: xr.Dataset, control: str, contact_modulus: float) -> xr.Dataset:
+    """The part with a pressure of zero where it is none: below the residual stress only rounding has a sign."""
+    pressure = part["mean_pressure"]
+    if control == "pressure":
+        nothing = part["applied_pressure"] == 0
+    else:
+        nothing = np.abs(pressure) <= (part["residual"] * contact_modulus if "residual" in part else 0.0)
+    return part.assign(mean_pressure=pressure.where(~nothing, 0.0))
+
+
 def _or_none(error: np.ndarray) -> np.ndarray | None:
     return error if np.isfinite(error).any() else None
 
 
-@dataclass(frozen=True)
-class PanelPoints:
-    """States whose distributions are shown.
-
-    Attributes
-    ----------
-    common : Point
-        Point of the path at which all points of the sweep are shown (panel a).
-    case : SweepPoint
-        Point of the sweep shown at several pressures (panel b).
-    several : list of Point
-        These points of its path.
-    paper : bool
-        Whether they are those of the paper.
-    """
-
-    common: Point
-    case: SweepPoint
-    several: list[Point]
-    paper: bool = False
+def in_compression(curves: Sequence[Curve]) -> bool:
+    """Whether some curve of :func:`contact_area_data` has a state to show on logarithmic axes."""
+    return any(((curve.x > 0) & (curve.y > 0)).any() for curve in curves)
 
 
-def panel_points(models: Mapping[str, xr.Dataset], control: str, wanted: float | None = None) -> PanelPoints:
-    """Choose the states: those of the paper where the path visits them, else spread over the path.
+def of_compression(curve: Curve) -> Curve:
+    """A curve of :func:`contact_area_data` for logarithmic axes."""
+    return replace(curve, x=np.where((curve.x > 0) & (curve.y > 0), curve.x, np.nan))
+
+
+def logarithmic(curve: Curve) -> Curve:
+    """A curve of :func:`contact_area_data` in powers of ten, on both axes."""
+    shown = of_compression(curve)
+    positive = np.isfinite(shown.x)
+    x, y = (np.log10(np.where(positive, values, 1.0)) for values in (shown.x, shown.y))
+    return replace(shown, x=np.where(positive, x, np.nan), y=np.where(positive, y, np.nan))
+
+
+def window(curves: Sequence[Curve], ended: int | None) -> np.ndarray:
+    """Limits of x and y (two rows) that hold every state, or end below where the simulations end along one axis.
+
+    Theories give numbers at any distance: on logarithmic axes they would press all else into a corner.
 
     Parameters
     ----------
-    models : mapping
-        Datasets by model.
-    control : str
-        ``"pressure"`` or ``"gap"``.
-    wanted : float, optional
-        Prescribed value of panel a (Pa or m), in place of the paper's p/E* = 0.00832; the nearest one is taken.
+    curves : sequence of Curve
+        Some of it finite.
+    ended : int or None
+        0: x is ended, 1: y is, None: neither.
     """
-    points = sweep_points(models)
-    case = strongest(points)
-    paths = {point.label: _loading_points(models, point, control) for point in points}
-    shared = [named for named in paths[case.label] if all(named in path for path in paths.values())]
-    own = sorted(paths[case.label], key=_value)
-    paper = _paper_points(own, first_constant(models, case, "contact_modulus")) if control == "pressure" else []
-    if wanted is not None:
-        common = min(shared or own, key=lambda named: abs(_value(named) - wanted))
-    else:
-        in_paper = [named for named, pressure in paper if pressure == PAPER_PANEL_A and named in shared]
-        common = in_paper[0] if in_paper else sorted(shared or own, key=_value)[len(shared or own) // 2]
-    several = [named for named, _ in paper]
-    if len(several) < 2:
-        several = [own[0], own[len(own) // 2], own[-1]]
-    is_paper = len(paper) == len(PAPER_PRESSURES) and common == paper[PAPER_PRESSURES.index(PAPER_PANEL_A)][0]
-    return PanelPoints(common, case, list(dict.fromkeys(several)), is_paper)
+    points = [np.stack([curve.x, curve.y]) for curve in curves]
+    finite = [found[:, np.isfinite(found).all(axis=0)] for found in points]
+    every = np.concatenate(finite, axis=1)
+    if ended is not None:
+        ends = [
+            found[ended].min() for curve, found in zip(curves, finite, strict=True) if found.size and simulated(curve)
+        ]
+        every = every[:, every[ended] >= min(ends, default=-np.inf)]
+    low, high = every.min(axis=1), every.max(axis=1)
+    margin = np.where(high > low, 0.04 * (high - low), 0.5)
+    return np.stack([low - margin, high + margin], axis=1)
 
 
-def _value(named: Point) -> float:
-    return float(named[0])
+def simulated(curve: Curve) -> bool:
+    """Whether a curve is of a simulation: theories reach beyond any sampling."""
+    return curve.model in ("atomistic", "continuum")
 
 
-def _loading_points(models: Mapping[str, xr.Dataset], point: SweepPoint, control: str) -> list[Point]:
-    """First visits on loading at one point of the sweep, by any model."""
-    found: dict[Point, None] = {}
-    for dataset in models.values():
-        part = select(dataset, point)
-        if part is not None:
-            found |= dict.fromkeys(named for named in case_points(part, control) if named and named[1:] == (0, 0))
-    return list(found)
+def path_segments(curve: Curve) -> tuple[np.ndarray, np.ndarray]:
+    """Lines that join the states of a curve in the order of the path, each once: two of them retraced hide dashes.
 
+    States that the axes do not show, being not finite, are passed over; one that is not ``fit`` ends the line.
 
-def _paper_points(path: list[Point], contact_modulus: float) -> list[tuple[Point, float]]:
-    chosen = []
-    for pressure in PAPER_PRESSURES:
-        near = min(path, key=lambda named: abs(_value(named) / contact_modulus - pressure))
-        if abs(_value(near) / contact_modulus - pressure) <= _SAME_PRESSURE * abs(pressure):
-            chosen.append((near, pressure))
-    return chosen
-
-
-def point_label(named: Point, units: Scales, control: str) -> str:
-    """A point of the path in the figures' units."""
-    if control == "pressure":
-        return f"p/E* = {number(_value(named) / units.contact_modulus, 4)}"
-    symbol = "ū/h_rms" if units.rough else "ū/nm"
-    return f"{symbol} = {number(_value(named) / units.rms_height, 3)}"
+    Returns
+    -------
+    numpy.ndarray, shape (number, 2, 2)
+        Two ends (x, y) of every segment.
+    numpy.ndarray of bool, shape (number,)
+        Whether it leads to a state on the way back.
+    """
+    fit = np.ones(curve.x.shape, bool) if curve.fit is None else curve.fit
+    back = np.zeros(curve.x.shape, bool) if curve.unloading is None else curve.unloading
+    ends, unloading, drawn, last = [], [], set(), None
+    for here in range(curve.x.size):
+        if not fit[here]:
+            last = None
+        if not fit[here] or not np.isfinite(curve.x[here] + curve.y[here]):
+            continue
+        if last is not None:
+            segment = np.array([[curve.x[last], curve.y[last]], [curve.x[here], curve.y[here]]])
+            # Six digits: finer than any figure shows.
+            name = frozenset(f"{x:.6g} {y:.6g}" for x, y in segment)
+            if name not in drawn:
+                drawn.add(name)
+                ends.append(segment)
+                unloading.append(bool(back[here]))
+        last = here
+    return np.array(ends).reshape(-1, 2, 2), np.array(unloading, bool)
 
 
 def stress_distribution_data(
@@ -289,7 +256,6 @@ def density_at(dataset: xr.Dataset, point: SweepPoint, name: str, named: Point, 
 
 def smallest_resolved(curves: list[Curve]) -> float:
     """The smallest log₁₀ density that a simulation shows; theories reach below any sampling."""
-    simulated = [curve.y for curve in curves if curve.model in ("atomistic", "continuum")]
-    values = np.concatenate(simulated or [curve.y for curve in curves])
+    values = np.concatenate([curve.y for curve in curves if simulated(curve)] or [curve.y for curve in curves])
     values = values[np.isfinite(values)]
     return float(max(values.min(), values.max() - 8)) if values.size else 0.0

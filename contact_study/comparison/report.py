@@ -10,12 +10,12 @@ import jinja2
 import xarray as xr
 from markupsafe import Markup, escape
 
-from contact_study.comparison import tables
+from contact_study.comparison import result_tables, setting_tables
 from contact_study.comparison.datasets import Inputs
 from contact_study.comparison.description import study_paragraphs
-from contact_study.comparison.figures import MODEL_NAMES
 from contact_study.comparison.findings import headline, sample_notes
 from contact_study.comparison.path_points import AVERAGED
+from contact_study.comparison.style import MODEL_NAMES
 
 FIGURE_TITLES = {
     "stress_distribution": "Stress distribution",
@@ -28,6 +28,9 @@ FIGURE_TITLES = {
 # Symbols whose subscripts are set as such; study text is full of underscores that are none.
 _SUBSCRIPTS = re.compile(r"\b(h|U|σ|d|q)_(rms|full|max|eq|L|a)\b")
 _BEFORE_UNITS = re.compile(r" (?=%|\(?GPa|h_rms|Å|nm\b|ε₀)")
+
+
+_WIDE = 1000  # pixels: more than one column
 
 
 @dataclass(frozen=True)
@@ -71,18 +74,19 @@ def render_report(
         created=str(attrs["created"])[:16].replace("T", " "),
         provenance=_provenance(inputs),
         figures=[
-            (FIGURE_TITLES[name], base64.b64encode(image).decode(), figures.captions[name])
+            (FIGURE_TITLES[name], base64.b64encode(image).decode(), figures.captions[name], _width(image) < _WIDE)
             for name, image in figures.images.items()
         ],
-        summary=tables.summary_table(inputs.models, deviations),
-        results=tables.results_tables(inputs.models, inputs.control),
-        deviations=tables.deviation_tables(inputs.models, deviations, inputs.control),
-        regime=tables.regime_table(inputs.models, regime),
-        constants=tables.constants_table(inputs.models),
-        effort=tables.effort_table(inputs.models),
+        summary=result_tables.summary_table(inputs.models, deviations),
+        results=result_tables.results_tables(inputs.models, inputs.control),
+        deviations=result_tables.deviation_tables(inputs.models, deviations, inputs.control),
+        regime=setting_tables.regime_table(inputs.models, regime),
+        constants=setting_tables.constants_table(inputs.models),
+        effort=setting_tables.effort_table(inputs.models),
         warnings=collected_warnings(inputs),
         study_toml=inputs.study.toml,
-        hard_wall=inputs.study.cases[0].interaction.law == "hard_wall",
+        hard_wall="hard_wall" in inputs.laws,
+        adhesive=set(inputs.laws) != {"hard_wall"},
         several_seeds=any(dataset.sizes.get(AVERAGED, 1) > 1 for dataset in inputs.models.values()),
     )
 
@@ -94,6 +98,11 @@ def collected_warnings(inputs: Inputs) -> list[str]:
         text = str(inputs.models[kind].attrs.get("warnings", ""))
         notes += [f"{MODEL_NAMES[kind]}: {line}" for line in text.splitlines() if line]
     return notes
+
+
+def _width(image: bytes) -> int:
+    """Pixels across a PNG file, from its header."""
+    return int.from_bytes(image[16:20], "big")
 
 
 def _symbols(text: str) -> Markup:

@@ -1,6 +1,6 @@
 """Numbers as a reader wants them: few digits, true minus signs, units that suit."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -23,9 +23,18 @@ def fixed(value: float, decimals: int, plus: bool = False) -> str:
     return f"{value:{'+' if plus else ''}z.{decimals}f}".replace("-", "−")
 
 
-def percent(value: float) -> str:
+def with_error(value: float, error: float, decimals: int, plus: bool = False) -> str:
+    """A number with its standard error: so many decimals, more where the error would read as zero; NaN is none."""
+    if not np.isfinite(error):
+        return fixed(value, decimals, plus)
+    if error > 0:
+        decimals = max(decimals, -int(np.floor(np.log10(error))))
+    return f"{fixed(value, decimals, plus)} ± {fixed(error, decimals)}"
+
+
+def percent(value: float, error: float = np.nan) -> str:
     """A signed fraction in per cent; at most one digit behind the point, which is as much as it can mean."""
-    return f"{fixed(100 * value, _decimals(value), plus=True)} %"
+    return f"{with_error(100 * value, 100 * error, _decimals(value), plus=True)} %"
 
 
 def percent_of(value: float) -> str:
@@ -59,6 +68,12 @@ def length_unit(largest: float) -> Unit:
     return Unit("m", 1.0)
 
 
+def pressure(value: float) -> str:
+    """A pressure in the unit that suits it."""
+    unit = pressure_unit(abs(value))
+    return f"{number(value / unit.size, 6)} {unit.name}"
+
+
 def pressure_unit(largest: float) -> Unit:
     """The unit in which pressures up to ``largest`` (Pa) read well."""
     for name, size in (("GPa", 1e9), ("MPa", 1e6), ("kPa", 1e3)):
@@ -72,3 +87,17 @@ def control_unit(models: Mapping[str, xr.Dataset], control: str) -> Unit:
     if control == "gap":
         return length_unit(max(float(np.abs(dataset["applied_gap"]).max()) for dataset in models.values()))
     return pressure_unit(max(float(np.abs(dataset["applied_pressure"]).max()) for dataset in models.values()))
+
+
+def listed(words: Iterable[str], last: str = "and") -> str:
+    """Different words in a row: "a, b and c"."""
+    *head, tail = dict.fromkeys(words)
+    return f"{', '.join(head)} {last} {tail}" if head else tail
+
+
+def varied(values: Iterable[str], last: str = "and", most: int = 8) -> str:
+    """The different values of a key over a sweep: all of them, or the first and last of many."""
+    different = list(dict.fromkeys(values))
+    if len(different) > most:
+        return f"{different[0]} to {different[-1]} ({len(different)} values)"
+    return listed(different, last)

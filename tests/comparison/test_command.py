@@ -9,10 +9,11 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from contact_study.comparison import command, plotted
 from contact_study.comparison.command import main
 from contact_study.comparison.datasets import field_at, read_inputs
 from contact_study.comparison.deviations import compute_deviations
+from contact_study.comparison.gap_map import read_gap_maps
+from contact_study.comparison.shown_states import panel_points
 from contact_study.comparison.wording import percent
 from contact_study.problem.surface import realise
 from tests.comparison.synthetic import GAP_STUDY, STUDY, study, write, write_all
@@ -157,12 +158,11 @@ def test_contact_of_a_hard_wall_is_shown(tmp_path):
     )
     paths = [write(tmp_path / f"{kind}.nc", kind, text) for kind in ("continuum", "atomistic")]
     inputs = read_inputs(paths)
-    shown = plotted.panel_points(inputs.models, "pressure")
-    maps = command._gap_maps(inputs, shown, None, 0.0)
+    maps = read_gap_maps(inputs, panel_points(inputs.models, "pressure"), None)
     pressed = field_at(paths[0], "pressure", {}, 0) > 0
     assert pressed.any()
-    np.testing.assert_array_equal(np.ma.getmaskarray(maps["continuum"]), pressed)
-    assert command._lateral_size(inputs, maps) == pytest.approx((416e-10, 416e-10), rel=1e-12)
+    np.testing.assert_array_equal(np.ma.getmaskarray(maps.gaps["continuum"]), pressed)
+    assert maps.size == pytest.approx((416e-10, 416e-10), rel=1e-12)
     report = tmp_path / "r.html"
     assert run(*paths, "-o", tmp_path / "out.nc", "--report", report) == 0
     page = report.read_text(encoding="utf-8")

@@ -6,6 +6,9 @@ import pytest
 from contact_study.comparison import bands, figures, plotted
 from contact_study.comparison.cases import sweep_points
 from contact_study.comparison.datasets import read_inputs
+from contact_study.comparison.scales import scales
+from contact_study.comparison.shown_states import panel_points
+from contact_study.comparison.style import png
 from tests.comparison.synthetic import (
     AREA_FACTOR,
     BRANCH_FACTOR,
@@ -36,7 +39,7 @@ def models(inputs):
 
 @pytest.fixture(scope="module")
 def shown(models):
-    return plotted.panel_points(models, "pressure")
+    return panel_points(models, "pressure")
 
 
 def one(curves, model, colour):
@@ -73,8 +76,8 @@ def test_bands_between_the_branches(inputs):
     np.testing.assert_allclose(band.along, pressure / 1e9, rtol=1e-12)
     np.testing.assert_allclose(band.low, BRANCH_FACTOR["loading"] * flow, rtol=1e-12)
     np.testing.assert_allclose(band.high, BRANCH_FACTOR["unloading"] * flow, rtol=1e-12)
-    scales = {point.label: plotted.scales(inputs.models, point) for point in points}
-    band = bands.mean_gap_bands(inputs.branches, points, scales)[1]
+    units = {point.label: scales(inputs.models, point) for point in points}
+    band = bands.mean_gap_bands(inputs.branches, points, units)[1]
     np.testing.assert_allclose(band.along, np.log(pressure[1:] / MODULUS), rtol=1e-12)
     flow = (gap(8, pressure[1:]) + GAP_SHIFT["gap_flow"]) / 1e-9
     np.testing.assert_allclose(band.low, flow / BRANCH_FACTOR["unloading"], rtol=1e-9)
@@ -120,7 +123,7 @@ def test_seeds_are_averaged_with_their_standard_error(tmp_path):
     np.testing.assert_allclose(curve.y[:2], [first.mean(), second.mean()], rtol=1e-12)
     errors = [first.std(ddof=1) / np.sqrt(2), second.std(ddof=1) / np.sqrt(3)]
     np.testing.assert_allclose(curve.y_error[:2], errors, rtol=1e-9)
-    panel_a, _ = plotted.stress_distribution_data(models, "pressure", plotted.panel_points(models, "pressure"))
+    panel_a, _ = plotted.stress_distribution_data(models, "pressure", panel_points(models, "pressure"))
     mean = models["continuum"]["pressure_pdf"].sel(well_depth_ratio=1).isel(step=1).mean("seed")
     np.testing.assert_allclose(10 ** one(panel_a, "continuum", 0).y / MODULUS, mean, rtol=1e-9)
 
@@ -134,21 +137,21 @@ def test_detached_and_unconverged_states(tmp_path):
     np.testing.assert_array_equal(unconverged.fit[:3], [True, False, True])
     assert np.isfinite(unconverged.y[1]), "shown, with a cross"
     assert np.isnan(detached.y[1]), "not shown"
-    panel_a, panel_b = plotted.stress_distribution_data(models, "pressure", plotted.panel_points(models, "pressure"))
+    panel_a, panel_b = plotted.stress_distribution_data(models, "pressure", panel_points(models, "pressure"))
     assert ("continuum", 0) not in {(curve.model, curve.colour) for curve in [*panel_a, *panel_b]}
 
 
 def test_states_of_another_study(tmp_path):
     text = STUDY[: STUDY.index("[sweep]")].replace('"0.7799 GPa", "5.8725 GPa"', '"1 GPa", "2 GPa", "3 GPa"')
     models = read_inputs([write(tmp_path / "c.nc", "continuum", text), write(tmp_path / "t.nc", "theory", text)]).models
-    shown = plotted.panel_points(models, "pressure")
+    shown = panel_points(models, "pressure")
     assert not shown.paper
     assert [float(named[0]) for named in shown.several] == [0.1e9, 2e9, 3e9]
-    assert float(plotted.panel_points(models, "pressure", 0.9e9).common[0]) == 1e9
+    assert float(panel_points(models, "pressure", 0.9e9).common[0]) == 1e9
     (curve,) = [c for c in plotted.contact_area_data(models, "pressure") if c.model == "continuum"]
     assert curve.label == ""
     figure = figures.contact_area_figure(plotted.contact_area_data(models, "pressure"))
-    assert figures.png(figure).startswith(b"\x89PNG")
+    assert png(figure).startswith(b"\x89PNG")
 
 
 def test_another_swept_key(tmp_path):
@@ -166,7 +169,7 @@ def test_drawn_lines_are_the_data(models, shown):
         assert len(drawn) == len(curves)
         for line, curve in zip(drawn, curves, strict=True):
             np.testing.assert_array_equal(line, np.column_stack([curve.x, curve.y]))
-    assert figures.png(figure) == figures.png(figures.gap_distribution_figure(*panels))
+    assert png(figure) == png(figures.gap_distribution_figure(*panels))
 
 
 def test_panels_are_ended_by_the_simulations(models, shown):

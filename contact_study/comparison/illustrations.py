@@ -1,0 +1,59 @@
+"""The figures of one comparison with their captions: what is shown is chosen, read and drawn."""
+
+from contact_study.comparison import bands, figures, plotted
+from contact_study.comparison.captions import captions
+from contact_study.comparison.cases import sweep_points
+from contact_study.comparison.datasets import Inputs
+from contact_study.comparison.gap_map import gap_map_figure, read_gap_maps
+from contact_study.comparison.path_points import AVERAGED
+from contact_study.comparison.report import Figures
+from contact_study.comparison.scales import mean_pressure_unit, scales
+from contact_study.comparison.shown_states import common_label, panel_points, point_label, state_label
+from contact_study.comparison.style import png
+
+
+def draw(inputs: Inputs, wanted: float | None = None) -> Figures:
+    """Every figure that these datasets allow.
+
+    Parameters
+    ----------
+    inputs : Inputs
+        What is compared.
+    wanted : float, optional
+        Pressure (Pa) at which the whole sweep is shown; the nearest one of the path is taken.
+    """
+    models, control = inputs.models, inputs.control
+    points = sweep_points(models)
+    shown = panel_points(models, control, wanted)
+    units = {point.label: scales(models, point) for point in points}
+    scale, pressure = units[shown.case.label], mean_pressure_unit(models)
+    areas = plotted.contact_area_data(models, control)
+    gaps, linear = plotted.mean_gap_data(models, control), plotted.mean_gap_linear_data(models, control)
+    states = common_label(models, shown.common, control), shown.case.label
+    drawn = {
+        "stress_distribution": figures.stress_distribution_figure(
+            *plotted.stress_distribution_data(models, control, shown), states
+        ),
+        "gap_distribution": figures.gap_distribution_figure(
+            *plotted.gap_distribution_data(models, control, shown), scale.height_symbol, states
+        ),
+        "contact_area": figures.contact_area_figure(
+            areas, pressure.name, bands.contact_area_bands(inputs.branches, points, pressure.size)
+        ),
+    }
+    panels = figures.mean_gap_panels(gaps, linear)
+    if panels:
+        shaded = tuple(bands.mean_gap_bands(inputs.branches, points, units, linear=either) for either in (False, True))
+        drawn["mean_gap"] = figures.mean_gap_figure(gaps, linear, scale.height_symbol, shaded)
+    seed = _first_seed(inputs)
+    maps = read_gap_maps(inputs, shown, seed)
+    if maps is not None:
+        state = state_label(shown.case, point_label(shown.common, scale, control))
+        drawn["gap_map"] = gap_map_figure(maps, state)
+    return Figures({name: png(figure) for name, figure in drawn.items()}, captions(inputs, shown, seed))
+
+
+def _first_seed(inputs: Inputs) -> int | None:
+    """The first seed that all models have which sweep it; None where none does."""
+    swept = [list(dataset[AVERAGED].values) for dataset in inputs.models.values() if AVERAGED in dataset.dims]
+    return next((int(seed) for seed in swept[0] if all(seed in other for other in swept)), None) if swept else None
