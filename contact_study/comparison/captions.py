@@ -3,6 +3,7 @@
 from collections.abc import Collection
 
 import numpy as np
+import xarray as xr
 
 from contact_study.comparison.cases import SweepPoint, case_points, select, sweep_points
 from contact_study.comparison.datasets import Inputs
@@ -19,10 +20,13 @@ from contact_study.comparison.plotted import (
 )
 from contact_study.comparison.scales import scales
 from contact_study.comparison.shown_states import PanelPoints, common_label, point_label, state_label
-from contact_study.comparison.wording import listed
+from contact_study.comparison.wording import listed, listed_points
 
 
-def captions(inputs: Inputs, shown: PanelPoints, seed: int | None) -> dict[str, str]:
+_ROUNDING = 1e-6  # of h_rms: what a gap prescribed as zero may differ from it
+
+
+def captions(inputs: Inputs, shown: PanelPoints, seed: int | None, banded: bool) -> dict[str, str]:
     """Captions of the figures, by figure name.
 
     Parameters
@@ -33,9 +37,11 @@ def captions(inputs: Inputs, shown: PanelPoints, seed: int | None) -> dict[str, 
         States whose distributions and fields are shown.
     seed : int or None
         Seed of the surface whose fields are shown, None where no seed is swept.
+    banded : bool
+        Whether a metastable band is shaded.
     """
     models = inputs.models
-    panels, absent = _panels(inputs, shown, seed), _absent(inputs, shown)
+    panels = _panels(inputs, shown, seed)
     gaps = scales(models, shown.case).height_symbol
     counted = listed(
         words
@@ -63,12 +69,12 @@ def captions(inputs: Inputs, shown: PanelPoints, seed: int | None) -> dict[str, 
     return {
         "stress_distribution": "Distribution of the interfacial normal stress, compression positive, in units of E*: "
         f"{panels} {counted} are normalised over all sites, so that sites out of contact, nearly free of stress, make "
-        f"the central peak.{persson}{absent}",
+        f"the central peak.{persson}{_absent(inputs, shown, 'pressure_pdf')}",
         "gap_distribution": f"Distribution of the local gap u in units of {gaps}: {panels} u is the distance of the "
-        f"surfaces, not reduced by the equilibrium distance.{absent}",
+        f"surfaces, not reduced by the equilibrium distance.{_absent(inputs, shown, 'gap_pdf')}",
         "contact_area": f"Relative contact area against mean pressure{panels_of_area}. {counted} count "
-        f"{_contact(inputs.laws)}{persson_area}.{_lines(inputs)}",
-        "mean_gap": _mean_gap(inputs, gaps),
+        f"{_contact(inputs.laws)}{persson_area}.{_lines(inputs, banded)}",
+        "mean_gap": _mean_gap(inputs, gaps, banded),
         "gap_map": f"Local gap of the simulations at {state}{whose}; contact, {black}, is black.",
     }
 
@@ -79,9 +85,9 @@ def _panels(inputs: Inputs, shown: PanelPoints, seed: int | None) -> str:
     units = scales(inputs.models, shown.case)
     symbol = point_label(shown.common, units, inputs.control).partition(" = ")[0]
     several = ", ".join(point_label(named, units, inputs.control).partition(" = ")[2] for named in shown.several)
-    case = f" at {shown.case.label}" if shown.case.label else ""
+    case = f"{shown.case.label}, " if shown.case.label else ""
     every = "for each point of the sweep " if shown.case.label else ""
-    words = f"(a) {every}at {common}; (b){case} at {symbol} = {several}."
+    words = f"(a) {every}at {common}; (b) at {case}{symbol} = {several}."
     if shown.paper:
         words += " The paper does not state the pressure of its panel (a): this one is a choice."
     if seed is not None:
@@ -97,23 +103,23 @@ def _contact(laws: Collection[str]) -> str:
     return f"gaps below the contact distance{hard}"
 
 
-def _mean_gap(inputs: Inputs, gaps: str) -> str:
+def _mean_gap(inputs: Inputs, gaps: str, banded: bool) -> str:
     """Caption of figure 4, whose panels depend on where there is tension."""
     models, control = inputs.models, inputs.control
     curves, linear = mean_gap_data(models, control), mean_gap_linear_data(models, control)
     shown = mean_gap_panels(curves, linear)
     what = {
-        "logarithmic": "natural logarithm of the mean pressure in units of E*, compression only",
-        "linear": "mean pressure in units of E*, tension negative",
+        "logarithmic": "Natural logarithm of the mean pressure in units of E*, compression only",
+        "linear": "Mean pressure in units of E*, tension negative",
     }
     if len(shown) == 2:
         words = f"(a) {what['logarithmic']}; (b) {what['linear']}"
     else:
-        words = "; ".join(what[name][0].upper() + what[name][1:] for name in shown)
+        words = "; ".join(what[name] for name in shown)
     where = ", measured from the equilibrium distance of flat surfaces"
     if "hard_wall" in inputs.laws:
         where = "" if set(inputs.laws) == {"hard_wall"} else where + " (for the hard wall from touching)"
-    return f"{words}, against the mean gap ū in units of {gaps}{where}.{_below_zero(linear)}{_lines(inputs)}"
+    return f"{words}, against the mean gap ū in units of {gaps}{where}.{_below_zero(linear)}{_lines(inputs, banded)}"
 
 
 def _below_zero(curves: Collection[Curve]) -> str:
@@ -123,49 +129,57 @@ def _below_zero(curves: Collection[Curve]) -> str:
         (("atomistic", "continuum", "gap_flow"), "the surfaces are pressed closer than this distance on average"),
         (("theory",), "its energy U(p) somewhere falls with growing p, ū = ∫dU/p, and ū is no distance of surfaces"),
     ):
-        found = [curve for curve in curves if curve.model in models and (curve.x[np.isfinite(curve.y)] < 0).any()]
+        found = [
+            curve for curve in curves if curve.model in models and (curve.x[np.isfinite(curve.y)] < -_ROUNDING).any()
+        ]
         if found:
             who = listed(MODEL_WORDS[curve.model] for curve in found)
-            labels = listed(curve.label for curve in found if curve.label) if any(c.label for c in found) else ""
-            words += f" Where ū < 0 ({who}{'; ' + labels if labels else ''}), {meaning}."
+            words += (
+                f" Where ū < 0 ({'; '.join(filter(None, (who, listed_points(c.label for c in found))))}), {meaning}."
+            )
     return words
 
 
-def _lines(inputs: Inputs) -> str:
+def _lines(inputs: Inputs, banded: bool) -> str:
     seeds = any(AVERAGED in dataset.dims for dataset in inputs.models.values())
     errors = ", points are means and error bars standard errors over seeds" if seeds else ""
     words = (
         f" Lines join the computed states in the order of the path{errors}; filled: loading, hollow: unloading, "
         "crosses: not converged; detached states are left out."
     )
-    if len(inputs.branches) == 2:
+    if banded:
         words += " The shaded band lies between the metastable loading and unloading branches of the gap-flow theory."
     return words
 
 
-def _absent(inputs: Inputs, shown: PanelPoints) -> str:
-    """Names the states without a distribution, apart by reason: none asked for, or none found."""
+def _absent(inputs: Inputs, shown: PanelPoints, name: str) -> str:
+    """Names the states without a distribution, apart by reason."""
     states = [(point, shown.common) for point in sweep_points(inputs.models)]
     states += [(shown.case, named) for named in shown.several]
-    unvisited, unfit = [], []
+    missing: dict[str, list[str]] = {}
     for model, dataset in inputs.models.items():
         for point, named in states:
-            part = select(dataset, point)
-            if "pressure_pdf" not in dataset or part is None:
-                continue
-            words = f"{MODEL_WORDS[model]} at {_state(inputs, point, named)}"
-            if named not in case_points(part, inputs.control):
-                unvisited.append(words)
-            elif density_at(dataset, point, "pressure_pdf", named, inputs.control) is None:
-                unfit.append(words)
-    return "".join(
-        f" {reason}: {'; '.join(dict.fromkeys(missing))}."
-        for reason, missing in (
-            ("Not shown, being detached or not converged", unfit),
-            ("Not on the loading path", unvisited),
-        )
-        if missing
+            reason = _why_absent(inputs, dataset, name, point, named)
+            if reason:
+                missing.setdefault(reason, []).append(f"{MODEL_WORDS[model]} at {_state(inputs, point, named)}")
+    return "".join(f" {reason}: {'; '.join(dict.fromkeys(words))}." for reason, words in missing.items())
+
+
+def _why_absent(inputs: Inputs, dataset: xr.Dataset, name: str, point: SweepPoint, named: Point) -> str:
+    """Why a model shows no distribution at a state; nothing where it does, or where it has none at all."""
+    part = select(dataset, point)
+    if name not in dataset or part is None:
+        return ""
+    path = case_points(part, inputs.control)
+    if named not in path:
+        return "Not on the loading path"
+    if density_at(dataset, point, name, named, inputs.control) is not None:
+        return ""
+    state = part.isel(step=path.index(named))
+    flagged = (
+        flag in state and bool((state[flag] == value).any()) for flag, value in (("detached", 1), ("converged", 0))
     )
+    return "Not shown, being detached or not converged" if any(flagged) else "Without a result"
 
 
 def _state(inputs: Inputs, point: SweepPoint, named: Point) -> str:

@@ -6,7 +6,7 @@ from contact_study.comparison.datasets import Inputs
 from contact_study.comparison.findings import MODEL_WORDS
 from contact_study.comparison.labels import coordinate_label, law_name
 from contact_study.comparison.path_points import AVERAGED
-from contact_study.comparison.wording import control_unit, length, listed, number, pressure_unit, varied
+from contact_study.comparison.wording import control_unit, length, listed, listed_points, number, pressure_unit, varied
 from contact_study.problem.case import Case
 from contact_study.problem.errors import InputError
 from contact_study.problem.units import quantity
@@ -127,10 +127,8 @@ def _interaction(inputs: Inputs) -> Iterator[str]:
     yield f"Work of adhesion Δγ = {_over(adhesive, lambda case: f'{case.work_of_adhesion:.4g}')} J/m²."
     yield f"Gaps below {_over(adhesive, lambda case: length(case.contact_distance))} count as contact."
     if hard:
-        yield (
-            f"A hard wall without adhesion at {listed(_label(inputs, case) for case in hard)}, where points under "
-            "positive pressure count as contact."
-        )
+        where = listed_points(_label(inputs, case) for case in hard)
+        yield f"At {where} a wall without adhesion, where points under positive pressure count as contact."
 
 
 def _label(inputs: Inputs, case: Case) -> str:
@@ -150,7 +148,7 @@ def _loading(inputs: Inputs) -> str:
     ways = []
     for (path, unload), labels in paths.items():
         values = ", ".join(number(value / unit.size, 5) for value in path)
-        where = f" ({listed(labels)})" if len(paths) > 1 else ""
+        where = f" ({listed_points(labels)})" if len(paths) > 1 else ""
         ways.append(f"{values} {unit.name}{where}{', then back through the same values' if unload else ''}")
     words = f"Prescribed mean {inputs.control}, in this order: {'; '.join(ways)}."
     words += _starts(inputs)

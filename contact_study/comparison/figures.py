@@ -177,7 +177,7 @@ def _draw_path(axes: Axes, curve: Curve, colour: Any) -> None:
     """One model's points along the path: filled while loading, hollow while unloading, crossed if not converged."""
     theory = curve.model in ("theory", "gap_flow")
     order = 2 if theory else 3
-    segments, back = path_segments(curve)
+    segments, back, joined = path_segments(curve)
     for side, alpha in ((~back, 1.0), (back, 0.55 if theory else 1.0)):
         if side.any() and LINES[curve.model] != "none":
             lines = LineCollection(
@@ -194,7 +194,7 @@ def _draw_path(axes: Axes, curve: Curve, colour: Any) -> None:
     for side, fill in ((~unloading, "none" if curve.model == "atomistic" else colour), (unloading, "white")):
         here = fit & side & np.isfinite(curve.x) & np.isfinite(curve.y)
         if not MARKERS[curve.model]:  # a line needs two states; one that stands alone is a dot
-            here &= ~_among(np.stack([curve.x, curve.y], axis=1), segments)
+            here &= ~joined
         if here.any():
             axes.errorbar(
                 curve.x[here],
@@ -224,11 +224,6 @@ def _chains(segments: np.ndarray) -> list[np.ndarray]:
         else:
             chains.append([first, second])
     return [np.array(chain) for chain in chains]
-
-
-def _among(states: np.ndarray, segments: np.ndarray) -> np.ndarray:
-    """Whether a state is an end of some segment."""
-    return (states[:, None, :] == segments.reshape(-1, 2)).all(axis=-1).any(axis=-1)
 
 
 def _at(error: np.ndarray | None, here: np.ndarray) -> np.ndarray | None:

@@ -96,7 +96,7 @@ def gap_map_figure(maps: GapMaps, state: str = "") -> Figure:
         axes.set_ylabel(rf"$y$ ({across.name})")
     touching = any(gap.mask.any() for gap in maps.gaps.values())
     words = f"gap ({along.name})" + (", contact black" if touching else "")
-    figure.colorbar(image, ax=panels, label=words, extend="min" if touching else "neither")
+    figure.colorbar(image, ax=panels, label=words, extend="min" if touching else "neither", aspect=25)
     if state:
         figure.suptitle(typeset(state), fontsize=8.5)
     return figure

@@ -29,6 +29,7 @@ def draw(inputs: Inputs, wanted: float | None = None) -> Figures:
     scale, pressure = units[shown.case.label], mean_pressure_unit(models)
     areas = plotted.contact_area_data(models, control)
     gaps, linear = plotted.mean_gap_data(models, control), plotted.mean_gap_linear_data(models, control)
+    area_bands = bands.contact_area_bands(inputs.branches, points, pressure.size)
     states = common_label(models, shown.common, control), shown.case.label
     drawn = {
         "stress_distribution": figures.stress_distribution_figure(
@@ -37,20 +38,18 @@ def draw(inputs: Inputs, wanted: float | None = None) -> Figures:
         "gap_distribution": figures.gap_distribution_figure(
             *plotted.gap_distribution_data(models, control, shown), scale.height_symbol, states
         ),
-        "contact_area": figures.contact_area_figure(
-            areas, pressure.name, bands.contact_area_bands(inputs.branches, points, pressure.size)
-        ),
+        "contact_area": figures.contact_area_figure(areas, pressure.name, area_bands),
     }
-    panels = figures.mean_gap_panels(gaps, linear)
-    if panels:
-        shaded = tuple(bands.mean_gap_bands(inputs.branches, points, units, linear=either) for either in (False, True))
+    shaded = tuple(bands.mean_gap_bands(inputs.branches, points, units, linear=either) for either in (False, True))
+    if figures.mean_gap_panels(gaps, linear):
         drawn["mean_gap"] = figures.mean_gap_figure(gaps, linear, scale.height_symbol, shaded)
     seed = _first_seed(inputs)
     maps = read_gap_maps(inputs, shown, seed)
     if maps is not None:
         state = state_label(shown.case, point_label(shown.common, scale, control))
         drawn["gap_map"] = gap_map_figure(maps, state)
-    return Figures({name: png(figure) for name, figure in drawn.items()}, captions(inputs, shown, seed))
+    words = captions(inputs, shown, seed, banded=bool(area_bands) or any(shaded))
+    return Figures({name: png(figure) for name, figure in drawn.items()}, words)
 
 
 def _first_seed(inputs: Inputs) -> int | None:

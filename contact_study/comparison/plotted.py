@@ -169,7 +169,7 @@ def simulated(curve: Curve) -> bool:
     return curve.model in ("atomistic", "continuum")
 
 
-def path_segments(curve: Curve) -> tuple[np.ndarray, np.ndarray]:
+def path_segments(curve: Curve) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Lines that join the states of a curve in the order of the path, each once: two of them retraced hide dashes.
 
     States that the axes do not show, being not finite, are passed over; one that is not ``fit`` ends the line.
@@ -180,25 +180,33 @@ def path_segments(curve: Curve) -> tuple[np.ndarray, np.ndarray]:
         Two ends (x, y) of every segment.
     numpy.ndarray of bool, shape (number,)
         Whether it leads to a state on the way back.
+    numpy.ndarray of bool, shape (states,)
+        Whether a line passes through a state.
     """
     fit = np.ones(curve.x.shape, bool) if curve.fit is None else curve.fit
     back = np.zeros(curve.x.shape, bool) if curve.unloading is None else curve.unloading
-    ends, unloading, drawn, last = [], [], set(), None
+    ends: list[np.ndarray] = []
+    unloading: list[bool] = []
+    joined = np.zeros(curve.x.shape, bool)
+    last = None
     for here in range(curve.x.size):
         if not fit[here]:
             last = None
         if not fit[here] or not np.isfinite(curve.x[here] + curve.y[here]):
             continue
         if last is not None:
+            joined[[last, here]] = True
             segment = np.array([[curve.x[last], curve.y[last]], [curve.x[here], curve.y[here]]])
-            # Six digits: finer than any figure shows.
-            name = frozenset(f"{x:.6g} {y:.6g}" for x, y in segment)
-            if name not in drawn:
-                drawn.add(name)
+            if not any(_retraces(segment, other) for other in ends):
                 ends.append(segment)
                 unloading.append(bool(back[here]))
         last = here
-    return np.array(ends).reshape(-1, 2, 2), np.array(unloading, bool)
+    return np.array(ends).reshape(-1, 2, 2), np.array(unloading, bool), joined
+
+
+def _retraces(one: np.ndarray, other: np.ndarray) -> bool:
+    """Whether two segments are the same, in either direction, to a dot of the figures."""
+    return any(np.allclose(one, ends, rtol=2e-3, atol=0.0) for ends in (other, other[::-1]))
 
 
 def stress_distribution_data(

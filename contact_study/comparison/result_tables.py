@@ -118,7 +118,10 @@ def summary_table(models: Mapping[str, xr.Dataset], deviations: xr.Dataset) -> T
     pairs = [pair_name(pair) for pair in deviations["pair"].values]
     rows = [list(row) for row in zip(pairs, *columns, strict=True)]
     labels = [point.label for point in points] * 2
-    header = [f"{label}{', ' if label else ''}{count} states" for label, count in zip(labels, counts, strict=True)]
+    header = [
+        f"{label}{', ' if label else ''}{count} state{'' if count == 1 else 's'}"
+        for label, count in zip(labels, counts, strict=True)
+    ]
     groups = [("", 1), ("contact area, relative", len(points)), (f"mean gap ({symbol})", len(points))]
     return Table("Median (largest) magnitude of the deviations", ["", *header], rows, groups)
 

@@ -101,3 +101,13 @@ def varied(values: Iterable[str], last: str = "and", most: int = 8) -> str:
     if len(different) > most:
         return f"{different[0]} to {different[-1]} ({len(different)} values)"
     return listed(different, last)
+
+
+def listed_points(labels: Iterable[str], most: int = 6) -> str:
+    """Points of a sweep by their labels, or how many; empty where none has a label."""
+    different = [label for label in dict.fromkeys(labels) if label]
+    if len(different) > most:
+        return f"{len(different)} points of the sweep"
+    if any(", " in label for label in different):
+        return "; ".join(different)
+    return listed(different) if different else ""
