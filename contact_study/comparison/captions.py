@@ -22,7 +22,6 @@ from contact_study.comparison.scales import scales
 from contact_study.comparison.shown_states import PanelPoints, common_label, point_label, state_label
 from contact_study.comparison.wording import listed, listed_points
 
-
 _ROUNDING = 1e-6  # of h_rms: what a gap prescribed as zero may differ from it
 
 
