@@ -57,7 +57,7 @@ def _surfaces_of_a_kind(inputs: Inputs, kind: str, cases: Sequence[Case]) -> str
     if kind != "self_affine":
         return words
     low, roll_off, cutoff = (
-        _over(cases, lambda case, name=name: f"{getattr(case.surface, name):g}")  # type: ignore[misc]
+        _over(cases, lambda case, name=name: f"{getattr(case.surface, name):g}", "or")  # type: ignore[misc]
         for name in ("low_mode", "roll_off_mode", "cutoff_mode")
     )
     exact = {"realised": "each sample exactly", "spectrum": "in the mean over samples"}

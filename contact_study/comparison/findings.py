@@ -102,7 +102,7 @@ def _point_words(part: xr.Dataset, named: Point | None) -> str:
     else:
         unit, symbol = length_unit(float(np.abs(part["applied_gap"]).max())), "ū"
     again = f", visit {visits + 1}" if visits else ""
-    return f"{symbol} = {number(value / unit.size, 4)} {unit.name}{' on unloading' if branch else ''}{again}"
+    return f"{symbol} = {number(value / unit.size, 5)} {unit.name}{' on unloading' if branch else ''}{again}"
 
 
 def headline(models: Mapping[str, xr.Dataset], deviations: xr.Dataset) -> list[str]:
