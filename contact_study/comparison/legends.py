@@ -32,8 +32,6 @@ def panel_heading(axes: Axes, letter: str, state: str = "") -> None:
 def colour_legend(axes: Axes, curves: Sequence[Curve], colours: Sequence[Any], width: float) -> None:
     """What the colours of one panel mean, above its heading, in rows of at most ``width`` inches."""
     handles = _colour_handles(curves, colours)
-    if not handles:
-        return
     figure = axes.figure
     above = axes.transAxes + ScaledTranslation(0, _HEADING, figure.dpi_scale_trans)
 
@@ -46,8 +44,6 @@ def colour_legend(axes: Axes, curves: Sequence[Curve], colours: Sequence[Any], w
 def shared_colour_legend(figure: Figure, curves: Sequence[Curve], colours: Sequence[Any]) -> None:
     """What the colours of all panels mean, above them."""
     handles = _colour_handles(curves, colours)
-    if not handles:
-        return
 
     def legend(**options: Any) -> Legend:
         return figure.legend(loc="outside upper center", **options)
@@ -102,14 +98,13 @@ def _colour_handles(curves: Sequence[Curve], colours: Sequence[Any]) -> list[Art
 
 def _fitted(
     legend: Callable[..., Legend], handles: Sequence[Artist], width: float, figure: Any, **options: Any
-) -> Legend:
-    """The legend with as many columns as fit ``width`` (inches), read along its rows."""
+) -> None:
+    """Put up the legend with as many columns as fit ``width`` (inches), read along its rows."""
     renderer = FigureCanvasAgg(figure).get_renderer()
     for columns in range(len(handles), 0, -1):
         # A legend fills its columns one after the other.
         ordered = [handle for first in range(columns) for handle in handles[first::columns]]
         made = legend(handles=ordered, ncols=columns, **options)
         if columns == 1 or made.get_window_extent(renderer).width <= width * figure.dpi:
-            break
+            return
         made.remove()
-    return made

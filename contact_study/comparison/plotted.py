@@ -264,6 +264,7 @@ def density_at(dataset: xr.Dataset, point: SweepPoint, name: str, named: Point, 
 
 def smallest_resolved(curves: list[Curve]) -> float:
     """The smallest log₁₀ density that a simulation shows; theories reach below any sampling."""
-    values = np.concatenate([curve.y for curve in curves if simulated(curve)] or [curve.y for curve in curves])
+    shown = [curve.y for curve in curves if simulated(curve)] or [curve.y for curve in curves]
+    values = np.concatenate([np.empty(0), *shown])
     values = values[np.isfinite(values)]
     return float(max(values.min(), values.max() - 8)) if values.size else 0.0
