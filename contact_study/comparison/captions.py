@@ -10,14 +10,7 @@ from contact_study.comparison.datasets import Inputs
 from contact_study.comparison.figures import mean_gap_panels
 from contact_study.comparison.findings import MODEL_WORDS
 from contact_study.comparison.path_points import AVERAGED, Point
-from contact_study.comparison.plotted import (
-    Curve,
-    contact_area_data,
-    density_at,
-    in_compression,
-    mean_gap_data,
-    mean_gap_linear_data,
-)
+from contact_study.comparison.plotted import Curve, PathCurves, density_at, in_compression
 from contact_study.comparison.scales import scales
 from contact_study.comparison.shown_states import PanelPoints, common_label, point_label, state_label
 from contact_study.comparison.wording import listed, listed_points
@@ -25,7 +18,7 @@ from contact_study.comparison.wording import listed, listed_points
 _ROUNDING = 1e-6  # of h_rms: what a gap prescribed as zero may differ from it
 
 
-def captions(inputs: Inputs, shown: PanelPoints, seed: int | None, banded: bool) -> dict[str, str]:
+def captions(inputs: Inputs, shown: PanelPoints, curves: PathCurves, seed: int | None, banded: bool) -> dict[str, str]:
     """Captions of the figures, by figure name.
 
     Parameters
@@ -34,6 +27,8 @@ def captions(inputs: Inputs, shown: PanelPoints, seed: int | None, banded: bool)
         What was compared.
     shown : PanelPoints
         States whose distributions and fields are shown.
+    curves : PathCurves
+        What is shown along the path.
     seed : int or None
         Seed of the surface whose fields are shown, None where no seed is swept.
     banded : bool
@@ -59,7 +54,7 @@ def captions(inputs: Inputs, shown: PanelPoints, seed: int | None, banded: bool)
         )
         persson_area = ", Persson's theory its real contact area at the highest magnification"
     panels_of_area = ""
-    if in_compression(contact_area_data(models, inputs.control)):
+    if in_compression(curves.areas):
         panels_of_area = ", (a) linear, (b) logarithmic, compression only"
     state = state_label(shown.case, point_label(shown.common, scales(models, shown.case), inputs.control))
     whose = f", surface of the first seed ({seed})" if seed is not None else ""
@@ -73,7 +68,7 @@ def captions(inputs: Inputs, shown: PanelPoints, seed: int | None, banded: bool)
         f"surfaces, not reduced by the equilibrium distance.{_absent(inputs, shown, 'gap_pdf')}",
         "contact_area": f"Relative contact area against mean pressure{panels_of_area}. {counted} count "
         f"{_contact(inputs.laws)}{persson_area}.{_lines(inputs, banded)}",
-        "mean_gap": _mean_gap(inputs, gaps, banded),
+        "mean_gap": _mean_gap(inputs, curves, gaps, banded),
         "gap_map": f"Local gap of the simulations at {state}{whose}; contact, {black}, is black.",
     }
 
@@ -102,11 +97,9 @@ def _contact(laws: Collection[str]) -> str:
     return f"gaps below the contact distance{hard}"
 
 
-def _mean_gap(inputs: Inputs, gaps: str, banded: bool) -> str:
+def _mean_gap(inputs: Inputs, curves: PathCurves, gaps: str, banded: bool) -> str:
     """Caption of figure 4, whose panels depend on where there is tension."""
-    models, control = inputs.models, inputs.control
-    curves, linear = mean_gap_data(models, control), mean_gap_linear_data(models, control)
-    shown = mean_gap_panels(curves, linear)
+    shown = mean_gap_panels(curves.gaps, curves.linear_gaps)
     what = {
         "logarithmic": "Natural logarithm of the mean pressure in units of E*, compression only",
         "linear": "Mean pressure in units of E*, tension negative",
@@ -118,7 +111,8 @@ def _mean_gap(inputs: Inputs, gaps: str, banded: bool) -> str:
     where = ", measured from the equilibrium distance of flat surfaces"
     if "hard_wall" in inputs.laws:
         where = "" if set(inputs.laws) == {"hard_wall"} else where + " (for the hard wall from touching)"
-    return f"{words}, against the mean gap ū in units of {gaps}{where}.{_below_zero(linear)}{_lines(inputs, banded)}"
+    words += f", against the mean gap ū in units of {gaps}{where}."
+    return words + _below_zero(curves.linear_gaps) + _lines(inputs, banded)
 
 
 def _below_zero(curves: Collection[Curve]) -> str:

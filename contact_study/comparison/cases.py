@@ -1,6 +1,7 @@
 """Points of the sweep as a reader sees them: one colour and one name each, seeds averaged."""
 
 import itertools
+import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -9,7 +10,7 @@ import numpy as np
 import xarray as xr
 
 from contact_study.comparison.labels import coordinate_label
-from contact_study.comparison.path_points import AVERAGED, Point, path_points, swept_dims, usable
+from contact_study.comparison.path_points import AVERAGED, Point, path_points, swept_dims
 
 
 @dataclass(frozen=True)
@@ -83,21 +84,34 @@ class Series:
 
 def series(part: xr.Dataset, name: str) -> Series:
     """A quantity on ``step`` of a part that :func:`select` gave."""
-    data, good = part[name], usable(part)
-    if "detached" in part:
-        data = data.where(part["detached"] != 1)
-    averaged = [AVERAGED] if AVERAGED in data.dims else []
-    good = good & data.notnull()
-    samples = good.sum(averaged) if averaged else good.astype(int)
-    if not averaged:
-        nothing = np.full(data.shape, np.nan)
-        return Series(data.values, nothing, good.values.astype(bool), samples.values)
-    mean = data.where(good).mean(AVERAGED)
-    scatter = data.where(good).std(AVERAGED, ddof=1).where(samples > 1)
+    steps = part.sizes["step"]
+    data, area, converged, detached = (
+        _by_seed(part, wanted, steps) for wanted in (name, "relative_contact_area", "converged", "detached")
+    )
+    data = np.where(detached == 1, np.nan, data)
+    # The rule of usable(), on arrays.
+    good = ~np.isnan(area) & ((converged == 1) | np.isnan(converged)) & (detached != 1) & ~np.isnan(data)
+    samples = np.asarray(good.sum(axis=0))
+    if AVERAGED not in part[name].dims:
+        return Series(data[0], np.full(steps, np.nan), good[0], samples)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", RuntimeWarning)  # a point without any seed has no mean
+        mean = np.nanmean(np.where(good, data, np.nan), axis=0)
+        scatter = np.nanstd(np.where(good, data, np.nan), axis=0, ddof=1)
+        left = np.nanmean(data, axis=0)
     # A theory of the ensemble gives every seed the same number up to rounding: no error, rather than one of zero.
-    error = scatter.where(scatter > 1e-12 * np.abs(mean)) / np.sqrt(samples.where(samples > 1))
-    left = data.mean(AVERAGED).where(samples == 0)
-    return Series(mean.fillna(left).values, error.values, (samples > 0).values, samples.values)
+    error = np.where((samples > 1) & (scatter > 1e-12 * np.abs(mean)), scatter, np.nan) / np.sqrt(
+        np.maximum(samples, 1)
+    )
+    return Series(np.where(samples > 0, mean, left), error, samples > 0, samples)
+
+
+def _by_seed(part: xr.Dataset, name: str, steps: int) -> np.ndarray:
+    """A variable on seed and step, NaN where the part has none; a variable without seeds is one for all."""
+    if name not in part:
+        return np.full((1, steps), np.nan)
+    lead = [AVERAGED] if AVERAGED in part[name].dims else []
+    return part[name].transpose(*lead, "step").values.astype(float).reshape(-1, steps)
 
 
 def case_points(part: xr.Dataset, control: str) -> list[Point | None]:

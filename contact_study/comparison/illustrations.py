@@ -27,8 +27,7 @@ def draw(inputs: Inputs, wanted: float | None = None) -> Figures:
     shown = panel_points(models, control, wanted)
     units = {point.label: scales(models, point) for point in points}
     scale, pressure = units[shown.case.label], mean_pressure_unit(models)
-    areas = plotted.contact_area_data(models, control)
-    gaps, linear = plotted.mean_gap_data(models, control), plotted.mean_gap_linear_data(models, control)
+    curves = plotted.path_curves(models, control)
     area_bands = bands.contact_area_bands(inputs.branches, points, pressure.size)
     states = common_label(models, shown.common, control), shown.case.label
     drawn = {
@@ -38,17 +37,17 @@ def draw(inputs: Inputs, wanted: float | None = None) -> Figures:
         "gap_distribution": figures.gap_distribution_figure(
             *plotted.gap_distribution_data(models, control, shown), scale.height_symbol, states
         ),
-        "contact_area": figures.contact_area_figure(areas, pressure.name, area_bands),
+        "contact_area": figures.contact_area_figure(curves.areas, pressure.name, area_bands),
     }
     shaded = tuple(bands.mean_gap_bands(inputs.branches, points, units, linear=either) for either in (False, True))
-    if figures.mean_gap_panels(gaps, linear):
-        drawn["mean_gap"] = figures.mean_gap_figure(gaps, linear, scale.height_symbol, shaded)
+    if figures.mean_gap_panels(curves.gaps, curves.linear_gaps):
+        drawn["mean_gap"] = figures.mean_gap_figure(curves.gaps, curves.linear_gaps, scale.height_symbol, shaded)
     seed = _first_seed(inputs)
     maps = read_gap_maps(inputs, shown, seed)
     if maps is not None:
         state = state_label(shown.case, point_label(shown.common, scale, control))
         drawn["gap_map"] = gap_map_figure(maps, state)
-    words = captions(inputs, shown, seed, banded=bool(area_bands) or any(shaded))
+    words = captions(inputs, shown, curves, seed, banded=bool(area_bands) or any(shaded))
     return Figures({name: png(figure) for name, figure in drawn.items()}, words)
 
 

@@ -45,6 +45,21 @@ class Curve:
     unloading: np.ndarray | None = None
 
 
+@dataclass(frozen=True)
+class PathCurves:
+    """What is drawn along the path: curves of figure 3, of figure 4 and of its linear panel."""
+
+    areas: list[Curve]
+    gaps: list[Curve]
+    linear_gaps: list[Curve]
+
+
+def path_curves(models: Mapping[str, xr.Dataset], control: str) -> PathCurves:
+    """Every curve along the path."""
+    made = (data(models, control) for data in (contact_area_data, mean_gap_data, mean_gap_linear_data))
+    return PathCurves(*made)
+
+
 def contact_area_data(models: Mapping[str, xr.Dataset], control: str) -> list[Curve]:
     """A/A₀ against the mean pressure in units of :func:`mean_pressure_unit`, the paper's figure 3."""
     unit = mean_pressure_unit(models).size
