@@ -88,17 +88,17 @@ def series(part: xr.Dataset, name: str) -> Series:
     data, area, converged, detached = (
         _by_seed(part, wanted, steps) for wanted in (name, "relative_contact_area", "converged", "detached")
     )
-    data = np.where(detached == 1, np.nan, data)
+    values: np.ndarray = np.where(detached == 1, np.nan, data)
     # The rule of usable(), on arrays.
-    good = ~np.isnan(area) & ((converged == 1) | np.isnan(converged)) & (detached != 1) & ~np.isnan(data)
-    samples = np.asarray(good.sum(axis=0))
+    good = ~np.isnan(area) & ((converged == 1) | np.isnan(converged)) & (detached != 1) & ~np.isnan(values)
+    samples: np.ndarray = good.sum(axis=0)
     if AVERAGED not in part[name].dims:
-        return Series(data[0], np.full(steps, np.nan), good[0], samples)
+        return Series(values[0], np.full(steps, np.nan), good[0], samples)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RuntimeWarning)  # a point without any seed has no mean
-        mean = np.nanmean(np.where(good, data, np.nan), axis=0)
-        scatter = np.nanstd(np.where(good, data, np.nan), axis=0, ddof=1)
-        left = np.nanmean(data, axis=0)
+        mean = np.nanmean(np.where(good, values, np.nan), axis=0)
+        scatter = np.nanstd(np.where(good, values, np.nan), axis=0, ddof=1)
+        left = np.nanmean(values, axis=0)
     # A theory of the ensemble gives every seed the same number up to rounding: no error, rather than one of zero.
     error = np.where((samples > 1) & (scatter > 1e-12 * np.abs(mean)), scatter, np.nan) / np.sqrt(
         np.maximum(samples, 1)
