@@ -6,7 +6,7 @@ PRESET ?= paper
 SAMPLE ?= 60
 BIN := .venv/bin
 
-.PHONY: env paper test validation lint benchmark mutants clean
+.PHONY: env paper test validation lint benchmark mutants docs-tables docs-check clean
 .DELETE_ON_ERROR:
 
 env: .venv/.ready
@@ -43,6 +43,17 @@ benchmark: env
 
 mutants: env
 	$(BIN)/python scripts/mutants.py --sample $(SAMPLE)
+
+# Both studies anew: the tables are of this code. An hour.
+docs-tables: env
+	$(BIN)/python scripts/reproduce_yang2008.py --preset quick --overwrite
+	$(BIN)/python scripts/reproduce_yang2008.py --preset paper --overwrite
+	cp results/yang2008-paper/figures/figure_3_contact_area.png docs/images/
+	$(BIN)/python scripts/docs_tables.py
+
+docs-check: env
+	$(BIN)/python scripts/reproduce_yang2008.py --preset quick
+	$(BIN)/python scripts/docs_tables.py --check
 
 clean:
 	rm -rf .venv results build *.egg-info

@@ -1,12 +1,15 @@
-"""Work and time of the adhesive solver along the loading path of a study, over grids and surfaces.
+"""Work of the adhesive solver along the loading path of a study, over grids and surfaces, as a Markdown table.
 
-Prints, for each grid and adhesion, the median transform pairs of every load step (as float64 pairs on the finest grid,
-a count that does not depend on the machine), the costliest step, the share of time in transforms and the seconds.
+For each grid and adhesion: the median transform pairs of every load step (as float64 pairs on the finest grid, a count
+that does not depend on the machine's speed), and the costliest step. ``--times`` adds the share of time in transforms
+and the seconds of a step, which do. Where adhesion is strong the counts depend on rounding: another plan of the
+transforms changes them by some per cent.
 
-    python scripts/benchmark_adhesive.py data/yang2008.toml --points 256 400 512 1024 --seeds 1 2 3
+    python scripts/benchmark_adhesive.py data/yang2008.toml --points 256 400 --surfaces 6 4
 """
 
 import argparse
+import sys
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -14,6 +17,7 @@ from pathlib import Path
 
 import numpy as np
 
+import bem_adhesion.elasticity
 from bem_adhesion.loading import LoadedContact
 from contact_study.fields.fourier import RealTransform
 from contact_study.problem.case import Case
@@ -68,34 +72,62 @@ def cost_of_path(case: Case, pressures: np.ndarray) -> PathCost:
     return PathCost(np.array(pairs), converged, time.perf_counter() - began, TimedTransform.seconds)
 
 
-def main(arguments: Sequence[str] | None = None) -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("study", type=Path)
-    parser.add_argument("--points", type=int, nargs="+", default=[256, 400, 512])
-    parser.add_argument("--seeds", type=int, nargs="+", default=[1, 2, 3])
-    given = parser.parse_args(arguments)
-    import bem_adhesion.elasticity
+def parser() -> argparse.ArgumentParser:
+    made = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    made.add_argument("study", type=Path, nargs="?", default=Path("data/yang2008.toml"), help="study file")
+    made.add_argument("--points", type=int, nargs="+", default=[256, 400, 512], help="points along each side")
+    made.add_argument(
+        "--surfaces",
+        type=int,
+        nargs="+",
+        default=[3],
+        help="how many for each grid, or one number for all; seeds from 1",
+    )
+    made.add_argument("--ratios", type=float, nargs="+", default=[1, 4, 8], help="multiples of the well depth")
+    made.add_argument("--times", action="store_true", help="add columns that depend on the machine")
+    return made
 
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    given = parser().parse_args(arguments)
+    counts = given.surfaces * len(given.points) if len(given.surfaces) == 1 else given.surfaces
+    if len(counts) != len(given.points):
+        parser().error(f"--surfaces: {len(counts)} numbers for {len(given.points)} grids; give one, or one for each")
+    head = " | ".join(f"{ratio:g} ε₀ | worst" for ratio in given.ratios)
+    print(f"| points (seeds) | {head} |" + (" transforms | s a step |" if given.times else ""))
+    print("|---" * (1 + 2 * len(given.ratios) + (2 if given.times else 0)) + "|")
     bem_adhesion.elasticity.RealTransform = TimedTransform  # type: ignore[misc]
-    print("points  ratio  pairs a step at", *(f"{p / 1e9:g}" for p in PRESSURES), "GPa | worst | FFT share | s a step")
-    for points in given.points:
-        paths: dict[float, list[PathCost]] = {}
-        for seed in given.seeds:
-            study = read_study(given.study, {"surface.shape": [points, points], "surface.seed": seed})
-            for case in study.cases:
-                paths.setdefault(case.interaction.well_depth_ratio, []).append(cost_of_path(case, PRESSURES))
-        for ratio, costs in paths.items():
-            pairs = np.array([cost.pairs for cost in costs])
-            seconds = sum(cost.seconds for cost in costs)
-            share = sum(cost.transform_seconds for cost in costs) / seconds
-            print(
-                f"{points:6d} {ratio:6g} ",
-                *(f"{value:5.0f}" for value in np.median(pairs, axis=0)),
-                f"| {pairs.max():5.0f} | {share:.2f} | {seconds / pairs.size:.3f}",
-                "" if all(cost.converged for cost in costs) else "| NOT CONVERGED",
-                flush=True,
-            )
+    try:
+        for points, surfaces in zip(given.points, counts, strict=True):
+            seeds = range(1, surfaces + 1)
+            costs = {ratio: [cost(given.study, points, seed, ratio) for seed in seeds] for ratio in given.ratios}
+            print(line(points, surfaces, costs, given.times), flush=True)
+    finally:
+        bem_adhesion.elasticity.RealTransform = RealTransform  # type: ignore[misc]
+    return 0
+
+
+def cost(study: Path, points: int, seed: int, ratio: float) -> PathCost:
+    """Cost of the path on one surface of a study, at one adhesion."""
+    overrides = {"surface.shape": [points, points], "surface.seed": seed, "interaction.well_depth_ratio": ratio}
+    (case,) = read_study(study, overrides).cases
+    return cost_of_path(case, PRESSURES)
+
+
+def line(points: int, surfaces: int, costs: dict[float, list[PathCost]], times: bool) -> str:
+    """One grid's row of the table."""
+    cells = [f"{points}² (1{f'–{surfaces}' if surfaces > 1 else ''})"]
+    for paths in costs.values():
+        pairs = np.array([path.pairs for path in paths])
+        medians = " ".join(f"{value:.0f}" for value in np.median(pairs, axis=0))
+        cells += [medians, f"{pairs.max():.0f}" + ("" if all(path.converged for path in paths) else " (not converged)")]
+    if times:
+        every = [path for paths in costs.values() for path in paths]
+        seconds = sum(path.seconds for path in every)
+        share = sum(path.transform_seconds for path in every) / seconds
+        cells += [f"{100 * share:.0f} %", f"{seconds / sum(path.pairs.size for path in every):.3f}"]
+    return f"| {' | '.join(cells)} |"
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main())

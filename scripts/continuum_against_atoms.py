@@ -113,16 +113,20 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return guarded("continuum_against_atoms", lambda: _main(arguments), interrupted="nothing is written")
 
 
-def _main(arguments: Sequence[str] | None) -> int:
-    parser = Parser(
+def parser() -> Parser:
+    made = Parser(
         description=__doc__.splitlines()[0], formatter_class=argparse.ArgumentDefaultsHelpFormatter, allow_abbrev=False
     )
-    parser.add_argument("study", type=Path, nargs="?", default=Path("data/yang2008.toml"), help="study file")
-    parser.add_argument("--ratios", type=float, nargs="+", default=[1, 4, 8], help="multiples of the well depth")
-    parser.add_argument("--pressures", nargs="+", default=["1 GPa"], help="loading path, from separation")
-    parser.add_argument("--seed", type=int, help="surface, in place of the study's")
-    parser.add_argument("-o", "--output", type=Path, default=Path("results/continuum_against_atoms.nc"))
-    given = parser.parse_args(arguments)
+    made.add_argument("study", type=Path, nargs="?", default=Path("data/yang2008.toml"), help="study file")
+    made.add_argument("--ratios", type=float, nargs="+", default=[1, 4, 8], help="multiples of the well depth")
+    made.add_argument("--pressures", nargs="+", default=["1 GPa"], help="loading path, from separation")
+    made.add_argument("--seed", type=int, help="surface, in place of the study's")
+    made.add_argument("-o", "--output", type=Path, default=Path("results/continuum_against_atoms.nc"))
+    return made
+
+
+def _main(arguments: Sequence[str] | None) -> int:
+    given = parser().parse_args(arguments)
     pressures = [quantity(text, "Pa", "--pressures") for text in given.pressures]
     given.output.parent.mkdir(parents=True, exist_ok=True)
     storage.writable_output(given.output)
@@ -133,6 +137,9 @@ def _main(arguments: Sequence[str] | None) -> int:
     dataset = _dataset(given, pressures, states, measured)
     for pressure in pressures:
         print(table(dataset.sel(pressure=pressure)), flush=True)
+    if len(given.ratios) * len(pressures) > 1:
+        print(ranges(dataset))
+    print(constants_in_words(dataset))
     storage.write_aside(given.output, dataset.to_netcdf)
     print(given.output, file=sys.stderr)
     return 0
@@ -278,6 +285,38 @@ def table(at: xr.Dataset) -> str:
     shift = (at["mean_gap"].sel(model="atoms") - at["mean_gap"].sel(model="continuum")).values
     sums = [f"{100 * value:+.2f} %" for value in total] + [f"{1e10 * value:+.3f}" for value in shift]
     return "\n".join([*lines, "| **atoms against continuum** | " + " | ".join(sums) + " |", ""])
+
+
+def ranges(dataset: xr.Dataset) -> str:
+    """Markdown: smallest and largest increment of every change over all states, areas over the continuum's."""
+    first = dataset.sel(model="continuum")
+    lines = ["All states", "", "| change | ΔA | Δū (Å) |", "|---|---|---|"]
+    rows = {MODELS[name]: dataset.sel(model=name) for name in list(MODELS)[1:]}
+    steps = {
+        change: (row["relative_contact_area_increment"] / first["relative_contact_area"], row["mean_gap_increment"])
+        for change, row in rows.items()
+    }
+    last = dataset.sel(model="atoms")
+    steps["**atoms against continuum**"] = (
+        last["relative_contact_area"] / first["relative_contact_area"] - 1,
+        last["mean_gap"] - first["mean_gap"],
+    )
+    for change, (area, gap) in steps.items():
+        areas = f"{100 * float(area.min()):+.2f} to {100 * float(area.max()):+.2f} %"
+        lines.append(f"| {change} | {areas} | {1e10 * float(gap.min()):+.3f} to {1e10 * float(gap.max()):+.3f} |")
+    return "\n".join([*lines, ""])
+
+
+def constants_in_words(dataset: xr.Dataset) -> str:
+    """What the lattice has for the constants of the study, at the first multiple of the well depth."""
+    at = dataset.isel(well_depth_ratio=0)
+    given, measured = (float(at[name]) for name in ("contact_modulus", "measured_contact_modulus"))
+    work, cut_off = (float(at[name]) for name in ("work_of_adhesion", "measured_work_of_adhesion"))
+    return (
+        f"The lattice shows this surface E* = {measured / 1e9:.3f} GPa, the study has {given / 1e9:.3f} GPa; the "
+        f"cut-off pairs have Δγ = {cut_off:.4f} J/m², the smeared layers {work:.4f} J/m², both at "
+        f"{float(at['well_depth_ratio']):g} ε₀."
+    )
 
 
 def _case(given: argparse.Namespace, ratio: float, pressures: Sequence[float]) -> Case:

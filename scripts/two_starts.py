@@ -60,16 +60,20 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return guarded("two_starts", lambda: _main(arguments), interrupted="nothing is written")
 
 
-def _main(arguments: Sequence[str] | None) -> int:
-    parser = Parser(
+def parser() -> Parser:
+    made = Parser(
         description=__doc__.splitlines()[0], formatter_class=argparse.ArgumentDefaultsHelpFormatter, allow_abbrev=False
     )
-    parser.add_argument("study", type=Path, nargs="?", default=Path("data/yang2008.toml"), help="study file")
-    parser.add_argument("--ratios", type=float, nargs="+", default=[1, 4, 8], help="multiples of the well depth")
-    parser.add_argument("--pressures", nargs="+", default=["0.1 GPa", "1 GPa", "10 GPa"], help="the loading path")
-    parser.add_argument("--seed", type=int, help="surface, in place of the study's")
-    parser.add_argument("-o", "--output", type=Path, default=Path("results/two_starts.nc"))
-    given = parser.parse_args(arguments)
+    made.add_argument("study", type=Path, nargs="?", default=Path("data/yang2008.toml"), help="study file")
+    made.add_argument("--ratios", type=float, nargs="+", default=[1, 4, 8], help="multiples of the well depth")
+    made.add_argument("--pressures", nargs="+", default=["0.1 GPa", "1 GPa", "10 GPa"], help="the loading path")
+    made.add_argument("--seed", type=int, help="surface, in place of the study's")
+    made.add_argument("-o", "--output", type=Path, default=Path("results/two_starts.nc"))
+    return made
+
+
+def _main(arguments: Sequence[str] | None) -> int:
+    given = parser().parse_args(arguments)
     pressures = [quantity(text, "Pa", "--pressures") for text in given.pressures]
     given.output.parent.mkdir(parents=True, exist_ok=True)
     storage.writable_output(given.output)
@@ -80,6 +84,7 @@ def _main(arguments: Sequence[str] | None) -> int:
         for pressure, row in zip(pressures, compare(_case(given, ratio, pressures)), strict=True):
             rows.append(row)
             print(_line(ratio, pressure, row), flush=True)
+    print(f"\n{conclusion(rows)}")
     shape = (len(given.ratios), len(pressures))
     dataset = xr.Dataset(
         {
@@ -127,6 +132,20 @@ def compare(case: Case) -> Iterator[dict[str, float]]:
         }
 
 
+def conclusion(rows: Sequence[dict[str, float]]) -> str:
+    """How many states differ, by how much, and which of two has the lower energy."""
+    different = [row for row in rows if row["changed_atoms"] > 0]
+    if not different:
+        return f"The two starts end in the same state at all {len(rows)} points."
+    areas = [row["area_predicted"] / row["area_own"] - 1 for row in different]
+    lower = sum(row["energy_difference"] < 0 for row in different)
+    return (
+        f"The two starts end in different states at {len(different)} of {len(rows)} points, by "
+        f"{100 * min(areas):+.2f} to {100 * max(areas):+.2f} % of the area; at {lower} of them the state from the "
+        "continuum has the lower energy."
+    )
+
+
 def _energy(step: Step, pressure: float) -> float:
     """Elastic and interaction energy with the work of the load on the mean separation, per area (J/m²)."""
     stored = step.values["elastic_energy"] + step.values["interaction_energy"]
@@ -146,12 +165,17 @@ def _case(given: argparse.Namespace, ratio: float, pressures: Sequence[float]) -
     return case
 
 
+def _beyond_rounding(difference: float) -> str:
+    """A difference of gaps (Å); the residual leaves some 1e-8 Å between equal states."""
+    return f"{difference:.2f}" if difference >= 0.005 else "0"
+
+
 def _line(ratio: float, pressure: float, row: dict[str, float]) -> str:
     area, shift = row["area_own"], row["mean_gap_predicted"] - row["mean_gap_own"]
     return (
         f"| {ratio:g} | {pressure / 1e9:g} | {area:.4f} | {row['area_predicted']:.4f} "
         f"| {100 * (row['area_predicted'] / area - 1):+.2f} % | {1e10 * shift:+.4f} "
-        f"| {1e10 * row['largest_gap_difference']:.1e} | {100 * row['changed_atoms']:.2f} % "
+        f"| {_beyond_rounding(1e10 * row['largest_gap_difference'])} | {100 * row['changed_atoms']:.2f} % "
         f"| {1e3 * row['energy_difference']:+.3f} | {row['evaluations_own']}, {row['evaluations_predicted']} |"
     )
 

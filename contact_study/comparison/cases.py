@@ -96,9 +96,9 @@ def series(part: xr.Dataset, name: str) -> Series:
         return Series(values[0], np.full(steps, np.nan), good[0], samples)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RuntimeWarning)  # a point without any seed has no mean
-        mean = np.nanmean(np.where(good, values, np.nan), axis=0)
+        mean: np.ndarray = np.nanmean(np.where(good, values, np.nan), axis=0)
         scatter = np.nanstd(np.where(good, values, np.nan), axis=0, ddof=1)
-        left = np.nanmean(values, axis=0)
+        left: np.ndarray = np.nanmean(values, axis=0)
     # A theory of the ensemble gives every seed the same number up to rounding: no error, rather than one of zero.
     error = np.where((samples > 1) & (scatter > 1e-12 * np.abs(mean)), scatter, np.nan) / np.sqrt(
         np.maximum(samples, 1)

@@ -1,0 +1,62 @@
+"""Contact area and mean gap of every model in one comparison, and what they amount to, as Markdown.
+
+python scripts/result_table.py results/yang2008-paper/comparison.nc --pressures "0.1 GPa" "1 GPa" "10 GPa"
+"""
+
+import argparse
+import sys
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+import xarray as xr
+
+from contact_study.comparison.findings import MODEL_WORDS, headline, split_pair
+from contact_study.comparison.result_tables import results_tables
+from contact_study.comparison.wording import number
+from contact_study.problem.units import quantity
+
+GROUPS = {"atomistic": "atomistic", "continuum": "continuum", "theory": "theory", "gap_flow": "theory/gap_flow"}
+
+
+def parser() -> argparse.ArgumentParser:
+    made = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    made.add_argument("comparison", type=Path, help="dataset that contact-compare wrote")
+    made.add_argument("--pressures", nargs="+", required=True, help="pressures of the path to show")
+    return made
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    given = parser().parse_args(arguments)
+    pressures = [quantity(text, "Pa", "--pressures") for text in given.pressures]
+    with xr.open_datatree(given.comparison, decode_timedelta=False) as tree:
+        there = {node.path.strip("/") for node in tree.subtree}
+        models = {name: tree[group].to_dataset().load() for name, group in GROUPS.items() if group in there}
+        deviations = tree["deviations"].to_dataset().load()
+    print(table(models, pressures))
+    print()
+    first = split_pair(deviations["pair"].values[0])[1]
+    pairs = [pair for pair in deviations["pair"].values if split_pair(pair)[1] == first]
+    for sentence in headline(models, deviations.sel(pair=pairs)):
+        print(f"- {sentence}")
+    return 0
+
+
+def table(models: Mapping[str, xr.Dataset], pressures: Sequence[float]) -> str:
+    """Markdown: a state a row, "A; ū" of each model a column."""
+    names = [MODEL_WORDS[name].removeprefix("the ") for name in models]
+    found = results_tables(models, "pressure")
+    unit = found[0].header[0]
+    lines = [f"| | {unit} | {' | '.join(names)} |", "|---" * (2 + len(names)) + "|"]
+    sizes = {"GPa": 1e9, "MPa": 1e6, "kPa": 1e3, "Pa": 1.0}
+    wanted = [number(pressure / sizes[unit[3:-1]], 5) for pressure in pressures]
+    for point in found:
+        for row in point.rows:
+            if row[0] in wanted:
+                areas, gaps = row[2 : 2 + len(names)], row[2 + len(names) :]
+                cells = [f"{area}; {gap}" for area, gap in zip(areas, gaps, strict=True)]
+                lines.append(f"| {point.title} | {row[0]} | {' | '.join(cells)} |")
+    return "\n".join(lines)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,146 @@
+"""Tables of the documentation: written by commands that run, compared as they should be."""
+
+import importlib
+import re
+import shlex
+from pathlib import Path
+
+import pytest
+
+from scripts import docs_tables
+from scripts.docs_tables import ROOT, blocks, differences, documents, filled, main, shown
+
+TEXT = """before
+
+<!-- table: python scripts/one.py "1 GPa" -->
+old
+<!-- end -->
+
+between
+<!-- checked table within 5 %: python scripts/two.py -->
+<!-- end -->
+after
+"""
+
+
+def test_blocks_name_their_commands():
+    one, two = blocks(TEXT)
+    assert (one.command, one.content, one.checked, one.margin) == ('python scripts/one.py "1 GPa"', "old\n", False, 0)
+    assert (two.command, two.content, two.checked, two.margin) == ("python scripts/two.py", "", True, 0.05)
+
+
+def test_only_the_blocks_of_the_command_are_rewritten():
+    new = filled(TEXT, "python scripts/two.py", "| a |\n|---|\n| \\1 |\n")
+    one, two = blocks(new)
+    assert one == blocks(TEXT)[0]
+    assert two.content == shown("python scripts/two.py", "| a |\n|---|\n| \\1 |")
+    assert "```\npython scripts/two.py\n```" in new
+    assert filled(new, "python scripts/two.py", "| a |\n|---|\n| \\1 |\n") == new
+    assert new.startswith("before\n\n<!-- table")
+    assert new.endswith("<!-- end -->\nafter\n")
+
+
+@pytest.mark.parametrize("text", ["<!-- table: a -->\n", "<!-- table -->\n<!-- end -->\n", "<!-- end -->\n"])
+def test_a_block_must_be_whole(text):
+    with pytest.raises(ValueError, match="no complete block"):
+        blocks(TEXT + text)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "margin", "same"),
+    [
+        ("A = 0.9200", "A = 0.9201", 0, True),
+        ("A = 0.9200", "A = 0.9189", 0, False),
+        ("A = 0.9200", "A = 0.9189", 0.05, False),
+        ("| −0.006 |", "| −0.005 |", 0, True),
+        ("| -0.000 |", "| +0.000 |", 0, True),
+        ("| −0.006 |", "| 0.006 |", 0, False),
+        ("14 %", "15 %", 0, True),
+        ("14 %", "16 %", 0, False),
+        ("41 steps", "42 steps", 0, False),
+        ("41 steps", "42 steps", 0.05, True),
+        ("41 steps", "44 steps", 0.05, False),
+        ("7.7e-09", "7.8e-09", 0, True),
+        ("7.7e-09", "7.7e-08", 0, False),
+        ("atoms", "continuum", 0.5, False),
+        ("1 2", "1 2 3", 0.5, False),
+    ],
+)
+def test_what_counts_as_the_same(old, new, margin, same):
+    assert (list(differences(old, new, margin)) == []) is same
+
+
+def test_lines_that_are_missing_or_new_are_differences():
+    assert len(list(differences("a\nb", "a"))) == 1
+    assert len(list(differences("a", "a\nb"))) == 1
+
+
+@pytest.fixture
+def project(tmp_path, monkeypatch):
+    """A folder with one document of two tables."""
+    page = tmp_path / "README.md"
+    page.write_text(
+        "<!-- table: python -c \"print('dear 1.0')\" -->\n<!-- end -->\n"
+        "<!-- checked table: python -c \"print('cheap 2.0')\" -->\n<!-- end -->\n"
+    )
+    monkeypatch.setattr(docs_tables, "documents", lambda: [page])
+    return page
+
+
+def test_written_and_checked(project, capsys):
+    assert main(["--check"]) == 1
+    assert "cheap 2.0" in capsys.readouterr().out
+    assert "cheap 2.0\n" not in project.read_text(), "a check writes nothing"
+    assert main([]) == 0
+    dear, cheap = blocks(project.read_text())
+    assert "dear 1.0" in dear.content
+    assert "cheap 2.0" in cheap.content
+    assert main(["--check"]) == 0
+    project.write_text(project.read_text().replace("\ndear 1.0", "\ndear 9.0"))
+    assert main(["--check"]) == 0, "the dear one is not run"
+    project.write_text(project.read_text().replace("\ncheap 2.0", "\ncheap 2.2"))
+    capsys.readouterr()
+    assert main(["--check"]) == 1
+    assert "- cheap 2.2\n+ cheap 2.0" in capsys.readouterr().out
+    assert main(["--only", "dear"]) == 0
+    assert "\ndear 1.0" in project.read_text()
+    assert "\ncheap 2.2" in project.read_text()
+
+
+def test_a_command_that_fails_is_named(project, capsys):
+    project.write_text('<!-- table: python -c "raise SystemExit(3)" -->\n<!-- end -->\n')
+    assert main([]) == 1
+    assert "ended with status 3" in capsys.readouterr().err
+
+
+def commands():
+    """Every command of the documents' blocks and of the Makefile that runs one of the scripts."""
+    found = [block.command for path in documents() for block in blocks(path.read_text(encoding="utf-8"))]
+    makefile = (ROOT / "Makefile").read_text(encoding="utf-8").replace("$(PRESET)", "paper")
+    return found + [line.strip() for line in makefile.splitlines() if "scripts/" in line]
+
+
+@pytest.mark.parametrize("command", commands())
+def test_every_command_is_one_that_its_script_takes(command):
+    _, script, *arguments = shlex.split(command.replace("$(BIN)/", ""))
+    assert (ROOT / script).is_file()
+    module = importlib.import_module(script.removesuffix(".py").replace("/", "."))
+    module.parser().parse_args(arguments)
+    for name in arguments:
+        if name.startswith("data/"):
+            assert (ROOT / name).is_file()
+
+
+@pytest.mark.parametrize("path", documents(), ids=lambda path: path.name)
+def test_no_table_of_results_stands_outside_a_block(path):
+    """A symbol's table may hold a number; one with several decimals in a row is of results."""
+    text = path.read_text(encoding="utf-8")
+    for block in blocks(text):
+        text = text.replace(block.content, "")
+        assert block.content.startswith(shown(block.command, "").rstrip()), "the command that is shown is the one run"
+    rows = [line for line in text.splitlines() if line.startswith("|") and len(re.findall(r"\d\.\d", line)) > 1]
+    assert rows == []
+
+
+def test_the_check_runs_the_tables():
+    assert "make docs-check" in Path(ROOT / ".ci" / "run").read_text(encoding="utf-8")
