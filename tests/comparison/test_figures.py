@@ -191,3 +191,38 @@ def test_bands_of_a_prescribed_gap_are_over_each_branchs_pressure(tmp_path):
     np.testing.assert_allclose(band.low, np.minimum(*curves), rtol=1e-12)
     np.testing.assert_allclose(band.high, np.maximum(*curves), rtol=1e-12)
     assert band.along[-1] == pytest.approx(BRANCH_FACTOR["loading"] * pressure_at(0.2e-9) / 1e9)
+
+
+def test_gaps_are_in_units_of_the_roughness(tmp_path):
+    """A roughness that is no power of ten."""
+    text = STUDY.replace('rms_height = "10 angstrom"', 'rms_height = "8 angstrom"')
+    inputs = read_inputs(write_all(tmp_path, text))
+    models, points = inputs.models, sweep_points(inputs.models)
+    pressure = np.array([0.1e9, -0.4987e9, 0.7799e9, 5.8725e9])
+    expected = (gap(8, pressure) + GAP_SHIFT["continuum"]) / 8e-10
+    logarithmic = one(plotted.mean_gap_data(models, "pressure"), "continuum", 1)
+    np.testing.assert_allclose(logarithmic.x, np.where(pressure > 0, expected, np.nan), rtol=1e-9)
+    linear = one(plotted.mean_gap_linear_data(models, "pressure"), "continuum", 1)
+    np.testing.assert_allclose(linear.x, expected, rtol=1e-9)
+    np.testing.assert_allclose(linear.y, pressure / MODULUS, rtol=1e-12)
+    units = {point.label: scales(models, point) for point in points}
+    for either in (False, True):
+        band = bands.mean_gap_bands(inputs.branches, points, units, linear=either)[1]
+        at = np.sort(pressure)[0 if either else 1 :]
+        np.testing.assert_allclose(band.along, at / MODULUS if either else np.log(at / MODULUS), rtol=1e-12)
+        flow = (gap(8, at) + GAP_SHIFT["gap_flow"]) / 8e-10
+        np.testing.assert_allclose(band.low, flow / BRANCH_FACTOR["unloading"], rtol=1e-9)
+        np.testing.assert_allclose(band.high, flow / BRANCH_FACTOR["loading"], rtol=1e-9)
+    panel_a, _ = plotted.gap_distribution_data(models, "pressure", panel_points(models, "pressure"))
+    curve = one(panel_a, "continuum", 0)
+    np.testing.assert_allclose(curve.x * 8e-10, models["continuum"]["gap_bin"], rtol=1e-9)
+    density = models["continuum"]["gap_pdf"].sel(well_depth_ratio=1).isel(step=1)
+    np.testing.assert_allclose(10**curve.y / 8e-10, density, rtol=1e-6)
+
+
+def test_errors_of_gaps_and_pressures_are_in_the_units_of_the_axes(tmp_path):
+    text = SEEDED.replace('rms_height = "10 angstrom"', 'rms_height = "8 angstrom"')
+    models = read_inputs([write(tmp_path / f"{kind}.nc", kind, text) for kind in ("continuum", "atomistic")]).models
+    scatter = np.std([gap(8, 0.1e9, seed) for seed in (1, 2, 3)], ddof=1) / np.sqrt(3)
+    for data in (plotted.mean_gap_data, plotted.mean_gap_linear_data):
+        assert one(data(models, "pressure"), "continuum", 1).x_error[0] == pytest.approx(scatter / 8e-10, rel=1e-6)

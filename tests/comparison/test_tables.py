@@ -8,17 +8,23 @@ from contact_study.comparison.datasets import read_inputs
 from contact_study.comparison.deviations import compute_deviations
 from contact_study.comparison.findings import headline
 from contact_study.comparison.result_tables import deviation_tables, results_tables, summary_table
-from tests.comparison.synthetic import AREA_FACTOR, GAP_SHIFT, GAP_STUDY, STUDY, area, gap, write, write_all
+from tests.comparison import synthetic
+from tests.comparison.synthetic import AREA_FACTOR, GAP_SHIFT, area, gap, write, write_all
 
 SHOWN = {"atomistic": "atoms", "continuum": "continuum", "theory": "Persson", "gap_flow": "gap\u00a0flow"}
 MODELS = list(SHOWN)
+# A roughness that is no power of ten: a gap in nanometres, or in metres, is told from one in units of h_rms.
+STUDY, GAP_STUDY = (
+    text.replace('rms_height = "10 angstrom"', 'rms_height = "7 angstrom"')
+    for text in (synthetic.STUDY, synthetic.GAP_STUDY)
+)
 SEEDED = STUDY.replace("[sweep]\n", '[sweep]\n"surface.seed" = [1, 2, 3]\n')
-H_RMS, MODULUS = 1e-9, 77.2e9 / (1 - 0.42**2)
+H_RMS, MODULUS = 7e-10, 77.2e9 / (1 - 0.42**2)
 
 
 @pytest.fixture(scope="module")
 def inputs(tmp_path_factory):
-    return read_inputs(write_all(tmp_path_factory.mktemp("tables")))
+    return read_inputs(write_all(tmp_path_factory.mktemp("tables"), STUDY))
 
 
 def text(value, decimals, plus=False):
@@ -62,15 +68,15 @@ def test_prescribed_gaps_in_their_units(tmp_path):
     ).models
     table = results_tables(models, "gap")[0]
     assert table.header[:2] == ["ū (Å)", "ū (h_rms)"]
-    assert [row[:2] for row in table.rows] == [["10", "1"], ["7", "0.7"], ["3", "0.3"], ["2", "0.2"]]
+    assert [row[:2] for row in table.rows] == [["10", "1.429"], ["7", "1"], ["3", "0.4286"], ["2", "0.2857"]]
 
 
 def test_summary_is_over_shared_states(tmp_path):
     """One pair lacks the state where another is far off: neither counts it."""
     paths = [
-        write(tmp_path / "c.nc", "continuum", unconverged=[(0, 0)]),
-        write(tmp_path / "a.nc", "atomistic"),
-        write(tmp_path / "t.nc", "theory"),
+        write(tmp_path / "c.nc", "continuum", STUDY, unconverged=[(0, 0)]),
+        write(tmp_path / "a.nc", "atomistic", STUDY),
+        write(tmp_path / "t.nc", "theory", STUDY),
     ]
     inputs = read_inputs(paths)
     deviations = compute_deviations(inputs.models, "pressure")
@@ -85,7 +91,7 @@ def test_summary_is_over_shared_states(tmp_path):
     ]
     rows = {row[0]: row[1:] for row in table.rows}
     assert rows["continuum − atoms"][:2] == ["11 % (11 %)", "11 % (11 %)"]
-    assert rows["Persson − atoms"] == ["44 % (44 %)", "44 % (44 %)", "0.150 (0.150)", "0.150 (0.150)"]
+    assert rows["Persson − atoms"] == ["44 % (44 %)", "44 % (44 %)", "0.214 (0.214)", "0.214 (0.214)"]
     sentences = headline(inputs.models, deviations)
     assert "over the 6 states that all models share, nearest to the atoms: the continuum (11 %)" in sentences[0]
     assert "87 %" not in sentences[0]
@@ -107,9 +113,9 @@ def test_the_worst_state_is_said_beside_the_median(inputs):
 def test_models_without_a_shared_state_are_not_ranked(tmp_path):
     every = [(0, step) for step in range(3)]
     paths = [
-        write(tmp_path / "c.nc", "continuum", unconverged=every),
-        write(tmp_path / "a.nc", "atomistic"),
-        write(tmp_path / "t.nc", "theory", unconverged=[(1, step) for step in range(4)]),
+        write(tmp_path / "c.nc", "continuum", STUDY, unconverged=every),
+        write(tmp_path / "a.nc", "atomistic", STUDY),
+        write(tmp_path / "t.nc", "theory", STUDY, unconverged=[(1, step) for step in range(4)]),
     ]
     inputs = read_inputs(paths)
     sentences = headline(inputs.models, compute_deviations(inputs.models, "pressure"))

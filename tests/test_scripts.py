@@ -1,0 +1,115 @@
+"""The scripts that write the documentation's tables print what they compute."""
+
+import re
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import bem_adhesion.elasticity
+from contact_study.comparison.command import main as compare
+from contact_study.fields.fourier import RealTransform
+from scripts import benchmark_adhesive, continuum_against_atoms, result_table, two_starts
+from tests.comparison.synthetic import AREA_FACTOR, GAP_SHIFT, area, gap, write_all
+
+
+def test_benchmark_of_the_adhesive_solver(capsys):
+    assert benchmark_adhesive.main(["--points", "32", "40", "--surfaces", "2", "1", "--ratios", "1", "--times"]) == 0
+    head, rule, *rows = capsys.readouterr().out.splitlines()
+    assert head == "| points (seeds) | 1 ε₀ | worst | transforms | s a step |"
+    assert rule.count("---") == 5
+    assert [row.split(" | ")[0] for row in rows] == ["| 32² (1–2)", "| 40² (1)"]
+    for row in rows:
+        medians, worst, share = (re.findall(r"\d+", cell) for cell in row.split(" | ")[1:4])
+        assert len(medians) == 7
+        assert max(map(int, medians)) <= int(worst[0])
+        assert 0 < int(share[0]) < 100
+    assert bem_adhesion.elasticity.RealTransform is RealTransform, "the timed transform is put away"
+
+
+def test_worst_and_median_of_the_benchmark():
+    costs = [
+        benchmark_adhesive.PathCost(np.array(pairs), converged, 2.0, 1.0)
+        for pairs, converged in (([10, 20], True), ([30, 90], False), ([20, 40], True))
+    ]
+    found = benchmark_adhesive.line(64, 3, {4.0: costs}, times=True)
+    assert found == "| 64² (1–3) | 20 40 | 90 (not converged) | 50 % | 1.000 |"
+
+
+def test_surfaces_are_given_for_every_grid(capsys):
+    with pytest.raises(SystemExit):
+        benchmark_adhesive.main(["--points", "32", "40", "64", "--surfaces", "2", "1"])
+    assert "2 numbers for 3 grids" in capsys.readouterr().err
+
+
+def test_result_table(tmp_path, capsys):
+    paths = [str(path) for path in write_all(tmp_path)]
+    comparison = str(tmp_path / "comparison.nc")
+    assert compare([*paths, "-o", comparison]) == 0
+    capsys.readouterr()
+    assert result_table.main([comparison, "--pressures", "0.1 GPa", "5872.5 MPa"]) == 0
+    head, _, *rows = capsys.readouterr().out.splitlines()
+    assert head == "| | p (GPa) | atoms | continuum | Persson's theory | gap-flow theory |"
+    expected = []
+    for ratio, words in ((1, "ε = ε₀"), (8, "ε = 8 ε₀")):
+        for pressure in (0.1, 5.8725):
+            cells = [
+                f"{AREA_FACTOR[model] * area(ratio, 1e9 * pressure):.4f}; "
+                f"{(gap(ratio, 1e9 * pressure) + GAP_SHIFT[model]) / 1e-9:.3f}".replace("-", "−")
+                for model in ("atomistic", "continuum", "theory", "gap_flow")
+            ]
+            expected.append(f"| {words} | {pressure:g} | {' | '.join(cells)} |")
+    assert rows[:4] == expected
+    assert rows[4] == ""
+    assert rows[5].startswith("- By the median relative deviation of contact area over the 7 states")
+    assert [row.partition(":")[0] for row in rows[6:]] == [
+        "- The continuum against the atoms",
+        "- Persson's theory against the atoms",
+        "- The gap-flow theory against the atoms",
+    ]
+
+
+def attribution(areas, gaps):
+    """A dataset as the script makes it, of one adhesion and as many pressures as rows."""
+    models = list(continuum_against_atoms.MODELS)
+    data = {"relative_contact_area": np.array([areas]), "mean_gap": np.array([gaps]) * 1e-10}
+    for name in list(data):
+        data[f"{name}_increment"] = np.diff(data[name], axis=-1, prepend=data[name][..., :1])
+    constants = {"contact_modulus": 93.735e9, "measured_contact_modulus": 93.727e9}
+    constants |= {"work_of_adhesion": 0.692, "measured_work_of_adhesion": 0.6865}
+    return xr.Dataset(
+        {name: (("well_depth_ratio", "pressure", "model"), values) for name, values in data.items()}
+        | {name: ("well_depth_ratio", [value]) for name, value in constants.items()},
+        coords={"model": models, "well_depth_ratio": [4.0], "pressure": range(len(areas))},
+    )
+
+
+def test_ranges_of_the_attribution():
+    dataset = attribution(
+        [[0.2, 0.2, 0.18, 0.18, 0.18, 0.18, 0.18, 0.19], [0.5, 0.5, 0.4, 0.4, 0.4, 0.4, 0.4, 0.45]],
+        [[1.0, 1.0, 1.5, 1.5, 1.5, 1.5, 1.5, 1.2], [1.0, 1.0, 1.1, 1.1, 1.1, 1.1, 1.1, 1.3]],
+    )
+    rows = {row.split(" | ")[0][2:]: row for row in continuum_against_atoms.ranges(dataset).splitlines() if "|" in row}
+    work = continuum_against_atoms.MODELS["measured_adhesion"]
+    assert rows[work] == f"| {work} | -20.00 to -10.00 % | +0.100 to +0.500 |"
+    # 0.01 of 0.2 and 0.05 of 0.5: over the continuum's area, not the one before.
+    slide = continuum_against_atoms.MODELS["atoms"]
+    assert rows[slide] == f"| {slide} | +5.00 to +10.00 % | -0.300 to +0.200 |"
+    total = "**atoms against continuum**"
+    assert rows[total] == f"| {total} | -10.00 to -5.00 % | +0.200 to +0.300 |"
+    words = continuum_against_atoms.constants_in_words(dataset)
+    assert words == (
+        "The lattice shows this surface E* = 93.727 GPa, the study has 93.735 GPa; the cut-off pairs have "
+        "Δγ = 0.6865 J/m², the smeared layers 0.6920 J/m², both at 4 ε₀."
+    )
+
+
+def test_conclusion_of_two_starts():
+    same = {"area_own": 0.2, "area_predicted": 0.2, "changed_atoms": 0.0, "energy_difference": -1e-12}
+    lower = {"area_own": 0.2, "area_predicted": 0.21, "changed_atoms": 0.01, "energy_difference": -1e-3}
+    higher = {"area_own": 0.2, "area_predicted": 0.19, "changed_atoms": 0.01, "energy_difference": 1e-3}
+    assert two_starts.conclusion([same, same]) == "The two starts end in the same state at all 2 points."
+    assert two_starts.conclusion([same, lower, higher]) == (
+        "The two starts end in different states at 2 of 3 points, by -5.00 to +5.00 % of the area; at 1 of them the "
+        "state from the continuum has the lower energy."
+    )
