@@ -129,7 +129,7 @@ def on_shared_states(deviations: xr.Dataset, name: str) -> xr.Dataset:
     """
     if name not in deviations:
         return deviations.isel(pair=slice(0))
-    there = deviations[name].notnull() & (deviations["state"] == COMPARED)
+    there = deviations[name].notnull()
     some = there.any([dim for dim in there.dims if dim != "pair"])
     there = there.sel(pair=some)
     return deviations.sel(pair=some).where(there.all("pair"))

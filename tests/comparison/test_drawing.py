@@ -245,8 +245,8 @@ def test_markers_are_the_states(tmp_path):
 
 @pytest.fixture
 def wide(tmp_path):
-    """Inputs of a cell that is four times as wide as high."""
-    text = SINGLE.replace('"416 angstrom"', '["208 angstrom", "832 angstrom"]').replace("[24, 24]", "[16, 64]")
+    """Inputs of a cell that is four times as wide as high, on points that are farther apart along x."""
+    text = SINGLE.replace('"416 angstrom"', '["208 angstrom", "832 angstrom"]').replace("[24, 24]", "[16, 40]")
     return read_inputs([write(tmp_path / f"{kind}.nc", kind, text) for kind in ("continuum", "atomistic")])
 
 
@@ -272,6 +272,7 @@ def test_gap_maps_lie_as_the_surface_does(wide):
 
 def test_gap_maps_are_not_clipped(wide):
     maps = read_gap_maps(wide, panel_points(wide.models, "pressure"), None)
+    maps.gaps["atomistic"] *= 1.5
     figure = gap_map_figure(maps)
     images = [axes.images[0] for axes in figure.axes if axes.images]
     image = images[-1]

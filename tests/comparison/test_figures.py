@@ -226,3 +226,17 @@ def test_errors_of_gaps_and_pressures_are_in_the_units_of_the_axes(tmp_path):
     scatter = np.std([gap(8, 0.1e9, seed) for seed in (1, 2, 3)], ddof=1) / np.sqrt(3)
     for data in (plotted.mean_gap_data, plotted.mean_gap_linear_data):
         assert one(data(models, "pressure"), "continuum", 1).x_error[0] == pytest.approx(scatter / 8e-10, rel=1e-6)
+    # Under a prescribed gap it is the pressure that scatters.
+    text = GAP_STUDY.replace("[sweep]\n", '[sweep]\n"surface.seed" = [1, 2, 3]\n')
+    models = read_inputs([write(tmp_path / f"gap-{kind}.nc", kind, text) for kind in ("continuum", "atomistic")]).models
+    for dataset in models.values():
+        dataset["mean_pressure"] = dataset["mean_pressure"] * (1 + 0.1 * dataset["seed"])
+    pressure = np.array([1.1, 1.2, 1.3]) * pressure_at(0.2e-9)
+    error = pressure.std(ddof=1) / np.sqrt(3)
+    found = one(plotted.mean_gap_data(models, "gap"), "continuum", 1)
+    assert found.y[3] == pytest.approx(np.log(pressure.mean() / MODULUS), rel=1e-9)
+    assert found.y_error[3] == pytest.approx(error / pressure.mean(), rel=1e-6), "of the logarithm"
+    linear = one(plotted.mean_gap_linear_data(models, "gap"), "continuum", 1)
+    assert linear.y_error[3] == pytest.approx(error / MODULUS, rel=1e-6)
+    area_curve = one(plotted.contact_area_data(models, "gap"), "continuum", 1)
+    assert area_curve.x_error[3] == pytest.approx(error / 1e6, rel=1e-6), "the axis is in MPa"
