@@ -127,6 +127,18 @@ def test_the_band_is_the_gap_flow_theorys(monkeypatch, tmp_path):
         assert "band" not in captions[name]
 
 
+def test_a_legend_is_read_along_its_rows():
+    points = [Curve("continuum", f"H = 0.{number:02d}", number, np.ones(1), np.ones(1)) for number in range(31)]
+    figure = figures.contact_area_figure(points)
+    figure.canvas.draw()
+    legend = figure.legends[0]
+    places = [text.get_window_extent() for text in legend.get_texts()]
+    order = sorted(range(len(places)), key=lambda index: (-round(places[index].y0), places[index].x0))
+    words = [legend.get_texts()[index].get_text() for index in order]
+    assert words == ["H = 0.00", *(f"0.{number:02d}" for number in range(1, 31))], "what all begin with stands once"
+    assert len({round(place.y0) for place in places}) > 1, "in several rows"
+
+
 def test_more_colours_than_a_palette_are_all_different():
     found = {tuple(np.atleast_1d(colour)) for colour in figures.palette(figures.SWEEP_COLOURS, 12)}
     assert len(found) == 12
@@ -201,6 +213,26 @@ def test_logarithmic_axes_end_where_the_simulations_do():
     np.testing.assert_allclose(plotted.window(curves, ended=1)[1], [-0.16, 4.16], rtol=1e-12)
     assert plotted.window(curves, ended=None)[0][0] < -9
     assert plotted.window(curves[1:], ended=0)[0][0] < -9, "without simulations all is shown"
+    both = [*curves, curve([-5, 0], [0, 1], "atomistic")]
+    assert plotted.window(both, ended=0)[0][0] < -5, "the one that reaches farther"
+
+
+def test_no_contact_is_on_no_logarithmic_axis():
+    found = plotted.of_compression(curve([1, 2, -1, 3], [0, 0.5, 0.5, 0.6]))
+    np.testing.assert_array_equal(found.x, [np.nan, 2, np.nan, 3])
+    exponents = plotted.logarithmic(found)
+    np.testing.assert_allclose([exponents.x[1], exponents.y[1]], np.log10([2, 0.5]), rtol=1e-12)
+    assert np.isnan(exponents.y[[0, 2]]).all()
+    assert not plotted.in_compression([curve([1, -1], [0, 0.5])])
+
+
+def test_bars_are_the_errors_along_their_axes():
+    shown = curve([1, 2], [0.1, 0.2], "continuum", x_error=np.array([0.5, np.nan]), y_error=np.array([0.01, 0.02]))
+    axes = figures.contact_area_figure([shown]).axes[0]
+    bars = [lines.get_segments() for lines in axes.collections if isinstance(lines, LineCollection)][1:]
+    across, along = (np.array(segments) for segments in bars)
+    np.testing.assert_allclose(np.ptp(across[:, :, 0], axis=1), [1.0, 0.0], rtol=1e-12)
+    np.testing.assert_allclose(np.ptp(along[:, :, 1], axis=1), [0.02, 0.04], rtol=1e-12)
 
 
 def test_lines_follow_the_path_once():
