@@ -14,7 +14,7 @@ import xarray as xr
 
 from contact_study.campaign.schema import SCHEMA_VERSION
 from contact_study.comparison.carried_study import carried_study
-from contact_study.comparison.differences import check_studies, same
+from contact_study.comparison.differences import check_height_maps, check_studies, same
 from contact_study.comparison.path_points import swept_dims
 from contact_study.problem.case import Case
 from contact_study.problem.errors import InputError
@@ -24,6 +24,8 @@ from contact_study.problem.study import Study
 MODELS = ("atomistic", "continuum", "theory", "gap_flow")
 _ROOTS = ("continuum", "atomistic", "theory")
 _FIELDS = ("gap", "pressure")
+# Groups of a file that are read, "" for the root; a file may hold others, such as states to go on from.
+_GROUPS = ("", "gap_flow", "gap_flow/loading", "gap_flow/unloading")
 
 
 @dataclass(frozen=True)
@@ -124,7 +126,9 @@ def read_inputs(paths: Sequence[Path]) -> Inputs:
         notes += joined
     if len(files) < 2:
         raise InputError("a comparison needs the datasets of at least two models: continuum, atomistic, theory")
-    notes += check_studies([name for name in MODELS if name in studies], files, studies)
+    names = [name for name in MODELS if name in studies]
+    notes += check_studies(names, files, studies)
+    check_height_maps(names, files, {name: str(models[name].attrs.get("height_maps", "")) for name in names})
     spelt = _one_spelling({name: models[name] for name in MODELS if name in models} | branches)
     ordered = {name: dataset for name, dataset in spelt.items() if name in models}
     return Inputs(files, ordered, {side: spelt[side] for side in branches}, studies, tuple(notes))
@@ -145,14 +149,15 @@ def _one_spelling(models: Mapping[str, xr.Dataset]) -> dict[str, xr.Dataset]:
 
 
 def _open(path: Path) -> dict[str, xr.Dataset]:
-    """Every group of a file by name, "" for the root, without the fields."""
+    """The groups of a file by name, "" for the root, without the fields."""
     if not path.is_file():
         raise InputError(f"{path}: {'is a folder' if path.is_dir() else 'does not exist'}; expected a dataset (NetCDF)")
     try:
         with xr.open_datatree(path, engine="netcdf4", decode_timedelta=False) as tree:
             attrs = tree.attrs
             foreign = "schema_version" not in attrs or attrs.get("model") not in _ROOTS
-            groups = {} if foreign else {node.path.strip("/"): _in_memory(node) for node in tree.subtree}
+            nodes = {node.path.strip("/"): node for node in tree.subtree}
+            groups = {} if foreign else {name: _in_memory(nodes[name]) for name in _GROUPS if name in nodes}
     except (OSError, RuntimeError, ValueError) as error:
         reason = str(error).splitlines()[0] if str(error) else type(error).__name__
         raise InputError(f"{path}: cannot be read as NetCDF, perhaps cut short ({reason})") from None

@@ -62,6 +62,33 @@ def check_studies(names: Sequence[str], paths: Mapping[str, Path], studies: Mapp
             yield f"{where} share {len(pairs)} points of their sweeps; only these are compared"
 
 
+def check_height_maps(names: Sequence[str], paths: Mapping[str, Path], recorded: Mapping[str, str]) -> None:
+    """Refuse datasets of height maps that had another content when they were read.
+
+    Parameters
+    ----------
+    names : sequence of str
+        Models, in the order of trust.
+    paths, recorded : mapping
+        File of each model and its attribute ``height_maps``: lines of a content's hash and the path in the study.
+
+    Raises
+    ------
+    InputError
+        If one path stands for two contents.
+    """
+    known: dict[str, tuple[str, str]] = {}
+    for name in names:
+        for line in recorded[name].splitlines():
+            content, _, path = line.partition(" ")
+            first, other = known.setdefault(path, (name, content))
+            if other != content:
+                raise InputError(
+                    f"{paths[first]} and {paths[name]} cannot be compared: the height map {path} had another content; "
+                    "run both again on the same file"
+                )
+
+
 def differences(one: Case, two: Case) -> Iterator[tuple[str, tuple[Any, Any]]]:
     """Every key of the study file whose values differ between two cases, with both values."""
     for section in SECTIONS:

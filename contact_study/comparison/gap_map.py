@@ -50,18 +50,16 @@ def read_gap_maps(inputs: Inputs, shown: PanelPoints, seed: int | None) -> GapMa
             if seed is None:
                 continue
             selection[AVERAGED] = seed
-        gap = field_at(inputs.paths[model], "gap", selection, step)
-        if gap is None or not np.isfinite(gap).all():
+        # Smaller cells of a sweep are padded to the points of the largest.
+        y, x = (part[axis].values[np.isfinite(part[axis].values)] for axis in ("y", "x"))
+        stored = field_at(inputs.paths[model], "gap", selection, step)
+        if stored is None or not np.isfinite(gap := stored[: y.size, : x.size]).all():
             continue
         pressure = field_at(inputs.paths[model], "pressure", selection, step) if hard_wall else None
-        gaps[model] = np.ma.masked_array(gap, gap < distance if pressure is None else pressure > 0)
-        rows, columns = gap.shape
-        size = rows * _spacing(part["y"].values), columns * _spacing(part["x"].values)
+        touching = gap < distance if pressure is None else pressure[: y.size, : x.size] > 0
+        gaps[model] = np.ma.masked_array(gap, touching)
+        size = y.size * float(y[1] - y[0]), x.size * float(x[1] - x[0])
     return GapMaps(gaps, size, distance) if gaps else None
-
-
-def _spacing(positions: np.ndarray) -> float:
-    return float(positions[1] - positions[0])
 
 
 @styled

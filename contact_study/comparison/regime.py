@@ -160,6 +160,7 @@ def _from_dataset(models: Mapping[str, xr.Dataset], point: SweepPoint) -> Roughn
     for dataset in models.values():
         part = select(dataset, point)
         if part is not None and "height" in part and part["height"].ndim == 2:
-            y, x = part["y"].values, part["x"].values
-            return roughness(part["height"].values, (len(y) * (y[1] - y[0]), len(x) * (x[1] - x[0])))
+            y, x = (part[axis].values[np.isfinite(part[axis].values)] for axis in ("y", "x"))
+            heights = part["height"].values[: y.size, : x.size]
+            return roughness(heights, (y.size * (y[1] - y[0]), x.size * (x[1] - x[0])))
     return None

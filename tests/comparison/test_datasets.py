@@ -272,6 +272,22 @@ def test_positions_that_change_over_a_sweep_are_no_swept_keys(tmp_path):
     assert all(len(point.selection) == 2 for point in sweep_points(inputs.models))
 
 
+def test_other_groups_of_a_file_are_left_alone(tmp_path):
+    paths = [write(tmp_path / f"{kind}.nc", kind) for kind in ("continuum", "theory")]
+    xr.Dataset({"state": ("where", np.ones(5))}).to_netcdf(paths[0], mode="a", group="restart")
+    inputs = read_inputs(paths)
+    assert sorted(inputs.models) == ["continuum", "gap_flow", "theory"]
+    assert sorted(inputs.branches) == ["loading", "unloading"]
+
+
+def test_height_maps_of_another_content_are_refused(tmp_path):
+    first = write(tmp_path / "c.nc", "continuum", height_maps="sha256:ab map.npy\nsha256:cd other.npy")
+    same = write(tmp_path / "a.nc", "atomistic", height_maps="sha256:ab map.npy")
+    assert read_inputs([first, same]).notes == ()
+    changed = write(tmp_path / "b.nc", "atomistic", height_maps="sha256:ef map.npy")
+    assert "the height map map.npy had another content" in refused([first, changed])
+
+
 def test_a_theory_of_the_ensemble_needs_no_seed(files, tmp_path):
     seeded = STUDY.replace("[sweep]\n", '[sweep]\n"surface.seed" = [1, 2]\n')
     simulated = write(tmp_path / "seeds.nc", "continuum", seeded)

@@ -302,6 +302,25 @@ def test_gap_maps_lie_as_the_surface_does(wide):
     assert panels[0].get_ylabel().startswith("$y$")
 
 
+def test_a_smaller_cell_of_a_sweep_is_shown_without_its_padding(tmp_path):
+    text = SINGLE.replace("lattice_constant", "# ").replace(
+        'well_depth = "18.6 meV"', 'work_of_adhesion = "0.69 J/m^2"'
+    )
+    text += '[sweep]\n"surface.size" = ["520 angstrom", "416 angstrom"]\n'
+    paths = [write(tmp_path / f"{kind}.nc", kind, text) for kind in ("continuum", "theory")]
+    padded = xr.load_dataset(paths[0], decode_timedelta=False).pad(y_index=(0, 4), x_index=(0, 4))
+    for name in padded:
+        padded[name].encoding = {}
+    padded.to_netcdf(paths[0])
+    inputs = read_inputs(paths)
+    shown = panel_points(inputs.models, "pressure")
+    assert shown.case.label == "size = 416 Å"
+    maps = read_gap_maps(inputs, shown, None)
+    assert maps.size == pytest.approx((416e-10, 416e-10), rel=1e-12)
+    assert maps.gaps["continuum"].shape == (24, 24)
+    assert np.isfinite(maps.gaps["continuum"].data).all()
+
+
 def test_gap_maps_are_not_clipped(wide):
     maps = read_gap_maps(wide, panel_points(wide.models, "pressure"), None)
     maps.gaps["atomistic"] *= 1.5
