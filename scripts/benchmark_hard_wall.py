@@ -124,27 +124,23 @@ def measure(
 UNITS = {"mean_pressure": "Pa", "wall_time": "s"}
 
 
-def parser() -> argparse.ArgumentParser:
-    made = argparse.ArgumentParser(
+def main(arguments: Sequence[str] | None = None) -> int:
+    parser = argparse.ArgumentParser(
         description=__doc__.splitlines()[0], formatter_class=argparse.ArgumentDefaultsHelpFormatter
     )
-    made.add_argument("--points", type=int, nargs="+", default=[128, 256], help="points along each side")
-    made.add_argument(
+    parser.add_argument("--points", type=int, nargs="+", default=[128, 256], help="points along each side")
+    parser.add_argument(
         "--pressures",
         type=float,
         nargs="+",
         default=[0.01, 0.15, 0.5, 2.0, 3.0],
         help="mean pressures over the rms stress of full contact",
     )
-    made.add_argument("--seed", type=int, default=1, help="surface")
-    made.add_argument("--repeat", type=int, default=3, help="runs of each solve; medians are shown")
-    made.add_argument("--no-tamaas", action="store_true", help="do not run Tamaas even if it is installed")
-    made.add_argument("-o", "--output", type=Path, default=Path("results/benchmark_hard_wall.nc"))
-    return made
-
-
-def main(arguments: Sequence[str] | None = None) -> int:
-    options = parser().parse_args(arguments)
+    parser.add_argument("--seed", type=int, default=1, help="surface")
+    parser.add_argument("--repeat", type=int, default=3, help="runs of each solve; medians are shown")
+    parser.add_argument("--no-tamaas", action="store_true", help="do not run Tamaas even if it is installed")
+    parser.add_argument("-o", "--output", type=Path, default=Path("results/benchmark_hard_wall.nc"))
+    options = parser.parse_args(arguments)
     with_tamaas = not options.no_tamaas and importlib.util.find_spec("tamaas") is not None
 
     kinds = ["smooth", "broadband"]  # cutoff at 12 waves a side, and at eight points a wave

@@ -14,16 +14,12 @@ ROOT = Path(__file__).resolve().parent.parent
 STUDIES = {"paper": "data/yang2008.toml", "quick": "data/yang2008_quick.toml"}
 
 
-def parser() -> argparse.ArgumentParser:
-    made = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    made.add_argument("--preset", choices=STUDIES, default="paper", help="size of the study (default paper)")
-    made.add_argument("--output", type=Path, help="folder of the results (default results/yang2008-PRESET)")
-    made.add_argument("--overwrite", action="store_true", help="begin anew where results exist")
-    return made
-
-
 def main() -> int:
-    given = parser().parse_args()
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--preset", choices=STUDIES, default="paper", help="size of the study (default paper)")
+    parser.add_argument("--output", type=Path, help="folder of the results (default results/yang2008-PRESET)")
+    parser.add_argument("--overwrite", action="store_true", help="begin anew where results exist")
+    given = parser.parse_args()
     study = ROOT / STUDIES[given.preset]
     folder = given.output or Path("results") / f"yang2008-{given.preset}"
     bem, md, theory, comparison = (folder / f"{name}.nc" for name in ("bem", "md", "theory", "comparison"))

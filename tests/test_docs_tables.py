@@ -1,8 +1,10 @@
 """Tables of the documentation: written by commands that run, compared as they should be."""
 
+import argparse
 import importlib
 import re
 import shlex
+import sys
 from pathlib import Path
 
 import pytest
@@ -116,16 +118,31 @@ def test_a_command_that_fails_is_named(project, capsys):
 def commands():
     """Every command of the documents' blocks and of the Makefile that runs one of the scripts."""
     found = [block.command for path in documents() for block in blocks(path.read_text(encoding="utf-8"))]
-    makefile = (ROOT / "Makefile").read_text(encoding="utf-8").replace("$(PRESET)", "paper")
-    return found + [line.strip() for line in makefile.splitlines() if "scripts/" in line]
+    makefile = (ROOT / "Makefile").read_text(encoding="utf-8")
+    for name, value in re.findall(r"^(\w+) \?= (.*)$", makefile, re.MULTILINE):
+        makefile = makefile.replace(f"$({name})", value)
+    return found + [line.strip().removeprefix("$(BIN)/") for line in makefile.splitlines() if "scripts/" in line]
+
+
+class Parsed(BaseException):
+    """The arguments were taken."""
 
 
 @pytest.mark.parametrize("command", commands())
-def test_every_command_is_one_that_its_script_takes(command):
-    _, script, *arguments = shlex.split(command.replace("$(BIN)/", ""))
+def test_every_command_is_one_that_its_script_takes(monkeypatch, command):
+    _, script, *arguments = shlex.split(command)
     assert (ROOT / script).is_file()
     module = importlib.import_module(script.removesuffix(".py").replace("/", "."))
-    module.parser().parse_args(arguments)
+    parse = argparse.ArgumentParser.parse_args
+
+    def parse_only(*given, **options):
+        parse(*given, **options)
+        raise Parsed
+
+    monkeypatch.setattr(argparse.ArgumentParser, "parse_args", parse_only)
+    monkeypatch.setattr(sys, "argv", [script, *arguments])
+    with pytest.raises(Parsed):
+        module.main()
     for name in arguments:
         if name.startswith("data/"):
             assert (ROOT / name).is_file()

@@ -89,8 +89,8 @@ def series(part: xr.Dataset, name: str) -> Series:
         _by_seed(part, wanted, steps) for wanted in (name, "relative_contact_area", "converged", "detached")
     )
     values: np.ndarray = np.where(detached == 1, np.nan, data)
-    # The rule of usable(), on arrays.
-    good = ~np.isnan(area) & ((converged == 1) | np.isnan(converged)) & (detached != 1) & ~np.isnan(values)
+    # The rule of usable(), on arrays; what has detached has no value.
+    good = ~np.isnan(area) & ((converged == 1) | np.isnan(converged)) & ~np.isnan(values)
     samples: np.ndarray = good.sum(axis=0)
     if AVERAGED not in part[name].dims:
         return Series(values[0], np.full(steps, np.nan), good[0], samples)
