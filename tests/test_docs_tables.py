@@ -150,12 +150,12 @@ def test_every_command_is_one_that_its_script_takes(monkeypatch, command):
 
 @pytest.mark.parametrize("path", documents(), ids=lambda path: path.name)
 def test_no_table_of_results_stands_outside_a_block(path):
-    """A symbol's table may hold a number; one with several decimals in a row is of results."""
+    """A table of symbols or criteria may hold a number; one with several of three decimals in a row is of results."""
     text = path.read_text(encoding="utf-8")
     for block in blocks(text):
         text = text.replace(block.content, "")
         assert block.content.startswith(shown(block.command, "").rstrip()), "the command that is shown is the one run"
-    rows = [line for line in text.splitlines() if line.startswith("|") and len(re.findall(r"\d\.\d", line)) > 1]
+    rows = [line for line in text.splitlines() if line.startswith("|") and len(re.findall(r"\d\.\d{3}", line)) > 1]
     assert rows == []
 
 

@@ -101,6 +101,26 @@ def test_every_panel_names_its_state(monkeypatch, tmp_path):
     assert "at ε = 8 ε₀, p/E* = 0.00832;" in captions["gap_map"]
 
 
+def test_missing_distributions_are_named_with_their_reason(monkeypatch, tmp_path):
+    paths = [
+        write(tmp_path / "c.nc", "continuum", unconverged=[(0, 1)]),
+        write(
+            tmp_path / "t.nc",
+            "theory",
+            STUDY.replace('"0.1 GPa", "0.7799 GPa", "5.8725 GPa"]', '"0.1 GPa", "5.8725 GPa"]'),
+        ),
+    ]
+    inputs = read_inputs(paths)
+    for name in ("relative_contact_area", "pressure_pdf", "gap_pdf"):
+        inputs.models["gap_flow"][name] = inputs.models["gap_flow"][name].where(inputs.models["gap_flow"].step > 2)
+    words = drawn(monkeypatch, inputs)[1]["stress_distribution"]
+    at = "p/E* = 0.00832"
+    assert f"Not shown, being detached or not converged: the continuum at ε = ε₀, {at}." in words
+    assert f"Not on the loading path: Persson's theory at ε = ε₀, {at}; the gap-flow theory at ε = ε₀, {at}." in words
+    assert f"Without a result: the gap-flow theory at ε = 8 ε₀, {at}; the gap-flow theory at ε = 8 ε₀, p/E*" in words
+    assert "Persson" not in drawn(monkeypatch, inputs)[1]["gap_distribution"], "which has no distribution of gaps"
+
+
 def test_a_state_for_the_whole_sweep_is_in_units_of_all_of_it(tmp_path):
     text = SINGLE + '[sweep]\n"material.youngs_modulus" = ["50 GPa", "77.2 GPa"]\n'
     models = read_inputs([write(tmp_path / f"{kind}.nc", kind, text) for kind in ("continuum", "theory")]).models

@@ -7,7 +7,9 @@ from contact_study.comparison.cases import Series, series
 from contact_study.comparison.datasets import read_inputs
 from contact_study.comparison.deviations import compute_deviations
 from contact_study.comparison.findings import headline
+from contact_study.comparison.regime import compute_regime
 from contact_study.comparison.result_tables import deviation_tables, results_tables, summary_table
+from contact_study.comparison.setting_tables import constants_table, effort_table, regime_table, unconverged_steps
 from tests.comparison import synthetic
 from tests.comparison.synthetic import AREA_FACTOR, GAP_SHIFT, area, gap, write, write_all
 
@@ -154,3 +156,45 @@ def test_scatter_of_rounding_is_no_error(tmp_path):
     assert np.isnan(series(spread, "mean_gap").standard_error).all()
     found: Series = series(part.assign(mean_gap=one * (1 + 1e-6 * part["seed"])), "mean_gap")
     np.testing.assert_allclose(found.standard_error[:3], one[:3] * 1e-6 / np.sqrt(3), rtol=1e-6)
+
+
+def test_constants_by_hand(inputs):
+    table = constants_table(inputs.models)
+    assert table.header == ["", "model", "E* (GPa)", "Δγ (J/m²)", "d_eq (Å)", "σ_max (GPa)", "h_rms (Å)", "rms slope"]
+    case = inputs.cases[1]
+    (row,) = [row for row in table.rows if row[:2] == ["ε = 8 ε₀", "continuum"]]
+    slope = inputs.models["continuum"]["rms_slope"].values.max()
+    expected = (MODULUS / 1e9, case.work_of_adhesion, 3.28, case.law.peak_tensile_stress / 1e9, 7.0, slope)
+    assert row[2:] == [f"{value:.5g}" for value in expected]
+    # The gap-flow theory stands in the file of Persson's, whose constants are its own.
+    assert [row[1] for row in table.rows] == 2 * ["atoms", "continuum", "Persson's theory"]
+
+
+def test_regime_by_hand(inputs):
+    models = {**inputs.models, "theory": inputs.models["theory"].assign(pull_off_pressure=-0.3125e9)}
+    regime = compute_regime(inputs)
+    table = regime_table(models, regime)
+    assert table.header[2] == "process zone (Å)"
+    assert table.header[-1] == "pull-off, Persson (GPa)"
+    for row, ratio in zip(table.rows, (1, 8), strict=True):
+        at = regime.sel(well_depth_ratio=ratio)
+        zone = MODULUS * float(models["continuum"]["work_of_adhesion"].sel(well_depth_ratio=ratio))
+        zone /= float(models["continuum"]["peak_tensile_stress"].sel(well_depth_ratio=ratio)) ** 2
+        assert row[2] == f"{zone / 1e-10:.1f}"
+        assert row[3] == f"{416e-10 / 24 / zone:.2f}"
+        assert row[1] == f"{float(at['tabor_parameter']):.2f}"
+        assert row[-1] == "−0.312"
+
+
+def test_effort_by_hand(tmp_path):
+    paths = [
+        write(tmp_path / "c.nc", "continuum", STUDY, unconverged=[(0, 1), (1, 2)], detached=[(1, 2)]),
+        write(tmp_path / "a.nc", "atomistic", STUDY),
+    ]
+    models = read_inputs(paths).models
+    rows = {row[0]: row[1:] for row in effort_table(models).rows}
+    assert effort_table(models).header[:5] == ["model", "steps", "not converged", "detached", "largest residual"]
+    # Seven steps of seven iterations and half a second each; one did not converge, one has let go.
+    assert rows["continuum"] == ["7", "1", "1", "1.0e−09", "49", "4"]
+    assert rows["atoms"] == ["7", "0", "0", "1.0e−09", "49", "4"]
+    assert unconverged_steps(models) == 1
