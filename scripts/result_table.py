@@ -22,6 +22,7 @@ def parser() -> argparse.ArgumentParser:
     made = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     made.add_argument("comparison", type=Path, help="dataset that contact-compare wrote")
     made.add_argument("--pressures", nargs="+", required=True, help="pressures of the path to show")
+    made.add_argument("--brief", action="store_true", help="of the sentences below the table only the first")
     return made
 
 
@@ -36,8 +37,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     print()
     first = split_pair(deviations["pair"].values[0])[1]
     pairs = [pair for pair in deviations["pair"].values if split_pair(pair)[1] == first]
-    for sentence in headline(models, deviations.sel(pair=pairs)):
-        print(f"- {sentence}")
+    sentences = headline(models, deviations.sel(pair=pairs))
+    print(sentences[0] if given.brief else "\n".join(f"- {sentence}" for sentence in sentences))
     return 0
 
 

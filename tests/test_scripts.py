@@ -69,6 +69,16 @@ def test_result_table(tmp_path, capsys):
     ]
 
 
+def test_result_table_with_one_sentence(tmp_path, capsys):
+    comparison = str(tmp_path / "comparison.nc")
+    assert compare([*(str(path) for path in write_all(tmp_path)), "-o", comparison]) == 0
+    capsys.readouterr()
+    assert result_table.main([comparison, "--brief", "--pressures", "0.1 GPa"]) == 0
+    *_, empty, last = capsys.readouterr().out.splitlines()
+    assert empty == ""
+    assert last.startswith("By the median relative deviation of contact area over the 7 states")
+
+
 def attribution(areas, gaps):
     """A dataset as the script makes it, of one adhesion and as many pressures as rows."""
     models = list(continuum_against_atoms.MODELS)

@@ -1,1 +1,11 @@
-"""Datasets in, answers out: deviations, figures and report."""
+"""Datasets in, answers out: deviations, figures and report.
+
+read
+    ``datasets`` with ``carried_study`` and ``differences``; ``path_points`` and ``cases`` find a state again in each.
+computed
+    ``deviations``, ``regime``, ``scales``; ``shown_states``, ``plotted`` and ``bands`` for the figures.
+drawn
+    ``figures`` and ``gap_map`` with ``style`` and ``legends``, all together in ``illustrations``.
+said
+    ``findings``, ``description``, ``captions``, the tables, with ``labels`` and ``wording``, all together in ``report``.
+"""
