@@ -5,7 +5,7 @@ read
 computed
     ``deviations``, ``regime``, ``scales``; ``shown_states``, ``plotted`` and ``bands`` for the figures.
 drawn
-    ``figures`` and ``gap_map`` with ``style`` and ``legends``, all together in ``illustrations``.
+    ``figures`` and ``gap_map`` with ``style`` and ``legends``, all in ``illustrations``.
 said
-    ``findings``, ``description``, ``captions``, the tables, with ``labels`` and ``wording``, all together in ``report``.
+    ``findings``, ``description``, ``captions`` and the tables with ``labels`` and ``wording``, all in ``report``.
 """
