@@ -13,7 +13,7 @@ import numpy as np
 import xarray as xr
 
 from contact_study.comparison.differences import SAME, same
-from contact_study.comparison.path_points import AVERAGED, path_points, swept_dims
+from contact_study.comparison.path_points import AVERAGED, Point, path_points, positions, swept_dims
 from contact_study.problem.case import Case
 from contact_study.problem.errors import InputError
 from contact_study.problem.study import SECTIONS, WHOLE_STUDY, Study, make_study
@@ -140,10 +140,10 @@ def _check_paths(path: Path, dataset: xr.Dataset, study: Study) -> None:
             )
 
 
-def _path_of(dataset: xr.Dataset, case: Case) -> list[Any]:
-    prescribed, branch = dataset[f"applied_{case.loading.control}"], dataset["branch"]
-    chosen = [
-        data.sel({name: value for name, value in case.coordinates.items() if name in data.dims}).values
-        for data in (prescribed, branch)
-    ]
-    return [point for point in path_points(*chosen) if point is not None]
+def _path_of(dataset: xr.Dataset, case: Case) -> list[Point]:
+    at = positions({dim: dataset[dim].values for dim in swept_dims(dataset)}, case.coordinates)
+    prescribed, branch = (
+        dataset[name].isel({dim: index for dim, index in at.items() if dim in dataset[name].dims}).values
+        for name in (f"applied_{case.loading.control}", "branch")
+    )
+    return [point for point in path_points(prescribed, branch) if point is not None]

@@ -15,7 +15,7 @@ import xarray as xr
 from contact_study.campaign.schema import SCHEMA_VERSION
 from contact_study.comparison.carried_study import carried_study
 from contact_study.comparison.differences import check_height_maps, check_studies, same
-from contact_study.comparison.path_points import swept_dims
+from contact_study.comparison.path_points import positions, swept_dims
 from contact_study.problem.case import Case
 from contact_study.problem.errors import InputError
 from contact_study.problem.study import Study
@@ -193,9 +193,5 @@ def field_at(path: Path, name: str, selection: Mapping[str, Any], step: int) -> 
     with xr.open_dataset(path, decode_timedelta=False) as dataset:
         if name not in dataset:
             return None
-        chosen = {
-            dim: next(index for index, given in enumerate(dataset[dim].values) if same(given, value))
-            for dim, value in selection.items()
-            if dim in dataset.dims
-        }
+        chosen = positions({dim: dataset[dim].values for dim in swept_dims(dataset)}, selection)
         return dataset[name].isel(chosen).isel(step=step).values

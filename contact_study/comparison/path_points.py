@@ -2,11 +2,13 @@
 
 from collections import Counter
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 import xarray as xr
 
 from contact_study.campaign.schema import COORDINATES
+from contact_study.comparison.differences import same
 
 AVERAGED = "seed"
 Point = tuple[str, int, int]  # prescribed value to nine digits, branch, how many times visited before
@@ -19,6 +21,24 @@ def swept_dims(dataset: xr.Dataset) -> tuple[str, ...]:
     the sweep changes their positions.
     """
     return tuple(str(dim) for dim in dataset.dims if dim in dataset.coords and dim not in COORDINATES)
+
+
+def positions(dims: Mapping[str, np.ndarray], coordinates: Mapping[str, Any]) -> dict[str, int]:
+    """Where swept values stand along the dimensions that have them, however they were rounded.
+
+    Raises
+    ------
+    KeyError
+        If a dimension lacks the value.
+    """
+    found = {}
+    for dim, value in coordinates.items():
+        if dim in dims:
+            index = next((index for index, given in enumerate(dims[dim]) if same(given, value)), None)
+            if index is None:
+                raise KeyError(f"{dim} = {value}")
+            found[dim] = index
+    return found
 
 
 def usable(dataset: xr.Dataset) -> xr.DataArray:

@@ -260,6 +260,18 @@ def test_swept_values_that_differ_by_rounding_are_one_point(tmp_path):
         assert field_at(path, "gap", point.selection, 1).shape == (24, 24)
 
 
+def test_coordinates_that_were_rounded_are_those_of_the_study(files, tmp_path):
+    path = tmp_path / "rounded.nc"
+    dataset = xr.load_dataset(files[1], decode_timedelta=False)
+    dataset.assign_coords(well_depth_ratio=[1.0, np.nextafter(8.0, 9.0)]).to_netcdf(path)
+    inputs = read_inputs([files[0], path])
+    assert inputs.notes == ()
+    assert len(sweep_points(inputs.models)) == 2
+    assert field_at(path, "gap", {"well_depth_ratio": 8.0}, 1).shape == (24, 24)
+    with pytest.raises(KeyError, match="well_depth_ratio = 3"):
+        field_at(path, "gap", {"well_depth_ratio": 3.0}, 1)
+
+
 def test_positions_that_change_over_a_sweep_are_no_swept_keys(tmp_path):
     text = SINGLE.replace("lattice_constant", "# ").replace(
         'well_depth = "18.6 meV"', 'work_of_adhesion = "0.69 J/m^2"'
