@@ -297,7 +297,7 @@ def ranges(dataset: xr.Dataset) -> str:
         for change, row in rows.items()
     }
     last = dataset.sel(model="atoms")
-    steps["**atoms against continuum**"] = (
+    steps["**all together**"] = (
         last["relative_contact_area"] / first["relative_contact_area"] - 1,
         last["mean_gap"] - first["mean_gap"],
     )

@@ -105,7 +105,7 @@ def test_ranges_of_the_attribution():
     # 0.01 of 0.2 and 0.05 of 0.5: over the continuum's area, not the one before.
     slide = continuum_against_atoms.MODELS["atoms"]
     assert rows[slide] == f"| {slide} | +5.00 to +10.00 % | -0.300 to +0.200 |"
-    total = "**atoms against continuum**"
+    total = "**all together**"
     assert rows[total] == f"| {total} | -10.00 to -5.00 % | +0.200 to +0.300 |"
     words = continuum_against_atoms.constants_in_words(dataset)
     assert words == (

@@ -73,7 +73,8 @@ def test_both_starts_of_a_small_contact_end_in_one_state(study, capsys):
     np.testing.assert_allclose(found["area_predicted"], found["area_own"], rtol=1e-12)
     # Over the path: a single late step may take as many from either start.
     assert found["evaluations_predicted"].sum() < found["evaluations_own"].sum()
-    assert len(printed.splitlines()) == 6
+    assert sum(line.startswith("|") for line in printed.splitlines()) == 6
+    assert printed.splitlines()[-1] == "The two starts end in the same state at all 4 points."
 
 
 @pytest.mark.parametrize("script", [continuum_against_atoms, two_starts])
