@@ -119,6 +119,13 @@ def test_report_holds_the_numbers(compared, files):
         assert words in text, words
 
 
+def test_figures_of_one_column_are_narrow(compared):
+    page = (compared[0] / "r.html").read_text(encoding="utf-8")
+    narrow = dict.fromkeys(re.findall(r'<img class="narrow" alt="([^"]*)"', page))
+    assert list(narrow) == [], "every figure of this study has two panels"
+    assert page.count("<img alt=") == 5
+
+
 def test_text_of_a_study_cannot_break_the_page(special):
     _, page = special
     assert "<script>" not in page
@@ -166,6 +173,8 @@ def test_contact_of_a_hard_wall_is_shown(tmp_path):
     report = tmp_path / "r.html"
     assert run(*paths, "-o", tmp_path / "out.nc", "--report", report) == 0
     page = report.read_text(encoding="utf-8")
+    assert '<img class="narrow" alt="Mean gap"' in page
+    assert '<img alt="Contact area"' in page
     assert "contact, a positive pressure, is black" in page
     for words in ("Persson", "gap-flow", "gap flow", "10-4", "Tabor", "local minimum"):
         assert words not in page, words
