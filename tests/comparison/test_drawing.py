@@ -165,6 +165,11 @@ def test_more_colours_than_a_palette_are_all_different():
     assert figures.palette(figures.SWEEP_COLOURS, 6) == list(figures.SWEEP_COLOURS)
 
 
+def marks_zero(axes):
+    """Whether a line stands at a mean gap of zero."""
+    return any(list(line.get_xdata()) == [0, 0] for line in axes.lines)
+
+
 def test_tension_and_gaps_below_zero_are_shown(monkeypatch, tmp_path):
     inputs = read_inputs(write_all(tmp_path))
     for model, dataset in inputs.models.items():
@@ -182,7 +187,7 @@ def test_tension_and_gaps_below_zero_are_shown(monkeypatch, tmp_path):
     assert np.isclose(drawn_here, expected, rtol=1e-9).all(axis=1).any()
     assert linear.get_xlim()[0] < expected[0]
     for axes in (logarithmic, linear):
-        assert any(list(line.get_xdata()) == [0, 0] for line in axes.lines), "zero is marked where gaps lie on either side"
+        assert marks_zero(axes)
     words = captions["mean_gap"]
     assert words.startswith("(a) Natural logarithm")
     assert "(b) Mean pressure in units of E*, tension negative" in words
@@ -197,7 +202,7 @@ def test_without_tension_the_mean_gap_is_one_panel(monkeypatch, tmp_path):
     shown, captions = drawn(monkeypatch, inputs)
     (axes,) = shown["mean_gap"].axes
     assert axes.get_ylabel() == r"$\ln\,(p/E^*)$"
-    assert any(list(line.get_xdata()) == [0, 0] for line in axes.lines) is (axes.get_xlim()[0] < 0)
+    assert marks_zero(axes) == (axes.get_xlim()[0] < 0)
     assert captions["mean_gap"].startswith("Natural logarithm")
     assert "Where ū" not in captions["mean_gap"], "a gap of zero to rounding is not below it"
 
