@@ -16,7 +16,7 @@ from filelock import FileLock
 # OpenMP's threads spin while they wait for one another. Where another process holds a core they then wait for the
 # scheduler at every barrier, and two threads take up to a hundred times as long as one. Read when FFTW is loaded.
 os.environ.setdefault("OMP_WAIT_POLICY", "passive")
-import pyfftw  # noqa: E402
+import pyfftw
 
 
 def _wisdom_file() -> Path:
