@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numba import njit
 
-from bem_adhesion.elasticity import HalfSpace, stiffness
+from bem_adhesion.operator import HalfSpace, stiffness
 
 # Curvature below this fraction of |s|² counts as negative: the rounding of float32.
 CURVATURE_ROUNDING = 1e-7

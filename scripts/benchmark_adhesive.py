@@ -17,7 +17,7 @@ from pathlib import Path
 
 import numpy as np
 
-import bem_adhesion.elasticity
+import bem_adhesion.operator
 from bem_adhesion.loading import LoadedContact
 from contact_study.fields.fourier import RealTransform
 from contact_study.problem.case import Case
@@ -96,14 +96,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
     head = " | ".join(f"{ratio:g} ε₀ | worst" for ratio in given.ratios)
     print(f"| points (seeds) | {head} |" + (" transforms | s a step |" if given.times else ""))
     print("|---" * (1 + 2 * len(given.ratios) + (2 if given.times else 0)) + "|")
-    bem_adhesion.elasticity.RealTransform = TimedTransform  # type: ignore[misc]
+    bem_adhesion.operator.RealTransform = TimedTransform  # type: ignore[misc]
     try:
         for points, surfaces in zip(given.points, counts, strict=True):
             seeds = range(1, surfaces + 1)
             costs = {ratio: [cost(given.study, points, seed, ratio) for seed in seeds] for ratio in given.ratios}
             print(line(points, surfaces, costs, given.times), flush=True)
     finally:
-        bem_adhesion.elasticity.RealTransform = RealTransform  # type: ignore[misc]
+        bem_adhesion.operator.RealTransform = RealTransform  # type: ignore[misc]
     return 0
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-import bem_adhesion.elasticity
+import bem_adhesion.operator
 from contact_study.comparison.command import main as compare
 from contact_study.fields.fourier import RealTransform
 from scripts import benchmark_adhesive, continuum_against_atoms, result_table, two_starts
@@ -24,7 +24,7 @@ def test_benchmark_of_the_adhesive_solver(capsys):
         assert len(medians) == 7
         assert max(map(int, medians)) <= int(worst[0])
         assert 0 < int(share[0]) < 100
-    assert bem_adhesion.elasticity.RealTransform is RealTransform, "the timed transform is put away"
+    assert bem_adhesion.operator.RealTransform is RealTransform, "the timed transform is put away"
 
 
 def test_worst_and_median_of_the_benchmark():

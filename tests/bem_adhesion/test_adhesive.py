@@ -4,7 +4,7 @@ from scipy.fft import irfft2, rfft2
 from scipy.optimize import minimize
 
 from bem_adhesion.adhesive import AdhesiveContact
-from bem_adhesion.elasticity import HalfSpace, stiffness
+from bem_adhesion.operator import HalfSpace, stiffness
 from bem_adhesion.linearised import LinearisedContact
 from bem_adhesion.loading import LoadedContact
 from bem_adhesion.multilevel import MultilevelContact, process_zone

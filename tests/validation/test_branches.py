@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.fft import irfft2, rfft2
 
-from bem_adhesion.elasticity import stiffness
+from bem_adhesion.operator import stiffness
 from bem_adhesion.loading import LoadedContact
 from contact_study.problem.study import make_study
 from contact_study.problem.surface import realise

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from bem_adhesion.elasticity import HalfSpace, compliance, shifted_compliance, stiffness
+from bem_adhesion.operator import HalfSpace, compliance, shifted_compliance, stiffness
 from contact_study.fields.grid import Grid
 
 E_STAR = 93.7348e9
