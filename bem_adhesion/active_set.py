@@ -17,8 +17,8 @@ a smooth extension from the contact set and its transpose (:mod:`bem_adhesion.ex
 import numpy as np
 
 from bem_adhesion import contact_passes as passes
-from bem_adhesion.operator import HalfSpace
 from bem_adhesion.extension import Extension
+from bem_adhesion.operator import HalfSpace
 from bem_adhesion.solution import Outcome
 from contact_study.fields.grid import Grid
 

@@ -15,8 +15,8 @@ from dataclasses import dataclass
 import numpy as np
 from numba import njit
 
-from bem_adhesion.operator import HalfSpace
 from bem_adhesion.linearised import LinearisedContact
+from bem_adhesion.operator import HalfSpace
 from bem_adhesion.solution import Outcome
 from contact_study.fields.grid import Grid
 from contact_study.problem.laws.base import TractionLaw

@@ -4,10 +4,10 @@ from scipy.fft import irfft2, rfft2
 from scipy.optimize import minimize
 
 from bem_adhesion.adhesive import AdhesiveContact
-from bem_adhesion.operator import HalfSpace, stiffness
 from bem_adhesion.linearised import LinearisedContact
 from bem_adhesion.loading import LoadedContact
 from bem_adhesion.multilevel import MultilevelContact, process_zone
+from bem_adhesion.operator import HalfSpace, stiffness
 from bem_adhesion.solution import Outcome
 from contact_study.fields.grid import Grid
 from contact_study.problem.laws.lennard_jones_10_4 import LennardJones104

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from scipy.fft import irfft2, rfft2
 
-from bem_adhesion.operator import stiffness
 from bem_adhesion.loading import LoadedContact
+from bem_adhesion.operator import stiffness
 from contact_study.problem.study import make_study
 from contact_study.problem.surface import realise
 from tests.bem_adhesion.paper_system import CONTACT_DISTANCE, E_STAR, R0, law, study_table
