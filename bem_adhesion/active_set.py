@@ -1,10 +1,10 @@
-"""Primal-dual active set for the contact of a half-space with a hard wall, nested over grids.
+"""Primal-dual active set for the contact of an elastic solid with a hard wall, nested over grids.
 
 Find the pressure p with
 
     gap = C p − h − offset >= 0,    p >= 0,    gap p = 0,    <p> = mean pressure,
 
-C = 2/(E* q) the compliance of the half-space. On a trial contact set A solve C_AA p = h + offset at the given mean;
+C = 1/K(q) the compliance of the solid. On a trial contact set A solve C_AA p = h + offset at the given mean;
 points of A that pull leave it, points outside that penetrate enter, both judged on the same solved state
 (M. Hintermüller, K. Ito & K. Kunisch, SIAM J. Optim. 13, 865 (2002)). K = C⁻¹ is nearly an M-matrix, for which that
 iteration is monotone; judging one change after the other was seen to cycle on surfaces rough at the scale of a point.
@@ -18,7 +18,7 @@ import numpy as np
 
 from bem_adhesion import contact_passes as passes
 from bem_adhesion.extension import Extension
-from bem_adhesion.operator import HalfSpace
+from bem_adhesion.operator import MakeOperator
 from bem_adhesion.solution import Outcome
 from contact_study.fields.grid import Grid
 
@@ -41,21 +41,21 @@ class ContactLevel:
     Units: rms height for heights and gaps, longest period along the surface, E* rms height / period for pressures.
     """
 
-    def __init__(self, heights: np.ndarray, grid: Grid, threads: int):
+    def __init__(self, heights: np.ndarray, grid: Grid, make_operator: MakeOperator):
         self.heights = heights
         self.grid = grid
-        self._double = HalfSpace(grid, 1.0, np.float64, threads=threads)
-        self._single = HalfSpace(grid, 1.0, np.float32, threads=threads)
+        self._make_operator = make_operator
+        self._double = make_operator(grid, np.float64)
+        self._single = make_operator(grid, np.float32)
         self.contact = np.ones(grid.shape, bool)
         self.pressure = np.empty(grid.shape)
         self._extension = Extension(self.contact)
         self._residual = np.empty(grid.shape, np.float32)
         self._direction = np.empty(grid.shape, np.float32)
-        self._threads = threads
         self._pairs_below = 0.0
 
     def equivalent_pairs(self, grid: Grid) -> float:
-        """Work done so far on this level and below, see :meth:`HalfSpace.equivalent_pairs`."""
+        """Work done so far on this level and below, see :meth:`Operator.equivalent_pairs`."""
         here = self._double.equivalent_pairs(grid) + self._single.equivalent_pairs(grid)
         return here + self._pairs_below * self.grid.points / grid.points
 
@@ -69,7 +69,7 @@ class ContactLevel:
         if rows % 2 or columns % 2 or min(rows, columns) < 2 * COARSEST:
             return self.start_from_full_contact(mean_pressure)
         every_second = np.ascontiguousarray(self.heights[::2, ::2])
-        coarser = ContactLevel(every_second, self.grid.with_shape((rows // 2, columns // 2)), self._threads)
+        coarser = ContactLevel(every_second, self.grid.with_shape((rows // 2, columns // 2)), self._make_operator)
         full_contact = coarser.start(mean_pressure, max_iterations)
         if not full_contact:
             coarser.solve(mean_pressure, COARSE_TOLERANCE, max_iterations)
@@ -80,7 +80,7 @@ class ContactLevel:
     def start_from_full_contact(self, mean_pressure: float) -> bool:
         """Take the pressure of full contact without its tension; whether there was none, which solves the problem."""
         self._double.field[...] = self.heights
-        np.add(self._double.stiffness(), mean_pressure, out=self.pressure)
+        np.add(self._double.apply(self._double.stiffness), mean_pressure, out=self.pressure)
         if self.pressure.min() >= 0:
             return True
         self.start_from(self.pressure, mean_pressure)
@@ -89,7 +89,7 @@ class ContactLevel:
     def least_full_contact_pressure(self) -> float:
         """The smallest mean pressure of full contact."""
         self._double.field[...] = self.heights
-        return -float(self._double.stiffness().min())
+        return -float(self._double.apply(self._double.stiffness).min())
 
     def start_from(self, pressure: np.ndarray, mean_pressure: float) -> None:
         """Take the positive part of a pressure field, brought to the mean pressure."""
@@ -111,7 +111,7 @@ class ContactLevel:
         while True:
             iteration += 1
             self._double.field[...] = self.pressure
-            displacement = self._double.compliance().reshape(-1)
+            displacement = self._double.apply(self._double.compliance).reshape(-1)
             if iteration > 1:
                 offset = passes.offset(displacement, heights, contact)
                 entered, deepest = passes.enter(displacement, heights, offset, threshold, contact)
@@ -136,7 +136,7 @@ class ContactLevel:
         factor = mean_pressure * self.grid.points / total
         if left:
             passes.rescale(pressure, factor, change.reshape(-1))
-            self._double.field += self._single.compliance()
+            self._double.field += self._single.apply(self._single.compliance)
         else:  # single precision lets the load drift in its last digits
             self.pressure *= factor
             self._double.field *= factor
@@ -156,12 +156,12 @@ class ContactLevel:
             if largest <= target:
                 return
             self._extension.extend(self._residual, buffer)
-            self._single.stiffness()
+            self._single.apply(self._single.stiffness)
             self._extension.transpose(buffer)
             mean, product = passes.products(flat, residual, contact)
             passes.turn(flat, mean, product / previous, contact, direction)
             previous = product
-            response = self._single.compliance().reshape(-1)
+            response = self._single.apply(self._single.compliance).reshape(-1)
             largest = passes.advance(pressure, residual, direction, response, contact, product)
 
     def gap(self) -> np.ndarray:
@@ -177,8 +177,8 @@ class ContactLevel:
         There the gap is expressed as the tension that would close it over one spacing, so that the edge of contact
         is placed between the points.
         """
-        stiffness = 0.5 * np.pi / max(self.grid.spacing)
-        signed = np.where(self.contact, self.pressure, -stiffness * self.gap())
+        # A wave of two spacings along an axis is √2 less stiff than the one along the diagonal.
+        signed = np.where(self.contact, self.pressure, -self._single.largest / np.sqrt(2) * self.gap())
         refined = np.empty((2 * self.grid.shape[0], 2 * self.grid.shape[1]))
         passes.refine(signed, refined)
         return refined

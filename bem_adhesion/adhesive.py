@@ -1,13 +1,13 @@
-"""Adhesive contact of an elastic half-space with a rough rigid solid under any traction-separation law.
+"""Adhesive contact of an elastic solid with a rough rigid one under any traction-separation law.
 
-The gap d minimises ½<d, K d> + <φ(d)> + <load·d>: K is the half-space, φ the law, and ``load`` = p + K h the nominal
+The gap d minimises ½<d, K d> + <φ(d)> + <load·d>: K is the elastic solid, φ the law, and ``load`` = p + K h the nominal
 pressure and the pressure that flattens the heights h. The energy is not convex; the solver descends from the given
 state into the minimum next to it.
 
 Newton's method with inexact linear solves in float32 (:mod:`bem_adhesion.linearised`) and the residual in float64.
 Negative curvature of the law is faded by a factor 1 − fading when a linear solve meets a descent of the whole
-quadratic model, and restored after successful steps. Any consistent units: scale lengths and stresses to order one
-for the sake of float32.
+quadratic model, and restored after successful steps. Stresses are in units of the contact modulus; lengths in any, of
+order one for the sake of float32.
 """
 
 from dataclasses import dataclass
@@ -16,7 +16,7 @@ import numpy as np
 from numba import njit
 
 from bem_adhesion.linearised import LinearisedContact
-from bem_adhesion.operator import HalfSpace
+from bem_adhesion.operator import MakeOperator
 from bem_adhesion.solution import Outcome
 from contact_study.fields.grid import Grid
 from contact_study.problem.laws.base import TractionLaw
@@ -91,7 +91,7 @@ class NewtonResult:
     gap : numpy.ndarray
         The gap d, > 0.
     residual : float
-        max|K d + φ'(d) + load| / E*.
+        max|K d + φ'(d) + load|.
     iterations : int
         Newton iterations.
     outcome : Outcome
@@ -111,37 +111,25 @@ class AdhesiveContact:
     ----------
     grid : Grid
         The periodic grid.
-    contact_modulus : float
-        E* (Pa).
+    make_operator : MakeOperator
+        The elastic solid. Its mean stiffness is that of the spring which carries the mean gap, zero under pressure
+        control.
     law : TractionLaw
         The law of interaction.
     shift : float
-        Stiffness of the preconditioner, see :class:`LinearisedContact` (Pa/m).
-    mean_stiffness : float, optional
-        Stiffness of the spring that carries the mean gap (Pa/m); zero under pressure control.
-    threads : int, optional
-        Threads of the transforms.
+        Stiffness of the preconditioner, see :class:`LinearisedContact`.
 
     Attributes
     ----------
     curvature : numpy.ndarray of float32, shape grid.shape
-        φ'' at the last gap that was evaluated (Pa/m).
+        φ'' at the last gap that was evaluated.
     """
 
-    def __init__(
-        self,
-        grid: Grid,
-        contact_modulus: float,
-        law: TractionLaw,
-        shift: float,
-        mean_stiffness: float = 0.0,
-        threads: int = 1,
-    ):
+    def __init__(self, grid: Grid, make_operator: MakeOperator, law: TractionLaw, shift: float):
         self.grid = grid
         self.law = law
-        self.contact_modulus = contact_modulus
-        self.half_space = HalfSpace(grid, contact_modulus, np.float64, mean_stiffness, threads)
-        self._single = HalfSpace(grid, contact_modulus, np.float32, mean_stiffness, threads)
+        self.solid = make_operator(grid, np.float64)
+        self._single = make_operator(grid, np.float32)
         self._linearised = LinearisedContact(self._single, shift)
         self._traction = np.empty(grid.shape)
         self.curvature = np.empty(grid.shape, np.float32)
@@ -149,12 +137,12 @@ class AdhesiveContact:
 
     def equivalent_pairs(self, grid: Grid) -> float:
         """Transform pairs done so far, as float64 pairs on ``grid``."""
-        return self.half_space.equivalent_pairs(grid) + self._single.equivalent_pairs(grid)
+        return self.solid.equivalent_pairs(grid) + self._single.equivalent_pairs(grid)
 
     def elastic_pressure(self, gap: np.ndarray) -> np.ndarray:
-        """K d in the buffer of the half-space, which the next operation overwrites (Pa)."""
-        self.half_space.field[...] = gap
-        return self.half_space.stiffness()
+        """K d in the buffer of the solid, which the next operation overwrites."""
+        self.solid.field[...] = gap
+        return self.solid.apply(self.solid.stiffness)
 
     def _evaluate(self, gap: np.ndarray, load: np.ndarray) -> _State:
         """Energy and gradient at a gap; fills traction, curvature and right side."""
@@ -180,7 +168,7 @@ class AdhesiveContact:
 
         The mean gap then has negative curvature and a gradient outwards, and both persist at any larger gap.
         """
-        tension = self.half_space.mean_stiffness == 0 and state.total < 0
+        tension = self.solid.mean_stiffness == 0 and state.total < 0
         return tension and bool(gap.min() > self.law.peak_distance)
 
     def _newton_step(self, fading: float, largest: float) -> tuple[float, bool]:
@@ -197,7 +185,7 @@ class AdhesiveContact:
                 if result.iterations == 1:
                     self._linearised.solution[...] = self._along_direction(self.law.length)
                 return fading, raised
-            if fading == 0 and not raised and largest < SADDLE_RESIDUAL * self.contact_modulus:
+            if fading == 0 and not raised and largest < SADDLE_RESIDUAL:
                 self._linearised.solution += self._along_direction(SADDLE_STEP * self.law.length)
                 return fading, raised
             fading = _more(fading)
@@ -218,7 +206,7 @@ class AdhesiveContact:
         Parameters
         ----------
         curvature : numpy.ndarray of float32, shape grid.shape
-            D = φ'' (Pa/m).
+            D = φ''.
         softening : float, optional
             Factor on the negative part of D.
         """
@@ -262,11 +250,11 @@ class AdhesiveContact:
         Parameters
         ----------
         gap : numpy.ndarray, shape grid.shape
-            Initial gap, > 0 (m).
+            Initial gap, > 0.
         load : numpy.ndarray, shape grid.shape
-            Pressure p + K h on the block (Pa).
+            Pressure p + K h on the block.
         tolerance : float
-            Largest max|gradient| / E* of a solution.
+            Largest max|gradient| of a solution.
         max_iterations : int
             Largest number of Newton iterations.
         approach : bool, optional
@@ -277,7 +265,7 @@ class AdhesiveContact:
         fading = 0.0
         iteration = 0
         while True:
-            if state.largest <= tolerance * self.contact_modulus:
+            if state.largest <= tolerance:
                 outcome = Outcome.CONVERGED
                 break
             if self._runs_away(gap, state):
@@ -287,7 +275,7 @@ class AdhesiveContact:
                 outcome = Outcome.ITERATION_LIMIT
                 break
             iteration += 1
-            if approach and state.largest > APPROACH_RESIDUAL * self.contact_modulus:
+            if approach and state.largest > APPROACH_RESIDUAL:
                 fading = 1.0
             fading, raised = self._newton_step(fading, state.largest)
             new_state, fraction = self._line_search(gap, load, state, trial)
@@ -304,7 +292,7 @@ class AdhesiveContact:
                 fading = fading * FADING_DECAY if fading > 0.9 * FADING_START else 0.0
             gap, trial = trial, gap
             state = new_state
-        return NewtonResult(gap, state.largest / self.contact_modulus, iteration, outcome)
+        return NewtonResult(gap, state.largest, iteration, outcome)
 
     def _line_search(
         self, gap: np.ndarray, load: np.ndarray, state: _State, trial: np.ndarray

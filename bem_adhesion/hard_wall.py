@@ -1,4 +1,4 @@
-"""Contact of an elastic half-space with a rigid rough solid that neither adheres nor gives way.
+"""Contact of an elastic solid with a rigid rough solid that neither adheres nor gives way.
 
 Pressure and gap satisfy the Signorini conditions, gap >= 0, pressure >= 0, gap × pressure = 0, at every point of the
 grid, for a given mean pressure or mean gap. The algorithm is in :mod:`bem_adhesion.active_set`.
@@ -10,12 +10,14 @@ import numpy as np
 from scipy.optimize import brentq
 
 from bem_adhesion.active_set import ContactLevel
+from bem_adhesion.operator import periodic
 from bem_adhesion.solution import Outcome, Solution
 from contact_study.fields.grid import Grid
+from contact_study.problem.elasticity import Elasticity, elasticity_of
 
 
 class HardWallContact:
-    """One rough surface against a half-space, to be solved at any number of loads.
+    """One rough surface against an elastic solid, to be solved at any number of loads.
 
     Parameters
     ----------
@@ -23,8 +25,8 @@ class HardWallContact:
         Heights of the rigid surface, toward the block (m); their mean is of no consequence.
     grid : Grid
         The periodic grid; any shape. Shapes that can be halved converge in half the time.
-    contact_modulus : float
-        E* = E / (1 − ν²) (Pa).
+    elasticity : Elasticity or float
+        The solid; a number is the contact modulus E* = E / (1 − ν²) of a half-space (Pa).
     threads : int, optional
         Threads of the transforms.
 
@@ -34,16 +36,13 @@ class HardWallContact:
         If a height is not finite, the shapes differ, or the modulus is not positive.
     """
 
-    def __init__(self, height: np.ndarray, grid: Grid, contact_modulus: float, threads: int = 1):
+    def __init__(self, height: np.ndarray, grid: Grid, elasticity: Elasticity | float, threads: int = 1):
         if height.shape != grid.shape:
             raise ValueError(f"height has shape {height.shape}, the grid {grid.shape}")
         if not np.all(np.isfinite(height)):
             raise ValueError("height is not finite everywhere")
-        if not (np.isfinite(contact_modulus) and contact_modulus > 0):
-            raise ValueError(f"contact_modulus = {contact_modulus:g} Pa: must be positive")
+        self.elasticity = elasticity_of(elasticity)
         self.grid = grid
-        self.contact_modulus = contact_modulus
-        self._threads = threads
         self._height = height
         mean_free = height - height.mean()
         self._mean_height = float(height.mean())
@@ -51,10 +50,12 @@ class HardWallContact:
         self._flat = self._rms_height <= np.finfo(float).eps * np.abs(height).max()
         if not self._flat:
             period = max(grid.size)
-            self._pressure_unit = contact_modulus * self._rms_height / period
+            modulus = self.elasticity.contact_modulus
+            self._pressure_unit = modulus * self._rms_height / period
             unit_grid = Grid(grid.shape, (grid.size[0] / period, grid.size[1] / period))
             mean_free /= self._rms_height
-            self._level = ContactLevel(mean_free, unit_grid, threads)
+            make_operator = periodic(self.elasticity.scaled(period, modulus), threads=threads)
+            self._level = ContactLevel(mean_free, unit_grid, make_operator)
 
     def at_pressure(
         self,
@@ -163,18 +164,18 @@ class HardWallContact:
 def solve(
     height: np.ndarray,
     grid: Grid,
-    contact_modulus: float,
+    elasticity: Elasticity | float,
     mean_pressure: float,
     tolerance: float = 1e-10,
     initial: np.ndarray | None = None,
     max_iterations: int = 200,
     threads: int = 1,
 ) -> Solution:
-    """Contact of a rough surface with a half-space under a mean pressure.
+    """Contact of a rough surface with an elastic solid under a mean pressure.
 
     Parameters
     ----------
-    height, grid, contact_modulus, threads
+    height, grid, elasticity, threads
         As in :class:`HardWallContact`.
     mean_pressure : float
         Force per nominal area, >= 0 (Pa).
@@ -195,6 +196,6 @@ def solve(
     ValueError
         If the mean pressure is negative or a number is not finite; also as :class:`HardWallContact`.
     """
-    return HardWallContact(height, grid, contact_modulus, threads).at_pressure(
+    return HardWallContact(height, grid, elasticity, threads).at_pressure(
         mean_pressure, tolerance, initial, max_iterations
     )

@@ -1,6 +1,6 @@
 """The linearised contact: conjugate gradients for (K + D) x = r with a preconditioner split into core and tail.
 
-K is the half-space, D = φ'' the curvature of the law at each point: large where surfaces repel (the shift), small and
+K is the solid, D = φ'' the curvature of the law at each point: large where surfaces repel (the shift), small and
 often negative where they attract (the tail). A weight b² = c / (D⁺ + c) tells them apart, and
 
     z = (1 − b²) / (D⁺ + ½ K_max) r + b (K + c)⁻¹ b r
@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numba import njit
 
-from bem_adhesion.operator import HalfSpace, stiffness
+from bem_adhesion.operator import Operator
 
 # Curvature below this fraction of |s|² counts as negative: the rounding of float32.
 CURVATURE_ROUNDING = 1e-7
@@ -111,8 +111,8 @@ class LinearisedContact:
 
     Parameters
     ----------
-    half_space : HalfSpace
-        The operator, in float32.
+    operator : Operator
+        The elastic solid, in float32.
     shift : float
         Stiffness c above which a point belongs to the shift, and of the bed of springs that stands for the law in
         the tail (Pa/m).
@@ -125,17 +125,15 @@ class LinearisedContact:
         The last search direction (m): one of negative curvature if the solver stopped on it.
     """
 
-    def __init__(self, half_space: HalfSpace, shift: float):
-        grid, modulus = half_space.grid, half_space.contact_modulus
-        stiffness_q = stiffness(grid, modulus, half_space.mean_stiffness)
-        self.half_space = half_space
+    def __init__(self, operator: Operator, shift: float):
+        shape = operator.grid.shape
+        self._operator = operator
         self._shift = np.float32(shift)
-        self._grid = np.float32(0.5 * stiffness_q.max())
-        self._stiffness = half_space.kernel(stiffness_q)
-        self._tail_inverse = half_space.kernel(1 / (stiffness_q + shift))
-        self._residual = np.empty(grid.shape, np.float32)
-        self.direction = np.empty(grid.shape, np.float32)
-        self.solution = np.empty(grid.shape, np.float32)
+        self._grid = np.float32(0.5 * operator.largest)
+        self._tail_inverse = operator.inverse_shifted(shift)
+        self._residual = np.empty(shape, np.float32)
+        self.direction = np.empty(shape, np.float32)
+        self.solution = np.empty(shape, np.float32)
 
     def solve(
         self,
@@ -158,7 +156,7 @@ class LinearisedContact:
         iterations : int
             Largest number of iterations.
         """
-        half_space, buffer = self.half_space, self.half_space.field
+        operator, buffer = self._operator, self._operator.field
         weights = self._shift, self._grid
         kept = np.float32(softening)
         residual, direction, solution = self._residual, self.direction, self.solution
@@ -166,10 +164,10 @@ class LinearisedContact:
         target = reduction**2 * square
         previous = np.inf
         for iteration in range(1, iterations + 1):
-            product = core_product + half_space.apply_and_sum(self._tail_inverse)
+            product = core_product + operator.apply_and_sum(self._tail_inverse)
             beta = np.float32(product / previous)
             local, length = _direct(curvature, residual, *weights, kept, beta, direction, buffer)
-            energy = local + half_space.apply_and_sum(self._stiffness)
+            energy = local + operator.apply_and_sum(operator.stiffness)
             if energy <= CURVATURE_ROUNDING * length:
                 return LinearResult(iteration, True)
             alpha = np.float32(product / energy)

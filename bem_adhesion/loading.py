@@ -14,13 +14,15 @@ from scipy.optimize import brentq
 
 from bem_adhesion.adhesive import NewtonResult
 from bem_adhesion.multilevel import MultilevelContact
+from bem_adhesion.operator import periodic
 from bem_adhesion.solution import Outcome, Solution
 from contact_study.fields import fourier
 from contact_study.fields.grid import Grid
+from contact_study.problem.elasticity import Elasticity, elasticity_of
 from contact_study.problem.laws.base import TractionLaw
 
 # Stiffness that parts core from tail and fills the tail in the preconditioner, in units of the geometric mean of the
-# law's strongest softening and of the half-space at the surface's typical wavenumber. Flat optimum, within 10 % of
+# law's strongest softening and of the solid at the surface's typical wavenumber. Flat optimum, within 10 % of
 # the best count from 0.15 to 0.5 over Tabor parameters 0.3 to 1.2.
 PRECONDITIONER_SHIFT = 0.22
 # Corrections of the spring's end under gap control.
@@ -53,7 +55,7 @@ def reach(law: TractionLaw) -> float:
 
 
 class LoadedContact:
-    """One rough surface against a half-space under a traction-separation law, to be solved at any number of loads.
+    """One rough surface against an elastic solid under a traction-separation law, to be solved at any number of loads.
 
     Lengths are scaled by the law's length and stresses by the contact modulus inside; all arguments and results are
     in SI units.
@@ -64,8 +66,8 @@ class LoadedContact:
         Heights of the rigid surface, toward the block (m).
     grid : Grid
         The periodic grid.
-    contact_modulus : float
-        E* = E / (1 − ν²) (Pa).
+    elasticity : Elasticity or float
+        The solid; a number is the contact modulus E* = E / (1 − ν²) of a half-space (Pa).
     law : TractionLaw
         The law of interaction.
     control : {"pressure", "gap"}
@@ -89,7 +91,7 @@ class LoadedContact:
         self,
         height: np.ndarray,
         grid: Grid,
-        contact_modulus: float,
+        elasticity: Elasticity | float,
         law: TractionLaw,
         control: str = "pressure",
         tolerance: float = 1e-8,
@@ -103,21 +105,22 @@ class LoadedContact:
         if control not in ("pressure", "gap"):
             raise ValueError(f"control = {control!r}: must be 'pressure' or 'gap'")
         self.height = height
-        self.contact_modulus = contact_modulus
+        self.elasticity = elasticity_of(elasticity)
         self.law = law
         self.control = control
         self.tolerance = tolerance
         self.max_iterations = max_iterations
         self._reach = reach(law)
         self._length = law.length
-        self._law = law.scaled(self._length, contact_modulus)
+        self._law = law.scaled(self._length, self.elasticity.contact_modulus)
         self._height = height / self._length
         self._grid = Grid(grid.shape, (grid.size[0] / self._length, grid.size[1] / self._length))
-        typical_stiffness = 0.5 * typical_wavenumber(self._height, self._grid)
+        solid = self.elasticity.scaled(self._length, self.elasticity.contact_modulus)
+        typical_stiffness = float(solid.stiffness(typical_wavenumber(self._height, self._grid)))
         shift = PRECONDITIONER_SHIFT * np.sqrt(self._law.strongest_softening * typical_stiffness)
-        # As stiff as the half-space at the shortest wave: stiffer would only spread the spectrum of the operator.
-        self._spring = 0.5 * float(self._grid.wavenumber.max()) if control == "gap" else 0.0
-        self._contact = MultilevelContact(self._grid, 1.0, self._law, shift, self._spring, threads)
+        # As stiff as the solid at its stiffest wave: stiffer would only spread the spectrum of the operator.
+        self._spring = float(solid.stiffness_on(self._grid).max()) if control == "gap" else 0.0
+        self._contact = MultilevelContact(self._grid, periodic(solid, self._spring, threads), self._law, shift)
         self._flattening = self._contact.finest.elastic_pressure(self._height).copy()
 
     def separated(self) -> np.ndarray:
@@ -155,7 +158,7 @@ class LoadedContact:
         elif out_of_reach and target <= 0:
             return self._apart(Outcome.APART)
         else:
-            result = self._solve(gap, target / self.contact_modulus, out_of_reach)
+            result = self._solve(gap, target / self.elasticity.contact_modulus, out_of_reach)
         pairs = self._contact.equivalent_pairs(self._grid) - before
         if result.outcome is Outcome.DETACHED:
             return self._apart(Outcome.DETACHED, result.iterations, pairs)

@@ -17,6 +17,7 @@ import numpy as np
 from numba import njit
 
 from bem_adhesion.adhesive import AdhesiveContact, NewtonResult
+from bem_adhesion.operator import MakeOperator
 from bem_adhesion.solution import Outcome
 from contact_study.fields.fourier import interpolate
 from contact_study.fields.grid import Grid
@@ -63,23 +64,14 @@ class MultilevelContact:
     Parameters as for :class:`AdhesiveContact`.
     """
 
-    def __init__(
-        self,
-        grid: Grid,
-        contact_modulus: float,
-        law: TractionLaw,
-        shift: float,
-        mean_stiffness: float = 0.0,
-        threads: int = 1,
-    ):
-        arguments = (contact_modulus, law, shift, mean_stiffness, threads)
-        self.finest = AdhesiveContact(grid, *arguments)
-        self.points_per_process_zone = process_zone(contact_modulus, law) / max(grid.spacing)
+    def __init__(self, grid: Grid, make_operator: MakeOperator, law: TractionLaw, shift: float):
+        self.finest = AdhesiveContact(grid, make_operator, law, shift)
+        self.points_per_process_zone = process_zone(1.0, law) / max(grid.spacing)
         self.coarser: MultilevelContact | None = None
         half = grid.with_shape((grid.shape[0] // 2, grid.shape[1] // 2))
         even = grid.shape[0] % 2 == 0 and grid.shape[1] % 2 == 0
         if even and min(half.shape) >= FEWEST_POINTS and self.points_per_process_zone >= 2 * POINTS_FOR_PREDICTION:
-            self.coarser = MultilevelContact(half, *arguments)
+            self.coarser = MultilevelContact(half, make_operator, law, shift)
 
     def equivalent_pairs(self, grid: Grid) -> float:
         """Transform pairs done so far on all grids, as float64 pairs on ``grid``."""
@@ -106,7 +98,7 @@ class MultilevelContact:
         self, gap: np.ndarray, load: np.ndarray, tolerance: float, max_iterations: int, approach: bool
     ) -> NewtonResult:
         # The spring of gap control overshoots on its way to the gap: it takes no predictions but the first.
-        if self.coarser and (approach or self.finest.half_space.mean_stiffness == 0):
+        if self.coarser and (approach or self.finest.solid.mean_stiffness == 0):
             gap = self._predict(self.coarser, gap, load, max_iterations, approach)
         return self.finest.solve(gap, load, tolerance, max_iterations, approach)
 

@@ -1,65 +1,87 @@
-"""The periodically loaded elastic half-space: Green's function in Fourier space and the operator applying it.
+"""What the solvers ask of the elastic solid under their grid, and the periodic solid that answers by Fourier transform.
 
-A frictionless pressure of wavenumber q on a half-space of contact modulus E* displaces its surface by
-2p/(E* q) (K. L. Johnson, Contact Mechanics, Cambridge 1985, ch. 13; A. Stanley & T. Kato, J. Tribol. 119, 481
-(1997)).
-Kernels are small pure functions of a grid; :class:`HalfSpace` is the one place that meets the transform.
+:class:`Operator` is the whole of it: linear maps of a field in a buffer. A solver is given a function that makes one
+for any grid and precision, so that its coarser grids have the same solid under them, and never asks what it is.
 """
 
+from collections.abc import Callable
 from functools import cached_property
+from typing import Any, Protocol
 
 import numpy as np
 from numba import njit
 
 from contact_study.fields.fourier import RealTransform
 from contact_study.fields.grid import Grid
+from contact_study.problem.elasticity import Elasticity
+
+Map = Any
+"""A linear map of an operator's field, prepared by the operator that applies it."""
 
 
-def stiffness(grid: Grid, contact_modulus: float, mean_stiffness: float = 0.0) -> np.ndarray:
-    """Pressure per displacement of each wavevector, K_q = E* q / 2, in the layout of ``rfft2`` (Pa/m).
+class Operator(Protocol):
+    """The elastic solid on a grid, in one floating-point precision, with its buffer.
 
-    Parameters
+    Write into :attr:`field`, apply a map, read the result there: no copies.
+
+    Attributes
     ----------
     grid : Grid
-        The periodic grid.
-    contact_modulus : float
-        E* = E / (1 − ν²) (Pa).
-    mean_stiffness : float, optional
-        Value at q = 0 (Pa/m). A periodic half-space has none: zero leaves the mean displacement to the load,
-        a positive value ties it to a spring.
-
-    Returns
-    -------
-    numpy.ndarray, shape grid.spectrum_shape
+        The grid.
+    field : numpy.ndarray, shape grid.shape
+        Input and output of every map.
+    stiffness : Map
+        K: displacement (m) to the pressure that holds it (Pa), symmetric and positive.
+    compliance : Map
+        Pressure (Pa) to a displacement of zero mean (m).
+    largest : float
+        Largest eigenvalue of K on this grid (Pa/m).
+    mean_stiffness : float
+        Stiffness of the mean displacement (Pa/m): zero where it is the load's.
     """
-    stiffness_q = 0.5 * contact_modulus * grid.wavenumber
-    stiffness_q[0, 0] = mean_stiffness
-    return stiffness_q
+
+    grid: Grid
+    field: np.ndarray
+    mean_stiffness: float
+
+    @property
+    def stiffness(self) -> Map: ...
+    @property
+    def compliance(self) -> Map: ...
+    @property
+    def largest(self) -> float: ...
+
+    def inverse_shifted(self, shift: float) -> Map:
+        """(K + shift)⁻¹, the solid on a uniform bed of springs of stiffness ``shift`` (Pa/m), or what is near to it.
+
+        It preconditions: symmetric and positive is all it must be.
+        """
+
+    def apply(self, linear_map: Map) -> np.ndarray:
+        """Apply a map to :attr:`field` in place; returns it."""
+
+    def apply_and_sum(self, linear_map: Map) -> float:
+        """As :meth:`apply`; returns the inner product of field and result, the sum over all points."""
+
+    def equivalent_pairs(self, grid: Grid) -> float:
+        """The work done so far, as pairs of transforms in float64 on ``grid``.
+
+        A pair in float32 counts one half, a coarser grid in proportion to its points: a count of the work
+        that does not depend on the machine.
+        """
 
 
-def compliance(grid: Grid, contact_modulus: float) -> np.ndarray:
-    """Displacement per pressure of each wavevector, 2 / (E* q), in the layout of ``rfft2`` (m/Pa).
-
-    A half-space has no mean displacement under a mean pressure; that entry is zero, so that the result of
-    applying the compliance has zero mean. Parameters as in :func:`stiffness`.
-    """
-    compliance_q = np.zeros(grid.spectrum_shape)
-    stiffness_q = stiffness(grid, contact_modulus)
-    np.divide(1.0, stiffness_q, out=compliance_q, where=stiffness_q > 0)
-    return compliance_q
+MakeOperator = Callable[[Grid, type], Operator]
+"""The operator of a solid on a grid in ``numpy.float64`` or ``numpy.float32``."""
 
 
-def shifted_compliance(grid: Grid, contact_modulus: float, shift: float) -> np.ndarray:
-    """1 / (E* q / 2 + shift): the half-space on a uniform bed of springs, the core of preconditioners (m/Pa).
+def periodic(elasticity: Elasticity, mean_stiffness: float = 0.0, threads: int = 1) -> MakeOperator:
+    """Operators of a periodically repeated solid, see :class:`PeriodicOperator`."""
 
-    Parameters
-    ----------
-    grid, contact_modulus
-        As in :func:`stiffness`.
-    shift : float
-        Stiffness of the bed of springs (Pa/m), positive.
-    """
-    return 1.0 / (stiffness(grid, contact_modulus) + shift)
+    def make(grid: Grid, dtype: type) -> Operator:
+        return PeriodicOperator(grid, elasticity, dtype, mean_stiffness, threads)
+
+    return make
 
 
 @njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "arcp", "nsz"})
@@ -89,81 +111,94 @@ def _multiply_and_sum(spectrum, kernel, has_nyquist_column):
     return total
 
 
-class HalfSpace:
-    """An elastic half-space on a periodic grid, in one floating-point precision, with its buffer.
-
-    Write into :attr:`field`, call :meth:`stiffness`, :meth:`compliance` or :meth:`apply`, read the result
-    there: no copies, one pair of transforms.
+class PeriodicOperator:
+    """A solid repeated with the period of the grid: its maps are kernels in Fourier space, one pair of transforms each.
 
     Parameters
     ----------
     grid : Grid
         The periodic grid.
-    contact_modulus : float
-        E* (Pa).
+    elasticity : Elasticity
+        The solid, by its K(q).
     dtype : type, optional
         ``numpy.float64`` or ``numpy.float32``.
     mean_stiffness : float, optional
-        Stiffness of the mean displacement, see :func:`stiffness` (Pa/m).
+        K at q = 0 (Pa/m): zero leaves the mean displacement to the load, a positive value ties it to a spring.
     threads : int, optional
         Threads of the transforms.
 
     Attributes
     ----------
     field : numpy.ndarray, shape grid.shape
-        Input and output of every operation.
+        Input and output of every map.
     """
 
     def __init__(
         self,
         grid: Grid,
-        contact_modulus: float,
+        elasticity: Elasticity,
         dtype: type = np.float64,
         mean_stiffness: float = 0.0,
         threads: int = 1,
     ):
         self.grid = grid
-        self.contact_modulus = contact_modulus
         self.mean_stiffness = mean_stiffness
+        self._elasticity = elasticity
         self._transform = RealTransform(grid.shape, dtype, threads)
         self.field = self._transform.field
 
-    def kernel(self, kernel_q: np.ndarray) -> np.ndarray:
-        """Prepare a real kernel of shape ``grid.spectrum_shape`` for :meth:`apply`."""
+    def _stiffness_q(self) -> np.ndarray:
+        """K of each wavevector in the layout of ``rfft2`` (Pa/m); made anew, the kernels are what is kept."""
+        stiffness_q = self._elasticity.stiffness_on(self.grid)
+        stiffness_q[0, 0] = self.mean_stiffness
+        return stiffness_q
+
+    def _kernel(self, kernel_q: np.ndarray) -> np.ndarray:
         return (kernel_q / self.grid.points).astype(self._transform.dtype)
 
-    def apply(self, kernel: np.ndarray) -> np.ndarray:
-        """Multiply the spectrum of :attr:`field`, in place, by a kernel from :meth:`kernel`; returns it."""
+    @cached_property
+    def _stiffness_and_largest(self) -> tuple[np.ndarray, float]:
+        stiffness_q = self._stiffness_q()
+        return self._kernel(stiffness_q), float(stiffness_q.max())
+
+    @property
+    def stiffness(self) -> np.ndarray:
+        """Kernel of K."""
+        return self._stiffness_and_largest[0]
+
+    @property
+    def largest(self) -> float:
+        """Largest K of a wave of this grid, or the mean's (Pa/m)."""
+        return self._stiffness_and_largest[1]
+
+    @cached_property
+    def compliance(self) -> np.ndarray:
+        """Kernel of 1/K, zero at q = 0: a mean pressure makes no displacement."""
+        stiffness_q = self._elasticity.stiffness_on(self.grid)
+        compliance_q = np.zeros(self.grid.spectrum_shape)
+        np.divide(1.0, stiffness_q, out=compliance_q, where=stiffness_q > 0)
+        return self._kernel(compliance_q)
+
+    def inverse_shifted(self, shift: float) -> np.ndarray:
+        """Kernel of 1/(K + shift)."""
+        return self._kernel(1 / (self._stiffness_q() + shift))
+
+    def apply(self, linear_map: np.ndarray) -> np.ndarray:
+        """Multiply the spectrum of :attr:`field`, in place, by a kernel; returns it."""
         self._transform.forward()
-        _multiply_spectrum(self._transform.spectrum.reshape(-1), kernel.reshape(-1))
+        _multiply_spectrum(self._transform.spectrum.reshape(-1), linear_map.reshape(-1))
         return self._transform.backward()
 
-    def apply_and_sum(self, kernel: np.ndarray) -> float:
+    def apply_and_sum(self, linear_map: np.ndarray) -> float:
         """As :meth:`apply`; returns the sum over all points of the field times the result.
 
         The sum is formed on the spectrum while that passes by, before the result exists in real space: an
         iterative solver can then fuse the passes before and after a scalar product.
         """
         self._transform.forward()
-        total = _multiply_and_sum(self._transform.spectrum, kernel, self.grid.shape[1] % 2 == 0)
+        total = _multiply_and_sum(self._transform.spectrum, linear_map, self.grid.shape[1] % 2 == 0)
         self._transform.backward()
         return total
-
-    def stiffness(self) -> np.ndarray:
-        """Turn the displacement in :attr:`field` (m) into the pressure that holds it (Pa); returns it."""
-        return self.apply(self._stiffness_kernel)
-
-    def compliance(self) -> np.ndarray:
-        """Turn the pressure in :attr:`field` (Pa) into a displacement of zero mean (m); returns it."""
-        return self.apply(self._compliance_kernel)
-
-    @cached_property
-    def _stiffness_kernel(self) -> np.ndarray:
-        return self.kernel(stiffness(self.grid, self.contact_modulus, self.mean_stiffness))
-
-    @cached_property
-    def _compliance_kernel(self) -> np.ndarray:
-        return self.kernel(compliance(self.grid, self.contact_modulus))
 
     @property
     def pairs(self) -> float:
@@ -171,10 +206,6 @@ class HalfSpace:
         return self._transform.pairs
 
     def equivalent_pairs(self, grid: Grid) -> float:
-        """The work done so far, as pairs in float64 on ``grid``.
-
-        A pair in float32 counts one half, a coarser grid in proportion to its points: a count of the work
-        that does not depend on the machine.
-        """
+        """See :meth:`Operator.equivalent_pairs`."""
         weight = self._transform.dtype.itemsize / np.dtype(np.float64).itemsize
         return self.pairs * weight * self.grid.points / grid.points

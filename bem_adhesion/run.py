@@ -146,7 +146,7 @@ def _adhesive_path(
     contact = LoadedContact(
         height,
         surface.grid,
-        case.material.contact_modulus,
+        case.solid,
         law,
         case.loading.control,
         solver.tolerance,
@@ -167,7 +167,7 @@ def _hard_wall_path(
 ) -> Iterator[Step]:
     height = surface.heights(surface.shape)
     solver = case.solver
-    contact = HardWallContact(height, surface.grid, case.material.contact_modulus, max(1, solver.threads))
+    contact = HardWallContact(height, surface.grid, case.solid, max(1, solver.threads))
     solve = contact.at_pressure if case.loading.control == "pressure" else contact.at_gap
     pressure = None if restart is None else restart["pressure"]
     for value, _ in case.path[start:]:

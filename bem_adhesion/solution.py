@@ -43,7 +43,7 @@ class Solution:
     iterations : int
         Outer iterations on the finest grid.
     fft_pairs : float
-        Transform pairs, as float64 pairs on the finest grid (see :meth:`HalfSpace.equivalent_pairs`).
+        Transform pairs, as float64 pairs on the finest grid (see :meth:`Operator.equivalent_pairs`).
     outcome : Outcome
         How the solve ended.
     """

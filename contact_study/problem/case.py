@@ -7,6 +7,7 @@ from typing import Any
 
 from contact_study.fields.observables import Bins
 from contact_study.problem import sections
+from contact_study.problem.elasticity import Elasticity, HalfSpace
 from contact_study.problem.errors import InputError
 from contact_study.problem.laws import make_law
 from contact_study.problem.laws.base import TractionLaw
@@ -74,6 +75,11 @@ class Case:
     def label(self) -> str:
         """Coordinates in words, for progress and messages."""
         return ", ".join(f"{name} = {value}" for name, value in self.coordinates.items())
+
+    @cached_property
+    def solid(self) -> Elasticity:
+        """The elastic block, by the stiffness of its surface."""
+        return HalfSpace(self.material.contact_modulus)
 
     @cached_property
     def law(self) -> TractionLaw | HardWall:

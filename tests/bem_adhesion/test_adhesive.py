@@ -7,13 +7,15 @@ from bem_adhesion.adhesive import AdhesiveContact
 from bem_adhesion.linearised import LinearisedContact
 from bem_adhesion.loading import LoadedContact
 from bem_adhesion.multilevel import MultilevelContact, process_zone
-from bem_adhesion.operator import HalfSpace, stiffness
+from bem_adhesion.operator import PeriodicOperator, periodic
 from bem_adhesion.solution import Outcome
 from contact_study.fields.grid import Grid
+from contact_study.problem.elasticity import HalfSpace
 from contact_study.problem.laws.lennard_jones_10_4 import LennardJones104
 from tests.bem_adhesion.paper_system import E_STAR, R0, SIZE, law, relative_contact_area, surface, touching
 
 RATIOS = [1.0, 4.0, 8.0]
+UNIT = HalfSpace(1.0)
 
 
 def energy_and_gradient(gap, load, stiffness_q, the_law):
@@ -27,14 +29,14 @@ def scaled_problem(points, ratio, seed=1, size=SIZE, pressure=1e9):
     """Grid, law and load in units of r0 and E*, and the gap of the separated state."""
     grid = Grid((points, points), (size / R0, size / R0))
     height = surface(points, seed, size).heights((points, points)) / R0
-    stiffness_q = stiffness(grid, 1.0)
+    stiffness_q = UNIT.stiffness_on(grid)
     load = irfft2(stiffness_q * rfft2(height), s=height.shape) + pressure / E_STAR
     return grid, law(ratio).scaled(R0, E_STAR), load, height.max() + 1 - height
 
 
 def test_gradient_is_that_of_the_energy_to_second_order():
     grid, the_law, load, gap = scaled_problem(26, 4.0)
-    stiffness_q = stiffness(grid, 1.0)
+    stiffness_q = UNIT.stiffness_on(grid)
     direction = np.random.default_rng(0).standard_normal(gap.shape)
     gap = 1.2 + 0.1 * np.sin(direction)
     _, gradient = energy_and_gradient(gap, load, stiffness_q, the_law)
@@ -45,7 +47,7 @@ def test_gradient_is_that_of_the_energy_to_second_order():
         return abs((plus - minus) / (2 * h) - np.vdot(gradient, direction))
 
     assert np.log2(error(2e-3) / error(1e-3)) == pytest.approx(2.0, abs=0.1)
-    solver = AdhesiveContact(grid, 1.0, the_law, 0.01)
+    solver = AdhesiveContact(grid, periodic(UNIT), the_law, 0.01)
     state = solver._evaluate(gap, load)
     assert state.energy == pytest.approx(energy_and_gradient(gap, load, stiffness_q, the_law)[0], rel=1e-13)
     assert state.largest == pytest.approx(np.abs(gradient).max(), rel=1e-12)
@@ -61,11 +63,11 @@ def test_linear_solver_against_a_dense_matrix(shape):
     points = grid.points
     curvature = np.where(rng.random(shape) < 0.3, 2.0, -0.01).astype(np.float32)
     right_side = rng.standard_normal(shape).astype(np.float32)
-    stiffness_q = stiffness(grid, 1.0)
+    stiffness_q = UNIT.stiffness_on(grid)
     dense = np.array([irfft2(stiffness_q * rfft2(e.reshape(shape)), s=shape).ravel() for e in np.eye(points)])
     dense += np.diag(curvature.ravel().astype(float))
     expected = np.linalg.solve(dense, right_side.ravel()).reshape(shape)
-    solver = LinearisedContact(HalfSpace(grid, 1.0, np.float32), 0.02)
+    solver = LinearisedContact(PeriodicOperator(grid, UNIT, np.float32), 0.02)
     result = solver.solve(right_side, curvature, 1.0, 1e-5, 200)
     assert not result.negative_curvature
     assert result.iterations < 60
@@ -76,7 +78,7 @@ def test_linear_solver_against_a_dense_matrix(shape):
 def test_linear_solver_finds_negative_curvature():
     grid = Grid((16, 16), (20.0, 20.0))
     curvature = np.full(grid.shape, -1.0, np.float32)  # softer than the half-space holds: E* q / 2 = 0.16
-    solver = LinearisedContact(HalfSpace(grid, 1.0, np.float32), 0.02)
+    solver = LinearisedContact(PeriodicOperator(grid, UNIT, np.float32), 0.02)
     right_side = np.random.default_rng(0).standard_normal(grid.shape).astype(np.float32)
     assert solver.solve(right_side, curvature, 1.0, 0.1, 50).negative_curvature
     assert not solver.solve(right_side, np.abs(curvature), 1.0, 0.1, 50).negative_curvature
@@ -109,10 +111,10 @@ def test_flat_surfaces_part_at_the_peak_of_the_law(fraction, outcome):
 def test_same_state_as_an_independent_minimisation(ratio):
     points, size = 40, 200e-10
     grid, the_law, load, gap = scaled_problem(points, ratio, size=size)
-    solver = AdhesiveContact(grid, 1.0, the_law, 0.01)
+    solver = AdhesiveContact(grid, periodic(UNIT), the_law, 0.01)
     found = solver.solve(gap, load, 1e-8, 500)
     assert found.outcome is Outcome.CONVERGED
-    stiffness_q = stiffness(grid, 1.0)
+    stiffness_q = UNIT.stiffness_on(grid)
     # The true residual by independent code, not the solver's word.
     energy, gradient = energy_and_gradient(found.gap, load, stiffness_q, the_law)
     assert np.abs(gradient).max() < 1.01e-8
@@ -131,8 +133,8 @@ def test_same_state_as_an_independent_minimisation(ratio):
 
 def test_two_level_and_single_grid_solvers_end_in_the_same_state():
     grid, the_law, load, gap = scaled_problem(128, 1.0, size=600e-10)
-    single = AdhesiveContact(grid, 1.0, the_law, 0.01)
-    double = MultilevelContact(grid, 1.0, the_law, 0.01)
+    single = AdhesiveContact(grid, periodic(UNIT), the_law, 0.01)
+    double = MultilevelContact(grid, periodic(UNIT), the_law, 0.01)
     assert double.coarser is not None
     one, two = (solver.solve(gap, load, 1e-10, 500) for solver in (single, double))
     assert one.outcome is two.outcome is Outcome.CONVERGED
@@ -145,14 +147,14 @@ def test_coarse_grids_stop_where_they_cannot_bridge_the_process_zone():
     the_law = law().scaled(R0, E_STAR)
     zone = process_zone(1.0, the_law)
     assert zone * R0 == pytest.approx(41e-10, rel=0.01)  # 41 Å by hand from the formula
-    level = MultilevelContact(Grid((96, 96), (24 * zone, 12 * zone)), 1.0, the_law, 0.01)
+    level = MultilevelContact(Grid((96, 96), (24 * zone, 12 * zone)), periodic(UNIT), the_law, 0.01)
     shapes = []
     while level is not None:
         shapes.append(level.finest.grid.shape)
         level = level.coarser
     # Spacing zone/4, then zone/2; at a whole zone there are fewer points than POINTS_FOR_PREDICTION.
     assert shapes == [(96, 96), (48, 48)]
-    assert MultilevelContact(Grid((95, 96), (2 * zone, 2 * zone)), 1.0, the_law, 0.01).coarser is None
+    assert MultilevelContact(Grid((95, 96), (2 * zone, 2 * zone)), periodic(UNIT), the_law, 0.01).coarser is None
 
 
 def test_solution_converges_faster_than_second_order_with_the_grid():
@@ -175,7 +177,7 @@ def test_residual_along_a_path(ratio):
     rough = surface(128)
     height = rough.heights(rough.shape)
     contact = LoadedContact(height, rough.grid, E_STAR, law(ratio))
-    stiffness_q = stiffness(rough.grid, E_STAR)
+    stiffness_q = HalfSpace(E_STAR).stiffness_on(rough.grid)
     displacement = contact.separated()
     areas = []
     for pressure in (0.1e9, 1e9, 5e9):
@@ -205,12 +207,12 @@ def test_harder_law_needs_no_new_constants():
 
 def test_a_tolerance_below_rounding_is_reported():
     grid, the_law, load, gap = scaled_problem(40, 1.0, size=200e-10)
-    found = AdhesiveContact(grid, 1.0, the_law, 0.01).solve(gap, load, 1e-18, 60)
+    found = AdhesiveContact(grid, periodic(UNIT), the_law, 0.01).solve(gap, load, 1e-18, 60)
     assert found.outcome in (Outcome.STALLED, Outcome.ITERATION_LIMIT)
     assert found.residual < 1e-12
 
 
 def test_not_a_number_is_never_taken_for_a_solution():
     grid, the_law, load, gap = scaled_problem(26, 1.0)
-    found = AdhesiveContact(grid, 1.0, the_law, 0.01).solve(gap, np.nan * load, 1e-8, 20)
+    found = AdhesiveContact(grid, periodic(UNIT), the_law, 0.01).solve(gap, np.nan * load, 1e-8, 20)
     assert found.outcome in (Outcome.STALLED, Outcome.ITERATION_LIMIT)

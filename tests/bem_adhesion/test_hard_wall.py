@@ -266,13 +266,13 @@ def test_mean_gap_beyond_touch_is_separation():
         ({"height": np.full((8, 8), np.nan)}, "height"),
         ({"height": np.full((8, 8), np.inf)}, "height"),
         ({"height": np.zeros((8, 9))}, "shape"),
-        ({"contact_modulus": 0.0}, "contact_modulus"),
+        ({"elasticity": 0.0}, "contact_modulus"),
         ({"tolerance": 0.0}, "tolerance"),
         ({"initial": np.zeros((4, 4))}, "initial"),
     ],
 )
 def test_impossible_input_is_named(arguments, message):
-    valid = {"height": np.eye(8), "grid": Grid((8, 8), (1.0, 1.0)), "contact_modulus": 1.0, "mean_pressure": 1.0}
+    valid = {"height": np.eye(8), "grid": Grid((8, 8), (1.0, 1.0)), "elasticity": 1.0, "mean_pressure": 1.0}
     with pytest.raises(ValueError, match=message):
         solve(**(valid | arguments))
 

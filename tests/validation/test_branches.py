@@ -5,7 +5,7 @@ import pytest
 from scipy.fft import irfft2, rfft2
 
 from bem_adhesion.loading import LoadedContact
-from bem_adhesion.operator import stiffness
+from contact_study.problem.elasticity import HalfSpace
 from contact_study.problem.study import make_study
 from contact_study.problem.surface import realise
 from tests.bem_adhesion.paper_system import CONTACT_DISTANCE, E_STAR, R0, law, study_table
@@ -59,7 +59,7 @@ def test_many_grids_end_in_the_states_of_one(system):
 def slow_flow(problem, pressure):
     """Gap over r0 where an overdamped descent from touch ends: the elastic part implicit, short steps."""
     scaled = problem.law.scaled(R0, E_STAR)
-    stiffness_q = stiffness(problem._grid, 1.0)
+    stiffness_q = HalfSpace(1.0).stiffness_on(problem._grid)
     height = problem.height / R0
     load = irfft2(stiffness_q * rfft2(height), s=height.shape) + pressure / E_STAR
     gap = height.max() + 1.0 - height

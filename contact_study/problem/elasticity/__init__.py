@@ -1,0 +1,17 @@
+"""Elastic solids by the stiffness K(q) of their surface, one a file."""
+
+from contact_study.problem.elasticity.base import Elasticity, contact_modulus_of
+from contact_study.problem.elasticity.half_space import HalfSpace
+
+__all__ = ["Elasticity", "HalfSpace", "contact_modulus_of", "elasticity_of"]
+
+
+def elasticity_of(solid: Elasticity | float) -> Elasticity:
+    """The solid itself; a number is the contact modulus E* of a half-space (Pa).
+
+    Raises
+    ------
+    ValueError
+        If the number is not positive and finite.
+    """
+    return solid if isinstance(solid, Elasticity) else HalfSpace(solid)

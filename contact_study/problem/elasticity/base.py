@@ -1,0 +1,70 @@
+"""What every elastic solid offers to the solvers and theories: the stiffness K(q) of a wave of its surface."""
+
+import math
+from abc import ABC, abstractmethod
+from dataclasses import dataclass, replace
+from typing import Self
+
+import numpy as np
+
+from contact_study.fields.grid import Grid
+
+
+@dataclass(frozen=True)
+class Elasticity(ABC):
+    """Linear response of a block's flat surface to a frictionless normal pressure, wave by wave.
+
+    A pressure p of wavenumber q displaces the surface by p/K(q), along the pressure. Solvers and theories know a block
+    by this function alone. A subclass gives :meth:`stiffness`; what further lengths it has follow in :meth:`scaled`.
+
+    Parameters
+    ----------
+    contact_modulus : float
+        E*, the unit of stresses and what short waves feel: K(q) → E* q/2 (Pa).
+
+    Raises
+    ------
+    ValueError
+        If it is not a positive finite number.
+    """
+
+    contact_modulus: float
+
+    def __post_init__(self) -> None:
+        if not (math.isfinite(self.contact_modulus) and self.contact_modulus > 0):
+            raise ValueError(f"contact_modulus = {self.contact_modulus:g} Pa: must be positive and finite")
+
+    @abstractmethod
+    def stiffness(self, wavenumber: np.ndarray | float) -> np.ndarray:
+        """K(q) at wavenumbers q > 0 (1/m), of their shape (Pa/m)."""
+
+    @property
+    def mean_compliance(self) -> float:
+        """Displacement of the surface's mean towards what holds the block, per mean pressure (m/Pa).
+
+        Zero where there is none, or none to speak of: the compression of an infinitely deep half-space is left out.
+        """
+        return 0.0
+
+    def stiffness_on(self, grid: Grid) -> np.ndarray:
+        """K of each wavevector of a grid, zero at q = 0, in the layout of ``rfft2`` (Pa/m)."""
+        stiffness_q = np.zeros(grid.spectrum_shape)
+        stiffness_q.reshape(-1)[1:] = self.stiffness(grid.wavenumber.reshape(-1)[1:])
+        return stiffness_q
+
+    def scaled(self, length: float, stress: float) -> Self:
+        """The same solid in other units: lengths divided by ``length`` (m), stresses by ``stress`` (Pa)."""
+        return replace(self, contact_modulus=self.contact_modulus / stress)
+
+
+def contact_modulus_of(stiffness: np.ndarray, wavenumber: np.ndarray) -> np.ndarray:
+    """E*(q) = 2 K(q)/q, the contact modulus of the half-space that is as stiff for a wave (Pa).
+
+    Parameters
+    ----------
+    stiffness : numpy.ndarray
+        K (Pa/m).
+    wavenumber : numpy.ndarray
+        q > 0 (1/m).
+    """
+    return 2 * stiffness / wavenumber

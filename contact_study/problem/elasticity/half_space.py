@@ -1,0 +1,19 @@
+"""The elastic half-space, homogeneous and isotropic: K(q) = E* q/2.
+
+A frictionless pressure of wavenumber q on a half-space of contact modulus E* displaces its surface by 2p/(E* q)
+(K. L. Johnson, Contact Mechanics, Cambridge 1985, ch. 13; A. Stanley & T. Kato, J. Tribol. 119, 481 (1997)).
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from contact_study.problem.elasticity.base import Elasticity
+
+
+@dataclass(frozen=True)
+class HalfSpace(Elasticity):
+    """A half-space of contact modulus E* = E/(1 − ν²); the compression of its depth is left out."""
+
+    def stiffness(self, wavenumber: np.ndarray | float) -> np.ndarray:
+        return 0.5 * self.contact_modulus * np.asarray(wavenumber)
