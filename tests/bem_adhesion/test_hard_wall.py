@@ -183,10 +183,21 @@ def test_warm_start_ends_in_the_same_state():
     height, grid = self_affine(128)
     contact = HardWallContact(height, grid, CONTACT_MODULUS)
     cold = contact.at_pressure(1e9)
-    for other in (5e8, 3e9, 5e10):
+    for other in (5e8, 0.95e9, 1.1e9, 5e10):
         warm = contact.at_pressure(1e9, initial=contact.at_pressure(other).pressure)
         np.testing.assert_array_equal(warm.pressure > 0, cold.pressure > 0)
         np.testing.assert_allclose(warm.pressure, cold.pressure, atol=1e-7 * cold.pressure.max())
+
+
+@pytest.mark.parametrize("cutoff_mode", [12, 64])
+def test_a_step_takes_the_cheaper_start(cutoff_mode):
+    """From an earlier state of nearly that load less work than afresh; of another load never more."""
+    height, grid = self_affine(512, cutoff_mode)
+    contact = HardWallContact(height, grid, CONTACT_MODULUS)
+    before = contact.at_pressure(1e9).pressure
+    for load, most in ((1.005e9, 0.8), (1.01e9, 1.0), (0.99e9, 1.0), (1.25e9, 1.0), (2e9, 1.0), (0.5e9, 1.0)):
+        # Measured 0.65 at a change of 0.5 %, 0.68 to 0.93 at 1 %, and exactly 1 where the step starts afresh.
+        assert contact.at_pressure(load, initial=before).fft_pairs <= most * contact.at_pressure(load).fft_pairs
 
 
 def test_repeated_solve_gives_the_same_bits():
