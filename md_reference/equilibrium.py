@@ -33,6 +33,8 @@ _LARGEST_REDUCTION = 0.3
 _SMALLEST_REDUCTION = 0.03  # single precision loses more than it gains below
 _OVERSHOOT = 3.0  # a linear solve ends where its step exceeds the trusted one by this factor
 _BACKTRACK = 0.4
+_SADDLE_ITERATIONS = 20  # of conjugate gradients that look for negative curvature at an equilibrium
+_SADDLE_STEP = 0.03
 _REFRESH = 20  # accepted steps after which S u is computed anew from u
 
 
@@ -139,6 +141,8 @@ class EquilibriumSolver:
             gradient = self._gradient(at.stretch, push)
             residual = float(np.max(np.abs(gradient))) / self._force_scale
             outcome = self._outcome(at, residual, pressure)
+            if outcome is Outcome.CONVERGED and self._leave_saddle(at, push):
+                continue
             if outcome is not None:
                 break
             if residual <= self.tolerance:
@@ -178,11 +182,36 @@ class EquilibriumSolver:
             return Outcome.ITERATION_LIMIT
         return Outcome.STALLED if at.vanishing >= _VANISHING_STEPS else None
 
+    def _leave_saddle(self, at: _Iterate, push: float) -> bool:
+        """Move to lower energy where an equilibrium has a direction of negative curvature; whether it had."""
+        direction = self._newton.unstable_direction(self._set_curvature(at.displacement, True), _SADDLE_ITERATIONS)
+        if direction is None:
+            return False
+        stretch = self._apply_stiffness(direction).copy()
+        elastic_slope = float(np.sum(at.stretch * direction)) + push * float(np.sum(direction[2]))
+        elastic_curvature = float(np.sum(stretch * direction))
+        length = _SADDLE_STEP * self.interaction.length
+        while length > _VANISHING_STEP * self.interaction.length:
+            for move in (length, -length):
+                trial = at.displacement + move * direction
+                energy = self._evaluate(trial)
+                at.evaluations += 1
+                if move * elastic_slope + 0.5 * move**2 * elastic_curvature + energy < at.energy:
+                    at.displacement, at.energy, at.exact, at.vanishing = trial, energy, False, 0
+                    self._refresh(at)
+                    return True
+            length *= _BACKTRACK
+        self._evaluate(at.displacement)
+        return False
+
     def _newton_step(self, at: _Iterate, gradient: np.ndarray, residual: float) -> NewtonStep | None:
         """Solve the linear model of the energy; None if its first direction already has negative curvature."""
         shift = self._set_curvature(at.displacement, at.exact)
         if not at.exact:
-            return self._newton.solve(gradient, shift, _LARGEST_REDUCTION, _SNAP_IN_ITERATIONS, np.inf)
+            newton = self._newton.solve(gradient, shift, _LARGEST_REDUCTION, _SNAP_IN_ITERATIONS, np.inf)
+            # With its springs nothing is indefinite: where the first direction has no curvature, nothing acts yet.
+            falls = newton.indefinite and newton.iterations == 1 and not self._fixed_mean
+            return self._fall(gradient) if falls else newton
         # The forcing term falls with the residual (in units of E*/100) for fast final convergence.
         reduction = min(_LARGEST_REDUCTION, max(_SMALLEST_REDUCTION, (100 * residual) ** 0.5))
         reach = _OVERSHOOT * at.trust * self.interaction.length
@@ -193,6 +222,12 @@ class EquilibriumSolver:
             if newton.iterations == 1:
                 return None
         return newton
+
+    def _fall(self, gradient: np.ndarray) -> NewtonStep:
+        """A block out of reach of the substrate comes down as a whole."""
+        step = np.zeros_like(gradient)
+        step[2] = -_LARGEST_STEP * self.interaction.length
+        return NewtonStep(step, 0.0, 1, False)
 
     def _advance(self, at: _Iterate, newton: NewtonStep, gradient: np.ndarray, push: float) -> None:
         """Take the step as far as the energy follows it, and adapt what the next one may rely on."""

@@ -123,6 +123,26 @@ class NewtonSolver:
         return NewtonStep(step, curvature, iterations, indefinite)
 
 
+    def unstable_direction(self, shift: float, max_iterations: int) -> np.ndarray | None:
+        """A direction of negative curvature of S + D, shape (3, ny, nx); None if conjugate gradients meet none.
+
+        Their right side is random (the same each time) and lies where D is negative, as every unstable mode does.
+
+        Parameters
+        ----------
+        shift, max_iterations
+            As in :meth:`solve`.
+        """
+        start = np.maximum(-self.diagonal[:3], 0)
+        start *= 1 + np.random.default_rng(0).standard_normal(start.shape, dtype=np.float32)
+        if self.fixed_mean:
+            start[2] -= np.mean(start[2])
+        if not start.any():
+            return None
+        found = self.solve(start, shift, 0.0, max_iterations, np.inf)
+        return self._direction / np.abs(self._direction).max() if found.indefinite else None
+
+
 @njit(**_OPTIONS)
 def _precondition(spectrum, stiffness, multiplicity, shift, normalisation, fixed_mean):
     """Replace the spectrum of r by that of z = (S + shift)⁻¹ r, normalised for the way back; returns r·z."""

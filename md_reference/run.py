@@ -209,12 +209,15 @@ def solve_path(
         max(case.solver.threads, 1) if stiffness.grid.points >= _POINTS_FOR_THREADS else 1,
     )
     heights = interface.rest_heights()
-    state = separated(heights, interface.length) if restart is None else restart["displacement"]
+    apart = separated(interface)
+    state = apart if restart is None else restart["displacement"]
     for number in range(start, len(case.path)):
         begun = time.perf_counter()
         value, branch = case.path[number]
-        gap = predictor(number) if predictor is not None else None
-        if predictor is not None and gap is None:
+        # Blocks that are apart are not brought together by tension.
+        torn = case.loading.control == "pressure" and value <= 0 and not np.any(state - apart)
+        gap = predictor(number) if predictor is not None and not torn else None
+        if predictor is not None and gap is None and not torn:
             unit = "Pa" if case.loading.control == "pressure" else "m"
             warnings.warn(
                 f"the predictor holds no state in contact for point {number + 1} of the path, {value:g} {unit} "
@@ -227,14 +230,14 @@ def solve_path(
         else:
             found = solver.solve(first, value)
         # Once torn off the block is nowhere in particular: the next point starts from separation again.
-        state = separated(heights, interface.length) if found.outcome is Outcome.DETACHED else found.displacement
+        state = apart if found.outcome is Outcome.DETACHED else found.displacement
         yield _step(case, interface, found, state, time.perf_counter() - begun)
 
 
-def separated(heights: np.ndarray, length: float) -> np.ndarray:
-    """A flat layer of atoms just above the highest point of the surface, shape (3, ny, nx) (m)."""
-    displacement = np.zeros((3, *heights.shape))
-    displacement[2] = np.max(heights) + 1.1 * length
+def separated(interface: LennardJonesInterface) -> np.ndarray:
+    """A flat layer of atoms just beyond the cutoff from the highest site of the substrate, shape (3, ny, nx) (m)."""
+    displacement = np.zeros((3, *interface.shape))
+    displacement[2] = np.max(interface.substrate.heights) + (1 + 1e-6) * interface.cutoff * interface.length
     return displacement
 
 

@@ -50,6 +50,13 @@ def interface_of(atoms, coefficients=None, well_depth=WELL_DEPTH, cutoff=4.0):
     return LennardJonesInterface(substrate_of(atoms, coefficients), atoms, spacing, well_depth, LENGTH, cutoff)
 
 
+def touching(interface):
+    """A flat layer of atoms just above the highest point of the surface, within reach of its attraction."""
+    displacement = np.zeros((3, *interface.shape))
+    displacement[2] = interface.rest_heights().max() + 1.1 * LENGTH
+    return displacement
+
+
 def stiffness_of(atoms, layers=None):
     """Block of a small system."""
     return surface_stiffness(ELEMENT, atoms, LATTICE_CONSTANT, layers or max(atoms))

@@ -132,10 +132,41 @@ def test_gap_control_and_loss_of_contact_under_tension():
     assert torn[1].values["relative_contact_area"] == torn[1].values["mean_pressure"] == 0
 
 
+@pytest.mark.parametrize("pressures", [("-5 MPa", "1 GPa"), ("0 MPa", "1 GPa"), ("1 GPa", "-14 GPa", "-5 MPa", "1 GPa")])
+def test_tension_brings_no_separated_surfaces_together(pressures):
+    """Nor does no pressure at all: attraction begins only where something has brought the atoms within its reach."""
+    case = case_of((32, 32), ratio=4, path=pressures)
+    touching = steps_of(case_of((32, 32), ratio=4, path=("1 GPa",)))[0]
+    gap = touching.fields["gap"]
+    for predictor in (None, lambda number: gap):
+        steps = steps_of(case, predictor=predictor)
+        tensile = [pressure <= 0 for pressure, _ in case.path]
+        assert [s.values["detached"] for s in steps] == tensile
+        assert all(s.values["message"].startswith("detached") for s in steps if s.values["detached"])
+        assert steps[-1].values["relative_contact_area"] == touching.values["relative_contact_area"] > 0
+
+
+def test_a_first_gap_from_separation_is_on_the_separated_branch():
+    """Mean gaps at which a rough contact has two states: the far one is met from separation, at once or on a path."""
+    gaps = [f"{gap:.2f} angstrom" for gap in np.arange(7, 5, -0.2)]
+    approached = steps_of(case_of((32, 32), ratio=8, path=gaps, control="gap"))
+    areas = np.array([s.values["relative_contact_area"] for s in approached])
+    snap_in = int(np.argmax(areas > 0))
+    assert snap_in > 0
+    far, near = approached[snap_in - 1], approached[snap_in]
+    case = case_of((32, 32), ratio=8, path=gaps[snap_in - 1 : snap_in], control="gap")
+    retracted = steps_of(case, restart=near.restart)[0]
+    alone = steps_of(case)[0]
+    assert retracted.values["relative_contact_area"] > 0
+    assert alone.values["relative_contact_area"] == far.values["relative_contact_area"] == 0
+    # Residuals of 1e-8 E* over the softest mode's stiffness.
+    np.testing.assert_allclose(alone.fields["gap"], far.fields["gap"], rtol=0, atol=1e-5 * LENGTH)
+
+
 def test_moving_to_a_mean_gap_lifts_atoms_off_the_surface():
     case = case_of((32, 32))
     interface = build_interface(case, realise(case))
-    start = separated(interface.rest_heights(), LENGTH)
+    start = separated(interface)
     moved = at_mean_gap(interface, start, 1e-10)
     assert np.mean(moved[2]) == pytest.approx(1e-10 + LENGTH, rel=1e-12)
     assert interface.gap(moved).min() >= 0.85 * LENGTH * (1 - 1e-9)
