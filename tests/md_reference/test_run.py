@@ -132,7 +132,9 @@ def test_gap_control_and_loss_of_contact_under_tension():
     assert torn[1].values["relative_contact_area"] == torn[1].values["mean_pressure"] == 0
 
 
-@pytest.mark.parametrize("pressures", [("-5 MPa", "1 GPa"), ("0 MPa", "1 GPa"), ("1 GPa", "-14 GPa", "-5 MPa", "1 GPa")])
+@pytest.mark.parametrize(
+    "pressures", [("-5 MPa", "1 GPa"), ("0 MPa", "1 GPa"), ("1 GPa", "-14 GPa", "-5 MPa", "1 GPa")]
+)
 def test_tension_brings_no_separated_surfaces_together(pressures):
     """Nor does no pressure at all: attraction begins only where something has brought the atoms within its reach."""
     case = case_of((32, 32), ratio=4, path=pressures)
