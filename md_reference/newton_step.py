@@ -122,7 +122,6 @@ class NewtonSolver:
         curvature = -float(np.sum(step * (gradient + scale * self._residual)))
         return NewtonStep(step, curvature, iterations, indefinite)
 
-
     def unstable_direction(self, shift: float, max_iterations: int) -> np.ndarray | None:
         """A direction of negative curvature of S + D, shape (3, ny, nx); None if conjugate gradients meet none.
 
