@@ -1,0 +1,127 @@
+"""Stiffness of a wave: closed forms against the equations of elasticity, their limits and their units."""
+
+import numpy as np
+import pytest
+from scipy.linalg import expm
+
+from contact_study.fields.grid import Grid
+from contact_study.problem.elasticity import HalfSpace, Layer, contact_modulus_of, elasticity_of
+
+RATIOS = [-0.3, 0.0, 0.3, 0.42, 0.4999, 0.5]
+
+
+def through_the_thickness(wavenumber, shear_modulus, ratio, thickness):
+    """K of a bonded layer by integrating the equations of elasticity from base to surface.
+
+    With u_x = U sin qx, u_z = W cos qx, σ_xz = T sin qx, σ_zz = S cos qx, Hooke's law and equilibrium give a linear
+    system in (U, W, T, S) of constant coefficients, finite for ν = 1/2 too.
+    """
+    q, mu = wavenumber, shear_modulus
+    share = ratio / (1 - ratio)
+    system = np.array(
+        [
+            [0, q, 1 / mu, 0],
+            [-share * q, 0, 0, (1 - 2 * ratio) / (2 * mu * (1 - ratio))],
+            [2 * mu * q**2 / (1 - ratio), 0, 0, share * q],
+            [0, 0, -q, 0],
+        ]
+    )
+    propagated = expm(system * thickness)
+    # The base is held: only T and S there are free. At the surface T = 0, S = 1.
+    at_base = np.linalg.solve(propagated[2:, 2:], [0.0, 1.0])
+    return 1 / (propagated[1, 2:] @ at_base)
+
+
+@pytest.mark.parametrize("ratio", RATIOS)
+@pytest.mark.parametrize("thickness_in_waves", [0.01, 0.1, 0.49, 0.51, 1.0, 2.0, 5.0])
+def test_layer_solves_the_equations_of_elasticity(ratio, thickness_in_waves):
+    shear_modulus, thickness = 3.0, 0.7
+    layer = Layer(2 * shear_modulus / (1 - ratio), ratio, thickness)
+    wavenumber = thickness_in_waves / thickness
+    expected = through_the_thickness(wavenumber, shear_modulus, ratio, thickness)
+    # Two growing and two decaying exponentials: integration loses e^(2qd) of rounding, thin layers (qd)³.
+    lost = max(np.exp(2 * thickness_in_waves), thickness_in_waves**-3)
+    assert layer.stiffness(wavenumber) == pytest.approx(expected, rel=1e-14 * lost)
+
+
+@pytest.mark.parametrize("ratio", RATIOS)
+def test_thick_layers_are_half_spaces(ratio):
+    """The base is felt by what decays to it and back, (qd)² e^(−2qd)."""
+    wavenumber = np.array([5.0, 10.0, 17.0, 300.0])
+    relative = Layer(2.0, ratio, 1.0).stiffness(wavenumber) / HalfSpace(2.0).stiffness(wavenumber) - 1
+    x = wavenumber
+    rest = (4 * x**2 + 4 * x + 10 - 24 * ratio + 16 * ratio**2) / (3 - 4 * ratio) * np.exp(-2 * x)
+    np.testing.assert_allclose(relative[:3], rest[:3], rtol=2 * rest[0], atol=1e-15)  # its square comes next
+    assert relative[3] == 0
+
+
+@pytest.mark.parametrize("ratio", [-0.3, 0.0, 0.3, 0.42])
+def test_thin_compressible_layers_are_a_bed_of_springs(ratio):
+    modulus, thickness = 5.0, 2e-3
+    layer = Layer(modulus / (1 - ratio**2), ratio, thickness)
+    springs = (1 - ratio) * modulus / ((1 + ratio) * (1 - 2 * ratio) * thickness)
+    assert layer.mean_compliance * springs == pytest.approx(1, rel=1e-14)
+    error = layer.stiffness(np.array([1.0, 2.0]) / thickness * 1e-2) / springs - 1
+    # Of second order in qd, whose coefficient is proportional to ν.
+    assert error[1] / error[0] == pytest.approx(4 if ratio else 16, rel=1e-2)
+    assert abs(error[0]) < 1e-2
+
+
+def test_thin_incompressible_layers_resist_flow_along_them():
+    """K = 3 μ/(q² d³): pressure drives Poiseuille's flow of displacement between base and surface."""
+    shear_modulus, thickness = 3.0, 0.5
+    layer = Layer(4 * shear_modulus, 0.5, thickness)
+    wavenumber = np.array([1e-6, 1e-2, 2e-2]) / thickness
+    error = layer.stiffness(wavenumber) * wavenumber**2 * thickness**3 / (3 * shear_modulus) - 1
+    assert abs(error[0]) < 1e-11
+    assert error[2] / error[1] == pytest.approx(4, rel=1e-2)
+    assert layer.mean_compliance == 0
+
+
+def test_nearly_incompressible_layers_tend_to_incompressible_ones():
+    wavenumber = np.array([0.3, 1.0, 3.0])
+    limit = Layer(4.0, 0.5, 1.0).stiffness(wavenumber)
+    errors = [np.abs(Layer(4.0, 0.5 - e, 1.0).stiffness(wavenumber) / limit - 1).max() for e in (2e-6, 1e-6)]
+    assert errors[0] / errors[1] == pytest.approx(2, rel=1e-2)
+
+
+@pytest.mark.parametrize("solid", [HalfSpace(3.0), Layer(3.0, 0.3, 0.2)])
+def test_units_change_nothing(solid):
+    wavenumber, length, stress = np.array([0.5, 3.0, 40.0]), 1e-9, 1e9
+    scaled = solid.scaled(length, stress)
+    np.testing.assert_allclose(
+        scaled.stiffness(wavenumber * length) * stress / length, solid.stiffness(wavenumber), rtol=1e-14
+    )
+    assert scaled.mean_compliance * length / stress == pytest.approx(solid.mean_compliance, rel=1e-14)
+
+
+def test_stiffness_on_a_grid_is_that_of_each_wave_and_none_of_the_mean():
+    grid = Grid((6, 9), (2.0, 3.0))
+    layer = Layer(3.0, 0.3, 0.2)
+    stiffness_q = layer.stiffness_on(grid)
+    assert stiffness_q.shape == grid.spectrum_shape
+    assert stiffness_q[0, 0] == 0
+    assert stiffness_q[5, 2] == pytest.approx(layer.stiffness(2 * np.pi * np.hypot(1 / 2, 2 / 3)), rel=1e-14)
+    assert contact_modulus_of(HalfSpace(7.0).stiffness(3.0), 3.0) == pytest.approx(7.0)
+
+
+def test_a_number_is_the_contact_modulus_of_a_half_space():
+    assert elasticity_of(2.5) == HalfSpace(2.5)
+    layer = Layer(1.0, 0.5, 1.0)
+    assert elasticity_of(layer) is layer
+
+
+@pytest.mark.parametrize(
+    ("arguments", "name"),
+    [
+        ((0.0, 0.3, 1.0), "contact_modulus"),
+        ((np.nan, 0.3, 1.0), "contact_modulus"),
+        ((1.0, 0.51, 1.0), "poissons_ratio"),
+        ((1.0, -1.0, 1.0), "poissons_ratio"),
+        ((1.0, 0.3, 0.0), "thickness"),
+        ((1.0, 0.3, np.inf), "thickness"),
+    ],
+)
+def test_impossible_layers_are_named(arguments, name):
+    with pytest.raises(ValueError, match=name):
+        Layer(*arguments)
