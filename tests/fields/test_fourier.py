@@ -1,5 +1,9 @@
 """Transforms and grids: exact on trigonometric polynomials, on any shape."""
 
+import os
+import subprocess
+import sys
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -82,3 +86,13 @@ def test_damaged_wisdom_is_measured_anew(tmp_path, monkeypatch):
     plan = fourier.RealTransform((14, 22))
     plan.field[...] = 1.0
     assert plan.forward()[0, 0] == pytest.approx(14 * 22)
+
+
+@pytest.mark.parametrize(("chosen", "expected"), [(None, "PASSIVE"), ("active", "ACTIVE")])
+def test_threads_that_wait_sleep_unless_told_otherwise(chosen, expected):
+    """What OpenMP itself says it has read when FFTW's library was loaded."""
+    environment = {key: value for key, value in os.environ.items() if key != "OMP_WAIT_POLICY"}
+    environment |= {"OMP_DISPLAY_ENV": "true"} | ({"OMP_WAIT_POLICY": chosen} if chosen else {})
+    command = [sys.executable, "-c", "import bem_adhesion.run, md_reference.run, theory.run"]
+    shown = subprocess.run(command, env=environment, capture_output=True, text=True, check=True).stderr
+    assert f"OMP_WAIT_POLICY = '{expected}'" in shown
