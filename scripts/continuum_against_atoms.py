@@ -23,7 +23,7 @@ import md_reference.run
 from bem_adhesion.loading import LoadedContact
 from bem_adhesion.solution import Outcome as ContinuumOutcome
 from bem_adhesion.solution import Solution
-from contact_study.campaign import storage
+from contact_study.campaign import files
 from contact_study.campaign.command import Parser, guarded
 from contact_study.fields import fourier
 from contact_study.fields.grid import Grid
@@ -129,7 +129,7 @@ def _main(arguments: Sequence[str] | None) -> int:
     given = parser().parse_args(arguments)
     pressures = [quantity(text, "Pa", "--pressures") for text in given.pressures]
     given.output.parent.mkdir(parents=True, exist_ok=True)
-    storage.writable_output(given.output)
+    files.writable_output(given.output)
     cases = [_case(given, ratio, pressures) for ratio in given.ratios]
     surface = realise(cases[0])
     measured = [constants(case, surface) for case in cases]
@@ -140,7 +140,7 @@ def _main(arguments: Sequence[str] | None) -> int:
     if len(given.ratios) * len(pressures) > 1:
         print(ranges(dataset))
     print(constants_in_words(dataset))
-    storage.write_aside(given.output, dataset.to_netcdf)
+    files.write_aside(given.output, dataset.to_netcdf)
     print(given.output, file=sys.stderr)
     return 0
 

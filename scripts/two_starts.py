@@ -18,7 +18,7 @@ import xarray as xr
 
 import bem_adhesion.run
 import md_reference.run
-from contact_study.campaign import storage
+from contact_study.campaign import files
 from contact_study.campaign.command import Parser, guarded
 from contact_study.campaign.record import Step
 from contact_study.problem.bins import with_bins
@@ -76,7 +76,7 @@ def _main(arguments: Sequence[str] | None) -> int:
     given = parser().parse_args(arguments)
     pressures = [quantity(text, "Pa", "--pressures") for text in given.pressures]
     given.output.parent.mkdir(parents=True, exist_ok=True)
-    storage.writable_output(given.output)
+    files.writable_output(given.output)
     rows = []
     print("| " + " | ".join(COLUMNS) + " |")
     print("|---" * len(COLUMNS) + "|")
@@ -101,7 +101,7 @@ def _main(arguments: Sequence[str] | None) -> int:
         },
         attrs={"title": "Atoms from their own past and from the continuum's gap", "study": given.study.name},
     )
-    storage.write_aside(given.output, dataset.to_netcdf)
+    files.write_aside(given.output, dataset.to_netcdf)
     print(given.output, file=sys.stderr)
     return 0
 

@@ -235,7 +235,7 @@ def test_killed_campaign_resumes_bit_for_bit(folder, tmp_path):
         stderr=subprocess.DEVNULL,
         start_new_session=True,
     )
-    while not list(tmp_path.glob("bem.nc.parts/case-*/step-*.nc")) and process.poll() is None:
+    while not list(tmp_path.glob("bem.nc.parts/case-*/step-*.npz")) and process.poll() is None:
         time.sleep(0.005)
     os.killpg(process.pid, 9)
     process.wait()

@@ -19,15 +19,16 @@ from typing import Any, NoReturn
 import xarray as xr
 
 import contact_study
-from contact_study.campaign import storage
 from contact_study.campaign.check import checked
-from contact_study.campaign.dataset import assembled, carried_warnings, provenance, read_flags, unconverged
-from contact_study.campaign.identity import Run, run_of
+from contact_study.campaign.dataset.assembly import assembled
+from contact_study.campaign.dataset.provenance import carried_warnings, provenance, read_flags, unconverged
+from contact_study.campaign.files import writable_output
 from contact_study.campaign.model import Model
-from contact_study.campaign.parts import Parts
 from contact_study.campaign.predictor import check_predictor
 from contact_study.campaign.progress import Progress
-from contact_study.campaign.resume import Finished, earlier_commits, finished_at, take_up
+from contact_study.campaign.resume.folder import Parts
+from contact_study.campaign.resume.identity import Run, run_of
+from contact_study.campaign.resume.take_up import Finished, earlier_commits, finished_at, take_up
 from contact_study.campaign.runner import CampaignError, run_cases
 from contact_study.problem.errors import InputError
 from contact_study.problem.keys import suggestion
@@ -124,7 +125,7 @@ def _main(model: Model, arguments: Sequence[str]) -> int:
     finished = finished_at(output, resume=given.resume, overwrite=given.overwrite)
     if finished is not None and finished.is_of(run):
         return _already_done(run, parts, finished)
-    storage.writable_output(output)
+    writable_output(output)
     progress = Progress(model.command)
     for note in said:
         progress.say(f"warning: {note}")

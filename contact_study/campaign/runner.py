@@ -15,16 +15,13 @@ from multiprocessing.connection import wait
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
-from contact_study.campaign import parts as store
-from contact_study.campaign.identity import Run, content_hash
+from contact_study.campaign import steps as store
 from contact_study.campaign.model import Model
-from contact_study.campaign.parts import Parts
 from contact_study.campaign.predictor import GapFields
 from contact_study.campaign.progress import Progress
 from contact_study.campaign.record import Step, Value
-from contact_study.fields.observables import Bins, redistributed
+from contact_study.campaign.resume.folder import Parts
+from contact_study.campaign.resume.identity import Run, content_hash
 from contact_study.problem.case import Case
 from contact_study.problem.surface import Surface, realise
 
@@ -75,42 +72,6 @@ def run_cases(run: Run, names: Sequence[str], parts: Parts, workers: int | None,
 def available_cores() -> int:
     """Cores that this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-
-
-def collect(
-    run: Run, names: Sequence[str], parts: Parts, brought: list[str]
-) -> Iterator[tuple[tuple[int, ...], dict[str, Any], list[dict[str, Any]]]]:
-    """Position, constants and steps of every case of a finished campaign, their distributions on the study's bins.
-
-    Labels of steps whose distributions were on others are appended to ``brought``.
-    """
-    for case, name in zip(run.study.cases, names, strict=True):
-        folder = parts.case_folder(name)
-        steps = []
-        for number in range(len(case.path)):
-            values, bins = store.load_step(folder, number)
-            if not bins.equal(case.bins):
-                brought.append(f"{case.label}, point {number + 1}")
-                values = _on_bins(values, bins, case.bins)
-            steps.append(values)
-        yield case.index, store.load_constants(folder), steps
-
-
-def last_states(run: Run, names: Sequence[str], parts: Parts) -> Iterator[dict[str, np.ndarray]]:
-    """State after the last step of every case of a finished campaign; empty where it is not there."""
-    for case, name in zip(run.study.cases, names, strict=True):
-        yield store.load_state(parts.case_folder(name), len(case.path) - 1)
-
-
-def _on_bins(values: dict[str, Any], old: Bins, new: Bins) -> dict[str, Any]:
-    edges = {
-        "pressure_pdf": (old.pressure_edges, new.pressure_edges),
-        "gap_pdf": (old.gap_edges, new.gap_edges),
-    }
-    return {
-        name: redistributed(value, *edges[short]) if (short := name.rpartition("/")[2]) in edges else value
-        for name, value in values.items()
-    }
 
 
 def _done(job: Job) -> int:

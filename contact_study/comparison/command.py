@@ -10,8 +10,8 @@ from typing import Any
 
 import contact_study
 from contact_study.campaign.command import DONE, NOT_CONVERGED, Parser, git_commit, guarded
+from contact_study.campaign.files import writable_output
 from contact_study.campaign.schema import CONVENTIONS, SCHEMA_VERSION
-from contact_study.campaign.storage import writable_output
 from contact_study.comparison.datasets import Inputs, read_inputs
 from contact_study.comparison.deviations import MISSING, compute_deviations
 from contact_study.comparison.illustrations import draw

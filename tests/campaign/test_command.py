@@ -1,5 +1,6 @@
 """The commands' face: exit status, one clear line for bad input, resume after a kill, the dataset's form."""
 
+import errno
 import os
 import re
 import signal
@@ -12,7 +13,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from contact_study.campaign import command, parts
+from contact_study.campaign import command, steps
 from contact_study.campaign.command import main
 from contact_study.campaign.schema import COORDINATES, VARIABLES
 from tests.campaign.toy_model import TOY
@@ -118,12 +119,12 @@ def test_killed_run_resumes_to_the_same_dataset(study, tmp_path, workers):
     process = subprocess.Popen(command, env=slow, stderr=subprocess.DEVNULL, start_new_session=True)
     parts = tmp_path / "killed.nc.parts"
     deadline = time.monotonic() + 60
-    while len(list(parts.glob("case-*/step-*.nc"))) < 3 and time.monotonic() < deadline:
+    while len(list(parts.glob("case-*/step-*.npz"))) < 3 and time.monotonic() < deadline:
         time.sleep(0.02)
     process.kill()
     process.wait()
     assert not output.exists()
-    kept = len(list(parts.glob("case-*/step-*.nc")))
+    kept = len(list(parts.glob("case-*/step-*.npz")))
     assert 3 <= kept < 14
     resumed = subprocess.run([*command, "--resume"], capture_output=True, text=True)
     assert resumed.returncode == 0, resumed.stderr
@@ -138,7 +139,7 @@ def test_interrupt_keeps_steps_and_says_so(study, tmp_path):
     process = subprocess.Popen(
         command, env={**os.environ, "TOY_SECONDS": "0.3"}, stderr=subprocess.PIPE, text=True, start_new_session=True
     )
-    while not list(tmp_path.glob("bem.nc.parts/case-*/step-*.nc")):
+    while not list(tmp_path.glob("bem.nc.parts/case-*/step-*.npz")):
         assert process.poll() is None
         time.sleep(0.02)
     os.killpg(process.pid, signal.SIGINT)  # what Ctrl-C does: the whole group
@@ -146,7 +147,7 @@ def test_interrupt_keeps_steps_and_says_so(study, tmp_path):
     assert process.returncode == 130
     assert "continue with --resume" in stderr
     assert "Traceback" not in stderr
-    assert list(tmp_path.glob("bem.nc.parts/case-*/step-*.nc"))
+    assert list(tmp_path.glob("bem.nc.parts/case-*/step-*.npz"))
 
 
 def test_existing_output_is_refused(study, tmp_path, capsys):
@@ -201,7 +202,7 @@ def test_interrupt_while_workers_start(study, tmp_path):
 def interrupted(study, tmp_path, monkeypatch):
     """An output whose run was interrupted after three steps, in the only case, which warns at its first."""
     output = tmp_path / "bem.nc"
-    save = parts.save_step
+    save = steps.save_step
 
     def stop_after_three(folder, number, step):
         save(folder, number, step)
@@ -212,7 +213,7 @@ def interrupted(study, tmp_path, monkeypatch):
     study.write_text(study.read_text().replace('when = { "interaction.well_depth_ratio" = 4 }', OVERRIDE_ALL))
     assert run(study, "-o", tmp_path / "whole.nc") == 0
     with monkeypatch.context() as patch:
-        patch.setattr(parts, "save_step", stop_after_three)
+        patch.setattr(steps, "save_step", stop_after_three)
         assert run(study, "-o", output) == 130
     assert not output.exists()
     return output
@@ -230,7 +231,7 @@ def test_warnings_of_finished_steps_survive_a_resume(study, interrupted, capsys)
 
 
 @pytest.mark.parametrize(
-    "pattern", ["case-*/step-0001.nc", "case-*/state-*.npz", "case-*/constants.nc", "case-*/*.json"]
+    "pattern", ["case-*/step-0001.npz", "case-*/state-*.npz", "case-*/constants.npz", "case-*/*.json"]
 )
 @pytest.mark.parametrize("length", [None, 0, 30])
 def test_damaged_steps_are_computed_again(study, interrupted, tmp_path, capsys, pattern, length):
@@ -243,6 +244,19 @@ def test_damaged_steps_are_computed_again(study, interrupted, tmp_path, capsys, 
     capsys.readouterr()
     assert run(study, "-o", interrupted, "--resume") == 0
     assert ("1 damaged files" in capsys.readouterr().err) == (length is not None)
+    assert_same(tmp_path / "whole.nc", interrupted)
+
+
+@pytest.mark.parametrize("pattern", ["case-*/step-0001.npz", "case-*/state-*.npz", "case-*/constants.npz"])
+def test_changed_numbers_on_disk_are_computed_again(study, interrupted, tmp_path, capsys, pattern):
+    """One bit of the last array is another: each array stands under a checksum."""
+    (damaged,) = (tmp_path / "bem.nc.parts").glob(pattern)
+    content = bytearray(damaged.read_bytes())
+    content[content.index(b"PK\x01\x02") - 20] ^= 1  # the directory of the archive comes after its members
+    damaged.write_bytes(content)
+    capsys.readouterr()
+    assert run(study, "-o", interrupted, "--resume") == 0
+    assert "1 damaged files" in capsys.readouterr().err
     assert_same(tmp_path / "whole.nc", interrupted)
 
 
@@ -430,6 +444,17 @@ def test_full_disk_is_said_in_one_line(study, tmp_path, monkeypatch, capsys):
     error = capsys.readouterr().err
     assert "is the disk full?" in error
     assert "Traceback" not in error
+    assert not list(tmp_path.rglob("*.tmp"))
+
+
+def test_disk_that_fills_while_steps_are_written(study, tmp_path, monkeypatch, capsys):
+    def fail(*_, **__):
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(np, "savez", fail)
+    assert run(study, "-o", tmp_path / "bem.nc", "--workers", 1) == 1
+    error = capsys.readouterr().err.splitlines()[-1]
+    assert "constants.npz: cannot be written (No space left on device)" in error
     assert not list(tmp_path.rglob("*.tmp"))
 
 

@@ -4,7 +4,7 @@ import copy
 
 import pytest
 
-from contact_study.campaign.identity import match, run_of
+from contact_study.campaign.resume.identity import match, run_of
 from contact_study.problem.bins import with_bins
 from contact_study.problem.errors import InputError
 from contact_study.problem.study import make_study

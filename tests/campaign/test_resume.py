@@ -10,7 +10,7 @@ import pytest
 import tomli_w
 import xarray as xr
 
-from contact_study.campaign import parts
+from contact_study.campaign import steps
 from contact_study.campaign.command import main
 from tests.campaign.test_command import STUDY, assert_same
 from tests.campaign.toy_model import SOLVED, TOY, TOY_ATOMS, TOY_OF_WHOLE_PATHS
@@ -185,7 +185,7 @@ def stopped(run, monkeypatch):
     """Interrupt a run after so many steps."""
 
     def stop(table, after, *arguments, **options):
-        save, count = parts.save_step, []
+        save, count = steps.save_step, []
 
         def counted(folder, number, step):
             save(folder, number, step)
@@ -194,7 +194,7 @@ def stopped(run, monkeypatch):
                 raise KeyboardInterrupt
 
         with monkeypatch.context() as patch:
-            patch.setattr(parts, "save_step", counted)
+            patch.setattr(steps, "save_step", counted)
             assert run(table, *arguments, **options)[0] == 130
 
     return stop
@@ -241,7 +241,7 @@ def test_widening_that_is_killed_is_taken_up_again(finished, run, tmp_path, monk
     run(wider, output="fresh.nc")
     count = []
     for name in ("save_values", "save_constants"):
-        save = getattr(parts, name)
+        save = getattr(steps, name)
 
         def counted(*arguments, save=save):
             count.append(1)
@@ -249,7 +249,7 @@ def test_widening_that_is_killed_is_taken_up_again(finished, run, tmp_path, monk
                 raise KeyboardInterrupt
             save(*arguments)
 
-        monkeypatch.setattr(parts, name, counted)
+        monkeypatch.setattr(steps, name, counted)
     assert run(wider, "--resume")[0] == 130
     monkeypatch.undo()
     with xr.open_dataset(tmp_path / "bem.nc") as dataset:
@@ -264,13 +264,13 @@ def test_widening_that_is_killed_is_taken_up_again(finished, run, tmp_path, monk
 def test_steps_of_a_wider_run_are_not_dropped(finished, run):
     """The finished run, resumed while the parts hold more than it: nothing is done, nothing is lost."""
     with pytest.MonkeyPatch.context() as patch:
-        save = parts.save_step
+        save = steps.save_step
 
         def stop(*arguments):
             save(*arguments)
             raise KeyboardInterrupt
 
-        patch.setattr(parts, "save_step", stop)
+        patch.setattr(steps, "save_step", stop)
         wider = changed(sweep={"interaction.well_depth_ratio": [1, 4, 2]})
         assert run(wider, "--resume")[0] == 130
     status, solved, said = run(BASE, "--resume")
@@ -351,13 +351,13 @@ def test_changed_height_map_is_refused(run, stopped, tmp_path, map_study, whole)
 
 
 def test_height_map_that_changes_while_the_study_runs(run, tmp_path, map_study, monkeypatch):
-    save = parts.save_step
+    save = steps.save_step
 
     def change(*arguments):
         save(*arguments)
         np.save(tmp_path / "map.npy", np.random.default_rng(2).standard_normal((16, 16)))
 
-    monkeypatch.setattr(parts, "save_step", change)
+    monkeypatch.setattr(steps, "save_step", change)
     status, solved, said = run(map_study)
     assert status == 1
     assert "map.npy has changed while the study ran; finished steps are kept" in said

@@ -4,8 +4,9 @@ import tomllib
 
 import numpy as np
 
+from contact_study.campaign.dataset.assembly import assemble
+from contact_study.campaign.dataset.file import write_dataset
 from contact_study.campaign.schema import SCHEMA_VERSION
-from contact_study.campaign.storage import assemble, write_dataset
 from contact_study.problem.bins import with_bins
 from contact_study.problem.study import make_study
 from contact_study.problem.surface import realise

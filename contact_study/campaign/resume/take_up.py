@@ -14,12 +14,12 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from contact_study.campaign import parts as store
-from contact_study.campaign.identity import Match, Run, match
-from contact_study.campaign.parts import Parts
+from contact_study.campaign import steps as store
+from contact_study.campaign.dataset.file import Earlier
 from contact_study.campaign.predictor import GapFields
 from contact_study.campaign.record import Step
-from contact_study.campaign.storage import Earlier
+from contact_study.campaign.resume.folder import Parts
+from contact_study.campaign.resume.identity import Match, Run, match
 from contact_study.fields.observables import Bins
 from contact_study.problem.case import Case
 from contact_study.problem.errors import InputError

@@ -1,4 +1,4 @@
-"""The dataset of a finished campaign: its groups, where it came from, and which of its steps did not converge."""
+"""What a dataset says of itself: where it came from, and which of its steps did not converge."""
 
 import tomllib
 from collections.abc import Iterator, Mapping, Sequence
@@ -8,32 +8,12 @@ from typing import Any
 import xarray as xr
 
 import contact_study
-from contact_study.campaign import storage
 from contact_study.campaign.check import checked
-from contact_study.campaign.identity import Run
-from contact_study.campaign.parts import Parts
-from contact_study.campaign.resume import Finished
-from contact_study.campaign.runner import collect, last_states
+from contact_study.campaign.resume.identity import Run
+from contact_study.campaign.resume.take_up import Finished
 from contact_study.campaign.schema import CONVENTIONS
 from contact_study.problem.errors import InputError
 from contact_study.problem.study import make_study
-
-
-def assembled(run: Run, names: Sequence[str], parts: Parts) -> tuple[dict[str, xr.Dataset], list[str]]:
-    """The groups of the dataset, and what came to light on the way."""
-    study = run.study
-    brought: list[str] = []
-    bins, longest = study.cases[0].bins, max(len(case.path) for case in study.cases)
-    coordinates = {"pressure_bin": bins.pressure, "gap_bin": bins.gap}
-    groups = storage.assemble(study.sweep, longest, collect(run, names, parts, brought), coordinates)
-    if study.cases[0].output.restart:
-        groups[storage.RESTART] = storage.restart_group(last_states(run, names, parts))
-    if not brought:
-        return groups, []
-    return groups, [
-        f"the distributions of {len(brought)} steps finished before were on other bins and are spread over this "
-        "study's, within one bin; --overwrite computes them anew"
-    ]
 
 
 def carried_warnings(run: Run, finished: Finished | None) -> list[str]:

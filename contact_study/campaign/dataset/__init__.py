@@ -1,0 +1,1 @@
+"""The one dataset of a study: assembled, described, written, and read again."""

@@ -1,0 +1,189 @@
+"""The groups of one dataset from the values of every case."""
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from contact_study.campaign import steps as store
+from contact_study.campaign.dataset.file import RESTART
+from contact_study.campaign.resume.folder import Parts
+from contact_study.campaign.resume.identity import Run
+from contact_study.campaign.schema import COORDINATES, variable_of
+from contact_study.fields.observables import Bins, redistributed
+from contact_study.problem.study import SweptKey
+
+
+def assembled(run: Run, names: Sequence[str], parts: Parts) -> tuple[dict[str, xr.Dataset], list[str]]:
+    """The groups of the dataset, and what came to light on the way."""
+    study = run.study
+    brought: list[str] = []
+    bins, longest = study.cases[0].bins, max(len(case.path) for case in study.cases)
+    coordinates = {"pressure_bin": bins.pressure, "gap_bin": bins.gap}
+    groups = assemble(study.sweep, longest, _collect(run, names, parts, brought), coordinates)
+    if study.cases[0].output.restart:
+        groups[RESTART] = restart_group(_last_states(run, names, parts))
+    if not brought:
+        return groups, []
+    return groups, [
+        f"the distributions of {len(brought)} steps finished before were on other bins and are spread over this "
+        "study's, within one bin; --overwrite computes them anew"
+    ]
+
+
+def _collect(
+    run: Run, names: Sequence[str], parts: Parts, brought: list[str]
+) -> Iterator[tuple[tuple[int, ...], dict[str, Any], list[dict[str, Any]]]]:
+    """Position, constants and steps of every case of a finished campaign, their distributions on the study's bins.
+
+    Labels of steps whose distributions were on others are appended to ``brought``.
+    """
+    for case, name in zip(run.study.cases, names, strict=True):
+        folder = parts.case_folder(name)
+        steps = []
+        for number in range(len(case.path)):
+            values, bins = store.load_step(folder, number)
+            if not bins.equal(case.bins):
+                brought.append(f"{case.label}, point {number + 1}")
+                values = _on_bins(values, bins, case.bins)
+            steps.append(values)
+        yield case.index, store.load_constants(folder), steps
+
+
+def _last_states(run: Run, names: Sequence[str], parts: Parts) -> Iterator[dict[str, np.ndarray]]:
+    """State after the last step of every case of a finished campaign; empty where it is not there."""
+    for case, name in zip(run.study.cases, names, strict=True):
+        yield store.load_state(parts.case_folder(name), len(case.path) - 1)
+
+
+def _on_bins(values: dict[str, Any], old: Bins, new: Bins) -> dict[str, Any]:
+    edges = {
+        "pressure_pdf": (old.pressure_edges, new.pressure_edges),
+        "gap_pdf": (old.gap_edges, new.gap_edges),
+    }
+    return {
+        name: redistributed(value, *edges[short]) if (short := name.rpartition("/")[2]) in edges else value
+        for name, value in values.items()
+    }
+
+
+def assemble(
+    sweep: Mapping[str, SweptKey],
+    steps: int,
+    cases: Iterable[tuple[tuple[int, ...], dict[str, Any], list[dict[str, Any]]]],
+    coordinates: Mapping[str, np.ndarray],
+) -> dict[str, xr.Dataset]:
+    """Datasets by group ("" for the root) from the values of every case.
+
+    Where cases differ in the number of points of an array, such as the atoms of cells of different sizes, the shorter
+    ones are padded at their ends.
+
+    Parameters
+    ----------
+    sweep : mapping
+        Swept keys: the leading dimensions.
+    steps : int
+        Points of the longest loading path.
+    cases : iterable
+        Position in the sweep, constants, and values of each step.
+    coordinates : mapping
+        One-dimensional coordinates of the whole study.
+    """
+    lengths = tuple(len(swept.values) for swept in sweep.values())
+    arrays: dict[str, np.ndarray] = {}
+    for index, constants, path in cases:
+        for name, value in constants.items():
+            _place(arrays, name, value, lengths, index)
+        for number, values in enumerate(path):
+            for name, value in values.items():
+                _place(arrays, name, value, (*lengths, steps), (*index, number))
+    groups: dict[str, dict[str, np.ndarray]] = {"": {}}
+    for name, array in arrays.items():
+        group, _, short = name.rpartition("/")
+        groups.setdefault(group, {})[short] = array
+    on_step = {
+        name: groups[""][name] for name in groups[""] if name in COORDINATES and variable_of(name).dims == ("step",)
+    }
+    return {group: _dataset({**on_step, **content}, sweep, coordinates, steps) for group, content in groups.items()}
+
+
+def restart_group(states: Iterable[Mapping[str, np.ndarray]]) -> xr.Dataset:
+    """The states after the last step of each case, in the order of the cases; empty where one was not kept."""
+    content = {}
+    for number, arrays in enumerate(states):
+        for name, array in arrays.items():
+            key = f"case_{number}_{name}"
+            attrs = {"long_name": f"{name} after the last point of case {number}, to continue its path from"}
+            content[key] = xr.Variable([f"{key}_{axis}" for axis in range(array.ndim)], array, attrs)
+    return xr.Dataset(content)
+
+
+def _place(
+    arrays: dict[str, np.ndarray], name: str, value: Any, lengths: tuple[int, ...], index: tuple[int, ...]
+) -> None:
+    variable = variable_of(name.rpartition("/")[2])
+    value = np.asarray(value)
+    there = arrays[name].shape[len(lengths) :] if name in arrays else ()
+    if name not in arrays or any(new > old for new, old in zip(value.shape, there, strict=True)):
+        shape = tuple(map(max, value.shape, there)) if name in arrays else value.shape
+        larger = np.full((*lengths, *shape), variable.empty, dtype=variable.dtype)
+        if name in arrays:
+            larger[_corner(arrays[name].shape)] = arrays[name]
+        arrays[name] = larger
+    if value.shape:
+        arrays[name][index][_corner(value.shape)] = value
+    else:
+        arrays[name][index] = value.item()
+
+
+def _corner(shape: tuple[int, ...]) -> tuple[slice, ...]:
+    return tuple(slice(count) for count in shape)
+
+
+def _dataset(
+    content: Mapping[str, np.ndarray],
+    sweep: Mapping[str, SweptKey],
+    coordinates: Mapping[str, np.ndarray],
+    steps: int,
+) -> xr.Dataset:
+    data: dict[str, xr.Variable] = {}
+    coords: dict[str, xr.Variable] = {}
+    for name, array in content.items():
+        dims = (*sweep, *variable_of(name).dims)
+        target = coords if name in COORDINATES else data
+        if name in COORDINATES or not variable_of(name).dims or variable_of(name).dims[0] != "step":
+            array, dims = _drop_constant_sweep(array, dims, len(sweep))
+        target[name] = xr.Variable(dims, array, _attributes(name))
+    # A coordinate that changes over the sweep cannot index its own dimension, which then counts points only.
+    indices = {
+        name: f"{name}_index" for name, variable in coords.items() if name in variable.dims and variable.ndim > 1
+    }
+    for variable in [*data.values(), *coords.values()]:
+        variable.dims = tuple(indices.get(str(dim), dim) for dim in variable.dims)
+    used = {dim for variable in [*data.values(), *coords.values()] for dim in variable.dims}
+    for name, values in {**coordinates, "step": np.arange(steps, dtype=np.int32)}.items():
+        if name in used and name not in coords:
+            coords[name] = xr.Variable((name,), values, _attributes(name))
+    for name, swept in sweep.items():
+        coords[name] = xr.Variable(
+            (name,), np.asarray(swept.values), {"units": swept.units, "long_name": swept.description}
+        )
+    return xr.Dataset(data, coords)
+
+
+def _drop_constant_sweep(array: np.ndarray, dims: tuple[str, ...], swept: int) -> tuple[np.ndarray, tuple[str, ...]]:
+    """Leave out a swept dimension along which a coordinate or constant does not change."""
+    for axis in reversed(range(swept)):
+        first = np.take(array, [0], axis=axis)
+        same = array == first
+        if array.dtype.kind == "f":
+            same |= np.isnan(array) & np.isnan(first)
+        if np.all(same):
+            array, dims = np.take(array, 0, axis=axis), (*dims[:axis], *dims[axis + 1 :])
+    return array, dims
+
+
+def _attributes(name: str) -> dict[str, Any]:
+    variable = variable_of(name)
+    return {"units": variable.units, "long_name": variable.long_name, **variable.attrs}

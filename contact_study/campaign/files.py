@@ -1,0 +1,59 @@
+"""Files that appear whole or not at all."""
+
+import json
+import os
+from pathlib import Path
+from typing import Any
+
+from contact_study.problem.errors import InputError
+
+
+def writable_output(path: Path) -> None:
+    """Make sure that a file can be written at ``path``, creating its folder.
+
+    Raises
+    ------
+    InputError
+        If the folder cannot be made or written.
+    """
+    if path.is_dir():
+        raise InputError(f"{path}: is a folder; name a file")
+    if path.exists() and not path.is_file():
+        raise InputError(f"{path}: is a device, not a file; choose another output")
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        probe = path.parent / f".{path.name}.{os.getpid()}"
+        probe.touch()
+        probe.unlink()
+    except OSError as error:
+        raise InputError(f"{path}: cannot be written ({error.strerror}); choose another output") from None
+
+
+def write_aside(path: Path, write: Any) -> None:
+    """Call ``write(temporary_path)`` and rename the result to ``path``: readers see all of it or nothing.
+
+    Raises
+    ------
+    OSError
+        If it cannot be written.
+    """
+    partial = path.with_name(f".{path.name}.{os.getpid()}.tmp")
+    try:
+        write(partial)
+        partial.replace(path)
+    except OSError as error:
+        raise OSError(f"{path}: cannot be written ({error.strerror or error})") from None
+    except RuntimeError as error:  # what the NetCDF library makes of a failed write
+        raise OSError(f"{path}: cannot be written; is the disk full? ({error})") from None
+    finally:
+        partial.unlink(missing_ok=True)
+
+
+def save_json(path: Path, content: Any) -> None:
+    """Write a file of JSON, by rename."""
+    write_aside(path, lambda partial: partial.write_text(json.dumps(content, indent=1), encoding="utf-8"))
+
+
+def load_json(path: Path) -> Any:
+    """What a file of JSON holds."""
+    return json.loads(path.read_text(encoding="utf-8"))
