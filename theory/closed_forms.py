@@ -9,6 +9,7 @@ import numpy as np
 from scipy.special import erf, exp1, roots_legendre
 
 from contact_study.fields.spectrum import RoughnessSpectrum
+from contact_study.problem.elasticity import Elasticity, elasticity_of
 
 
 def relative_contact_area(pressure: np.ndarray | float, stress_variance: np.ndarray | float) -> np.ndarray:
@@ -43,13 +44,15 @@ def stress_density(stress: np.ndarray, pressure: float, stress_variance: float) 
 def mean_gap(
     pressure: np.ndarray | float,
     spectrum: RoughnessSpectrum,
-    contact_modulus: float,
+    elasticity: Elasticity | float,
     beta: float = 0.4,
     bands: int = 1000,
 ) -> np.ndarray:
     """Mean separation with the weight W = A[β + (1−β)A²] of the elastic energy (m).
 
-    ū = √π ∫ dq q²C w ∫_p^∞ (dp'/p') [β + 3(1−β) erf²(wp'/E*)] e^(−(wp'/E*)²), w = (π ∫_{q_L}^q q'³C dq')^(−½).
+    ū = (2/√π) ∫ dU w ∫_p^∞ (dp'/p') [β + 3(1−β) erf²(wp')] e^(−(wp')²), w = (2s)^(−½), with the energy dU = π K q C dq
+    of full contact and its stress variance s(q) = 2π ∫_{q_L}^q K² q' C dq'. On a half-space, K = E* q/2, that is the
+    paper's √π ∫ dq q²C (E*w) … with E*w = (π ∫ q'³C dq')^(−½).
 
     Parameters
     ----------
@@ -57,25 +60,29 @@ def mean_gap(
         p > 0 (Pa).
     spectrum : RoughnessSpectrum
         Roughness.
-    contact_modulus : float
-        E* (Pa).
+    elasticity : Elasticity or float
+        The solid; a number is the contact modulus E* of a half-space (Pa).
     beta : float, optional
         β of the weight.
     bands : int, optional
-        Bands in which the integral over q is done by Gauss's rule in the third moment.
+        Bands in which the integral over q is done by Gauss's rule in the deviation of the stress.
     """
-    reduced = np.atleast_1d(np.asarray(pressure, dtype=float)) / contact_modulus
-    edges = spectrum.band_edges(bands)
-    root = np.sqrt(np.pi * spectrum.moment(3, upper=edges))
-    second = np.diff(spectrum.moment(2, upper=edges))
-    # q²C dq = dM₂ is shared over a band in √M₃, in which 1/w, singular at q_L, is linear.
+    root, parts = _stress_and_energy(spectrum, elasticity_of(elasticity), bands)
+    # dU is shared over a band in √s, in which 1/w, singular at q_L, is linear.
     nodes, weights = roots_legendre(4)
-    slope = 0.5 * (root[1:] + root[:-1])[:, None] + 0.5 * np.diff(root)[:, None] * nodes
-    share = slope * weights / np.sum(slope * weights, axis=1, keepdims=True)
-    w = (1 / slope).ravel()
-    energy = (second[:, None] * share).ravel()
-    total = (energy * w) @ _separation_kernel(w[:, None] * reduced, beta)
-    return (np.sqrt(np.pi) * total).reshape(np.shape(pressure))
+    stress = 0.5 * (root[1:] + root[:-1])[:, None] + 0.5 * np.diff(root)[:, None] * nodes
+    share = stress * weights / np.sum(stress * weights, axis=1, keepdims=True)
+    w = (1 / stress).ravel()
+    energy = (parts[:, None] * share).ravel()
+    total = (energy * w) @ _separation_kernel(w[:, None] * np.atleast_1d(np.asarray(pressure, dtype=float)), beta)
+    return (2 / np.sqrt(np.pi) * total).reshape(np.shape(pressure))
+
+
+def _stress_and_energy(spectrum: RoughnessSpectrum, solid: Elasticity, bands: int) -> tuple[np.ndarray, np.ndarray]:
+    """√(2s) at the edges of bands (Pa), and the full-contact energy of each (J/m²)."""
+    edges = spectrum.band_edges(bands)
+    root = np.sqrt(2 * spectrum.full_contact_stress_variance(solid.stiffness, edges))
+    return root, np.diff(spectrum.full_contact_energy(solid.stiffness, edges))
 
 
 def _separation_kernel(x: np.ndarray, beta: float) -> np.ndarray:
@@ -91,18 +98,17 @@ def _separation_kernel(x: np.ndarray, beta: float) -> np.ndarray:
 
 
 def low_pressure_asymptote(
-    spectrum: RoughnessSpectrum, contact_modulus: float, beta: float = 0.4, bands: int = 1000
+    spectrum: RoughnessSpectrum, elasticity: Elasticity | float, beta: float = 0.4, bands: int = 1000
 ) -> tuple[float, float]:
     """u₀ and p₀ of the light-load limit p = p₀ e^(−ū/u₀) (m, Pa).
 
-    u₀ = β √π ∫ q²C w dq; p₀ follows from the separation at a pressure where the asymptote is exact to rounding.
+    u₀ = (2β/√π) ∫ w dU; p₀ follows from the separation at a pressure where the asymptote is exact to rounding.
     """
-    edges = spectrum.band_edges(bands)
-    root = np.sqrt(np.pi * spectrum.moment(3, upper=edges))
-    second = np.diff(spectrum.moment(2, upper=edges))
-    # Mean of w = 1/root over a band whose dM₂ is shared as root d(root).
+    solid = elasticity_of(elasticity)
+    root, parts = _stress_and_energy(spectrum, solid, bands)
+    # Mean of w = 1/root over a band whose dU is shared as root d(root).
     inverse = 2 / (root[1:] + root[:-1])
-    decay = float(beta * np.sqrt(np.pi) * np.sum(second * inverse))
-    light = 1e-12 * contact_modulus
-    prefactor = light * np.exp(mean_gap(light, spectrum, contact_modulus, beta, bands) / decay)
+    decay = float(beta * 2 / np.sqrt(np.pi) * np.sum(parts * inverse))
+    light = 1e-12 * solid.contact_modulus
+    prefactor = light * np.exp(mean_gap(light, spectrum, solid, beta, bands) / decay)
     return decay, float(prefactor)

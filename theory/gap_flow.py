@@ -3,8 +3,8 @@
 Akin to J. Joe, Traction Between Rough Surfaces (PhD thesis, University of Michigan, 2021, hdl:2027.42/169927), who adds
 wave after wave to the distribution of the gap by the linear response of block and adhesive law together. Let U(ū) be
 the energy per area at mean gap ū with all roughness of wavevectors above q included; at the finest scale it is the
-law, φ(ū). A wave of height variance dm = 2πqC dq and elastic stiffness K = E*q/2, on the curvature c = U'', relaxes
-and adds
+law, φ(ū). A wave of height variance dm = 2πqC dq and elastic stiffness K(q), on a half-space E* q/2, relaxes on the
+curvature c = U'' and adds
 
     ∂U/∂m = ½ K c / (K + c).
 
@@ -25,6 +25,7 @@ from functools import cached_property
 import numpy as np
 
 from contact_study.fields.spectrum import RoughnessSpectrum
+from contact_study.problem.elasticity import Elasticity, elasticity_of
 from contact_study.problem.laws.base import TractionLaw
 from theory.gap_state import GapState
 from theory.scale_steps import BRANCHES, flow_through_scales, trace_back
@@ -160,7 +161,7 @@ class GapFlow:
 
 def gap_flow(
     spectrum: RoughnessSpectrum,
-    contact_modulus: float,
+    elasticity: Elasticity | float,
     law: TractionLaw,
     branch: str = "equilibrium",
     largest_gap: float = 0.0,
@@ -174,8 +175,8 @@ def gap_flow(
     ----------
     spectrum : RoughnessSpectrum
         Roughness; of a realised surface each shell of modes is a scale.
-    contact_modulus : float
-        E* (Pa).
+    elasticity : Elasticity or float
+        The solid; a number is the contact modulus E* of a half-space (Pa).
     law : TractionLaw
         Interaction of smooth surfaces.
     branch : str, optional
@@ -197,9 +198,11 @@ def gap_flow(
     if branch not in BRANCHES:
         raise ValueError(f"branch = {branch!r}: expected one of {', '.join(BRANCHES)}")
     length = law.equilibrium_distance
+    solid = elasticity_of(elasticity)
+    contact_modulus = solid.contact_modulus
     reduced = law.scaled(length, contact_modulus)
-    x = _gap_nodes(spectrum, reduced, length, largest_gap, gaps)
-    stiffness, steps = _scales(spectrum, length, scales)
+    x = _gap_nodes(spectrum, solid, reduced, length, largest_gap, gaps)
+    stiffness, steps = _scales(spectrum, solid, length, scales)
     energy = np.array(reduced.potential(x), dtype=float)
     compliances = np.empty((steps.size, x.size))
     hull = np.empty((steps.size, x.size), dtype=np.int32)
@@ -208,33 +211,35 @@ def gap_flow(
 
 
 def _gap_nodes(
-    spectrum: RoughnessSpectrum, law: TractionLaw, length: float, largest_gap: float, count: int
+    spectrum: RoughnessSpectrum, solid: Elasticity, law: TractionLaw, length: float, largest_gap: float, count: int
 ) -> np.ndarray:
     """Nodes from deep in the repulsion to far above the roughness, finest where the law varies."""
-    # Full contact has a stress of deviation ξ/2: no patch is pressed by twenty of them. Mean pressures up to the
-    # modulus itself are far more than a half-space can make sense of.
-    highest = max(10 * spectrum.rms_slope, 1.0) + 5 * law.peak_tensile_stress
+    # No patch is pressed by twenty deviations of the stress in full contact. Mean pressures up to the modulus itself
+    # are far more than linear elasticity can make sense of.
+    deviation = float(np.sqrt(spectrum.full_contact_stress_variance(solid.stiffness))) / solid.contact_modulus
+    highest = max(20 * deviation, 1.0) + 5 * law.peak_tensile_stress
     lowest = float(law.repulsive_gap(np.array(-highest)))
     roughness = np.sqrt(spectrum.mean_square_height) / length
     reach = max(5.0 + 11 * roughness, largest_gap / length + 7 * roughness)
     return lowest + 0.8 * np.sinh(np.linspace(0, np.arcsinh((reach - lowest) / 0.8), count))
 
 
-def _scales(spectrum: RoughnessSpectrum, length: float, count: int) -> tuple[np.ndarray, np.ndarray]:
+def _scales(spectrum: RoughnessSpectrum, solid: Elasticity, length: float, count: int) -> tuple[np.ndarray, np.ndarray]:
     """Stiffness and height variance of each step, fine scales first.
 
-    The wavevector of a band is the mean over its variance, which makes the full-contact energy Σ ½K Δm exact. At the
+    The stiffness of a band is the mean over its variance, which makes the full-contact energy Σ ½K Δm exact. At the
     finest scale the steps begin small and grow.
     """
     edges = spectrum.band_edges(count)
     variance = 2 * np.pi * np.diff(spectrum.moment(1, upper=edges))
     present = variance > 0  # some shells of a filtered surface are below the rounding of the sums
-    variance, lower, upper = variance[present], edges[:-1][present], edges[1:][present]
-    energy = 2 * np.pi * np.diff(spectrum.moment(2, upper=edges))[present]
-    wavevector = np.clip(energy / variance, lower, upper)  # and others little above it
+    variance, at_edges = variance[present], solid.stiffness(edges)
+    bounds = np.sort([at_edges[:-1][present], at_edges[1:][present]], axis=0)
+    energy = 2 * np.diff(spectrum.full_contact_energy(solid.stiffness, edges))[present]
+    mean_stiffness = np.clip(energy / variance, *bounds)  # and others little above it
     # The implicit Euler step is of first order in the variance; the shells of a realised surface hold much of it.
     pieces = np.ceil(variance / variance.sum() * 0.4 * count).astype(int)
-    stiffness = np.repeat(0.5 * wavevector * length, pieces)[::-1]
+    stiffness = np.repeat(mean_stiffness * length / solid.contact_modulus, pieces)[::-1]
     steps = np.repeat(variance / pieces / length**2, pieces)[::-1]
     ends = np.cumsum(steps)
     growth = _STEP_GROWTH / count

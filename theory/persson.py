@@ -5,11 +5,15 @@ Persson, Surf. Sci. Rep. 61, 201 (2006), arXiv:cond-mat/0603807, section 8. The 
 magnification q: its stress distribution diffuses with the roughness added (:mod:`theory.stress_diffusion`), stopped at
 the detachment stress σ_a(q) of a crack of size 1/q,
 
-    σ_a² = α E* q γ_eff(q),     γ_eff(q) A*(q) = Δγ A*(q₁) − U_el(q),
+    σ_a² = 2α K(q) γ_eff(q),     γ_eff(q) A*(q) = Δγ A*(q₁) − U_el(q),
 
 where A*(q) is the true area in contact and U_el(q) the elastic energy stored at wavelengths shorter than 2π/q,
 
-    U_el(q) = (π/2) E* ∫_q^q₁ q'² W(A(q')) C(q') dq'.
+    U_el(q) = π ∫_q^q₁ K(q') W(A(q')) C(q') q' dq'.
+
+The paper has a half-space, K = E* q/2: then σ_a² = α E* q γ_eff and U_el = (π/2) E* ∫ q'² W C dq'. Any other solid
+enters by its stiffness K(q) of a wave, and by the stress variance 2π ∫ K² q C dq of full contact. For a bed of springs
+the crack condition is then exact: the energy σ²/2K of a spring is released.
 
 A(q) and σ_a(q) depend on each other at all magnifications and are found by a damped fixed point.
 """
@@ -22,6 +26,7 @@ import numpy as np
 from scipy.special import erfcx
 
 from contact_study.fields.spectrum import RoughnessSpectrum
+from contact_study.problem.elasticity import Elasticity, elasticity_of
 from theory.stress_diffusion import StressDistribution, diffuse
 
 ENERGY_WEIGHTS = ("paper", "wang_mueser", "area")
@@ -51,8 +56,8 @@ class PerssonTheory:
     ----------
     spectrum : RoughnessSpectrum
         Roughness, analytic or of one surface.
-    contact_modulus : float
-        E* (Pa).
+    elasticity : Elasticity or float
+        The solid; a number is the contact modulus E* of a half-space (Pa).
     work_of_adhesion : float
         Δγ >= 0 (J/m²).
     energy_weight : str, optional
@@ -76,7 +81,7 @@ class PerssonTheory:
     """
 
     spectrum: RoughnessSpectrum
-    contact_modulus: float
+    elasticity: Elasticity | float
     work_of_adhesion: float
     energy_weight: str = "paper"
     beta: float = 0.4
@@ -93,6 +98,11 @@ class PerssonTheory:
             raise ValueError(f"true_area = {self.true_area!r}: expected one of {', '.join(TRUE_AREAS)}")
 
     @cached_property
+    def solid(self) -> Elasticity:
+        """The elastic solid."""
+        return elasticity_of(self.elasticity)
+
+    @cached_property
     def wavevectors(self) -> np.ndarray:
         """Magnifications from the smallest to the largest wavevector with roughness, shape (nodes + 1,) (1/m).
 
@@ -101,7 +111,7 @@ class PerssonTheory:
         """
         fine = self.spectrum.band_edges(100 * self.nodes)
         fine = np.unique(np.concatenate([fine, np.geomspace(fine[0], fine[-1], 100 * self.nodes)]))
-        share = self.spectrum.full_contact_stress_variance(self.contact_modulus, fine)
+        share = self.spectrum.full_contact_stress_variance(self.solid.stiffness, fine)
         share /= share[-1]
         end = int(np.argmax(share >= 1 - _NEGLIGIBLE)) + 1
         fine, share = fine[:end], share[:end]
@@ -114,7 +124,7 @@ class PerssonTheory:
     @cached_property
     def stress_variance(self) -> np.ndarray:
         """s(q) at the magnifications (Pa²)."""
-        return self.spectrum.full_contact_stress_variance(self.contact_modulus, self.wavevectors)
+        return self.spectrum.full_contact_stress_variance(self.solid.stiffness, self.wavevectors)
 
     @property
     def stress_scale(self) -> float:
@@ -126,13 +136,13 @@ class PerssonTheory:
         """True over projected area of conformal contact at the magnifications."""
         if self.true_area == "none":
             return np.ones(self.nodes + 1)
-        slope = 2 * np.sqrt(self.stress_variance) / self.contact_modulus
+        slope = np.sqrt(2 * np.pi * self.spectrum.moment(3, upper=self.wavevectors))
         return true_area_factor(slope) if self.true_area == "persson" else mean_cosine(slope)
 
     @cached_property
     def _energy_parts(self) -> np.ndarray:
         """Full-contact elastic energy of the roughness between neighbouring magnifications (J/m²)."""
-        return 0.5 * np.pi * self.contact_modulus * np.diff(self.spectrum.moment(2, upper=self.wavevectors))
+        return np.diff(self.spectrum.full_contact_energy(self.solid.stiffness, self.wavevectors))
 
     @property
     def full_contact_energy(self) -> float:
@@ -153,7 +163,8 @@ class PerssonTheory:
 
     def detachment_stress(self, effective_work: np.ndarray) -> np.ndarray:
         """σ_a(q) from γ_eff(q) (Pa)."""
-        stress = np.sqrt(self.alpha * self.contact_modulus * self.wavevectors * np.maximum(effective_work, 0.0))
+        stiffness = self.solid.stiffness(self.wavevectors)
+        stress = np.sqrt(2 * self.alpha * stiffness * np.maximum(effective_work, 0.0))
         return np.minimum(stress, self.stress_cap)
 
 
@@ -264,7 +275,7 @@ def solve(
         p, compression positive (Pa).
     start : numpy.ndarray or str, optional
         First σ_a at the magnifications (Pa), such as that of a neighbouring pressure; or ``"adhered"``, σ_a of
-        conformal contact √(α E* q Δγ); or ``"detached"``, zero. They differ where both states are stable.
+        conformal contact √(2α K Δγ); or ``"detached"``, zero. They differ where both states are stable.
     tolerance : float, optional
         Largest change of σ_a over the stress scale at which the iteration ends.
     max_iterations : int, optional

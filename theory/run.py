@@ -147,7 +147,7 @@ def persson_theory(case: Case, surface: Surface) -> PerssonTheory:
     chosen = case.theory
     return PerssonTheory(
         roughness(case, surface),
-        case.material.contact_modulus,
+        case.solid,
         case.law.work_of_adhesion,
         chosen.energy_weight,
         chosen.beta,
@@ -163,7 +163,7 @@ def _effort(case: Case, theory: PerssonTheory) -> tuple[float, int]:
     Its residual is the change of σ_a over E*, which ``solver.tolerance`` bounds as it does the residual stress of the
     simulations; but it is never looser than the theory's own choice, which counts on flat surfaces of little stress.
     """
-    asked = case.solver.tolerance * theory.contact_modulus / theory.stress_scale
+    asked = case.solver.tolerance * theory.solid.contact_modulus / theory.stress_scale
     return float(np.clip(asked, _FINEST_TOLERANCE, TOLERANCE)), case.solver.max_iterations
 
 
@@ -173,7 +173,7 @@ def constants(case: Case, surface: Surface) -> dict[str, Value]:
     spectrum = theory.spectrum
     tolerance, max_iterations = _effort(case, theory)
     values: dict[str, Value] = {
-        "contact_modulus": theory.contact_modulus,
+        "contact_modulus": theory.solid.contact_modulus,
         "work_of_adhesion": law.work_of_adhesion,
         "equilibrium_distance": law.equilibrium_distance,
         "peak_tensile_stress": law.peak_tensile_stress,
@@ -186,7 +186,7 @@ def constants(case: Case, surface: Surface) -> dict[str, Value]:
     }
     if isinstance(law, TractionLaw):
         for branch in BRANCHES:
-            flow = gap_flow(spectrum, theory.contact_modulus, law, branch)
+            flow = gap_flow(spectrum, theory.solid, law, branch)
             _warn_of_unconverged(flow)
             values[_name(branch, "pull_off_pressure")] = flow.pull_off_pressure
     return values
@@ -314,7 +314,7 @@ def _persson_values(case: Case, contact: PerssonContact) -> dict[str, Value]:
         "converged": contact.converged,
         "detached": contact.detached,
         "message": message,
-        "residual": contact.residual * theory.stress_scale / theory.contact_modulus,
+        "residual": contact.residual * theory.stress_scale / theory.solid.contact_modulus,
         "iterations": contact.iterations,
     }
 
@@ -347,7 +347,7 @@ def _gap_flow_path(case: Case, spectrum: RoughnessSpectrum) -> list[list[dict[st
     largest = 0.0
     if case.loading.control == "gap":
         largest = max(gap for gap, _ in case.path) + case.law.equilibrium_distance
-    flows = [gap_flow(spectrum, case.material.contact_modulus, case.law, branch, largest) for branch in BRANCHES]
+    flows = [gap_flow(spectrum, case.solid, case.law, branch, largest) for branch in BRANCHES]
     for flow in flows:
         _warn_of_unconverged(flow)
     try:
@@ -407,7 +407,7 @@ def _state_values(case: Case, flow: GapFlow, state: GapState | None) -> dict[str
         "detached": False,
         # Mean traction of the local gaps against the slope of the energy: not a measure of convergence but of the
         # resolution. Second order in the gap's nodes, first in the scales and where coexistence ends between nodes.
-        "residual": abs(state.mean_traction - state.pressure) / case.material.contact_modulus,
+        "residual": abs(state.mean_traction - state.pressure) / case.solid.contact_modulus,
     }
 
 

@@ -5,6 +5,7 @@ need is in the moments M_n(q) = ∫ q'ⁿ C dq' from the smallest wavevector to 
 """
 
 from abc import ABC, abstractmethod
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -12,6 +13,9 @@ import numpy as np
 
 from contact_study.fields import fourier
 from contact_study.fields.grid import Grid
+
+# Pieces, at least, in which a weighted integral over a continuous spectrum is done.
+_PIECES = 200
 
 
 class RoughnessSpectrum(ABC):
@@ -42,6 +46,25 @@ class RoughnessSpectrum(ABC):
         """
 
     @abstractmethod
+    def weighted_variance(
+        self, weight: Callable[[np.ndarray], np.ndarray], upper: float | np.ndarray | None = None
+    ) -> np.ndarray:
+        """2π ∫ w(q) q C dq, the height variance below ``upper`` with a weight for each wave.
+
+        Parameters
+        ----------
+        weight : callable
+            w at wavevectors (1/m), smooth on the scale of an octave.
+        upper : float or numpy.ndarray, optional
+            Upper limits as in :meth:`moment`.
+
+        Returns
+        -------
+        numpy.ndarray
+            In m² times the unit of the weight, of the shape of ``upper``.
+        """
+
+    @abstractmethod
     def band_edges(self, count: int) -> np.ndarray:
         """At most ``count`` + 1 increasing wavevectors that divide the whole spectrum well (1/m)."""
 
@@ -61,17 +84,26 @@ class RoughnessSpectrum(ABC):
         return float(np.sqrt(2 * np.pi * self.moment(5)))
 
     def full_contact_stress_variance(
-        self, contact_modulus: float, upper: float | np.ndarray | None = None
+        self, stiffness: Callable[[np.ndarray], np.ndarray], upper: float | np.ndarray | None = None
     ) -> np.ndarray:
-        """Variance of the stress that full contact with the roughness up to ``upper`` makes, (π/2) E*² M₃ (Pa²).
+        """Variance of the stress that full contact with the roughness up to ``upper`` makes, 2π ∫ K² q C dq (Pa²).
 
-        Each wave h of full contact carries the stress E* q h / 2.
+        Each wave h of full contact carries the stress K h, on a half-space E* q h/2.
+
+        Parameters
+        ----------
+        stiffness : callable
+            K at wavevectors (1/m), in Pa/m.
+        upper : float or numpy.ndarray, optional
+            Largest wavevectors (1/m).
         """
-        return 0.5 * np.pi * contact_modulus**2 * self.moment(3, upper=upper)
+        return self.weighted_variance(lambda q: stiffness(q) ** 2, upper)
 
-    def full_contact_energy(self, contact_modulus: float) -> float:
-        """Elastic energy per area of full contact, (π/2) E* M₂ (J/m²)."""
-        return float(0.5 * np.pi * contact_modulus * self.moment(2))
+    def full_contact_energy(
+        self, stiffness: Callable[[np.ndarray], np.ndarray], upper: float | np.ndarray | None = None
+    ) -> np.ndarray:
+        """Elastic energy per area of full contact, π ∫ K q C dq (J/m²); parameters as for its stress variance."""
+        return 0.5 * self.weighted_variance(stiffness, upper)
 
 
 @dataclass(frozen=True)
@@ -127,6 +159,19 @@ class SelfAffineSpectrum(RoughnessSpectrum):
         a = self.low if lower is None else min(max(lower, self.low), self.cutoff)
         b = np.clip(self.cutoff if upper is None else upper, self.low, self.cutoff)
         return self.plateau * self._shape_moment(order, a, b)
+
+    def weighted_variance(
+        self, weight: Callable[[np.ndarray], np.ndarray], upper: float | np.ndarray | None = None
+    ) -> np.ndarray:
+        b = np.clip(self.cutoff if upper is None else upper, self.low, self.cutoff)
+        # Gauss's rule on ln q, in pieces on which q²C is next to linear; exact limits and the roll-off are among them.
+        ends = np.unique(np.concatenate([np.ravel(b), self.band_edges(_PIECES)]))
+        nodes, weights = np.polynomial.legendre.leggauss(6)
+        half = 0.5 * np.diff(np.log(ends))
+        q = np.sqrt(ends[1:] * ends[:-1])[:, None] * np.exp(half[:, None] * nodes)
+        pieces = half * np.sum(weights * q**2 * self.density(q) * weight(q), axis=1)
+        cumulative = np.concatenate([[0.0], np.cumsum(pieces)])
+        return 2 * np.pi * cumulative[np.searchsorted(ends, b)]
 
     def _shape_moment(self, order: float, a: float, b: float | np.ndarray) -> np.ndarray:
         """∫ qⁿ C/C₀ dq from a to b, exact in each of the two power laws."""
@@ -204,6 +249,12 @@ class RadialSpectrum(RoughnessSpectrum):
         cumulative = np.concatenate([[0.0], np.cumsum(parts)])
         below = 0.0 if lower is None else np.interp(lower, self.shell_edges, cumulative)
         return np.interp(self.limits[1] if upper is None else upper, self.shell_edges, cumulative) - below
+
+    def weighted_variance(
+        self, weight: Callable[[np.ndarray], np.ndarray], upper: float | np.ndarray | None = None
+    ) -> np.ndarray:
+        cumulative = np.concatenate([[0.0], np.cumsum(self.variances * weight(self.wavevectors))])
+        return np.interp(self.limits[1] if upper is None else upper, self.shell_edges, cumulative)
 
     def band_edges(self, count: int) -> np.ndarray:
         """Edges of the shells; where they lie denser than ``count`` bands in all, of groups of neighbours."""

@@ -8,6 +8,7 @@ from scipy.integrate import quad
 
 from contact_study.fields.grid import Grid
 from contact_study.fields.spectrum import RadialSpectrum, SelfAffineSpectrum, radial_spectrum
+from contact_study.problem.elasticity import HalfSpace
 
 ANGSTROM = 1e-10
 Q_L = 2 * np.pi / (1040 * ANGSTROM)
@@ -20,8 +21,9 @@ def test_reference_numbers_of_the_paper():
     assert PAPER.plateau / ANGSTROM**4 == pytest.approx(48379.66, abs=0.005)
     assert PAPER.rms_slope == pytest.approx(0.26244, abs=5e-6)
     assert PAPER.rms_laplacian * ANGSTROM == pytest.approx(0.01106, abs=5e-6)
-    assert np.sqrt(PAPER.full_contact_stress_variance(CONTACT_MODULUS)) == pytest.approx(12.300e9, abs=5e5)
-    assert PAPER.full_contact_energy(CONTACT_MODULUS) == pytest.approx(5.3532, abs=5e-5)
+    stiffness = HalfSpace(CONTACT_MODULUS).stiffness
+    assert np.sqrt(PAPER.full_contact_stress_variance(stiffness)) == pytest.approx(12.300e9, abs=5e5)
+    assert PAPER.full_contact_energy(stiffness) == pytest.approx(5.3532, abs=5e-5)
 
 
 def test_rms_height_is_the_integral_of_the_density():
@@ -68,6 +70,36 @@ def test_moments_take_arrays_of_limits():
     assert moments[-1] == moments[-2] == pytest.approx(PAPER.moment(2), abs=0, rel=1e-15)
     # Subtracting the upper part loses no more than rounding.
     assert PAPER.moment(2, lower=7 * Q_L) == pytest.approx(PAPER.moment(2) - moments[4], abs=0, rel=1e-13)
+
+
+@pytest.mark.parametrize("power", [0, 2, 4, -3.5])
+def test_weighted_variance_is_a_moment_for_a_power_of_the_wavevector(power):
+    q = np.array([0.5, 1, 2, 3, 3.0001, 7, 12, 20]) * Q_L
+    found = PAPER.weighted_variance(lambda q: q**power, q)
+    # Gauss's rule of six points on 1/80 of a decade, summed.
+    np.testing.assert_allclose(found, 2 * np.pi * PAPER.moment(1 + power, upper=q), rtol=1e-13)
+    assert PAPER.weighted_variance(lambda q: q**power) == found[-1]
+
+
+def test_weighted_variance_of_a_weight_that_is_no_power():
+    """On its own function, not on the power law that carries it: a resonance at 5 q_L."""
+
+    def weight(q):
+        return 1 / (1 + (q / Q_L - 5) ** 2)
+
+    expected = sum(
+        quad(lambda x: 2 * np.pi * x * Q_L**2 * weight(x * Q_L) * PAPER.density(x * Q_L), a, b, epsrel=1e-12)[0]
+        for a, b in ((1, 3), (3, 5.5))
+    )
+    assert PAPER.weighted_variance(weight, 5.5 * Q_L) == pytest.approx(expected, abs=0, rel=1e-11)
+
+
+def test_weighted_variance_of_shells_weighs_each_at_its_own_wavevector():
+    q, variances = np.array([1.0, 2.0, 5.0]), np.array([3.0, 0.5, 0.1])
+    shells = RadialSpectrum(q, variances)
+    found = shells.weighted_variance(lambda q: np.cos(q), shells.shell_edges)
+    np.testing.assert_allclose(found, [0, *np.cumsum(variances * np.cos(q))], rtol=1e-14)
+    assert shells.weighted_variance(lambda q: np.cos(q)) == found[-1]
 
 
 @pytest.mark.parametrize("wavevectors", [(0.0, 1.0, 2.0), (1.0, 0.5, 2.0), (1.0, 3.0, 2.0), (1.0, 1.0, 1.0)])

@@ -161,9 +161,10 @@ def test_state_that_circles_is_given_up(paper):
     assert not early.stalled
     assert early.iterations == 20
     assert "max_iterations" in early.advice
-    # One that takes four times as long as the patience, and gets there.
+    # One that takes over twice as long as the patience, and gets there. Its way is chaotic: 448 to 823 iterations where
+    # the work of adhesion changes by 1e-13 to 1e-11 of itself.
     slow = solve(paper.theory(3.3, alpha=3.0, nodes=80, cells=120), 3e7, max_iterations=2000)
-    assert slow.iterations > 600
+    assert slow.iterations > 400
     assert slow.converged
     assert not slow.stalled
 
