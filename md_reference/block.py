@@ -14,6 +14,7 @@ import numpy as np
 from numba import njit
 
 from contact_study.fields.grid import Grid
+from contact_study.problem.elasticity import contact_modulus_of
 
 _OPTIONS = {"cache": True, "error_model": "numpy", "fastmath": {"contract", "reassoc", "arcp", "nsz"}}
 
@@ -202,8 +203,22 @@ def condense(element: np.ndarray, phase_y: np.ndarray, phase_x: np.ndarray, laye
     return coefficients.reshape(6, *phase_y.shape)
 
 
+def normal_stiffness(coefficients: np.ndarray, lattice_constant: float) -> np.ndarray:
+    """K = 1 / (a² [S⁻¹]_zz), the normal pressure per displacement where no shear acts (Pa/m).
+
+    Parameters
+    ----------
+    coefficients : numpy.ndarray, shape (6, ...)
+        As returned by :func:`condense`.
+    lattice_constant : float
+        Of the block (m).
+    """
+    normal_compliance = invert_symmetric.py_func(*coefficients)[2]  # plain NumPy, on whole arrays
+    return 1 / (lattice_constant**2 * normal_compliance)
+
+
 def contact_modulus(coefficients: np.ndarray, wavenumber: np.ndarray, lattice_constant: float) -> np.ndarray:
-    """Surface modulus E*(q) = 2 / (q a² [S⁻¹]_zz) that a frictionless normal traction feels.
+    """Surface modulus E*(q) = 2 K/q that a frictionless normal traction feels.
 
     Parameters
     ----------
@@ -219,8 +234,7 @@ def contact_modulus(coefficients: np.ndarray, wavenumber: np.ndarray, lattice_co
     numpy.ndarray
         E*(q) (Pa), of the shape of ``wavenumber``.
     """
-    normal_compliance = invert_symmetric.py_func(*coefficients)[2]  # plain NumPy, on whole arrays
-    return 2 / (wavenumber * lattice_constant**2 * normal_compliance)
+    return contact_modulus_of(normal_stiffness(coefficients, lattice_constant), wavenumber)
 
 
 @dataclass(frozen=True)
@@ -241,6 +255,14 @@ class SurfaceStiffness:
     grid: Grid
     lattice_constant: float
     coefficients: np.ndarray
+
+    @property
+    def normal_stiffness(self) -> np.ndarray:
+        """K of each wavevector for a frictionless normal pressure, on the half spectrum (Pa/m).
+
+        At q = 0 that of the block's uniform compression.
+        """
+        return normal_stiffness(self.coefficients, self.lattice_constant)
 
     @property
     def contact_modulus(self) -> np.ndarray:
@@ -265,7 +287,7 @@ def surface_stiffness(
     return SurfaceStiffness(grid, lattice_constant, condense(element, phase_y, phase_x, layers))
 
 
-def without_lateral_freedom(stiffness: SurfaceStiffness, contact_modulus: float | None = None) -> SurfaceStiffness:
+def without_lateral_freedom(stiffness: SurfaceStiffness) -> SurfaceStiffness:
     """The block as a frictionless continuum sees it: normal compliance only, the bottom atoms on vertical rails.
 
     For taking apart what separates atoms from a continuum model, see ``scripts/continuum_against_atoms.py``.
@@ -274,16 +296,9 @@ def without_lateral_freedom(stiffness: SurfaceStiffness, contact_modulus: float 
     ----------
     stiffness : SurfaceStiffness
         The full block.
-    contact_modulus : float, optional
-        If given, the elastic half-space S_zz = a² E* q/2 of that modulus replaces the lattice's own compliance (Pa).
     """
-    wavenumber = stiffness.grid.wavenumber
     coefficients = np.zeros_like(stiffness.coefficients)
     # Stiff beyond any force that the interface can exert; the value only has to leave the matrix invertible.
     coefficients[:2] = 1e6 * np.max(stiffness.coefficients)
-    if contact_modulus is None:
-        coefficients[2] = 1 / invert_symmetric.py_func(*stiffness.coefficients)[2]
-    else:
-        coefficients[2] = stiffness.area_per_atom * contact_modulus * wavenumber / 2
-        coefficients[2, 0, 0] = stiffness.coefficients[2, 0, 0]
+    coefficients[2] = stiffness.area_per_atom * stiffness.normal_stiffness
     return SurfaceStiffness(stiffness.grid, stiffness.lattice_constant, coefficients)

@@ -1,7 +1,7 @@
 """By how much continuum and atoms differ on the same surface, and why.
 
 Between the two stand models that change one thing at a time: the modulus as the lattice shows it, the work of adhesion
-of the cut-off pair potential, the minimiser (which must change nothing), the lattice's dispersion, the distance normal
+of the cut-off pair potential, the lattice's dispersion, the minimiser (which must change nothing), the distance normal
 to the substrate instead of the vertical one, Lennard-Jones pairs instead of smeared layers, and at last the lateral
 freedom of the atoms. Every one of them starts from the gap of the continuum at the same pressure, so that all are on
 one branch. The tables are printed as Markdown and written to a NetCDF file.
@@ -28,6 +28,7 @@ from contact_study.campaign.command import Parser, guarded
 from contact_study.fields import fourier
 from contact_study.fields.grid import Grid
 from contact_study.problem.case import Case
+from contact_study.problem.elasticity import Elasticity, HalfSpace, Tabulated
 from contact_study.problem.errors import InputError
 from contact_study.problem.laws.base import TractionLaw
 from contact_study.problem.study import read_study
@@ -44,8 +45,8 @@ MODELS = {
     "continuum": "elastic half-space and 10-4 law, constants of the study",
     "measured_modulus": "modulus that the lattice shows to this surface",
     "measured_adhesion": "work of adhesion of the cut-off pair potential",
-    "other_minimiser": "same equations, minimiser of the atoms",
     "lattice_stiffness": "stiffness of the lattice at every wavevector",
+    "other_minimiser": "same equations, minimiser of the atoms",
     "tilted_law": "distance normal to the tilted substrate",
     "pair_sums": "Lennard-Jones pairs, atoms on vertical rails",
     "atoms": "lateral freedom of the atoms",
@@ -159,12 +160,11 @@ def solve(case: Case, surface: Surface, measured: dict[str, float]) -> list[list
     grid = Grid(case.atoms, surface.size)  # the continuum's too: discretisation is no difference between the models
     adhesion = dataclasses.replace(case.law, work_of_adhesion=measured["measured_work_of_adhesion"])
     modulus = measured["measured_contact_modulus"]
+    lattice = Tabulated(modulus, grid, stiffness.normal_stiffness)
 
-    def continuum(contact_modulus: float, law: TractionLaw) -> LoadedContact:
+    def continuum(solid: Elasticity, law: TractionLaw) -> LoadedContact:
         given = case.solver
-        return LoadedContact(
-            heights, grid, contact_modulus, law, tolerance=given.tolerance, max_iterations=given.max_iterations
-        )
+        return LoadedContact(heights, grid, solid, law, tolerance=given.tolerance, max_iterations=given.max_iterations)
 
     def minimiser(block: SurfaceStiffness, interaction: Interaction) -> EquilibriumSolver:
         given = case.solver
@@ -179,10 +179,10 @@ def solve(case: Case, surface: Surface, measured: dict[str, float]) -> list[list
     )
     pairs = md_reference.run.build_interface(case, surface)
     railed = without_lateral_freedom(stiffness)
-    first = continuum(case.material.contact_modulus, case.law)
-    continua = [continuum(modulus, case.law), continuum(modulus, adhesion)]
+    first = continuum(case.solid, case.law)
+    shown = HalfSpace(modulus)
+    continua = [continuum(shown, case.law), continuum(shown, adhesion), continuum(lattice, adhesion)]
     minimisers = [
-        minimiser(without_lateral_freedom(stiffness, modulus), smeared),
         minimiser(railed, smeared),
         minimiser(railed, tilted),
         minimiser(railed, pairs),

@@ -53,7 +53,8 @@ def test_increments_lead_from_continuum_to_atoms(study, capsys):
     area, gap = found["relative_contact_area"], found["mean_gap"]
     steps = found["relative_contact_area_increment"].sum("model")
     np.testing.assert_allclose(area.sel(model="continuum") + steps, area.sel(model="atoms"), rtol=1e-12)
-    # One set of equations, two minimisers: the same state to what a residual of 1e-8 E* leaves of the gap.
+    # One set of equations, two minimisers: the same state to what a residual of 1e-8 E* leaves of the gap. The
+    # continuum's solver has the lattice's own stiffness by then.
     assert float(abs(found["mean_gap_increment"].sel(model="other_minimiser")).max()) < 1e-6 * ANGSTROM
     assert not found["relative_contact_area_increment"].sel(model="other_minimiser").any()
     # The gap over a slope is wider than the distance of the layers, and sliding brings atoms closer again.

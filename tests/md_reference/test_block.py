@@ -128,5 +128,4 @@ def test_a_block_on_rails_keeps_its_normal_compliance():
     block = surface_stiffness(ELEMENT, (12, 16), LATTICE_CONSTANT, 16)
     railed = without_lateral_freedom(block)
     np.testing.assert_allclose(railed.contact_modulus, block.contact_modulus, rtol=1e-12)
-    half_space = without_lateral_freedom(block, CONTACT_MODULUS).contact_modulus
-    np.testing.assert_allclose(half_space.ravel()[1:], CONTACT_MODULUS, rtol=1e-12)
+    np.testing.assert_allclose(railed.normal_stiffness, block.normal_stiffness, rtol=1e-12)

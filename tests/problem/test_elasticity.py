@@ -5,7 +5,7 @@ import pytest
 from scipy.linalg import expm
 
 from contact_study.fields.grid import Grid
-from contact_study.problem.elasticity import HalfSpace, Layer, contact_modulus_of, elasticity_of
+from contact_study.problem.elasticity import HalfSpace, Layer, Tabulated, contact_modulus_of, elasticity_of
 
 RATIOS = [-0.3, 0.0, 0.3, 0.42, 0.4999, 0.5]
 
@@ -125,3 +125,53 @@ def test_a_number_is_the_contact_modulus_of_a_half_space():
 def test_impossible_layers_are_named(arguments, name):
     with pytest.raises(ValueError, match=name):
         Layer(*arguments)
+
+
+def direction_dependent(shape=(12, 10), size=(3.0, 2.0)):
+    """A lattice-like K that depends on direction, and every entry on its own wavevector."""
+    grid = Grid(shape, size)
+    q_y, q_x = grid.wavevectors
+    stiffness_q = 0.5 * 4.0 * grid.wavenumber * (1 - 1e-3 * q_x**2 - 2e-3 * q_y**2 - 1e-3 * q_x * q_y)
+    return grid, Tabulated(4.0, grid, stiffness_q)
+
+
+def test_a_table_gives_each_wave_its_own_stiffness():
+    grid, solid = direction_dependent()
+    stiffness_q = solid.stiffness_on(grid)
+    np.testing.assert_array_equal(stiffness_q.ravel()[1:], solid.table.ravel()[1:])
+    assert stiffness_q[0, 0] == 0
+    coarse = grid.with_shape((6, 5))
+    q_y, q_x = coarse.wavevectors
+    expected = 2.0 * coarse.wavenumber * (1 - 1e-3 * q_x**2 - 2e-3 * q_y**2 - 1e-3 * q_x * q_y)
+    np.testing.assert_allclose(solid.stiffness_on(coarse), expected, rtol=1e-14)
+    scaled = solid.scaled(1e-9, 5.0)
+    in_units = scaled.stiffness_on(Grid(grid.shape, (3e9, 2e9)))
+    np.testing.assert_allclose(in_units * 5.0 / 1e-9, stiffness_q, rtol=1e-14)
+
+
+def test_theories_see_the_mean_over_directions():
+    grid = Grid((64, 64), (1.0, 1.0))
+    with np.errstate(invalid="ignore"):
+        cosine = (grid.wavevectors[1] / grid.wavenumber) ** 2
+    isotropic = 3.0 * grid.wavenumber
+    solid = Tabulated(6.0, grid, isotropic * (1 + 0.2 * cosine))
+    wavenumber = 2 * np.pi * np.array([8.0, 16.0, 30.0])
+    # <cos²> = 1/2, to what the points on a ring of finite width are uneven.
+    np.testing.assert_allclose(solid.stiffness(wavenumber), 3.3 * wavenumber, rtol=5e-3)
+    # A half-space in the table is a half-space.
+    plain = Tabulated(6.0, grid, isotropic)
+    np.testing.assert_allclose(plain.stiffness(wavenumber * 0.77), 3.0 * wavenumber * 0.77, rtol=1e-13)
+
+
+def test_impossible_tables_are_named():
+    grid, solid = direction_dependent()
+    with pytest.raises(ValueError, match="table has shape"):
+        Tabulated(4.0, grid, solid.table[1:])
+    for wrong in (0.0, np.nan):
+        table = solid.table.copy()
+        table[3, 2] = wrong
+        with pytest.raises(ValueError, match="positive and finite"):
+            Tabulated(4.0, grid, table)
+    for other in (Grid((13, 10), grid.size), Grid((12, 12), grid.size), Grid(grid.shape, (3.0, 2.1))):
+        with pytest.raises(ValueError, match="other waves"):
+            solid.stiffness_on(other)

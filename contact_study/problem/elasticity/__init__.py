@@ -3,8 +3,9 @@
 from contact_study.problem.elasticity.base import Elasticity, contact_modulus_of
 from contact_study.problem.elasticity.half_space import HalfSpace
 from contact_study.problem.elasticity.layer import Layer
+from contact_study.problem.elasticity.tabulated import Tabulated
 
-__all__ = ["Elasticity", "HalfSpace", "Layer", "contact_modulus_of", "elasticity_of"]
+__all__ = ["Elasticity", "HalfSpace", "Layer", "Tabulated", "contact_modulus_of", "elasticity_of"]
 
 
 def elasticity_of(solid: Elasticity | float) -> Elasticity:

@@ -20,7 +20,7 @@ class Elasticity(ABC):
     Parameters
     ----------
     contact_modulus : float
-        E*, the unit of stresses and what short waves feel: K(q) → E* q/2 (Pa).
+        E*, the modulus that is quoted and the unit of stresses; of a homogeneous solid short waves feel E* q/2 (Pa).
 
     Raises
     ------
