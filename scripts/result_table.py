@@ -10,12 +10,11 @@ from pathlib import Path
 
 import xarray as xr
 
+from contact_study.comparison.datasets import MODELS, models_in
 from contact_study.comparison.findings import MODEL_WORDS, headline, split_pair
 from contact_study.comparison.result_tables import results_tables
 from contact_study.comparison.wording import number
 from contact_study.problem.units import quantity
-
-GROUPS = {"atomistic": "atomistic", "continuum": "continuum", "theory": "theory", "gap_flow": "theory/gap_flow"}
 
 
 def parser() -> argparse.ArgumentParser:
@@ -31,8 +30,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     pressures = [quantity(text, "Pa", "--pressures") for text in given.pressures]
     with xr.open_datatree(given.comparison, decode_timedelta=False) as tree:
         there = {node.path.strip("/") for node in tree.subtree}
-        models = {name: tree[group].to_dataset().load() for name, group in GROUPS.items() if group in there}
+        roots = [tree[kind].to_dataset().load() for kind in MODELS if kind in there]
         deviations = tree["deviations"].to_dataset().load()
+    models = {name: dataset for root in roots for name, dataset in models_in(root).items()}
     print(table(models, pressures))
     print()
     first = split_pair(deviations["pair"].values[0])[1]

@@ -92,7 +92,8 @@ def test_everything_is_written_and_nothing_else(folder):
 @pytest.mark.parametrize("name", MODELS)
 def test_datasets_describe_themselves(folder, name):
     with xr.open_dataset(folder / f"{name}.nc") as dataset:
-        assert (dataset.converged.values[0, :2] == 1).all()
+        theories = ("theory",) if name == "theory" else ()
+        assert (dataset.converged.isel(well_depth_ratio=0, step=slice(2)) == 1).all()
         assert dataset.attrs["Conventions"].startswith("CF-")
         for variable_name, variable in dataset.variables.items():
             if variable_name in {**VARIABLES, **COORDINATES}:
@@ -100,7 +101,29 @@ def test_datasets_describe_themselves(folder, name):
                 assert variable.attrs["units"] == expected.units
             assert variable.attrs["long_name"]
             assert "units" in variable.attrs
-        assert dataset.relative_contact_area.dims == ("well_depth_ratio", "step")
+        assert dataset.relative_contact_area.dims == ("well_depth_ratio", *theories, "step")
+
+
+def test_theories_stand_side_by_side(folder):
+    with xr.open_datatree(folder / "theory.nc", decode_timedelta=False) as tree:
+        root, branches = tree.to_dataset(), tree["metastable"].to_dataset()
+        assert list(root.theory.values) == ["persson", "gap_flow"]
+        for name in ("relative_contact_area", "mean_gap", "elastic_energy", "residual", "pull_off_pressure"):
+            assert (
+                np.isfinite(root[name].isel(well_depth_ratio=1))
+                .any("step" if "step" in root[name].dims else None)
+                .all()
+            )
+        assert (root.gap_pdf.notnull().any(("step", "gap_bin", "well_depth_ratio")).values == [False, True]).all()
+        for name in ("contact_stress", "detachment_stress", "contact_modulus", "wall_time"):
+            assert "theory" not in root[name].dims, name
+        # The branches enclose the equilibrium, to the error of the theory's grids.
+        low, high = (branches.relative_contact_area.sel(metastable_branch=side) for side in ("loading", "unloading"))
+        areas = root.relative_contact_area.sel(theory="gap_flow")
+        there = areas.notnull().values
+        assert (low.sel(theory="gap_flow").values <= areas.values * (1 + 1e-3))[there].all()
+        assert (high.sel(theory="gap_flow").values >= areas.values * (1 - 1e-3))[there].all()
+        assert root.relative_contact_area.sel(well_depth_ratio=4).plot.line(hue="theory")
 
 
 @pytest.mark.parametrize("name", ["bem", "md"])
@@ -212,18 +235,20 @@ def test_smaller_study_is_widened_to_the_whole(folder, tmp_path, name):
         assert ("other bins" in widened.attrs["warnings"]) == (name != "theory")
 
 
-def test_group_of_the_steps_that_did_not_converge_is_named(folder, tmp_path, capsys, monkeypatch):
-    """A Newton iteration less than the gap flow needs: its groups fail, the root does not."""
+def test_theory_of_the_steps_that_did_not_converge_is_named(folder, tmp_path, capsys, monkeypatch):
+    """A Newton iteration less than the gap flow needs: its states fail, Persson's do not."""
     flow = theory.run.gap_flow
     monkeypatch.setattr(theory.run, "gap_flow", lambda *arguments: flow(*arguments, iterations=1))
     arguments = [str(folder / "study.toml"), "-o", str(tmp_path / "theory.nc"), "--workers", "1"]
     arguments += ["--interaction.well_depth_ratio", "4"]
     assert main(theory.run.MODEL, arguments) == 2
     said = capsys.readouterr().err
-    for group in ("gap_flow", "gap_flow/loading", "gap_flow/unloading"):
-        assert f"3 of 3 steps did not converge in the group {group};" in said
+    there = 'theory="gap_flow"'
+    branches = [f'{there}, metastable_branch="{side}" in the group metastable' for side in ("loading", "unloading")]
+    for where in (there, *branches):
+        assert f"3 of 3 steps did not converge at {where};" in said
     assert main(theory.run.MODEL, [*arguments, "--resume"]) == 2
-    assert "in the group gap_flow/loading;" in capsys.readouterr().err
+    assert "in the group metastable;" in capsys.readouterr().err
 
 
 def test_killed_campaign_resumes_bit_for_bit(folder, tmp_path):

@@ -1,7 +1,7 @@
 """Both theories of a case as a campaign runs them, and the command ``persson-theory``.
 
-The root of the dataset holds Persson's theory as the paper used it; the group ``gap_flow`` the equilibrium of the
-gap-flow theory, and ``gap_flow/loading`` and ``gap_flow/unloading`` the two branches that enclose what is reached.
+``persson`` is Persson's theory as the paper used it, ``gap_flow`` the equilibrium of the gap-flow theory, and
+``gap_flow/loading`` and ``gap_flow/unloading`` are the two metastable branches that enclose what is reached.
 """
 
 import warnings
@@ -13,6 +13,7 @@ from scipy.optimize import brentq
 from contact_study.campaign import command
 from contact_study.campaign.model import Model
 from contact_study.campaign.record import Step, Value
+from contact_study.campaign.schema import quantity_of
 from contact_study.fields.spectrum import RoughnessSpectrum
 from contact_study.problem.case import Case
 from contact_study.problem.errors import InputError
@@ -61,6 +62,9 @@ _DETACHED: dict[str, Value] = {
 # Wavevectors at which the magnification-resolved quantities are stored.
 _STORED_WAVEVECTORS = 129
 _RESOLVED = ("relative_contact_area_at", "detachment_stress", "effective_work_of_adhesion")
+
+# Quantities that no other theory has.
+_PERSSONS_OWN = (*_RESOLVED, "contact_stress", "edge_stress")
 
 # Below this pressure, in units of the full-contact stress, a mean gap is not sought.
 _LOWEST_PRESSURE = 1e-9
@@ -181,7 +185,7 @@ def constants(case: Case, surface: Surface) -> dict[str, Value]:
         "rms_height": float(np.sqrt(spectrum.mean_square_height)),
         "rms_slope": spectrum.rms_slope,
         "energy_defect": energy_defect(theory, tolerance, max_iterations),
-        "pull_off_pressure": pull_off_pressure(theory, tolerance=tolerance, max_iterations=max_iterations),
+        "persson/pull_off_pressure": pull_off_pressure(theory, tolerance=tolerance, max_iterations=max_iterations),
         "wavevector": _stored_wavevectors(theory),
     }
     if isinstance(law, TractionLaw):
@@ -232,10 +236,11 @@ def solve_path(
             values = _persson_values(case, contact) | {"mean_gap": float(gaps[number])}
             if np.isfinite(gaps[number]) and not curve.converged_above(pressures[number]):
                 values |= {"converged": False, "message": _UNSOUND_GAP}
+        values = {name if name in _PERSSONS_OWN else f"persson/{name}": value for name, value in values.items()}
         for branch in flows:
             values |= branch[number]
         # Nothing slides in a theory of the mean gap: it is the distance of the mean planes, too.
-        distances = {name: value for name, value in values.items() if name.rpartition("/")[2] == "mean_gap"}
+        distances = {name: value for name, value in values.items() if quantity_of(name)[1] == "mean_gap"}
         values |= {name.replace("mean_gap", "mean_separation"): value for name, value in distances.items()}
         yield Step(values, restart={} if isinstance(stress, str) else {"detachment_stress": stress})
 

@@ -17,7 +17,8 @@ class Step:
     Attributes
     ----------
     values : mapping
-        Quantities under the names of the schema; ``"group/name"`` puts one into a group of the dataset.
+        Quantities under the names of the schema; of several theories each under its own, ``"gap_flow/mean_gap"``, and
+        under that of a metastable branch, ``"gap_flow/loading/mean_gap"``.
     fields : mapping
         Fields over the lateral plane (y, x), only where the study asks for them.
     restart : mapping

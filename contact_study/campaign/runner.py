@@ -22,6 +22,7 @@ from contact_study.campaign.progress import Progress
 from contact_study.campaign.record import Step, Value
 from contact_study.campaign.resume.folder import Parts
 from contact_study.campaign.resume.identity import Run, content_hash
+from contact_study.campaign.schema import quantity_of
 from contact_study.problem.case import Case
 from contact_study.problem.surface import Surface, realise
 
@@ -188,11 +189,17 @@ def _completed(case: Case, number: int, step: Step, seconds: float, started: Map
         "detached": False,
         "message": "",
     }
-    return Step({**known, **started, **step.values}, step.fields, step.restart, case.bins)
+    said = {quantity_of(name)[1] for name in step.values}
+    missing = {name: value for name, value in known.items() if name not in said}
+    return Step({**missing, **started, **step.values}, step.fields, step.restart, case.bins)
 
 
 def _summary(step: Step) -> Mapping[str, Any]:
-    return {name: step.values.get(name) for name in ("relative_contact_area", "converged", "message")}
+    """What is shown of a step: of several theories the first one's numbers."""
+    first: dict[str, Any] = {}
+    for key, value in step.values.items():
+        first.setdefault(quantity_of(key)[1], value)
+    return {name: first.get(name) for name in ("relative_contact_area", "converged", "message")}
 
 
 def _with_threads(case: Case, surface: Surface, threads: int) -> Case:

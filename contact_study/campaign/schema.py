@@ -2,6 +2,10 @@
 
 ``gap`` and ``pressure`` are the fields; a dataset cannot hold a field and a dimension of one name, so the
 distributions stand on ``gap_bin`` and ``pressure_bin``.
+
+One dataset may hold several theories side by side: what they share stands on the dimension ``theory``, and the
+metastable branches that enclose them in the group ``metastable``, on the dimension ``metastable_branch``, too. A model
+says so by the name it gives a quantity: ``"gap_flow/mean_gap"``, ``"gap_flow/loading/mean_gap"``.
 """
 
 from dataclasses import dataclass, field
@@ -9,8 +13,12 @@ from typing import Any
 
 import numpy as np
 
-SCHEMA_VERSION = "1.1"
+SCHEMA_VERSION = "2.0"
 CONVENTIONS = "CF-1.11"
+
+# Dimensions of the labels before a quantity's name, and the group for so many of them.
+LABELS = ("theory", "metastable_branch")
+LABELLED_GROUPS = ("", "", "metastable")
 
 
 @dataclass(frozen=True)
@@ -98,13 +106,19 @@ VARIABLES: dict[str, Variable] = {
     "gap": Variable("m", "local gap: height of the block's surface over the rigid one", ("step", "y", "x")),
     "pressure": Variable("Pa", "local pressure, compression positive", ("step", "y", "x")),
     "relative_contact_area_at": Variable(
-        "1", "apparent relative contact area at a magnification", ("step", "wavevector")
+        "1", "apparent relative contact area at a magnification, Persson's theory", ("step", "wavevector")
     ),
-    "detachment_stress": Variable("Pa", "largest tensile stress at a magnification", ("step", "wavevector")),
-    "effective_work_of_adhesion": Variable("J m-2", "work of adhesion at a magnification", ("step", "wavevector")),
-    "contact_stress": Variable("Pa", "mean stress carried inside the contact, compression positive"),
-    "edge_stress": Variable("Pa", "mean stress carried at detached edges, compression positive"),
-    "energy_defect": Variable("m", "derivative of the interfacial energy by pressure at zero pressure", ()),
+    "detachment_stress": Variable(
+        "Pa", "largest tensile stress at a magnification, Persson's theory", ("step", "wavevector")
+    ),
+    "effective_work_of_adhesion": Variable(
+        "J m-2", "work of adhesion at a magnification, Persson's theory", ("step", "wavevector")
+    ),
+    "contact_stress": Variable("Pa", "mean stress carried inside the contact, compression positive, Persson's theory"),
+    "edge_stress": Variable("Pa", "mean stress carried at detached edges, compression positive, Persson's theory"),
+    "energy_defect": Variable(
+        "m", "derivative of the interfacial energy by pressure at zero pressure, Persson's theory", ()
+    ),
     "pull_off_pressure": Variable("Pa", "lowest pressure that an adhered state carries", ()),
     "contact_modulus": Variable("Pa", "contact modulus", ()),
     "contact_modulus_at": Variable("Pa", "contact modulus of a wave of the surface", ("wavevector",)),
@@ -126,6 +140,10 @@ COORDINATES: dict[str, Variable] = {
     "y": Variable("m", "position along y", ("y",)),
     "x": Variable("m", "position along x", ("x",)),
     "step": Variable("1", "point of the loading path", ("step",), kind="count"),
+    "theory": Variable("1", "theory", ("theory",), kind="text"),
+    "metastable_branch": Variable(
+        "1", "metastable branch on either side of the equilibrium", ("metastable_branch",), kind="text"
+    ),
     "applied_pressure": Variable("Pa", "prescribed mean pressure"),
     "applied_gap": Variable(
         "m", "prescribed distance less the equilibrium distance: mean gap (atoms: mean separation)"
@@ -142,3 +160,9 @@ COORDINATES: dict[str, Variable] = {
 def variable_of(name: str) -> Variable:
     """The entry of a quantity or coordinate."""
     return COORDINATES[name] if name in COORDINATES else VARIABLES[name]
+
+
+def quantity_of(key: str) -> tuple[tuple[str, ...], str]:
+    """Labels and name of a quantity as a model names it: ``"gap_flow/loading/mean_gap"``."""
+    *labels, name = key.split("/")
+    return tuple(labels), name

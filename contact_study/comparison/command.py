@@ -114,8 +114,8 @@ def _check_outputs(planned: Sequence[Path], datasets: Sequence[Path], *, overwri
 
 def _attributes(inputs: Inputs, output: Path, arguments: Sequence[str]) -> dict[str, str]:
     now = datetime.now(UTC).isoformat(timespec="seconds")
-    histories = [str(inputs.models[kind].attrs.get("history", "")) for kind in inputs.paths]
-    references = [str(inputs.models[kind].attrs.get("references", "")) for kind in inputs.paths]
+    histories = [str(inputs.groups[kind][""].attrs.get("history", "")) for kind in inputs.paths]
+    references = [str(inputs.groups[kind][""].attrs.get("references", "")) for kind in inputs.paths]
     return {
         "Conventions": CONVENTIONS,
         "title": inputs.study.title,

@@ -4,7 +4,7 @@ Fields over the lateral plane stay in the files, which :func:`field_at` reads on
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from contact_study.campaign.schema import SCHEMA_VERSION
+from contact_study.campaign.schema import LABELLED_GROUPS, SCHEMA_VERSION, VARIABLES, variable_of
 from contact_study.comparison.carried_study import carried_study
 from contact_study.comparison.differences import check_height_maps, check_studies, same
 from contact_study.comparison.path_points import positions, swept_dims
@@ -24,8 +24,10 @@ from contact_study.problem.study import Study
 MODELS = ("atomistic", "continuum", "theory", "gap_flow")
 _ROOTS = ("continuum", "atomistic", "theory")
 _FIELDS = ("gap", "pressure")
+_METASTABLE = LABELLED_GROUPS[2]
 # Groups of a file that are read, "" for the root; a file may hold others, such as states to go on from.
-_GROUPS = ("", "gap_flow", "gap_flow/loading", "gap_flow/unloading")
+_GROUPS = ("", _METASTABLE)
+_THEORIES = {"theory": "persson", "gap_flow": "gap_flow"}
 
 
 @dataclass(frozen=True)
@@ -44,6 +46,8 @@ class Inputs:
         Study of each file.
     notes : tuple of str
         Differences between the studies that a reader must know.
+    groups : dict
+        Groups of each file as they stand in it, "" for the root.
     """
 
     paths: dict[str, Path]
@@ -51,6 +55,7 @@ class Inputs:
     branches: dict[str, xr.Dataset]
     studies: dict[str, Study]
     notes: tuple[str, ...] = ()
+    groups: dict[str, dict[str, xr.Dataset]] = field(default_factory=dict)
 
     @property
     def study(self) -> Study:
@@ -107,8 +112,7 @@ def read_inputs(paths: Sequence[Path]) -> Inputs:
         contacts.
     """
     files: dict[str, Path] = {}
-    models: dict[str, xr.Dataset] = {}
-    branches: dict[str, xr.Dataset] = {}
+    contents: dict[str, dict[str, xr.Dataset]] = {}
     studies: dict[str, Study] = {}
     notes: list[str] = []
     for path in paths:
@@ -116,35 +120,72 @@ def read_inputs(paths: Sequence[Path]) -> Inputs:
         kind = groups[""].attrs["model"]
         if kind in files:
             raise InputError(f"{files[kind]} and {path} are both of the {kind} model; give one dataset of each model")
-        files[kind] = path
-        models[kind] = groups[""]
-        if kind == "theory" and "gap_flow" in groups:
-            models["gap_flow"] = groups["gap_flow"]
-            sides = {side: groups.get(f"gap_flow/{side}") for side in ("loading", "unloading")}
-            branches = {side: dataset for side, dataset in sides.items() if dataset is not None}
+        files[kind], contents[kind] = path, groups
         studies[kind], joined = carried_study(path, groups[""])
         notes += joined
     if len(files) < 2:
         raise InputError("a comparison needs the datasets of at least two models: continuum, atomistic, theory")
     names = [name for name in MODELS if name in studies]
     notes += check_studies(names, files, studies)
-    check_height_maps(names, files, {name: str(models[name].attrs.get("height_maps", "")) for name in names})
-    spelt = _one_spelling({name: models[name] for name in MODELS if name in models} | branches)
-    ordered = {name: dataset for name, dataset in spelt.items() if name in models}
-    return Inputs(files, ordered, {side: spelt[side] for side in branches}, studies, tuple(notes))
+    check_height_maps(names, files, {name: str(contents[name][""].attrs.get("height_maps", "")) for name in names})
+    contents = _one_spelling({name: contents[name] for name in names})
+    found: dict[str, xr.Dataset] = {}
+    branches: dict[str, xr.Dataset] = {}
+    for groups in contents.values():
+        found |= models_in(groups[""])
+        branches |= _branches_in(groups)
+    models = {name: found[name] for name in MODELS if name in found}
+    return Inputs(files, models, branches, studies, tuple(notes), contents)
 
 
-def _one_spelling(models: Mapping[str, xr.Dataset]) -> dict[str, xr.Dataset]:
-    """The datasets with the swept values of the first that has them where they differ by roundings."""
+def models_in(root: xr.Dataset) -> dict[str, xr.Dataset]:
+    """The models whose numbers stand in the root of one file, or of its group in the dataset of a comparison."""
+    if "theory" not in root.dims:
+        return {root.attrs["model"]: root}
+    theories = {}
+    for name, label in _THEORIES.items():
+        if label in root["theory"].values:
+            # What does not stand on the theories, such as the constants, is shown once: beside the first.
+            own = [v for v in root.data_vars if "theory" in root[v].dims or label == root["theory"].values[0]]
+            theories[name] = _without_empty(root[own].sel(theory=label, drop=True))
+    return theories
+
+
+def _branches_in(groups: Mapping[str, xr.Dataset]) -> dict[str, xr.Dataset]:
+    """The metastable branches of the gap-flow theory."""
+    if _METASTABLE not in groups:
+        return {}
+    both = groups[_METASTABLE].sel(theory=_THEORIES["gap_flow"], drop=True)
+    return {
+        str(side): _without_empty(both.sel(metastable_branch=side, drop=True))
+        for side in both["metastable_branch"].values
+    }
+
+
+def _without_empty(dataset: xr.Dataset) -> xr.Dataset:
+    """The dataset without variables that have no value at all, being quantities of other theories."""
+    return dataset.drop_vars([name for name, variable in dataset.data_vars.items() if _is_empty(str(name), variable)])
+
+
+def _is_empty(name: str, variable: xr.DataArray) -> bool:
+    empty = variable_of(name).empty if name in VARIABLES else np.nan
+    missing = variable.isnull()
+    return bool((missing if isinstance(empty, float) else missing | (variable == empty)).all())
+
+
+def _one_spelling(contents: Mapping[str, dict[str, xr.Dataset]]) -> dict[str, dict[str, xr.Dataset]]:
+    """The groups with the swept values of the first file that has them where they differ by roundings."""
     known: dict[str, list[Any]] = {}
-    spelt = {}
-    for name, dataset in models.items():
-        for dim in swept_dims(dataset):
-            values = known.setdefault(dim, [])
-            own = [next((value for value in values if same(value, given)), given) for given in dataset[dim].values]
-            values += [value for value in own if value not in values]
-            dataset = dataset.assign_coords({dim: (dim, own, dataset[dim].attrs)})
-        spelt[name] = dataset
+    spelt: dict[str, dict[str, xr.Dataset]] = {}
+    for kind, groups in contents.items():
+        spelt[kind] = {}
+        for name, dataset in groups.items():
+            for dim in swept_dims(dataset):
+                values = known.setdefault(dim, [])
+                own = [next((value for value in values if same(value, given)), given) for given in dataset[dim].values]
+                values += [value for value in own if value not in values]
+                dataset = dataset.assign_coords({dim: (dim, own, dataset[dim].attrs)})
+            spelt[kind][name] = dataset
     return spelt
 
 
@@ -164,7 +205,10 @@ def _open(path: Path) -> dict[str, xr.Dataset]:
     if foreign:
         raise InputError(f"{path}: is no dataset of bem-adhesion, md-reference or persson-theory")
     if str(attrs["schema_version"]).split(".")[0] != SCHEMA_VERSION.split(".")[0]:
-        raise InputError(f"{path}: has schema version {attrs['schema_version']}; this program reads {SCHEMA_VERSION}")
+        raise InputError(
+            f"{path}: has schema version {attrs['schema_version']}, this program reads {SCHEMA_VERSION}; run its study "
+            "again"
+        )
     return groups
 
 

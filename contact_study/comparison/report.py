@@ -95,7 +95,7 @@ def collected_warnings(inputs: Inputs) -> list[str]:
     """Differences between the studies, and what each model warned of."""
     notes = list(inputs.notes)
     for kind in inputs.paths:
-        text = str(inputs.models[kind].attrs.get("warnings", ""))
+        text = str(inputs.groups[kind][""].attrs.get("warnings", ""))
         notes += [f"{MODEL_NAMES[kind]}: {line}" for line in text.splitlines() if line]
     return notes
 
@@ -113,7 +113,7 @@ def _symbols(text: str) -> Markup:
 def _provenance(inputs: Inputs) -> list[dict[str, str]]:
     rows = []
     for kind, path in inputs.paths.items():
-        attrs = inputs.models[kind].attrs
+        attrs = inputs.groups[kind][""].attrs
         when, _, command = str(attrs.get("history", "")).partition(": ")
         rows.append(
             {

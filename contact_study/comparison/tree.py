@@ -11,7 +11,7 @@ from contact_study.comparison.datasets import Inputs
 def comparison_tree(
     inputs: Inputs, deviations: xr.Dataset, regime: xr.Dataset, attrs: Mapping[str, Any]
 ) -> xr.DataTree:
-    """Groups ``continuum``, ``atomistic``, ``theory`` with ``gap_flow`` and its branches, ``deviations``, ``regime``.
+    """Groups ``continuum``, ``atomistic`` and ``theory``, each as in its own file, ``deviations`` and ``regime``.
 
     Parameters
     ----------
@@ -22,11 +22,11 @@ def comparison_tree(
     attrs : mapping
         Attributes of the root.
     """
-    groups = {f"/{kind}": inputs.models[kind] for kind in inputs.paths}
-    if "gap_flow" in inputs.models:
-        groups["/theory/gap_flow"] = inputs.models["gap_flow"]
-    for side, dataset in inputs.branches.items():
-        groups[f"/theory/gap_flow/{side}"] = dataset
+    groups = {
+        f"/{kind}" + (f"/{name}" if name else ""): dataset
+        for kind, contents in inputs.groups.items()
+        for name, dataset in contents.items()
+    }
     groups |= {"/deviations": deviations, "/regime": regime}
     return xr.DataTree.from_dict(
         {"/": xr.Dataset(attrs=attrs), **{path: _without_filled_coordinates(d) for path, d in groups.items()}}

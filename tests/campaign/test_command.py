@@ -82,9 +82,9 @@ def test_writes_the_dataset_and_names_it(study, tmp_path, capsys):
         for name in ("Conventions", "title", "source", "history", "references", "study_toml", "git_commit"):
             assert dataset.attrs[name], name
         assert dataset.attrs["schema_version"]
-    with xr.open_dataset(output, group="gap_flow") as dataset:
-        assert dataset.relative_contact_area.dims == ("well_depth_ratio", "seed", "step")
-        assert "applied_pressure" in dataset.coords
+    with xr.open_dataset(output, group="metastable") as dataset:
+        assert dataset.relative_contact_area.dims == ("well_depth_ratio", "seed", "theory", "metastable_branch", "step")
+        assert "applied_pressure" in dataset.coords, "a group stands by itself"
 
 
 def test_processes_give_the_same_numbers_as_one(study, tmp_path):
@@ -94,7 +94,7 @@ def test_processes_give_the_same_numbers_as_one(study, tmp_path):
 
 
 def assert_same(one: Path, two: Path):
-    for group in (None, "gap_flow"):
+    for group in (None, "metastable"):
         with xr.open_dataset(one, group=group) as left, xr.open_dataset(two, group=group) as right:
             xr.testing.assert_equal(
                 left.drop_vars("wall_time", errors="ignore"), right.drop_vars("wall_time", errors="ignore")
@@ -325,10 +325,13 @@ def test_groups_count_for_the_status(study, tmp_path, capsys):
     output = tmp_path / "bem.nc"
     assert run(study, "-o", output, "--workers", 1, "--interaction.well_depth_ratio", "[1, 6]") == 2
     said = capsys.readouterr().err
-    assert "2 of 12 steps did not converge in the group gap_flow;" in said
+    assert (
+        '2 of 12 steps did not converge at theory="gap_flow", metastable_branch="loading" in the group metastable;'
+        in said
+    )
     assert said.count("did not converge") == 1
     assert run(study, "-o", output, "--resume", "--interaction.well_depth_ratio", "[1, 6]") == 2
-    assert "in the group gap_flow;" in capsys.readouterr().err
+    assert "in the group metastable;" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(

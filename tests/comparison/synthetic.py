@@ -144,7 +144,7 @@ def _values(case, kind, prescribed):
     ratio, seed = case.interaction.well_depth_ratio, case.surface.seed
     values = {f"applied_{control}": prescribed, "residual": 1e-9, "iterations": 7, "wall_time": 0.5, "message": ""}
     for model in ("theory", "gap_flow") if kind == "theory" else (kind,):
-        prefix = "gap_flow/" if model == "gap_flow" else ""
+        prefix = {"theory": "persson/", "gap_flow": "gap_flow/"}.get(model, "")
         contact = min(1.0, AREA_FACTOR[model] * area(ratio, pressure, seed))
         shifted = gap(ratio, pressure, seed) + GAP_SHIFT[model]
         values |= {

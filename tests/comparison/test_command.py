@@ -64,8 +64,7 @@ def test_names_what_it_writes(compared):
 def test_the_dataset_holds_everything_with_units(compared, files):
     with xr.open_datatree(compared[0] / "a" / "comparison.nc", decode_timedelta=False) as tree:
         assert {node.path for node in tree.subtree} == {
-            *("/", "/atomistic", "/continuum", "/theory", "/theory/gap_flow", "/deviations", "/regime"),
-            *("/theory/gap_flow/loading", "/theory/gap_flow/unloading"),
+            *("/", "/atomistic", "/continuum", "/theory", "/theory/metastable", "/deviations", "/regime"),
         }
         for node in tree.subtree:
             for name, variable in node.to_dataset().variables.items():
@@ -84,7 +83,7 @@ def test_the_dataset_holds_everything_with_units(compared, files):
             assert np.isin(flags, flags.attrs["flag_values"]).all(), name
             assert (flags == -1).any(), "a padded point is marked, not missing"
         xr.testing.assert_equal(tree["deviations"].to_dataset(), table)
-    with xr.open_dataset(compared[0] / "a" / "comparison.nc", group="theory/gap_flow") as group:
+    with xr.open_dataset(compared[0] / "a" / "comparison.nc", group="theory/metastable") as group:
         assert "applied_pressure" in group.coords, "a group stands by itself"
 
 

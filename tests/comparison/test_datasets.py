@@ -87,8 +87,8 @@ def test_foreign_datasets(files, tmp_path):
 
 
 def test_dataset_of_another_schema_or_without_study(files, tmp_path):
-    later = write(tmp_path / "later.nc", "atomistic", schema_version="2.0")
-    assert "schema version 2.0" in refused([files[0], later])
+    later = write(tmp_path / "later.nc", "atomistic", schema_version="3.0")
+    assert "schema version 3.0" in refused([files[0], later])
     broken = write(tmp_path / "broken.nc", "atomistic", study_toml="[surface]\nkind = 3")
     assert "its study is not one this version can read" in refused([files[0], broken])
 

@@ -10,9 +10,12 @@ from contact_study.campaign import steps as store
 from contact_study.campaign.dataset.file import RESTART
 from contact_study.campaign.resume.folder import Parts
 from contact_study.campaign.resume.identity import Run
-from contact_study.campaign.schema import COORDINATES, variable_of
+from contact_study.campaign.schema import COORDINATES, LABELLED_GROUPS, LABELS, quantity_of, variable_of
 from contact_study.fields.observables import Bins, redistributed
 from contact_study.problem.study import SweptKey
+
+# Arrays by name and by the labels before it.
+_Labelled = dict[str, dict[tuple[str, ...], np.ndarray]]
 
 
 def assembled(run: Run, names: Sequence[str], parts: Parts) -> tuple[dict[str, xr.Dataset], list[str]]:
@@ -63,7 +66,7 @@ def _on_bins(values: dict[str, Any], old: Bins, new: Bins) -> dict[str, Any]:
         "gap_pdf": (old.gap_edges, new.gap_edges),
     }
     return {
-        name: redistributed(value, *edges[short]) if (short := name.rpartition("/")[2]) in edges else value
+        name: redistributed(value, *edges[short]) if (short := quantity_of(name)[1]) in edges else value
         for name, value in values.items()
     }
 
@@ -98,14 +101,19 @@ def assemble(
         for number, values in enumerate(path):
             for name, value in values.items():
                 _place(arrays, name, value, (*lengths, steps), (*index, number))
-    groups: dict[str, dict[str, np.ndarray]] = {"": {}}
-    for name, array in arrays.items():
-        group, _, short = name.rpartition("/")
-        groups.setdefault(group, {})[short] = array
+    groups: dict[str, _Labelled] = {"": {}}
+    # A group's dimensions are those of the groups above it, its labels too.
+    along: dict[str, dict[str, None]] = {dim: {} for dim in LABELS}
+    for key, array in arrays.items():
+        labels, name = quantity_of(key)
+        for dim, label in zip(LABELS, labels, strict=False):
+            along[dim][label] = None
+        groups.setdefault(LABELLED_GROUPS[len(labels)], {}).setdefault(name, {})[labels] = array
     on_step = {
         name: groups[""][name] for name in groups[""] if name in COORDINATES and variable_of(name).dims == ("step",)
     }
-    return {group: _dataset({**on_step, **content}, sweep, coordinates, steps) for group, content in groups.items()}
+    known = {**coordinates, **{dim: np.array([*labels]) for dim, labels in along.items()}}
+    return {group: _dataset({**on_step, **content}, sweep, known, steps) for group, content in groups.items()}
 
 
 def restart_group(states: Iterable[Mapping[str, np.ndarray]]) -> xr.Dataset:
@@ -122,7 +130,7 @@ def restart_group(states: Iterable[Mapping[str, np.ndarray]]) -> xr.Dataset:
 def _place(
     arrays: dict[str, np.ndarray], name: str, value: Any, lengths: tuple[int, ...], index: tuple[int, ...]
 ) -> None:
-    variable = variable_of(name.rpartition("/")[2])
+    variable = variable_of(quantity_of(name)[1])
     value = np.asarray(value)
     there = arrays[name].shape[len(lengths) :] if name in arrays else ()
     if name not in arrays or any(new > old for new, old in zip(value.shape, there, strict=True)):
@@ -142,15 +150,16 @@ def _corner(shape: tuple[int, ...]) -> tuple[slice, ...]:
 
 
 def _dataset(
-    content: Mapping[str, np.ndarray],
+    content: _Labelled,
     sweep: Mapping[str, SweptKey],
     coordinates: Mapping[str, np.ndarray],
     steps: int,
 ) -> xr.Dataset:
     data: dict[str, xr.Variable] = {}
     coords: dict[str, xr.Variable] = {}
-    for name, array in content.items():
-        dims = (*sweep, *variable_of(name).dims)
+    for name, arrays in content.items():
+        array, labels = _side_by_side(arrays, variable_of(name).empty, len(sweep), coordinates)
+        dims = (*sweep, *labels, *variable_of(name).dims)
         target = coords if name in COORDINATES else data
         if name in COORDINATES or not variable_of(name).dims or variable_of(name).dims[0] != "step":
             array, dims = _drop_constant_sweep(array, dims, len(sweep))
@@ -170,6 +179,28 @@ def _dataset(
             (name,), np.asarray(swept.values), {"units": swept.units, "long_name": swept.description}
         )
     return xr.Dataset(data, coords)
+
+
+def _side_by_side(
+    arrays: Mapping[tuple[str, ...], np.ndarray], empty: Any, swept: int, coordinates: Mapping[str, np.ndarray]
+) -> tuple[np.ndarray, tuple[str, ...]]:
+    """One array with the dimensions of its labels, which are returned too, after the ``swept`` ones.
+
+    Arrays of one name have as many labels each; where one of the coordinates has no array, it is ``empty``.
+    """
+    (count,) = {len(labels) for labels in arrays}
+    dims = LABELS[:count]
+    if not dims:
+        return arrays[()], dims
+    first = next(iter(arrays.values()))
+    rest = np.max([array.shape[swept:] for array in arrays.values()], axis=0).astype(int)
+    shape = (*first.shape[:swept], *(len(coordinates[dim]) for dim in dims), *rest)
+    whole: np.ndarray = np.full(shape, empty, dtype=first.dtype)
+    for labels, array in arrays.items():
+        at = [int(np.argmax(coordinates[dim] == label)) for dim, label in zip(dims, labels, strict=True)]
+        place: tuple[Any, ...] = (*_corner(shape[:swept]), *at, *_corner(array.shape[swept:]))
+        whole[place] = array
+    return whole, dims
 
 
 def _drop_constant_sweep(array: np.ndarray, dims: tuple[str, ...], swept: int) -> tuple[np.ndarray, tuple[str, ...]]:

@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 
 from contact_study.campaign.files import write_aside
-from contact_study.campaign.schema import COORDINATES, variable_of
+from contact_study.campaign.schema import COORDINATES, LABELS, variable_of
 from contact_study.problem.study import SweptKey
 
 # Group of the states from which paths can be gone on with; no quantity, and nothing for a reader.
@@ -99,8 +99,8 @@ class Earlier:
         return {str(name)[len(prefix) :]: states[name].values for name in states if str(name).startswith(prefix)}
 
     def _variables(self, index: tuple[int, ...]) -> Iterator[tuple[str, xr.Variable]]:
-        """Quantities of all groups at a position of the sweep, those of the whole study apart."""
-        whole = {*self._sweep, "step", "pressure_bin", "gap_bin"}
+        """Quantities of all groups at a position of the sweep as a model names them, those of the whole study apart."""
+        whole = {*self._sweep, *LABELS, "step", "pressure_bin", "gap_bin"}
         for node in self._tree.subtree:
             group = node.path.strip("/")
             if group == RESTART:
@@ -110,7 +110,11 @@ class Earlier:
                 if name in whole or (group and name in COORDINATES):
                     continue
                 chosen = {dim: i for dim, i in zip(self._sweep, index, strict=True) if dim in variable.dims}
-                yield f"{group}/{name}" if group else str(name), variable.isel(chosen)
+                dims = [dim for dim in LABELS if dim in variable.dims]
+                for place in np.ndindex(*(variable.sizes[dim] for dim in dims)):
+                    labelled = dict(zip(dims, place, strict=True))
+                    labels = [str(dataset[dim].values[i]) for dim, i in labelled.items()]
+                    yield "/".join([*labels, str(name)]), variable.isel(chosen | labelled)
 
 
 def _encoding(name: str, variable: xr.Variable) -> dict[str, Any]:

@@ -1,5 +1,6 @@
 """What a dataset says of itself: where it came from, and which of its steps did not converge."""
 
+import itertools
 import tomllib
 from collections.abc import Iterator, Mapping, Sequence
 from datetime import UTC, datetime
@@ -11,7 +12,7 @@ import contact_study
 from contact_study.campaign.check import checked
 from contact_study.campaign.resume.identity import Run
 from contact_study.campaign.resume.take_up import Finished
-from contact_study.campaign.schema import CONVENTIONS
+from contact_study.campaign.schema import CONVENTIONS, LABELS
 from contact_study.problem.errors import InputError
 from contact_study.problem.study import make_study
 
@@ -56,12 +57,19 @@ def read_flags(finished: Finished) -> dict[str, xr.Dataset]:
 
 
 def unconverged(groups: Mapping[str, xr.Dataset]) -> Iterator[str]:
-    """For each group with steps that did not converge, how many of how many, in words."""
+    """For each theory and metastable branch with steps that did not converge, how many of how many, in words."""
     for group, dataset in groups.items():
-        if "converged" in dataset:
-            failed, total = (int(flags.sum()) for flags in (dataset["converged"] == 0, dataset["converged"] >= 0))
+        if "converged" not in dataset:
+            continue
+        flags = dataset["converged"]
+        labels = [dim for dim in LABELS if dim in flags.dims]
+        for place in itertools.product(*(flags[dim].values for dim in labels)):
+            chosen = dict(zip(labels, place, strict=True))
+            own = flags.sel(chosen)
+            failed, total = int((own == 0).sum()), int((own >= 0).sum())
             if failed:
-                where = f" in the group {group}" if group else ""
+                where = ", ".join(f'{dim}="{label}"' for dim, label in chosen.items())
+                where = (f" at {where}" if where else "") + (f" in the group {group}" if group else "")
                 yield (
                     f"{failed} of {total} steps did not converge{where}; see the variables converged and residual there"
                 )
