@@ -77,7 +77,7 @@ def check(case: Case) -> None:
             f"material.poissons_ratio = {case.material.poissons_ratio:.12g}: springs cannot make a block "
             f"incompressible; use at most {_MOST_INCOMPRESSIBLE}"
         )
-    rows, columns = case.atoms
+    rows, columns = case.lattice.atoms
     require_memory(
         rows * columns * _BYTES_PER_ATOM,
         f"material.lattice_constant = {case.material.lattice_constant:g} m: a layer of {rows} x {columns} atoms",
@@ -105,7 +105,7 @@ def review(study: Study, scales: Sequence[SurfaceScales]) -> list[str]:
                 f"{closest:.2g} of interaction.length, where they count as inside the substrate; check well_depth "
                 "(work_of_adhesion) and well_depth_ratio"
             )
-        spacing = max(length / sites for length, sites in zip(scale.size, case.substrate_sites, strict=True))
+        spacing = max(length / sites for length, sites in zip(scale.size, case.lattice.substrate_sites, strict=True))
         if scale.shortest_wave < 2 * spacing:
             filtered.append((case, scale.shortest_wave, spacing))
     if not filtered:
@@ -120,29 +120,26 @@ def review(study: Study, scales: Sequence[SurfaceScales]) -> list[str]:
 
 def build_stiffness(case: Case) -> SurfaceStiffness:
     """The condensed block of a case; as thick as wide unless ``atomistic.layers`` says otherwise."""
-    assert case.material.lattice_constant is not None  # checked by Case.atoms
-    element = element_matrix(
-        case.atomistic.block,
-        case.material.lattice_constant,
-        case.material.youngs_modulus,
-        case.material.poissons_ratio,
-    )
-    layers = case.atomistic.layers or max(case.atoms)
-    return surface_stiffness(element, case.atoms, case.material.lattice_constant, layers)
+    lattice, material = case.lattice, case.material
+    element = element_matrix(case.atomistic.block, lattice.constant, material.youngs_modulus, material.poissons_ratio)
+    layers = case.atomistic.layers or max(lattice.atoms)
+    return surface_stiffness(element, lattice.atoms, lattice.constant, layers)
 
 
 def build_interface(case: Case, surface: Surface) -> LennardJonesInterface:
     """Lennard-Jones atoms of a case over the substrate's sites."""
     length = _length(case)
-    substrate = sample_substrate(surface.heights, surface.size, case.substrate_sites, _HEIGHT_TOLERANCE * length)
-    spacing = (surface.size[0] / case.atoms[0], surface.size[1] / case.atoms[1])
-    return LennardJonesInterface(substrate, case.atoms, spacing, case.well_depth, length, case.atomistic.cutoff)
+    substrate = sample_substrate(
+        surface.heights, surface.size, case.lattice.substrate_sites, _HEIGHT_TOLERANCE * length
+    )
+    spacing = (surface.size[0] / case.lattice.atoms[0], surface.size[1] / case.lattice.atoms[1])
+    return LennardJonesInterface(substrate, case.lattice.atoms, spacing, case.well_depth, length, case.atomistic.cutoff)
 
 
 def constants(case: Case, surface: Surface) -> Mapping[str, Value]:
     """What the atoms of a case are, measured on them: moduli, adhesion; and the surface under their rest positions."""
     stiffness = build_stiffness(case)
-    sites = case.substrate_sites
+    sites = case.lattice.substrate_sites
     flat = FlatInterface(
         (surface.size[0] / sites[0], surface.size[1] / sites[1]),
         stiffness.area_per_atom,
@@ -151,7 +148,7 @@ def constants(case: Case, surface: Surface) -> Mapping[str, Value]:
         case.atomistic.cutoff,
     )
     properties = measure_interface(flat, _length(case))
-    heights = surface.heights(case.atoms)
+    heights = surface.heights(case.lattice.atoms)
     y, x = stiffness.grid.coordinates
     return {
         "y": y,

@@ -156,8 +156,10 @@ def cosine_of_tilt(heights: np.ndarray, grid: Grid) -> np.ndarray:
 def solve(case: Case, surface: Surface, measured: dict[str, float]) -> list[list[tuple[float, float, bool]]]:
     """Relative contact area, mean gap (m) and convergence of every model (inner) at every pressure (outer)."""
     stiffness = md_reference.run.build_stiffness(case)
-    heights = surface.heights(case.atoms)
-    grid = Grid(case.atoms, surface.size)  # the continuum's too: discretisation is no difference between the models
+    heights = surface.heights(case.lattice.atoms)
+    grid = Grid(
+        case.lattice.atoms, surface.size
+    )  # the continuum's too: discretisation is no difference between the models
     adhesion = dataclasses.replace(case.law, work_of_adhesion=measured["measured_work_of_adhesion"])
     modulus = measured["measured_contact_modulus"]
     lattice = Tabulated(modulus, grid, stiffness.normal_stiffness)
@@ -175,7 +177,7 @@ def solve(case: Case, surface: Surface, measured: dict[str, float]) -> list[list
 
     smeared, tilted = (
         SmearedLayers(adhesion, heights, stiffness.area_per_atom, cosine)
-        for cosine in (np.ones(case.atoms), cosine_of_tilt(heights, grid))
+        for cosine in (np.ones(case.lattice.atoms), cosine_of_tilt(heights, grid))
     )
     pairs = md_reference.run.build_interface(case, surface)
     railed = without_lateral_freedom(stiffness)

@@ -90,9 +90,9 @@ def check(case: Case) -> None:
         If the surface is flat, or the analytic spectrum is asked of a surface that has none.
     """
     kind = case.surface.kind
-    if kind == "flat":
-        raise InputError('surface.kind = "flat": a theory of roughness needs a rough surface')
-    if kind != "self_affine" and case.theory.spectrum == "analytic":
+    if not case.surface.rough:
+        raise InputError(f'surface.kind = "{kind}": a theory of roughness needs a rough surface')
+    if case.surface.target_spectrum is None and case.theory.spectrum == "analytic":
         raise InputError(f'theory.spectrum = "analytic": surface.kind = "{kind}" has none; use "surface"')
 
 

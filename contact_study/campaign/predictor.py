@@ -12,12 +12,11 @@ import xarray as xr
 from contact_study.problem.case import Case
 from contact_study.problem.errors import InputError
 from contact_study.problem.keys import keys_of, shown
-from contact_study.problem.sections import InteractionSection, MaterialSection, SurfaceSection
-from contact_study.problem.study import Study, make_study, same
+from contact_study.problem.study import SECTIONS, Study, make_study, same
 
 # Sections and keys that make a contact what it is. The grid is each model's own, a map's content counts and not its
 # place, and the lattice and the distance that counts as contact are nothing to a gap field.
-_CONTACT = {"surface": SurfaceSection, "material": MaterialSection, "interaction": InteractionSection}
+_CONTACT = ("surface", "material", "interaction")
 _APART = ("shape", "path", "atom_mass", "lattice_constant", "contact_distance")
 # What stands for these is Δγ.
 _ADHESION = ("well_depth", "well_depth_ratio", "work_of_adhesion")
@@ -67,9 +66,9 @@ def check_predictor(path: Path, study: Study, height_maps: Mapping[str, str]) ->
         if start is not None:
             differing.update(_differences(case, start))
             if case.height_map is not None:
-                content = f"sha256:{height_maps[str(case.surface.path)]}", maps.get(str(start.surface.path))
+                content = f"sha256:{height_maps[str(case.surface.map_path)]}", maps.get(str(start.surface.map_path))
                 if content[0] != content[1]:
-                    raise InputError(f"--predictor: {path} is of another height map than {case.surface.path}")
+                    raise InputError(f"--predictor: {path} is of another height map than {case.surface.map_path}")
     for dotted, (own, others) in differing.items():
         if dotted.startswith(("surface.", "loading.")):
             raise InputError(
@@ -135,7 +134,7 @@ def _study(path: Path, attributes: Mapping[str, Any]) -> Study:
 def _matching(study: Study, case: Case) -> Case | None:
     """The case of another study that stands at the same point of what either study sweeps, as far as contacts go."""
     swept = {*study.sweep, *case.coordinates}
-    deciding = {name for declared in _CONTACT.values() for name in keys_of(declared)} - {*_APART} | {"path"}
+    deciding = {name for section in _CONTACT for name in keys_of(SECTIONS[section])} - {*_APART} | {"path"}
     alike = [
         other
         for other in study.cases
@@ -152,14 +151,14 @@ def _value(case: Case, name: str) -> Any:
     for section in (case.surface, case.material, case.interaction, case.solver, case.atomistic, case.theory):
         if name in keys_of(type(section)):
             return getattr(section, name)
-    return getattr(case.loading, name)
+    return getattr(case.loading, name, None)  # None: a key of another kind than the case's
 
 
 def _differences(case: Case, other: Case) -> Iterator[tuple[str, tuple[Any, Any]]]:
     """Keys that tell two contacts apart, with the values of both."""
-    for section, declared in _CONTACT.items():
-        for name in keys_of(declared):
-            values = getattr(getattr(case, section), name), getattr(getattr(other, section), name)
+    for section in _CONTACT:
+        for name in keys_of(SECTIONS[section]):
+            values = getattr(getattr(case, section), name, None), getattr(getattr(other, section), name, None)
             if name not in (*_APART, *_ADHESION) and not same(*values):
                 yield f"{section}.{name}", values
     if not same(case.work_of_adhesion, other.work_of_adhesion):

@@ -54,7 +54,9 @@ def run_cases(run: Run, names: Sequence[str], parts: Parts, workers: int | None,
         If a worker process died, or a height map changed.
     """
     jobs = [
-        Job(run.model, case, parts.case_folder(name), run.predictor, run.height_maps.get(str(case.surface.path), ""))
+        Job(
+            run.model, case, parts.case_folder(name), run.predictor, run.height_maps.get(str(case.surface.map_path), "")
+        )
         for case, name in zip(run.study.cases, names, strict=True)
     ]
     progress.start(sum(len(job.case.path) for job in jobs), sum(_done(job) for job in jobs))

@@ -16,6 +16,7 @@ from contact_study.comparison.differences import SAME, same
 from contact_study.comparison.path_points import AVERAGED, Point, path_points, positions, swept_dims
 from contact_study.problem.case import Case
 from contact_study.problem.errors import InputError
+from contact_study.problem.keys import keys_of
 from contact_study.problem.study import SECTIONS, WHOLE_STUDY, Study, make_study
 
 
@@ -88,7 +89,7 @@ def _only_key(path: Path, name: str) -> str:
     found = [
         f"{section}.{name}"
         for section, declared in SECTIONS.items()
-        if section not in WHOLE_STUDY and name in declared.__dataclass_fields__  # type: ignore[attr-defined]
+        if section not in WHOLE_STUDY and name in keys_of(declared)
     ]
     if len(found) != 1:
         raise InputError(f"{path}: its dimension {name} is no key that a study sweeps")

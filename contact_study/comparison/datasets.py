@@ -81,7 +81,7 @@ class Inputs:
         seeds = {}
         for name in ("atomistic", "continuum"):
             cases = self.studies[name].cases if name in self.studies else ()
-            found = [case.surface.seed for case in cases if case.surface.kind == "self_affine"]
+            found = [seed for case in cases if (seed := case.surface.realisation) is not None]
             if found:
                 seeds[name] = list(dict.fromkeys(found))
         return seeds

@@ -1,6 +1,7 @@
 """What was run, in plain words that hold for every case of the studies that the datasets carry."""
 
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
 
 from contact_study.comparison.datasets import Inputs
 from contact_study.comparison.findings import MODEL_WORDS
@@ -9,15 +10,8 @@ from contact_study.comparison.path_points import AVERAGED
 from contact_study.comparison.wording import control_unit, length, listed, listed_points, number, pressure_unit, varied
 from contact_study.problem.case import Case
 from contact_study.problem.errors import InputError
+from contact_study.problem.keys import keys_of
 from contact_study.problem.units import quantity
-
-_SURFACES = {
-    "self_affine": "rigid, periodic, randomly rough",
-    "file": "rigid, periodic, height map",
-    "sphere": "a rigid sphere",
-    "wavy": "a rigid wavy surface",
-    "flat": "rigid and flat",
-}
 
 
 def study_paragraphs(inputs: Inputs) -> list[tuple[str, str]]:
@@ -40,34 +34,43 @@ def _surface(inputs: Inputs) -> str:
     kinds: dict[str, list[Case]] = {}
     for case in inputs.cases:
         kinds.setdefault(case.surface.kind, []).append(case)
-    words = "; ".join(_surfaces_of_a_kind(inputs, kind, cases) for kind, cases in kinds.items())
+    words = "; ".join(_surfaces_of_a_kind(inputs, cases) for cases in kinds.values())
     return f"{words[0].upper()}{words[1:]}."
 
 
-def _surfaces_of_a_kind(inputs: Inputs, kind: str, cases: Sequence[Case]) -> str:
-    words = _SURFACES[kind]
-    if kind == "file":
-        words += " " + _over(cases, lambda case: str(case.surface.path))
-    if kind == "sphere":
-        words += " of radius " + _over(cases, lambda case: length(case.surface.radius or 0))
-    if kind == "wavy":
-        amplitude = _over(cases, lambda case: length(case.surface.amplitude or 0))
-        words += f" of amplitude {amplitude}, modes {_over(cases, lambda case: str(case.surface.modes))}"
-    words += ", " + _over(cases, _size)
-    if kind != "self_affine":
-        return words
-    low, roll_off, cutoff = (
-        _over(cases, lambda case, name=name: f"{getattr(case.surface, name):g}", "or")  # type: ignore[misc]
-        for name in ("low_mode", "roll_off_mode", "cutoff_mode")
-    )
-    exact = {"realised": "each sample exactly", "spectrum": "in the mean over samples"}
-    words += (
-        f": self-affine with Hurst exponent {_over(cases, lambda case: f'{case.surface.hurst_exponent:g}')} between "
-        f"{roll_off} and {cutoff} times 2π/L, flat spectrum from {low} to {roll_off} times 2π/L, "
-        f"h_rms = {_over(cases, lambda case: length(case.surface.rms_height or 0))} "
-        f"({_over(cases, lambda case: exact[case.surface.normalisation])})"
-    )
+def _surfaces_of_a_kind(inputs: Inputs, cases: Sequence[Case]) -> str:
+    words = cases[0].surface.words.format_map(_Values(cases))
     return words + _realisations(inputs, cases)
+
+
+class _Values(dict[str, "_Value"]):
+    """What stands for a key of a surface in the words of its kind."""
+
+    def __init__(self, cases: Sequence[Case]):
+        self._cases = cases
+
+    def __missing__(self, name: str) -> "_Value":
+        return _Value(self._cases, name)
+
+
+@dataclass(frozen=True)
+class _Value:
+    """The values of a key of the surface over cases, joined by "and" or as the format says."""
+
+    cases: Sequence[Case]
+    name: str
+
+    def __format__(self, last: str) -> str:
+        return _over(self.cases, self._of, last or "and")
+
+    def _of(self, case: Case) -> str:
+        if self.name == "size":
+            return _size(case)
+        value = getattr(case.surface, self.name)
+        if isinstance(value, float):
+            in_metres = keys_of(type(case.surface))[self.name].kind == "m"
+            return length(value) if in_metres else f"{value:g}"
+        return case.surface.phrases.get(value, str(value))
 
 
 def _size(case: Case) -> str:
@@ -76,7 +79,9 @@ def _size(case: Case) -> str:
 
 
 def _realisations(inputs: Inputs, cases: Sequence[Case]) -> str:
-    seeds = list(dict.fromkeys(case.surface.seed for case in cases))
+    seeds = [seed for seed in dict.fromkeys(case.surface.realisation for case in cases) if seed is not None]
+    if not seeds:
+        return ""
     words = f"; {len(seeds)} realisation{'s' if len(seeds) > 1 else ''} (seed {', '.join(map(str, seeds))})"
     for name, own in inputs.seeds.items():
         if set(own) != set(seeds):
@@ -205,15 +210,15 @@ def _atoms(cases: Sequence[Case]) -> str:
         return f"{counts[0]} × {counts[1]}"
 
     def layers(case: Case) -> str:
-        rows, columns = case.atoms
+        rows, columns = case.lattice.atoms
         count = case.atomistic.layers or max(rows, columns)
         return f"{count} layers ({rows * columns * count:,} atoms)"
 
     try:
         return (
-            f"Atoms: bottom layer of {_over(cases, lambda case: across(case.atoms))} atoms (lattice constant "
+            f"Atoms: bottom layer of {_over(cases, lambda case: across(case.lattice.atoms))} atoms (lattice constant "
             f"{_over(cases, lambda case: length(case.material.lattice_constant or 0))}) on "
-            f"{_over(cases, lambda case: across(case.substrate_sites))} substrate sites, block of "
+            f"{_over(cases, lambda case: across(case.lattice.substrate_sites))} substrate sites, block of "
             f"{_over(cases, layers)} condensed exactly, potential cut off at "
             f"{_over(cases, lambda case: f'{case.atomistic.cutoff:g}')} r₀, temperature 0 K."
         )

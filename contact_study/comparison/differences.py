@@ -1,6 +1,5 @@
 """How the studies of the datasets differ: what makes them different contacts is refused, all else is said."""
 
-import dataclasses
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
@@ -8,14 +7,14 @@ from typing import Any
 
 from contact_study.problem.case import Case
 from contact_study.problem.errors import InputError
+from contact_study.problem.keys import keys_of
 from contact_study.problem.study import SECTIONS, Study
 
 # Keys that two datasets must share to be of one contact; a difference in any other is said, not refused.
 ONE_CONTACT = {
     f"{section}.{name}"
     for section, names in {
-        "surface": "size kind hurst_exponent rms_height low_mode roll_off_mode cutoff_mode seed normalisation path "
-        "height_unit radius amplitude modes",
+        "surface": " ".join(name for name in keys_of(SECTIONS["surface"]) if name != "shape"),
         "material": "youngs_modulus poissons_ratio lattice_constant",
         "interaction": "law well_depth work_of_adhesion well_depth_ratio length",
         "loading": "control",
@@ -91,12 +90,12 @@ def check_height_maps(names: Sequence[str], paths: Mapping[str, Path], recorded:
 
 def differences(one: Case, two: Case) -> Iterator[tuple[str, tuple[Any, Any]]]:
     """Every key of the study file whose values differ between two cases, with both values."""
-    for section in SECTIONS:
+    for section, declared in SECTIONS.items():
         left, right = getattr(one, section), getattr(two, section)
-        for field in dataclasses.fields(left):
-            values = getattr(left, field.name), getattr(right, field.name)
+        for name in keys_of(declared):
+            values = getattr(left, name, None), getattr(right, name, None)
             if not same(*values):
-                yield f"{section}.{field.name}", values
+                yield f"{section}.{name}", values
 
 
 def same(one: Any, other: Any) -> bool:

@@ -147,7 +147,7 @@ def _roughness_of(inputs: Inputs, point: SweepPoint) -> Roughness | None:
     None for what is no periodic roughness, and for a point that only the sweeps together would hold.
     """
     case = next(iter(inputs.cases_at(point.selection)), None)
-    if case is None or case.surface.kind == "sphere":
+    if case is None or not case.surface.periodic:
         return None
     try:
         surface = realise(case)

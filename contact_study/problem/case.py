@@ -9,12 +9,12 @@ from contact_study.fields.observables import Bins
 from contact_study.problem import sections
 from contact_study.problem.elasticity import Elasticity, HalfSpace
 from contact_study.problem.errors import InputError
+from contact_study.problem.lattice import Lattice, lattice_of
 from contact_study.problem.laws import make_law
 from contact_study.problem.laws.base import TractionLaw
 from contact_study.problem.laws.hard_wall import HardWall
 from contact_study.problem.laws.lennard_jones_10_4 import work_of_adhesion
-
-GOLDEN_MEAN = (1 + 5**0.5) / 2
+from contact_study.problem.surfaces.base import SurfaceSection
 
 
 @dataclass(frozen=True)
@@ -30,7 +30,7 @@ class Case:
     """
 
     study: sections.StudySection
-    surface: sections.SurfaceSection
+    surface: SurfaceSection
     material: sections.MaterialSection
     interaction: sections.InteractionSection
     loading: sections.LoadingSection
@@ -96,8 +96,7 @@ class Case:
     @property
     def height_map(self) -> Path | None:
         """File of the heights, for a surface from a file."""
-        section = self.surface
-        return self.directory / section.path if section.kind == "file" and section.path is not None else None
+        return None if self.surface.map_path is None else self.directory / self.surface.map_path
 
     @property
     def path(self) -> list[tuple[float, str]]:
@@ -107,44 +106,10 @@ class Case:
             points += [(value, "unloading") for value in self.loading.path[-2::-1]]
         return points
 
-    @property
-    def atoms(self) -> tuple[int, int]:
-        """Atoms of the block's bottom layer along y and x.
-
-        Raises
-        ------
-        InputError
-            If a lattice constant is missing or does not divide the lateral size.
-        """
-        constant = self.material.lattice_constant
-        if constant is None:
-            raise InputError("missing key material.lattice_constant: atoms and interaction.well_depth need it")
-        if self.surface.size is None:
-            raise InputError("missing key surface.size: atoms need it")
-        counts = []
-        for size in self.surface.size:
-            number = size / constant
-            # An integer up to the rounding of two decimal inputs.
-            if abs(number - round(number)) > 1e-6 * number or round(number) < 4:
-                raise InputError(
-                    f"material.lattice_constant = {constant:g} m: {size:g} m holds {number:.6g} atoms, "
-                    "not a whole number of at least 4"
-                )
-            counts.append(round(number))
-        return counts[0], counts[1]
-
-    @property
-    def substrate_sites(self) -> tuple[int, int]:
-        """Sites of the substrate layer along y and x: the golden mean times the atoms, to the nearest integer."""
-        rows, columns = self.atoms
-        return round(GOLDEN_MEAN * rows), round(GOLDEN_MEAN * columns)
-
-    @property
-    def _densities(self) -> tuple[float, float]:
-        (rows, columns), (site_rows, site_columns) = self.atoms, self.substrate_sites
-        assert self.surface.size is not None  # atoms checked it
-        area = self.surface.size[0] * self.surface.size[1]
-        return rows * columns / area, site_rows * site_columns / area
+    @cached_property
+    def lattice(self) -> Lattice:
+        """The lattices of the atoms; errors as :func:`~contact_study.problem.lattice.lattice_of`."""
+        return lattice_of(self.surface.size, self.material.lattice_constant)
 
     @property
     def work_of_adhesion(self) -> float:
@@ -156,7 +121,7 @@ class Case:
             return given.work_of_adhesion * given.well_depth_ratio
         if given.well_depth is None or given.length is None:
             return 0.0
-        return work_of_adhesion(given.well_depth * given.well_depth_ratio, given.length, *self._densities)
+        return work_of_adhesion(given.well_depth * given.well_depth_ratio, given.length, *self.lattice.densities)
 
     @property
     def well_depth(self) -> float:
@@ -166,4 +131,4 @@ class Case:
             return given.well_depth * given.well_depth_ratio
         if given.length is None:
             raise InputError("missing key interaction.length: atoms need a pair potential")
-        return self.work_of_adhesion / work_of_adhesion(1.0, given.length, *self._densities)
+        return self.work_of_adhesion / work_of_adhesion(1.0, given.length, *self.lattice.densities)

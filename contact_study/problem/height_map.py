@@ -21,6 +21,11 @@ class HeightMap:
     heights: np.ndarray
     size: tuple[float, float]
 
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Points along y and x."""
+        return self.heights.shape[0], self.heights.shape[1]
+
 
 def read_height_map(path: Path, height_unit: str | None, size: tuple[float, float] | None) -> HeightMap:
     """Read a height map.

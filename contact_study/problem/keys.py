@@ -7,14 +7,14 @@ into the dataclass and names the culprit of any mistake; the commands' ``--help`
 import contextlib
 import dataclasses
 import difflib
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, TypeVar
+from functools import cached_property
+from typing import Any
 
 from contact_study.problem import units
 from contact_study.problem.errors import InputError
 
-Section = TypeVar("Section")
 Reader = tuple[Callable[[Any, str], Any], str]  # how a value is read, and its kind in words
 
 
@@ -146,12 +146,101 @@ def _number(text: str) -> Any:
     return text
 
 
-def keys_of(section: type) -> dict[str, Key]:
+@dataclass(frozen=True)
+class Kinds:
+    """A section of the study file whose keys depend on one of them: a dataclass for each kind.
+
+    Parameters
+    ----------
+    tag : str
+        The key that names the kind; every dataclass has it as a field.
+    declared : mapping
+        Dataclass of each kind. Kinds may share keys; one name is then one meaning.
+    """
+
+    tag: str
+    declared: Mapping[str, type]
+
+    @cached_property
+    def keys(self) -> dict[str, Key]:
+        """The keys of all kinds; those that not every kind has say whose they are."""
+        owners: dict[str, list[str]] = {}
+        found: dict[str, Key] = {}
+        for kind, section in self.declared.items():
+            for name, declaration in keys_of(section).items():
+                owners.setdefault(name, []).append(kind)
+                found.setdefault(name, declaration)
+        for name, kinds in owners.items():
+            if len(kinds) < len(self.declared):
+                words = f"{found[name].description} ({', '.join(kinds)})"
+                found[name] = dataclasses.replace(found[name], description=words)
+        read, written = choice(*self.declared)
+        return {**found, self.tag: Key(read, written, found[self.tag].description)}
+
+    def default(self, name: str) -> Any:
+        """The default of a key in the first kind that has it; MISSING if it must be given."""
+        return next(default_of(section, name) for section in self.declared.values() if name in keys_of(section))
+
+    def kind_of(self, table: Mapping[str, Any]) -> Any:
+        """The kind that a table names, as it is written."""
+        default = self.default(self.tag)
+        return table.get(self.tag, None if default is dataclasses.MISSING else default)
+
+    def without_others(self, tables: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
+        """Each point's table without keys that its kind does not have but that of another point has.
+
+        A sweep over kinds holds the keys of all of them; what no point has a use for stays, to be refused.
+        """
+        present = {kind for table in tables if isinstance(kind := self.kind_of(table), str) and kind in self.declared}
+        used = {name for kind in present for name in keys_of(self.declared[kind])}
+        return [
+            {name: value for name, value in table.items() if self.has(table, name) or name not in used}
+            for table in tables
+        ]
+
+    def has(self, table: Mapping[str, Any], name: str) -> bool:
+        """Whether the kind that a table names has a key."""
+        kind = self.kind_of(table)
+        return not isinstance(kind, str) or kind not in self.declared or name in keys_of(self.declared[kind])
+
+    def bind(self, table: Mapping[str, Any], name: str) -> Any:
+        """The section of the kind that a table names, errors as :func:`bind`."""
+        kind = self.kind_of(table)
+        if kind is None:
+            declaration = self.keys[self.tag]
+            raise InputError(f"missing key {name}.{self.tag} ({declaration.kind}: {declaration.description})")
+        kind = self.keys[self.tag].read(kind, f"{name}.{self.tag}")
+        section = self.declared[kind]
+        for given in table:
+            if given in self.keys and given not in keys_of(section):
+                raise InputError(
+                    f'{name}.{given}: {self.tag} = "{kind}" has no such key; it belongs to '
+                    + ", ".join(other for other, declared in self.declared.items() if given in keys_of(declared))
+                )
+        for needed, declaration in keys_of(section).items():
+            if default_of(section, needed) is dataclasses.MISSING and needed not in table:
+                raise InputError(
+                    f'missing key {name}.{needed}: {self.tag} = "{kind}" needs it '
+                    f"({declaration.kind}: {declaration.description})"
+                )
+        return bind(section, table, name)
+
+
+def keys_of(section: type | Kinds) -> dict[str, Key]:
     """The keys of a section, in the order of declaration."""
+    if isinstance(section, Kinds):
+        return section.keys
     return {field.name: field.metadata["key"] for field in dataclasses.fields(section)}
 
 
-def bind(section: type[Section], table: Mapping[str, Any], name: str) -> Section:
+def default_of(section: type | Kinds, name: str) -> Any:
+    """The default of a key, ``dataclasses.MISSING`` if it must be given."""
+    if isinstance(section, Kinds):
+        return section.default(name)
+    return section.__dataclass_fields__[name].default  # type: ignore[attr-defined]
+
+
+def bind(section: type | Kinds, table: Mapping[str, Any], name: str) -> Any:
     """Build a section from a TOML table.
 
     Raises
@@ -159,16 +248,16 @@ def bind(section: type[Section], table: Mapping[str, Any], name: str) -> Section
     InputError
         If a key is unknown, missing, of the wrong kind or out of range.
     """
+    if isinstance(section, Kinds):
+        return section.bind(table, name)
     known = keys_of(section)
     for given in table:
         if given not in known:
             raise InputError(f"unknown key {name}.{given}{suggestion(given, known)}; known: {', '.join(known)}")
     values = {given: known[given].read(value, f"{name}.{given}") for given, value in table.items()}
-    for field in dataclasses.fields(section):  # type: ignore[arg-type]
-        if field.name not in values and field.default is dataclasses.MISSING:
-            raise InputError(
-                f"missing key {name}.{field.name} ({known[field.name].kind}: {known[field.name].description})"
-            )
+    for needed, declaration in known.items():
+        if needed not in values and default_of(section, needed) is dataclasses.MISSING:
+            raise InputError(f"missing key {name}.{needed} ({declaration.kind}: {declaration.description})")
     return section(**values)
 
 

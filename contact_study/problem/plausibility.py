@@ -79,21 +79,12 @@ def _slopes(pairs: list[tuple[Case, SurfaceScales]]) -> list[str]:
         raise InputError(
             f"surface: heights of {scale.rms_height:.3g} m (root mean square) on a cell of {scale.size[0]:.3g} x "
             f"{scale.size[1]:.3g} m make an rms slope of {slope:.3g}{_at(case)}; beyond {IMPOSSIBLY_STEEP:g} the "
-            f"heights ({_HEIGHT_KEYS[case.surface.kind]}) and surface.size cannot belong together"
+            f"heights ({case.surface.height_key}) and surface.size cannot belong together"
         )
     where = points([case for _, case, _ in steep], len(pairs))
     return [
         f"surface: rms slope {slope:.3g}{where}: linear elasticity of a half-space is meant for slopes well below 1"
     ]
-
-
-_HEIGHT_KEYS = {
-    "self_affine": "surface.rms_height",
-    "file": "surface.height_unit",
-    "sphere": "surface.radius",
-    "wavy": "surface.amplitude",
-    "flat": "surface.size",
-}
 
 
 def _squeezes(adhesive: list[tuple[Case, SurfaceScales, TractionLaw]]) -> list[str]:
@@ -138,8 +129,8 @@ def _maps(pairs: list[tuple[Case, SurfaceScales]]) -> list[str]:
     for case, scale in pairs:
         if scale.lost is not None:
             height, slope = scale.lost
-            notes[case.surface.path, case.surface.shape] = (
-                f"surface.shape = {list(scale.shape)} is coarser than the height map {case.surface.path}: waves "
+            notes[case.surface.map_path, case.surface.shape] = (
+                f"surface.shape = {list(scale.shape)} is coarser than the height map {case.surface.map_path}: waves "
                 f"shorter than two grid spacings are left out, rms height {scale.rms_height:.4g} m becomes "
                 f"{height:.4g} m ({_change(height, scale.rms_height)}), rms slope {scale.rms_slope:.4g} becomes "
                 f"{slope:.4g} ({_change(slope, scale.rms_slope)})"

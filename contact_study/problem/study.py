@@ -16,12 +16,13 @@ import tomli_w
 from contact_study.problem import sections
 from contact_study.problem.case import Case
 from contact_study.problem.errors import InputError
-from contact_study.problem.keys import Key, bind, keys_of, listed
+from contact_study.problem.keys import Key, Kinds, bind, default_of, keys_of, listed
+from contact_study.problem.surfaces import SURFACES
 from contact_study.problem.units import EXAMPLES
 
-SECTIONS: dict[str, type] = {
+SECTIONS: dict[str, type | Kinds] = {
     "study": sections.StudySection,
-    "surface": sections.SurfaceSection,
+    "surface": SURFACES,
     "material": sections.MaterialSection,
     "interaction": sections.InteractionSection,
     "loading": sections.LoadingSection,
@@ -102,6 +103,8 @@ def read_study(path: Path | str, overrides: Mapping[str, Any] | None = None) -> 
         raise InputError(f"{path}: is no valid TOML: {error}") from None
     _check_structure(table)
     for dotted, value in (overrides or {}).items():
+        _leave_kind(table, dotted, value)
+    for dotted, value in (overrides or {}).items():
         _override(table, dotted, value)
     return make_study(table, path.parent)
 
@@ -110,12 +113,13 @@ def make_study(table: dict[str, Any], directory: Path | str = ".") -> Study:
     """Check a table as TOML would hold it and expand its sweep; errors as :func:`read_study`."""
     _check_structure(table)
     swept, exceptions = table.get("sweep", {}), table.get("override", [])
-    points = [(_apply(table, point, exceptions), point, index, Path(directory)) for point, index in _points(swept)]
-    cases = tuple(_case(*point) for point in points)
+    points = list(_points(swept))
+    merged = _of_own_kind([_apply(table, point, exceptions) for point, _ in points])
+    cases = tuple(_case(one, *point, Path(directory)) for one, point in zip(merged, points, strict=True))
     notes = tuple(
         f"override {number} ({', '.join(f'{k} = {v!r}' for k, v in item['when'].items())}) matches no point"
         for number, item in enumerate(exceptions, 1)
-        if not any(_matches(merged, item["when"]) for merged, *_ in points)
+        if not any(_matches(one, item["when"]) for one in merged)
     )
     return Study(
         table, Path(directory), cases, {_last(dotted): _swept_key(dotted, cases, swept) for dotted in swept}, notes
@@ -126,7 +130,7 @@ def all_keys() -> Iterator[tuple[str, str, Key, Any]]:
     """Section, key, declaration and default of everything a study file may hold."""
     for section, declared in SECTIONS.items():
         for name, declaration in keys_of(declared).items():
-            yield section, name, declaration, declared.__dataclass_fields__[name].default  # type: ignore[attr-defined]
+            yield section, name, declaration, default_of(declared, name)
 
 
 def _last(dotted: str) -> str:
@@ -138,6 +142,24 @@ def _split(dotted: str, where: str) -> tuple[str, str]:
     if section not in SECTIONS or name not in keys_of(SECTIONS[section]):
         raise InputError(f"{where}: unknown key {dotted!r}; expected section.key, such as interaction.well_depth_ratio")
     return section, name
+
+
+def _leave_kind(table: dict[str, Any], dotted: str, value: Any) -> None:
+    """Drop what a file says of other kinds than the one that the command line chooses."""
+    section, _, name = dotted.partition(".")
+    kinds = SECTIONS.get(section)
+    if not isinstance(kinds, Kinds) or name != kinds.tag or dotted in table.get("sweep", {}):
+        return
+    chosen = {name: value}
+    for content, prefix in ((table.get(section, {}), ""), *((part, f"{section}.") for part in _sweeping(table))):
+        for key in [key for key in content if key.startswith(prefix)]:
+            if key.removeprefix(prefix) in keys_of(kinds) and not kinds.has(chosen, key.removeprefix(prefix)):
+                del content[key]
+
+
+def _sweeping(table: dict[str, Any]) -> list[dict[str, Any]]:
+    """The parts of a table that hold dotted keys."""
+    return [table.get("sweep", {}), *table.get("override", [])]
 
 
 def _override(table: dict[str, Any], dotted: str, value: Any) -> None:
@@ -214,10 +236,8 @@ def _matches(merged: dict[str, Any], when: dict[str, Any]) -> bool:
     """Whether a point has these values, however they are written: 8, 8.0; "1 nm", "10 angstrom"."""
     for dotted, wanted in when.items():
         section, name = _split(dotted, "override")
-        if name in merged[section]:
-            value = _read(dotted, merged[section][name])
-        else:
-            value = SECTIONS[section].__dataclass_fields__[name].default  # type: ignore[attr-defined]
+        given = merged[section]
+        value = _read(dotted, given[name]) if name in given else default_of(SECTIONS[section], name)
         if not same(value, _read(dotted, wanted)):
             return False
     return True
@@ -262,11 +282,18 @@ def _apply(table: dict[str, Any], point: dict[str, Any], exceptions: list[dict[s
     return merged
 
 
+def _of_own_kind(merged: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """The points of a sweep, each with the keys of its own kinds only."""
+    for section, declared in SECTIONS.items():
+        if isinstance(declared, Kinds):
+            own = declared.without_others([one[section] for one in merged])
+            merged = [{**one, section: table} for one, table in zip(merged, own, strict=True)]
+    return merged
+
+
 def _case(merged: dict[str, Any], point: dict[str, Any], index: tuple[int, ...], directory: Path) -> Case:
     bound: dict[str, Any] = {name: bind(declared, merged[name], name) for name, declared in SECTIONS.items()}
-    coordinates = {
-        _last(dotted): _scalar(getattr(bound[dotted.partition(".")[0]], _last(dotted)), dotted) for dotted in point
-    }
+    coordinates = {_last(dotted): _scalar(_read(dotted, value), dotted) for dotted, value in point.items()}
     return Case(**bound, coordinates=coordinates, index=index, directory=directory)
 
 

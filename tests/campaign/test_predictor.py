@@ -9,7 +9,7 @@ import xarray as xr
 from contact_study.campaign.predictor import GapFields, check_predictor
 from contact_study.problem.errors import InputError
 from contact_study.problem.study import make_study
-from tests.problem.test_study import changed
+from tests.problem.test_study import changed, of_another_kind
 
 PATH = [1e8, 1e9, 1e8, 2e9]
 
@@ -106,6 +106,8 @@ def single(ratio=4.0, seed=1, **sections):
     table = changed("interaction", well_depth_ratio=ratio)
     table["surface"]["seed"] = seed
     table["loading"]["path"] = PATH
+    if "kind" in sections.get("surface", {}):
+        of_another_kind(table)
     for name, keys in sections.items():
         table.setdefault(name, {}).update(keys)
     return make_study(table)

@@ -141,7 +141,7 @@ def _constants(case, kind):
 def _values(case, kind, prescribed):
     control = case.loading.control
     pressure = prescribed if control == "pressure" else pressure_at(prescribed)
-    ratio, seed = case.interaction.well_depth_ratio, case.surface.seed
+    ratio, seed = case.interaction.well_depth_ratio, case.surface.realisation or 1
     values = {f"applied_{control}": prescribed, "residual": 1e-9, "iterations": 7, "wall_time": 0.5, "message": ""}
     for model in ("theory", "gap_flow") if kind == "theory" else (kind,):
         prefix = {"theory": "persson/", "gap_flow": "gap_flow/"}.get(model, "")

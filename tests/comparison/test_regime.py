@@ -61,6 +61,8 @@ def test_paper_system(tmp_path):
 
 def test_without_sweep_and_without_roughness(tmp_path):
     flat = STUDY[: STUDY.index("[sweep]")].replace('kind = "self_affine"', 'kind = "flat"')
+    own = ("rms_height", "roll_off_mode", "cutoff_mode", "normalisation")
+    flat = "\n".join(line for line in flat.splitlines() if not line.startswith(own))
     paths = [write(tmp_path / f"{kind}.nc", kind, flat) for kind in ("continuum", "atomistic")]
     inputs = read_inputs(paths)
     regime = compute_regime(inputs)

@@ -51,7 +51,7 @@ def test_steps_carry_the_quantities_of_the_schema():
         assert values["relative_contact_area"] == np.mean(gap < 3.68e-10)
         assert 0 < values["relative_repulsive_area"] < values["relative_contact_area"] <= 1
         assert values["elastic_energy"] > 0 > values["interaction_energy"]
-        assert gap.shape == case.atoms
+        assert gap.shape == case.lattice.atoms
         edges = case.bins
         inside = np.sum(values["gap_pdf"] * np.diff(edges.gap_edges))
         assert inside == pytest.approx(np.mean((gap >= edges.gap_edges[0]) & (gap <= edges.gap_edges[-1])), rel=1e-12)

@@ -7,11 +7,13 @@ from contact_study.problem.errors import InputError
 from contact_study.problem.plausibility import contact_stress, review, squeeze
 from contact_study.problem.study import make_study
 from contact_study.problem.surface_scales import scales_of
-from tests.problem.test_study import changed
+from tests.problem.test_study import changed, of_another_kind
 
 
 def table_of(**sections):
     table = changed("study")
+    if "kind" in sections.get("surface", {}):
+        of_another_kind(table)
     for name, keys in sections.items():
         table.setdefault(name, {}).update(keys)
     if "work_of_adhesion" in table["interaction"]:

@@ -26,8 +26,15 @@ TABLE = {
 
 def changed(section, **keys):
     table = copy.deepcopy(TABLE)
+    if section == "surface" and keys.get("kind", "self_affine") != "self_affine":
+        of_another_kind(table)
     table.setdefault(section, {}).update(keys)
     return table
+
+
+def of_another_kind(table):
+    """A table without the keys that only a self-affine surface has."""
+    table["surface"] = {name: table["surface"][name] for name in ("size", "shape")}
 
 
 def test_quantities_are_si():
@@ -41,8 +48,8 @@ def test_quantities_are_si():
 
 def test_work_of_adhesion_of_the_paper():
     (case,) = make_study(copy.deepcopy(TABLE)).cases
-    assert case.atoms == (400, 400)
-    assert case.substrate_sites == (647, 647)
+    assert case.lattice.atoms == (400, 400)
+    assert case.lattice.substrate_sites == (647, 647)
     # The reference, 0.6924 J/m², is for b = a/φ; made periodic, b = 400a/647 holds (647/(400φ))² as many sites.
     expected = 0.6924 * (647 / (400 * (1 + 5**0.5) / 2)) ** 2
     assert case.work_of_adhesion == pytest.approx(expected, abs=5e-5)  # the reference has four digits
@@ -132,6 +139,29 @@ def test_command_line_meets_a_damaged_table(tmp_path):
             read_study(path, {"surface.seed": 2})
 
 
+def test_a_sweep_over_kinds_holds_the_keys_of_all():
+    table = changed("surface", radius="1 um")
+    table["sweep"] = {"surface.kind": ["self_affine", "sphere", "flat"], "surface.seed": [1, 2]}
+    study = make_study(table)
+    assert [case.surface.kind for case in study.cases] == ["self_affine"] * 2 + ["sphere"] * 2 + ["flat"] * 2
+    assert [case.surface.realisation for case in study.cases] == [1, 2, None, None, None, None]
+    assert [case.coordinates["seed"] for case in study.cases] == [1, 2] * 3, "a dimension of every dataset"
+    assert not hasattr(study.cases[2].surface, "rms_height")
+
+
+def test_a_kind_chosen_on_the_command_line_leaves_the_files_behind(tmp_path):
+    path = tmp_path / "study.toml"
+    table = changed("sweep", **{"surface.seed": [1, 2], "interaction.well_depth_ratio": [1, 4]})
+    table["override"] = [{"when": {"interaction.well_depth_ratio": 4}, "surface.hurst_exponent": 0.5}]
+    path.write_text(make_study(table).toml)
+    study = read_study(path, {"surface.radius": "1 um", "surface.kind": "sphere"})
+    assert [case.surface.radius for case in study.cases] == pytest.approx([1e-6, 1e-6], abs=0, rel=1e-12)
+    assert list(study.sweep) == ["well_depth_ratio"]
+    with pytest.raises(InputError, match=r"surface\.seed: kind = \"sphere\" has no such key"):
+        read_study(path, {"surface.kind": "sphere", "surface.radius": "1 um", "surface.seed": 3})
+    assert len(read_study(path, {"surface.kind": "self_affine"}).cases) == 4, "its own kind loses nothing"
+
+
 WRONG = [
     (changed("surface", hurst=0.8), "surface.hurst"),
     (changed("surfaces"), "[surfaces]"),
@@ -157,6 +187,12 @@ WRONG = [
     (changed("surface", kind="sphere"), "surface.radius"),
     (changed("surface", seed=-1), "surface.seed"),
     (changed("surface", seed="one"), "surface.seed"),
+    (changed("surface", radius="1 um"), 'surface.radius: kind = "self_affine" has no such key; it belongs to sphere'),
+    (changed("surface", kind="flat", seed=2), 'surface.seed: kind = "flat" has no such key'),
+    (changed("surface", kind="flat", shap=2), "did you mean shape"),
+    ({**TABLE, "surface": {"shape": [64, 64]}}, "missing key surface.kind"),
+    (changed("sweep", **{"surface.radius": ["1 um", "2 um"]}), 'surface.radius: kind = "self_affine"'),
+    ({**changed("surface", radius="1 um"), "sweep": {"surface.kind": ["self_affine", "flat"]}}, "surface.radius"),
     (changed("material", poissons_ratio=0.6), "material.poissons_ratio"),
     (changed("material", youngs_modulus="0 GPa"), "material.youngs_modulus"),
     (changed("interaction", work_of_adhesion="0.69 J/m^2"), "work_of_adhesion"),
@@ -272,8 +308,8 @@ def test_each_axis_of_waves_has_its_own_points(modes):
 def test_atoms_and_sites_along_each_axis():
     """A rectangular cell has its own numbers of atoms and of substrate sites along y and x, and their densities."""
     (case,) = make_study(changed("surface", size=["104 nm", "26 nm"], shape=[256, 64])).cases
-    assert case.atoms == (400, 100)
-    assert case.substrate_sites == (647, 162)
+    assert case.lattice.atoms == (400, 100)
+    assert case.lattice.substrate_sites == (647, 162)
     (square,) = make_study(copy.deepcopy(TABLE)).cases
     # Δγ ∝ n_a n_b: the sites' density differs by the rounding of 161.8 sites to 162.
     assert case.work_of_adhesion == pytest.approx(square.work_of_adhesion * 162 / 161.75, rel=1e-12)
@@ -312,7 +348,7 @@ def test_hard_wall_needs_neither_adhesion_nor_tension():
 def test_atoms_must_fill_the_cell():
     table = changed("material", lattice_constant="2.7 angstrom")
     with pytest.raises(InputError, match=r"material\.lattice_constant"):
-        _ = make_study(table).cases[0].atoms
+        _ = make_study(table).cases[0].lattice.atoms
 
 
 @pytest.mark.parametrize(

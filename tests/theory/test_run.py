@@ -13,6 +13,7 @@ from contact_study.problem.errors import InputError
 from contact_study.problem.study import make_study
 from contact_study.problem.surface import realise
 from contact_study.problem.surface_scales import scales_of
+from tests.problem.test_study import of_another_kind
 from theory import closed_forms, run
 from theory.gap_flow import gap_flow
 from theory.persson import true_area_factor
@@ -42,6 +43,8 @@ STUDY = {
 
 def case_of(**sections):
     table = copy.deepcopy(STUDY)
+    if "kind" in sections.get("surface", {}):
+        of_another_kind(table)
     for name, keys in sections.items():
         table.setdefault(name, {}).update(keys)
     return with_bins(make_study(table)).cases[0]
@@ -312,6 +315,8 @@ def test_detachment_stress_is_capped_where_the_study_says_so(case):
 
 def review(**sections):
     table = copy.deepcopy(STUDY)
+    if "kind" in sections.get("surface", {}):
+        of_another_kind(table)
     for name, keys in sections.items():
         table.setdefault(name, {}).update(keys)
     study = make_study(table)

@@ -65,14 +65,14 @@ class Run:
     def deciding(self, case: Case) -> dict[str, Any]:
         """Every key that decides the numbers of a case, and its value in SI."""
         values: dict[str, Any] = {}
-        for section, declared in SECTIONS.items():
+        for section in SECTIONS:
             if section not in (*WHOLE_STUDY, *self.model.ignores):
-                for name in keys_of(declared):
+                for name in keys_of(type(getattr(case, section))):
                     values[f"{section}.{name}"] = _rounded(getattr(getattr(case, section), name))
         for dotted in _APART:
             values.pop(dotted, None)
         if case.height_map is not None:
-            values["surface.path"] = f"a file of SHA-256 {self.height_maps[str(case.surface.path)]}"
+            values["surface.path"] = f"a file of SHA-256 {self.height_maps[str(case.surface.map_path)]}"
         return values
 
     def case_names(self) -> list[str]:
@@ -95,7 +95,7 @@ def _rounded(value: Any) -> Any:
 
 def run_of(model: Model, study: Study, predictor: Path | None = None) -> Run:
     """The run of a model on a study, its files looked at."""
-    maps = {str(case.surface.path): case.height_map for case in study.cases if case.height_map is not None}
+    maps = {str(case.surface.map_path): case.height_map for case in study.cases if case.height_map is not None}
     contents = {name: content_hash(path) for name, path in maps.items()}
     return Run(model, study, contents, predictor, content_hash(predictor) if predictor else "")
 
@@ -173,7 +173,7 @@ def _earlier(attributes: Mapping[str, Any], run: Run) -> Run:
         study = make_study(tomllib.loads(str(attributes["study_toml"])), run.study.directory)
     except (KeyError, tomllib.TOMLDecodeError, InputError):
         raise InputError("its study cannot be read") from None
-    if any(case.height_map is not None and case.surface.path not in maps for case in study.cases):
+    if any(case.height_map is not None and case.surface.map_path not in maps for case in study.cases):
         raise InputError("it does not say what its height map held")
     return Run(run.model, study, maps)
 
@@ -184,7 +184,7 @@ def _differences(values: dict[str, Any], others: Sequence[dict[str, Any]], case:
     differing = dict(_differing(values, nearest))
     if list(differing) == ["surface.path"] and case.height_map is not None:
         one, two = (str(value).rpartition(" ")[2][:12] for value in differing["surface.path"])
-        return f"the height map {case.surface.path} has changed (SHA-256 {one}… there, {two}… here)"
+        return f"the height map {case.surface.map_path} has changed (SHA-256 {one}… there, {two}… here)"
     lost = {dotted.rpartition(".")[2] for dotted in differing} & set(case.coordinates) & set(study.sweep)
     if len(lost) == len(differing):
         return f"the study has its point {case.label} no longer"
