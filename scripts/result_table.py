@@ -10,9 +10,9 @@ from pathlib import Path
 
 import xarray as xr
 
-from contact_study.comparison.datasets import MODELS, models_in
-from contact_study.comparison.findings import MODEL_WORDS, headline, split_pair
-from contact_study.comparison.result_tables import results_tables
+from contact_study.comparison.read.datasets import MODELS, models_in
+from contact_study.comparison.say.findings import MODEL_WORDS, headline, split_pair
+from contact_study.comparison.say.result_tables import results_tables
 from contact_study.comparison.wording import number
 from contact_study.problem.units import quantity
 

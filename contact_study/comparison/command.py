@@ -12,12 +12,12 @@ import contact_study
 from contact_study.campaign.command import DONE, NOT_CONVERGED, Parser, git_commit, guarded
 from contact_study.campaign.files import writable_output
 from contact_study.campaign.schema import CONVENTIONS, SCHEMA_VERSION
-from contact_study.comparison.datasets import Inputs, read_inputs
-from contact_study.comparison.deviations import MISSING, compute_deviations
+from contact_study.comparison.compute.deviations import MISSING, compute_deviations
+from contact_study.comparison.compute.regime import compute_regime
 from contact_study.comparison.illustrations import draw
-from contact_study.comparison.regime import compute_regime
-from contact_study.comparison.report import Figures, collected_warnings, render_report
-from contact_study.comparison.setting_tables import unconverged_steps
+from contact_study.comparison.read.datasets import Inputs, read_inputs
+from contact_study.comparison.say.report import Figures, collected_warnings, render_report
+from contact_study.comparison.say.setting_tables import unconverged_steps
 from contact_study.comparison.tree import comparison_tree
 from contact_study.problem import units
 from contact_study.problem.errors import InputError

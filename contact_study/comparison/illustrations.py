@@ -1,15 +1,16 @@
 """The figures of one comparison with their captions: what is shown is chosen, read and drawn."""
 
-from contact_study.comparison import bands, figures, plotted
-from contact_study.comparison.captions import captions
-from contact_study.comparison.cases import sweep_points
-from contact_study.comparison.datasets import Inputs
-from contact_study.comparison.gap_map import gap_map_figure, read_gap_maps
-from contact_study.comparison.path_points import AVERAGED
-from contact_study.comparison.report import Figures
-from contact_study.comparison.scales import mean_pressure_unit, scales
-from contact_study.comparison.shown_states import common_label, panel_points, point_label, state_label
-from contact_study.comparison.style import png
+from contact_study.comparison.compute import bands, plotted
+from contact_study.comparison.compute.cases import sweep_points
+from contact_study.comparison.compute.scales import mean_pressure_unit, scales
+from contact_study.comparison.compute.shown_states import common_label, panel_points, point_label, state_label
+from contact_study.comparison.draw import figures
+from contact_study.comparison.draw.gap_map import gap_map_figure, read_gap_maps
+from contact_study.comparison.draw.style import png
+from contact_study.comparison.read.datasets import Inputs
+from contact_study.comparison.read.path_points import AVERAGED
+from contact_study.comparison.say.captions import captions
+from contact_study.comparison.say.report import Figures
 
 
 def draw(inputs: Inputs, wanted: float | None = None) -> Figures:

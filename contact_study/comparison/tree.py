@@ -5,7 +5,7 @@ from typing import Any
 
 import xarray as xr
 
-from contact_study.comparison.datasets import Inputs
+from contact_study.comparison.read.datasets import Inputs
 
 
 def comparison_tree(

@@ -10,10 +10,10 @@ import pytest
 import xarray as xr
 
 from contact_study.comparison.command import main
-from contact_study.comparison.datasets import field_at, read_inputs
-from contact_study.comparison.deviations import compute_deviations
-from contact_study.comparison.gap_map import read_gap_maps
-from contact_study.comparison.shown_states import panel_points
+from contact_study.comparison.compute.deviations import compute_deviations
+from contact_study.comparison.compute.shown_states import panel_points
+from contact_study.comparison.draw.gap_map import read_gap_maps
+from contact_study.comparison.read.datasets import field_at, read_inputs
 from contact_study.comparison.wording import percent
 from contact_study.problem.surface import realise
 from tests.comparison.synthetic import GAP_STUDY, STUDY, study, write, write_all

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from contact_study.comparison.cases import sweep_points
-from contact_study.comparison.datasets import field_at, read_inputs
-from contact_study.comparison.differences import ONE_CONTACT, check_studies
+from contact_study.comparison.compute.cases import sweep_points
+from contact_study.comparison.read.datasets import field_at, read_inputs
+from contact_study.comparison.read.differences import ONE_CONTACT, check_studies
 from contact_study.problem.errors import InputError
 from contact_study.problem.study import all_keys
 from tests.comparison.synthetic import STUDY, study, write, write_all

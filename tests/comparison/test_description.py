@@ -5,9 +5,9 @@ import tomllib
 import pytest
 import xarray as xr
 
-from contact_study.comparison.datasets import Inputs
-from contact_study.comparison.description import study_paragraphs
-from contact_study.comparison.findings import sample_notes
+from contact_study.comparison.read.datasets import Inputs
+from contact_study.comparison.say.description import study_paragraphs
+from contact_study.comparison.say.findings import sample_notes
 from contact_study.problem.study import make_study
 from tests.comparison.synthetic import STUDY
 

@@ -4,15 +4,15 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from contact_study.comparison.datasets import read_inputs
-from contact_study.comparison.deviations import (
+from contact_study.comparison.compute.deviations import (
     COMPARED,
     DETACHED,
     MISSING,
     NOT_CONVERGED,
     compute_deviations,
 )
-from contact_study.comparison.path_points import path_points
+from contact_study.comparison.read.datasets import read_inputs
+from contact_study.comparison.read.path_points import path_points
 from tests.comparison.synthetic import AREA_FACTOR, GAP_SHIFT, STUDY, area, gap, write, write_all
 
 

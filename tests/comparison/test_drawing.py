@@ -10,14 +10,16 @@ from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from matplotlib.legend import Legend
 
-from contact_study.comparison import bands, figures, illustrations, plotted
-from contact_study.comparison.cases import sweep_points
-from contact_study.comparison.datasets import read_inputs
-from contact_study.comparison.gap_map import GapMaps, gap_map_figure, read_gap_maps
-from contact_study.comparison.legends import BAND_LABEL
-from contact_study.comparison.plotted import Curve
-from contact_study.comparison.scales import scales
-from contact_study.comparison.shown_states import common_label, panel_points
+from contact_study.comparison import illustrations
+from contact_study.comparison.compute import bands, plotted
+from contact_study.comparison.compute.cases import sweep_points
+from contact_study.comparison.compute.plotted import Curve
+from contact_study.comparison.compute.scales import scales
+from contact_study.comparison.compute.shown_states import common_label, panel_points
+from contact_study.comparison.draw import figures
+from contact_study.comparison.draw.gap_map import GapMaps, gap_map_figure, read_gap_maps
+from contact_study.comparison.draw.legends import BAND_LABEL
+from contact_study.comparison.read.datasets import read_inputs
 from tests.comparison.synthetic import GAP_STUDY, STUDY, write, write_all
 
 SINGLE = STUDY[: STUDY.index("[sweep]")]

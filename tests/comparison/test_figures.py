@@ -3,12 +3,13 @@
 import numpy as np
 import pytest
 
-from contact_study.comparison import bands, figures, plotted
-from contact_study.comparison.cases import sweep_points
-from contact_study.comparison.datasets import read_inputs
-from contact_study.comparison.scales import scales
-from contact_study.comparison.shown_states import panel_points
-from contact_study.comparison.style import png
+from contact_study.comparison.compute import bands, plotted
+from contact_study.comparison.compute.cases import sweep_points
+from contact_study.comparison.compute.scales import scales
+from contact_study.comparison.compute.shown_states import panel_points
+from contact_study.comparison.draw import figures
+from contact_study.comparison.draw.style import png
+from contact_study.comparison.read.datasets import read_inputs
 from tests.comparison.synthetic import (
     AREA_FACTOR,
     BRANCH_FACTOR,

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from contact_study.comparison.datasets import read_inputs
-from contact_study.comparison.regime import compute_regime, roughness
+from contact_study.comparison.compute.regime import compute_regime, roughness
+from contact_study.comparison.read.datasets import read_inputs
 from contact_study.problem.surface import realise
 from tests.comparison.synthetic import STUDY, study, write
 

@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 
-from contact_study.comparison.cases import Series, series
-from contact_study.comparison.datasets import read_inputs
-from contact_study.comparison.deviations import compute_deviations
-from contact_study.comparison.findings import headline
-from contact_study.comparison.regime import compute_regime
-from contact_study.comparison.result_tables import deviation_tables, results_tables, summary_table
-from contact_study.comparison.setting_tables import constants_table, effort_table, regime_table, unconverged_steps
+from contact_study.comparison.compute.cases import Series, series
+from contact_study.comparison.compute.deviations import compute_deviations
+from contact_study.comparison.compute.regime import compute_regime
+from contact_study.comparison.read.datasets import read_inputs
+from contact_study.comparison.say.findings import headline
+from contact_study.comparison.say.result_tables import deviation_tables, results_tables, summary_table
+from contact_study.comparison.say.setting_tables import constants_table, effort_table, regime_table, unconverged_steps
 from tests.comparison import synthetic
 from tests.comparison.synthetic import AREA_FACTOR, GAP_SHIFT, area, gap, write, write_all
 

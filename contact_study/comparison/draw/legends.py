@@ -13,8 +13,8 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.transforms import ScaledTranslation
 
-from contact_study.comparison.plotted import Curve
-from contact_study.comparison.style import LINES, MARKERS, MODEL_NAMES, typeset
+from contact_study.comparison.compute.plotted import Curve
+from contact_study.comparison.draw.style import LINES, MARKERS, MODEL_NAMES, typeset
 
 BAND_LABEL = "gap-flow metastable band"
 _HEADING = 14 / 72  # inches that a panel's letter and state take above its axes

@@ -3,10 +3,10 @@
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
-from contact_study.comparison.datasets import Inputs
-from contact_study.comparison.findings import MODEL_WORDS
 from contact_study.comparison.labels import coordinate_label, law_name
-from contact_study.comparison.path_points import AVERAGED
+from contact_study.comparison.read.datasets import Inputs
+from contact_study.comparison.read.path_points import AVERAGED
+from contact_study.comparison.say.findings import MODEL_WORDS
 from contact_study.comparison.wording import control_unit, length, listed, listed_points, number, pressure_unit, varied
 from contact_study.problem.case import Case
 from contact_study.problem.errors import InputError

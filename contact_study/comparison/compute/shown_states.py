@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import xarray as xr
 
-from contact_study.comparison.cases import (
+from contact_study.comparison.compute.cases import (
     SweepPoint,
     case_points,
     first_constant,
@@ -13,8 +13,8 @@ from contact_study.comparison.cases import (
     strongest,
     sweep_points,
 )
-from contact_study.comparison.path_points import Point
-from contact_study.comparison.scales import Scales, common_scales, scales
+from contact_study.comparison.compute.scales import Scales, common_scales, scales
+from contact_study.comparison.read.path_points import Point
 from contact_study.comparison.wording import length, number, pressure
 
 # p/E* of figures 1b and 2b of Yang et al., EPL 84, 46004 (2008); their panels a state none.

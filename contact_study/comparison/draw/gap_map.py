@@ -6,11 +6,11 @@ import matplotlib
 import numpy as np
 from matplotlib.figure import Figure
 
-from contact_study.comparison.cases import case_points, first_constant, select
-from contact_study.comparison.datasets import Inputs, field_at
-from contact_study.comparison.path_points import AVERAGED
-from contact_study.comparison.shown_states import PanelPoints
-from contact_study.comparison.style import DOUBLE, MODEL_NAMES, SINGLE, styled, typeset
+from contact_study.comparison.compute.cases import case_points, first_constant, select
+from contact_study.comparison.compute.shown_states import PanelPoints
+from contact_study.comparison.draw.style import DOUBLE, MODEL_NAMES, SINGLE, styled, typeset
+from contact_study.comparison.read.datasets import Inputs, field_at
+from contact_study.comparison.read.path_points import AVERAGED
 from contact_study.comparison.wording import length_unit
 
 _FRAME, _BAR = 0.75, 0.95  # inches around a map, and for the bar of colours

@@ -6,11 +6,11 @@ from dataclasses import dataclass
 import numpy as np
 import xarray as xr
 
-from contact_study.comparison.cases import SweepPoint, case_points, select, sweep_points
-from contact_study.comparison.datasets import Inputs
-from contact_study.comparison.deviations import COMPARED
-from contact_study.comparison.path_points import AVERAGED, Point
-from contact_study.comparison.scales import Scales, scales
+from contact_study.comparison.compute.cases import SweepPoint, case_points, select, sweep_points
+from contact_study.comparison.compute.deviations import COMPARED
+from contact_study.comparison.compute.scales import Scales, scales
+from contact_study.comparison.read.datasets import Inputs
+from contact_study.comparison.read.path_points import AVERAGED, Point
 from contact_study.comparison.wording import length_unit, listed, number, percent, percent_of, pressure_unit
 
 AREA, GAP = "relative_contact_area_relative_deviation", "mean_gap_deviation"

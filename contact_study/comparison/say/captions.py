@@ -5,14 +5,14 @@ from collections.abc import Collection
 import numpy as np
 import xarray as xr
 
-from contact_study.comparison.cases import SweepPoint, case_points, select, sweep_points
-from contact_study.comparison.datasets import Inputs
-from contact_study.comparison.figures import mean_gap_panels
-from contact_study.comparison.findings import MODEL_WORDS
-from contact_study.comparison.path_points import AVERAGED, Point
-from contact_study.comparison.plotted import Curve, PathCurves, density_at, in_compression
-from contact_study.comparison.scales import scales
-from contact_study.comparison.shown_states import PanelPoints, common_label, point_label, state_label
+from contact_study.comparison.compute.cases import SweepPoint, case_points, select, sweep_points
+from contact_study.comparison.compute.plotted import Curve, PathCurves, density_at, in_compression
+from contact_study.comparison.compute.scales import scales
+from contact_study.comparison.compute.shown_states import PanelPoints, common_label, point_label, state_label
+from contact_study.comparison.draw.figures import mean_gap_panels
+from contact_study.comparison.read.datasets import Inputs
+from contact_study.comparison.read.path_points import AVERAGED, Point
+from contact_study.comparison.say.findings import MODEL_WORDS
 from contact_study.comparison.wording import listed, listed_points
 
 _ROUNDING = 1e-6  # of h_rms: what a gap prescribed as zero may differ from it

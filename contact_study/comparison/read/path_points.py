@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 
 from contact_study.campaign.schema import COORDINATES
-from contact_study.comparison.differences import same
+from contact_study.comparison.read.differences import same
 
 AVERAGED = "seed"
 Point = tuple[str, int, int]  # prescribed value to nine digits, branch, how many times visited before

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 import xarray as xr
 
-from contact_study.comparison.cases import SweepPoint, constant, first_constant, select, sweep_points
-from contact_study.comparison.datasets import Inputs
-from contact_study.comparison.path_points import AVERAGED
+from contact_study.comparison.compute.cases import SweepPoint, constant, first_constant, select, sweep_points
+from contact_study.comparison.read.datasets import Inputs
+from contact_study.comparison.read.path_points import AVERAGED
 from contact_study.fields import fourier
 from contact_study.fields.grid import Grid
 from contact_study.problem.errors import InputError

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 import xarray as xr
 
-from contact_study.comparison.cases import SweepPoint, first_constant, sweep_points
-from contact_study.comparison.differences import same
+from contact_study.comparison.compute.cases import SweepPoint, first_constant, sweep_points
+from contact_study.comparison.read.differences import same
 from contact_study.comparison.wording import Unit, pressure_unit
 
 

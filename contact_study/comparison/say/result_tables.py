@@ -5,12 +5,12 @@ from collections.abc import Mapping
 import numpy as np
 import xarray as xr
 
-from contact_study.comparison.cases import SweepPoint, case_points, select, series, sweep_points
-from contact_study.comparison.deviations import COMPARED, DETACHED, NOT_CONVERGED
-from contact_study.comparison.findings import AREA, GAP, Spread, on_shared_states, split_pair, spread
-from contact_study.comparison.path_points import Point
-from contact_study.comparison.scales import Scales, scales
-from contact_study.comparison.tables import NOTHING, SHORT_NAMES, Table
+from contact_study.comparison.compute.cases import SweepPoint, case_points, select, series, sweep_points
+from contact_study.comparison.compute.deviations import COMPARED, DETACHED, NOT_CONVERGED
+from contact_study.comparison.compute.scales import Scales, scales
+from contact_study.comparison.read.path_points import Point
+from contact_study.comparison.say.findings import AREA, GAP, Spread, on_shared_states, split_pair, spread
+from contact_study.comparison.say.tables import NOTHING, SHORT_NAMES, Table
 from contact_study.comparison.wording import Unit, control_unit, fixed, number, percent, percent_of, with_error
 
 

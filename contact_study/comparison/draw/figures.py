@@ -1,6 +1,7 @@
 """The figures of Yang et al., EPL 84, 46004 (2008), with every model on the same axes.
 
-Each function draws data of :mod:`contact_study.comparison.plotted` and returns a figure; none reads or writes a file.
+Each function draws data of :mod:`contact_study.comparison.compute.plotted` and returns a figure; none reads or writes a
+file.
 Colour tells the point of the sweep (or the pressure), the line and marker tell the model.
 """
 
@@ -12,9 +13,8 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 
-from contact_study.comparison.bands import Band
-from contact_study.comparison.legends import colour_legend, model_legend, panel_heading, shared_colour_legend
-from contact_study.comparison.plotted import (
+from contact_study.comparison.compute.bands import Band
+from contact_study.comparison.compute.plotted import (
     Curve,
     in_compression,
     logarithmic,
@@ -23,7 +23,8 @@ from contact_study.comparison.plotted import (
     smallest_resolved,
     window,
 )
-from contact_study.comparison.style import (
+from contact_study.comparison.draw.legends import colour_legend, model_legend, panel_heading, shared_colour_legend
+from contact_study.comparison.draw.style import (
     DOUBLE,
     LINES,
     MARKERS,

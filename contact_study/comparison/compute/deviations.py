@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 
 from contact_study.campaign.schema import COORDINATES, VARIABLES
-from contact_study.comparison.path_points import AVERAGED, on_common_path, swept_dims, usable
+from contact_study.comparison.read.path_points import AVERAGED, on_common_path, swept_dims, usable
 
 QUANTITIES = ("relative_contact_area", "mean_gap", "elastic_energy")
 

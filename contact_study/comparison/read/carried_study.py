@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from contact_study.comparison.differences import SAME, same
-from contact_study.comparison.path_points import AVERAGED, Point, path_points, positions, swept_dims
+from contact_study.comparison.read.differences import SAME, same
+from contact_study.comparison.read.path_points import AVERAGED, Point, path_points, positions, swept_dims
 from contact_study.problem.case import Case
 from contact_study.problem.errors import InputError
 from contact_study.problem.keys import keys_of

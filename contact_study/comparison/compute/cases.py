@@ -10,7 +10,7 @@ import numpy as np
 import xarray as xr
 
 from contact_study.comparison.labels import coordinate_label
-from contact_study.comparison.path_points import AVERAGED, Point, path_points, swept_dims
+from contact_study.comparison.read.path_points import AVERAGED, Point, path_points, swept_dims
 
 
 @dataclass(frozen=True)

@@ -5,9 +5,9 @@ from collections.abc import Mapping
 import numpy as np
 import xarray as xr
 
-from contact_study.comparison.cases import constant, first_constant, select, sweep_points
-from contact_study.comparison.style import MODEL_NAMES
-from contact_study.comparison.tables import NOTHING, SHORT_NAMES, Table, fixed_or_nothing
+from contact_study.comparison.compute.cases import constant, first_constant, select, sweep_points
+from contact_study.comparison.draw.style import MODEL_NAMES
+from contact_study.comparison.say.tables import NOTHING, SHORT_NAMES, Table, fixed_or_nothing
 from contact_study.comparison.wording import Unit, length_unit, number, pressure_unit
 
 _REGIME = (

@@ -6,8 +6,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 import xarray as xr
 
-from contact_study.comparison.cases import SweepPoint, select, series
-from contact_study.comparison.scales import Scales
+from contact_study.comparison.compute.cases import SweepPoint, select, series
+from contact_study.comparison.compute.scales import Scales
 
 _VISIBLE = 2e-3  # of the quantity: a dot of the figures
 

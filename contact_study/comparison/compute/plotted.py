@@ -1,4 +1,4 @@
-"""What the figures show, as arrays; :mod:`contact_study.comparison.figures` draws it."""
+"""What the figures show, as arrays; :mod:`contact_study.comparison.draw.figures` draws it."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -6,10 +6,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 import xarray as xr
 
-from contact_study.comparison.cases import SweepPoint, case_points, select, series, sweep_points
-from contact_study.comparison.path_points import AVERAGED, Point, usable
-from contact_study.comparison.scales import Scales, mean_pressure_unit, scales
-from contact_study.comparison.shown_states import PanelPoints, point_label
+from contact_study.comparison.compute.cases import SweepPoint, case_points, select, series, sweep_points
+from contact_study.comparison.compute.scales import Scales, mean_pressure_unit, scales
+from contact_study.comparison.compute.shown_states import PanelPoints, point_label
+from contact_study.comparison.read.path_points import AVERAGED, Point, usable
 
 
 @dataclass(frozen=True)

@@ -10,12 +10,12 @@ import jinja2
 import xarray as xr
 from markupsafe import Markup, escape
 
-from contact_study.comparison import result_tables, setting_tables
-from contact_study.comparison.datasets import Inputs
-from contact_study.comparison.description import study_paragraphs
-from contact_study.comparison.findings import headline, sample_notes
-from contact_study.comparison.path_points import AVERAGED
-from contact_study.comparison.style import MODEL_NAMES
+from contact_study.comparison.draw.style import MODEL_NAMES
+from contact_study.comparison.read.datasets import Inputs
+from contact_study.comparison.read.path_points import AVERAGED
+from contact_study.comparison.say import result_tables, setting_tables
+from contact_study.comparison.say.description import study_paragraphs
+from contact_study.comparison.say.findings import headline, sample_notes
 
 FIGURE_TITLES = {
     "stress_distribution": "Stress distribution",
@@ -58,7 +58,7 @@ def render_report(
         Attributes of the comparison's dataset: title, source, history.
     """
     environment = jinja2.Environment(
-        loader=jinja2.PackageLoader("contact_study.comparison", ""),
+        loader=jinja2.PackageLoader("contact_study.comparison.say", ""),
         autoescape=True,
         trim_blocks=True,
         lstrip_blocks=True,

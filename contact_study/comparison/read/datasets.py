@@ -13,9 +13,9 @@ import numpy as np
 import xarray as xr
 
 from contact_study.campaign.schema import LABELLED_GROUPS, SCHEMA_VERSION, VARIABLES, variable_of
-from contact_study.comparison.carried_study import carried_study
-from contact_study.comparison.differences import check_height_maps, check_studies, same
-from contact_study.comparison.path_points import positions, swept_dims
+from contact_study.comparison.read.carried_study import carried_study
+from contact_study.comparison.read.differences import check_height_maps, check_studies, same
+from contact_study.comparison.read.path_points import positions, swept_dims
 from contact_study.problem.case import Case
 from contact_study.problem.errors import InputError
 from contact_study.problem.study import Study

@@ -1,0 +1,1 @@
+"""The datasets of the models: opened, held against their studies and told apart."""

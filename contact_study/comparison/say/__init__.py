@@ -1,0 +1,1 @@
+"""Sentences, captions, tables and the report that holds them."""
