@@ -9,7 +9,7 @@ import xarray as xr
 import bem_adhesion.operator
 from contact_study.comparison.command import main as compare
 from contact_study.fields.fourier import RealTransform
-from scripts import benchmark_adhesive, continuum_against_atoms, result_table, two_starts
+from scripts import benchmark_adhesive, benchmark_storage, continuum_against_atoms, result_table, two_starts
 from tests.comparison.synthetic import AREA_FACTOR, GAP_SHIFT, area, gap, write_all
 
 
@@ -40,6 +40,18 @@ def test_surfaces_are_given_for_every_grid(capsys):
     with pytest.raises(SystemExit):
         benchmark_adhesive.main(["--points", "32", "40", "64", "--surfaces", "2", "1"])
     assert "2 numbers for 3 grids" in capsys.readouterr().err
+
+
+def test_benchmark_of_the_storage(capsys, monkeypatch):
+    monkeypatch.setattr(benchmark_storage, "RATIOS", (1, 4))
+    monkeypatch.setattr(benchmark_storage, "PRESSURES", np.array([1e8, 1e9]))
+    assert benchmark_storage.main(["data/yang2008.toml"]) == 0
+    ran, written, read = capsys.readouterr().out.splitlines()
+    assert ran.startswith("persson-theory, 4 steps, 1 processes: ")
+    for line in (written, read):
+        milliseconds, share = re.findall(r"([\d.]+) (?:ms|%)", line)
+        assert float(milliseconds) > 0
+        assert 0 < float(share) < 100
 
 
 def test_result_table(tmp_path, capsys):

@@ -136,12 +136,12 @@ class GapFlow:
         positions = np.asarray(mean_gaps, dtype=float) / self.length
         if np.any((positions < self.gaps[0]) | (positions > self.gaps[-1])):
             raise ValueError("mean_gaps: outside the nodes of the flow")
-        weights = np.zeros((positions.size, self.gaps.size))
+        weights = np.zeros((self.gaps.size, positions.size))
         right = np.maximum(np.searchsorted(self.gaps, positions), 1)
         share = (positions - self.gaps[right - 1]) / (self.gaps[right] - self.gaps[right - 1])
-        rows = np.arange(positions.size)
-        weights[rows, right - 1] = 1 - share
-        weights[rows, right] = share
+        columns = np.arange(positions.size)
+        weights[right - 1, columns] = 1 - share
+        weights[right, columns] = share
         elastic = np.zeros(positions.size)
         trace_back(self.gaps, self._stiffness, self._steps, self._compliances, self._hull, weights, elastic)
         return [
@@ -155,7 +155,7 @@ class GapFlow:
                 self.gaps,
                 weight,
             )
-            for gap, energy, weight in zip(np.asarray(mean_gaps), elastic, weights, strict=True)
+            for gap, energy, weight in zip(np.asarray(mean_gaps), elastic, np.ascontiguousarray(weights.T), strict=True)
         ]
 
 

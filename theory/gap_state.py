@@ -95,6 +95,16 @@ class GapState:
         low, high = np.minimum(stress[1:], stress[:-1]), np.maximum(stress[1:], stress[:-1])
         occupied = mass > 0
         mass, low, high = mass[occupied], low[occupied], high[occupied]
-        width = np.maximum(high - low, np.finfo(float).tiny)
-        below = mass @ np.clip((bins[None, :] - low[:, None]) / width[:, None], 0.0, 1.0)
-        return np.diff(below) / np.diff(edges)
+        return np.diff(_mass_below(bins, low, high, mass)) / np.diff(edges)
+
+
+def _mass_below(edges: np.ndarray, low: np.ndarray, high: np.ndarray, mass: np.ndarray) -> np.ndarray:
+    """Mass below each edge of pieces that are spread evenly from ``low`` to ``high``."""
+    first = np.searchsorted(edges, low, side="right")
+    whole = np.maximum(np.searchsorted(edges, high, side="left"), first)  # from this edge on all of the piece is below
+    within = whole - first
+    piece = np.repeat(np.arange(mass.size), within)
+    edge = np.arange(piece.size) + np.repeat(first - np.cumsum(within) + within, within)
+    part = mass[piece] * (edges[edge] - low[piece]) / (high[piece] - low[piece])
+    passed = np.bincount(whole, weights=mass, minlength=edges.size + 1)[: edges.size]
+    return np.bincount(edge, weights=part, minlength=edges.size) + np.cumsum(passed)

@@ -67,12 +67,7 @@ def flow_through_scales(x, stiffness, steps, branch, iterations, energy, complia
     Returns the number of steps in which Newton's method did not meet its tolerance.
     """
     n = x.size
-    below = np.zeros(n)
-    above = np.zeros(n)
-    for i in range(1, n - 1):
-        cell = 0.5 * (x[i + 1] - x[i - 1])
-        below[i] = 1.0 / ((x[i] - x[i - 1]) * cell)
-        above[i] = 1.0 / ((x[i + 1] - x[i]) * cell)
+    below, above = _second_derivative(x)
     modulus = np.empty(n)  # K + c before the step
     v = np.empty(n)
     pivot = np.empty(n)
@@ -128,59 +123,63 @@ def flow_through_scales(x, stiffness, steps, branch, iterations, energy, complia
 
 @njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "arcp", "nsz"})
 def trace_back(x, stiffness, steps, compliances, hull, weights, elastic):
-    """Carry distributions of the gap from coarse to fine in place, adding up the elastic energy of each scale."""
-    n = x.size
+    """Carry distributions of the gap from coarse to fine in place, adding up the elastic energy of each scale.
+
+    Each column of ``weights`` is one distribution: they lie side by side in memory, so that each step of a recurrence
+    over the nodes is one of vectors.
+    """
+    n, states = weights.shape
+    below, above = _second_derivative(x)
+    own = np.empty(n)
     pivot = np.empty(n)
     ratio = np.empty(n)
     right = np.empty(n, dtype=np.int32)
+    later = np.empty(states)
     for k in range(steps.size - 1, -1, -1):
         stiff, step = stiffness[k], steps[k]
         v, left = compliances[k], hull[k]
         # The transpose of the step's matrix ½K²/v² − Δm ∂², whose end rows are diagonal.
-        pivot[0] = 2.0 * v[0] * v[0] / (stiff * stiff)
+        for i in range(n):
+            own[i] = 0.5 * stiff * stiff / (v[i] * v[i])
+        pivot[0] = 1.0 / own[0]
         for i in range(1, n):
-            diagonal = 0.5 * stiff * stiff / (v[i] * v[i])
-            if i < n - 1:
-                diagonal += step * 2.0 / ((x[i] - x[i - 1]) * (x[i + 1] - x[i]))
-            ratio[i] = -step * _above(x, i - 1) * pivot[i - 1]
-            pivot[i] = 1.0 / (diagonal + ratio[i] * step * _below(x, i))
+            ratio[i] = -step * above[i - 1] * pivot[i - 1]
+            pivot[i] = 1.0 / (own[i] + step * (above[i] + below[i]) + ratio[i] * step * below[i])
         for i in range(n - 2, -1, -1):
             right[i] = i + 1 if left[i + 1] == i + 1 else right[i + 1]
-        for row in range(weights.shape[0]):
-            w = weights[row]
-            for i in range(1, n):
-                w[i] -= ratio[i] * w[i - 1]
-            w[n - 1] *= pivot[n - 1]
-            for i in range(n - 2, -1, -1):
-                w[i] = (w[i] + step * _below(x, i + 1) * w[i + 1]) * pivot[i]
-            stored = 0.0
-            for i in range(n):
-                w[i] *= 0.5 * stiff * stiff / (v[i] * v[i])
-                followed = 1.0 - 2.0 * v[i] / stiff  # c/(K + c): the wave's share that the block takes up
-                stored += w[i] * 0.5 * stiff * followed * followed * step
-            for i in range(n):
-                a = left[i]
-                if a != i:
-                    b = right[i]
-                    share = (x[i] - x[a]) / (x[b] - x[a])
-                    stored += w[i] * 0.5 * stiff * (x[i] - x[a]) * (x[b] - x[i])
-                    w[a] += (1.0 - share) * w[i]
-                    w[b] += share * w[i]
-                    w[i] = 0.0
-            elastic[row] += stored
+        for i in range(1, n):
+            for state in range(states):
+                weights[i, state] -= ratio[i] * weights[i - 1, state]
+        later[:] = 0.0
+        for i in range(n - 1, -1, -1):
+            from_above = step * below[i + 1] if i < n - 1 else 0.0
+            followed = 1.0 - 2.0 * v[i] / stiff  # c/(K + c): the wave's share that the block takes up
+            energy = 0.5 * stiff * followed * followed * step
+            for state in range(states):
+                later[state] = (weights[i, state] + from_above * later[state]) * pivot[i]
+                weights[i, state] = later[state] * own[i]
+                elastic[state] += weights[i, state] * energy
+        for i in range(n):
+            a = left[i]
+            if a != i:
+                b = right[i]
+                share = (x[i] - x[a]) / (x[b] - x[a])
+                energy = 0.5 * stiff * (x[i] - x[a]) * (x[b] - x[i])
+                for state in range(states):
+                    weight = weights[i, state]
+                    elastic[state] += weight * energy
+                    weights[a, state] += (1.0 - share) * weight
+                    weights[b, state] += share * weight
+                    weights[i, state] = 0.0
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "arcp", "nsz"}, inline="always")
-def _below(x, i):
-    """Weight of node i−1 in the second derivative at node i; zero at the ends."""
-    if i == 0 or i == x.size - 1:
-        return 0.0
-    return 2.0 / ((x[i] - x[i - 1]) * (x[i + 1] - x[i - 1]))
-
-
-@njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "arcp", "nsz"}, inline="always")
-def _above(x, i):
-    """Weight of node i+1 in the second derivative at node i; zero at the ends."""
-    if i == 0 or i == x.size - 1:
-        return 0.0
-    return 2.0 / ((x[i + 1] - x[i]) * (x[i + 1] - x[i - 1]))
+@njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "arcp", "nsz"})
+def _second_derivative(x):
+    """Weights of the nodes below and above in the second derivative at a node; zero at the ends."""
+    below = np.zeros(x.size)
+    above = np.zeros(x.size)
+    for i in range(1, x.size - 1):
+        cell = 0.5 * (x[i + 1] - x[i - 1])
+        below[i] = 1.0 / ((x[i] - x[i - 1]) * cell)
+        above[i] = 1.0 / ((x[i + 1] - x[i]) * cell)
+    return below, above

@@ -132,13 +132,20 @@ def _march(variance, detachment_stress, faces, mass, contact):
     width = faces[1:] - faces[:-1]
     distance = np.empty(n)  # between neighbouring centres; from the boundary for the first
     distance[0] = 0.5 * width[0]
+    from_right = np.empty(n)
+    from_left = np.empty(n)
     for i in range(1, n):
         distance[i] = 0.5 * (width[i] + width[i - 1])
+        from_left[i] = 0.5 / (distance[i] * width[i - 1])
+    for i in range(n):
+        from_right[i] = 0.5 / (distance[i] * width[i])
     forward = np.empty(n + 1)  # rate of mass through face i from cell i-1 into i, and back
     backward = np.empty(n + 1)
     pivot = np.empty(n)
+    lower = np.empty(n)
     upper = np.empty(n)
     first = np.empty(n)
+    ratio = (1.0 - gamma) / gamma
     total = mass.sum()
     contact[0] = 1.0
     edge_stress = 0.0
@@ -155,30 +162,33 @@ def _march(variance, detachment_stress, faces, mass, contact):
                 bernoulli = 1.0 - 0.5 * z + z2 / 12.0 * (1.0 - z2 / 60.0)
             else:
                 bernoulli = z / np.expm1(z)
-            backward[i] = 0.5 * bernoulli / distance[i] / width[i]
+            backward[i] = bernoulli * from_right[i]
             if i > 0:
-                forward[i] = 0.5 * (bernoulli + z) / distance[i] / width[i - 1]
+                forward[i] = (bernoulli + z) * from_left[i]
         weight = gamma * step
-        # Stage one: (1 − γ Δs L) m₁ = m₀, factorised on the way.
-        pivot[0] = 1.0 / (1.0 + weight * (backward[0] + forward[1]))
+        # Stage one: (1 − γ Δs L) m₁ = m₀, factorised on the way. Each recurrence is written so that its next value
+        # waits for one division, or one product and sum, of the last.
+        diagonal = 1.0 + weight * (backward[0] + forward[1])
+        pivot[0] = 1.0 / diagonal
         first[0] = mass[0]
         for i in range(1, n):
-            factor = weight * forward[i] * pivot[i - 1]
-            upper[i] = -weight * backward[i]
-            pivot[i] = 1.0 / (1.0 + weight * (backward[i] + forward[i + 1]) + factor * upper[i])
-            first[i] = mass[i] + factor * first[i - 1]
+            product = weight * forward[i] * weight * backward[i]
+            diagonal = 1.0 + weight * (backward[i] + forward[i + 1]) - product / diagonal
+            pivot[i] = 1.0 / diagonal
+            lower[i] = weight * forward[i] * pivot[i - 1]
+            first[i] = mass[i] + lower[i] * first[i - 1]
         first[n - 1] *= pivot[n - 1]
         for i in range(n - 2, -1, -1):
-            first[i] = (first[i] - upper[i + 1] * first[i + 1]) * pivot[i]
+            upper[i] = weight * backward[i + 1] * pivot[i]
+            first[i] = first[i] * pivot[i] + upper[i] * first[i + 1]
         # Stage two: (1 − γ Δs L) m₂ = m₀ + (1 − γ) Δs L m₁ with Δs L m₁ = (m₁ − m₀) / γ.
         early = backward[0] * first[0] * (1.0 - gamma) * step
-        ratio = (1.0 - gamma) / gamma
         mass[0] += ratio * (first[0] - mass[0])
         for i in range(1, n):
-            mass[i] += ratio * (first[i] - mass[i]) + weight * forward[i] * pivot[i - 1] * mass[i - 1]
+            mass[i] = mass[i] + ratio * (first[i] - mass[i]) + lower[i] * mass[i - 1]
         mass[n - 1] *= pivot[n - 1]
         for i in range(n - 2, -1, -1):
-            mass[i] = (mass[i] - upper[i + 1] * mass[i + 1]) * pivot[i]
+            mass[i] = mass[i] * pivot[i] + upper[i] * mass[i + 1]
         late = backward[0] * mass[0] * weight
         edge_stress -= early * (detachment_stress[k] + gamma * rise) + late * detachment_stress[k + 1]
         total -= early + late

@@ -1,0 +1,85 @@
+"""Cost of a study's bookkeeping: what Persson's theory of a few hundred points spends on steps on disk and on the rest.
+
+Runs the paper's study with three adhesion strengths and 60 pressures by ``persson-theory`` in a process of its own and
+prints its wall-clock and processor time; then writes and reads its finished steps again, and prints the time of each
+and its share of the processor time. Shares compare between machines, times do not.
+
+    python scripts/benchmark_storage.py data/yang2008.toml
+"""
+
+import argparse
+import os
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+import numpy as np
+import tomli_w
+
+from contact_study.campaign import steps
+from contact_study.campaign.dataset.file import Earlier
+from contact_study.campaign.record import Step
+from contact_study.problem.bins import with_bins
+from contact_study.problem.study import Study, make_study, read_study
+
+RATIOS, PRESSURES = (1, 4, 8), np.geomspace(1e8, 1e10, 60)
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("study", type=Path)
+    parser.add_argument("--workers", type=int, default=1, help="processes of the command")
+    given = parser.parse_args(arguments)
+    study = many_points(given.study)
+    with tempfile.TemporaryDirectory() as folder:
+        wall, processor, dataset = run(study, Path(folder), given.workers)
+        written, read, count = write_and_read(study, dataset, Path(folder) / "case")
+    print(f"persson-theory, {count} steps, {given.workers} processes: {wall:.1f} s, of processors {processor:.1f} s")
+    for words, seconds in (("write", written), ("read", read)):
+        share = 100 * seconds / processor
+        print(f"{words} a step: {1e3 * seconds / count:.2f} ms, all {share:.1f} % of processors")
+    return 0
+
+
+def many_points(path: Path) -> Study:
+    """The study at the paper's adhesion strengths and many pressures."""
+    table = read_study(path).table
+    table.pop("override", None)
+    table["loading"]["path"] = PRESSURES.tolist()
+    table["sweep"] = {"interaction.well_depth_ratio": list(RATIOS)}
+    return with_bins(make_study(table, path.parent))
+
+
+def run(study: Study, folder: Path, workers: int) -> tuple[float, float, Path]:
+    """Wall-clock and processor time of the command (s), its children included; and its dataset."""
+    (folder / "study.toml").write_text(tomli_w.dumps(study.table))
+    output = folder / "theory.nc"
+    command = [sys.executable, "-m", "theory.run", str(folder / "study.toml"), "-o", str(output)]
+    before, began = os.times(), time.perf_counter()
+    subprocess.run([*command, "--workers", str(workers)], check=True, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
+    wall, after = time.perf_counter() - began, os.times()
+    children = after.children_user + after.children_system - before.children_user - before.children_system
+    return wall, children, output
+
+
+def write_and_read(study: Study, dataset: Path, folder: Path) -> tuple[float, float, int]:
+    """Processor time to write all steps of a dataset, and to read them (s), and their number."""
+    bins = study.cases[0].bins
+    with Earlier(dataset, study.sweep) as earlier:
+        values = [earlier.step(case.index, number) for case in study.cases for number in range(len(case.path))]
+    written = timed(lambda: [steps.save_step(folder, i, Step(one, bins=bins)) for i, one in enumerate(values)])
+    read = timed(lambda: [steps.load_step(folder, i) for i in range(len(values))])
+    return written, read, len(values)
+
+
+def timed(work: Callable[[], object]) -> float:
+    began = time.process_time()
+    work()
+    return time.process_time() - began
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())
