@@ -1,1 +1,26 @@
-"""Boundary-element solver of the adhesive contact of an elastic half-space with a rough rigid solid."""
+"""Boundary-element solver of the adhesive contact of an elastic solid with a rough rigid one.
+
+A height array, its size, a solid and a law make a contact; states follow from states under loads, see
+:func:`rough_contact`. Whole studies are run by :func:`contact_study.run` or the command ``bem-adhesion``.
+"""
+
+from bem_adhesion.contact import Contact, rough_contact
+from bem_adhesion.solution import Outcome, Solution
+from contact_study import __version__
+from contact_study.problem.elasticity import Elasticity, HalfSpace, Layer
+from contact_study.problem.laws import HardWall, LennardJones93, LennardJones104, TractionLaw
+
+__all__ = [
+    "Contact",
+    "Elasticity",
+    "HalfSpace",
+    "HardWall",
+    "Layer",
+    "LennardJones93",
+    "LennardJones104",
+    "Outcome",
+    "Solution",
+    "TractionLaw",
+    "__version__",
+    "rough_contact",
+]

@@ -10,6 +10,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from bem_adhesion.active_set import ContactLevel
+from bem_adhesion.arguments import check_arguments
 from bem_adhesion.operator import periodic
 from bem_adhesion.solution import Outcome, Solution
 from contact_study.fields.grid import Grid
@@ -35,20 +36,37 @@ class HardWallContact:
         The periodic grid; any shape. Shapes that can be halved converge in half the time.
     elasticity : Elasticity or float
         The solid; a number is the contact modulus E* = E / (1 − ν²) of a half-space (Pa).
+    control : {"pressure", "gap"}
+        What a step prescribes.
+    tolerance : float, optional
+        Largest gap inside the contact and largest penetration outside, in units of the rms height; under gap control
+        also the largest error of the mean gap.
+    max_iterations : int, optional
+        Limit of active-set iterations on each grid.
     threads : int, optional
         Threads of the transforms.
 
     Raises
     ------
     ValueError
-        If a height is not finite, the shapes differ, or the modulus is not positive.
+        If a height is not finite, the shapes differ, the modulus or the tolerance is not positive, or ``control`` is
+        unknown.
     """
 
-    def __init__(self, height: np.ndarray, grid: Grid, elasticity: Elasticity | float, threads: int = 1):
-        if height.shape != grid.shape:
-            raise ValueError(f"height has shape {height.shape}, the grid {grid.shape}")
-        if not np.all(np.isfinite(height)):
-            raise ValueError("height is not finite everywhere")
+    def __init__(
+        self,
+        height: np.ndarray,
+        grid: Grid,
+        elasticity: Elasticity | float,
+        control: str = "pressure",
+        tolerance: float = 1e-10,
+        max_iterations: int = 200,
+        threads: int = 1,
+    ):
+        check_arguments(height, grid, control, tolerance, max_iterations)
+        self.control = control
+        self.tolerance = tolerance
+        self.max_iterations = max_iterations
         self.elasticity = elasticity_of(elasticity)
         self.grid = grid
         self._height = height
@@ -65,22 +83,42 @@ class HardWallContact:
             make_operator = periodic(self.elasticity.scaled(period, modulus), threads=threads)
             self._level = ContactLevel(mean_free, unit_grid, make_operator)
 
-    def at_pressure(
-        self,
-        mean_pressure: float,
-        tolerance: float = 1e-10,
-        initial: np.ndarray | None = None,
-        max_iterations: int = 200,
-    ) -> Solution:
-        """The contact under a mean pressure; parameters, result and errors as in :func:`solve`."""
-        if not np.isfinite(mean_pressure):
-            raise ValueError(f"mean_pressure = {mean_pressure:g} Pa: must be finite")
-        if mean_pressure < 0:
-            raise ValueError(f"mean_pressure = {mean_pressure:g} Pa: a hard wall without adhesion carries no tension")
-        if not tolerance > 0:
-            raise ValueError(f"tolerance = {tolerance:g}: must be positive")
-        if initial is not None and initial.shape != self.grid.shape:
-            raise ValueError(f"initial has shape {initial.shape}, the grid {self.grid.shape}")
+    def separated(self) -> np.ndarray:
+        """The state without contact to start from: no pressure anywhere (Pa)."""
+        return np.zeros(self.grid.shape)
+
+    def step(self, state: np.ndarray, target: float) -> Solution:
+        """The contact at a load. It is unique: the state to start from is a matter of work alone.
+
+        Parameters
+        ----------
+        state : numpy.ndarray, shape grid.shape
+            ``Solution.state`` of a similar contact, or :meth:`separated`: a pressure (Pa). It is the start, in place of
+            the coarser grids, where its mean is near to the one asked for.
+        target : float
+            Mean pressure, >= 0 (Pa), or mean gap, >= 0 (m), as ``control`` says. Above the gap of first touch there is
+            no contact, at zero the pressure is the least of full contact.
+
+        Returns
+        -------
+        Solution
+            ``residual`` is what ``tolerance`` bounds. Contact is where the pressure is positive; the gap there is zero.
+
+        Raises
+        ------
+        ValueError
+            If the target is negative or not finite, or the state has another shape.
+        """
+        what = "mean pressure" if self.control == "pressure" else "mean gap"
+        if not np.isfinite(target):
+            raise ValueError(f"target = {target:g}: a {what} must be finite")
+        if target < 0:
+            raise ValueError(f"target = {target:g}: a hard wall without adhesion has no negative {what}")
+        if state.shape != self.grid.shape:
+            raise ValueError(f"state has shape {state.shape}, the grid {self.grid.shape}")
+        return self._at_pressure(state, target) if self.control == "pressure" else self._at_gap(state, target)
+
+    def _at_pressure(self, state: np.ndarray, mean_pressure: float) -> Solution:
         if self._flat:
             return self._solution(np.full(self.grid.shape, mean_pressure), np.zeros(self.grid.shape))
         if mean_pressure == 0:
@@ -88,63 +126,41 @@ class HardWallContact:
         level, load = self._level, mean_pressure / self._pressure_unit
         before = level.equivalent_pairs(level.grid)
         full_contact = False
-        if initial is not None and _similar(initial, mean_pressure):
-            level.start_from(initial, load)
+        if _similar(state, mean_pressure):
+            level.start_from(state, load)
         else:
-            full_contact = level.start(load, max_iterations)
+            full_contact = level.start(load, self.max_iterations)
         if full_contact:
             gap = np.zeros(self.grid.shape)
             residual, iterations, outcome = 0.0, 0, Outcome.CONVERGED
         else:
-            residual, iterations, outcome = level.solve(load, tolerance, max_iterations)
+            residual, iterations, outcome = level.solve(load, self.tolerance, self.max_iterations)
             gap = level.gap()
             gap *= self._rms_height
         pairs = level.equivalent_pairs(level.grid) - before
         return self._solution(level.pressure * self._pressure_unit, gap, residual, iterations, pairs, outcome)
 
-    def at_gap(
-        self,
-        mean_gap: float,
-        tolerance: float = 1e-10,
-        initial: np.ndarray | None = None,
-        max_iterations: int = 200,
-    ) -> Solution:
-        """The contact at a mean gap, found as the pressure that leaves it.
-
-        Parameters
-        ----------
-        mean_gap : float
-            Mean separation of the surfaces, >= 0 (m). Above the gap of first touch there is no contact, at zero
-            the pressure is the least of full contact.
-        tolerance, initial, max_iterations
-            As in :func:`solve`; the mean gap is met to ``tolerance`` of the rms height.
-
-        Raises
-        ------
-        ValueError
-            If the gap is negative or not finite.
-        """
-        if not (np.isfinite(mean_gap) and mean_gap >= 0):
-            raise ValueError(f"mean_gap = {mean_gap:g} m: must be zero or positive")
+    def _at_gap(self, state: np.ndarray, mean_gap: float) -> Solution:
+        """Found as the pressure that leaves that gap."""
         touch = self._height.max() - self._mean_height
         if self._flat or mean_gap >= touch:
             return self._solution(np.zeros(self.grid.shape), mean_gap + self._mean_height - self._height)
         least_full = self._level.least_full_contact_pressure() * self._pressure_unit
         if mean_gap == 0:
-            return self.at_pressure(least_full * (1 + 1e-12), tolerance)
+            return self._at_pressure(state, least_full * (1 + 1e-12))
         pairs = 0.0
-        start = initial
+        start = state
 
         def at(log_pressure: float) -> Solution:
             nonlocal pairs, start
-            found = self.at_pressure(np.exp(log_pressure), tolerance, start, max_iterations)
+            found = self._at_pressure(start, float(np.exp(log_pressure)))
             pairs += found.fft_pairs
-            start = found.pressure
+            start = found.state
             return found
 
         def excess(log_pressure: float) -> float:
             difference = float(at(log_pressure).gap.mean()) - mean_gap
-            return difference if abs(difference) > tolerance * self._rms_height else 0.0
+            return difference if abs(difference) > self.tolerance * self._rms_height else 0.0
 
         # Contact dies about exponentially with the gap, on the scale of the rms height.
         high = np.log(least_full)
@@ -166,50 +182,12 @@ class HardWallContact:
         displacement = self._height + gap
         work = np.vdot(pressure, displacement) / self.grid.points
         elastic_energy = 0.5 * float(work - pressure.mean() * displacement.mean())
-        return Solution(displacement, gap, pressure, elastic_energy, 0.0, residual, iterations, pairs, outcome)
+        return Solution(
+            pressure, displacement, gap, pressure, elastic_energy, 0.0, residual, iterations, pairs, outcome
+        )
 
 
 def _similar(pressure: np.ndarray, mean_pressure: float) -> bool:
-    """Whether a state, without its tension if any, carries nearly that load."""
-    change = abs(float(np.maximum(pressure, 0).mean()) / mean_pressure - 1)
-    return change * max(pressure.shape) <= SIMILAR_LOAD
-
-
-def solve(
-    height: np.ndarray,
-    grid: Grid,
-    elasticity: Elasticity | float,
-    mean_pressure: float,
-    tolerance: float = 1e-10,
-    initial: np.ndarray | None = None,
-    max_iterations: int = 200,
-    threads: int = 1,
-) -> Solution:
-    """Contact of a rough surface with an elastic solid under a mean pressure.
-
-    Parameters
-    ----------
-    height, grid, elasticity, threads
-        As in :class:`HardWallContact`.
-    mean_pressure : float
-        Force per nominal area, >= 0 (Pa).
-    tolerance : float, optional
-        Largest gap inside the contact and largest penetration outside, in units of the rms height.
-    initial : numpy.ndarray, shape grid.shape, optional
-        Pressure of an earlier state (Pa); the start, in place of the coarser grids, where its load is similar.
-    max_iterations : int, optional
-        Limit of active-set iterations on each grid.
-
-    Returns
-    -------
-    Solution
-        ``residual`` is what ``tolerance`` bounds. Contact is where the pressure is positive; the gap there is zero.
-
-    Raises
-    ------
-    ValueError
-        If the mean pressure is negative or a number is not finite; also as :class:`HardWallContact`.
-    """
-    return HardWallContact(height, grid, elasticity, threads).at_pressure(
-        mean_pressure, tolerance, initial, max_iterations
-    )
+    """Whether a state, without its tension if any, carries nearly that load (Pa)."""
+    carried = float(np.maximum(pressure, 0).mean())
+    return carried > 0 and abs(carried / mean_pressure - 1) * max(pressure.shape) <= SIMILAR_LOAD

@@ -13,6 +13,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from bem_adhesion.adhesive import NewtonResult
+from bem_adhesion.arguments import check_arguments
 from bem_adhesion.multilevel import MultilevelContact
 from bem_adhesion.operator import periodic
 from bem_adhesion.solution import Outcome, Solution
@@ -98,12 +99,7 @@ class LoadedContact:
         max_iterations: int = 2000,
         threads: int = 1,
     ):
-        if height.shape != grid.shape:
-            raise ValueError(f"height has shape {height.shape}, the grid {grid.shape}")
-        if not np.all(np.isfinite(height)):
-            raise ValueError("height is not finite everywhere")
-        if control not in ("pressure", "gap"):
-            raise ValueError(f"control = {control!r}: must be 'pressure' or 'gap'")
+        check_arguments(height, grid, control, tolerance, max_iterations)
         self.height = height
         self.elasticity = elasticity_of(elasticity)
         self.law = law
@@ -127,24 +123,26 @@ class LoadedContact:
         """Displacement of the flat block just out of reach of the law (m)."""
         return np.full(self.height.shape, self.height.max() + self._reach)
 
-    def step(self, displacement: np.ndarray, target: float) -> Solution:
+    def step(self, state: np.ndarray, target: float) -> Solution:
         """The equilibrium that a state falls into under a new load.
 
         Parameters
         ----------
-        displacement : numpy.ndarray, shape grid.shape
-            State to start from: displacement of an earlier solution, or :meth:`separated` (m).
+        state : numpy.ndarray, shape grid.shape
+            ``Solution.state`` of an earlier step, or :meth:`separated`: a displacement (m).
         target : float
             Mean pressure (Pa) or mean gap above the law's equilibrium distance (m), as ``control`` says.
 
         Raises
         ------
         ValueError
-            If the target is not finite or the start touches or penetrates the surface.
+            If the target is not finite, or the state has another shape or touches or penetrates the surface.
         """
         if not np.isfinite(target):
             raise ValueError(f"target = {target:g}: must be finite")
-        gap = displacement / self._length - self._height
+        if state.shape != self.height.shape:
+            raise ValueError(f"state has shape {state.shape}, the surface {self.height.shape}")
+        gap = state / self._length - self._height
         if not gap.min() > 0:
             raise ValueError("the state to start from has gaps <= 0")
         # Rounding of a displacement that was stored and read is less than this.
@@ -199,6 +197,7 @@ class LoadedContact:
         elastic = 0.5 * np.mean((pressure - pressure.mean()) * displacement)
         return Solution(
             displacement,
+            displacement,
             gap,
             pressure,
             float(elastic),
@@ -211,8 +210,10 @@ class LoadedContact:
 
     def _apart(self, outcome: Outcome, iterations: int = 0, pairs: float = 0.0) -> Solution:
         """No contact: infinite gaps, no pressure; a later step starts from separation."""
+        apart = self.separated()
         return Solution(
-            self.separated(),
+            apart,
+            apart,
             np.full(self.height.shape, np.inf),
             np.zeros(self.height.shape),
             0.0,

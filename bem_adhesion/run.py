@@ -7,8 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 import numpy as np
 from scipy.fft import next_fast_len
 
-from bem_adhesion.hard_wall import HardWallContact
-from bem_adhesion.loading import LoadedContact
+from bem_adhesion.contact import rough_contact
 from bem_adhesion.multilevel import POINTS_PER_PROCESS_ZONE, process_zone
 from bem_adhesion.solution import Outcome, Solution
 from contact_study.campaign import command
@@ -132,53 +131,28 @@ def solve_path(
     start : int, optional
         Number of the first point to solve.
     """
-    if isinstance(case.law, HardWall):
-        yield from _hard_wall_path(case, surface, restart, start)
-    else:
-        yield from _adhesive_path(case, case.law, surface, restart, start)
-
-
-def _adhesive_path(
-    case: Case, law: TractionLaw, surface: Surface, restart: Mapping[str, np.ndarray] | None, start: int
-) -> Iterator[Step]:
-    height = surface.heights(surface.shape)
     solver = case.solver
-    contact = LoadedContact(
-        height,
-        surface.grid,
+    contact = rough_contact(
+        surface.heights(surface.shape),
+        surface.grid.size,
         case.solid,
-        law,
+        case.law,
         case.loading.control,
         solver.tolerance,
         solver.max_iterations,
         max(1, solver.threads),
     )
-    displacement = contact.separated() if restart is None else restart["displacement"]
+    state = contact.separated() if restart is None else restart["state"]
     for value, _ in case.path[start:]:
         began = time.perf_counter()
-        solution = contact.step(displacement, value)
-        displacement = solution.displacement
-        in_contact = solution.gap < case.contact_distance
-        yield _step(case, solution, in_contact, began, {"displacement": displacement})
+        solution = contact.step(state, value)
+        state = solution.state
+        yield _step(case, solution, began)
 
 
-def _hard_wall_path(
-    case: Case, surface: Surface, restart: Mapping[str, np.ndarray] | None, start: int
-) -> Iterator[Step]:
-    height = surface.heights(surface.shape)
-    solver = case.solver
-    contact = HardWallContact(height, surface.grid, case.solid, max(1, solver.threads))
-    solve = contact.at_pressure if case.loading.control == "pressure" else contact.at_gap
-    pressure = None if restart is None else restart["pressure"]
-    for value, _ in case.path[start:]:
-        began = time.perf_counter()
-        solution = solve(value, solver.tolerance, pressure, solver.max_iterations)
-        pressure = solution.pressure
-        yield _step(case, solution, pressure > 0, began, {"pressure": pressure})
-
-
-def _step(case: Case, solution: Solution, in_contact: np.ndarray, began: float, restart: dict[str, np.ndarray]) -> Step:
+def _step(case: Case, solution: Solution, began: float) -> Step:
     gap, pressure = solution.gap, solution.pressure
+    in_contact = pressure > 0 if isinstance(case.law, HardWall) else gap < case.contact_distance
     mean_gap = float(np.mean(gap)) - case.law.equilibrium_distance
     values: dict[str, Value] = {
         "mean_pressure": float(np.mean(pressure)),
@@ -199,7 +173,7 @@ def _step(case: Case, solution: Solution, in_contact: np.ndarray, began: float, 
         "wall_time": time.perf_counter() - began,
     }
     fields = {"gap": gap, "pressure": pressure} if case.output.fields else {}
-    return Step(values, fields, restart)
+    return Step(values, fields, {"state": solution.state})
 
 
 if __name__ == "__main__":

@@ -28,6 +28,9 @@ class Solution:
 
     Parameters
     ----------
+    state : numpy.ndarray, shape (y, x)
+        What the next step starts from, of the solver that gave it: the displacement (m), or the pressure on a hard wall
+        (Pa).
     displacement : numpy.ndarray, shape (y, x)
         Position of the block's deformed surface (m): heights plus gap, mean included.
     gap : numpy.ndarray, shape (y, x)
@@ -48,6 +51,7 @@ class Solution:
         How the solve ended.
     """
 
+    state: np.ndarray
     displacement: np.ndarray
     gap: np.ndarray
     pressure: np.ndarray

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from bem_adhesion.hard_wall import HardWallContact
 from contact_study.fields.grid import Grid
 from contact_study.problem.study import make_study
 from contact_study.problem.surface import realise
@@ -44,3 +45,13 @@ def random_heights(shape, exponent, seed):
     coefficients *= np.where(grid.wavenumber > 0, grid.wavenumber, 1) ** -exponent
     heights = np.fft.irfft2(coefficients, shape)
     return heights / heights.std(), grid
+
+
+def solve(height, grid, elasticity, mean_pressure, **options):
+    """Contact with a hard wall under a mean pressure, from separation."""
+    return at(HardWallContact(height, grid, elasticity, **options), mean_pressure)
+
+
+def at(contact, target, state=None):
+    """The contact at a load, from separation unless a state is given."""
+    return contact.step(contact.separated() if state is None else state, target)

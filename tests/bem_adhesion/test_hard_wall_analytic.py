@@ -3,9 +3,8 @@
 import numpy as np
 import pytest
 
-from bem_adhesion.hard_wall import solve
 from contact_study.fields.grid import Grid
-from tests.bem_adhesion.rough_surfaces import CONTACT_MODULUS
+from tests.bem_adhesion.rough_surfaces import CONTACT_MODULUS, solve
 from tests.reference_problems import (
     egg_box_full_contact_pressure,
     egg_box_heavy_area,

@@ -1,0 +1,24 @@
+"""Checks of the arguments that both solvers share."""
+
+import numpy as np
+
+from contact_study.fields.arguments import positive
+from contact_study.fields.grid import Grid
+
+
+def check_arguments(height: np.ndarray, grid: Grid, control: str, tolerance: float, max_iterations: int) -> None:
+    """Make sure that a solver can begin.
+
+    Raises
+    ------
+    ValueError
+        If the heights do not fit the grid or are not finite, ``control`` is unknown, or a limit is not positive.
+    """
+    if height.shape != grid.shape:
+        raise ValueError(f"height has shape {height.shape}, the grid {grid.shape}")
+    if not np.all(np.isfinite(height)):
+        raise ValueError("height is not finite everywhere")
+    if control not in ("pressure", "gap"):
+        raise ValueError(f"control = {control!r}: must be 'pressure' or 'gap'")
+    positive("tolerance", tolerance, "units of the scale that the solver names")
+    positive("max_iterations", max_iterations, "iterations")

@@ -1,0 +1,81 @@
+"""One face of both continuum solvers: a state and a target in, a solution out."""
+
+from collections.abc import Sequence
+from typing import Any, Protocol
+
+import numpy as np
+
+from bem_adhesion.hard_wall import HardWallContact
+from bem_adhesion.loading import LoadedContact
+from bem_adhesion.solution import Solution
+from contact_study.fields.arguments import field, grid_of
+from contact_study.problem.elasticity import Elasticity
+from contact_study.problem.laws.base import TractionLaw
+from contact_study.problem.laws.hard_wall import HardWall
+
+
+class Contact(Protocol):
+    """One rough surface against an elastic solid, to be solved at any number of loads."""
+
+    def separated(self) -> np.ndarray:
+        """The state of surfaces out of reach of each other, where a path begins, shape (y, x)."""
+
+    def step(self, state: np.ndarray, target: float) -> Solution:
+        """The state that follows from one under a new load, a mean pressure (Pa) or a mean gap (m)."""
+
+
+def rough_contact(
+    height: np.ndarray,
+    size: float | Sequence[float],
+    elasticity: Elasticity | float,
+    law: TractionLaw | HardWall,
+    control: str = "pressure",
+    tolerance: float | None = None,
+    max_iterations: int | None = None,
+    threads: int = 1,
+) -> Contact:
+    """The contact of a rigid rough surface with an elastic solid, by the solver that its law asks for.
+
+    Parameters
+    ----------
+    height : array_like, shape (y, x)
+        Heights of the rigid surface, toward the elastic solid (m), continued periodically.
+    size : float or pair of float
+        Periods along y and x; one number is both (m).
+    elasticity : Elasticity or float
+        The solid; a number is the contact modulus E* = E / (1 − ν²) of a half-space (Pa).
+    law : TractionLaw or HardWall
+        How the surfaces interact.
+    control : {"pressure", "gap"}
+        What a step prescribes: the mean pressure (Pa), or the mean gap less the law's equilibrium distance (m).
+    tolerance, max_iterations : optional
+        As the solvers' own: :class:`HardWallContact`, :class:`LoadedContact`.
+    threads : int, optional
+        Threads of the transforms.
+
+    Raises
+    ------
+    ValueError
+        If an argument is not what it should be; the message names it.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from bem_adhesion import LennardJones104, rough_contact
+    >>> height = 1e-10 * np.random.default_rng(0).standard_normal((32, 32))
+    >>> contact = rough_contact(height, 10e-9, 93.7e9, LennardJones104(work_of_adhesion=0.1, length=3.28e-10))
+    >>> pressed = contact.step(contact.separated(), 1e9)
+    >>> pulled = contact.step(pressed.state, -0.1e9)
+    >>> bool(pressed.converged and pulled.gap.mean() > pressed.gap.mean())
+    True
+    """
+    heights = field("height", height)
+    grid = grid_of(heights, size)
+    options: dict[str, Any] = {"control": control, "threads": threads}
+    options |= {} if tolerance is None else {"tolerance": tolerance}
+    options |= {} if max_iterations is None else {"max_iterations": max_iterations}
+    if isinstance(law, HardWall):
+        return HardWallContact(heights, grid, elasticity, **options)
+    if isinstance(law, TractionLaw):
+        return LoadedContact(heights, grid, elasticity, law, **options)
+    raise ValueError(f"law = {law!r}: must be a law such as LennardJones104(work_of_adhesion, length) or HardWall()")

@@ -1,0 +1,71 @@
+"""The face that both continuum solvers share."""
+
+import numpy as np
+import pytest
+
+import bem_adhesion
+from bem_adhesion import HardWall, Layer, LennardJones104, rough_contact
+from tests.bem_adhesion.rough_surfaces import CONTACT_MODULUS, SIZE, self_affine
+
+LAW = LennardJones104(work_of_adhesion=0.2, length=3.28e-10)
+
+
+@pytest.mark.parametrize("law", [LAW, HardWall()])
+@pytest.mark.parametrize("control", ["pressure", "gap"])
+def test_states_follow_from_states(law, control):
+    height, _ = self_affine(64)
+    contact = rough_contact(height, SIZE, CONTACT_MODULUS, law, control)
+    targets = [1e9, 2e9] if control == "pressure" else [6e-10, 4e-10]
+    state, found = contact.separated(), []
+    for target in targets:
+        found.append(contact.step(state, target))
+        state = found[-1].state
+    for solution, target in zip(found, targets, strict=True):
+        assert solution.converged
+        value = solution.pressure.mean() if control == "pressure" else solution.gap.mean() - law.equilibrium_distance
+        assert value == pytest.approx(target, rel=1e-6)  # tolerances of 1e-10 rms heights, 1e-8 E* and 1e-8 r0
+    assert np.count_nonzero(found[1].pressure > 0) > np.count_nonzero(found[0].pressure > 0) > 0
+    # Going on from a state is all the history there is.
+    again = rough_contact(height, (SIZE, SIZE), CONTACT_MODULUS, law, control).step(found[0].state, targets[1])
+    np.testing.assert_array_equal(again.gap, found[1].gap)
+
+
+def test_sides_options_and_solids_reach_the_solvers():
+    height, _ = self_affine(32, cutoff_mode=5)
+    contact = rough_contact(height[:16], (0.5 * SIZE, SIZE), CONTACT_MODULUS, LAW, max_iterations=1)
+    found = contact.step(contact.separated(), 1e9)
+    assert found.outcome is bem_adhesion.Outcome.ITERATION_LIMIT
+    assert found.iterations == 1
+    pressures = []
+    for thickness in (1e-9, 1e-6):
+        on_layer = rough_contact(height, SIZE, Layer(CONTACT_MODULUS, thickness, 0.3), HardWall(), "gap")
+        pressures.append(on_layer.step(on_layer.separated(), 1e-9).pressure.mean())
+    assert pressures[0] > 2 * pressures[1]  # a thin layer is stiffer
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"height": "a map"}, "height must be an array"),
+        ({"height": np.zeros(8)}, r"height has shape \(8,\)"),
+        ({"height": np.full((8, 8), np.nan)}, "height is not finite everywhere: 64 points"),
+        ({"size": "10 nm"}, "size = '10 nm'.*in m"),
+        ({"size": (1e-9, -1e-9)}, "size = -1e-09"),
+        ({"size": (1e-9,)}, "one period or two"),
+        ({"elasticity": -1.0}, "contact_modulus"),
+        ({"elasticity": "1 GPa"}, "contact_modulus"),
+        ({"control": "force"}, "control = 'force'"),
+        ({"tolerance": 0.0}, "tolerance"),
+        ({"max_iterations": "many"}, "max_iterations"),
+        ({"law": "lennard_jones_10_4"}, "law = 'lennard_jones_10_4'"),
+    ],
+)
+def test_bad_arguments_are_named(arguments, message):
+    valid = {"height": np.zeros((8, 8)), "size": 1e-8, "elasticity": 1e9, "law": LAW}
+    with pytest.raises(ValueError, match=message):
+        rough_contact(**(valid | arguments))
+
+
+def test_all_that_is_exported_exists():
+    assert all(hasattr(bem_adhesion, name) for name in bem_adhesion.__all__)
+    assert bem_adhesion.__version__
