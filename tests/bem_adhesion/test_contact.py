@@ -38,7 +38,7 @@ def test_sides_options_and_solids_reach_the_solvers():
     assert found.iterations == 1
     pressures = []
     for thickness in (1e-9, 1e-6):
-        on_layer = rough_contact(height, SIZE, Layer(CONTACT_MODULUS, thickness, 0.3), HardWall(), "gap")
+        on_layer = rough_contact(height, SIZE, Layer(CONTACT_MODULUS, 0.3, thickness), HardWall(), "gap")
         pressures.append(on_layer.step(on_layer.separated(), 1e-9).pressure.mean())
     assert pressures[0] > 2 * pressures[1]  # a thin layer is stiffer
 

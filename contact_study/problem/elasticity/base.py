@@ -1,12 +1,12 @@
 """What every elastic solid offers to the solvers and theories: the stiffness K(q) of a wave of its surface."""
 
-import math
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, replace
 from typing import Self
 
 import numpy as np
 
+from contact_study.fields.arguments import positive
 from contact_study.fields.grid import Grid
 
 
@@ -31,8 +31,7 @@ class Elasticity(ABC):
     contact_modulus: float
 
     def __post_init__(self) -> None:
-        if not (math.isfinite(self.contact_modulus) and self.contact_modulus > 0):
-            raise ValueError(f"contact_modulus = {self.contact_modulus:g} Pa: must be positive and finite")
+        positive("contact_modulus", self.contact_modulus, "Pa")
 
     @abstractmethod
     def stiffness(self, wavenumber: np.ndarray | float) -> np.ndarray:

@@ -11,12 +11,12 @@ Thick layers are half-spaces, S → 1. Thin compressible ones are a bed of sprin
 incompressible ones resist flow along the layer, K → 3E*/(4 q² d³).
 """
 
-import math
 from dataclasses import dataclass, replace
 from typing import Self
 
 import numpy as np
 
+from contact_study.fields.arguments import finite, positive
 from contact_study.problem.elasticity.base import Elasticity
 
 
@@ -44,10 +44,10 @@ class Layer(Elasticity):
 
     def __post_init__(self) -> None:
         super().__post_init__()
+        finite("poissons_ratio", self.poissons_ratio, "1")
         if not -1 < self.poissons_ratio <= 0.5:
             raise ValueError(f"poissons_ratio = {self.poissons_ratio:g}: must be above -1 and at most 0.5")
-        if not (math.isfinite(self.thickness) and self.thickness > 0):
-            raise ValueError(f"thickness = {self.thickness:g} m: must be positive and finite")
+        positive("thickness", self.thickness, "m")
 
     def stiffness(self, wavenumber: np.ndarray | float) -> np.ndarray:
         q, ratio = np.asarray(wavenumber, dtype=float), self.poissons_ratio
