@@ -182,6 +182,7 @@ class HardWallContact:
         displacement = self._height + gap
         work = np.vdot(pressure, displacement) / self.grid.points
         elastic_energy = 0.5 * float(work - pressure.mean() * displacement.mean())
+        elastic_energy += self.elasticity.compression_energy(float(pressure.mean()))
         return Solution(
             pressure, displacement, gap, pressure, elastic_energy, 0.0, residual, iterations, pairs, outcome
         )

@@ -195,6 +195,7 @@ class LoadedContact:
         np.negative(pressure, out=pressure)
         # In equilibrium K w is the interface pressure less its mean: ½<w, K w> without another transform.
         elastic = 0.5 * np.mean((pressure - pressure.mean()) * displacement)
+        elastic += self.elasticity.compression_energy(float(pressure.mean()))
         return Solution(
             displacement,
             displacement,

@@ -154,10 +154,12 @@ def _step(case: Case, solution: Solution, began: float) -> Step:
     gap, pressure = solution.gap, solution.pressure
     in_contact = pressure > 0 if isinstance(case.law, HardWall) else gap < case.contact_distance
     mean_gap = float(np.mean(gap)) - case.law.equilibrium_distance
+    mean_pressure = float(np.mean(pressure))
     values: dict[str, Value] = {
-        "mean_pressure": float(np.mean(pressure)),
+        "mean_pressure": mean_pressure,
         "mean_gap": mean_gap,
-        "mean_separation": mean_gap,  # the half-space moves vertically only: the same
+        # Nothing slides: all that parts the two is the uniform compression of a layer.
+        "mean_separation": mean_gap - case.solid.compression(mean_pressure),
         "relative_contact_area": float(np.mean(in_contact)),
         "relative_repulsive_area": float(np.mean(pressure > 0)),
         "elastic_energy": solution.elastic_energy,

@@ -38,7 +38,7 @@ class Solution:
     pressure : numpy.ndarray, shape (y, x)
         Pressure that the interface exerts, positive in compression (Pa).
     elastic_energy : float
-        Energy of the block per nominal area (J/m²).
+        Energy of the block per nominal area (J/m²), with the uniform compression of a layer.
     interaction_energy : float
         Energy of the traction-separation law per nominal area (J/m²); zero for a hard wall.
     residual : float

@@ -16,6 +16,7 @@ from contact_study.campaign.record import Step, Value
 from contact_study.campaign.schema import quantity_of
 from contact_study.fields.spectrum import RoughnessSpectrum
 from contact_study.problem.case import Case
+from contact_study.problem.elasticity import Elasticity
 from contact_study.problem.errors import InputError
 from contact_study.problem.laws.base import TractionLaw
 from contact_study.problem.plausibility import points
@@ -239,10 +240,23 @@ def solve_path(
         values = {name if name in _PERSSONS_OWN else f"persson/{name}": value for name, value in values.items()}
         for branch in flows:
             values |= branch[number]
-        # Nothing slides in a theory of the mean gap: it is the distance of the mean planes, too.
-        distances = {name: value for name, value in values.items() if quantity_of(name)[1] == "mean_gap"}
-        values |= {name.replace("mean_gap", "mean_separation"): value for name, value in distances.items()}
-        yield Step(values, restart={} if isinstance(stress, str) else {"detachment_stress": stress})
+        yield Step(
+            _with_compression(values, case.solid),
+            restart={} if isinstance(stress, str) else {"detachment_stress": stress},
+        )
+
+
+def _with_compression(values: dict[str, Value], solid: Elasticity) -> dict[str, Value]:
+    """The values of every theory with its mean separation, and with a layer's uniform compression in its energy.
+
+    Nothing slides in a theory of the mean gap: that compression is all that parts gap and separation.
+    """
+    for name in [name for name in values if quantity_of(name)[1] == "mean_gap"]:
+        group = name.removesuffix("mean_gap")
+        gap, pressure, energy = (float(values[group + key]) for key in ("mean_gap", "mean_pressure", "elastic_energy"))
+        values[group + "mean_separation"] = gap - solid.compression(pressure)
+        values[group + "elastic_energy"] = energy + solid.compression_energy(pressure)
+    return values
 
 
 def _separation(case: Case, theory: PerssonTheory) -> SeparationCurve:

@@ -74,7 +74,8 @@ VARIABLES: dict[str, Variable] = {
     "mean_gap": Variable("m", "mean of the local gap, less the law's equilibrium distance"),
     "mean_separation": Variable(
         "m",
-        "distance of the mean planes of block and surface, less the equilibrium distance; conjugate to the pressure",
+        "distance of the mean planes of block and surface, less the equilibrium distance; conjugate to the pressure. "
+        "Of a layer the plane of its undeformed surface, which moves with its base",
     ),
     "relative_contact_area": Variable("1", "contact area over nominal area"),
     "relative_repulsive_area": Variable("1", "area under positive pressure over nominal area"),

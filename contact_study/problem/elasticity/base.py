@@ -45,6 +45,14 @@ class Elasticity(ABC):
         """
         return 0.0
 
+    def compression(self, mean_pressure: float) -> float:
+        """How far a mean pressure (Pa), known or not, moves the surface's mean towards what holds the block (m)."""
+        return self.mean_compliance * mean_pressure if self.mean_compliance else 0.0
+
+    def compression_energy(self, mean_pressure: float) -> float:
+        """What that movement stores, per area (J/m²)."""
+        return 0.5 * self.compression(mean_pressure) * mean_pressure if self.mean_compliance else 0.0
+
     def stiffness_on(self, grid: Grid) -> np.ndarray:
         """K of each wavevector of a grid, zero at q = 0, in the layout of ``rfft2`` (Pa/m)."""
         stiffness_q = np.zeros(grid.spectrum_shape)
