@@ -17,6 +17,12 @@ THICKNESSES = [1.0, 0.1, 0.01]
 RATIOS = [0.3, 0.5]
 
 
+def pressed(height, grid, solid, mean_pressure):
+    """Against a hard wall, from no contact."""
+    contact = HardWallContact(height, grid, solid)
+    return contact.step(contact.separated(), mean_pressure)
+
+
 def paraboloid(points, size, radius):
     grid = Grid((points, points), (size, size))
     x = grid.coordinates[0] - size / 2
@@ -30,12 +36,13 @@ def test_hard_wall_meets_the_conditions_of_contact(ratio, thickness):
     height, grid = self_affine(128, 32)
     layer = Layer(2.0, ratio, thickness * grid.size[0])
     contact = HardWallContact(height, grid, layer)
-    full = contact.at_gap(0.0).pressure.mean()
+    holding = HardWallContact(height, grid, layer, "gap")
+    full = holding.step(holding.separated(), 0.0).pressure.mean()
     stiffness_q = layer.stiffness_on(grid)
     assert full == pytest.approx(-np.fft.irfft2(stiffness_q * np.fft.rfft2(height), grid.shape).min(), rel=1e-9)
     stiffness_q[0, 0] = np.inf
     for fraction in (0.003, 0.1, 0.6):
-        found = contact.at_pressure(fraction * full)
+        found = contact.step(contact.separated(), fraction * full)
         assert found.converged
         assert found.pressure.min() >= 0
         assert found.gap.min() >= 0
@@ -43,7 +50,7 @@ def test_hard_wall_meets_the_conditions_of_contact(ratio, thickness):
         displacement = np.fft.irfft2(np.fft.rfft2(found.pressure) / stiffness_q, grid.shape)
         deviation = displacement - (found.displacement - found.displacement.mean())
         assert np.abs(deviation).max() <= 2e-10 * height.std()  # twice the tolerance: two transforms differ
-        held = contact.at_gap(found.gap.mean())
+        held = holding.step(holding.separated(), found.gap.mean())
         np.testing.assert_allclose(held.pressure, found.pressure, atol=1e-6 * found.pressure.max())
         work = 0.5 * np.mean(found.pressure * displacement) + 0.5 * layer.mean_compliance * found.pressure.mean() ** 2
         assert found.elastic_energy == pytest.approx(work, rel=1e-6)
@@ -88,10 +95,10 @@ def test_energies_are_the_work_of_the_load_on_the_base():
 def test_thick_layers_are_half_spaces():
     """The difference is that of the stiffness at the longest wave, (qd)² e^(−2qd)."""
     height, grid = self_affine(64, 16)
-    half_space = HardWallContact(height, grid, HalfSpace(2.0)).at_pressure(0.05).pressure
+    half_space = pressed(height, grid, HalfSpace(2.0), 0.05).pressure
     differences = []
     for thickness in np.array([0.5, 1.0, 3.0]) * grid.size[0]:
-        pressure = HardWallContact(height, grid, Layer(2.0, 0.3, thickness)).at_pressure(0.05).pressure
+        pressure = pressed(height, grid, Layer(2.0, 0.3, thickness), 0.05).pressure
         differences.append(np.abs(pressure - half_space).max() / half_space.max())
     assert differences[0] > 1e-3
     assert differences[0] / differences[1] > 0.1 * np.exp(2 * np.pi)
@@ -104,7 +111,7 @@ def sphere_on_thin_layers(layers, force_of, peak_of):
     height, grid = paraboloid(256, size, radius)
     errors = []
     for layer in layers:
-        found = HardWallContact(height, grid, layer).at_pressure(force_of(layer, radius, wanted) / size**2)
+        found = pressed(height, grid, layer, force_of(layer, radius, wanted) / size**2)
         assert found.converged
         reached = np.sqrt(np.mean(found.pressure > 0) * size**2 / np.pi)
         # Displacement is that of the layer's surface; the base has moved on by the compression.
@@ -178,7 +185,7 @@ def test_a_table_of_a_half_space_is_that_half_space():
     height, solid = rough.heights(rough.shape), HalfSpace(E_STAR)
     table = Tabulated(E_STAR, rough.grid, solid.stiffness_on(rough.grid))
     for tabulated, plain in (
-        [HardWallContact(height, rough.grid, one).at_pressure(2e9) for one in (table, solid)],
+        [pressed(height, rough.grid, one, 2e9) for one in (table, solid)],
         [(c := LoadedContact(height, rough.grid, one, law())).step(c.separated(), 2e9) for one in (table, solid)],
     ):
         np.testing.assert_allclose(tabulated.gap, plain.gap, atol=1e-9 * R0)
