@@ -5,13 +5,11 @@ import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 
 import numpy as np
-from scipy import optimize
 
 from contact_study.campaign import command
 from contact_study.campaign.memory import require_memory
 from contact_study.campaign.model import Model
 from contact_study.campaign.record import Step, Value
-from contact_study.fields import fourier
 from contact_study.fields.observables import probability_density
 from contact_study.problem.case import Case
 from contact_study.problem.errors import InputError
@@ -21,11 +19,10 @@ from contact_study.problem.study import Study
 from contact_study.problem.surface import Surface
 from contact_study.problem.surface_scales import SurfaceScales
 from md_reference.block import SurfaceStiffness, element_matrix, surface_stiffness
-from md_reference.equilibrium import EquilibriumSolver
+from md_reference.contact import AtomisticContact, interface_of
 from md_reference.interface import INSIDE, LennardJonesInterface
 from md_reference.measure import FlatInterface, effective_contact_modulus, measure_interface
-from md_reference.solution import Equilibrium, Outcome
-from md_reference.substrate import sample_substrate
+from md_reference.solution import Outcome, Solution
 
 MODEL = Model(
     command="md-reference",
@@ -43,9 +40,6 @@ _POINTS_FOR_THREADS = 1024**2
 
 # Displacements, forces, Hessians, stiffness and transforms of one atom: some sixty doubles.
 _BYTES_PER_ATOM = 500
-
-# Error allowed to the interpolated height of the surface, in units of r0; the contact area does not notice 1e-4.
-_HEIGHT_TOLERANCE = 1e-4
 
 # The springs' Lamé modulus grows as 1/(1 − 2ν): five digits nearer to 0.5 than this, rounding makes moduli negative.
 _MOST_INCOMPRESSIBLE = 0.49999
@@ -128,12 +122,21 @@ def build_stiffness(case: Case) -> SurfaceStiffness:
 
 def build_interface(case: Case, surface: Surface) -> LennardJonesInterface:
     """Lennard-Jones atoms of a case over the substrate's sites."""
-    length = _length(case)
-    substrate = sample_substrate(
-        surface.heights, surface.size, case.lattice.substrate_sites, _HEIGHT_TOLERANCE * length
+    return interface_of(surface.heights, case.lattice, case.well_depth, _length(case), case.atomistic.cutoff)
+
+
+def build_contact(case: Case, surface: Surface) -> AtomisticContact:
+    """Block and interface of a case, to be loaded."""
+    stiffness, solver = build_stiffness(case), case.solver
+    return AtomisticContact(
+        stiffness,
+        build_interface(case, surface),
+        case.material.contact_modulus,
+        case.loading.control,
+        solver.tolerance,
+        solver.max_iterations,
+        max(solver.threads, 1) if stiffness.grid.points >= _POINTS_FOR_THREADS else 1,
     )
-    spacing = (surface.size[0] / case.lattice.atoms[0], surface.size[1] / case.lattice.atoms[1])
-    return LennardJonesInterface(substrate, case.lattice.atoms, spacing, case.well_depth, length, case.atomistic.cutoff)
 
 
 def constants(case: Case, surface: Surface) -> Mapping[str, Value]:
@@ -194,125 +197,50 @@ def solve_path(
     Step
         For each point from ``start`` on.
     """
-    interface = build_interface(case, surface)
-    stiffness = build_stiffness(case)
-    solver = EquilibriumSolver(
-        stiffness,
-        interface,
-        case.material.contact_modulus,
-        case.loading.control,
-        case.solver.tolerance,
-        case.solver.max_iterations,
-        max(case.solver.threads, 1) if stiffness.grid.points >= _POINTS_FOR_THREADS else 1,
-    )
-    heights = interface.rest_heights()
-    apart = separated(interface)
-    state = apart if restart is None else restart["displacement"]
+    contact = build_contact(case, surface)
+    state = contact.separated() if restart is None else restart["state"]
     for number in range(start, len(case.path)):
         begun = time.perf_counter()
         value, branch = case.path[number]
+        gap = None
         # Blocks that are apart are not brought together by tension.
-        torn = case.loading.control == "pressure" and value <= 0 and not np.any(state - apart)
-        gap = predictor(number) if predictor is not None and not torn else None
-        if predictor is not None and gap is None and not torn:
-            unit = "Pa" if case.loading.control == "pressure" else "m"
-            warnings.warn(
-                f"the predictor holds no state in contact for point {number + 1} of the path, {value:g} {unit} "
-                f"({branch}): the atoms start from where they were",
-                stacklevel=2,
-            )
-        first = state if gap is None else predicted(heights, gap, interface.length)
-        if case.loading.control == "gap":
-            found = solver.solve(at_mean_gap(interface, first, value + float(np.mean(heights))))
-        else:
-            found = solver.solve(first, value)
-        # Once torn off the block is nowhere in particular: the next point starts from separation again.
-        state = apart if found.outcome is Outcome.DETACHED else found.displacement
-        yield _step(case, interface, found, state, time.perf_counter() - begun)
+        if predictor is not None and not (contact.is_separated(state) and contact.control == "pressure" and value <= 0):
+            gap = predictor(number)
+            if gap is None:
+                unit = "Pa" if contact.control == "pressure" else "m"
+                warnings.warn(
+                    f"the predictor holds no state in contact for point {number + 1} of the path, {value:g} {unit} "
+                    f"({branch}): the atoms start from where they were",
+                    stacklevel=2,
+                )
+        found = contact.step(state if gap is None else contact.predicted(gap), value)
+        state = found.state
+        yield _step(case, found, time.perf_counter() - begun)
 
 
-def separated(interface: LennardJonesInterface) -> np.ndarray:
-    """A flat layer of atoms just beyond the cutoff from the highest site of the substrate, shape (3, ny, nx) (m)."""
-    displacement = np.zeros((3, *interface.shape))
-    displacement[2] = np.max(interface.substrate.heights) + (1 + 1e-6) * interface.cutoff * interface.length
-    return displacement
-
-
-def predicted(heights: np.ndarray, gap: np.ndarray, length: float) -> np.ndarray:
-    """Atoms at their lateral rest positions on a gap field of any grid, shape (3, ny, nx) (m).
-
-    Parameters
-    ----------
-    heights : numpy.ndarray, shape (ny, nx)
-        Surface under the rest positions (m).
-    gap : numpy.ndarray
-        Gap of a continuum solution over the same rectangle (m); interpolated trigonometrically.
-    length : float
-        r0; interpolation is kept from undershooting half of it (m).
-    """
-    displacement = np.zeros((3, *heights.shape))
-    displacement[2] = heights + np.maximum(fourier.interpolate(gap, heights.shape), 0.5 * length)
-    return displacement
-
-
-def at_mean_gap(interface: LennardJonesInterface, displacement: np.ndarray, mean_gap: float) -> np.ndarray:
-    """A state moved to a mean height of ``mean_gap`` + r0, with no atom below the surface (m).
-
-    Atoms that a rigid approach would push closer to the surface than 0.85 r0 stay at that distance.
-
-    Raises
-    ------
-    InputError
-        If the mean gap is so small that all atoms would be closer.
-    """
-    length = interface.length
-    floor = displacement[2] - interface.gap(displacement) + 0.85 * length
-    target = mean_gap + length
-    if np.mean(floor) >= target:
-        raise InputError(f"loading.path: a mean gap of {mean_gap:g} m needs atoms closer than 0.85 r0 everywhere")
-
-    def excess(shift: float) -> float:
-        return float(np.mean(np.maximum(displacement[2] + shift, floor))) - target
-
-    rigid = target - float(np.mean(displacement[2]))
-    lowest = float(np.min(floor - displacement[2]))  # so far down that all atoms stand on the floor
-    shift = optimize.brentq(excess, lowest, rigid, xtol=1e-15 * length) if excess(rigid) > 0 else rigid
-    moved = displacement.copy()
-    moved[2] = np.maximum(displacement[2] + shift, floor)
-    return moved
-
-
-def _step(
-    case: Case, interface: LennardJonesInterface, found: Equilibrium, restart: np.ndarray, wall_time: float
-) -> Step:
-    area_per_atom = interface.spacing[0] * interface.spacing[1]
-    nominal_area = area_per_atom * found.displacement[0].size
-    detached = found.outcome is Outcome.DETACHED
-    # Atoms that slide to other heights change their mean gap, not the distance that the load works on.
-    separation = float(np.mean(found.displacement[2]) - np.mean(interface.rest_heights())) - interface.length
-    gap = np.full(interface.shape, np.inf) if detached else interface.gap(found.displacement)
-    pressure = found.force[2] / area_per_atom
+def _step(case: Case, found: Solution, wall_time: float) -> Step:
+    gap, pressure = found.gap, found.pressure
     values: dict[str, Value] = {
         "mean_pressure": float(np.mean(pressure)),
-        "mean_gap": float(np.mean(gap)) - interface.length,
-        "mean_separation": np.inf if detached else separation,
+        "mean_gap": float(np.mean(gap)) - _length(case),
+        "mean_separation": found.mean_separation,
         "relative_contact_area": float(np.mean(gap < case.contact_distance)),
         "relative_repulsive_area": float(np.mean(pressure > 0)),
-        "elastic_energy": 0.0 if detached else found.elastic_energy / nominal_area,
-        "interaction_energy": found.interaction_energy / nominal_area,
+        "elastic_energy": found.elastic_energy,
+        "interaction_energy": found.interaction_energy,
         "pressure_pdf": probability_density(pressure, case.bins.pressure_edges),
         "gap_pdf": probability_density(gap, case.bins.gap_edges),
         "converged": found.converged,
-        "detached": detached,
-        "residual": 0.0 if detached else found.residual,
+        "detached": found.detached,
+        "residual": found.residual,
         "iterations": found.iterations,
-        "force_evaluations": found.evaluations,
+        "force_evaluations": found.force_evaluations,
         "fft_pairs": found.fft_pairs,
         "wall_time": wall_time,
-        "message": "" if found.outcome is Outcome.CONVERGED else found.outcome.value,
+        "message": "" if found.outcome is Outcome.CONVERGED else found.message,
     }
     fields = {"gap": gap, "pressure": pressure} if case.output.fields else {}
-    return Step(values, fields, {"displacement": restart})
+    return Step(values, fields, {"state": found.state})
 
 
 def _length(case: Case) -> float:

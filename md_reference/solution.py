@@ -1,4 +1,4 @@
-"""What the minimiser returns: a state of the atoms and how it was reached."""
+"""A state of the atoms and how it was reached: what the minimiser returns, and what a contact under load does."""
 
 from dataclasses import dataclass
 from enum import Enum
@@ -54,3 +54,60 @@ class Equilibrium:
     def converged(self) -> bool:
         """Whether the question is answered: an equilibrium within the tolerance, or the finding that none exists."""
         return self.outcome in (Outcome.CONVERGED, Outcome.DETACHED)
+
+
+@dataclass(frozen=True)
+class Solution:
+    """A state of the contact at one load.
+
+    Attributes
+    ----------
+    state : numpy.ndarray, shape (3, ny, nx)
+        What the next step starts from (m).
+    displacement : numpy.ndarray, shape (3, ny, nx)
+        As of :class:`Equilibrium` (m).
+    gap : numpy.ndarray, shape (ny, nx)
+        Height of each atom above the surface at its lateral position (m); infinite when detached.
+    pressure : numpy.ndarray, shape (ny, nx)
+        Normal force on each atom per its area, positive in compression (Pa).
+    mean_separation : float
+        Distance of the mean planes less r0 (m): what the load works on.
+    elastic_energy, interaction_energy : float
+        Per nominal area (J/m²).
+    residual : float
+        Largest force component left on an atom, over a² E*.
+    iterations, force_evaluations : int
+        Newton steps and evaluations of the interface.
+    fft_pairs : float
+        Transform pairs of three components, a single-precision pair counted one half.
+    outcome : Outcome
+        How the solve ended.
+    """
+
+    state: np.ndarray
+    displacement: np.ndarray
+    gap: np.ndarray
+    pressure: np.ndarray
+    mean_separation: float
+    elastic_energy: float
+    interaction_energy: float
+    residual: float
+    iterations: int
+    force_evaluations: int
+    fft_pairs: float
+    outcome: Outcome
+
+    @property
+    def converged(self) -> bool:
+        """Whether the question is answered: an equilibrium within the tolerance, or the finding that none exists."""
+        return self.outcome in (Outcome.CONVERGED, Outcome.DETACHED)
+
+    @property
+    def detached(self) -> bool:
+        """Whether the surfaces are apart."""
+        return self.outcome is Outcome.DETACHED
+
+    @property
+    def message(self) -> str:
+        """How the solve ended, in words."""
+        return self.outcome.value

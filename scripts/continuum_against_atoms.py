@@ -39,6 +39,7 @@ from md_reference.equilibrium import EquilibriumSolver
 from md_reference.interface import Interaction
 from md_reference.solution import Equilibrium
 from md_reference.solution import Outcome as AtomisticOutcome
+from md_reference.starts import predicted
 
 # Each model, and what sets it apart from the one before.
 MODELS = {
@@ -199,7 +200,7 @@ def solve(case: Case, surface: Surface, measured: dict[str, float]) -> list[list
             raise InputError(f"--pressures: {pressure:g} Pa pulls the continuum off; give a state in contact")
         states = [_of_continuum(start, case)]
         states += [_of_continuum(other.step(displacement, pressure), case) for other in continua]
-        above = md_reference.run.predicted(heights, start.gap, pairs.length)
+        above = predicted(heights, start.gap, pairs.length)
         for solver in minimisers:
             states.append(_of_atoms(solver.interaction, solver.solve(above, pressure), case))
         found.append(states)

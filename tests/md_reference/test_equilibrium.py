@@ -3,8 +3,8 @@ import pytest
 
 from md_reference.equilibrium import EquilibriumSolver
 from md_reference.interface import LennardJonesInterface
-from md_reference.run import at_mean_gap, separated
 from md_reference.solution import Outcome
+from md_reference.starts import at_mean_gap, separated
 from md_reference.substrate import Substrate
 from tests.md_reference.systems import (
     CONTACT_MODULUS,

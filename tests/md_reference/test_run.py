@@ -11,17 +11,8 @@ from contact_study.problem.surface import realise
 from contact_study.problem.surface_scales import scales_of
 from md_reference.block import element_matrix, surface_stiffness
 from md_reference.interface import LennardJonesInterface
-from md_reference.run import (
-    at_mean_gap,
-    build_interface,
-    build_stiffness,
-    check,
-    constants,
-    predicted,
-    review,
-    separated,
-    solve_path,
-)
+from md_reference.run import build_interface, build_stiffness, check, constants, review, solve_path
+from md_reference.starts import at_mean_gap, predicted, separated
 from tests.md_reference.systems import (
     CONTACT_MODULUS,
     LATTICE_CONSTANT,

@@ -1,0 +1,89 @@
+"""The atoms by the face that they share with the continuum."""
+
+import numpy as np
+import pytest
+
+import md_reference
+from contact_study.problem.surface import realise
+from md_reference import rough_contact
+from md_reference.run import solve_path
+from tests.md_reference.systems import LATTICE_CONSTANT, LENGTH, POISSONS_RATIO, WELL_DEPTH, YOUNGS_MODULUS, case_of
+
+BLOCK = {
+    "lattice_constant": LATTICE_CONSTANT,
+    "youngs_modulus": YOUNGS_MODULUS,
+    "poissons_ratio": POISSONS_RATIO,
+    "well_depth": WELL_DEPTH,
+    "length": LENGTH,
+}
+
+
+@pytest.mark.parametrize(("control", "path"), [("pressure", (1e9, -0.2e9)), ("gap", (3e-10, 2e-10))])
+def test_a_height_array_gives_what_a_study_does(control, path):
+    case = case_of((48, 40), ratio=2.0, path=path, control=control, atomistic={"cutoff": 3.0, "layers": 20})
+    surface = realise(case)
+    size = tuple(n * LATTICE_CONSTANT for n in (48, 40))
+    # The surface's waves fit on 30 points a side: the array is the surface.
+    contact = rough_contact(
+        surface.heights((30, 30)),
+        size,
+        **BLOCK | {"well_depth": 2 * WELL_DEPTH},
+        control=control,
+        cutoff=3.0,
+        layers=20,
+    )
+    state = contact.separated()
+    for target, step in zip(path, solve_path(case, surface), strict=True):
+        found = contact.step(state, target)
+        state = found.state
+        assert found.converged
+        # Heights interpolated from another grid differ by rounding; residuals of 1e-8 E* a² over the softest mode.
+        np.testing.assert_allclose(found.gap, step.fields["gap"], rtol=0, atol=1e-6 * LENGTH)
+        assert found.mean_separation == pytest.approx(step.values["mean_separation"], abs=1e-6 * LENGTH)
+        assert found.elastic_energy == pytest.approx(step.values["elastic_energy"], rel=1e-5)
+        assert found.interaction_energy == pytest.approx(step.values["interaction_energy"], rel=1e-5)
+
+
+def test_states_are_told_apart():
+    contact = rough_contact(np.zeros((8, 8)), 12 * LATTICE_CONSTANT, **BLOCK)
+    assert contact.is_separated(contact.separated())
+    torn = contact.step(contact.separated(), -1e6)
+    assert torn.detached
+    assert torn.message.startswith("detached")
+    assert contact.is_separated(torn.state)
+    pressed = contact.step(torn.state, 1e9)
+    assert not contact.is_separated(pressed.state)
+    assert pressed.pressure.mean() == pytest.approx(1e9, rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"height": np.full((8, 8), np.inf)}, "height is not finite"),
+        ({"height": [[1, 2], [3]]}, "height must be an array"),
+        ({"size": "3 nm"}, "size"),
+        ({"size": 12.3 * LATTICE_CONSTANT}, "lattice_constant"),
+        ({"well_depth": -1.0}, "well_depth"),
+        ({"length": "3.28 angstrom"}, "length"),
+        ({"poissons_ratio": 0.5}, "poissons_ratio"),
+        ({"poissons_ratio": None}, "poissons_ratio"),
+        ({"control": "force"}, "control"),
+        ({"tolerance": -1e-8}, "tolerance"),
+    ],
+)
+def test_bad_arguments_are_named(arguments, message):
+    valid = {"height": np.zeros((8, 8)), "size": 12 * LATTICE_CONSTANT} | BLOCK
+    with pytest.raises(ValueError, match=message):
+        rough_contact(**(valid | arguments))
+
+
+def test_bad_states_and_targets_are_named():
+    contact = rough_contact(np.zeros((8, 8)), 12 * LATTICE_CONSTANT, **BLOCK)
+    with pytest.raises(ValueError, match="target = nan"):
+        contact.step(contact.separated(), np.nan)
+    with pytest.raises(ValueError, match="state has shape"):
+        contact.step(np.zeros((3, 4, 4)), 1e9)
+
+
+def test_all_that_is_exported_exists():
+    assert all(hasattr(md_reference, name) for name in md_reference.__all__)
