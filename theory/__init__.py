@@ -1,1 +1,38 @@
-"""Analytic theories of rough adhesive contact: Persson 2008 and gap flow."""
+"""Analytic theories of rough adhesive contact: Persson's, as Yang et al. 2008 used it, and the gap flow.
+
+A spectrum, a target or that of a height array (:func:`spectrum_of`), a solid and a law or work of adhesion make a
+theory; both give states at a pressure: :class:`PerssonTheory`, :func:`gap_flow`. Whole studies are run by
+:func:`contact_study.run` or the command ``persson-theory``.
+"""
+
+from contact_study import __version__
+from contact_study.fields.spectrum import RadialSpectrum, RoughnessSpectrum, SelfAffineSpectrum, spectrum_of
+from contact_study.problem.elasticity import Elasticity, HalfSpace, Layer
+from contact_study.problem.laws import LennardJones93, LennardJones104, TractionLaw
+from theory.gap_flow import GapFlow, gap_flow
+from theory.gap_state import GapState
+from theory.persson import PerssonContact, PerssonTheory
+from theory.separation import SeparationCurve, energy_defect, pull_off_pressure, separation_curve
+
+__all__ = [
+    "Elasticity",
+    "GapFlow",
+    "GapState",
+    "HalfSpace",
+    "Layer",
+    "LennardJones93",
+    "LennardJones104",
+    "PerssonContact",
+    "PerssonTheory",
+    "RadialSpectrum",
+    "RoughnessSpectrum",
+    "SelfAffineSpectrum",
+    "SeparationCurve",
+    "TractionLaw",
+    "__version__",
+    "energy_defect",
+    "gap_flow",
+    "pull_off_pressure",
+    "separation_curve",
+    "spectrum_of",
+]

@@ -125,6 +125,19 @@ class GapFlow:
         """Pressure at a mean gap within the nodes (Pa)."""
         return float(np.interp(mean_gap, self.mean_gap, self.pressure))
 
+    def at_pressure(self, pressure: float) -> GapState:
+        """The distribution of gaps at a mean pressure (Pa), of the stable state that :meth:`gap_at` chooses.
+
+        Raises
+        ------
+        ValueError
+            If no stable state carries the pressure, or it is higher than the nodes of the flow reach.
+        """
+        gap = self.gap_at(pressure)
+        if np.isnan(gap):
+            raise ValueError(f"pressure = {pressure:g} Pa: below the pull-off at {self.pull_off_pressure:.3g} Pa")
+        return self.states(np.array([gap]))[0]
+
     def states(self, mean_gaps: np.ndarray) -> list[GapState]:
         """Distribution of the local gap at each mean gap (m), all in one pass from coarse to fine.
 
@@ -194,6 +207,15 @@ def gap_flow(
     ------
     ValueError
         If the branch is unknown.
+
+    Examples
+    --------
+    >>> from theory import LennardJones104, SelfAffineSpectrum, gap_flow
+    >>> spectrum = SelfAffineSpectrum(0.8, 1e-9, 6e7, 1.8e8, 7.2e8)
+    >>> flow = gap_flow(spectrum, 93.7e9, LennardJones104(work_of_adhesion=0.1, length=3.28e-10))
+    >>> state = flow.at_pressure(1e9)
+    >>> 0 < state.fraction_below(3.68e-10) < 1
+    True
     """
     if branch not in BRANCHES:
         raise ValueError(f"branch = {branch!r}: expected one of {', '.join(BRANCHES)}")

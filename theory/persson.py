@@ -25,6 +25,7 @@ from functools import cached_property
 import numpy as np
 from scipy.special import erfcx
 
+from contact_study.fields.arguments import finite, positive
 from contact_study.fields.spectrum import RoughnessSpectrum
 from contact_study.problem.elasticity import Elasticity, elasticity_of
 from theory.stress_diffusion import StressDistribution, diffuse
@@ -77,7 +78,15 @@ class PerssonTheory:
     Raises
     ------
     ValueError
-        If a choice is unknown.
+        If a choice is unknown or a number is not possible.
+
+    Examples
+    --------
+    >>> from theory import PerssonTheory, SelfAffineSpectrum
+    >>> spectrum = SelfAffineSpectrum(0.8, 1e-9, 6e7, 1.8e8, 7.2e8)
+    >>> contact = PerssonTheory(spectrum, elasticity=93.7e9, work_of_adhesion=0.1).at_pressure(1e9)
+    >>> bool(contact.converged and 0 < contact.relative_contact_area < 1)
+    True
     """
 
     spectrum: RoughnessSpectrum
@@ -92,6 +101,10 @@ class PerssonTheory:
     cells: int = 300
 
     def __post_init__(self):
+        if finite("work_of_adhesion", self.work_of_adhesion, "J/m²") < 0:
+            raise ValueError(f"work_of_adhesion = {self.work_of_adhesion!r}: must not be negative, in J/m²")
+        for name in ("alpha", "nodes", "cells"):
+            positive(name, getattr(self, name), "1")
         if self.energy_weight not in ENERGY_WEIGHTS:
             raise ValueError(f"energy_weight = {self.energy_weight!r}: expected one of {', '.join(ENERGY_WEIGHTS)}")
         if self.true_area not in TRUE_AREAS:
@@ -143,6 +156,16 @@ class PerssonTheory:
     def _energy_parts(self) -> np.ndarray:
         """Full-contact elastic energy of the roughness between neighbouring magnifications (J/m²)."""
         return np.diff(self.spectrum.full_contact_energy(self.solid.stiffness, self.wavevectors))
+
+    def at_pressure(
+        self,
+        pressure: float,
+        start: np.ndarray | str = "adhered",
+        tolerance: float = TOLERANCE,
+        max_iterations: int = MAX_ITERATIONS,
+    ) -> "PerssonContact":
+        """The contact at a mean pressure; see :func:`solve`."""
+        return solve(self, pressure, start, tolerance, max_iterations)
 
     @property
     def full_contact_energy(self) -> float:
@@ -283,9 +306,12 @@ def solve(
 
     Raises
     ------
+    ValueError
+        If the pressure is not finite.
     FloatingPointError
         If the contact area or the detachment stress is not a finite number.
     """
+    finite("pressure", pressure, "Pa")
     scale = theory.stress_scale
     variance = theory.stress_variance / scale**2
     stress = _first_detachment_stress(theory, start)

@@ -5,13 +5,14 @@ need is in the moments M_n(q) = ∫ q'ⁿ C dq' from the smallest wavevector to 
 """
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
 from contact_study.fields import fourier
+from contact_study.fields.arguments import field, grid_of
 from contact_study.fields.grid import Grid
 
 # Pieces, at least, in which a weighted integral over a continuous spectrum is done.
@@ -292,3 +293,24 @@ def radial_spectrum(heights: np.ndarray, grid: Grid) -> RadialSpectrum:
     if not present.any():
         raise ValueError("heights: the surface is flat and has no spectrum")
     return RadialSpectrum(q[first[present]], variances[present])
+
+
+def spectrum_of(height: np.ndarray, size: float | Sequence[float]) -> RadialSpectrum:
+    """Spectrum of a height array.
+
+    Parameters
+    ----------
+    height : array_like, shape (y, x)
+        Heights (m), continued periodically; their mean is left out.
+    size : float or pair of float
+        Periods along y and x; one number is both (m).
+
+    Raises
+    ------
+    ValueError
+        If the heights are no array of finite numbers, or flat, or a period is not a positive number.
+    """
+    heights = field("height", height)
+    if np.ptp(heights) == 0:
+        raise ValueError("height is flat: it has no spectrum")
+    return radial_spectrum(heights, grid_of(heights, size))

@@ -209,7 +209,7 @@ def test_filtered_surface_is_that_without_its_empty_shells(paper, filtered_spect
 
 def test_a_state_that_is_no_number_ends_the_iteration(paper):
     with pytest.raises(FloatingPointError, match="after 1 diffusions"):
-        solve(paper.theory(0.69, alpha=np.nan), 1e9, "detached")
+        solve(paper.theory(0.69, stress_cap=np.nan), 1e9, "detached")
 
 
 def test_area_factors_are_gaussian_means():
