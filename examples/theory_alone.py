@@ -1,0 +1,35 @@
+"""Persson's theory and the gap flow from nothing but a spectrum: contact area over pressure at three adhesions.
+
+python examples/theory_alone.py -o theory_alone.png
+"""
+
+import argparse
+
+import matplotlib.pyplot as plt
+import numpy as np
+
+from theory import LennardJones104, PerssonTheory, SelfAffineSpectrum, gap_flow
+
+parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+parser.add_argument("-o", "--output", default="theory_alone.png", help="figure")
+output = parser.parse_args().output
+
+size, modulus = 1e-6, 5e9
+first = 2 * np.pi / size
+spectrum = SelfAffineSpectrum(hurst_exponent=0.8, rms_height=2e-9, low=first, roll_off=4 * first, cutoff=64 * first)
+pressures = np.geomspace(1e6, 300e6, 12)
+
+figure, axes = plt.subplots(figsize=(5.2, 3.8), layout="constrained")
+for work, colour in ((0.01, "C0"), (0.03, "C1"), (0.06, "C2")):
+    law = LennardJones104(work, length=1e-9)
+    persson = PerssonTheory(spectrum, modulus, work)
+    areas = [persson.at_pressure(p).relative_contact_area for p in pressures]
+    axes.loglog(pressures / 1e6, areas, "--", color=colour)
+    flow = gap_flow(spectrum, modulus, law, gaps=400, scales=400)
+    areas = [flow.at_pressure(p).fraction_below(1.12 * law.length) for p in pressures]
+    axes.loglog(pressures / 1e6, areas, "-", color=colour, label=f"{work * 1e3:.0f} mJ/m²")
+axes.plot([], [], "-", color="0.4", label="gap flow")
+axes.plot([], [], "--", color="0.4", label="Persson 2008")
+axes.set(xlabel="pressure (MPa)", ylabel="relative contact area", title=f"rms slope {spectrum.rms_slope:.3f}")
+axes.legend(frameon=False)
+figure.savefig(output, dpi=150)
