@@ -1,4 +1,4 @@
-"""Approach and retraction of a rough surface with strong adhesion: the loop of pressure and mean gap, and what it costs.
+"""Approach and retraction of a rough surface with strong adhesion: the loop of pressure and mean gap, and its loss.
 
 python examples/hysteresis_loop.py -o hysteresis_loop.png
 """
