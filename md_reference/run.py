@@ -59,7 +59,7 @@ def check(case: Case) -> None:
     ------
     InputError
         If the law is not that of Lennard-Jones atoms, the block is incompressible, or the lattice does not fit the
-        cell.
+        cell or the layer.
     """
     if case.interaction.law != "lennard_jones_10_4":
         raise InputError(
@@ -71,6 +71,7 @@ def check(case: Case) -> None:
             f"material.poissons_ratio = {case.material.poissons_ratio:.12g}: springs cannot make a block "
             f"incompressible; use at most {_MOST_INCOMPRESSIBLE}"
         )
+    _ = case.block_layers  # raises where no number of cells makes the layer
     rows, columns = case.lattice.atoms
     require_memory(
         rows * columns * _BYTES_PER_ATOM,
@@ -90,7 +91,7 @@ def review(study: Study, scales: Sequence[SurfaceScales]) -> list[str]:
     filtered = []
     for case, scale in zip(study.cases, scales, strict=True):
         # Six deviations of the stress in full contact, to which the highest pressures of a rough contact come near.
-        stress = 3 * case.material.contact_modulus * scale.rms_slope
+        stress = 6 * scale.full_contact_stress(case.solid)
         assert isinstance(case.law, TractionLaw)  # checked by check(case)
         closest = squeeze(case.law, max(stress, contact_stress(case, scale)))
         if closest < INSIDE:
@@ -113,11 +114,10 @@ def review(study: Study, scales: Sequence[SurfaceScales]) -> list[str]:
 
 
 def build_stiffness(case: Case) -> SurfaceStiffness:
-    """The condensed block of a case; as thick as wide unless ``atomistic.layers`` says otherwise."""
+    """The condensed block of a case, see :attr:`Case.block_layers`."""
     lattice, material = case.lattice, case.material
     element = element_matrix(case.atomistic.block, lattice.constant, material.youngs_modulus, material.poissons_ratio)
-    layers = case.atomistic.layers or max(lattice.atoms)
-    return surface_stiffness(element, lattice.atoms, lattice.constant, layers)
+    return surface_stiffness(element, lattice.atoms, lattice.constant, case.block_layers)
 
 
 def build_interface(case: Case, surface: Surface) -> LennardJonesInterface:
@@ -220,13 +220,15 @@ def solve_path(
 
 def _step(case: Case, found: Solution, wall_time: float) -> Step:
     gap, pressure = found.gap, found.pressure
+    mean_pressure = float(np.mean(pressure))
     values: dict[str, Value] = {
-        "mean_pressure": float(np.mean(pressure)),
+        "mean_pressure": mean_pressure,
         "mean_gap": float(np.mean(gap)) - _length(case),
-        "mean_separation": found.mean_separation,
+        # The solver leaves a block's uniform compression out; that of a layer of atoms is the solid's, see its element.
+        "mean_separation": found.mean_separation - case.solid.compression(mean_pressure),
         "relative_contact_area": float(np.mean(gap < case.contact_distance)),
         "relative_repulsive_area": float(np.mean(pressure > 0)),
-        "elastic_energy": found.elastic_energy,
+        "elastic_energy": found.elastic_energy + case.solid.compression_energy(mean_pressure),
         "interaction_energy": found.interaction_energy,
         "pressure_pdf": probability_density(pressure, case.bins.pressure_edges),
         "gap_pdf": probability_density(gap, case.bins.gap_edges),

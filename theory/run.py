@@ -107,10 +107,12 @@ def review(study: Study, scales: Sequence[SurfaceScales]) -> list[str]:
     """
     coarse = []
     for case, scale in zip(study.cases, scales, strict=True):
-        modulus, law = case.material.contact_modulus, case.law
+        solid, law = case.solid, case.law
         finest = min(scale.shortest_wave, scale.size[0], scale.size[1])
-        stress = 0.5 * modulus * scale.rms_slope
-        tension = np.sqrt(case.theory.alpha * modulus * 2 * np.pi / finest * law.work_of_adhesion)
+        stress = scale.full_contact_stress(solid)
+        # Of a solid that is held stiffly the longest wave may be the stiffest.
+        stiffness = float(np.max(solid.stiffness(2 * np.pi / np.array([finest, max(scale.size)]))))
+        tension = np.sqrt(2 * case.theory.alpha * stiffness * law.work_of_adhesion)
         if case.theory.cap_detachment_stress:
             tension = min(tension, law.peak_tensile_stress)
         if tension > PerssonTheory.cells * stress > 0:

@@ -16,7 +16,7 @@ from contact_study.problem.study import SECTIONS, Study, make_study, same
 
 # Sections and keys that make a contact what it is. The grid is each model's own, a map's content counts and not its
 # place, and the lattice and the distance that counts as contact are nothing to a gap field.
-_CONTACT = ("surface", "material", "interaction")
+_CONTACT = ("surface", "material", "elasticity", "interaction")
 _APART = ("shape", "path", "atom_mass", "lattice_constant", "contact_distance")
 # What stands for these is Δγ.
 _ADHESION = ("well_depth", "well_depth_ratio", "work_of_adhesion")

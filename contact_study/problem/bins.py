@@ -58,10 +58,10 @@ def _around_zero(tension: float, compression: float, bins: int) -> np.ndarray:
 
 def _ranges(case: Case, scales: SurfaceScales) -> tuple[float, float, float]:
     """Largest tension, compression (Pa) and gap (m) worth resolving in one case."""
-    law, modulus = case.law, case.material.contact_modulus
+    law, modulus = case.law, case.solid.contact_modulus
     peak = law.peak_tensile_stress if isinstance(law, TractionLaw) else 0.0
-    # Full contact has a Gaussian stress of deviation E* ξ / 2; six deviations leave 1e-9 of it outside.
-    fluctuation = 3 * modulus * scales.rms_slope
+    # Full contact has a Gaussian stress; six deviations leave 1e-9 of it outside.
+    fluctuation = 6 * scales.full_contact_stress(case.solid)
     applied = max((abs(p) for p in case.loading.path), default=0.0) if case.loading.control == "pressure" else 0.0
     # A flat hard wall under a prescribed gap carries nothing: any range will do.
     compression = (fluctuation + applied + peak) or modulus

@@ -1,5 +1,6 @@
 """One point of a study's sweep: all that a model is given besides the surface, frozen, in plain SI numbers."""
 
+import math
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -7,7 +8,8 @@ from typing import Any
 
 from contact_study.fields.observables import Bins
 from contact_study.problem import sections
-from contact_study.problem.elasticity import Elasticity, HalfSpace
+from contact_study.problem.elasticity import Elasticity
+from contact_study.problem.elasticity.base import ElasticitySection
 from contact_study.problem.errors import InputError
 from contact_study.problem.lattice import Lattice, lattice_of
 from contact_study.problem.laws import make_law
@@ -32,6 +34,7 @@ class Case:
     study: sections.StudySection
     surface: SurfaceSection
     material: sections.MaterialSection
+    elasticity: ElasticitySection
     interaction: sections.InteractionSection
     loading: sections.LoadingSection
     solver: sections.SolverSection
@@ -79,7 +82,28 @@ class Case:
     @cached_property
     def solid(self) -> Elasticity:
         """The elastic block, by the stiffness of its surface."""
-        return HalfSpace(self.material.contact_modulus)
+        return self.elasticity.solid(self.material)
+
+    @property
+    def block_layers(self) -> int:
+        """Cells of the block of atoms from its surface to the plane that holds it; on a half-space as many as across.
+
+        Raises
+        ------
+        InputError
+            If the solid's depth is no whole number of cells, or ``atomistic.layers`` says another; as :attr:`lattice`.
+        """
+        given, depth, constant = self.atomistic.layers, self.solid.depth, self.lattice.constant
+        if not math.isfinite(depth):
+            return given or max(self.lattice.atoms)
+        layers = round(depth / constant)
+        if layers < 1 or abs(depth / constant - layers) > 1e-6 * layers or given not in (0, layers):
+            clash = f" and atomistic.layers = {given}" if given else ""
+            raise InputError(
+                f"elasticity.thickness = {depth:g} m{clash}: the layer is {depth / constant:.6g} cells of "
+                f"material.lattice_constant = {constant:g} m; atoms need a whole number, and atomistic.layers = 0"
+            )
+        return layers
 
     @cached_property
     def law(self) -> TractionLaw | HardWall:

@@ -5,9 +5,10 @@ Every criterion is a ratio of the study's own scales, so that no unit, material 
 - **slope** √<|∇h|²>. Linear elasticity of a half-space is an expansion in it. Above 1 the study goes on with a
   warning, above 100 (a surface steeper than 89°) heights and lateral size cannot belong together.
 - **squeeze**: the distance at which the law's repulsion carries the stress of the contact, over the law's length. That
-  stress is half of E* times the slope, the deviation in full contact, or the applied pressure if that is larger. Atoms
-  in contact stand at 0.9 to 1. Half the length takes stresses of 7000 times the law's peak (10-4 law), and a contact
-  distance then counts points as touching that carry nothing. Below 0.1 (4e11 times) it is no law for this modulus.
+  stress is the deviation in full contact, of a half-space half of E* times the slope, or the applied pressure if that
+  is larger. Atoms in contact stand at 0.9 to 1. Half the length takes stresses of 7000 times the law's peak (10-4
+  law), and a contact distance then counts points as touching that carry nothing. Below 0.1 (4e11 times) it is no law
+  for this modulus.
 - **peak over tolerance**: the law's largest tension against the residual stress that ``solver.tolerance`` leaves.
 
 The models add what only they need: see ``review`` in their ``run.py``.
@@ -53,9 +54,9 @@ def review(study: Study, scales: Sequence[SurfaceScales]) -> list[str]:
 
 
 def contact_stress(case: Case, scales: SurfaceScales) -> float:
-    """Stress that contacts carry (Pa): E* ξ / 2, its deviation in full contact, or the applied pressure if larger."""
+    """Stress that contacts carry (Pa): its deviation in full contact, or the applied pressure if larger."""
     applied = max(case.loading.path) if case.loading.control == "pressure" else 0.0
-    return max(0.5 * case.material.contact_modulus * scales.rms_slope, applied)
+    return max(scales.full_contact_stress(case.solid), applied)
 
 
 def squeeze(law: TractionLaw, stress: float) -> float:

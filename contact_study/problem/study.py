@@ -15,6 +15,7 @@ import tomli_w
 
 from contact_study.problem import sections
 from contact_study.problem.case import Case
+from contact_study.problem.elasticity import ELASTICITIES
 from contact_study.problem.errors import InputError
 from contact_study.problem.keys import Key, Kinds, bind, default_of, keys_of, listed
 from contact_study.problem.surfaces import SURFACES
@@ -24,6 +25,7 @@ SECTIONS: dict[str, type | Kinds] = {
     "study": sections.StudySection,
     "surface": SURFACES,
     "material": sections.MaterialSection,
+    "elasticity": ELASTICITIES,
     "interaction": sections.InteractionSection,
     "loading": sections.LoadingSection,
     "solver": sections.SolverSection,

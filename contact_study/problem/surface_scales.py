@@ -4,10 +4,14 @@ Every realisation of a random surface gets the same numbers, so that what is cho
 distributions, is equal for all seeds.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from contact_study.fields.grid import Grid
+from contact_study.fields.spectrum import RadialSpectrum, RoughnessSpectrum
+from contact_study.problem.elasticity import Elasticity
 
 if TYPE_CHECKING:
     from contact_study.problem.study import Study
@@ -32,6 +36,8 @@ class SurfaceScales:
         Highest minus lowest point (m); of a random surface one that few realisations exceed.
     shortest_wave : float
         Wavelength of the finest roughness (m), infinite if there is none.
+    spectrum : RoughnessSpectrum or None
+        Waves that have these heights and slopes; None if there are none.
     lost : tuple of float or None
         Height and slope of a map, as above, on a ``shape`` that cannot carry all of its waves.
     """
@@ -42,12 +48,38 @@ class SurfaceScales:
     rms_slope: float
     peak_to_valley: float
     shortest_wave: float
+    spectrum: RoughnessSpectrum | None = field(default=None, compare=False)
     lost: tuple[float, float] | None = None
 
     @property
     def pixel(self) -> float:
         """Largest grid spacing (m)."""
         return max(Grid(self.shape, self.size).spacing)
+
+    def full_contact_stress(self, solid: Elasticity) -> float:
+        """Deviation of the stress that a solid feels in full contact, of a half-space E* ξ / 2 (Pa)."""
+        if self.spectrum is None:
+            return 0.0
+        return float(np.sqrt(self.spectrum.full_contact_stress_variance(solid.stiffness)))
+
+
+def spectrum_of_waves(wavenumber: np.ndarray, variance: np.ndarray) -> RadialSpectrum | None:
+    """Any number of waves in bands of an eighth of an octave, each of the height and the slope of its waves.
+
+    Parameters
+    ----------
+    wavenumber, variance : numpy.ndarray
+        |q| > 0 of each wave (1/m), and its height variance (m²).
+
+    Returns
+    -------
+    RadialSpectrum or None
+        None if all variances are zero.
+    """
+    band = np.floor(8 * np.log2(wavenumber / wavenumber.min()) + 1e-6).astype(int)
+    heights, slopes = np.bincount(band, variance), np.bincount(band, wavenumber**2 * variance)
+    present = heights > 0
+    return RadialSpectrum(np.sqrt(slopes[present] / heights[present]), heights[present]) if present.any() else None
 
 
 def scales_of(study: "Study") -> tuple[SurfaceScales, ...]:

@@ -1,11 +1,18 @@
 """Stiffness of a wave: closed forms against the equations of elasticity, their limits and their units."""
 
+import re
+
 import numpy as np
 import pytest
 from scipy.linalg import expm
 
+from contact_study.fields import fourier
 from contact_study.fields.grid import Grid
 from contact_study.problem.elasticity import HalfSpace, Layer, Tabulated, contact_modulus_of, elasticity_of
+from contact_study.problem.errors import InputError
+from contact_study.problem.study import make_study
+from contact_study.problem.surface import realise
+from contact_study.problem.surface_scales import scales_of
 
 RATIOS = [-0.3, 0.0, 0.3, 0.42, 0.4999, 0.5]
 
@@ -175,3 +182,80 @@ def test_impossible_tables_are_named():
     for other in (Grid((13, 10), grid.size), Grid((12, 12), grid.size), Grid(grid.shape, (3.0, 2.1))):
         with pytest.raises(ValueError, match="other waves"):
             solid.stiffness_on(other)
+
+
+def layered(**sections):
+    """A small study of a layer; ``sections`` replaces keys."""
+    table = {
+        "surface": {"kind": "self_affine", "size": 1e-7, "shape": [48, 48], "rms_height": 5e-10, "cutoff_mode": 8},
+        "material": {"youngs_modulus": "2 GPa", "poissons_ratio": 0.3},
+        "elasticity": {"kind": "layer", "thickness": "20 nm"},
+        "interaction": {"work_of_adhesion": 0.05, "length": "0.4 nm"},
+        "loading": {"path": ["20 MPa"]},
+    }
+    return {**table, **{name: {**table.get(name, {}), **keys} for name, keys in sections.items()}}
+
+
+def test_a_study_names_its_solid():
+    assert make_study(layered()).cases[0].solid == Layer(2e9 / (1 - 0.3**2), 0.3, 20e-9)
+    plain = layered()
+    del plain["elasticity"]
+    assert make_study(plain).cases[0].solid == HalfSpace(2e9 / (1 - 0.3**2))
+    swept = {**layered(), "sweep": {"elasticity.thickness": ["10 nm", "20 nm"]}}
+    assert [case.solid.thickness for case in make_study(swept).cases] == pytest.approx([1e-8, 2e-8])
+
+
+@pytest.mark.parametrize(
+    ("section", "words"),
+    [
+        ({"kind": "half_space", "thickness": "20 nm"}, 'elasticity.thickness: kind = "half_space" has no such key'),
+        ({"thickness": "20 nm"}, 'elasticity.thickness: kind = "half_space" has no such key'),
+        ({"kind": "layer"}, "missing key elasticity.thickness"),
+        ({"kind": "layer", "thickness": 0}, "elasticity.thickness = 0: must be positive"),
+        ({"kind": "slab"}, "elasticity.kind = 'slab'"),
+    ],
+)
+def test_impossible_solids_end_in_one_line(section, words):
+    with pytest.raises(InputError, match=re.escape(words)):
+        make_study({**layered(), "elasticity": section})
+
+
+SURFACES = {
+    "self_affine": {},
+    "wavy": {"amplitude": 1e-9, "modes": [2, 3]},
+    "sphere": {"radius": 3e-7},
+    "flat": {},
+}
+
+
+@pytest.mark.parametrize("elasticity", [{"kind": "half_space"}, {"kind": "layer", "thickness": "3 nm"}])
+@pytest.mark.parametrize("kind", SURFACES)
+def test_stress_of_full_contact_is_that_of_the_surface(kind, elasticity):
+    """What the study alone says, against the waves of a realised surface; the sphere's edge needs many of them."""
+    own = {"kind": kind, "size": [1e-7, 8e-8], "shape": [480, 384], **SURFACES[kind]}
+    if kind == "self_affine":
+        own |= {"rms_height": 5e-10, "cutoff_mode": 40, "roll_off_mode": 3, "seed": 2}
+    material = {"youngs_modulus": "2 GPa", "poissons_ratio": 0.45}
+    study = make_study({**layered(material=material), "surface": own, "elasticity": elasticity})
+    case, surface = study.cases[0], realise(study.cases[0])
+    scales = scales_of(study)[0]
+    found = scales.full_contact_stress(case.solid)
+    if isinstance(case.solid, HalfSpace):
+        assert found == pytest.approx(0.5 * case.solid.contact_modulus * scales.rms_slope, rel=1e-12)
+    power = surface.grid.multiplicity * np.abs(fourier.transform(surface.heights(surface.shape))) ** 2
+    expected = np.sqrt(np.sum(case.solid.stiffness_on(surface.grid) ** 2 * power))
+    # One sample of the ensemble; of the sphere waves beyond the grid are missing.
+    assert found == pytest.approx(expected, rel={"self_affine": 0.1, "sphere": 0.01}.get(kind, 1e-9))
+
+
+def test_stress_of_full_contact_with_a_height_map(tmp_path):
+    grid = Grid((64, 48), (1e-7, 8e-8))
+    heights = 1e-9 * np.random.default_rng(5).standard_normal(grid.shape)
+    np.save(tmp_path / "map.npy", heights)
+    own = {"kind": "file", "path": "map.npy", "size": list(grid.size)}
+    study = make_study({**layered(), "surface": own}, tmp_path)
+    solid = study.cases[0].solid
+    power = grid.multiplicity * np.abs(fourier.transform(heights)) ** 2
+    expected = np.sqrt(np.sum(solid.stiffness_on(grid) ** 2 * power))
+    # Bands of an eighth of an octave, in which K is taken at one wavenumber.
+    assert scales_of(study)[0].full_contact_stress(solid) == pytest.approx(expected, rel=2e-3)

@@ -16,6 +16,7 @@ ONE_CONTACT = {
     for section, names in {
         "surface": " ".join(name for name in keys_of(SECTIONS["surface"]) if name != "shape"),
         "material": "youngs_modulus poissons_ratio lattice_constant",
+        "elasticity": " ".join(keys_of(SECTIONS["elasticity"])),
         "interaction": "law well_depth work_of_adhesion well_depth_ratio length",
         "loading": "control",
     }.items()

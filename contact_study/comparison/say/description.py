@@ -39,25 +39,27 @@ def _surface(inputs: Inputs) -> str:
 
 
 def _surfaces_of_a_kind(inputs: Inputs, cases: Sequence[Case]) -> str:
-    words = cases[0].surface.words.format_map(_Values(cases))
+    words = cases[0].surface.words.format_map(_Values(cases, "surface"))
     return words + _realisations(inputs, cases)
 
 
 class _Values(dict[str, "_Value"]):
-    """What stands for a key of a surface in the words of its kind."""
+    """What stands for a key of a section in the words of its kind."""
 
-    def __init__(self, cases: Sequence[Case]):
+    def __init__(self, cases: Sequence[Case], section: str):
         self._cases = cases
+        self._section = section
 
     def __missing__(self, name: str) -> "_Value":
-        return _Value(self._cases, name)
+        return _Value(self._cases, self._section, name)
 
 
 @dataclass(frozen=True)
 class _Value:
-    """The values of a key of the surface over cases, joined by "and" or as the format says."""
+    """The values of a key over cases, joined by "and" or as the format says."""
 
     cases: Sequence[Case]
+    section: str
     name: str
 
     def __format__(self, last: str) -> str:
@@ -66,9 +68,10 @@ class _Value:
     def _of(self, case: Case) -> str:
         if self.name == "size":
             return _size(case)
-        value = getattr(case.surface, self.name)
+        section = getattr(case, self.section)
+        value = getattr(section, self.name)
         if isinstance(value, float):
-            in_metres = keys_of(type(case.surface))[self.name].kind == "m"
+            in_metres = keys_of(type(section))[self.name].kind == "m"
             return length(value) if in_metres else f"{value:g}"
         return case.surface.phrases.get(value, str(value))
 
@@ -90,8 +93,13 @@ def _realisations(inputs: Inputs, cases: Sequence[Case]) -> str:
 
 
 def _block(cases: Sequence[Case]) -> str:
+    kinds: dict[str, list[Case]] = {}
+    for case in cases:
+        kinds.setdefault(case.elasticity.kind, []).append(case)
+    solids = [some[0].elasticity.words.format_map(_Values(some, "elasticity")) for some in kinds.values()]
+    solid = "".join(solids) if len(solids) == 1 else " or ".join(words or "a half-space, " for words in solids)
     return (
-        f"Elastic, E = {_over(cases, lambda case: _modulus(case.material.youngs_modulus))}, "
+        f"Elastic, {solid}E = {_over(cases, lambda case: _modulus(case.material.youngs_modulus))}, "
         f"ν = {_over(cases, lambda case: f'{case.material.poissons_ratio:g}')}, hence contact modulus "
         f"E* = E/(1 − ν²) = {_over(cases, lambda case: _modulus(case.material.contact_modulus))}."
     )
@@ -211,7 +219,7 @@ def _atoms(cases: Sequence[Case]) -> str:
 
     def layers(case: Case) -> str:
         rows, columns = case.lattice.atoms
-        count = case.atomistic.layers or max(rows, columns)
+        count = case.block_layers
         return f"{count} layers ({rows * columns * count:,} atoms)"
 
     try:

@@ -1,11 +1,14 @@
 """Elastic solids by the stiffness K(q) of their surface, one a file."""
 
 from contact_study.problem.elasticity.base import Elasticity, contact_modulus_of
-from contact_study.problem.elasticity.half_space import HalfSpace
-from contact_study.problem.elasticity.layer import Layer
+from contact_study.problem.elasticity.half_space import HalfSpace, HalfSpaceSection
+from contact_study.problem.elasticity.layer import Layer, LayerSection
 from contact_study.problem.elasticity.tabulated import Tabulated
+from contact_study.problem.keys import Kinds
 
-__all__ = ["Elasticity", "HalfSpace", "Layer", "Tabulated", "contact_modulus_of", "elasticity_of"]
+__all__ = ["ELASTICITIES", "Elasticity", "HalfSpace", "Layer", "Tabulated", "contact_modulus_of", "elasticity_of"]
+
+ELASTICITIES = Kinds("kind", {"half_space": HalfSpaceSection, "layer": LayerSection})
 
 
 def elasticity_of(solid: Elasticity | float) -> Elasticity:

@@ -2,12 +2,14 @@
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, replace
-from typing import Self
+from typing import ClassVar, Self
 
 import numpy as np
 
 from contact_study.fields.arguments import positive
 from contact_study.fields.grid import Grid
+from contact_study.problem.keys import key, text
+from contact_study.problem.sections import MaterialSection
 
 
 @dataclass(frozen=True)
@@ -38,6 +40,11 @@ class Elasticity(ABC):
         """K(q) at wavenumbers q > 0 (1/m), of their shape (Pa/m)."""
 
     @property
+    def depth(self) -> float:
+        """Distance from the surface to what holds the block (m)."""
+        return np.inf
+
+    @property
     def mean_compliance(self) -> float:
         """Displacement of the surface's mean towards what holds the block, per mean pressure (m/Pa).
 
@@ -62,6 +69,25 @@ class Elasticity(ABC):
     def scaled(self, length: float, stress: float) -> Self:
         """The same solid in other units: lengths divided by ``length`` (m), stresses by ``stress`` (Pa)."""
         return replace(self, contact_modulus=self.contact_modulus / stress)
+
+
+@dataclass(frozen=True, kw_only=True)
+class ElasticitySection(ABC):
+    """What solid the block is; its constants are those of the material. A kind declares its own keys as fields.
+
+    Attributes
+    ----------
+    words : str
+        The solid in a sentence, before its constants; a name in braces is replaced by the values of that key.
+    """
+
+    words: ClassVar[str]
+
+    kind: str = key(text(), "what solid the block is", "half_space")
+
+    @abstractmethod
+    def solid(self, material: MaterialSection) -> Elasticity:
+        """The solid of a material."""
 
 
 def contact_modulus_of(stiffness: np.ndarray, wavenumber: np.ndarray) -> np.ndarray:

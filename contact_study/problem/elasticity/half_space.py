@@ -8,7 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from contact_study.problem.elasticity.base import Elasticity
+from contact_study.problem.elasticity.base import Elasticity, ElasticitySection
+from contact_study.problem.sections import MaterialSection
 
 
 @dataclass(frozen=True)
@@ -17,3 +18,13 @@ class HalfSpace(Elasticity):
 
     def stiffness(self, wavenumber: np.ndarray | float) -> np.ndarray:
         return 0.5 * self.contact_modulus * np.asarray(wavenumber)
+
+
+@dataclass(frozen=True, kw_only=True)
+class HalfSpaceSection(ElasticitySection):
+    """The default, which needs no key."""
+
+    words = ""
+
+    def solid(self, material: MaterialSection) -> HalfSpace:
+        return HalfSpace(material.contact_modulus)

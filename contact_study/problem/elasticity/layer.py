@@ -17,7 +17,9 @@ from typing import Self
 import numpy as np
 
 from contact_study.fields.arguments import finite, positive
-from contact_study.problem.elasticity.base import Elasticity
+from contact_study.problem.elasticity.base import Elasticity, ElasticitySection
+from contact_study.problem.keys import key, quantity
+from contact_study.problem.sections import MaterialSection
 
 
 @dataclass(frozen=True)
@@ -59,6 +61,10 @@ class Layer(Elasticity):
         return 0.5 * self.contact_modulus * q * below / above
 
     @property
+    def depth(self) -> float:
+        return self.thickness
+
+    @property
     def mean_compliance(self) -> float:
         """(1+ν)(1−2ν) d / [(1−ν) E]: compression without lateral strain, none if incompressible (m/Pa)."""
         ratio = self.poissons_ratio
@@ -66,6 +72,18 @@ class Layer(Elasticity):
 
     def scaled(self, length: float, stress: float) -> Self:
         return replace(super().scaled(length, stress), thickness=self.thickness / length)
+
+
+@dataclass(frozen=True, kw_only=True)
+class LayerSection(ElasticitySection):
+    """A layer of the material."""
+
+    words = "a layer of thickness {thickness} bonded to a rigid base, "
+
+    thickness: float = key(quantity("m", positive=True), "thickness of the layer")
+
+    def solid(self, material: MaterialSection) -> Layer:
+        return Layer(material.contact_modulus, material.poissons_ratio, self.thickness)
 
 
 def _sinh_less_argument(y: np.ndarray) -> np.ndarray:

@@ -10,7 +10,7 @@ from contact_study.fields.grid import Grid
 from contact_study.problem.height_map import HeightMap, read_height_map
 from contact_study.problem.keys import key, text
 from contact_study.problem.surface import BandLimitedSurface, Surface
-from contact_study.problem.surface_scales import SurfaceScales
+from contact_study.problem.surface_scales import SurfaceScales, spectrum_of_waves
 from contact_study.problem.surfaces.base import SurfaceSection
 
 
@@ -44,7 +44,10 @@ class MapFile(SurfaceSection):
             lost = _moments(fourier.resize_spectrum(coefficients, grid.shape, shape), Grid(shape, grid.size))
         height, slope = _moments(coefficients, grid)
         peak_to_valley = float(np.ptp(heights))
-        return SurfaceScales(grid.size, shape or grid.shape, height, slope, peak_to_valley, 2 * max(grid.spacing), lost)
+        power = (grid.multiplicity * np.abs(coefficients) ** 2).reshape(-1)[1:]
+        spectrum = spectrum_of_waves(grid.wavenumber.reshape(-1)[1:], power)
+        shortest = 2 * max(grid.spacing)
+        return SurfaceScales(grid.size, shape or grid.shape, height, slope, peak_to_valley, shortest, spectrum, lost)
 
     def _read(self, directory: Path) -> HeightMap:
         return read_height_map(directory / self.path, self.height_unit, self.size)

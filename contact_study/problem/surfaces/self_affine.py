@@ -106,12 +106,13 @@ class SelfAffine(CellSection):
         return BandLimitedSurface(self.size, self.shape, spectrum, coefficients, native)
 
     def scales(self, directory: Path) -> SurfaceScales:
-        height, slope = self.target_spectrum.rms_height, self.target_spectrum.rms_slope
+        spectrum = self.target_spectrum
+        height, slope = spectrum.rms_height, spectrum.rms_slope
         # A Gaussian surface stands above u rms heights at (2π)^(−3/2) A (ξ²/2 h_rms²) u exp(−u²/2) places in the mean,
         # for large u (the Euler characteristic of the region above); ξ²/2 is the variance of the slope along one axis.
         places = self.size[0] * self.size[1] * slope**2 / (2 * height**2) / (2 * np.pi) ** 1.5
         u = 3.0
         for _ in range(20):  # a contraction of factor 1/u² where places are many
             u = float(np.sqrt(2 * np.log(max(places * u / _RARE, np.exp(2.0)))))
-        shortest = 2 * np.pi / self.target_spectrum.cutoff
-        return SurfaceScales(self.size, self.shape, height, slope, 2 * u * height, shortest)
+        shortest = 2 * np.pi / spectrum.cutoff
+        return SurfaceScales(self.size, self.shape, height, slope, 2 * u * height, shortest, spectrum)

@@ -8,7 +8,7 @@ import numpy as np
 from contact_study.fields.grid import Grid
 from contact_study.problem.keys import key, quantity
 from contact_study.problem.surface import Surface
-from contact_study.problem.surface_scales import SurfaceScales
+from contact_study.problem.surface_scales import SurfaceScales, spectrum_of_waves
 from contact_study.problem.surfaces.base import CellSection
 
 
@@ -49,4 +49,20 @@ class Sphere(CellSection):
         # Moments of h = −r²/2R over the rectangle: <y²> = y2/12, the variance of y² is y2²/180.
         height = np.sqrt((y2**2 + x2**2) / 180) / (2 * radius)
         slope = np.sqrt((y2 + x2) / 12) / radius
-        return SurfaceScales(self.size, self.shape, float(height), float(slope), (y2 + x2) / (8 * radius), float("inf"))
+        peak = (y2 + x2) / (8 * radius)
+        waves = np.hstack([_waves(length, radius) for length in self.size])
+        spectrum = spectrum_of_waves(*waves)
+        return SurfaceScales(self.size, self.shape, float(height), float(slope), peak, float("inf"), spectrum)
+
+
+def _waves(length: float, radius: float) -> np.ndarray:
+    """Wavenumbers and height variances of −x²/2R over a period L, shape (2, n).
+
+    The n-th harmonic has (L²/2π²n²R)²/2; one last wave has the height and slope of all that are left out.
+    """
+    n = np.arange(1.0, 101.0)
+    wavenumber = 2 * np.pi * n / length
+    variance = (length / (np.pi * n)) ** 4 / (8 * radius**2)
+    height = (length**4 / 720) / radius**2 - variance.sum()
+    slope = (length**2 / 12) / radius**2 - np.sum(wavenumber**2 * variance)
+    return np.array([np.append(wavenumber, np.sqrt(slope / height)), np.append(variance, height)])

@@ -8,7 +8,7 @@ import numpy as np
 from contact_study.problem.errors import InputError
 from contact_study.problem.keys import integer, key, pair, quantity
 from contact_study.problem.surface import BandLimitedSurface, Surface
-from contact_study.problem.surface_scales import SurfaceScales
+from contact_study.problem.surface_scales import SurfaceScales, spectrum_of_waves
 from contact_study.problem.surfaces.base import CellSection
 
 
@@ -48,4 +48,6 @@ class Wavy(CellSection):
         height = self.amplitude * 0.5 ** (0.5 * np.count_nonzero(self.modes))
         wavenumber = float(np.hypot(q_y, q_x))
         slope = float(height) * wavenumber
-        return SurfaceScales(self.size, self.shape, float(height), slope, 2 * self.amplitude, 2 * np.pi / wavenumber)
+        spectrum = spectrum_of_waves(np.array([wavenumber]), np.array([height**2]))
+        shortest = 2 * np.pi / wavenumber
+        return SurfaceScales(self.size, self.shape, float(height), slope, 2 * self.amplitude, shortest, spectrum)
