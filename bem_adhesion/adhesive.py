@@ -15,6 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from numba import njit
 
+from bem_adhesion.law_passes import passes_of
 from bem_adhesion.linearised import LinearisedContact
 from bem_adhesion.operator import MakeOperator
 from bem_adhesion.solution import Outcome
@@ -128,6 +129,7 @@ class AdhesiveContact:
     def __init__(self, grid: Grid, make_operator: MakeOperator, law: TractionLaw, shift: float):
         self.grid = grid
         self.law = law
+        self._passes = passes_of(law)
         self.solid = make_operator(grid, np.float64)
         self._single = make_operator(grid, np.float32)
         self._linearised = LinearisedContact(self._single, shift)
@@ -146,7 +148,7 @@ class AdhesiveContact:
 
     def _evaluate(self, gap: np.ndarray, load: np.ndarray) -> _State:
         """Energy and gradient at a gap; fills traction, curvature and right side."""
-        potential = self.law.evaluate(gap, self._traction, self.curvature)
+        potential = self._passes.evaluate(gap, self._traction, self.curvature)
         elastic = self.elastic_pressure(gap)
         law = self.law
         energy, largest, square, total = _gradient(
@@ -225,7 +227,7 @@ class AdhesiveContact:
         length = SADDLE_STEP * self.law.length
         while length > SHORTEST_STEP * self.law.length:
             for step in (length, -length):
-                self.law.advance(gap, np.float32(step) * direction, STEP_LIMIT, beside)
+                self._passes.advance(gap, np.float32(step) * direction, STEP_LIMIT, beside)
                 if self._evaluate(beside, load).energy < energy:
                     return beside
             length *= BACKTRACKING
@@ -239,7 +241,7 @@ class AdhesiveContact:
         if result.negative_curvature or np.abs(step / gap).max() > limit:
             return gap
         moved = np.empty_like(gap)
-        self.law.advance(gap, step, STEP_LIMIT, moved)
+        self._passes.advance(gap, step, STEP_LIMIT, moved)
         return moved
 
     def solve(
@@ -300,7 +302,7 @@ class AdhesiveContact:
         """Shorten the step until the energy falls, leaving the new gap in ``trial``; None if it never does."""
         step, fraction = self._linearised.solution, 1.0
         while fraction > SHORTEST_STEP:
-            self.law.advance(gap, step, STEP_LIMIT, trial)
+            self._passes.advance(gap, step, STEP_LIMIT, trial)
             new = self._evaluate(trial, load)
             equal = new.energy <= state.energy + ENERGY_ROUNDING * abs(state.energy)
             if new.energy <= state.energy or (equal and new.square < state.square):

@@ -11,7 +11,6 @@ from bem_adhesion.solution import Solution
 from contact_study.fields.arguments import field, grid_of
 from contact_study.problem.elasticity import Elasticity
 from contact_study.problem.laws.base import TractionLaw
-from contact_study.problem.laws.hard_wall import HardWall
 
 
 class Contact(Protocol):
@@ -28,7 +27,7 @@ def rough_contact(
     height: np.ndarray,
     size: float | Sequence[float],
     elasticity: Elasticity | float,
-    law: TractionLaw | HardWall,
+    law: TractionLaw,
     control: str = "pressure",
     tolerance: float | None = None,
     max_iterations: int | None = None,
@@ -44,7 +43,7 @@ def rough_contact(
         Periods along y and x; one number is both (m).
     elasticity : Elasticity or float
         The solid; a number is the contact modulus E* = E / (1 − ν²) of a half-space (Pa).
-    law : TractionLaw or HardWall
+    law : TractionLaw
         How the surfaces interact.
     control : {"pressure", "gap"}
         What a step prescribes: the mean pressure (Pa), or the mean gap less the law's equilibrium distance (m).
@@ -74,8 +73,10 @@ def rough_contact(
     options: dict[str, Any] = {"control": control, "threads": threads}
     options |= {} if tolerance is None else {"tolerance": tolerance}
     options |= {} if max_iterations is None else {"max_iterations": max_iterations}
-    if isinstance(law, HardWall):
+    if not isinstance(law, TractionLaw):
+        raise ValueError(
+            f"law = {law!r}: must be a law such as LennardJones104(work_of_adhesion, length) or HardWall()"
+        )
+    if not law.attracts and law.has_wall:
         return HardWallContact(heights, grid, elasticity, **options)
-    if isinstance(law, TractionLaw):
-        return LoadedContact(heights, grid, elasticity, law, **options)
-    raise ValueError(f"law = {law!r}: must be a law such as LennardJones104(work_of_adhesion, length) or HardWall()")
+    return LoadedContact(heights, grid, elasticity, law, **options)

@@ -14,6 +14,7 @@ from scipy.optimize import brentq
 
 from bem_adhesion.adhesive import NewtonResult
 from bem_adhesion.arguments import check_arguments
+from bem_adhesion.law_passes import passes_of
 from bem_adhesion.multilevel import MultilevelContact
 from bem_adhesion.operator import periodic
 from bem_adhesion.solution import Outcome, Solution
@@ -191,7 +192,7 @@ class LoadedContact:
         gap = result.gap * self._length
         displacement = self.height + gap
         pressure = np.empty_like(gap)
-        interaction = self.law.evaluate(gap, pressure, np.empty(gap.shape, np.float32)) / gap.size
+        interaction = passes_of(self.law).evaluate(gap, pressure, np.empty(gap.shape, np.float32)) / gap.size
         np.negative(pressure, out=pressure)
         # In equilibrium K w is the interface pressure less its mean: ½<w, K w> without another transform.
         elastic = 0.5 * np.mean((pressure - pressure.mean()) * displacement)

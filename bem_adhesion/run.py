@@ -17,8 +17,6 @@ from contact_study.campaign.record import Step, Value
 from contact_study.fields.observables import probability_density
 from contact_study.problem.case import Case
 from contact_study.problem.errors import InputError
-from contact_study.problem.laws.base import TractionLaw
-from contact_study.problem.laws.hard_wall import HardWall
 from contact_study.problem.plausibility import points
 from contact_study.problem.study import Study
 from contact_study.problem.surface import Surface
@@ -60,7 +58,7 @@ def review(study: Study, scales: Sequence[SurfaceScales]) -> list[str]:
     """
     unresolved = []
     for case, scale in zip(study.cases, scales, strict=True):
-        if isinstance(case.law, TractionLaw):
+        if case.law.attracts:
             zone = process_zone(case.material.contact_modulus, case.law)
             if scale.pixel * POINTS_PER_PROCESS_ZONE > zone:
                 unresolved.append((scale.pixel / zone, zone, case, scale))
@@ -106,7 +104,7 @@ def constants(case: Case, surface: Surface) -> dict[str, Value]:
         "rms_slope": surface.rms_slope,
         "pixel": pixel,
     }
-    if isinstance(law, TractionLaw):
+    if law.attracts:
         zone = process_zone(material.contact_modulus, law)
         values |= {"peak_distance": law.peak_distance, "process_zone": zone}
     if case.output.fields:
@@ -152,7 +150,7 @@ def solve_path(
 
 def _step(case: Case, solution: Solution, began: float) -> Step:
     gap, pressure = solution.gap, solution.pressure
-    in_contact = pressure > 0 if isinstance(case.law, HardWall) else gap < case.contact_distance
+    in_contact = case.law.in_contact(gap, pressure, case.contact_distance)
     mean_gap = float(np.mean(gap)) - case.law.equilibrium_distance
     mean_pressure = float(np.mean(pressure))
     values: dict[str, Value] = {

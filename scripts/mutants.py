@@ -51,6 +51,7 @@ TESTS = {
     "bem_adhesion/multilevel.py": ("test_loading.py", ""),
     "md_reference/snap_in.py": ("test_equilibrium.py", ""),
     "contact_study/problem/height_map.py": ("test_surface.py", ""),
+    "bem_adhesion/law_passes.py": ("test_law_passes.py", ""),
     "contact_study/problem/laws/base.py": ("test_laws.py", ""),
     "contact_study/problem/laws/lennard_jones_10_4.py": ("test_laws.py", ""),
     "contact_study/problem/laws/lennard_jones_9_3.py": ("test_laws.py", ""),

@@ -18,7 +18,6 @@ from contact_study.fields.spectrum import RoughnessSpectrum
 from contact_study.problem.case import Case
 from contact_study.problem.elasticity import Elasticity
 from contact_study.problem.errors import InputError
-from contact_study.problem.laws.base import TractionLaw
 from contact_study.problem.plausibility import points
 from contact_study.problem.study import Study
 from contact_study.problem.surface import Surface
@@ -121,7 +120,7 @@ def review(study: Study, scales: Sequence[SurfaceScales]) -> list[str]:
                 f"roughness makes ({stress:.3g} Pa) by {tension / stress:.3g}; Persson's theory resolves a factor of "
                 f"{PerssonTheory.cells}. Such a surface is flat to this law: check size, heights and adhesion"
             )
-        if isinstance(law, TractionLaw) and finest > _COARSEST * law.length:
+        if law.attracts and finest > _COARSEST * law.length:
             coarse.append((case, finest, law.length))
     if not coarse:
         return []
@@ -191,7 +190,7 @@ def constants(case: Case, surface: Surface) -> dict[str, Value]:
         "persson/pull_off_pressure": pull_off_pressure(theory, tolerance=tolerance, max_iterations=max_iterations),
         "wavevector": _stored_wavevectors(theory),
     }
-    if isinstance(law, TractionLaw):
+    if not law.has_wall:
         for branch in BRANCHES:
             flow = gap_flow(spectrum, theory.solid, law, branch)
             _warn_of_unconverged(flow)
@@ -356,14 +355,14 @@ def _unreachable(case: Case, gap: float) -> dict[str, Value]:
 
 
 def _gap_flow_path(case: Case, spectrum: RoughnessSpectrum) -> list[list[dict[str, Value]]]:
-    """Values of each path point in each branch; none for a hard wall, which has no law to flow.
+    """Values of each path point in each branch; none outside a wall, which no flow goes through.
 
     Raises
     ------
     InputError
         If a point of the path is beyond any contact.
     """
-    if not isinstance(case.law, TractionLaw):
+    if case.law.has_wall:
         return []
     largest = 0.0
     if case.loading.control == "gap":

@@ -5,6 +5,7 @@ from typing import Any
 import numpy as np
 
 from contact_study.comparison.wording import length, number, pressure
+from contact_study.problem.laws import LAWS
 from contact_study.problem.units import quantity
 
 # Keys that have a symbol in the field; any other is called by its name.
@@ -58,5 +59,4 @@ def key_value(name: str, value: Any, units: str = "1") -> str:
 
 def law_name(law: str) -> str:
     """A traction-separation law in words: "10-4", "9-3", "hard wall"."""
-    short = law.removeprefix("lennard_jones_")
-    return short.replace("_", " " if short == law else "-")
+    return LAWS[law].title

@@ -10,7 +10,6 @@ import numpy as np
 
 from contact_study.fields.observables import Bins
 from contact_study.problem.case import Case
-from contact_study.problem.laws.base import TractionLaw
 from contact_study.problem.study import Study
 from contact_study.problem.surface_scales import SurfaceScales, scales_of
 
@@ -59,7 +58,7 @@ def _around_zero(tension: float, compression: float, bins: int) -> np.ndarray:
 def _ranges(case: Case, scales: SurfaceScales) -> tuple[float, float, float]:
     """Largest tension, compression (Pa) and gap (m) worth resolving in one case."""
     law, modulus = case.law, case.solid.contact_modulus
-    peak = law.peak_tensile_stress if isinstance(law, TractionLaw) else 0.0
+    peak = law.peak_tensile_stress
     # Full contact has a Gaussian stress; six deviations leave 1e-9 of it outside.
     fluctuation = 6 * scales.full_contact_stress(case.solid)
     applied = max((abs(p) for p in case.loading.path), default=0.0) if case.loading.control == "pressure" else 0.0

@@ -12,9 +12,8 @@ from contact_study.problem.elasticity import Elasticity
 from contact_study.problem.elasticity.base import ElasticitySection
 from contact_study.problem.errors import InputError
 from contact_study.problem.lattice import Lattice, lattice_of
-from contact_study.problem.laws import make_law
-from contact_study.problem.laws.base import TractionLaw
-from contact_study.problem.laws.hard_wall import HardWall
+from contact_study.problem.laws import LAWS, TractionLaw
+from contact_study.problem.laws.interaction import InteractionSection
 from contact_study.problem.laws.lennard_jones_10_4 import work_of_adhesion
 from contact_study.problem.surfaces.base import SurfaceSection
 
@@ -35,7 +34,7 @@ class Case:
     surface: SurfaceSection
     material: sections.MaterialSection
     elasticity: ElasticitySection
-    interaction: sections.InteractionSection
+    interaction: InteractionSection
     loading: sections.LoadingSection
     solver: sections.SolverSection
     atomistic: sections.AtomisticSection
@@ -47,19 +46,19 @@ class Case:
     study_bins: Bins | None = None
 
     def __post_init__(self):
-        if self.interaction.law == "hard_wall" and self.loading.control == "pressure" and min(self.loading.path) <= 0:
+        if not self.law.attracts and self.loading.control == "pressure" and min(self.loading.path) <= 0:
             raise InputError(
-                f"loading.path: {min(self.loading.path):g} Pa cannot be carried by a hard wall without adhesion; "
+                f"loading.path: {min(self.loading.path):g} Pa cannot be carried by {self.law.words}; "
                 "give positive pressures"
             )
         lowest_gap = min(self.loading.path) + self.law.equilibrium_distance
-        # Only a hard wall can be met everywhere, at a mean gap of zero.
-        if self.loading.control == "gap" and (lowest_gap < 0 or (lowest_gap == 0 and self.law.work_of_adhesion > 0)):
+        # Only a wall can be met everywhere, at a mean gap of zero.
+        if self.loading.control == "gap" and (lowest_gap < 0 or (lowest_gap == 0 and not self.law.has_wall)):
             raise InputError(
                 f"loading.path: a mean gap of {min(self.loading.path):g} m above the equilibrium distance, "
                 f"{self.law.equilibrium_distance:g} m, leaves no gap between the surfaces"
             )
-        if self.interaction.law != "hard_wall" and self.loading.control == "pressure":
+        if self.law.attracts and self.loading.control == "pressure":
             lowest = -self.law.peak_tensile_stress
             if min(self.loading.path) < lowest:
                 raise InputError(
@@ -106,16 +105,20 @@ class Case:
         return layers
 
     @cached_property
-    def law(self) -> TractionLaw | HardWall:
+    def law(self) -> TractionLaw:
         """The traction-separation law."""
-        return make_law(self.interaction.law, self.work_of_adhesion, self.interaction.length or 0.0)
+        return self._law.of(self.interaction, self.work_of_adhesion)
+
+    @property
+    def _law(self) -> type[TractionLaw]:
+        return LAWS[self.interaction.law]
 
     @property
     def contact_distance(self) -> float:
         """Gaps below it count as contact (m)."""
         if self.interaction.contact_distance is not None:
             return self.interaction.contact_distance
-        return 2 ** (1 / 6) * (self.interaction.length or 0.0)
+        return self.law.contact_distance
 
     @property
     def height_map(self) -> Path | None:
@@ -139,7 +142,7 @@ class Case:
     def work_of_adhesion(self) -> float:
         """Δγ (J/m²), including ``well_depth_ratio``; zero for a hard wall without adhesion."""
         given = self.interaction
-        if given.law == "hard_wall":
+        if not self._law.attracts:
             return 0.0
         if given.work_of_adhesion is not None:
             return given.work_of_adhesion * given.well_depth_ratio

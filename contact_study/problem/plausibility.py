@@ -44,9 +44,9 @@ def review(study: Study, scales: Sequence[SurfaceScales]) -> list[str]:
         If the numbers of some case cannot belong together.
     """
     pairs = list(zip(study.cases, scales, strict=True))
-    adhesive = [(case, scale, case.law) for case, scale in pairs if isinstance(case.law, TractionLaw)]
+    adhesive = [(case, scale, case.law) for case, scale in pairs if case.law.attracts]
     notes = _slopes(pairs)
-    notes += _squeezes(adhesive)
+    notes += _squeezes([item for item in adhesive if not item[2].has_wall])
     notes += _peaks(adhesive)
     notes += _maps(pairs)
     notes += _idle_keys(study.cases)
@@ -145,12 +145,13 @@ def _change(left: float, whole: float) -> str:
 
 def _idle_keys(cases: Sequence[Case]) -> list[str]:
     names = ("work_of_adhesion", "well_depth", "length", "contact_distance")
-    walls = [case.interaction for case in cases if case.interaction.law == "hard_wall"]
+    walls = [case.interaction for case in cases if not case.law.attracts]
     idle = [f"interaction.{name}" for name in names if any(getattr(wall, name) is not None for wall in walls)]
     if not idle:
         return []
     return [
-        f'{", ".join(idle)}: without effect where interaction.law = "hard_wall", which neither attracts nor reaches'
+        f'{", ".join(idle)}: without effect where interaction.law = "{walls[0].law}", which neither attracts nor '
+        "reaches"
     ]
 
 

@@ -6,8 +6,6 @@ from contact_study.problem.errors import InputError
 from contact_study.problem.keys import choice, flag, integer, key, pair, quantity, sequence, text
 from contact_study.problem.units import unit_of
 
-LAWS = ("lennard_jones_10_4", "lennard_jones_9_3", "hard_wall")
-
 
 @dataclass(frozen=True)
 class StudySection:
@@ -33,49 +31,6 @@ class MaterialSection:
     def contact_modulus(self) -> float:
         """E* = E / (1 − ν²) (Pa)."""
         return self.youngs_modulus / (1 - self.poissons_ratio**2)
-
-
-@dataclass(frozen=True)
-class InteractionSection:
-    """The interaction across the interface."""
-
-    law: str = key(choice(*LAWS), "traction-separation law of the continuum", "lennard_jones_10_4")
-    well_depth: float | None = key(
-        quantity("J", positive=True), "ε of the pair potential between two layers of atoms (10-4 law)", None
-    )
-    work_of_adhesion: float | None = key(quantity("J/m^2", positive=True), "Δγ, in place of well_depth", None)
-    well_depth_ratio: float = key(quantity("1", positive=True), "multiplies well_depth or work_of_adhesion", 1.0)
-    length: float | None = key(
-        quantity("m", positive=True),
-        "the law's length: distance of zero stress (10-4 law: r0 of the pairs; 9-3 law: z0)",
-        None,
-    )
-    contact_distance: float | None = key(
-        quantity("m", positive=True), "gaps below it count as contact, default 2^(1/6) length", None
-    )
-
-    def __post_init__(self):
-        if self.well_depth is not None and self.work_of_adhesion is not None:
-            raise InputError("interaction.well_depth and interaction.work_of_adhesion: give one of the two, not both")
-        if self.law == "hard_wall":
-            return
-        if self.well_depth is None and self.work_of_adhesion is None:
-            raise InputError(
-                f'missing key interaction.well_depth or interaction.work_of_adhesion: law = "{self.law}" needs one'
-            )
-        if self.law == "lennard_jones_9_3" and self.well_depth is not None:
-            raise InputError(
-                'interaction.well_depth: law = "lennard_jones_9_3" is that of two half-spaces, whose adhesion needs '
-                "the number of atoms per volume of both; give interaction.work_of_adhesion and length = z0 "
-                "(docs/conventions.md has both from ε, r0 and the densities)"
-            )
-        if self.length is None:
-            raise InputError(f'missing key interaction.length: law = "{self.law}" needs it')
-        if self.contact_distance is not None and self.contact_distance <= self.length:
-            raise InputError(
-                f"interaction.contact_distance = {self.contact_distance:g} m: must exceed the equilibrium distance, "
-                f"interaction.length = {self.length:g} m"
-            )
 
 
 @dataclass(frozen=True)

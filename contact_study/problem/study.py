@@ -18,6 +18,7 @@ from contact_study.problem.case import Case
 from contact_study.problem.elasticity import ELASTICITIES
 from contact_study.problem.errors import InputError
 from contact_study.problem.keys import Key, Kinds, bind, default_of, keys_of, listed
+from contact_study.problem.laws import INTERACTIONS
 from contact_study.problem.surfaces import SURFACES
 from contact_study.problem.units import EXAMPLES
 
@@ -26,7 +27,7 @@ SECTIONS: dict[str, type | Kinds] = {
     "surface": SURFACES,
     "material": sections.MaterialSection,
     "elasticity": ELASTICITIES,
-    "interaction": sections.InteractionSection,
+    "interaction": INTERACTIONS,
     "loading": sections.LoadingSection,
     "solver": sections.SolverSection,
     "atomistic": sections.AtomisticSection,

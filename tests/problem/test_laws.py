@@ -1,11 +1,9 @@
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 from scipy.integrate import quad
 
-from contact_study.problem.laws import make_law
-from contact_study.problem.laws.base import TractionLaw
+from contact_study.problem.laws import LAWS as TABLE
+from contact_study.problem.laws import TractionLaw, make_law
 from contact_study.problem.laws.lennard_jones_9_3 import LennardJones93
 from contact_study.problem.laws.lennard_jones_10_4 import LennardJones104, work_of_adhesion
 
@@ -139,44 +137,63 @@ def test_repulsive_gap_inverts_the_traction(law):
     np.testing.assert_allclose(law.traction(gap), traction, rtol=1e-12, atol=floor)
 
 
-@laws
-@pytest.mark.parametrize("single", [np.float64, np.float32])
-def test_fused_pass_equals_the_separate_functions(law, single):
-    gap = gaps(law).reshape(1, -1)
-    traction, stiffness = np.empty_like(gap), np.empty(gap.shape, single)
-    total = law.evaluate(gap, traction, stiffness)
-    assert total == pytest.approx(law.potential(gap).sum(), rel=1e-13)
-    np.testing.assert_allclose(traction, law.traction(gap), rtol=1e-11, atol=1e-14 * law.peak_tensile_stress)
+ADHESIVE = [make_law(name, 0.69, R0) for name, law in TABLE.items() if law.attracts]
+adhesive = pytest.mark.parametrize("law", ADHESIVE, ids=lambda law: law.title)
+
+
+def by_default(law):
+    """The law of which only the potential is known: all else as the base class derives it."""
+    members = {"potential": lambda _, gap: law.potential(gap), "has_wall": law.has_wall}
+    return type("PotentialOnly", (TractionLaw,), members)(law.work_of_adhesion, law.length)
+
+
+@adhesive
+def test_every_law_of_the_table(law):
+    """What solvers and theories take for granted of a law, whatever it is."""
+    nearest, peak = law.equilibrium_distance, law.peak_tensile_stress
+    assert law.potential(np.array(nearest)) == pytest.approx(-law.work_of_adhesion, rel=1e-12)
+    # The work of adhesion is the integral of the tension; 1e-9 of the quadrature.
+    work = quad(lambda x: float(law.traction(np.array(nearest + law.length * x))), 0, np.inf, epsrel=1e-10, limit=200)[
+        0
+    ]
+    assert work * law.length == pytest.approx(law.work_of_adhesion, rel=1e-8)
+    gap = nearest + law.length * np.geomspace(1e-4, 30, 4001)
+    assert np.all(law.traction(gap) > 0), "tension everywhere beyond equilibrium"
+    assert law.traction(gap).max() <= peak * (1 + 1e-12)
+    assert law.traction(np.array(law.peak_distance)) == pytest.approx(peak, rel=1e-12)
+    assert -law.stiffness(gap).min() <= law.strongest_softening * (1 + 1e-12)
+    assert law.stiffness(np.array(nearest)) == pytest.approx(law.equilibrium_stiffness, rel=1e-12)
+    # Second-order differences: 1e-8 of them at this step, for energy and traction alike.
+    step = 1e-5 * law.length
+    for integral, derivative in ((law.potential, law.traction), (law.traction, law.stiffness)):
+        differences = (integral(gap + step) - integral(gap - step)) / (2 * step)
+        np.testing.assert_allclose(differences, derivative(gap), atol=3e-8 * np.abs(derivative(gap)).max())
+
+
+@adhesive
+def test_all_follows_from_the_potential(law):
+    """Defaults against closed forms: rounding for the traction, differences of fourth order for the stiffness."""
+    default = by_default(law)
+    gap = law.equilibrium_distance + law.length * np.geomspace(1e-3, 30, 301)
+    if not law.has_wall:
+        gap = np.concatenate([law.length * np.linspace(0.5, 1, 51), gap])
     np.testing.assert_allclose(
-        stiffness, law.stiffness(gap), rtol=1e-6, atol=4 * np.finfo(single).eps * law.equilibrium_stiffness
+        default.traction(gap), law.traction(gap), rtol=1e-12, atol=1e-13 * law.peak_tensile_stress
     )
-
-
-@laws
-@given(start=st.floats(0.75, 4.0), step=st.floats(-3.0, 3.0))
-def test_compiled_advance_equals_the_general_one(law, start, step):
-    gap, move = np.full((1, 1), start * law.length), np.full((1, 1), step * law.length, np.float32)
-    general, compiled = np.empty((1, 1)), np.empty((1, 1))
-    TractionLaw.advance(law, gap, move, 0.4, general)
-    law.advance(gap, move, 0.4, compiled)
-    # Three Newton iterations instead of convergence: 3 % at a thousand times the peak stress, less below.
-    moved = abs((general - gap).item())
-    assert abs((compiled - general).item()) <= 0.03 * moved + 1e-12 * law.length
-
-
-@laws
-def test_advance_is_newtons_step_to_first_order(law):
-    gap = gaps(law).reshape(1, -1)
-    # Not where a step crosses equilibrium: there the new gap follows the tangent of the other side.
-    gap = gap[np.abs(gap - law.equilibrium_distance) > 0.01 * law.length].reshape(1, -1)
-    out = np.empty_like(gap)
-
-    def error(h):
-        step = np.full(gap.shape, h * law.length)
-        law.advance(gap, step, 0.4, out)
-        return np.max(np.abs(out - gap - step))
-
-    assert error(1e-4) / error(5e-5) > 3.9
+    np.testing.assert_allclose(
+        default.stiffness(gap), law.stiffness(gap), rtol=3e-8, atol=1e-9 * law.strongest_softening
+    )
+    for name, tolerance in (
+        ("equilibrium_distance", 1e-12),
+        ("peak_distance", 1e-7),  # a maximum is found to the square root of rounding
+        ("peak_tensile_stress", 1e-12),
+        ("equilibrium_stiffness", 1e-8),
+        ("strongest_softening", 1e-8),
+    ):
+        assert getattr(default, name) == pytest.approx(getattr(law, name), abs=0, rel=tolerance), name
+    pressure = law.peak_tensile_stress * np.concatenate([[0.0], np.geomspace(1e-6, 1e8, 57)])
+    np.testing.assert_allclose(default.repulsive_gap(-pressure), law.repulsive_gap(-pressure), rtol=1e-12)
+    assert default.contact_distance == law.contact_distance
 
 
 @laws

@@ -37,7 +37,7 @@ class GapMaps:
 
 def read_gap_maps(inputs: Inputs, shown: PanelPoints, seed: int | None) -> GapMaps | None:
     """The maps at the state common to the figures; None where no simulation kept its fields or is in contact."""
-    hard_wall = all(case.interaction.law == "hard_wall" for case in inputs.cases_at(shown.case.selection))
+    hard_wall = not any(case.law.attracts for case in inputs.cases_at(shown.case.selection))
     distance = 0.0 if hard_wall else first_constant(inputs.models, shown.case, "contact_distance")
     gaps, size = {}, (0.0, 0.0)
     for model in ("atomistic", "continuum"):
@@ -56,7 +56,7 @@ def read_gap_maps(inputs: Inputs, shown: PanelPoints, seed: int | None) -> GapMa
         if stored is None or not np.isfinite(gap := stored[: y.size, : x.size]).all():
             continue
         pressure = field_at(inputs.paths[model], "pressure", selection, step) if hard_wall else None
-        touching = gap < distance if pressure is None else pressure[: y.size, : x.size] > 0
+        touching = gap <= distance if pressure is None else pressure[: y.size, : x.size] > 0
         gaps[model] = np.ma.masked_array(gap, touching)
         size = y.size * float(y[1] - y[0]), x.size * float(x[1] - x[0])
     return GapMaps(gaps, size, distance) if gaps else None

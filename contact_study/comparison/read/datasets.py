@@ -18,6 +18,7 @@ from contact_study.comparison.read.differences import check_height_maps, check_s
 from contact_study.comparison.read.path_points import positions, swept_dims
 from contact_study.problem.case import Case
 from contact_study.problem.errors import InputError
+from contact_study.problem.laws import TractionLaw
 from contact_study.problem.study import Study
 
 # Order of trust where one number must stand for all: the two simulations, then the theories.
@@ -87,9 +88,9 @@ class Inputs:
         return seeds
 
     @property
-    def laws(self) -> list[str]:
+    def laws(self) -> list[type[TractionLaw]]:
         """Every traction-separation law of the cases."""
-        return list(dict.fromkeys(case.interaction.law for case in self.cases))
+        return list(dict.fromkeys(type(case.law) for case in self.cases))
 
     @property
     def control(self) -> str:

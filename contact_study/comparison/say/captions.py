@@ -14,6 +14,7 @@ from contact_study.comparison.read.datasets import Inputs
 from contact_study.comparison.read.path_points import AVERAGED, Point
 from contact_study.comparison.say.findings import MODEL_WORDS
 from contact_study.comparison.wording import listed, listed_points
+from contact_study.problem.laws import TractionLaw
 
 _ROUNDING = 1e-6  # of h_rms: what a gap prescribed as zero may differ from it
 
@@ -58,8 +59,7 @@ def captions(inputs: Inputs, shown: PanelPoints, curves: PathCurves, seed: int |
         panels_of_area = ", (a) linear, (b) logarithmic, compression only"
     state = state_label(shown.case, point_label(shown.common, scales(models, shown.case), inputs.control))
     whose = f", surface of the first seed ({seed})" if seed is not None else ""
-    own = {case.interaction.law for case in inputs.cases_at(shown.case.selection)}
-    black = "a positive pressure" if own == {"hard_wall"} else "a gap below the contact distance"
+    own = dict.fromkeys(type(case.law) for case in inputs.cases_at(shown.case.selection))
     return {
         "stress_distribution": "Distribution of the interfacial normal stress, compression positive, in units of E*: "
         f"{panels} {counted} are normalised over all sites, so that sites out of contact, nearly free of stress, make "
@@ -67,9 +67,9 @@ def captions(inputs: Inputs, shown: PanelPoints, curves: PathCurves, seed: int |
         "gap_distribution": f"Distribution of the local gap u in units of {gaps}: {panels} u is the distance of the "
         f"surfaces, not reduced by the equilibrium distance.{_absent(inputs, shown, 'gap_pdf')}",
         "contact_area": f"Relative contact area against mean pressure{panels_of_area}. {counted} count "
-        f"{_contact(inputs.laws)}{persson_area}.{_lines(inputs, banded)}",
+        f"points of {_contact(inputs.laws)}{persson_area}.{_lines(inputs, banded)}",
         "mean_gap": _mean_gap(inputs, curves, gaps, banded),
-        "gap_map": f"Local gap of the simulations at {state}{whose}; contact, {black}, is black.",
+        "gap_map": f"Local gap of the simulations at {state}{whose}; contact, {_contact(own)}, is black.",
     }
 
 
@@ -89,12 +89,11 @@ def _panels(inputs: Inputs, shown: PanelPoints, seed: int | None) -> str:
     return words
 
 
-def _contact(laws: Collection[str]) -> str:
-    """What counts as contact, by law."""
-    if set(laws) == {"hard_wall"}:
-        return "points under positive pressure"
-    hard = " (for the hard wall points under positive pressure)" if "hard_wall" in laws else ""
-    return f"gaps below the contact distance{hard}"
+def _contact(laws: Collection[type[TractionLaw]]) -> str:
+    """What counts as contact, by law; laws without a wall first."""
+    first, *others = sorted(laws, key=lambda law: law.has_wall)
+    apart = [f" (for the {law.title}, {law.counts_as_contact})" for law in others if law.has_wall > first.has_wall]
+    return first.counts_as_contact + "".join(apart)
 
 
 def _mean_gap(inputs: Inputs, curves: PathCurves, gaps: str, banded: bool) -> str:
@@ -109,8 +108,9 @@ def _mean_gap(inputs: Inputs, curves: PathCurves, gaps: str, banded: bool) -> st
     else:
         words = "; ".join(what[name] for name in shown)
     where = ", measured from the equilibrium distance of flat surfaces"
-    if "hard_wall" in inputs.laws:
-        where = "" if set(inputs.laws) == {"hard_wall"} else where + " (for the hard wall from touching)"
+    walls = [law.title for law in inputs.laws if law.has_wall]
+    if walls:
+        where = "" if len(walls) == len(inputs.laws) else f"{where} (for the {' and the '.join(walls)} from touching)"
     words += f", against the mean gap ū in units of {gaps}{where}."
     return words + _below_zero(curves.linear_gaps) + _lines(inputs, banded)
 

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
-from contact_study.comparison.labels import coordinate_label, law_name
+from contact_study.comparison.labels import coordinate_label
 from contact_study.comparison.read.datasets import Inputs
 from contact_study.comparison.read.path_points import AVERAGED
 from contact_study.comparison.say.findings import MODEL_WORDS
@@ -111,34 +111,39 @@ def _modulus(value: float) -> str:
 
 
 def _interaction(inputs: Inputs) -> Iterator[str]:
-    hard = [case for case in inputs.cases if case.interaction.law == "hard_wall"]
-    adhesive = [case for case in inputs.cases if case.interaction.law != "hard_wall"]
+    hard = [case for case in inputs.cases if not case.law.attracts]
+    adhesive = [case for case in inputs.cases if case.law.attracts]
     if not adhesive:
         yield "Hard wall without adhesion; contact is where the pressure is positive."
         return
-    pair = ""
-    depths = [case.interaction.well_depth for case in adhesive if case.interaction.well_depth is not None]
-    if depths:
-        meV = quantity("1 meV", "J", "well_depth")
-        pair = f" of atoms with ε₀ = {varied(f'{depth / meV:.4g} meV' for depth in depths)}"
-    # The 10-4 law is what one layer of atoms on either side gives; any other is prescribed.
-    made = listed(
-        f"{'smeared into' if law == 'lennard_jones_10_4' else 'in'} the {law_name(law)}"
-        for law in inputs.laws
-        if law != "hard_wall"
-    )
     models = inputs.models
     users = [
         words
         for words, there in (("continuum", "continuum" in models), ("gap-flow theory", "gap_flow" in models))
         if there
     ]
-    yield (
-        f"Lennard-Jones{pair}, r₀ = {_over(adhesive, lambda case: length(case.interaction.length or 0))}"
-        f"{f'; {made} traction-separation law for {listed(users)}' if users else ''}."
-    )
+    of_pairs = [case for case in adhesive if case.law.of_pairs]
+    if of_pairs:
+        pair = ""
+        depths = [case.interaction.well_depth for case in of_pairs if case.interaction.well_depth is not None]
+        if depths:
+            meV = quantity("1 meV", "J", "well_depth")
+            pair = f" of atoms with ε₀ = {varied(f'{depth / meV:.4g} meV' for depth in depths)}"
+        made = listed(case.law.words for case in of_pairs)
+        yield (
+            f"Lennard-Jones{pair}, r₀ = {_over(of_pairs, lambda case: length(case.law.length))}"
+            f"{f'; {made} traction-separation law for {listed(users)}' if users else ''}."
+        )
+    for law in inputs.laws:
+        if law.attracts and not law.of_pairs:
+            own = [case for case in adhesive if isinstance(case.law, law)]
+            yield f"{law.words}, of length {_over(own, lambda case: length(case.law.length))}."
     yield f"Work of adhesion Δγ = {_over(adhesive, lambda case: f'{case.work_of_adhesion:.4g}')} J/m²."
-    yield f"Gaps below {_over(adhesive, lambda case: length(case.contact_distance))} count as contact."
+    by_distance = [case for case in adhesive if case.contact_distance > 0]
+    if by_distance:
+        yield f"Gaps below {_over(by_distance, lambda case: length(case.contact_distance))} count as contact."
+    if len(by_distance) < len(adhesive):
+        yield "At a wall that attracts, points that touch it count as contact."
     if hard:
         where = listed_points(_label(inputs, case) for case in hard)
         yield f"At {where} a wall without adhesion, where points under positive pressure count as contact."
@@ -165,7 +170,7 @@ def _loading(inputs: Inputs) -> str:
         ways.append(f"{values} {unit.name}{where}{', then back through the same values' if unload else ''}")
     words = f"Prescribed mean {inputs.control}, in this order: {'; '.join(ways)}."
     words += _starts(inputs)
-    if "theory" in inputs.models and set(inputs.laws) != {"hard_wall"}:
+    if "theory" in inputs.models and any(law.attracts for law in inputs.laws):
         words += " Persson's theory starts on the adhered branch, each state from the one before."
     if "gap_flow" in inputs.models:
         words += " The gap-flow theory gives the equilibrium at each point, whatever came before."
@@ -207,7 +212,7 @@ def _continuum(cases: Sequence[Case]) -> str:
         (False, "residual stress below {} E*"),
         (True, "contact condition violated by less than {} h_rms"),
     ):
-        of_law = [case for case in cases if (case.interaction.law == "hard_wall") == hard]
+        of_law = [case for case in cases if case.law.attracts != hard]
         if of_law:
             accuracies.append(words.format(_over(of_law, lambda case: number(case.solver.tolerance, 3))))
     return f"Continuum: {_over(cases, points)}, {' or, at the hard wall, '.join(accuracies)}."

@@ -85,8 +85,8 @@ def render_report(
         effort=setting_tables.effort_table(inputs.models),
         warnings=collected_warnings(inputs),
         study_toml=inputs.study.toml,
-        hard_wall="hard_wall" in inputs.laws,
-        adhesive=set(inputs.laws) != {"hard_wall"},
+        hard_wall=not all(law.attracts for law in inputs.laws),
+        adhesive=any(law.attracts for law in inputs.laws),
         several_seeds=any(dataset.sizes.get(AVERAGED, 1) > 1 for dataset in inputs.models.values()),
     )
 

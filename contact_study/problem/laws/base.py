@@ -1,23 +1,34 @@
-"""What every traction-separation law offers."""
+"""What every traction-separation law says of itself."""
 
 import math
 from abc import ABC, abstractmethod
+from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import cached_property
 from numbers import Real
+from typing import ClassVar
 
 import numpy as np
+from scipy.optimize import brentq, minimize_scalar
 
-# Pressure at which a point lands that enters repulsion in one step, in units of the law's peak: enough to hold it
-# there, not so much that its overshoot decides the line search. Zero costs half as many iterations again.
-LANDING = 0.35
+from contact_study.problem.laws.interaction import InteractionSection, SmoothInteraction
+
+# Steps of the numerical derivatives, in units of the law's length: along the imaginary axis nothing cancels; along the
+# real one truncation (of fourth order) and rounding stay below 1e-9 of the curvature.
+_IMAGINARY_STEP, _REAL_STEP = 1e-30, 3e-4
+# Gaps, in units of the law's length, among which its characteristic points are looked for.
+_SAMPLES = np.geomspace(1e-2, 1e2, 4001)
+# Halvings and Newton steps that find a gap from its traction; half of them would do for a power law.
+_INVERSE_STEPS = 100
 
 
 @dataclass(frozen=True)
 class TractionLaw(ABC):
-    """Interaction energy φ per area as a function of the local gap, and its derivatives.
+    """Interaction energy φ per area as a function of the local gap.
 
-    Sign: the traction φ'(gap) is positive in tension. A subclass gives the functions and the numbers; it may
-    override :meth:`evaluate` and :meth:`advance` by compiled passes, and :meth:`scaled` if it has further lengths.
+    Sign: the traction φ'(gap) is positive in tension. A law must give :meth:`potential`, written so that it takes
+    complex gaps; all else follows from it, by derivatives in the complex plane and by search, and may be given in
+    closed form for speed.
 
     Parameters
     ----------
@@ -26,11 +37,36 @@ class TractionLaw(ABC):
     length : float
         The law's length: r0 or range (m).
 
+    Attributes
+    ----------
+    has_wall : bool
+        Whether the gap cannot fall below zero, whatever the pressure: a constraint, of which φ says nothing.
+    attracts : bool
+        Whether it reaches beyond contact, and so carries tension.
+    title : str
+        Its name in a label.
+    words : str
+        Its name in a sentence.
+    of_pairs : bool
+        Whether it follows from the Lennard-Jones pairs that the atoms have.
+    counts_as_contact : str
+        What makes a point count, see :meth:`in_contact`, in words.
+    section : type
+        Its keys in a study file.
+
     Raises
     ------
     ValueError
-        If either is not a positive finite number.
+        If work of adhesion or length is not a positive finite number.
     """
+
+    has_wall: ClassVar[bool] = False
+    attracts: ClassVar[bool] = True
+    title: ClassVar[str]
+    words: ClassVar[str]
+    of_pairs: ClassVar[bool] = False
+    counts_as_contact: ClassVar[str] = "a gap below the contact distance"
+    section: ClassVar[type[InteractionSection]] = SmoothInteraction
 
     work_of_adhesion: float
     length: float
@@ -42,78 +78,99 @@ class TractionLaw(ABC):
             if not (number and math.isfinite(value) and value > 0):
                 raise ValueError(f"{name} = {value!r}: must be a positive finite number, in {unit}")
 
+    @classmethod
+    def of(cls, section: InteractionSection, work_of_adhesion: float) -> "TractionLaw":
+        """The law of a study file; one with keys of its own reads them here."""
+        return cls(work_of_adhesion, section.length or 0.0)
+
     @abstractmethod
     def potential(self, gap: np.ndarray) -> np.ndarray:
         """Energy φ (J/m²), zero at infinite gap."""
 
-    @abstractmethod
     def traction(self, gap: np.ndarray) -> np.ndarray:
         """Traction φ' (Pa), tension positive."""
+        step = _IMAGINARY_STEP * self.length
+        return np.imag(self.potential(np.asarray(gap) + 1j * step)) / step
 
-    @abstractmethod
     def stiffness(self, gap: np.ndarray) -> np.ndarray:
         """Curvature φ'' (Pa/m)."""
+        gap = np.asarray(gap)
+        step = _REAL_STEP * (self.length if self.has_wall else gap)
+        near = self.traction(gap + step) - self.traction(gap - step)
+        far = self.traction(gap + 2 * step) - self.traction(gap - 2 * step)
+        return (8 * near - far) / (12 * step)
 
-    @abstractmethod
     def repulsive_gap(self, traction: np.ndarray) -> np.ndarray:
         """The gap at or below equilibrium at which the traction has the given value <= 0 (m)."""
+        traction = np.asarray(traction, dtype=float)
+        high = np.full(traction.shape, self.equilibrium_distance)
+        if self.has_wall:
+            return high
+        low = 0.5 * high
+        while np.any(deeper := self.traction(low) > traction):
+            low = np.where(deeper, 0.5 * low, low)
+        gap = high.copy()
+        for _ in range(_INVERSE_STEPS):
+            excess = self.traction(gap) - traction
+            low, high = np.where(excess <= 0, gap, low), np.where(excess >= 0, gap, high)
+            if np.all(high - low <= 4 * np.finfo(float).eps * high):
+                break
+            newton = gap - excess / self.stiffness(gap)
+            gap = np.where((newton > low) & (newton < high), newton, 0.5 * (low + high))
+        return gap
 
-    @property
-    @abstractmethod
+    @cached_property
     def equilibrium_distance(self) -> float:
-        """Gap at which the traction vanishes (m)."""
+        """Gap at which the traction vanishes, at a wall the wall (m)."""
+        if self.has_wall:
+            return 0.0
+        lowest = int(np.argmin(self.potential(self.length * _SAMPLES)))
+        near, far = _SAMPLES[lowest - 1], _SAMPLES[lowest + 1]
+        return self.length * float(brentq(lambda gap: float(self.traction(np.array(self.length * gap))), near, far))
 
-    @property
-    @abstractmethod
+    @cached_property
     def peak_distance(self) -> float:
         """Gap of the largest tensile traction (m)."""
+        return self._lowest(lambda gap: -self.traction(gap))
 
-    @property
+    @cached_property
     def peak_tensile_stress(self) -> float:
         """Largest tensile traction (Pa)."""
         return float(self.traction(np.array(self.peak_distance)))
 
-    @property
-    @abstractmethod
+    @cached_property
     def equilibrium_stiffness(self) -> float:
-        """φ'' at the equilibrium distance (Pa/m)."""
+        """φ'' at the equilibrium distance (Pa/m); a wall's own is infinite and not meant."""
+        return float(self.stiffness(np.array(self.equilibrium_distance)))
 
-    @property
-    @abstractmethod
+    @cached_property
     def strongest_softening(self) -> float:
         """Largest −φ'' of the attractive tail (Pa/m)."""
+        return -float(self.stiffness(np.array(self._lowest(self.stiffness))))
 
-    def evaluate(self, gap: np.ndarray, traction: np.ndarray, stiffness: np.ndarray) -> float:
-        """Write φ' and φ'' of ``gap`` into the two arrays; returns the sum of φ over all points (J/m²)."""
-        traction[...] = self.traction(gap)
-        stiffness[...] = self.stiffness(gap)
-        return float(np.sum(self.potential(gap)))
+    def _lowest(self, function: Callable[[np.ndarray], np.ndarray]) -> float:
+        """Gap from equilibrium outwards where a function is lowest (m)."""
+        gaps = self.equilibrium_distance + self.length * np.concatenate([[0.0], _SAMPLES])
+        at = int(np.argmin(function(gaps)))
+        if at == 0:
+            return self.equilibrium_distance
+        near, far = gaps[at - 1] / self.length, gaps[at + 1] / self.length
+        found = minimize_scalar(
+            lambda gap: float(function(np.array(self.length * gap))),
+            bounds=(near, far),
+            method="bounded",
+            options={"xatol": 1e-9},
+        )
+        return self.length * float(found.x)
 
-    def advance(self, gap: np.ndarray, step: np.ndarray, limit: float, out: np.ndarray) -> None:
-        """Write the gap after a Newton step into ``out``, moving each point in the variable it is nearly linear in.
+    @property
+    def contact_distance(self) -> float:
+        """Gaps up to it count as contact unless a study says otherwise (m)."""
+        return 0.0 if self.has_wall else 2 ** (1 / 6) * self.length
 
-        A point in repulsion moves by ``step`` in its linearised traction φ' + φ''·step, from which the gap follows by
-        :meth:`repulsive_gap`; another moves in its gap. No gap changes by more than the fraction ``limit`` away from
-        repulsion, and a point that enters repulsion does so along the tangent at equilibrium, down to a pressure of
-        LANDING times the law's peak. Without this a single point deep in the repulsive wall would shorten the step
-        of all.
-
-        Parameters
-        ----------
-        gap, step : numpy.ndarray
-            Present gap and Newton step (m).
-        limit : float
-            Largest relative change of an attracted gap, below one.
-        out : numpy.ndarray
-            The new gap (m).
-        """
-        equilibrium, tangent = self.equilibrium_distance, self.equilibrium_stiffness
-        repelled = gap < equilibrium
-        moved = gap + np.clip(step, -limit * gap, limit * gap)
-        landing = np.maximum(tangent * (moved - equilibrium), -LANDING * self.peak_tensile_stress)
-        traction = np.where(repelled, self.traction(gap) + self.stiffness(gap) * step, landing)
-        left = np.where(repelled, equilibrium + np.minimum(traction / tangent, limit * equilibrium), moved)
-        out[...] = np.where(traction < 0, self.repulsive_gap(np.minimum(traction, 0.0)), left)
+    def in_contact(self, gap: np.ndarray, pressure: np.ndarray, contact_distance: float) -> np.ndarray:
+        """Which points of an interface are in contact, by their gap (m) and pressure (Pa)."""
+        return gap <= contact_distance if self.has_wall else gap < contact_distance
 
     def scaled(self, length: float, stress: float) -> "TractionLaw":
         """The same law in other units: lengths divided by ``length`` (m), stresses by ``stress`` (Pa)."""

@@ -1,33 +1,58 @@
 """Hard wall without adhesion: a constraint, not a potential.
 
 The surfaces may touch but not interpenetrate and exert no force at a distance (Signorini conditions): gap >= 0,
-pressure >= 0, gap × pressure = 0. There is no energy to differentiate, hence no traction of the gap; a solver must
-know the constraint.
+pressure >= 0, gap × pressure = 0.
 """
 
 from dataclasses import dataclass
-from typing import ClassVar
+
+import numpy as np
+
+from contact_study.problem.laws.base import TractionLaw
+from contact_study.problem.laws.interaction import InteractionSection
 
 
 @dataclass(frozen=True)
-class HardWall:
-    """Gap >= 0, pressure >= 0, gap × pressure = 0; the numbers that a :class:`TractionLaw` gives are all zero.
+class HardWall(TractionLaw):
+    """Gap >= 0, pressure >= 0, gap × pressure = 0: nothing to gain (J/m²), no length, no range, no tension.
 
     Contact is where the pressure is positive.
-
-    Attributes
-    ----------
-    work_of_adhesion : float
-        None to gain (J/m²).
-    length : float
-        It has none, and no range (m).
-    equilibrium_distance : float
-        Gap in contact (m).
-    peak_tensile_stress : float
-        No tension anywhere (Pa).
     """
 
-    work_of_adhesion: ClassVar[float] = 0.0
-    length: ClassVar[float] = 0.0
-    equilibrium_distance: ClassVar[float] = 0.0
-    peak_tensile_stress: ClassVar[float] = 0.0
+    has_wall = True
+    attracts = False
+    title = "hard wall"
+    words = "a hard wall without adhesion"
+    counts_as_contact = "a positive pressure"
+    section = InteractionSection
+
+    work_of_adhesion: float = 0.0
+    length: float = 0.0
+
+    def __post_init__(self):
+        if self.work_of_adhesion or self.length:
+            raise ValueError("a hard wall has neither work of adhesion nor length")
+
+    @classmethod
+    def of(cls, section: InteractionSection, work_of_adhesion: float) -> "HardWall":
+        return cls()
+
+    def potential(self, gap):
+        return np.zeros(np.shape(gap))
+
+    def traction(self, gap):
+        return np.zeros(np.shape(gap))
+
+    def stiffness(self, gap):
+        return np.zeros(np.shape(gap))
+
+    def in_contact(self, gap, pressure, contact_distance):
+        return pressure > 0
+
+    @property
+    def peak_distance(self) -> float:
+        return 0.0
+
+    @property
+    def strongest_softening(self) -> float:
+        return 0.0

@@ -7,9 +7,8 @@ areal densities n_a, n_b gives φ(d) = −Δγ (5/3)[(r0/d)⁴ − (2/5)(r0/d)¹
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 
-from contact_study.problem.laws.base import LANDING, TractionLaw
+from contact_study.problem.laws.base import TractionLaw
 
 
 def work_of_adhesion(well_depth: float, length: float, block_density: float, substrate_density: float) -> float:
@@ -27,56 +26,13 @@ def work_of_adhesion(well_depth: float, length: float, block_density: float, sub
     return 6 * np.pi / 5 * block_density * substrate_density * well_depth * length**2
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "arcp", "nsz"})
-def _evaluate(gap, length, prefactor, traction, stiffness):
-    """Fused pass over flat arrays; returns Σ[(r0/d)⁴ − (2/5)(r0/d)¹⁰]."""
-    total = 0.0
-    for i in range(gap.size):
-        s = length / gap[i]
-        s2 = s * s
-        s4 = s2 * s2
-        s6 = s4 * s2
-        traction[i] = prefactor * s4 * s * (1.0 - s6)
-        stiffness[i] = prefactor / length * s6 * (11.0 * s6 - 5.0)
-        total += s4 - 0.4 * s4 * s6
-    return total
-
-
-@njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "arcp", "nsz"})
-def _advance(gap, step, limit, length, landing, out):
-    """Newton step over flat arrays, see :meth:`TractionLaw.advance`; tractions in units of the prefactor."""
-    tangent = 6.0 / length
-    for i in range(gap.size):
-        d = gap[i]
-        x = step[i]
-        s = length / d
-        s2 = s * s
-        s4 = s2 * s2
-        s6 = s4 * s2
-        moved = min(max(x, -limit * d), limit * d) + d
-        if d < length:
-            y = s4 * s * (s6 - 1.0) - s6 * (11.0 * s6 - 5.0) * x / length
-            moved = length + min(-y / tangent, limit * length)
-        else:
-            y = min(tangent * (length - moved), landing)
-        # s¹¹ − s⁵ = y for s >= 1. The root is a concave function of y, so its tangents (here at s = 1, 1.1, 1.25
-        # and 1.6) bound it from above, as does the linear step; Newton descends from there.
-        y_root = max(y, 0.0)
-        root = min(1.0 + y_root / 6.0, 1.1 + (y_root - 1.2426067) / 21.210667)
-        root = min(root, min(1.25 + (y_root - 8.5897744) / 90.238452, 1.6 + (y_root - 165.4361) / 1176.6948))
-        if d < length:
-            root = min(root, max(s - s * x / d, s))
-        for _ in range(3):
-            r2 = root * root
-            r4 = r2 * r2
-            r10 = r4 * r4 * r2
-            root -= (r10 * root - r4 * root - y_root) / (11.0 * r10 - 5.0 * r4)
-        out[i] = length / root if y > 0.0 else moved
-
-
 @dataclass(frozen=True)
 class LennardJones104(TractionLaw):
     """The 10-4 law: σ(d) = (20Δγ/3r0)[(r0/d)⁵ − (r0/d)¹¹]; ``length`` is r0, the equilibrium distance."""
+
+    title = "10-4"
+    words = "smeared into the 10-4"
+    of_pairs = True
 
     @property
     def _prefactor(self) -> float:
@@ -119,11 +75,3 @@ class LennardJones104(TractionLaw):
     def strongest_softening(self) -> float:
         # φ'' ∝ 11 s¹² − 5 s⁶ has its minimum at s⁶ = 5/22.
         return 25 / 44 * self._prefactor / self.length
-
-    def evaluate(self, gap, traction, stiffness):
-        total = _evaluate(gap.reshape(-1), self.length, self._prefactor, traction.reshape(-1), stiffness.reshape(-1))
-        return -self.work_of_adhesion * 5 / 3 * float(total)
-
-    def advance(self, gap, step, limit, out):
-        landing = LANDING * self.peak_tensile_stress / self._prefactor
-        _advance(gap.reshape(-1), step.reshape(-1), limit, self.length, landing, out.reshape(-1))

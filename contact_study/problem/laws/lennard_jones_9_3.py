@@ -9,12 +9,33 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from contact_study.problem.errors import InputError
 from contact_study.problem.laws.base import TractionLaw
+from contact_study.problem.laws.interaction import SmoothInteraction
+
+
+@dataclass(frozen=True, kw_only=True)
+class HalfSpacesInteraction(SmoothInteraction):
+    """Keys of the 9-3 law, whose adhesion no pair of layers gives."""
+
+    def __post_init__(self):
+        super().__post_init__()
+        if self.well_depth is not None:
+            raise InputError(
+                'interaction.well_depth: law = "lennard_jones_9_3" is that of two half-spaces, whose adhesion needs '
+                "the number of atoms per volume of both; give interaction.work_of_adhesion and length = z0 "
+                "(docs/conventions.md has both from ε, r0 and the densities)"
+            )
 
 
 @dataclass(frozen=True)
 class LennardJones93(TractionLaw):
     """The 9-3 law; ``length`` is z0, the equilibrium distance."""
+
+    title = "9-3"
+    words = "in the 9-3"
+    of_pairs = True
+    section = HalfSpacesInteraction
 
     @property
     def _prefactor(self) -> float:
