@@ -1,7 +1,6 @@
 """The continuum model as a campaign runs it, and its command ``bem-adhesion``."""
 
 import math
-import time
 from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
@@ -13,8 +12,7 @@ from bem_adhesion.solution import Outcome, Solution
 from contact_study.campaign import command
 from contact_study.campaign.memory import grid_fits
 from contact_study.campaign.model import Model
-from contact_study.campaign.record import Step, Value
-from contact_study.fields.observables import probability_density
+from contact_study.observables.base import InterfaceState, SolverReport, Value
 from contact_study.problem.case import Case
 from contact_study.problem.errors import InputError
 from contact_study.problem.plausibility import points
@@ -115,8 +113,8 @@ def constants(case: Case, surface: Surface) -> dict[str, Value]:
 
 def solve_path(
     case: Case, surface: Surface, restart: Mapping[str, np.ndarray] | None = None, start: int = 0
-) -> Iterator[Step]:
-    """Yield a step for each path point from number ``start`` on.
+) -> Iterator[InterfaceState]:
+    """Yield the state at each path point from number ``start`` on.
 
     Parameters
     ----------
@@ -125,7 +123,7 @@ def solve_path(
     surface : Surface
         Its surface.
     restart : mapping, optional
-        ``Step.restart`` of point ``start`` − 1; None to start from separation.
+        ``InterfaceState.restart`` of point ``start`` − 1; None to start from separation.
     start : int, optional
         Number of the first point to solve.
     """
@@ -142,38 +140,33 @@ def solve_path(
     )
     state = contact.separated() if restart is None else restart["state"]
     for value, _ in case.path[start:]:
-        began = time.perf_counter()
         solution = contact.step(state, value)
         state = solution.state
-        yield _step(case, solution, began)
+        yield _state(case, solution)
 
 
-def _step(case: Case, solution: Solution, began: float) -> Step:
+def _state(case: Case, solution: Solution) -> InterfaceState:
     gap, pressure = solution.gap, solution.pressure
-    in_contact = case.law.in_contact(gap, pressure, case.contact_distance)
-    mean_gap = float(np.mean(gap)) - case.law.equilibrium_distance
-    mean_pressure = float(np.mean(pressure))
-    values: dict[str, Value] = {
-        "mean_pressure": mean_pressure,
-        "mean_gap": mean_gap,
-        # Nothing slides: all that parts the two is the uniform compression of a layer.
-        "mean_separation": mean_gap - case.solid.compression(mean_pressure),
-        "relative_contact_area": float(np.mean(in_contact)),
-        "relative_repulsive_area": float(np.mean(pressure > 0)),
-        "elastic_energy": solution.elastic_energy,
-        "interaction_energy": solution.interaction_energy,
-        "pressure_pdf": probability_density(pressure, case.bins.pressure_edges),
-        "gap_pdf": probability_density(gap, case.bins.gap_edges),
-        "converged": solution.converged,
-        "detached": solution.detached,
-        "message": "" if solution.outcome is Outcome.CONVERGED else solution.message,
-        "residual": solution.residual,
-        "iterations": solution.iterations,
-        "fft_pairs": solution.fft_pairs,
-        "wall_time": time.perf_counter() - began,
-    }
-    fields = {"gap": gap, "pressure": pressure} if case.output.fields else {}
-    return Step(values, fields, {"state": solution.state})
+    # Nothing slides: all that parts mean gap and separation is the uniform compression of a layer.
+    separation = float(np.mean(gap)) - case.law.equilibrium_distance - case.solid.compression(float(np.mean(pressure)))
+    return InterfaceState(
+        gap=gap,
+        pressure=pressure,
+        contact=case.law.in_contact(gap, pressure, case.contact_distance),
+        equilibrium_distance=case.law.equilibrium_distance,
+        mean_separation=separation,
+        elastic_energy=solution.elastic_energy,
+        interaction_energy=solution.interaction_energy,
+        report=SolverReport(
+            converged=solution.converged,
+            detached=solution.detached,
+            residual=solution.residual,
+            iterations=solution.iterations,
+            fft_pairs=solution.fft_pairs,
+            message="" if solution.outcome is Outcome.CONVERGED else solution.message,
+        ),
+        restart={"state": solution.state},
+    )
 
 
 if __name__ == "__main__":

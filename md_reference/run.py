@@ -1,6 +1,5 @@
 """The atomistic model of a case: its measured constants and its states along the loading path; the command."""
 
-import time
 import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 
@@ -9,8 +8,7 @@ import numpy as np
 from contact_study.campaign import command
 from contact_study.campaign.memory import require_memory
 from contact_study.campaign.model import Model
-from contact_study.campaign.record import Step, Value
-from contact_study.fields.observables import probability_density
+from contact_study.observables.base import InterfaceState, SolverReport, Value
 from contact_study.problem.case import Case
 from contact_study.problem.errors import InputError
 from contact_study.problem.plausibility import contact_stress, points, squeeze
@@ -175,7 +173,7 @@ def solve_path(
     restart: Mapping[str, np.ndarray] | None = None,
     start: int = 0,
     predictor: Predictor | None = None,
-) -> Iterator[Step]:
+) -> Iterator[InterfaceState]:
     """Equilibria along the loading path, each from its predictor or else from the state before it.
 
     Parameters
@@ -183,7 +181,7 @@ def solve_path(
     case, surface : Case, Surface
         The question.
     restart : mapping, optional
-        ``Step.restart`` of the point before ``start``; without it the path begins from separation.
+        ``InterfaceState.restart`` of the point before ``start``; without it the path begins from separation.
     start : int, optional
         First point of the path to solve.
     predictor : callable, optional
@@ -192,13 +190,12 @@ def solve_path(
 
     Yields
     ------
-    Step
+    InterfaceState
         For each point from ``start`` on.
     """
     contact = build_contact(case, surface)
     state = contact.separated() if restart is None else restart["state"]
     for number in range(start, len(case.path)):
-        begun = time.perf_counter()
         value, branch = case.path[number]
         gap = None
         # Blocks that are apart are not brought together by tension.
@@ -213,34 +210,31 @@ def solve_path(
                 )
         found = contact.step(state if gap is None else contact.predicted(gap), value)
         state = found.state
-        yield _step(case, found, time.perf_counter() - begun)
+        yield _state(case, found)
 
 
-def _step(case: Case, found: Solution, wall_time: float) -> Step:
-    gap, pressure = found.gap, found.pressure
-    mean_pressure = float(np.mean(pressure))
-    values: dict[str, Value] = {
-        "mean_pressure": mean_pressure,
-        "mean_gap": float(np.mean(gap)) - _length(case),
+def _state(case: Case, solution: Solution) -> InterfaceState:
+    mean_pressure = float(np.mean(solution.pressure))
+    return InterfaceState(
+        gap=solution.gap,
+        pressure=solution.pressure,
+        contact=solution.gap < case.contact_distance,
+        equilibrium_distance=_length(case),
         # The solver leaves a block's uniform compression out; that of a layer of atoms is the solid's, see its element.
-        "mean_separation": found.mean_separation - case.solid.compression(mean_pressure),
-        "relative_contact_area": float(np.mean(gap < case.contact_distance)),
-        "relative_repulsive_area": float(np.mean(pressure > 0)),
-        "elastic_energy": found.elastic_energy + case.solid.compression_energy(mean_pressure),
-        "interaction_energy": found.interaction_energy,
-        "pressure_pdf": probability_density(pressure, case.bins.pressure_edges),
-        "gap_pdf": probability_density(gap, case.bins.gap_edges),
-        "converged": found.converged,
-        "detached": found.detached,
-        "residual": found.residual,
-        "iterations": found.iterations,
-        "force_evaluations": found.force_evaluations,
-        "fft_pairs": found.fft_pairs,
-        "wall_time": wall_time,
-        "message": "" if found.outcome is Outcome.CONVERGED else found.message,
-    }
-    fields = {"gap": gap, "pressure": pressure} if case.output.fields else {}
-    return Step(values, fields, {"state": found.state})
+        mean_separation=solution.mean_separation - case.solid.compression(mean_pressure),
+        elastic_energy=solution.elastic_energy + case.solid.compression_energy(mean_pressure),
+        interaction_energy=solution.interaction_energy,
+        report=SolverReport(
+            converged=solution.converged,
+            detached=solution.detached,
+            residual=solution.residual,
+            iterations=solution.iterations,
+            fft_pairs=solution.fft_pairs,
+            force_evaluations=solution.force_evaluations,
+            message="" if solution.outcome is Outcome.CONVERGED else solution.message,
+        ),
+        restart={"state": solution.state},
+    )
 
 
 def _length(case: Case) -> float:

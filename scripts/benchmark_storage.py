@@ -22,7 +22,7 @@ import tomli_w
 from contact_study.campaign import steps
 from contact_study.campaign.dataset.file import Earlier
 from contact_study.campaign.record import Step
-from contact_study.problem.bins import with_bins
+from contact_study.problem.bins import bins_of
 from contact_study.problem.study import Study, make_study, read_study
 
 RATIOS, PRESSURES = (1, 4, 8), np.geomspace(1e8, 1e10, 60)
@@ -50,7 +50,7 @@ def many_points(path: Path) -> Study:
     table.pop("override", None)
     table["loading"]["path"] = PRESSURES.tolist()
     table["sweep"] = {"interaction.well_depth_ratio": list(RATIOS)}
-    return with_bins(make_study(table, path.parent))
+    return make_study(table, path.parent)
 
 
 def run(study: Study, folder: Path, workers: int) -> tuple[float, float, Path]:
@@ -67,7 +67,7 @@ def run(study: Study, folder: Path, workers: int) -> tuple[float, float, Path]:
 
 def write_and_read(study: Study, dataset: Path, folder: Path) -> tuple[float, float, int]:
     """Processor time to write all steps of a dataset, and to read them (s), and their number."""
-    bins = study.cases[0].bins
+    bins = bins_of(study)
     with Earlier(dataset, study.sweep) as earlier:
         values = [earlier.step(case.index, number) for case in study.cases for number in range(len(case.path))]
     written = timed(lambda: [steps.save_step(folder, i, Step(one, bins=bins)) for i, one in enumerate(values)])

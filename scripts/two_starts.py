@@ -20,8 +20,7 @@ import bem_adhesion.run
 import md_reference.run
 from contact_study.campaign import files
 from contact_study.campaign.command import Parser, guarded
-from contact_study.campaign.record import Step
-from contact_study.problem.bins import with_bins
+from contact_study.observables.base import InterfaceState
 from contact_study.problem.case import Case
 from contact_study.problem.errors import InputError
 from contact_study.problem.study import read_study
@@ -109,26 +108,23 @@ def _main(arguments: Sequence[str] | None) -> int:
 def compare(case: Case) -> Iterator[dict[str, float]]:
     """What differs between the two states at each point of a case's path, by the names of ``VARIABLES``."""
     surface = realise(case)
-    gaps = [
-        None if step.values["detached"] else step.fields["gap"] for step in bem_adhesion.run.solve_path(case, surface)
-    ]
+    gaps = [None if state.report.detached else state.gap for state in bem_adhesion.run.solve_path(case, surface)]
     own = md_reference.run.solve_path(case, surface)
     predicted = md_reference.run.solve_path(case, surface, predictor=gaps.__getitem__)
     for (pressure, _), first, second in zip(case.path, own, predicted, strict=True):
-        if first.values["detached"] or second.values["detached"]:
+        if first.report.detached or second.report.detached:
             raise InputError(f"--pressures: {pressure:g} Pa pulls the atoms off; give states in contact")
-        distance = case.contact_distance
         yield {
-            "area_own": first.values["relative_contact_area"],
-            "area_predicted": second.values["relative_contact_area"],
-            "mean_gap_own": first.values["mean_gap"],
-            "mean_gap_predicted": second.values["mean_gap"],
-            "largest_gap_difference": float(np.max(np.abs(second.fields["gap"] - first.fields["gap"]))),
-            "changed_atoms": float(np.mean((first.fields["gap"] < distance) != (second.fields["gap"] < distance))),
+            "area_own": float(np.mean(first.contact)),
+            "area_predicted": float(np.mean(second.contact)),
+            "mean_gap_own": float(np.mean(first.gap)) - first.equilibrium_distance,
+            "mean_gap_predicted": float(np.mean(second.gap)) - second.equilibrium_distance,
+            "largest_gap_difference": float(np.max(np.abs(second.gap - first.gap))),
+            "changed_atoms": float(np.mean(first.contact != second.contact)),
             "energy_difference": _energy(second, pressure) - _energy(first, pressure),
-            "evaluations_own": first.values["force_evaluations"],
-            "evaluations_predicted": second.values["force_evaluations"],
-            "converged": first.values["converged"] and second.values["converged"],
+            "evaluations_own": first.report.force_evaluations,
+            "evaluations_predicted": second.report.force_evaluations,
+            "converged": first.report.converged and second.report.converged,
         }
 
 
@@ -146,17 +142,16 @@ def conclusion(rows: Sequence[dict[str, float]]) -> str:
     )
 
 
-def _energy(step: Step, pressure: float) -> float:
+def _energy(state: InterfaceState, pressure: float) -> float:
     """Elastic and interaction energy with the work of the load on the mean separation, per area (J/m²)."""
-    stored = step.values["elastic_energy"] + step.values["interaction_energy"]
-    return stored + pressure * step.values["mean_separation"]
+    return state.elastic_energy + state.interaction_energy + pressure * state.mean_separation
 
 
 def _case(given: argparse.Namespace, ratio: float, pressures: Sequence[float]) -> Case:
-    overrides = {"interaction.well_depth_ratio": ratio, "output.fields": True}
+    overrides = {"interaction.well_depth_ratio": ratio}
     if given.seed is not None:
         overrides["surface.seed"] = given.seed
-    cases = with_bins(read_study(given.study, overrides)).cases
+    cases = read_study(given.study, overrides).cases
     if len(cases) != 1:
         raise InputError(f"{given.study}: sweeps more than the well depth; give a study of one surface")
     loading = dataclasses.replace(cases[0].loading, control="pressure", path=tuple(pressures), unload=False)

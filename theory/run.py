@@ -6,15 +6,17 @@
 
 import warnings
 from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
 
 import numpy as np
 from scipy.optimize import brentq
 
 from contact_study.campaign import command
 from contact_study.campaign.model import Model
-from contact_study.campaign.record import Step, Value
+from contact_study.campaign.record import Step
 from contact_study.campaign.schema import quantity_of
 from contact_study.fields.spectrum import RoughnessSpectrum
+from contact_study.observables.base import Value
 from contact_study.problem.case import Case
 from contact_study.problem.elasticity import Elasticity
 from contact_study.problem.errors import InputError
@@ -49,7 +51,7 @@ MODEL = Model(
 _UNSOUND_GAP = "states at higher pressures that the mean gap rests on did not converge"
 
 # What a block that has come off is, in every model; its mean gap is infinite where the model defines one.
-_DETACHED: dict[str, Value] = {
+_DETACHED: dict[str, Any] = {
     "mean_pressure": 0.0,
     "relative_contact_area": 0.0,
     "elastic_energy": 0.0,
@@ -231,11 +233,11 @@ def solve_path(
     stress: np.ndarray | str = (restart or {}).get("detachment_stress", "adhered")
     for number in range(start, len(case.path)):
         if np.isnan(pressures[number]):
-            values = _unreachable(case, case.path[number][0])
+            values = _unreachable(case.path[number][0])
         else:
             contact = solve(theory, pressures[number], stress, *_effort(case, theory))
             stress = contact.detachment_stress
-            values = _persson_values(case, contact) | {"mean_gap": float(gaps[number])}
+            values = _persson_values(contact) | {"mean_gap": float(gaps[number])}
             if np.isfinite(gaps[number]) and not curve.converged_above(pressures[number]):
                 values |= {"converged": False, "message": _UNSOUND_GAP}
         values = {name if name in _PERSSONS_OWN else f"persson/{name}": value for name, value in values.items()}
@@ -247,7 +249,7 @@ def solve_path(
         )
 
 
-def _with_compression(values: dict[str, Value], solid: Elasticity) -> dict[str, Value]:
+def _with_compression(values: dict[str, Any], solid: Elasticity) -> dict[str, Any]:
     """The values of every theory with its mean separation, and with a layer's uniform compression in its energy.
 
     Nothing slides in a theory of the mean gap: that compression is all that parts gap and separation.
@@ -303,12 +305,17 @@ def _stored_wavevectors(theory: PerssonTheory) -> np.ndarray:
     return np.geomspace(theory.wavevectors[0], theory.wavevectors[-1], _STORED_WAVEVECTORS)
 
 
-def _persson_values(case: Case, contact: PerssonContact) -> dict[str, Value]:
+def _nowhere(edges: np.ndarray) -> np.ndarray:
+    """Distribution of what is nowhere within any bins."""
+    return np.zeros(edges.size - 1)
+
+
+def _persson_values(contact: PerssonContact) -> dict[str, Any]:
     theory = contact.theory
     if contact.detached:
         return _DETACHED | {
             **{name: np.zeros(_STORED_WAVEVECTORS) for name in _RESOLVED},
-            "pressure_pdf": np.zeros(case.bins.pressure_edges.size - 1),
+            "pressure_pdf": _nowhere,
             "contact_stress": 0.0,
             "edge_stress": 0.0,
             "message": "detached: the adhered branch ends above this pressure",
@@ -325,7 +332,7 @@ def _persson_values(case: Case, contact: PerssonContact) -> dict[str, Value]:
         "relative_contact_area": contact.relative_contact_area,
         "elastic_energy": contact.elastic_energy,
         "interaction_energy": contact.adhesion_energy,
-        "pressure_pdf": contact.pressure_density(case.bins.pressure_edges),
+        "pressure_pdf": contact.pressure_density,
         "contact_stress": contact.contact_stress,
         "edge_stress": contact.edge_stress,
         "relative_contact_area_at": np.interp(stored, nodes, contact.contact),
@@ -339,13 +346,13 @@ def _persson_values(case: Case, contact: PerssonContact) -> dict[str, Value]:
     }
 
 
-def _unreachable(case: Case, gap: float) -> dict[str, Value]:
+def _unreachable(gap: float) -> dict[str, Any]:
     """Values of a prescribed mean gap that Persson's theory has no pressure for: NaN."""
     names = ("mean_pressure", "relative_contact_area", "elastic_energy", "interaction_energy", "contact_stress")
-    lost: dict[str, Value] = dict.fromkeys((*names, "edge_stress", "residual"), float("nan"))
+    lost: dict[str, Any] = dict.fromkeys((*names, "edge_stress", "residual"), float("nan"))
     return lost | {
         **{name: np.full(_STORED_WAVEVECTORS, np.nan) for name in _RESOLVED},
-        "pressure_pdf": np.full(case.bins.pressure_edges.size - 1, np.nan),
+        "pressure_pdf": lambda edges: np.full(edges.size - 1, np.nan),
         "mean_gap": gap,
         "converged": False,
         "detached": False,
@@ -354,7 +361,7 @@ def _unreachable(case: Case, gap: float) -> dict[str, Value]:
     }
 
 
-def _gap_flow_path(case: Case, spectrum: RoughnessSpectrum) -> list[list[dict[str, Value]]]:
+def _gap_flow_path(case: Case, spectrum: RoughnessSpectrum) -> list[list[dict[str, Any]]]:
     """Values of each path point in each branch; none outside a wall, which no flow goes through.
 
     Raises
@@ -386,7 +393,7 @@ def _warn_of_unconverged(flow: GapFlow) -> None:
         )
 
 
-def _flow_values(case: Case, flow: GapFlow) -> list[dict[str, Value]]:
+def _flow_values(case: Case, flow: GapFlow) -> list[dict[str, Any]]:
     zero = case.law.equilibrium_distance
     if case.loading.control == "pressure":
         gaps = np.array([flow.gap_at(pressure) for pressure, _ in case.path])
@@ -403,16 +410,15 @@ def _flow_values(case: Case, flow: GapFlow) -> list[dict[str, Value]]:
     ]
 
 
-def _state_values(case: Case, flow: GapFlow, state: GapState | None) -> dict[str, Value]:
+def _state_values(case: Case, flow: GapFlow, state: GapState | None) -> dict[str, Any]:
     """Quantities of one state; None where the branch has none, because the block has come off."""
-    pressure_edges, gap_edges = case.bins.pressure_edges, case.bins.gap_edges
     if state is None:
         return _DETACHED | {
             "mean_gap": float("inf"),
             "converged": flow.converged,  # a curve that is not solved does not tell where it ends either
             "relative_repulsive_area": 0.0,
-            "pressure_pdf": np.zeros(pressure_edges.size - 1),
-            "gap_pdf": np.zeros(gap_edges.size - 1),
+            "pressure_pdf": _nowhere,
+            "gap_pdf": _nowhere,
         }
     return {
         "mean_pressure": state.pressure,
@@ -421,8 +427,8 @@ def _state_values(case: Case, flow: GapFlow, state: GapState | None) -> dict[str
         "relative_repulsive_area": state.relative_repulsive_area,
         "elastic_energy": state.elastic_energy,
         "interaction_energy": state.interaction_energy,
-        "pressure_pdf": state.pressure_density(pressure_edges),
-        "gap_pdf": state.gap_density(gap_edges),
+        "pressure_pdf": state.pressure_density,
+        "gap_pdf": state.gap_density,
         "converged": flow.converged and state.complete,
         "detached": False,
         # Mean traction of the local gaps against the slope of the energy: not a measure of convergence but of the

@@ -2,14 +2,15 @@
 
 from contact_study.campaign.memory import check_memory
 from contact_study.campaign.model import Model
-from contact_study.problem.bins import with_bins
+from contact_study.fields.distributions import Bins
+from contact_study.problem.bins import bins_of
 from contact_study.problem.plausibility import review
 from contact_study.problem.study import Study
 from contact_study.problem.surface_scales import scales_of
 
 
-def checked(model: Model, study: Study) -> tuple[Study, list[str]]:
-    """The study with its bins, and what a user must know of it as a whole.
+def checked(model: Model, study: Study) -> tuple[Bins, list[str]]:
+    """The bins of the study's distributions, and what a user must know of it as a whole.
 
     Raises
     ------
@@ -21,4 +22,4 @@ def checked(model: Model, study: Study) -> tuple[Study, list[str]]:
     notes = [*study.notes, *review(study, scales)]
     for case in study.cases:
         model.check(case)
-    return with_bins(study, scales), [*notes, *model.review(study, scales)]
+    return bins_of(study, scales), [*notes, *model.review(study, scales)]

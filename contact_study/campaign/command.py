@@ -117,8 +117,8 @@ def _main(model: Model, arguments: Sequence[str]) -> int:
     study = read_study(given.study, overrides)
     predictor = getattr(given, "predictor", None)
     _check_inputs_kept(output, [given.study, predictor, *(case.height_map for case in study.cases)])
-    study, said = checked(model, study)
-    run = run_of(model, study, predictor if predictor is not None and predictor.is_file() else None)
+    bins, said = checked(model, study)
+    run = run_of(model, study, bins, predictor if predictor is not None and predictor.is_file() else None)
     if predictor is not None:
         said += check_predictor(predictor, study, run.height_maps)
     parts = Parts(output)

@@ -7,7 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from contact_study.campaign.record import Step, Value
+from contact_study.campaign.record import Step
+from contact_study.observables.base import InterfaceState, Value
 from contact_study.problem.case import Case
 from contact_study.problem.study import Study
 from contact_study.problem.surface import Surface
@@ -69,7 +70,7 @@ class Model:
         restart: Mapping[str, np.ndarray] | None,
         start: int,
         predictor: Predictor | None,
-    ) -> Iterator[Step]:
-        """Steps of the path from number ``start`` on."""
+    ) -> Iterator[InterfaceState | Step]:
+        """Points of the path from number ``start`` on."""
         extra: dict[str, Any] = {"predictor": predictor} if self.takes_predictor else {}
         return importlib.import_module(self.module).solve_path(case, surface, restart=restart, start=start, **extra)

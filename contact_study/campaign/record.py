@@ -1,13 +1,15 @@
-"""What a model yields for each point of a loading path."""
+"""What is kept of each point of a loading path."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 
-from contact_study.fields.observables import Bins
-
-Value = float | int | bool | str | np.ndarray
+from contact_study.campaign.schema import quantity_of
+from contact_study.fields.distributions import Bins
+from contact_study.observables import observed
+from contact_study.observables.base import InterfaceState
 
 
 @dataclass(frozen=True)
@@ -17,8 +19,8 @@ class Step:
     Attributes
     ----------
     values : mapping
-        Quantities under the names of the schema; of several theories each under its own, ``"gap_flow/mean_gap"``, and
-        under that of a metastable branch, ``"gap_flow/loading/mean_gap"``.
+        Quantities under the names of the schema; labels before a name, ``"label/name"``, put theories side by side. A
+        theory gives its distributions as functions, from the edges of bins, shape (n + 1,), to the means in them.
     fields : mapping
         Fields over the lateral plane (y, x), only where the study asks for them.
     restart : mapping
@@ -27,7 +29,29 @@ class Step:
         Those of its distributions; the campaign's to set.
     """
 
-    values: Mapping[str, Value]
+    values: Mapping[str, Any]
     fields: Mapping[str, np.ndarray] = field(default_factory=dict)
     restart: Mapping[str, np.ndarray] = field(default_factory=dict)
     bins: Bins | None = None
+
+
+def recorded(point: InterfaceState | Step, bins: Bins, fields: bool = False) -> Step:
+    """What is kept of a point of the path: the observables of a state, every distribution on the bins.
+
+    Parameters
+    ----------
+    point : InterfaceState or Step
+        A simulation's state, or a theory's quantities.
+    bins : Bins
+        Those of the study.
+    fields : bool, optional
+        Whether the fields of a state are kept.
+    """
+    if isinstance(point, InterfaceState):
+        kept = {"gap": point.gap, "pressure": point.pressure} if fields else {}
+        return Step(observed(point, bins), kept, point.restart, bins)
+    edges = bins.edges_of
+    values = {
+        key: value(edges[quantity_of(key)[1]]) if callable(value) else value for key, value in point.values.items()
+    }
+    return replace(point, values=values, bins=bins)

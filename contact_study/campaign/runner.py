@@ -19,10 +19,12 @@ from contact_study.campaign import steps as store
 from contact_study.campaign.model import Model
 from contact_study.campaign.predictor import GapFields
 from contact_study.campaign.progress import Progress
-from contact_study.campaign.record import Step, Value
+from contact_study.campaign.record import Step, recorded
 from contact_study.campaign.resume.folder import Parts
 from contact_study.campaign.resume.identity import Run, content_hash
 from contact_study.campaign.schema import quantity_of
+from contact_study.fields.distributions import Bins
+from contact_study.observables.base import Value
 from contact_study.problem.case import Case
 from contact_study.problem.surface import Surface, realise
 
@@ -40,6 +42,7 @@ class Job:
 
     model: Model
     case: Case
+    bins: Bins
     folder: Path
     predictor: Path | None
     height_map: str
@@ -55,7 +58,12 @@ def run_cases(run: Run, names: Sequence[str], parts: Parts, workers: int | None,
     """
     jobs = [
         Job(
-            run.model, case, parts.case_folder(name), run.predictor, run.height_maps.get(str(case.surface.map_path), "")
+            run.model,
+            case,
+            run.bins,
+            parts.case_folder(name),
+            run.predictor,
+            run.height_maps.get(str(case.surface.map_path), ""),
         )
         for case, name in zip(run.study.cases, names, strict=True)
     ]
@@ -161,8 +169,9 @@ def _run(job: Job, threads: int, report: Any) -> None:
         restart = (store.load_state(job.folder, start - 1) or None) if start else None
         predictor = GapFields(job.predictor, case) if job.predictor else None
         began = time.perf_counter()
-        for number, step in enumerate(job.model.solve_path(case, surface, restart, start, predictor), start):
+        for number, point in enumerate(job.model.solve_path(case, surface, restart, start, predictor), start):
             now = time.perf_counter()
+            step = recorded(point, job.bins, case.output.fields)
             keep_warnings()
             started = {} if predictor is None else {"predictor_field": predictor.fingerprint(number)}
             store.save_step(job.folder, number, _completed(case, number, step, now - began, started))
@@ -193,7 +202,7 @@ def _completed(case: Case, number: int, step: Step, seconds: float, started: Map
     }
     said = {quantity_of(name)[1] for name in step.values}
     missing = {name: value for name, value in known.items() if name not in said}
-    return Step({**missing, **started, **step.values}, step.fields, step.restart, case.bins)
+    return Step({**missing, **started, **step.values}, step.fields, step.restart, step.bins)
 
 
 def _summary(step: Step) -> Mapping[str, Any]:

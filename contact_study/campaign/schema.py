@@ -1,5 +1,8 @@
 """The one schema of all datasets: names, dimensions, units and meanings.
 
+What is read off the state of a simulation has its entry beside its formula, in :mod:`contact_study.observables`; here
+stands the rest: what the campaign, the theories and the constants of a case add.
+
 ``gap`` and ``pressure`` are the fields; a dataset cannot hold a field and a dimension of one name, so the
 distributions stand on ``gap_bin`` and ``pressure_bin``.
 
@@ -8,12 +11,12 @@ metastable branches that enclose them in the group ``metastable``, on the dimens
 says so by the name it gives a quantity: ``"gap_flow/mean_gap"``, ``"gap_flow/loading/mean_gap"``.
 """
 
-from dataclasses import dataclass, field
-from typing import Any
-
 import numpy as np
 
-SCHEMA_VERSION = "2.0"
+from contact_study.observables import ENTRIES
+from contact_study.observables.base import Variable
+
+SCHEMA_VERSION = "2.1"
 CONVENTIONS = "CF-1.11"
 
 # Dimensions of the labels before a quantity's name, and the group for so many of them.
@@ -21,88 +24,12 @@ LABELS = ("theory", "metastable_branch")
 LABELLED_GROUPS = ("", "", "metastable")
 
 
-@dataclass(frozen=True)
-class Variable:
-    """How one quantity stands in a dataset.
-
-    Parameters
-    ----------
-    units : str
-        UDUNITS.
-    long_name : str
-        What it is, in words.
-    dims : tuple of str
-        Dimensions beyond those of the sweep.
-    kind : str
-        ``"float"``, ``"count"``, ``"flag"`` or ``"text"``.
-    attrs : dict
-        Further attributes.
-    """
-
-    units: str
-    long_name: str
-    dims: tuple[str, ...] = ("step",)
-    kind: str = "float"
-    attrs: dict[str, Any] = field(default_factory=dict)
-
-    @property
-    def empty(self) -> Any:
-        """What stands where a case has no such point."""
-        return {"float": np.nan, "count": np.int32(-1), "flag": np.int8(-1), "text": ""}[self.kind]
-
-    @property
-    def dtype(self) -> Any:
-        """Type in memory."""
-        return {"float": np.float64, "count": np.int32, "flag": np.int8, "text": object}[self.kind]
-
-    @property
-    def encoding(self) -> dict[str, Any]:
-        """How it is written."""
-        if self.kind == "text":
-            return {}
-        if self.kind == "flag":  # integers for the reader too; "absent" is one of the flag's values
-            return {"_FillValue": None}
-        fill = np.nan if self.kind == "float" else self.empty
-        compressed = {"zlib": True, "complevel": 1, "shuffle": True} if len(self.dims) > 1 else {}
-        return {"_FillValue": fill, **compressed}
-
-
-_FLAG = {"flag_values": np.array([-1, 0, 1], np.int8), "flag_meanings": "absent no yes"}
-
 VARIABLES: dict[str, Variable] = {
-    "mean_pressure": Variable("Pa", "mean normal pressure at the interface, compression positive"),
-    "mean_gap": Variable("m", "mean of the local gap, less the law's equilibrium distance"),
-    "mean_separation": Variable(
-        "m",
-        "distance of the mean planes of block and surface, less the equilibrium distance; conjugate to the pressure. "
-        "Of a layer the plane of its undeformed surface, which moves with its base",
-    ),
-    "relative_contact_area": Variable("1", "contact area over nominal area"),
-    "relative_repulsive_area": Variable("1", "area under positive pressure over nominal area"),
-    "elastic_energy": Variable("J m-2", "elastic energy per nominal area"),
-    "interaction_energy": Variable("J m-2", "interaction energy per nominal area"),
-    "pressure_pdf": Variable("Pa-1", "probability density of the interfacial pressure", ("step", "pressure_bin")),
-    "gap_pdf": Variable("m-1", "probability density of the local gap", ("step", "gap_bin")),
-    "converged": Variable("1", "whether the step met the tolerance", kind="flag", attrs=_FLAG),
-    "detached": Variable("1", "whether no contact survives at this point", kind="flag", attrs=_FLAG),
-    "residual": Variable(
-        "1",
-        "error left in the equations of the model, in units of their own scales; see comment",
-        attrs={
-            "comment": "adhesive simulations: largest unbalanced stress over contact modulus; hard wall: largest gap "
-            "inside or penetration outside the contact over rms height; Persson's theory: last change of the "
-            "detachment stress over contact modulus; gap-flow theory: mean traction less pressure over contact "
-            "modulus, an error of its grid"
-        },
-    ),
-    "iterations": Variable("1", "iterations of the solver", kind="count"),
+    **ENTRIES,
     "wall_time": Variable("s", "wall-clock time of the step"),
-    "message": Variable("1", "what the solver has to say of the step", kind="text"),
     "predictor_field": Variable(
         "1", "SHA-256 of the predictor's gap field that the step started from; empty: from the step before", kind="text"
     ),
-    "fft_pairs": Variable("1", "pairs of Fourier transforms, in equivalents of the finest grid in double precision"),
-    "force_evaluations": Variable("1", "evaluations of the interface forces", kind="count"),
     "height": Variable("m", "height of the rigid surface, toward the block", ("y", "x")),
     "gap": Variable("m", "local gap: height of the block's surface over the rigid one", ("step", "y", "x")),
     "pressure": Variable("Pa", "local pressure, compression positive", ("step", "y", "x")),

@@ -14,8 +14,9 @@ from typing import Any
 import numpy as np
 
 from contact_study.campaign.files import load_json, save_json, write_aside
-from contact_study.campaign.record import Step, Value
-from contact_study.fields.observables import Bins
+from contact_study.campaign.record import Step
+from contact_study.fields.distributions import Bins
+from contact_study.observables.base import Value
 
 _NOTES = "warnings.json"
 _CONSTANTS = "constants.npz"
@@ -138,7 +139,7 @@ def _state_file(folder: Path, number: int) -> Path:
     return folder / f"state-{number:04d}.npz"
 
 
-def _save(path: Path, values: Mapping[str, Value], extra: Mapping[str, Any] | None = None) -> None:
+def _save(path: Path, values: Mapping[str, Any], extra: Mapping[str, Any] | None = None) -> None:
     scalars: dict[str, Any] = {}
     arrays: dict[str, np.ndarray] = {}
     for name, value in values.items():

@@ -3,19 +3,18 @@
 No realisation has a say: two seeds of one study have the same bins, and their datasets concatenate.
 """
 
-import dataclasses
 from collections.abc import Sequence
 
 import numpy as np
 
-from contact_study.fields.observables import Bins
+from contact_study.fields.distributions import Bins
 from contact_study.problem.case import Case
 from contact_study.problem.study import Study
 from contact_study.problem.surface_scales import SurfaceScales, scales_of
 
 
-def with_bins(study: Study, scales: Sequence[SurfaceScales] | None = None) -> Study:
-    """The same study with one set of bins in every case.
+def bins_of(study: Study, scales: Sequence[SurfaceScales] | None = None) -> Bins:
+    """The bins of a study's distributions, one set for all of its cases.
 
     Parameters
     ----------
@@ -29,14 +28,10 @@ def with_bins(study: Study, scales: Sequence[SurfaceScales] | None = None) -> St
     InputError
         If a height map cannot be used.
     """
-    chosen = _choose(study.cases, scales_of(study) if scales is None else scales)
-    return dataclasses.replace(study, cases=tuple(dataclasses.replace(case, study_bins=chosen) for case in study.cases))
-
-
-def _choose(cases: tuple[Case, ...], scales: Sequence[SurfaceScales]) -> Bins:
-    ranges = (_ranges(case, scale) for case, scale in zip(cases, scales, strict=True))
+    scales = scales_of(study) if scales is None else scales
+    ranges = (_ranges(case, scale) for case, scale in zip(study.cases, scales, strict=True))
     tension, compression, gap = (max(values) for values in zip(*ranges, strict=True))
-    output = cases[0].output
+    output = study.cases[0].output
     if output.pressure_range is not None:
         pressure_edges = np.linspace(*output.pressure_range, output.pressure_bins + 1)
     else:

@@ -6,7 +6,6 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from contact_study.fields.observables import Bins
 from contact_study.problem import sections
 from contact_study.problem.elasticity import Elasticity
 from contact_study.problem.elasticity.base import ElasticitySection
@@ -43,7 +42,6 @@ class Case:
     coordinates: dict[str, Any] = field(default_factory=dict)
     index: tuple[int, ...] = ()
     directory: Path = Path(".")
-    study_bins: Bins | None = None
 
     def __post_init__(self):
         if not self.law.attracts and self.loading.control == "pressure" and min(self.loading.path) <= 0:
@@ -65,13 +63,6 @@ class Case:
                     f"loading.path: {min(self.loading.path):g} Pa is a tension beyond the law's peak, {lowest:g} Pa; "
                     "no state can carry it"
                 )
-
-    @property
-    def bins(self) -> Bins:
-        """Bins of the distributions; known once :func:`~contact_study.problem.bins.with_bins` has chosen them."""
-        if self.study_bins is None:
-            raise RuntimeError("the study has no bins yet: call with_bins(study)")
-        return self.study_bins
 
     @property
     def label(self) -> str:

@@ -5,7 +5,7 @@ import copy
 import pytest
 
 from contact_study.campaign.resume.identity import match, run_of
-from contact_study.problem.bins import with_bins
+from contact_study.problem.bins import bins_of
 from contact_study.problem.errors import InputError
 from contact_study.problem.study import make_study
 from tests.campaign.test_resume import BASE, changed
@@ -34,7 +34,8 @@ REFUSED = [
 
 
 def run(table):
-    return run_of(TOY, with_bins(make_study(copy.deepcopy(table))))
+    study = make_study(copy.deepcopy(table))
+    return run_of(TOY, study, bins_of(study))
 
 
 @pytest.mark.parametrize(("sections", "words"), REFUSED)

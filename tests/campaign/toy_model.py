@@ -48,7 +48,7 @@ def solve_path(case, surface, restart=None, start=0, predictor=None):
             values={
                 "mean_pressure": value,
                 "relative_contact_area": float(state[0] ** 2),
-                "pressure_pdf": np.full(len(case.bins.pressure), state[1]),
+                "pressure_pdf": lambda edges, density=state[1]: np.full(edges.size - 1, density),
                 "gap_flow/loading/relative_contact_area": float(state[2] ** 2),
                 "converged": not (case.interaction.well_depth_ratio == 5 and number == 1),
                 "gap_flow/loading/converged": not (case.interaction.well_depth_ratio == 6 and number == 1),

@@ -7,7 +7,7 @@ import numpy as np
 from contact_study.campaign.dataset.assembly import assemble
 from contact_study.campaign.dataset.file import write_dataset
 from contact_study.campaign.schema import SCHEMA_VERSION
-from contact_study.problem.bins import with_bins
+from contact_study.problem.bins import bins_of
 from contact_study.problem.study import make_study
 from contact_study.problem.surface import realise
 
@@ -76,17 +76,17 @@ def pressure_at(applied_gap):
 
 
 def study(text=STUDY):
-    return with_bins(make_study(tomllib.loads(text)))
+    return make_study(tomllib.loads(text))
 
 
 def write(path, kind, text=STUDY, unconverged=(), detached=(), **attrs):
     """Write the dataset of one model; ``unconverged`` and ``detached`` are pairs (case number, step)."""
     asked = study(text)
-    cases = []
+    bins, cases = bins_of(asked), []
     for number, case in enumerate(asked.cases):
         steps = [
             {
-                **_values(case, kind, prescribed),
+                **_values(case, bins, kind, prescribed),
                 "branch": branch == "unloading",
                 "converged": (number, step) not in unconverged,
                 "detached": (number, step) in detached,
@@ -94,7 +94,6 @@ def write(path, kind, text=STUDY, unconverged=(), detached=(), **attrs):
             for step, (prescribed, branch) in enumerate(case.path)
         ]
         cases.append((case.index, _constants(case, kind), steps))
-    bins = asked.cases[0].bins
     longest = max(len(steps) for _, _, steps in cases)
     groups = assemble(asked.sweep, longest, cases, {"pressure_bin": bins.pressure, "gap_bin": bins.gap})
     groups[""].attrs.update(
@@ -138,7 +137,7 @@ def _constants(case, kind):
     return constants
 
 
-def _values(case, kind, prescribed):
+def _values(case, bins, kind, prescribed):
     control = case.loading.control
     pressure = prescribed if control == "pressure" else pressure_at(prescribed)
     ratio, seed = case.interaction.well_depth_ratio, case.surface.realisation or 1
@@ -152,10 +151,10 @@ def _values(case, kind, prescribed):
             f"{prefix}relative_contact_area": contact,
             f"{prefix}mean_gap": np.nan if model == "theory" and pressure < 0 else shifted,
             f"{prefix}elastic_energy": 0.1 * contact,
-            f"{prefix}pressure_pdf": contact * _bell(case.bins.pressure_edges, pressure, 6e9 * ratio**0.3),
+            f"{prefix}pressure_pdf": contact * _bell(bins.pressure_edges, pressure, 6e9 * ratio**0.3),
         }
         if model != "theory":
-            values[f"{prefix}gap_pdf"] = _bell(case.bins.gap_edges, shifted + 3.28e-10, 4e-10)
+            values[f"{prefix}gap_pdf"] = _bell(bins.gap_edges, shifted + 3.28e-10, 4e-10)
     if kind == "theory":
         for side, factor in BRANCH_FACTOR.items():
             # Under a prescribed gap it is the pressure that differs.

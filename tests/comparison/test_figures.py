@@ -10,6 +10,7 @@ from contact_study.comparison.compute.shown_states import panel_points
 from contact_study.comparison.draw import figures
 from contact_study.comparison.draw.style import png
 from contact_study.comparison.read.datasets import read_inputs
+from contact_study.problem.bins import bins_of
 from tests.comparison.synthetic import (
     AREA_FACTOR,
     BRANCH_FACTOR,
@@ -105,7 +106,7 @@ def test_normalisation_of_the_plotted_densities(models, shown):
     stress, _ = plotted.stress_distribution_data(models, "pressure", shown)
     gaps, _ = plotted.gap_distribution_data(models, "pressure", shown)
     assert {curve.model for curve in gaps} == {"atomistic", "continuum", "gap_flow"}, "Persson's theory has none"
-    bins = study().cases[0].bins
+    bins = bins_of(study())
     for curves, edges, unit in ((stress, bins.pressure_edges, MODULUS), (gaps, bins.gap_edges, 1e-9)):
         for curve in curves:
             whole = np.nansum(10**curve.y * np.diff(edges) / unit)

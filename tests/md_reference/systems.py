@@ -3,7 +3,6 @@
 import numpy as np
 
 from contact_study.fields.fourier import synthesise
-from contact_study.problem.bins import with_bins
 from contact_study.problem.study import make_study
 from md_reference.block import isotropic_element, surface_stiffness
 from md_reference.interface import LennardJonesInterface
@@ -91,4 +90,4 @@ def case_of(atoms=(48, 48), ratio=1.0, path=("0.5 GPa",), control="pressure", sc
     }
     for section, content in sections.items():
         table.setdefault(section, {}).update(content)
-    return with_bins(make_study(table)).cases[0]
+    return make_study(table).cases[0]

@@ -33,15 +33,15 @@ def test_a_height_array_gives_what_a_study_does(control, path):
         layers=20,
     )
     state = contact.separated()
-    for target, step in zip(path, solve_path(case, surface), strict=True):
+    for target, own in zip(path, solve_path(case, surface), strict=True):
         found = contact.step(state, target)
         state = found.state
         assert found.converged
         # Heights interpolated from another grid differ by rounding; residuals of 1e-8 E* a² over the softest mode.
-        np.testing.assert_allclose(found.gap, step.fields["gap"], rtol=0, atol=1e-6 * LENGTH)
-        assert found.mean_separation == pytest.approx(step.values["mean_separation"], abs=1e-6 * LENGTH)
-        assert found.elastic_energy == pytest.approx(step.values["elastic_energy"], rel=1e-5)
-        assert found.interaction_energy == pytest.approx(step.values["interaction_energy"], rel=1e-5)
+        np.testing.assert_allclose(found.gap, own.gap, rtol=0, atol=1e-6 * LENGTH)
+        assert found.mean_separation == pytest.approx(own.mean_separation, abs=1e-6 * LENGTH)
+        assert found.elastic_energy == pytest.approx(own.elastic_energy, rel=1e-5)
+        assert found.interaction_energy == pytest.approx(own.interaction_energy, rel=1e-5)
 
 
 def test_states_are_told_apart():

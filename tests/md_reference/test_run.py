@@ -21,12 +21,13 @@ from tests.md_reference.systems import (
     YOUNGS_MODULUS,
     case_of,
 )
+from tests.recording import bins_of_case, recorded_path
 
 PATH = ("0.5 GPa", "2 GPa", "8 GPa")
 
 
 def steps_of(case, **options):
-    return list(solve_path(case, realise(case), **options))
+    return recorded_path(case, solve_path(case, realise(case), **options))
 
 
 def test_steps_carry_the_quantities_of_the_schema():
@@ -43,7 +44,7 @@ def test_steps_carry_the_quantities_of_the_schema():
         assert 0 < values["relative_repulsive_area"] < values["relative_contact_area"] <= 1
         assert values["elastic_energy"] > 0 > values["interaction_energy"]
         assert gap.shape == case.lattice.atoms
-        edges = case.bins
+        edges = bins_of_case(case)
         inside = np.sum(values["gap_pdf"] * np.diff(edges.gap_edges))
         assert inside == pytest.approx(np.mean((gap >= edges.gap_edges[0]) & (gap <= edges.gap_edges[-1])), rel=1e-12)
         mean = np.sum(values["pressure_pdf"] * edges.pressure * np.diff(edges.pressure_edges))

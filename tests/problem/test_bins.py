@@ -3,30 +3,29 @@
 import numpy as np
 import pytest
 
-from contact_study.problem.bins import with_bins
+from contact_study.problem.bins import bins_of
 from contact_study.problem.study import make_study
 from contact_study.problem.surface import realise
 from contact_study.problem.surface_scales import scales_of
 from tests.problem.test_study import changed
 
 
-def bins_of(**keys):
+def chosen(**keys):
     table = changed("output", **keys)
     table["sweep"] = {"interaction.well_depth_ratio": [1, 8]}
-    study = with_bins(make_study(table))
-    assert len({id(case.bins) for case in study.cases}) == 1
-    return study.cases[0].bins, study.cases[-1]
+    study = make_study(table)
+    return bins_of(study), study.cases[-1]
 
 
 def test_zero_stress_lies_in_the_middle_of_a_bin():
-    bins, _ = bins_of()
+    bins, _ = chosen()
     nearest = np.argmin(np.abs(bins.pressure))
     width = bins.pressure_edges[1] - bins.pressure_edges[0]
     assert abs(bins.pressure[nearest]) < 1e-9 * width  # rounding of edges of a hundred widths
 
 
 def test_tension_of_the_strongest_law_fits():
-    bins, strongest = bins_of()
+    bins, strongest = chosen()
     assert bins.pressure_edges[0] < -strongest.law.peak_tensile_stress
     assert bins.pressure_edges[-1] > 10e9
     assert bins.gap_edges[0] == 0.0
@@ -40,7 +39,7 @@ def test_seeds_have_the_same_bins(normalisation, control):
         table = changed("surface", normalisation=normalisation)
         table["sweep"] = {"surface.seed": seeds}
         table["loading"] = {"control": control, "path": ["1 GPa"] if control == "pressure" else ["2 nm"]}
-        bins.append(with_bins(make_study(table)).cases[0].bins)
+        bins.append(bins_of(make_study(table)))
     for other in bins[1:]:
         np.testing.assert_array_equal(other.pressure_edges, bins[0].pressure_edges)
         np.testing.assert_array_equal(other.gap_edges, bins[0].gap_edges)
@@ -95,18 +94,19 @@ def test_scales_of_other_surfaces_are_theirs(surface, error):
 def test_ranges_are_those_of_the_largest_values():
     """Six deviations of the full-contact stress beside pressure and peak; heights, contact and prescribed gaps."""
     table = changed("loading", path=["1 GPa", "200 GPa"])
-    study = with_bins(make_study(table))
+    study = make_study(table)
+    bins = bins_of(study)
     (case,), (scale,) = study.cases, scales_of(study)
     highest = 3 * case.material.contact_modulus * scale.rms_slope + 200e9 + case.law.peak_tensile_stress
     # Rounded upwards to two digits, and moved by half a bin for zero to lie in the middle of one.
-    width = case.bins.pressure_edges[1] - case.bins.pressure_edges[0]
-    assert 0 <= case.bins.pressure_edges[-1] + width - highest <= 0.1 * highest
+    width = bins.pressure_edges[1] - bins.pressure_edges[0]
+    assert 0 <= bins.pressure_edges[-1] + width - highest <= 0.1 * highest
     widest = 1.1 * scale.peak_to_valley + 4 * case.contact_distance
-    assert 0 <= case.bins.gap_edges[-1] - widest <= 0.1 * widest
+    assert 0 <= bins.gap_edges[-1] - widest <= 0.1 * widest
     table["loading"] = {"control": "gap", "path": ["30 nm", "1 nm"]}
-    (case,) = with_bins(make_study(table)).cases
-    assert 0 <= case.bins.gap_edges[-1] - (widest + 30e-9) <= 0.1 * (widest + 30e-9)
-    assert case.bins.pressure_edges[-1] < 0.5 * highest  # 30 nm are no pressure
+    bins = bins_of(make_study(table))
+    assert 0 <= bins.gap_edges[-1] - (widest + 30e-9) <= 0.1 * (widest + 30e-9)
+    assert bins.pressure_edges[-1] < 0.5 * highest  # 30 nm are no pressure
 
 
 def test_peak_to_valley_of_random_surfaces():
@@ -134,13 +134,13 @@ def test_bins_of_a_wall_that_carries_nothing():
     table = changed("surface", kind="flat")
     table["interaction"] = {"law": "hard_wall"}
     table["loading"] = {"control": "gap", "path": [0.0, 1e-9]}
-    bins = with_bins(make_study(table)).cases[0].bins
+    bins = bins_of(make_study(table))
     assert np.all(np.isfinite(bins.pressure_edges))
     assert bins.pressure_edges[0] < 0 < bins.pressure_edges[-1]
     assert bins.gap_edges[-1] >= 1e-9
 
 
 def test_given_ranges_are_kept():
-    bins, _ = bins_of(pressure_range=["-1 GPa", "3 GPa"], pressure_bins=8, gap_range=["0 nm", "2 nm"], gap_bins=4)
+    bins, _ = chosen(pressure_range=["-1 GPa", "3 GPa"], pressure_bins=8, gap_range=["0 nm", "2 nm"], gap_bins=4)
     np.testing.assert_allclose(bins.pressure_edges, np.linspace(-1e9, 3e9, 9))
     assert bins.gap == pytest.approx([0.25e-9, 0.75e-9, 1.25e-9, 1.75e-9], rel=1e-12, abs=0)

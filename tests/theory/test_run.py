@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 
 from contact_study.campaign.schema import COORDINATES, VARIABLES
-from contact_study.problem.bins import with_bins
 from contact_study.problem.errors import InputError
 from contact_study.problem.study import make_study
 from contact_study.problem.surface import realise
 from contact_study.problem.surface_scales import scales_of
 from tests.problem.test_study import of_another_kind
+from tests.recording import bins_of_case, recorded_path
 from theory import closed_forms, run
 from theory.gap_flow import gap_flow
 from theory.persson import true_area_factor
@@ -47,11 +47,11 @@ def case_of(**sections):
         of_another_kind(table)
     for name, keys in sections.items():
         table.setdefault(name, {}).update(keys)
-    return with_bins(make_study(table)).cases[0]
+    return make_study(table).cases[0]
 
 
 def steps_of(case, **start):
-    return list(run.solve_path(case, realise(case), **start))
+    return recorded_path(case, run.solve_path(case, realise(case), **start))
 
 
 @pytest.fixture(scope="module")
@@ -99,7 +99,7 @@ def test_values_are_consistent(case, steps):
         assert values["persson/converged"]
         assert values["persson/mean_pressure"] == applied
         assert_load_is_carried(values, applied)
-        area = np.sum(values["persson/pressure_pdf"]) * np.diff(case.bins.pressure_edges)[0]
+        area = np.sum(values["persson/pressure_pdf"]) * np.diff(bins_of_case(case).pressure_edges)[0]
         # The root's distribution is that of the contact, without the δ of non-contact; of it, the bins leave out what
         # is under more tension than the law can exert, since the paper's detachment stress is not capped.
         assert area == pytest.approx(values["persson/relative_contact_area"], rel=0.01)
@@ -109,7 +109,7 @@ def test_values_are_consistent(case, steps):
         assert values["gap_flow/mean_pressure"] == pytest.approx(applied, rel=1e-9)
         # Mean traction and slope of the energy balance to second order in the gap's nodes: 1e-6 of the modulus here.
         assert values["gap_flow/residual"] < 1e-5
-        for name, edges in (("pressure_pdf", case.bins.pressure_edges), ("gap_pdf", case.bins.gap_edges)):
+        for name, edges in bins_of_case(case).edges_of.items():
             assert np.sum(values[f"gap_flow/{name}"] * np.diff(edges)) == pytest.approx(1, abs=2e-3)
 
 

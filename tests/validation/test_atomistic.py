@@ -6,6 +6,7 @@ import pytest
 from contact_study.problem.surface import realise
 from md_reference.run import solve_path
 from tests.md_reference.systems import LENGTH, case_of
+from tests.recording import recorded_path
 
 pytestmark = pytest.mark.validation
 
@@ -17,10 +18,10 @@ SURFACE = {"surface": {"rms_height": 4e-10, "cutoff_mode": 8, "roll_off_mode": 2
 def test_own_path_and_predicted_starts_end_in_the_same_states(ratio):
     case = case_of((160, 160), ratio=ratio, path=PATH, **SURFACE)
     surface = realise(case)
-    own = list(solve_path(case, surface))
+    own = recorded_path(case, solve_path(case, surface))
     # What a continuum does: the same gap at the lateral rest positions, the attraction outside contact a little off.
     gaps = [s.fields["gap"] * (1 + 0.05 * (s.fields["gap"] > 1.2 * LENGTH)) for s in own]
-    led = list(solve_path(case, surface, predictor=lambda number: gaps[number]))
+    led = recorded_path(case, solve_path(case, surface, predictor=lambda number: gaps[number]))
     for a, b in zip(own, led, strict=True):
         assert a.values["converged"]
         assert b.values["converged"]
@@ -34,7 +35,7 @@ def test_adhesion_closes_the_gap_and_pressure_spreads_the_contact():
     areas, gaps = [], []
     for ratio in (1, 4, 8):
         case = case_of((128, 128), ratio=ratio, path=PATH, **SURFACE)
-        steps = list(solve_path(case, realise(case)))
+        steps = recorded_path(case, solve_path(case, realise(case)))
         areas.append([s.values["relative_contact_area"] for s in steps])
         gaps.append([s.values["mean_gap"] for s in steps])
     assert np.all(np.diff(areas, axis=0) > 0)

@@ -11,7 +11,7 @@ from contact_study.campaign.dataset.file import RESTART
 from contact_study.campaign.resume.folder import Parts
 from contact_study.campaign.resume.identity import Run
 from contact_study.campaign.schema import COORDINATES, LABELLED_GROUPS, LABELS, quantity_of, variable_of
-from contact_study.fields.observables import Bins, redistributed
+from contact_study.fields.distributions import Bins, redistributed
 from contact_study.problem.study import SweptKey
 
 # Arrays by name and by the labels before it.
@@ -22,8 +22,8 @@ def assembled(run: Run, names: Sequence[str], parts: Parts) -> tuple[dict[str, x
     """The groups of the dataset, and what came to light on the way."""
     study = run.study
     brought: list[str] = []
-    bins, longest = study.cases[0].bins, max(len(case.path) for case in study.cases)
-    coordinates = {"pressure_bin": bins.pressure, "gap_bin": bins.gap}
+    longest = max(len(case.path) for case in study.cases)
+    coordinates = {"pressure_bin": run.bins.pressure, "gap_bin": run.bins.gap}
     groups = assemble(study.sweep, longest, _collect(run, names, parts, brought), coordinates)
     if study.cases[0].output.restart:
         groups[RESTART] = restart_group(_last_states(run, names, parts))
@@ -47,9 +47,9 @@ def _collect(
         steps = []
         for number in range(len(case.path)):
             values, bins = store.load_step(folder, number)
-            if not bins.equal(case.bins):
+            if not bins.equal(run.bins):
                 brought.append(f"{case.label}, point {number + 1}")
-                values = _on_bins(values, bins, case.bins)
+                values = _on_bins(values, bins, run.bins)
             steps.append(values)
         yield case.index, store.load_constants(folder), steps
 
@@ -61,13 +61,10 @@ def _last_states(run: Run, names: Sequence[str], parts: Parts) -> Iterator[dict[
 
 
 def _on_bins(values: dict[str, Any], old: Bins, new: Bins) -> dict[str, Any]:
-    edges = {
-        "pressure_pdf": (old.pressure_edges, new.pressure_edges),
-        "gap_pdf": (old.gap_edges, new.gap_edges),
-    }
+    before, after = old.edges_of, new.edges_of
     return {
-        name: redistributed(value, *edges[short]) if (short := quantity_of(name)[1]) in edges else value
-        for name, value in values.items()
+        key: redistributed(value, before[name], after[name]) if (name := quantity_of(key)[1]) in before else value
+        for key, value in values.items()
     }
 
 

@@ -15,6 +15,7 @@ from typing import Any
 import contact_study
 from contact_study.campaign.model import Model
 from contact_study.campaign.schema import SCHEMA_VERSION
+from contact_study.fields.distributions import Bins
 from contact_study.problem.case import Case
 from contact_study.problem.errors import InputError
 from contact_study.problem.keys import keys_of, shown
@@ -27,8 +28,8 @@ _SHOWN = 3  # differing keys that a message names
 
 
 @dataclass(frozen=True)
-class Run:
-    """A model, a study and the content of the files that they read.
+class Cases:
+    """The cases of a study as a model meets them.
 
     Attributes
     ----------
@@ -38,29 +39,11 @@ class Run:
         The study.
     height_maps : dict
         SHA-256 of each height map by its path as the study writes it.
-    predictor : pathlib.Path or None
-        Dataset whose gap fields the steps start from.
-    predictor_content : str
-        Its SHA-256.
     """
 
     model: Model
     study: Study
     height_maps: Mapping[str, str]
-    predictor: Path | None = None
-    predictor_content: str = ""
-
-    @property
-    def attributes(self) -> dict[str, str]:
-        """The run as attributes of its dataset."""
-        return {
-            "model": self.model.kind,
-            "study_toml": self.study.toml,
-            "version": contact_study.__version__,
-            "schema_version": SCHEMA_VERSION,
-            "predictor": f"{self.predictor.name} sha256:{self.predictor_content}" if self.predictor else "",
-            "height_maps": "\n".join(f"sha256:{content} {path}" for path, content in self.height_maps.items()),
-        }
 
     def deciding(self, case: Case) -> dict[str, Any]:
         """Every key that decides the numbers of a case, and its value in SI."""
@@ -86,6 +69,37 @@ class Run:
         return names
 
 
+@dataclass(frozen=True)
+class Run(Cases):
+    """A model, a study and the content of the files that they read.
+
+    Attributes
+    ----------
+    bins : Bins
+        Those of the study's distributions.
+    predictor : pathlib.Path or None
+        Dataset whose gap fields the steps start from.
+    predictor_content : str
+        Its SHA-256.
+    """
+
+    bins: Bins
+    predictor: Path | None = None
+    predictor_content: str = ""
+
+    @property
+    def attributes(self) -> dict[str, str]:
+        """The run as attributes of its dataset."""
+        return {
+            "model": self.model.kind,
+            "study_toml": self.study.toml,
+            "version": contact_study.__version__,
+            "schema_version": SCHEMA_VERSION,
+            "predictor": f"{self.predictor.name} sha256:{self.predictor_content}" if self.predictor else "",
+            "height_maps": "\n".join(f"sha256:{content} {path}" for path, content in self.height_maps.items()),
+        }
+
+
 def _rounded(value: Any) -> Any:
     """Floats to twelve digits: a value written in another unit differs by a rounding."""
     if isinstance(value, tuple):
@@ -93,11 +107,11 @@ def _rounded(value: Any) -> Any:
     return float(f"{value:.12g}") if isinstance(value, float) else value
 
 
-def run_of(model: Model, study: Study, predictor: Path | None = None) -> Run:
+def run_of(model: Model, study: Study, bins: Bins, predictor: Path | None = None) -> Run:
     """The run of a model on a study, its files looked at."""
     maps = {str(case.surface.map_path): case.height_map for case in study.cases if case.height_map is not None}
     contents = {name: content_hash(path) for name, path in maps.items()}
-    return Run(model, study, contents, predictor, content_hash(predictor) if predictor else "")
+    return Run(model, study, contents, bins, predictor, content_hash(predictor) if predictor else "")
 
 
 def content_hash(path: Path) -> str:
@@ -125,7 +139,7 @@ class Match:
     anew: str = ""
 
 
-def match(attributes: Mapping[str, Any], run: Run) -> tuple[Run, dict[int, Match]]:
+def match(attributes: Mapping[str, Any], run: Run) -> tuple[Cases, dict[int, Match]]:
     """The earlier run that attributes describe, and its part in this one, by the number of this one's cases.
 
     An earlier run may be widened, by points of the sweep or of the path and by what is kept; nothing of it is given up.
@@ -147,7 +161,7 @@ def match(attributes: Mapping[str, Any], run: Run) -> tuple[Run, dict[int, Match
             raise InputError(_differences(values, new_values, case, run.study))
         # Of cases that differ in nothing but how far they go (unload swept) the same one comes first.
         chosen = min(alike, key=lambda other: run.study.cases[other].loading.unload != case.loading.unload)
-        matches[chosen] = _match(number, case, run.study.cases[chosen], run.model)
+        matches[chosen] = _match(number, case, run.study.cases[chosen], run)
         free.remove(chosen)
     return earlier, matches
 
@@ -162,7 +176,7 @@ def _check_program(attributes: Mapping[str, Any], run: Run) -> None:
         raise InputError(f"--predictor is {there.partition(' ')[0] or 'none'} there and {run.predictor or 'none'} here")
 
 
-def _earlier(attributes: Mapping[str, Any], run: Run) -> Run:
+def _earlier(attributes: Mapping[str, Any], run: Run) -> Cases:
     import tomllib
 
     maps = {}
@@ -175,7 +189,7 @@ def _earlier(attributes: Mapping[str, Any], run: Run) -> Run:
         raise InputError("its study cannot be read") from None
     if any(case.height_map is not None and case.surface.map_path not in maps for case in study.cases):
         raise InputError("it does not say what its height map held")
-    return Run(run.model, study, maps)
+    return Cases(run.model, study, maps)
 
 
 def _differences(values: dict[str, Any], others: Sequence[dict[str, Any]], case: Case, study: Study) -> str:
@@ -199,7 +213,7 @@ def _differing(values: dict[str, Any], other: dict[str, Any]) -> Iterator[tuple[
             yield dotted, (values.get(dotted), other.get(dotted))
 
 
-def _match(number: int, case: Case, other: Case, model: Model) -> Match:
+def _match(number: int, case: Case, other: Case, run: Run) -> Match:
     """How much of a case stands in another that differs in nothing but its path and what is kept."""
     where = f" at {case.label}" if case.label else ""
     if case.output.fields and not other.output.fields:
@@ -213,18 +227,18 @@ def _match(number: int, case: Case, other: Case, model: Model) -> Match:
     same = next((i for i, pair in enumerate(zip(before, after, strict=False)) if pair[0] != pair[1]), len(before))
     if other.output.fields and not case.output.fields:
         return Match(number, 0, "output.fields = true: fields that were not kept cannot be made from nothing")
-    if model.whole_path and before != after:
+    if run.model.whole_path and before != after:
         return Match(number, 0, "the path has changed, and what its points share is computed from all of them")
-    if not _ranges_hold(case, other):
+    if not _ranges_hold(case, run.bins):
         return Match(number, 0, "the distributions there were counted in a narrower range")
     if same < len(before):
         return Match(number, same, "unloading starts from another point")
     return Match(number, same)
 
 
-def _ranges_hold(case: Case, other: Case) -> bool:
-    """Whether ranges that a study has chosen for its distributions hold all that another asks for."""
-    asked = (other.bins.pressure_edges, other.bins.gap_edges)
+def _ranges_hold(case: Case, bins: Bins) -> bool:
+    """Whether ranges that a study has chosen for its distributions hold all of the bins asked for."""
+    asked = (bins.pressure_edges, bins.gap_edges)
     for chosen, edges in zip((case.output.pressure_range, case.output.gap_range), asked, strict=True):
         slack = 1e-9 * (edges[-1] - edges[0])
         if chosen is not None and not chosen[0] - slack <= edges[0] < edges[-1] <= chosen[1] + slack:

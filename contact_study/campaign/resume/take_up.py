@@ -19,8 +19,8 @@ from contact_study.campaign.dataset.file import Earlier
 from contact_study.campaign.predictor import GapFields
 from contact_study.campaign.record import Step
 from contact_study.campaign.resume.folder import Parts
-from contact_study.campaign.resume.identity import Match, Run, match
-from contact_study.fields.observables import Bins
+from contact_study.campaign.resume.identity import Cases, Match, Run, match
+from contact_study.fields.distributions import Bins
 from contact_study.problem.case import Case
 from contact_study.problem.errors import InputError
 from contact_study.problem.study import SweptKey
@@ -118,7 +118,7 @@ def take_up(
             folder, target = folders[found.earlier], parts.case_folder(names[number])
             if folder != target and folder.exists():
                 folder.rename(target)
-            usable = _on_usable_bins(target, run.study.cases[number].bins)
+            usable = _on_usable_bins(target, run.bins)
             store.drop_steps(target, min(found.steps, usable))
             if found.anew and not store.step_numbers(target):
                 notes.append(_anew(run, number, found.anew))
@@ -131,7 +131,7 @@ def take_up(
             for number, found in taken.matches.items():
                 folder = parts.case_folder(names[number])
                 if not folder.exists():
-                    why = _unpack(dataset, taken.case(found), found, run.study.cases[number], folder)
+                    why = _unpack(dataset, taken.case(found), found, run.study.cases[number], run.bins, folder)
                     notes += [_anew(run, number, why)] if why else []
     return list(dict.fromkeys(notes))
 
@@ -140,7 +140,7 @@ def take_up(
 class _Matched:
     """The cases of an earlier run and where they stand in this one."""
 
-    earlier: Run | None = None
+    earlier: Cases | None = None
     matches: Mapping[int, Match] = field(default_factory=dict)
 
     @classmethod
@@ -214,12 +214,12 @@ def _on_usable_bins(folder: Path, bins: Bins) -> int:
     return numbers[-1] + 1 if numbers else 0
 
 
-def _unpack(dataset: Earlier, before: Case, found: Match, case: Case, folder: Path) -> str:
+def _unpack(dataset: Earlier, before: Case, found: Match, case: Case, own: Bins, folder: Path) -> str:
     """Put what stands of a case of a finished dataset into its folder; returns why it cannot, if it cannot."""
     if found.steps == 0:
         return found.anew
-    bins = _bins_of(dataset, case.bins)
-    if not bins.hold(case.bins):
+    bins = _bins_of(dataset, own)
+    if not bins.hold(own):
         return "the bins of its distributions were coarser than those asked for now"
     state = dataset.state(found.earlier) if found.steps == len(before.path) else {}
     if found.steps < len(case.path) and not state:

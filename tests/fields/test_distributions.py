@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from contact_study.fields.observables import Bins, probability_density, redistributed
+from contact_study.fields.distributions import Bins, probability_density, redistributed
 
 VALUES = np.random.default_rng(0).normal(1.0, 0.5, 10_000)
 

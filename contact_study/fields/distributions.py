@@ -1,4 +1,4 @@
-"""What is read off fields of gap and pressure, the same way for every simulation."""
+"""Distributions over bins, the same way for every model."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -73,6 +73,11 @@ class Bins:
     def gap(self) -> np.ndarray:
         """Centres of the gap bins (m)."""
         return 0.5 * (self.gap_edges[1:] + self.gap_edges[:-1])
+
+    @property
+    def edges_of(self) -> dict[str, np.ndarray]:
+        """Edges by the name of the distribution that is counted in them."""
+        return {"pressure_pdf": self.pressure_edges, "gap_pdf": self.gap_edges}
 
     @property
     def spans(self) -> tuple[list[float], list[float]]:

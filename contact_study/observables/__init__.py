@@ -1,0 +1,28 @@
+"""What is read off the interface state of a simulation: a file for each subject, formula and dataset entry together."""
+
+from contact_study.fields.distributions import Bins
+from contact_study.observables.base import InterfaceState, Observable, Value, Variable
+from contact_study.observables.contact_area import CONTACT_AREA
+from contact_study.observables.contact_clusters import CONTACT_CLUSTERS
+from contact_study.observables.distributions import DISTRIBUTIONS
+from contact_study.observables.energies import ENERGIES
+from contact_study.observables.means import MEANS
+from contact_study.observables.solver_report import SOLVER_REPORT
+
+OBSERVABLES: tuple[Observable, ...] = (
+    MEANS,
+    CONTACT_AREA,
+    ENERGIES,
+    DISTRIBUTIONS,
+    CONTACT_CLUSTERS,
+    SOLVER_REPORT,
+)
+
+ENTRIES: dict[str, Variable] = {
+    name: variable for observable in OBSERVABLES for name, variable in observable.variables.items()
+}
+
+
+def observed(state: InterfaceState, bins: Bins) -> dict[str, Value]:
+    """Every observable of a state by its name in a dataset, distributions on the given bins."""
+    return {name: value for observable in OBSERVABLES for name, value in observable.read(state, bins).items()}

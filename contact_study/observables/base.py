@@ -1,0 +1,139 @@
+"""What a simulation hands over of a contact, and how a quantity that is read off it stands in a dataset."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from contact_study.fields.distributions import Bins
+
+Value = float | int | bool | str | np.ndarray
+
+
+@dataclass(frozen=True)
+class SolverReport:
+    """What a solver has to say of a state.
+
+    Attributes
+    ----------
+    converged : bool
+        Whether the question is answered within the tolerance.
+    detached : bool
+        Whether the surfaces are apart.
+    residual : float
+        Error left in the equations, in units of their own scales.
+    iterations : int
+        Iterations of the solver.
+    fft_pairs : float
+        Pairs of Fourier transforms, in equivalents of the finest grid in double precision.
+    force_evaluations : int or None
+        Evaluations of the interface forces, of a model that counts them.
+    message : str
+        What is to be known of the step; empty if nothing.
+    """
+
+    converged: bool
+    detached: bool
+    residual: float
+    iterations: int
+    fft_pairs: float
+    force_evaluations: int | None = None
+    message: str = ""
+
+
+@dataclass(frozen=True)
+class InterfaceState:
+    """One state of a contact, as every simulation yields it for a point of the loading path.
+
+    Attributes
+    ----------
+    gap : numpy.ndarray, shape (ny, nx)
+        Local gap (m), infinite where the surfaces are apart for good.
+    pressure : numpy.ndarray, shape (ny, nx)
+        Local pressure (Pa), compression positive.
+    contact : numpy.ndarray, shape (ny, nx)
+        Whether a point counts as contact.
+    equilibrium_distance : float
+        Distance of flat surfaces without load, from which mean gaps are measured (m).
+    mean_separation : float
+        Distance of the mean planes of block and surface less the equilibrium distance (m).
+    elastic_energy, interaction_energy : float
+        Per nominal area (J/m²).
+    report : SolverReport
+        The solver's.
+    restart : mapping
+        All that the next point of the path starts from, nothing else.
+    """
+
+    gap: np.ndarray
+    pressure: np.ndarray
+    contact: np.ndarray
+    equilibrium_distance: float
+    mean_separation: float
+    elastic_energy: float
+    interaction_energy: float
+    report: SolverReport
+    restart: Mapping[str, np.ndarray] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Variable:
+    """How one quantity stands in a dataset.
+
+    Parameters
+    ----------
+    units : str
+        UDUNITS.
+    long_name : str
+        What it is, in words.
+    dims : tuple of str
+        Dimensions beyond those of the sweep.
+    kind : str
+        ``"float"``, ``"count"``, ``"flag"`` or ``"text"``.
+    attrs : dict
+        Further attributes.
+    """
+
+    units: str
+    long_name: str
+    dims: tuple[str, ...] = ("step",)
+    kind: str = "float"
+    attrs: dict[str, Any] = field(default_factory=dict)
+
+    @property
+    def empty(self) -> Any:
+        """What stands where a case has no such point."""
+        return {"float": np.nan, "count": np.int32(-1), "flag": np.int8(-1), "text": ""}[self.kind]
+
+    @property
+    def dtype(self) -> Any:
+        """Type in memory."""
+        return {"float": np.float64, "count": np.int32, "flag": np.int8, "text": object}[self.kind]
+
+    @property
+    def encoding(self) -> dict[str, Any]:
+        """How it is written."""
+        if self.kind == "text":
+            return {}
+        if self.kind == "flag":  # integers for the reader too; "absent" is one of the flag's values
+            return {"_FillValue": None}
+        fill = np.nan if self.kind == "float" else self.empty
+        compressed = {"zlib": True, "complevel": 1, "shuffle": True} if len(self.dims) > 1 else {}
+        return {"_FillValue": fill, **compressed}
+
+
+@dataclass(frozen=True)
+class Observable:
+    """Quantities that are read off a state together.
+
+    Parameters
+    ----------
+    variables : mapping
+        How each stands in a dataset, by its name.
+    read : callable
+        State and bins of the study -> the quantities by name, all of them or those that the state has.
+    """
+
+    variables: Mapping[str, Variable]
+    read: Callable[[InterfaceState, Bins], Mapping[str, Value]]

@@ -1,0 +1,55 @@
+"""Contact clusters: how many separate patches the contact consists of, and how large the largest is.
+
+Points of contact belong to one cluster if a chain of contact points connects them, each beside the next along y or x,
+across the edges of the periodic cell too; points that share only a corner are not connected. A distribution of the
+sizes would need bins of area, which studies do not have.
+"""
+
+import numpy as np
+from scipy import ndimage
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+
+from contact_study.fields.distributions import Bins
+from contact_study.observables.base import InterfaceState, Observable, Value, Variable
+
+
+def cluster_sizes(contact: np.ndarray) -> np.ndarray:
+    """Points of each cluster of a periodic map.
+
+    Parameters
+    ----------
+    contact : numpy.ndarray of bool, shape (ny, nx)
+        Whether a point is in contact.
+
+    Returns
+    -------
+    numpy.ndarray of int, shape (clusters,)
+        In no particular order; empty without contact.
+    """
+    labels, count = ndimage.label(contact)
+    # Patches that end at an edge of the map go on at the opposite one.
+    one = np.concatenate([labels[0], labels[:, 0]])
+    other = np.concatenate([labels[-1], labels[:, -1]])
+    meet = (one > 0) & (other > 0)
+    joined = coo_array((np.ones(np.count_nonzero(meet)), (one[meet] - 1, other[meet] - 1)), shape=(count, count))
+    clusters, cluster_of = connected_components(joined, directed=False) if count else (0, np.zeros(0, int))
+    points = np.bincount(labels.ravel(), minlength=count + 1)[1:]
+    return np.bincount(cluster_of, weights=points, minlength=clusters).astype(int)
+
+
+def _read(state: InterfaceState, _: Bins) -> dict[str, Value]:
+    sizes = cluster_sizes(state.contact)
+    return {
+        "contact_clusters": sizes.size,
+        "relative_largest_cluster_area": float(sizes.max(initial=0) / state.contact.size),
+    }
+
+
+CONTACT_CLUSTERS = Observable(
+    {
+        "contact_clusters": Variable("1", "connected patches of contact", kind="count"),
+        "relative_largest_cluster_area": Variable("1", "area of the largest connected contact over nominal area"),
+    },
+    _read,
+)

@@ -1,0 +1,17 @@
+"""Energies per nominal area."""
+
+from contact_study.fields.distributions import Bins
+from contact_study.observables.base import InterfaceState, Observable, Variable
+
+
+def _read(state: InterfaceState, _: Bins) -> dict[str, float]:
+    return {"elastic_energy": state.elastic_energy, "interaction_energy": state.interaction_energy}
+
+
+ENERGIES = Observable(
+    {
+        "elastic_energy": Variable("J m-2", "elastic energy per nominal area"),
+        "interaction_energy": Variable("J m-2", "interaction energy per nominal area"),
+    },
+    _read,
+)

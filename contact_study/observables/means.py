@@ -1,0 +1,28 @@
+"""Mean pressure and mean distances."""
+
+import numpy as np
+
+from contact_study.fields.distributions import Bins
+from contact_study.observables.base import InterfaceState, Observable, Variable
+
+
+def _read(state: InterfaceState, _: Bins) -> dict[str, float]:
+    return {
+        "mean_pressure": float(np.mean(state.pressure)),
+        "mean_gap": float(np.mean(state.gap)) - state.equilibrium_distance,
+        "mean_separation": state.mean_separation,
+    }
+
+
+MEANS = Observable(
+    {
+        "mean_pressure": Variable("Pa", "mean normal pressure at the interface, compression positive"),
+        "mean_gap": Variable("m", "mean of the local gap, less the law's equilibrium distance"),
+        "mean_separation": Variable(
+            "m",
+            "distance of the mean planes of block and surface, less the equilibrium distance; conjugate to the "
+            "pressure. Of a layer the plane of its undeformed surface, which moves with its base",
+        ),
+    },
+    _read,
+)

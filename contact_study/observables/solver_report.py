@@ -1,0 +1,39 @@
+"""How the solver fared, and the work it did, in counts that do not depend on the machine."""
+
+from dataclasses import asdict
+
+import numpy as np
+
+from contact_study.fields.distributions import Bins
+from contact_study.observables.base import InterfaceState, Observable, Value, Variable
+
+_FLAG = {"flag_values": np.array([-1, 0, 1], np.int8), "flag_meanings": "absent no yes"}
+
+
+def _read(state: InterfaceState, _: Bins) -> dict[str, Value]:
+    return {name: value for name, value in asdict(state.report).items() if value is not None}
+
+
+SOLVER_REPORT = Observable(
+    {
+        "converged": Variable("1", "whether the step met the tolerance", kind="flag", attrs=_FLAG),
+        "detached": Variable("1", "whether no contact survives at this point", kind="flag", attrs=_FLAG),
+        "residual": Variable(
+            "1",
+            "error left in the equations of the model, in units of their own scales; see comment",
+            attrs={
+                "comment": "adhesive simulations: largest unbalanced stress over contact modulus; hard wall: largest "
+                "gap inside or penetration outside the contact over rms height; Persson's theory: last change of the "
+                "detachment stress over contact modulus; gap-flow theory: mean traction less pressure over contact "
+                "modulus, an error of its grid"
+            },
+        ),
+        "iterations": Variable("1", "iterations of the solver", kind="count"),
+        "fft_pairs": Variable(
+            "1", "pairs of Fourier transforms, in equivalents of the finest grid in double precision"
+        ),
+        "force_evaluations": Variable("1", "evaluations of the interface forces", kind="count"),
+        "message": Variable("1", "what the solver has to say of the step", kind="text"),
+    },
+    _read,
+)

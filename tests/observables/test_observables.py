@@ -1,0 +1,88 @@
+"""Every observable on a state made by hand, under names and in the units of its entry."""
+
+import numpy as np
+import pytest
+
+from contact_study.campaign.record import Step, recorded
+from contact_study.campaign.schema import VARIABLES
+from contact_study.fields.distributions import Bins
+from contact_study.observables import ENTRIES, OBSERVABLES, observed
+from contact_study.observables.base import InterfaceState, SolverReport
+
+BINS = Bins.evenly((-2e9, 4e9, 6), (0.0, 8e-10, 4))
+REPORT = SolverReport(converged=True, detached=False, residual=1e-9, iterations=12, fft_pairs=20.5, message="slow")
+
+
+def state(**changes):
+    content = {
+        "gap": np.array([[3e-10, 3e-10, 5e-10], [3e-10, 5e-10, 7e-10]]),
+        "pressure": np.array([[2.5e9, 1.5e9, -1.5e9], [0.5e9, -0.5e9, 0.0]]),
+        "contact": np.array([[True, True, False], [True, False, False]]),
+        "equilibrium_distance": 2e-10,
+        "mean_separation": 2.2e-10,
+        "elastic_energy": 0.3,
+        "interaction_energy": -0.4,
+        "report": REPORT,
+        "restart": {"state": np.arange(3.0)},
+    }
+    return InterfaceState(**{**content, **changes})
+
+
+def test_observables_of_a_state_made_by_hand():
+    found = observed(state(), BINS)
+    pressure_pdf, gap_pdf = found.pop("pressure_pdf"), found.pop("gap_pdf")
+    assert found.pop("mean_gap") == pytest.approx(26e-10 / 6 - 2e-10, rel=1e-12)
+    assert found.pop("mean_pressure") == pytest.approx(2.5e9 / 6, rel=1e-12)
+    assert found == {
+        "mean_separation": 2.2e-10,
+        "relative_contact_area": 3 / 6,
+        "relative_repulsive_area": 3 / 6,
+        "elastic_energy": 0.3,
+        "interaction_energy": -0.4,
+        "contact_clusters": 1,
+        "relative_largest_cluster_area": 3 / 6,
+        "converged": True,
+        "detached": False,
+        "residual": 1e-9,
+        "iterations": 12,
+        "fft_pairs": 20.5,
+        "message": "slow",
+    }
+    # Points in each bin over all points and the bin's width.
+    np.testing.assert_allclose(pressure_pdf, np.array([1, 1, 2, 1, 1, 0]) / 6e9, rtol=1e-12)
+    np.testing.assert_allclose(gap_pdf, np.array([0, 3, 2, 1]) / (6 * 2e-10), rtol=1e-12)
+
+
+def test_force_evaluations_are_of_models_that_count_them():
+    report = SolverReport(True, False, 0.0, 1, 0.0, force_evaluations=7)
+    assert observed(state(report=report), BINS)["force_evaluations"] == 7
+
+
+def test_names_are_spelt_once_and_have_entries():
+    names = [name for observable in OBSERVABLES for name in observable.variables]
+    assert len(names) == len(set(names))
+    found = observed(state(report=SolverReport(True, False, 0.0, 1, 0.0, 1)), BINS)
+    assert set(found) == set(names) == set(ENTRIES)
+    for name, value in found.items():
+        assert VARIABLES[name].dims[0] == "step", name
+        assert np.ndim(value) == len(VARIABLES[name].dims) - 1, name
+        np.asarray(value).astype(VARIABLES[name].dtype)
+
+
+@pytest.mark.parametrize("fields", [False, True])
+def test_recorded_state_has_its_fields_only_where_asked(fields):
+    given = state()
+    step = recorded(given, BINS, fields)
+    assert step.bins is BINS
+    assert step.restart is given.restart
+    assert set(step.fields) == ({"gap", "pressure"} if fields else set())
+    for name, field in step.fields.items():
+        np.testing.assert_array_equal(field, getattr(given, name))
+
+
+def test_distributions_of_theories_are_evaluated_on_the_bins():
+    step = Step({"persson/pressure_pdf": np.diff, "gap_flow/gap_pdf": lambda edges: edges[1:], "mean_gap": 3.0})
+    values = recorded(step, BINS).values
+    np.testing.assert_array_equal(values["persson/pressure_pdf"], np.diff(BINS.pressure_edges))
+    np.testing.assert_array_equal(values["gap_flow/gap_pdf"], BINS.gap_edges[1:])
+    assert values["mean_gap"] == 3.0
