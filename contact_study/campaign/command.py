@@ -22,6 +22,7 @@ import contact_study
 from contact_study.campaign.check import checked
 from contact_study.campaign.dataset.assembly import assembled
 from contact_study.campaign.dataset.provenance import carried_warnings, provenance, read_flags, unconverged
+from contact_study.campaign.engines import ENGINES, CampaignError
 from contact_study.campaign.files import writable_output
 from contact_study.campaign.model import Model
 from contact_study.campaign.predictor import check_predictor
@@ -29,7 +30,7 @@ from contact_study.campaign.progress import Progress
 from contact_study.campaign.resume.folder import Parts
 from contact_study.campaign.resume.identity import Run, run_of
 from contact_study.campaign.resume.take_up import Finished, earlier_commits, finished_at, take_up
-from contact_study.campaign.runner import CampaignError, run_cases
+from contact_study.campaign.runner import run_cases
 from contact_study.problem.errors import InputError
 from contact_study.problem.keys import suggestion
 from contact_study.problem.study import all_keys, read_study
@@ -135,7 +136,7 @@ def _main(model: Model, arguments: Sequence[str]) -> int:
         commits = earlier_commits(unfinished, finished, git_commit())
         for note in [*commits, *take_up(run, names, parts, unfinished, finished, git_commit())]:
             progress.say(f"warning: {note}")
-        notes = run_cases(run, names, parts, given.workers, progress)
+        notes = run_cases(run, names, parts, given.workers, progress, given.engine)
         progress.close()
         groups, late = assembled(run, names, parts)
         notes = [*carried_warnings(run, finished), *notes, *late]
@@ -183,6 +184,7 @@ def _parser(model: Model) -> Parser:
     parser.add_argument("--resume", action="store_true", help="continue an interrupted run of the same study")
     parser.add_argument("--overwrite", action="store_true", help="replace an existing dataset")
     parser.add_argument("--workers", type=int, metavar="N", help="processes; default: one per case, at most the cores")
+    parser.add_argument("--engine", choices=ENGINES, help="where cases run; default: processes if there are several")
     parser.add_argument("--version", action="version", version=f"%(prog)s {contact_study.__version__}")
     if model.takes_predictor:
         parser.add_argument(

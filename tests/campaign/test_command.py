@@ -403,6 +403,7 @@ def test_warnings_are_shown_and_kept(study, tmp_path, capsys):
         (["--resume", "--overwrite"], "--resume"),
         (["--workers", "0"], "--workers"),
         (["--workers", "many"], "--workers"),
+        (["--engine", "cloud"], "--engine"),
         (["--material.poissons_ratio", "0.6"], "material.poissons_ratio"),
     ],
 )

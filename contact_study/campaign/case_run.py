@@ -1,0 +1,140 @@
+"""One case of a campaign: its steps one after the other, each to disk at once, from where an earlier run stopped."""
+
+import time
+import warnings
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from contact_study.campaign import steps as store
+from contact_study.campaign.engines.base import CampaignError, Report
+from contact_study.campaign.model import Model
+from contact_study.campaign.predictor import GapFields
+from contact_study.campaign.record import Step, recorded
+from contact_study.campaign.resume.identity import content_hash
+from contact_study.campaign.schema import quantity_of
+from contact_study.fields.distributions import Bins
+from contact_study.observables.base import Value
+from contact_study.problem.case import Case
+from contact_study.problem.surface import Surface, realise
+
+# Below this number of points a second thread of FFTW gains little, and costs much when the other core is busy.
+_POINTS_FOR_THREADS = 1024**2
+
+
+@dataclass(frozen=True)
+class Job:
+    """One case of one model, as a worker process needs it."""
+
+    model: Model
+    case: Case
+    bins: Bins
+    folder: Path
+    predictor: Path | None
+    height_map: str
+
+
+def finished(job: Job) -> int:
+    """Steps of the case that are on disk and can be gone on from."""
+    return store.finished_steps(job.folder, len(job.case.path))
+
+
+def run_case(job: Job, threads: int, report: Report) -> None:
+    """Finish one case.
+
+    Parameters
+    ----------
+    job : Job
+        The case.
+    threads : int
+        For each transform, unless the study says how many.
+    report : callable
+        Called after each step with the case's label, the point in words, what is to be shown and the seconds it took.
+
+    Raises
+    ------
+    CampaignError
+        If a height map has changed.
+    """
+    _check_height_map(job)
+    with _kept_warnings(job) as keep_warnings:
+        surface = realise(job.case)
+        case = job.case if job.case.solver.threads else _with_threads(job.case, surface, threads)
+        if not store.has_constants(job.folder):
+            constants = job.model.constants(case, surface)
+            keep_warnings()
+            store.save_constants(job.folder, constants)
+        start = finished(job)
+        if start == len(case.path):
+            return
+        restart = (store.load_state(job.folder, start - 1) or None) if start else None
+        predictor = GapFields(job.predictor, case) if job.predictor else None
+        began = time.perf_counter()
+        for number, point in enumerate(job.model.solve_path(case, surface, restart, start, predictor), start):
+            now = time.perf_counter()
+            step = recorded(point, job.bins, case.output.fields)
+            keep_warnings()
+            started = {} if predictor is None else {"predictor_field": predictor.fingerprint(number)}
+            store.save_step(job.folder, number, _completed(case, number, step, now - began, started))
+            report(case.label, _point(case, number), dict(_summary(step)), now - began)
+            began = time.perf_counter()
+
+
+def _check_height_map(job: Job) -> None:
+    path = job.case.height_map
+    if path is not None and content_hash(path) != job.height_map:
+        raise CampaignError(f"{path} has changed while the study ran; finished steps are kept")
+
+
+def _point(case: Case, number: int) -> str:
+    """A point of the path in the unit that the study is written in."""
+    name, size = case.loading.unit
+    return f"{'' if case.loading.control == 'pressure' else 'gap '}{case.path[number][0] / size:.6g} {name}"
+
+
+def _completed(case: Case, number: int, step: Step, seconds: float, started: Mapping[str, Value]) -> Step:
+    value, branch = case.path[number]
+    known: dict[str, Value] = {
+        f"applied_{case.loading.control}": value,
+        "branch": branch == "unloading",
+        "wall_time": seconds,
+        "detached": False,
+        "message": "",
+    }
+    said = {quantity_of(name)[1] for name in step.values}
+    missing = {name: value for name, value in known.items() if name not in said}
+    return Step({**missing, **started, **step.values}, step.fields, step.restart, step.bins)
+
+
+def _summary(step: Step) -> Mapping[str, Any]:
+    """What is shown of a step: of several theories the first one's numbers."""
+    first: dict[str, Any] = {}
+    for key, value in step.values.items():
+        first.setdefault(quantity_of(key)[1], value)
+    return {name: first.get(name) for name in ("relative_contact_area", "converged", "message")}
+
+
+def _with_threads(case: Case, surface: Surface, threads: int) -> Case:
+    """The case with the threads that are at hand, where the grid is large enough to gain from them."""
+    chosen = threads if surface.grid.points >= _POINTS_FOR_THREADS else 1
+    return replace(case, solver=replace(case.solver, threads=chosen))
+
+
+@contextmanager
+def _kept_warnings(job: Job) -> Iterator[Callable[[], None]]:
+    """Catch warnings; the function given puts those so far on disk, to be called before what they are about."""
+    prefix = f"{job.case.label}: " if job.case.label else ""
+    notes = store.load_notes(job.folder)
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+
+        def keep() -> None:
+            new = [note for item in caught if (note := f"{prefix}{item.message}") not in notes]
+            caught.clear()
+            if new:
+                notes.extend(dict.fromkeys(new))
+                store.save_notes(job.folder, notes)
+
+        yield keep

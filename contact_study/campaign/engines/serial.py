@@ -1,0 +1,11 @@
+"""One task after the other, in this process."""
+
+from collections.abc import Sequence
+
+from contact_study.campaign.engines.base import Report, Task
+
+
+def run(tasks: Sequence[Task], workers: int, report: Report) -> None:
+    """Run every task, in order; there is one worker, this process."""
+    for task in tasks:
+        task(report)
