@@ -44,7 +44,25 @@ def check(case: Case) -> None:
 
 
 def review(study: Study, scales: Sequence[SurfaceScales]) -> list[str]:
-    """Say where the grid cannot resolve the law, in one line for the whole study.
+    """Say where the grid cannot resolve law or layer, each in one line for the whole study; errors as for the law."""
+    return _unresolved_law(study, scales) + _unresolved_layer(study, scales)
+
+
+def _unresolved_layer(study: Study, scales: Sequence[SurfaceScales]) -> list[str]:
+    """Below the grid spacing a layer's points hardly know of their neighbours: its edges, a depth wide, are lost."""
+    thin = [(case, scale) for case, scale in zip(study.cases, scales, strict=True) if case.solid.depth < scale.pixel]
+    if not thin:
+        return []
+    case, scale = max(thin, key=lambda item: item[1].pixel / item[0].solid.depth)
+    return [
+        f"the layer of {case.solid.depth:.3g} m is thinner than the grid spacing {scale.pixel:.3g} m"
+        f"{points([case for case, _ in thin], len(study.cases))}: what happens at contact edges within a thickness is "
+        "not resolved; use a finer surface.shape or a larger elasticity.thickness"
+    ]
+
+
+def _unresolved_law(study: Study, scales: Sequence[SurfaceScales]) -> list[str]:
+    """Where the grid cannot resolve the law.
 
     A grid coarser than a quarter of the process zone E*Δγ/σ_max² lets contact edges lock in to its points ("lattice
     trapping"): its hysteresis is then not the continuum's.

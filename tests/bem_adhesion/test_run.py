@@ -142,3 +142,38 @@ def test_rubber_with_an_atomic_law_is_served():
     soft = {"material": {"youngs_modulus": 2e6}, "interaction": {"work_of_adhesion": 0.05, "length": 3e-10}}
     (note,) = review(64, surface={"size": 1e-4, "rms_height": 1e-6}, **soft)
     assert "quarter of the process zone" in note
+
+
+def layer(thickness, ratio=0.42):
+    return {"elasticity": {"kind": "layer", "thickness": thickness}, "material": {"poissons_ratio": ratio}}
+
+
+@pytest.mark.parametrize("sections", [{}, HARD_WALL])
+def test_layers_are_run_and_their_compression_parts_gap_and_separation(sections):
+    loading = {"path": [2e9, 2.02e9]}
+    thin, surface = problem(48, **layer(50e-10), **sections, loading=loading)
+    thick, _ = problem(48, **layer(500e-10), **sections, loading=loading)
+    plain, _ = problem(48, **sections, loading=loading)
+    cases = {"thin": thin, "thick": thick, "plain": plain}
+    steps = {name: recorded_path(case, run.solve_path(case, surface)) for name, case in cases.items()}
+    half_space = steps["plain"][0].values
+    one, two = (step.values for step in steps["thin"])
+    compression = (1 + 0.42) * (1 - 2 * 0.42) / ((1 - 0.42) * 77.2e9) * 50e-10
+    assert one["mean_gap"] - one["mean_separation"] == pytest.approx(compression * one["mean_pressure"], rel=1e-9)
+    energy = [values["elastic_energy"] + values["interaction_energy"] for values in (one, two)]
+    moved = two["mean_separation"] - one["mean_separation"]
+    # The mean of both pressures to second order in their difference, 1 %.
+    assert (energy[1] - energy[0]) / moved == pytest.approx(-2.01e9, rel=1e-3)
+    assert half_space["mean_gap"] == half_space["mean_separation"]
+    near = steps["thick"][0].values
+    assert near["mean_gap"] == pytest.approx(half_space["mean_gap"], rel=1e-3)
+    assert one["relative_contact_area"] < 0.9 * near["relative_contact_area"]
+
+
+def test_a_layer_thinner_than_the_grid_is_said():
+    for thickness, said in ((9e-10, True), (12e-10, False)):
+        study = make_study(study_table(48, size=500e-10, loading={"path": [1e9]}, **layer(thickness)))
+        notes = [note for note in run.review(study, scales_of(study)) if "layer" in note]
+        assert len(notes) == said
+        if said:
+            assert "the layer of 9e-10 m is thinner than the grid spacing 1.04e-09 m" in notes[0]

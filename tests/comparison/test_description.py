@@ -128,3 +128,14 @@ def test_what_only_a_later_file_has_is_described_too():
     first = SINGLE + '[sweep]\n"surface.hurst_exponent" = [0.5]\n'
     second = SINGLE + '[sweep]\n"surface.hurst_exponent" = [0.5, 0.8]\n'
     assert "Hurst exponent 0.5 and 0.8" in described(first, second, names=("continuum", "theory"))["Surface"]
+
+
+def test_the_block_says_what_solid_it_is():
+    layered = STUDY + '[elasticity]\nkind = "layer"\nthickness = "5 nm"\n'
+    swept = layered.replace("[sweep]\n", '[sweep]\n"elasticity.thickness" = ["5.2 nm", "10.4 nm"]\n')
+    for text, words in (
+        (STUDY, "Elastic, E = "),
+        (layered, "Elastic, a layer of thickness 50 Å bonded to a rigid base, E = "),
+        (swept, "Elastic, a layer of thickness 52 Å and 104 Å bonded to a rigid base, E = "),
+    ):
+        assert described(text)["Block"].startswith(words)

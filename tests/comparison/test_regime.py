@@ -5,6 +5,7 @@ import pytest
 
 from contact_study.comparison.compute.regime import compute_regime, roughness
 from contact_study.comparison.read.datasets import read_inputs
+from contact_study.problem.elasticity import HalfSpace, Layer
 from contact_study.problem.surface import realise
 from tests.comparison.synthetic import STUDY, study, write
 
@@ -13,13 +14,19 @@ def test_roughness_of_a_wave():
     height, size, shape = 2e-10, (3e-8, 2e-8), (9, 15)
     q = 2 * np.pi * 2 / size[1]
     x = np.arange(shape[1]) * size[1] / shape[1]
-    found = roughness(np.broadcast_to(height * np.cos(q * x), shape), size)
+    wave = np.broadcast_to(height * np.cos(q * x), shape)
+    found = roughness(wave, size, HalfSpace(7.0))
     # A cosine that the grid holds exactly: rounding only.
     assert found.rms_height == pytest.approx(height / np.sqrt(2), rel=1e-13)
     assert found.rms_slope == pytest.approx(height * q / np.sqrt(2), rel=1e-13)
     assert found.rms_laplacian == pytest.approx(height * q**2 / np.sqrt(2), rel=1e-13)
     # ½ <w K w> with K = E* q / 2 and <w²> = h²/2.
     assert found.conformal_energy == pytest.approx(q * height**2 / 8, rel=1e-13)
+    assert found.conformal_stress == pytest.approx(q * height / np.sqrt(8), rel=1e-13)
+    layer = Layer(7.0, 0.3, 1e-9)
+    on_layer, stiffness = roughness(wave, size, layer), float(layer.stiffness(q)) / 7.0
+    assert on_layer.conformal_energy == pytest.approx(stiffness * height**2 / 4, rel=1e-13)
+    assert on_layer.conformal_stress == pytest.approx(stiffness * height / np.sqrt(2), rel=1e-13)
     slope = height * q
     angle = np.linspace(0, 2 * np.pi, 16384, endpoint=False)
     exact = np.mean(np.sqrt(1 + (slope * np.sin(angle)) ** 2))
@@ -29,8 +36,8 @@ def test_roughness_of_a_wave():
 
 def test_roughness_does_not_depend_on_the_grid():
     surface = realise(study().cases[0])
-    coarse, fine = (roughness(surface.heights(shape), surface.size) for shape in ((24, 24), (45, 64)))
-    for name in ("rms_height", "rms_slope", "rms_laplacian", "conformal_energy"):
+    coarse, fine = (roughness(surface.heights(shape), surface.size, HalfSpace(1.0)) for shape in ((24, 24), (45, 64)))
+    for name in ("rms_height", "rms_slope", "rms_laplacian", "conformal_energy", "conformal_stress"):
         assert getattr(coarse, name) == pytest.approx(getattr(fine, name), rel=1e-12)
 
 
@@ -93,4 +100,24 @@ def test_the_surface_is_said_to_be_of_the_first_seed(tmp_path):
 
 def regime_of_seed(seed):
     surface = realise(study(STUDY.replace("[sweep]\n", f'[sweep]\n"surface.seed" = [{seed}]\n')).cases[0])
-    return roughness(surface.heights(surface.shape), surface.size)
+    return roughness(surface.heights(surface.shape), surface.size, HalfSpace(1.0))
+
+
+def test_full_contact_with_a_layer_is_that_of_its_stiffness(tmp_path):
+    thin = STUDY + '[elasticity]\nkind = "layer"\nthickness = "10.4 angstrom"\n'
+    found = []
+    for name, text in (("half_space", STUDY), ("layer", thin)):
+        paths = [write(tmp_path / f"{name}_{kind}.nc", kind, text) for kind in ("continuum", "atomistic")]
+        found.append(compute_regime(read_inputs(paths)))
+    case = study(thin).cases[0]
+    surface = realise(case)
+    expected = roughness(surface.heights(surface.shape), surface.size, case.solid)
+    plain = roughness(surface.heights(surface.shape), surface.size, HalfSpace(1.0))
+    for name, own in (
+        ("full_contact_energy", "conformal_energy"),
+        ("full_contact_stress_over_peak", "conformal_stress"),
+    ):
+        ratio = getattr(expected, own) / getattr(plain, own)
+        assert ratio > 3
+        np.testing.assert_allclose(found[1][name] / found[0][name], ratio, rtol=1e-10)
+    np.testing.assert_allclose(found[1]["process_zone"], found[0]["process_zone"], rtol=1e-12)

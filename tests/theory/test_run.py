@@ -7,7 +7,7 @@ import warnings
 import numpy as np
 import pytest
 
-from contact_study.campaign.schema import COORDINATES, VARIABLES
+from contact_study.campaign.schema import COORDINATES, VARIABLES, quantity_of
 from contact_study.problem.errors import InputError
 from contact_study.problem.study import make_study
 from contact_study.problem.surface import realise
@@ -16,7 +16,7 @@ from tests.problem.test_study import of_another_kind
 from tests.recording import bins_of_case, recorded_path
 from theory import closed_forms, run
 from theory.gap_flow import gap_flow
-from theory.persson import true_area_factor
+from theory.persson import solve, true_area_factor
 from theory.separation import NegativeSeparation, NotConverged
 
 ENERGIES = ("mean_pressure", "mean_gap", "elastic_energy", "interaction_energy")
@@ -356,3 +356,22 @@ def test_surfaces_without_spectrum_are_refused():
     with pytest.raises(InputError, match=r"surface\.kind"):
         run.check(flat)
     run.check(case_of(surface={"kind": "wavy", "amplitude": "1 nm"}, theory={"spectrum": "surface"}))
+
+
+def test_a_layer_is_held_by_its_base():
+    """Gaps are the theory's own; the base has moved on by the uniform compression, whose energy is the block's."""
+    thickness, pressure = 5e-9, 1e9
+    flat = {"elasticity": {"kind": "layer", "thickness": thickness}, "loading": {"path": [pressure], "unload": False}}
+    case = case_of(**flat)
+    values = steps_of(case)[0].values
+    compliance = case.solid.mean_compliance
+    assert compliance > 0
+    found = [name for name in values if quantity_of(name)[1] == "mean_separation"]
+    assert len(found) == 4
+    for name in found:
+        gap = values[name.replace("mean_separation", "mean_gap")]
+        assert gap - values[name] == pytest.approx(compliance * pressure, rel=1e-9)
+    theory = run.persson_theory(case, realise(case))
+    stored = solve(theory, pressure).elastic_energy
+    total = values[found[0].replace("mean_separation", "elastic_energy")]
+    assert total == pytest.approx(stored + 0.5 * compliance * pressure**2, rel=1e-6)

@@ -11,6 +11,7 @@ from contact_study.comparison.read.datasets import Inputs
 from contact_study.comparison.read.path_points import AVERAGED
 from contact_study.fields import fourier
 from contact_study.fields.grid import Grid
+from contact_study.problem.elasticity import Elasticity
 from contact_study.problem.errors import InputError
 from contact_study.problem.surface import realise
 
@@ -30,7 +31,9 @@ class Roughness:
     area_factor : float
         True over projected area, <√(1 + |∇h|²)>.
     conformal_energy : float
-        Elastic energy of full contact over the contact modulus, ¼ Σ q |h_q|² per area (m).
+        Elastic energy of full contact over the contact modulus, ½ Σ K |h_q|²/E* per area (m).
+    conformal_stress : float
+        Deviation of the stress of full contact over the contact modulus, √(Σ K² |h_q|²)/E*.
     """
 
     rms_height: float
@@ -38,9 +41,10 @@ class Roughness:
     rms_laplacian: float
     area_factor: float
     conformal_energy: float
+    conformal_stress: float
 
 
-def roughness(heights: np.ndarray, size: tuple[float, float]) -> Roughness:
+def roughness(heights: np.ndarray, size: tuple[float, float], solid: Elasticity) -> Roughness:
     """Moments of a periodic surface from its Fourier series.
 
     Parameters
@@ -49,8 +53,11 @@ def roughness(heights: np.ndarray, size: tuple[float, float]) -> Roughness:
         (m)
     size : tuple of float
         Periods along y and x (m).
+    solid : Elasticity
+        What full contact deforms.
     """
     grid = Grid(heights.shape, size)
+    stiffness_q = solid.stiffness_on(grid) / solid.contact_modulus
     spectrum_q = fourier.transform(heights - heights.mean())
     power_q = grid.multiplicity * np.abs(spectrum_q) ** 2
     q = grid.wavenumber
@@ -60,7 +67,8 @@ def roughness(heights: np.ndarray, size: tuple[float, float]) -> Roughness:
         rms_slope=float(np.sqrt(np.sum(q**2 * power_q))),
         rms_laplacian=float(np.sqrt(np.sum(q**4 * power_q))),
         area_factor=float(np.mean(np.sqrt(1 + slope_y**2 + slope_x**2))),
-        conformal_energy=float(0.25 * np.sum(q * power_q)),
+        conformal_energy=float(0.5 * np.sum(stiffness_q * power_q)),
+        conformal_stress=float(np.sqrt(np.sum(stiffness_q**2 * power_q))),
     )
 
 
@@ -105,7 +113,7 @@ _MEANINGS = {
     ),
     "full_contact_stress_over_peak": (
         "1",
-        "rms stress of full contact, E* rms slope / 2, over the largest tensile stress",
+        "rms stress of full contact, on a half-space E* rms slope / 2, over the largest tensile stress",
     ),
     "full_contact_energy": ("J m-2", "elastic energy of full contact per nominal area"),
     "area_factor": ("1", "true over projected area of the surface"),
@@ -133,7 +141,7 @@ def _regime(models: Mapping[str, xr.Dataset], point: SweepPoint, surface: Roughn
     return numbers | {
         "tabor_parameter": float(tabor),
         "adhesion_over_elastic_energy": work * surface.area_factor / energy,
-        "full_contact_stress_over_peak": 0.5 * modulus * surface.rms_slope / peak if peak > 0 else np.nan,
+        "full_contact_stress_over_peak": modulus * surface.conformal_stress / peak if peak > 0 else np.nan,
         "full_contact_energy": energy,
         "area_factor": surface.area_factor,
         "rms_slope": surface.rms_slope,
@@ -152,15 +160,15 @@ def _roughness_of(inputs: Inputs, point: SweepPoint) -> Roughness | None:
     try:
         surface = realise(case)
     except InputError:  # a height map that is no longer where the study names it
-        return _from_dataset(inputs.models, point)
-    return roughness(surface.heights(surface.shape), surface.size)
+        return _from_dataset(inputs.models, point, case.solid)
+    return roughness(surface.heights(surface.shape), surface.size, case.solid)
 
 
-def _from_dataset(models: Mapping[str, xr.Dataset], point: SweepPoint) -> Roughness | None:
+def _from_dataset(models: Mapping[str, xr.Dataset], point: SweepPoint, solid: Elasticity) -> Roughness | None:
     for dataset in models.values():
         part = select(dataset, point)
         if part is not None and "height" in part and part["height"].ndim == 2:
             y, x = (part[axis].values[np.isfinite(part[axis].values)] for axis in ("y", "x"))
             heights = part["height"].values[: y.size, : x.size]
-            return roughness(heights, (y.size * (y[1] - y[0]), x.size * (x[1] - x[0])))
+            return roughness(heights, (y.size * (y[1] - y[0]), x.size * (x[1] - x[0])), solid)
     return None
