@@ -10,8 +10,9 @@ from pathlib import Path
 
 import xarray as xr
 
-from contact_study.comparison.read.datasets import MODELS, models_in
-from contact_study.comparison.say.findings import MODEL_WORDS, headline, split_pair
+from contact_study.comparison.models import entry_of, file_kinds
+from contact_study.comparison.read.files import models_in
+from contact_study.comparison.say.findings import headline, split_pair
 from contact_study.comparison.say.result_tables import results_tables
 from contact_study.comparison.wording import number
 from contact_study.problem.units import quantity
@@ -30,7 +31,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     pressures = [quantity(text, "Pa", "--pressures") for text in given.pressures]
     with xr.open_datatree(given.comparison, decode_timedelta=False) as tree:
         there = {node.path.strip("/") for node in tree.subtree}
-        roots = [tree[kind].to_dataset().load() for kind in MODELS if kind in there]
+        roots = [tree[kind].to_dataset().load() for kind in file_kinds() if kind in there]
         deviations = tree["deviations"].to_dataset().load()
     models = {name: dataset for root in roots for name, dataset in models_in(root).items()}
     print(table(models, pressures))
@@ -44,7 +45,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def table(models: Mapping[str, xr.Dataset], pressures: Sequence[float]) -> str:
     """Markdown: a state a row, "A; ū" of each model a column."""
-    names = [MODEL_WORDS[name].removeprefix("the ") for name in models]
+    names = [entry_of(name).words.removeprefix("the ") for name in models]
     found = results_tables(models, "pressure")
     unit = found[0].header[0]
     lines = [f"| | {unit} | {' | '.join(names)} |", "|---" * (2 + len(names)) + "|"]

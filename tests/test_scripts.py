@@ -68,7 +68,7 @@ def test_result_table(tmp_path, capsys):
             cells = [
                 f"{AREA_FACTOR[model] * area(ratio, 1e9 * pressure):.4f}; "
                 f"{(gap(ratio, 1e9 * pressure) + GAP_SHIFT[model]) / 1e-9:.3f}".replace("-", "−")
-                for model in ("atomistic", "continuum", "theory", "gap_flow")
+                for model in ("atomistic", "continuum", "persson", "gap_flow")
             ]
             expected.append(f"| {words} | {pressure:g} | {' | '.join(cells)} |")
     assert rows[:4] == expected

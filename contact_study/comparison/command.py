@@ -1,4 +1,4 @@
-"""The command ``contact-compare``: datasets of the models in, their comparison out."""
+"""The command ``contact-compare``: datasets of the models in, their comparison, or a report of one, out."""
 
 import os
 import shlex
@@ -12,7 +12,7 @@ import contact_study
 from contact_study.campaign.command import DONE, NOT_CONVERGED, Parser, git_commit, guarded
 from contact_study.campaign.files import writable_output
 from contact_study.campaign.schema import CONVENTIONS, SCHEMA_VERSION
-from contact_study.comparison.compute.deviations import MISSING, compute_deviations
+from contact_study.comparison.compute.deviations import MISSING, compute_deviations, pairs_of
 from contact_study.comparison.compute.regime import compute_regime
 from contact_study.comparison.illustrations import draw
 from contact_study.comparison.read.datasets import Inputs, read_inputs
@@ -33,6 +33,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Compare datasets; returns the exit status.
 
     0: done; 1: wrong input, nothing is written; 2: done, but some step of the inputs did not converge.
+
+    One dataset is reported on; there is nothing to compare it with.
     """
     arguments = sys.argv[1:] if arguments is None else list(arguments)
     return guarded(COMMAND, lambda: _main(arguments), interrupted="nothing was written")
@@ -52,8 +54,8 @@ def _main(arguments: Sequence[str]) -> int:
         raise InputError("--reference-pressure: these studies prescribe the gap; leave it out")
     for note in inputs.notes:
         print(f"{COMMAND}: warning: {note}", file=sys.stderr)
-    deviations = compute_deviations(inputs.models, inputs.control)
-    if (deviations["state"] == MISSING).all():
+    deviations = compute_deviations(inputs.models, inputs.control) if pairs_of(inputs.models) else None
+    if deviations is not None and (deviations["state"] == MISSING).all():
         raise InputError("these datasets have no point of their loading paths in common; run the same study")
     regime = compute_regime(inputs)
     attrs = _attributes(inputs, given.output, arguments)
@@ -81,7 +83,11 @@ def _parser() -> Parser:
         allow_abbrev=False,
     )
     parser.add_argument(
-        "datasets", type=Path, nargs="+", metavar="MODEL.nc", help="datasets of two or three models, in any order"
+        "datasets",
+        type=Path,
+        nargs="+",
+        metavar="MODEL.nc",
+        help="datasets of one contact: one to report on, or several to compare, in any order",
     )
     parser.add_argument("-o", "--output", type=Path, required=True, metavar="OUT.nc", help="dataset to write")
     parser.add_argument("--figures", type=Path, metavar="FOLDER", help="folder for the figures (PNG)")

@@ -2,10 +2,11 @@
 
 from contact_study.comparison.compute import bands, plotted
 from contact_study.comparison.compute.cases import sweep_points
+from contact_study.comparison.compute.gap_maps import read_gap_maps
 from contact_study.comparison.compute.scales import mean_pressure_unit, scales
 from contact_study.comparison.compute.shown_states import common_label, panel_points, point_label, state_label
 from contact_study.comparison.draw import figures
-from contact_study.comparison.draw.gap_map import gap_map_figure, read_gap_maps
+from contact_study.comparison.draw.gap_map import gap_map_figure
 from contact_study.comparison.draw.style import png
 from contact_study.comparison.read.datasets import Inputs
 from contact_study.comparison.read.path_points import AVERAGED
@@ -31,24 +32,24 @@ def draw(inputs: Inputs, wanted: float | None = None) -> Figures:
     curves = plotted.path_curves(models, control)
     area_bands = bands.contact_area_bands(inputs.branches, points, pressure.size)
     states = common_label(models, shown.common, control), shown.case.label
-    drawn = {
-        "stress_distribution": figures.stress_distribution_figure(
-            *plotted.stress_distribution_data(models, control, shown), states
-        ),
-        "gap_distribution": figures.gap_distribution_figure(
-            *plotted.gap_distribution_data(models, control, shown), scale.height_symbol, states
-        ),
-        "contact_area": figures.contact_area_figure(curves.areas, pressure.name, area_bands),
-    }
+    drawn = {}
+    stresses = plotted.stress_distribution_data(models, control, shown)
+    if any(stresses):
+        drawn["stress_distribution"] = figures.stress_distribution_figure(*stresses, states)
+    distances = plotted.gap_distribution_data(models, control, shown)
+    if any(distances):
+        drawn["gap_distribution"] = figures.gap_distribution_figure(*distances, scale.height_symbol, states)
+    drawn["contact_area"] = figures.contact_area_figure(curves.areas, pressure.name, area_bands)
     shaded = tuple(bands.mean_gap_bands(inputs.branches, points, units, linear=either) for either in (False, True))
-    if figures.mean_gap_panels(curves.gaps, curves.linear_gaps):
+    if plotted.mean_gap_panels(curves.gaps, curves.linear_gaps):
         drawn["mean_gap"] = figures.mean_gap_figure(curves.gaps, curves.linear_gaps, scale.height_symbol, shaded)
     seed = _first_seed(inputs)
     maps = read_gap_maps(inputs, shown, seed)
     if maps is not None:
         state = state_label(shown.case, point_label(shown.common, scale, control))
         drawn["gap_map"] = gap_map_figure(maps, state)
-    words = captions(inputs, shown, curves, seed, banded=bool(area_bands) or any(shaded))
+    banded = dict.fromkeys(band.model for found in (area_bands, *shaded) for band in found)
+    words = captions(inputs, shown, curves, seed, list(banded))
     return Figures({name: png(figure) for name, figure in drawn.items()}, words)
 
 

@@ -9,16 +9,16 @@ from contact_study.comparison.read.datasets import Inputs
 
 
 def comparison_tree(
-    inputs: Inputs, deviations: xr.Dataset, regime: xr.Dataset, attrs: Mapping[str, Any]
+    inputs: Inputs, deviations: xr.Dataset | None, regime: xr.Dataset, attrs: Mapping[str, Any]
 ) -> xr.DataTree:
-    """Groups ``continuum``, ``atomistic`` and ``theory``, each as in its own file, ``deviations`` and ``regime``.
+    """A group for each file, named after its kind and as in the file itself, ``regime``, and ``deviations`` if any.
 
     Parameters
     ----------
     inputs : Inputs
         What was compared; its datasets without the fields.
     deviations, regime : xarray.Dataset
-        As :func:`compute_deviations` and :func:`compute_regime` return them.
+        As :func:`compute_deviations` and :func:`compute_regime` return them; None where nothing deviates from another.
     attrs : mapping
         Attributes of the root.
     """
@@ -27,7 +27,9 @@ def comparison_tree(
         for kind, contents in inputs.groups.items()
         for name, dataset in contents.items()
     }
-    groups |= {"/deviations": deviations, "/regime": regime}
+    groups["/regime"] = regime
+    if deviations is not None:
+        groups["/deviations"] = deviations
     return xr.DataTree.from_dict(
         {"/": xr.Dataset(attrs=attrs), **{path: _without_filled_coordinates(d) for path, d in groups.items()}}
     )

@@ -51,9 +51,9 @@ GAP_STUDY = (
 )
 
 # Contact areas: the continuum's times these.
-AREA_FACTOR = {"continuum": 1.0, "atomistic": 0.9, "theory": 0.5, "gap_flow": 1.25}
+AREA_FACTOR = {"continuum": 1.0, "atomistic": 0.9, "persson": 0.5, "gap_flow": 1.25}
 # Mean gaps: the continuum's plus these (m).
-GAP_SHIFT = {"continuum": 0.0, "atomistic": 0.5e-10, "theory": -1e-10, "gap_flow": 0.2e-10}
+GAP_SHIFT = {"continuum": 0.0, "atomistic": 0.5e-10, "persson": -1e-10, "gap_flow": 0.2e-10}
 
 
 # The gap-flow theory's branches: areas times these, mean gaps divided by them.
@@ -142,18 +142,18 @@ def _values(case, bins, kind, prescribed):
     pressure = prescribed if control == "pressure" else pressure_at(prescribed)
     ratio, seed = case.interaction.well_depth_ratio, case.surface.realisation or 1
     values = {f"applied_{control}": prescribed, "residual": 1e-9, "iterations": 7, "wall_time": 0.5, "message": ""}
-    for model in ("theory", "gap_flow") if kind == "theory" else (kind,):
-        prefix = {"theory": "persson/", "gap_flow": "gap_flow/"}.get(model, "")
+    for model in ("persson", "gap_flow") if kind == "theory" else (kind,):
+        prefix = f"{model}/" if kind == "theory" else ""
         contact = min(1.0, AREA_FACTOR[model] * area(ratio, pressure, seed))
         shifted = gap(ratio, pressure, seed) + GAP_SHIFT[model]
         values |= {
             f"{prefix}mean_pressure": pressure,
             f"{prefix}relative_contact_area": contact,
-            f"{prefix}mean_gap": np.nan if model == "theory" and pressure < 0 else shifted,
+            f"{prefix}mean_gap": np.nan if model == "persson" and pressure < 0 else shifted,
             f"{prefix}elastic_energy": 0.1 * contact,
             f"{prefix}pressure_pdf": contact * _bell(bins.pressure_edges, pressure, 6e9 * ratio**0.3),
         }
-        if model != "theory":
+        if model != "persson":
             values[f"{prefix}gap_pdf"] = _bell(bins.gap_edges, shifted + 3.28e-10, 4e-10)
     if kind == "theory":
         for side, factor in BRANCH_FACTOR.items():

@@ -11,9 +11,10 @@ import xarray as xr
 
 from contact_study.comparison.command import main
 from contact_study.comparison.compute.deviations import compute_deviations
+from contact_study.comparison.compute.gap_maps import read_gap_maps
 from contact_study.comparison.compute.shown_states import panel_points
-from contact_study.comparison.draw.gap_map import read_gap_maps
-from contact_study.comparison.read.datasets import field_at, read_inputs
+from contact_study.comparison.read.datasets import read_inputs
+from contact_study.comparison.read.files import field_at
 from contact_study.comparison.wording import percent
 from contact_study.problem.surface import realise
 from tests.comparison.synthetic import GAP_STUDY, STUDY, study, write, write_all
@@ -262,8 +263,8 @@ def test_an_input_is_never_the_output(files, capsys):
 
 
 def test_wrong_input_writes_nothing(files, tmp_path, capsys):
-    assert run(files[0], "-o", tmp_path / "c.nc", "--figures", tmp_path / "f") == 1
-    assert "at least two models" in capsys.readouterr().err
+    assert run(files[0], files[0], "-o", tmp_path / "c.nc", "--figures", tmp_path / "f") == 1
+    assert "is given twice" in capsys.readouterr().err
     assert not list(tmp_path.iterdir())
 
 

@@ -9,8 +9,9 @@ import pytest
 import xarray as xr
 
 from contact_study.comparison.compute.cases import sweep_points
-from contact_study.comparison.read.datasets import field_at, read_inputs
+from contact_study.comparison.read.datasets import read_inputs
 from contact_study.comparison.read.differences import ONE_CONTACT, check_studies
+from contact_study.comparison.read.files import field_at
 from contact_study.problem.errors import InputError
 from contact_study.problem.study import all_keys
 from tests.comparison.synthetic import STUDY, study, write, write_all
@@ -25,7 +26,7 @@ def files(tmp_path_factory):
 
 def test_models_are_recognised_in_any_order(files):
     inputs = read_inputs(files[::-1])
-    assert list(inputs.models) == ["atomistic", "continuum", "theory", "gap_flow"]
+    assert list(inputs.models) == ["atomistic", "continuum", "persson", "gap_flow"]
     assert {kind: path.name for kind, path in inputs.paths.items()} == {
         "continuum": "continuum.nc",
         "atomistic": "atomistic.nc",
@@ -50,10 +51,6 @@ def refused(paths):
         read_inputs(paths)
     assert "\n" not in str(caught.value)
     return str(caught.value)
-
-
-def test_one_model_is_no_comparison(files):
-    assert "at least two models" in refused(files[:1])
 
 
 def test_one_model_twice(files, tmp_path):
@@ -288,8 +285,8 @@ def test_other_groups_of_a_file_are_left_alone(tmp_path):
     paths = [write(tmp_path / f"{kind}.nc", kind) for kind in ("continuum", "theory")]
     xr.Dataset({"state": ("where", np.ones(5))}).to_netcdf(paths[0], mode="a", group="restart")
     inputs = read_inputs(paths)
-    assert sorted(inputs.models) == ["continuum", "gap_flow", "theory"]
-    assert sorted(inputs.branches) == ["loading", "unloading"]
+    assert sorted(inputs.models) == ["continuum", "gap_flow", "persson"]
+    assert sorted(inputs.branches["gap_flow"]) == ["loading", "unloading"]
 
 
 def test_height_maps_of_another_content_are_refused(tmp_path):

@@ -19,7 +19,8 @@ def inputs_of(*texts, names=("continuum", "atomistic", "theory")):
     studies = {name: make_study(tomllib.loads(text)) for name, text in zip(names, texts * len(names), strict=False)}
     control = next(iter(studies.values())).cases[0].loading.control
     path = next(iter(studies.values())).cases[0].loading.path
-    models = {name: xr.Dataset(coords={f"applied_{control}": ("step", list(path))}) for name in studies}
+    shown = ["persson" if name == "theory" else name for name in studies]
+    models = {name: xr.Dataset(coords={f"applied_{control}": ("step", list(path))}) for name in shown}
     return Inputs({}, models, {}, studies)
 
 

@@ -24,9 +24,9 @@ def test_every_pair_by_hand(tmp_path):
     found = deviations(write_all(tmp_path))
     assert list(found["pair"].values) == [
         "continuum - atomistic",
-        "theory - atomistic",
+        "persson - atomistic",
         "gap_flow - atomistic",
-        "theory - continuum",
+        "persson - continuum",
         "gap_flow - continuum",
     ]
     assert found["relative_contact_area_deviation"].dims == ("pair", "well_depth_ratio", "step")
@@ -49,7 +49,7 @@ def test_every_pair_by_hand(tmp_path):
 
 
 def test_theory_without_a_gap_under_tension_keeps_its_area(tmp_path):
-    found = deviations(write_all(tmp_path)).sel(pair="theory - continuum", well_depth_ratio=8)
+    found = deviations(write_all(tmp_path)).sel(pair="persson - continuum", well_depth_ratio=8)
     assert int(found["state"].isel(step=1)) == COMPARED
     assert np.isnan(found["mean_gap_deviation"].isel(step=1))
     assert np.isfinite(found["relative_contact_area_deviation"].isel(step=1))
@@ -116,8 +116,8 @@ def test_seeds_give_mean_and_standard_error(tmp_path):
 def test_one_dataset_without_seeds_is_compared_with_each(tmp_path):
     seeded = STUDY.replace("[sweep]\n", '[sweep]\n"surface.seed" = [1, 2]\n')
     paths = [write(tmp_path / "c.nc", "continuum", seeded), write(tmp_path / "t.nc", "theory")]
-    found = deviations(paths).sel(pair="theory - continuum", well_depth_ratio=8)
-    by_hand = [AREA_FACTOR["theory"] * area(8, 0.1e9) - area(8, 0.1e9, seed) for seed in (1, 2)]
+    found = deviations(paths).sel(pair="persson - continuum", well_depth_ratio=8)
+    by_hand = [AREA_FACTOR["persson"] * area(8, 0.1e9) - area(8, 0.1e9, seed) for seed in (1, 2)]
     np.testing.assert_allclose(found["relative_contact_area_deviation"].isel(step=0), by_hand, rtol=1e-12)
 
 

@@ -13,12 +13,13 @@ from matplotlib.legend import Legend
 from contact_study.comparison import illustrations
 from contact_study.comparison.compute import bands, plotted
 from contact_study.comparison.compute.cases import sweep_points
+from contact_study.comparison.compute.gap_maps import GapMaps, read_gap_maps
 from contact_study.comparison.compute.plotted import Curve
 from contact_study.comparison.compute.scales import scales
 from contact_study.comparison.compute.shown_states import common_label, panel_points
 from contact_study.comparison.draw import figures
-from contact_study.comparison.draw.gap_map import GapMaps, gap_map_figure, read_gap_maps
-from contact_study.comparison.draw.legends import BAND_LABEL
+from contact_study.comparison.draw.gap_map import gap_map_figure
+from contact_study.comparison.draw.legends import band_label
 from contact_study.comparison.read.datasets import read_inputs
 from tests.comparison.synthetic import GAP_STUDY, STUDY, write, write_all
 
@@ -136,16 +137,19 @@ def test_the_band_is_the_gap_flow_theorys(monkeypatch, tmp_path):
     inputs = read_inputs(write_all(tmp_path))
     shown, captions = drawn(monkeypatch, inputs)
     for name in ("contact_area", "mean_gap"):
-        assert BAND_LABEL in words_of(shown[name])
+        assert band_label("gap_flow") in words_of(shown[name])
         assert "branches of the gap-flow theory" in captions[name]
-    assert "gap-flow" in BAND_LABEL
+    assert "gap-flow" in band_label("gap_flow")
     without = type(inputs)(
-        inputs.paths, inputs.models, dict.fromkeys(inputs.branches, inputs.models["gap_flow"]), inputs.studies
+        inputs.paths,
+        inputs.models,
+        {"gap_flow": dict.fromkeys(("loading", "unloading"), inputs.models["gap_flow"])},
+        inputs.studies,
     )
     assert bands.contact_area_bands(without.branches, sweep_points(inputs.models), 1e9) == [], "branches that are one"
     shown, captions = drawn(monkeypatch, without)
     for name in ("contact_area", "mean_gap"):
-        assert BAND_LABEL not in words_of(shown[name])
+        assert band_label("gap_flow") not in words_of(shown[name])
         assert "band" not in captions[name]
 
 
@@ -231,7 +235,7 @@ def test_rounding_has_no_sign(tmp_path, text, name, noise):
         assert plotted.contact_area_data(inputs.models, control)[0].x[0] > 0, "ten times the residual counts"
 
 
-def curve(x, y, model="theory", **options):
+def curve(x, y, model="persson", **options):
     return Curve(model, "", 0, np.array(x, float), np.array(y, float), **options)
 
 

@@ -97,8 +97,8 @@ def test_distributions_are_those_of_the_paper_states(models, shown):
     expected = density.sel(well_depth_ratio=1).isel(step=1)
     np.testing.assert_allclose(10**curve.y / MODULUS, expected, rtol=1e-9)
     assert {curve.label for curve in panel_b} == {"p/E* = −0.00532", "p/E* = 0.00832", "p/E* = 0.06265"}
-    tension = one(panel_b, "theory", 0)
-    expected = models["theory"]["pressure_pdf"].sel(well_depth_ratio=8).isel(step=1)
+    tension = one(panel_b, "persson", 0)
+    expected = models["persson"]["pressure_pdf"].sel(well_depth_ratio=8).isel(step=1)
     np.testing.assert_allclose(10**tension.y / MODULUS, expected, rtol=1e-9)
 
 

@@ -13,7 +13,7 @@ from contact_study.comparison.say.setting_tables import constants_table, effort_
 from tests.comparison import synthetic
 from tests.comparison.synthetic import AREA_FACTOR, GAP_SHIFT, area, gap, write, write_all
 
-SHOWN = {"atomistic": "atoms", "continuum": "continuum", "theory": "Persson", "gap_flow": "gap\u00a0flow"}
+SHOWN = {"atomistic": "atoms", "continuum": "continuum", "persson": "Persson", "gap_flow": "gap\u00a0flow"}
 MODELS = list(SHOWN)
 # A roughness that is no power of ten: a gap in nanometres, or in metres, is told from one in units of h_rms.
 STUDY, GAP_STUDY = (
@@ -43,7 +43,7 @@ def test_results_by_hand(inputs):
         for column, model in enumerate(MODELS):
             assert row[2 + column] == text(AREA_FACTOR[model] * area(8, pressure), 4)
             found = text((gap(8, pressure) + GAP_SHIFT[model]) / H_RMS, 3)
-            assert row[6 + column] == ("–" if model == "theory" and pressure < 0 else found)
+            assert row[6 + column] == ("–" if model == "persson" and pressure < 0 else found)
 
 
 def test_deviations_by_hand(inputs):
@@ -82,7 +82,7 @@ def test_summary_is_over_shared_states(tmp_path):
     ]
     inputs = read_inputs(paths)
     deviations = compute_deviations(inputs.models, "pressure")
-    here = {"pair": "theory - atomistic", "well_depth_ratio": 1, "step": 0}
+    here = {"pair": "persson - atomistic", "well_depth_ratio": 1, "step": 0}
     for name in ("relative_contact_area_relative_deviation", "mean_gap_deviation"):
         deviations[name].loc[here] = -0.87 if "area" in name else 5e-9
     table = summary_table(inputs.models, deviations)
@@ -171,7 +171,7 @@ def test_constants_by_hand(inputs):
 
 
 def test_regime_by_hand(inputs):
-    models = {**inputs.models, "theory": inputs.models["theory"].assign(pull_off_pressure=-0.3125e9)}
+    models = {**inputs.models, "persson": inputs.models["persson"].assign(pull_off_pressure=-0.3125e9)}
     regime = compute_regime(inputs)
     table = regime_table(models, regime)
     assert table.header[2] == "process zone (Å)"

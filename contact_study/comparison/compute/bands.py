@@ -1,5 +1,6 @@
-"""The band between the two metastable branches of the gap-flow theory, as arrays to shade."""
+"""The band between the two metastable branches of a theory, as arrays to shade."""
 
+import itertools
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 
@@ -14,10 +15,12 @@ _VISIBLE = 2e-3  # of the quantity: a dot of the figures
 
 @dataclass(frozen=True)
 class Band:
-    """What the two metastable branches of the gap-flow theory enclose at one point of the sweep.
+    """What the two metastable branches of a theory enclose at one point of the sweep.
 
     Attributes
     ----------
+    model : str
+        Name of the theory's entry.
     colour : int
         Number of the colour.
     along : numpy.ndarray
@@ -26,19 +29,22 @@ class Band:
         The enclosed quantity.
     """
 
+    model: str
     colour: int
     along: np.ndarray
     low: np.ndarray
     high: np.ndarray
 
 
-def contact_area_bands(branches: Mapping[str, xr.Dataset], points: list[SweepPoint], unit: float) -> list[Band]:
+def contact_area_bands(
+    branches: Mapping[str, Mapping[str, xr.Dataset]], points: list[SweepPoint], unit: float
+) -> list[Band]:
     """Contact area between the branches, over pressure in units of ``unit`` (Pa)."""
     return _bands(branches, points, "relative_contact_area", lambda pressure, area: (pressure / unit, area))
 
 
 def mean_gap_bands(
-    branches: Mapping[str, xr.Dataset],
+    branches: Mapping[str, Mapping[str, xr.Dataset]],
     points: list[SweepPoint],
     units: Mapping[str, Scales],
     linear: bool = False,
@@ -59,17 +65,15 @@ def mean_gap_bands(
 
 
 def _bands(
-    branches: Mapping[str, xr.Dataset],
+    branches: Mapping[str, Mapping[str, xr.Dataset]],
     points: list[SweepPoint],
     name: str,
     scaled: Callable[[np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]],
 ) -> list[Band]:
-    if len(branches) < 2:
-        return []
     bands = []
-    for colour, point in enumerate(points):
-        parts = [select(branches[side], point) for side in ("loading", "unloading")]
-        if any(part is None for part in parts):
+    for model, (colour, point) in itertools.product(branches, enumerate(points)):
+        parts = [select(dataset, point) for dataset in branches[model].values()]
+        if len(parts) < 2 or any(part is None for part in parts):
             continue
         sides = [_side(part, name, scaled) for part in parts if part is not None]
         # Under a prescribed gap each branch has its own pressures; the band is where both have some.
@@ -80,7 +84,7 @@ def _bands(
         one, two = (np.interp(shared, along, values) for along, values in sides)
         # Without hysteresis the branches differ by the error of their grids, which is no band.
         if np.abs(one - two).max(initial=0.0) > _VISIBLE * max(np.abs(one).max(initial=0.0), 1e-300):
-            bands.append(Band(colour, shared, np.minimum(one, two), np.maximum(one, two)))
+            bands.append(Band(model, colour, shared, np.minimum(one, two), np.maximum(one, two)))
     return bands
 
 

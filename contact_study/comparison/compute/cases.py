@@ -10,6 +10,7 @@ import numpy as np
 import xarray as xr
 
 from contact_study.comparison.labels import coordinate_label
+from contact_study.comparison.models import entry_of
 from contact_study.comparison.read.path_points import AVERAGED, Point, path_points, swept_dims
 
 
@@ -132,9 +133,9 @@ def constant(part: xr.Dataset, name: str) -> float:
 
 
 def first_constant(models: Mapping[str, xr.Dataset], point: SweepPoint, name: str) -> float:
-    """A number from the first model that has it; inputs of the continuum come before what atoms measured."""
-    for model in ("continuum", "theory", "atomistic"):
-        part = select(models[model], point) if model in models else None
+    """A number from the first model that has it; what was given comes before what a model measured on itself."""
+    for model in sorted(models, key=lambda model: entry_of(model).measured):
+        part = select(models[model], point)
         if part is not None and np.isfinite(value := constant(part, name)):
             return value
     return float("nan")

@@ -1,25 +1,28 @@
 """How far the models are apart at each point of the sweep and of the loading path."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 
 import numpy as np
 import xarray as xr
 
 from contact_study.campaign.schema import COORDINATES, VARIABLES
+from contact_study.comparison.models import entry_of, kind_of
 from contact_study.comparison.read.path_points import AVERAGED, on_common_path, swept_dims, usable
 
 QUANTITIES = ("relative_contact_area", "mean_gap", "elastic_energy")
 
-# model, reference: a deviation is the model's value minus the reference's.
-PAIRS = (
-    ("continuum", "atomistic"),
-    ("theory", "atomistic"),
-    ("gap_flow", "atomistic"),
-    ("theory", "continuum"),
-    ("gap_flow", "continuum"),
-)
-
 COMPARED, MISSING, NOT_CONVERGED, DETACHED = range(4)
+
+
+def pairs_of(models: Iterable[str]) -> list[tuple[str, str]]:
+    """Model and reference of every comparison: each model with those of more trust, and datasets of one model."""
+    names = list(models)
+    return [
+        (model, reference)
+        for number, reference in enumerate(names)
+        for model in names[number + 1 :]
+        if entry_of(reference).trust > entry_of(model).trust or kind_of(reference) == kind_of(model)
+    ]
 
 
 def compute_deviations(models: Mapping[str, xr.Dataset], control: str) -> xr.Dataset:
@@ -28,7 +31,7 @@ def compute_deviations(models: Mapping[str, xr.Dataset], control: str) -> xr.Dat
     Parameters
     ----------
     models : mapping
-        Datasets by model: ``atomistic``, ``continuum``, ``theory``, ``gap_flow``, at least one pair of them.
+        Datasets by model, at least one pair of them.
     control : str
         ``"pressure"`` or ``"gap"``.
 
@@ -40,7 +43,7 @@ def compute_deviations(models: Mapping[str, xr.Dataset], control: str) -> xr.Dat
         says that the point is compared. With several seeds also ``…_mean`` and ``…_standard_error`` over them.
     """
     aligned = on_common_path(models, control)
-    pairs = [(model, reference) for model, reference in PAIRS if model in models and reference in models]
+    pairs = pairs_of(models)
     tables = [_compare_pair(aligned[model], aligned[reference]) for model, reference in pairs]
     names = xr.Variable(
         "pair",

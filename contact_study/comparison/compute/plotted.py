@@ -9,6 +9,7 @@ import xarray as xr
 from contact_study.comparison.compute.cases import SweepPoint, case_points, select, series, sweep_points
 from contact_study.comparison.compute.scales import Scales, mean_pressure_unit, scales
 from contact_study.comparison.compute.shown_states import PanelPoints, point_label
+from contact_study.comparison.models import entry_of
 from contact_study.comparison.read.path_points import AVERAGED, Point, usable
 
 
@@ -19,7 +20,7 @@ class Curve:
     Attributes
     ----------
     model : str
-        ``atomistic``, ``continuum``, ``theory`` or ``gap_flow``.
+        Name of its entry.
     label : str
         What its colour stands for.
     colour : int
@@ -136,6 +137,13 @@ def _or_none(error: np.ndarray) -> np.ndarray | None:
     return error if np.isfinite(error).any() else None
 
 
+def mean_gap_panels(curves: Sequence[Curve], linear: Sequence[Curve]) -> list[str]:
+    """Panels of figure 4, ``"logarithmic"`` where there is compression, ``"linear"`` where there is tension."""
+    compressed = any(np.isfinite(curve.x + curve.y).any() for curve in curves)
+    pulled = any((np.isfinite(curve.x) & (curve.y < 0)).any() for curve in linear)
+    return [name for name, there in (("logarithmic", compressed), ("linear", pulled)) if there]
+
+
 def in_compression(curves: Sequence[Curve]) -> bool:
     """Whether some curve of :func:`contact_area_data` has a state to show on logarithmic axes."""
     return any(((curve.x > 0) & (curve.y > 0)).any() for curve in curves)
@@ -181,7 +189,7 @@ def window(curves: Sequence[Curve], ended: int | None) -> np.ndarray:
 
 def simulated(curve: Curve) -> bool:
     """Whether a curve is of a simulation: theories reach beyond any sampling."""
-    return curve.model in ("atomistic", "continuum")
+    return entry_of(curve.model).simulation
 
 
 def path_segments(curve: Curve) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -7,6 +7,7 @@ import numpy as np
 import xarray as xr
 
 from contact_study.comparison.compute.cases import SweepPoint, constant, first_constant, select, sweep_points
+from contact_study.comparison.models import entry_of
 from contact_study.comparison.read.datasets import Inputs
 from contact_study.comparison.read.path_points import AVERAGED
 from contact_study.fields import fourier
@@ -129,8 +130,9 @@ def _regime(models: Mapping[str, xr.Dataset], point: SweepPoint, surface: Roughn
         for name in ("contact_modulus", "work_of_adhesion", "equilibrium_distance", "peak_tensile_stress")
     )
     zone = modulus * work / peak**2 if peak > 0 else np.nan
-    continuum = select(models["continuum"], point) if "continuum" in models else None
-    pixel = constant(continuum, "pixel") if continuum is not None else np.nan
+    parts = [select(models[name], point) for name in models if entry_of(name).feels_law]
+    pixels = [constant(part, "pixel") for part in parts if part is not None and "pixel" in part]
+    pixel = max(pixels, default=np.nan)
     numbers = dict.fromkeys(_MEANINGS, float("nan"))
     numbers |= {"process_zone": zone, "pixel_over_process_zone": pixel / zone if zone else np.nan}
     if surface is None or surface.rms_slope == 0:

@@ -2,7 +2,8 @@
 
 Each function draws data of :mod:`contact_study.comparison.compute.plotted` and returns a figure; none reads or writes a
 file.
-Colour tells the point of the sweep (or the pressure), the line and marker tell the model.
+Colour tells the point of the sweep (or the pressure), the line and marker tell the model; where there is only one point
+of the sweep, the colour tells the model, too.
 """
 
 from collections.abc import Sequence
@@ -18,23 +19,27 @@ from contact_study.comparison.compute.plotted import (
     Curve,
     in_compression,
     logarithmic,
+    mean_gap_panels,
     of_compression,
     path_segments,
+    simulated,
     smallest_resolved,
     window,
 )
 from contact_study.comparison.draw.legends import colour_legend, model_legend, panel_heading, shared_colour_legend
 from contact_study.comparison.draw.style import (
     DOUBLE,
-    LINES,
-    MARKERS,
     PRESSURE_COLOURS,
     SINGLE,
     SWEEP_COLOURS,
+    Look,
+    look_of,
     palette,
     styled,
 )
+from contact_study.comparison.models import entry_of
 
+_TICKS = 6  # along x: numbers such as −0.075 stand side by side in half a page
 _ROW = 0.16  # inches that a row of the legend takes
 
 
@@ -61,6 +66,7 @@ def _distribution_figure(
     figure = Figure(figsize=(DOUBLE, 3.5 + _ROW * _extra_rows(panel_a)), layout="constrained")
     left, right = figure.subplots(1, 2, sharey=True)
     shown = [*panel_a, *panel_b]
+    looks = _looks(shown)
     lowest = smallest_resolved(shown) - 0.3
     for axes, curves, colours, letter, state in (
         (left, panel_a, SWEEP_COLOURS, "a", states[0]),
@@ -68,8 +74,9 @@ def _distribution_figure(
     ):
         own = palette(colours, _count(curves))
         for curve in curves:
-            _draw_density(axes, curve, own[curve.colour])
+            _draw_density(axes, curve, looks[curve.model], own[curve.colour])
         axes.set_xlabel(x_label)
+        axes.locator_params(axis="x", nbins=_TICKS)
         _limit_to_simulations(axes, curves, lowest)
         panel_heading(axes, letter, state)
         colour_legend(axes, curves, own, width=0.42 * DOUBLE)
@@ -79,12 +86,11 @@ def _distribution_figure(
     return figure
 
 
-def _draw_density(axes: Axes, curve: Curve, colour: Any) -> None:
-    if curve.model == "atomistic":
-        axes.plot(curve.x, curve.y, "s", color=colour, ms=2.0, mfc="none", mew=0.6, zorder=2)
+def _draw_density(axes: Axes, curve: Curve, look: Look, colour: Any) -> None:
+    if look.line == "none":
+        axes.plot(curve.x, curve.y, look.marker, color=colour, ms=2.0, mfc="none", mew=0.6, zorder=2)
     else:
-        width = 1.0 if curve.model == "continuum" else 1.4
-        axes.plot(curve.x, curve.y, LINES[curve.model], color=colour, lw=width, zorder=3)
+        axes.plot(curve.x, curve.y, linestyle=look.line, color=colour, lw=max(look.line_width, 1.0), zorder=3)
 
 
 def _limit_to_simulations(axes: Axes, curves: Sequence[Curve], lowest: float) -> None:
@@ -100,21 +106,23 @@ def contact_area_figure(curves: Sequence[Curve], unit: str = "GPa", bands: Seque
     """Figure 3: relative contact area against pressure, linear (a) and logarithmic (b); no (b) without compression."""
     both = in_compression(curves)
     figure, panels = _path_panels(curves, 2 if both else 1, 3.5)
-    colours = palette(SWEEP_COLOURS, _count(curves))
+    colours, looks = _Colours(curves), _looks(curves)
     for axes, letter in zip(panels, "ab" if both else "a", strict=True):
         for band in bands:
             shown = band.along > (-np.inf if letter == "a" else 0)
-            colour = colours[band.colour]
-            axes.fill_between(band.along[shown], band.low[shown], band.high[shown], color=colour, alpha=0.15, lw=0)
+            low, high = band.low[shown], band.high[shown]
+            axes.fill_between(band.along[shown], low, high, color=colours[band], alpha=0.15, lw=0)
         for curve in curves:
-            _draw_path(axes, curve if letter == "a" else of_compression(curve), colours[curve.colour])
+            _draw_path(axes, curve if letter == "a" else of_compression(curve), looks[curve.model], colours[curve])
         axes.set_xlabel(rf"pressure $p$ ({unit})")
+        if letter == "a":
+            axes.locator_params(axis="x", nbins=_TICKS)
         axes.set_ylabel(r"contact area $A/A_0$")
     panels[0].set_ylim(0, None)
     if both:
         x_limits, y_limits = 10.0 ** window([logarithmic(curve) for curve in curves], ended=0)
         panels[1].set(xscale="log", yscale="log", xlim=x_limits, ylim=y_limits)
-    model_legend(figure, curves, bands=bool(bands))
+    model_legend(figure, curves, bands=bands, colours=colours.by_model)
     return figure
 
 
@@ -138,29 +146,22 @@ def mean_gap_figure(
     """
     shown = mean_gap_panels(curves, linear)
     figure, panels = _path_panels(linear, len(shown), 3.9)
-    colours = palette(SWEEP_COLOURS, _count(linear))
+    colours, looks = _Colours(linear), _looks(linear)
     for axes, name in zip(panels, shown, strict=True):
         drawn, shaded = (curves, bands[0]) if name == "logarithmic" else (linear, bands[1])
         for band in shaded:
-            colour = colours[band.colour]
-            axes.fill_betweenx(band.along, band.low, band.high, color=colour, alpha=0.15, lw=0)
+            axes.fill_betweenx(band.along, band.low, band.high, color=colours[band], alpha=0.15, lw=0)
         for curve in drawn:
-            _draw_path(axes, curve, colours[curve.colour])
+            _draw_path(axes, curve, looks[curve.model], colours[curve])
         x_limits, y_limits = window(drawn, ended=1 if name == "logarithmic" else None)
         axes.set(xlim=x_limits, ylim=y_limits)
         if x_limits[0] < 0:
             axes.axvline(0, color="#909090", lw=0.7, zorder=1)
         axes.set_xlabel(rf"mean gap $\bar{{u}}/{_height(unit)}$")
+        axes.locator_params(axis="x", nbins=_TICKS)
         axes.set_ylabel(r"$\ln\,(p/E^*)$" if name == "logarithmic" else r"pressure $p/E^*$")
-    model_legend(figure, linear, bands=any(bands))
+    model_legend(figure, linear, bands=[band for shaded in bands for band in shaded], colours=colours.by_model)
     return figure
-
-
-def mean_gap_panels(curves: Sequence[Curve], linear: Sequence[Curve]) -> list[str]:
-    """Panels of figure 4, ``"logarithmic"`` where there is compression, ``"linear"`` where there is tension."""
-    compressed = any(np.isfinite(curve.x + curve.y).any() for curve in curves)
-    pulled = any((np.isfinite(curve.x) & (curve.y < 0)).any() for curve in linear)
-    return [name for name, there in (("logarithmic", compressed), ("linear", pulled)) if there]
 
 
 def _path_panels(curves: Sequence[Curve], count: int, height: float) -> tuple[Figure, list[Axes]]:
@@ -174,27 +175,44 @@ def _path_panels(curves: Sequence[Curve], count: int, height: float) -> tuple[Fi
     return figure, panels
 
 
-def _draw_path(axes: Axes, curve: Curve, colour: Any) -> None:
+class _Colours:
+    """The colour of each curve and band: that of its point of the sweep, or where there is only one of its model."""
+
+    def __init__(self, curves: Sequence[Curve]):
+        swept = any(curve.label for curve in curves)
+        self._swept = palette(SWEEP_COLOURS, _count(curves)) if swept else []
+        self.by_model = {} if swept else {curve.model: entry_of(curve.model).colour for curve in curves}
+
+    def __getitem__(self, drawn: Curve | Band) -> Any:
+        return self.by_model[drawn.model] if self.by_model else self._swept[drawn.colour]
+
+
+def _looks(curves: Sequence[Curve]) -> dict[str, Look]:
+    names = list(dict.fromkeys(curve.model for curve in curves))
+    return {name: look_of(name, names) for name in names}
+
+
+def _draw_path(axes: Axes, curve: Curve, look: Look, colour: Any) -> None:
     """One model's points along the path: filled while loading, hollow while unloading, crossed if not converged."""
-    theory = curve.model in ("theory", "gap_flow")
+    theory = not simulated(curve)
     order = 2 if theory else 3
     segments, back, joined = path_segments(curve)
     for side, alpha in ((~back, 1.0), (back, 0.55 if theory else 1.0)):
-        if side.any() and LINES[curve.model] != "none":
+        if side.any() and look.line != "none":
             lines = LineCollection(
                 _chains(segments[side]),
                 colors=colour,
-                linestyles=LINES[curve.model],
-                linewidths=0.8 if curve.model == "continuum" else 1.4,
+                linestyles=[look.line],
+                linewidths=look.line_width,
                 alpha=alpha,
                 zorder=order,
             )
             axes.add_collection(lines)
     fit = np.ones(curve.x.shape, bool) if curve.fit is None else curve.fit
     unloading = np.zeros(curve.x.shape, bool) if curve.unloading is None else curve.unloading
-    for side, fill in ((~unloading, "none" if curve.model == "atomistic" else colour), (unloading, "white")):
+    for side, fill in ((~unloading, "none" if look.hollow else colour), (unloading, "white")):
         here = fit & side & np.isfinite(curve.x) & np.isfinite(curve.y)
-        if not MARKERS[curve.model]:  # a line needs two states; one that stands alone is a dot
+        if not look.marker:  # a line needs two states; one that stands alone is a dot
             here &= ~joined
         if here.any():
             axes.errorbar(
@@ -204,8 +222,8 @@ def _draw_path(axes: Axes, curve: Curve, colour: Any) -> None:
                 yerr=_at(curve.y_error, here),
                 color=colour,
                 linestyle="none",
-                marker=MARKERS[curve.model] or ".",
-                ms=5.5 if curve.model == "atomistic" else 3.2,
+                marker=look.marker or ".",
+                ms=look.marker_size,
                 mfc=fill,
                 mew=0.9,
                 elinewidth=0.7,

@@ -1,65 +1,14 @@
-"""Figure 5: the gap fields of the simulations at one state, read one at a time from their files and drawn."""
-
-from dataclasses import dataclass
+"""Figure 5: the gap fields of the simulations at one state."""
 
 import matplotlib
-import numpy as np
 from matplotlib.figure import Figure
 
-from contact_study.comparison.compute.cases import case_points, first_constant, select
-from contact_study.comparison.compute.shown_states import PanelPoints
-from contact_study.comparison.draw.style import DOUBLE, MODEL_NAMES, SINGLE, styled, typeset
-from contact_study.comparison.read.datasets import Inputs, field_at
-from contact_study.comparison.read.path_points import AVERAGED
+from contact_study.comparison.compute.gap_maps import GapMaps
+from contact_study.comparison.draw.style import DOUBLE, SINGLE, styled, typeset
+from contact_study.comparison.models import entry_of
 from contact_study.comparison.wording import length_unit
 
 _FRAME, _BAR = 0.75, 0.95  # inches around a map, and for the bar of colours
-
-
-@dataclass(frozen=True)
-class GapMaps:
-    """Gap of each simulation that kept it, at one state.
-
-    Attributes
-    ----------
-    gaps : dict
-        Gap (y, x) of each model (m), masked where there is contact.
-    size : tuple of float
-        Lateral periods along y and x (m).
-    contact_distance : float
-        Where the colours of the gap begin (m): zero for a hard wall.
-    """
-
-    gaps: dict[str, np.ma.MaskedArray]
-    size: tuple[float, float]
-    contact_distance: float
-
-
-def read_gap_maps(inputs: Inputs, shown: PanelPoints, seed: int | None) -> GapMaps | None:
-    """The maps at the state common to the figures; None where no simulation kept its fields or is in contact."""
-    hard_wall = not any(case.law.attracts for case in inputs.cases_at(shown.case.selection))
-    distance = 0.0 if hard_wall else first_constant(inputs.models, shown.case, "contact_distance")
-    gaps, size = {}, (0.0, 0.0)
-    for model in ("atomistic", "continuum"):
-        part = select(inputs.models[model], shown.case) if model in inputs.models else None
-        if part is None or shown.common not in (path := case_points(part, inputs.control)):
-            continue
-        step = path.index(shown.common)
-        selection = dict(shown.case.selection)
-        if AVERAGED in part.dims:
-            if seed is None:
-                continue
-            selection[AVERAGED] = seed
-        # Smaller cells of a sweep are padded to the points of the largest.
-        y, x = (part[axis].values[np.isfinite(part[axis].values)] for axis in ("y", "x"))
-        stored = field_at(inputs.paths[model], "gap", selection, step)
-        if stored is None or not np.isfinite(gap := stored[: y.size, : x.size]).all():
-            continue
-        pressure = field_at(inputs.paths[model], "pressure", selection, step) if hard_wall else None
-        touching = gap <= distance if pressure is None else pressure[: y.size, : x.size] > 0
-        gaps[model] = np.ma.masked_array(gap, touching)
-        size = y.size * float(y[1] - y[0]), x.size * float(x[1] - x[0])
-    return GapMaps(gaps, size, distance) if gaps else None
 
 
 @styled
@@ -86,7 +35,7 @@ def gap_map_figure(maps: GapMaps, state: str = "") -> Figure:
             vmax=top if top > bottom else bottom + 1,
             interpolation="nearest",
         )
-        axes.set_title(MODEL_NAMES[model], fontsize=8.5)
+        axes.set_title(entry_of(model).label, fontsize=8.5)
         axes.grid(False)
     for axes in panels[-1]:
         axes.set_xlabel(rf"$x$ ({across.name})")

@@ -1,6 +1,6 @@
 """What stands around the axes: letter and state of a panel, colours, lines and markers."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -13,10 +13,11 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.transforms import ScaledTranslation
 
+from contact_study.comparison.compute.bands import Band
 from contact_study.comparison.compute.plotted import Curve
-from contact_study.comparison.draw.style import LINES, MARKERS, MODEL_NAMES, typeset
+from contact_study.comparison.draw.style import look_of, typeset
+from contact_study.comparison.models import entry_of
 
-BAND_LABEL = "gap-flow metastable band"
 _HEADING = 14 / 72  # inches that a panel's letter and state take above its axes
 _GREY = "#404040"
 
@@ -52,27 +53,41 @@ def shared_colour_legend(figure: Figure, curves: Sequence[Curve], colours: Seque
     _fitted(legend, handles, width, figure, columnspacing=1.0, handlelength=0.8, handletextpad=0.6, borderpad=0.2)
 
 
-def model_legend(figure: Figure, curves: Sequence[Curve], densities: bool = False, bands: bool = False) -> None:
-    """Line and marker of each model below the axes, with what else the markers say."""
+def band_label(model: str) -> str:
+    """The band between the metastable branches of a theory."""
+    return f"{entry_of(model).label.removesuffix(' theory')} metastable band"
+
+
+def model_legend(
+    figure: Figure,
+    curves: Sequence[Curve],
+    densities: bool = False,
+    bands: Sequence[Band] = (),
+    colours: Mapping[str, Any] | None = None,
+) -> None:
+    """Line and marker of each model below the axes, with what else the markers say; grey where colours tell others."""
+    colours = colours or {}
     handles: list[Artist] = []
-    for model in dict.fromkeys(curve.model for curve in curves):
-        marker = MARKERS[model] if model == "atomistic" or not densities else ""
-        small = 2.5 if densities else 5.5
+    names = list(dict.fromkeys(curve.model for curve in curves))
+    for model in names:
+        look = look_of(model, names)
+        alone = look.line == "none"
+        colour = colours.get(model, _GREY)
         handles.append(
             Line2D(
                 [],
                 [],
-                color=_GREY,
-                linestyle=LINES[model],
-                marker=marker,
-                mfc="none" if model == "atomistic" else _GREY,
-                ms=small if model == "atomistic" else 3.2,
-                lw=1.0 if model == "continuum" else 1.4,
-                label=MODEL_NAMES[model],
+                color=colour,
+                linestyle=look.line,
+                marker=look.marker if alone or not densities else "",
+                mfc="none" if look.hollow else colour,
+                ms=2.5 if alone and densities else look.marker_size,
+                lw=max(look.line_width, 1.0),
+                label=entry_of(model).label,
             )
         )
-    if bands:
-        handles.append(Patch(color=_GREY, alpha=0.15, lw=0, label=BAND_LABEL))
+    for model in dict.fromkeys(band.model for band in bands):
+        handles.append(Patch(color=colours.get(model, _GREY), alpha=0.15, lw=0, label=band_label(model)))
     if not densities and any(curve.unloading is not None and curve.unloading.any() for curve in curves):
         handles.append(Line2D([], [], color=_GREY, ls="none", marker="o", mfc="white", ms=3.5, label="unloading"))
     if any(curve.fit is not None and (~curve.fit & np.isfinite(curve.x + curve.y)).any() for curve in curves):

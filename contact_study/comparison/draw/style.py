@@ -1,24 +1,18 @@
 """How every figure looks: fonts, lines, colours, and the symbols in its words."""
 
 import io
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
 from typing import Any
 
 import matplotlib
 import numpy as np
 from matplotlib.figure import Figure
 
+from contact_study.comparison.models import entry_of, kind_of
+
 RESOLUTION = 200  # dots per inch
 SINGLE, DOUBLE = 3.46, 7.0  # inches: one and two columns of a journal
-
-MODEL_NAMES = {
-    "atomistic": "atoms",
-    "continuum": "continuum",
-    "theory": "Persson's theory",
-    "gap_flow": "gap-flow theory",
-}
-LINES = {"atomistic": "none", "continuum": "-", "theory": "--", "gap_flow": ":"}
-MARKERS = {"atomistic": "s", "continuum": "o", "theory": "", "gap_flow": ""}
 
 # Okabe and Ito: told apart with any colour vision. Panels whose colours mean pressures use other ones.
 SWEEP_COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
@@ -42,6 +36,33 @@ STYLE = {
     "legend.handlelength": 2.0,
     "savefig.dpi": RESOLUTION,
 }
+
+
+# Where several datasets of one model stand side by side: the first has the model's own line and marker.
+_OTHER_LINES: tuple[Any, ...] = ((0, (7, 1.5)), (0, (4, 1, 1, 1)), (0, (4, 1, 1, 1, 1, 1)))
+_OTHER_MARKERS = ("^", "D", "v")
+
+
+@dataclass(frozen=True)
+class Look:
+    """Line and marker of one model in one figure; neither "none" nor empty where it has any."""
+
+    line: Any
+    marker: str
+    marker_size: float
+    line_width: float
+    hollow: bool
+
+
+def look_of(model: str, beside: Iterable[str]) -> Look:
+    """How a model is drawn in a figure beside others; datasets of one model take turns."""
+    entry = entry_of(model)
+    line, marker = entry.line, entry.marker
+    turn = [name for name in dict.fromkeys(beside) if kind_of(name) == kind_of(model)].index(model)
+    if turn:
+        line = line if line == "none" else _OTHER_LINES[(turn - 1) % len(_OTHER_LINES)]
+        marker = _OTHER_MARKERS[(turn - 1) % len(_OTHER_MARKERS)] if marker else marker
+    return Look(line, marker, entry.marker_size, entry.line_width, entry.hollow)
 
 
 def styled(draw: Callable[..., Figure]) -> Callable[..., Figure]:

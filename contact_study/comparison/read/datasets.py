@@ -1,7 +1,4 @@
-"""The models' datasets: opened, checked and told apart by their ``model`` attribute.
-
-Fields over the lateral plane stay in the files, which :func:`field_at` reads one at a time; all else is in memory.
-"""
+"""Datasets of one contact: their studies held against one another, their models side by side."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -9,26 +6,20 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import xarray as xr
 
-from contact_study.campaign.schema import LABELLED_GROUPS, SCHEMA_VERSION, VARIABLES, variable_of
+from contact_study.comparison.models import entry_of, file_kinds, in_order, kind_of, of_file
 from contact_study.comparison.read.carried_study import carried_study
 from contact_study.comparison.read.differences import check_height_maps, check_studies, same
-from contact_study.comparison.read.path_points import positions, swept_dims
+from contact_study.comparison.read.files import branches_in, models_in, open_groups, unknown_theories
+from contact_study.comparison.read.path_points import swept_dims
 from contact_study.problem.case import Case
 from contact_study.problem.errors import InputError
 from contact_study.problem.laws import TractionLaw
 from contact_study.problem.study import Study
 
-# Order of trust where one number must stand for all: the two simulations, then the theories.
-MODELS = ("atomistic", "continuum", "theory", "gap_flow")
-_ROOTS = ("continuum", "atomistic", "theory")
-_FIELDS = ("gap", "pressure")
-_METASTABLE = LABELLED_GROUPS[2]
-# Groups of a file that are read, "" for the root; a file may hold others, such as states to go on from.
-_GROUPS = ("", _METASTABLE)
-_THEORIES = {"theory": "persson", "gap_flow": "gap_flow"}
+# Attributes by which two datasets of one model may differ; what else they hold follows from these.
+_OF_A_RUN = ("study_toml", "predictor", "height_maps", "version", "git_commit")
 
 
 @dataclass(frozen=True)
@@ -38,11 +29,11 @@ class Inputs:
     Attributes
     ----------
     paths : dict
-        File of each of the models ``continuum``, ``atomistic`` and ``theory`` that is there.
+        Files by name: the kind of dataset, and what tells several of one kind apart.
     models : dict
-        Dataset of each model, ``gap_flow`` standing beside ``theory``, whose file holds both.
+        Dataset of each model shown, by the name of its entry, in the order of the entries.
     branches : dict
-        The metastable branches that enclose the gap-flow theory, ``loading`` and ``unloading``, if they are there.
+        The metastable branches that enclose a theory, by its name, ``loading`` and ``unloading``, if they are there.
     studies : dict
         Study of each file.
     notes : tuple of str
@@ -53,7 +44,7 @@ class Inputs:
 
     paths: dict[str, Path]
     models: dict[str, xr.Dataset]
-    branches: dict[str, xr.Dataset]
+    branches: dict[str, dict[str, xr.Dataset]]
     studies: dict[str, Study]
     notes: tuple[str, ...] = ()
     groups: dict[str, dict[str, xr.Dataset]] = field(default_factory=dict)
@@ -61,15 +52,24 @@ class Inputs:
     @property
     def study(self) -> Study:
         """The study of the first model, in the order of trust."""
-        return next(self.studies[name] for name in MODELS if name in self.studies)
+        return self._ordered[0]
+
+    @property
+    def _ordered(self) -> list[Study]:
+        kinds = file_kinds()
+        return [self.studies[name] for name in sorted(self.studies, key=lambda name: kinds.index(kind_of(name)))]
+
+    @property
+    def simulations(self) -> list[str]:
+        """The models that are of one surface, point by point."""
+        return [name for name in self.models if entry_of(name).simulation]
 
     @cached_property
     def cases(self) -> list[Case]:
         """Every case of some study, once; a theory that knows no seed has no other cases than the simulations."""
         found = list(self.study.cases)
-        for study in (self.studies[name] for name in MODELS if name in self.studies):
-            if study is not self.study:
-                found += [case for case in study.cases if not any(is_at(known, case.coordinates) for known in found)]
+        for study in self._ordered[1:]:
+            found += [case for case in study.cases if not any(is_at(known, case.coordinates) for known in found)]
         return found
 
     def cases_at(self, coordinates: Mapping[str, Any]) -> list[Case]:
@@ -80,8 +80,8 @@ class Inputs:
     def seeds(self) -> dict[str, list[int]]:
         """The realisations that each simulation has, by model; empty for surfaces that are none."""
         seeds = {}
-        for name in ("atomistic", "continuum"):
-            cases = self.studies[name].cases if name in self.studies else ()
+        for name in self.simulations:
+            cases = self.studies[entry_of(name).file].cases
             found = [seed for case in cases if (seed := case.surface.realisation) is not None]
             if found:
                 seeds[name] = list(dict.fromkeys(found))
@@ -104,74 +104,72 @@ def is_at(case: Case, coordinates: Mapping[str, Any]) -> bool:
 
 
 def read_inputs(paths: Sequence[Path]) -> Inputs:
-    """Open the datasets of at least two models, in any order.
+    """Open datasets of one contact, in any order.
 
     Raises
     ------
     InputError
-        If a file is missing, unreadable or foreign, a model comes twice or alone, or the studies are of different
-        contacts.
+        If a file is missing, unreadable, foreign or given twice, or the studies are of different contacts.
     """
-    files: dict[str, Path] = {}
-    contents: dict[str, dict[str, xr.Dataset]] = {}
+    opened = {path: open_groups(path) for path in paths}
+    if len(opened) < len(paths):
+        raise InputError(f"{next(path for path in paths if list(paths).count(path) > 1)} is given twice")
+    tails = _tails({path: str(groups[""].attrs["model"]) for path, groups in opened.items()})
+    names = {of_file(str(opened[path][""].attrs["model"]), tail): path for path, tail in tails.items()}
+    files = {name: names[name] for name in sorted(names, key=lambda name: file_kinds().index(kind_of(name)))}
+    contents = {name: opened[path] for name, path in files.items()}
+    _check_told_apart(files, contents)
     studies: dict[str, Study] = {}
     notes: list[str] = []
-    for path in paths:
-        groups = _open(path)
-        kind = groups[""].attrs["model"]
-        if kind in files:
-            raise InputError(f"{files[kind]} and {path} are both of the {kind} model; give one dataset of each model")
-        files[kind], contents[kind] = path, groups
-        studies[kind], joined = carried_study(path, groups[""])
+    for name, path in files.items():
+        studies[name], joined = carried_study(path, contents[name][""])
         notes += joined
-    if len(files) < 2:
-        raise InputError("a comparison needs the datasets of at least two models: continuum, atomistic, theory")
-    names = [name for name in MODELS if name in studies]
-    notes += check_studies(names, files, studies)
-    check_height_maps(names, files, {name: str(contents[name][""].attrs.get("height_maps", "")) for name in names})
-    contents = _one_spelling({name: contents[name] for name in names})
+        notes += [
+            f"{path}: holds the theory {label}, which is not shown" for label in unknown_theories(contents[name][""])
+        ]
+    notes += check_studies(list(files), files, studies)
+    check_height_maps(
+        list(files), files, {name: str(groups[""].attrs.get("height_maps", "")) for name, groups in contents.items()}
+    )
+    contents = _one_spelling(contents)
     found: dict[str, xr.Dataset] = {}
-    branches: dict[str, xr.Dataset] = {}
-    for groups in contents.values():
-        found |= models_in(groups[""])
-        branches |= _branches_in(groups)
-    models = {name: found[name] for name in MODELS if name in found}
-    return Inputs(files, models, branches, studies, tuple(notes), contents)
+    branches: dict[str, dict[str, xr.Dataset]] = {}
+    for name, groups in contents.items():
+        found |= models_in(groups[""], tails[files[name]])
+        branches |= branches_in(groups, tails[files[name]])
+    if not found:
+        raise InputError(f"{', '.join(map(str, paths))}: no model there is one that is shown")
+    return Inputs(files, {name: found[name] for name in in_order(found)}, branches, studies, tuple(notes), contents)
 
 
-def models_in(root: xr.Dataset) -> dict[str, xr.Dataset]:
-    """The models whose numbers stand in the root of one file, or of its group in the dataset of a comparison."""
-    if "theory" not in root.dims:
-        return {root.attrs["model"]: root}
-    theories = {}
-    for name, label in _THEORIES.items():
-        if label in root["theory"].values:
-            # What does not stand on the theories, such as the constants, is shown once: beside the first.
-            own = [v for v in root.data_vars if "theory" in root[v].dims or label == root["theory"].values[0]]
-            theories[name] = _without_empty(root[own].sel(theory=label, drop=True))
-    return theories
+def _tails(kinds: Mapping[Path, str]) -> dict[Path, str]:
+    """What tells each file from others of its kind: as much of the end of its path as that takes, without suffix."""
+    tails = {}
+    for path, kind in kinds.items():
+        others = [other for other in kinds if kinds[other] == kind and other != path]
+        parts = path.resolve().with_suffix("").parts
+        count = 1
+        while any(other.resolve().with_suffix("").parts[-count:] == parts[-count:] for other in others):
+            count += 1
+            if count > len(parts):
+                break
+        # A slash would part groups of the comparison's dataset.
+        tails[path] = "_".join(parts[-count:]) if others else ""
+    return tails
 
 
-def _branches_in(groups: Mapping[str, xr.Dataset]) -> dict[str, xr.Dataset]:
-    """The metastable branches of the gap-flow theory."""
-    if _METASTABLE not in groups:
-        return {}
-    both = groups[_METASTABLE].sel(theory=_THEORIES["gap_flow"], drop=True)
-    return {
-        str(side): _without_empty(both.sel(metastable_branch=side, drop=True))
-        for side in both["metastable_branch"].values
-    }
-
-
-def _without_empty(dataset: xr.Dataset) -> xr.Dataset:
-    """The dataset without variables that have no value at all, being quantities of other theories."""
-    return dataset.drop_vars([name for name, variable in dataset.data_vars.items() if _is_empty(str(name), variable)])
-
-
-def _is_empty(name: str, variable: xr.DataArray) -> bool:
-    empty = variable_of(name).empty if name in VARIABLES else np.nan
-    missing = variable.isnull()
-    return bool((missing if isinstance(empty, float) else missing | (variable == empty)).all())
+def _check_told_apart(files: Mapping[str, Path], contents: Mapping[str, Mapping[str, xr.Dataset]]) -> None:
+    """Refuse two files of one run: what was asked, from what, by which version."""
+    first: dict[tuple[str, ...], str] = {}
+    for name, groups in contents.items():
+        attrs = groups[""].attrs
+        run = tuple(str(attrs.get(key, "")) for key in ("model", *_OF_A_RUN))
+        other = first.setdefault(run, name)
+        if other != name:
+            raise InputError(
+                f"{files[other]} and {files[name]} are both of the {kind_of(name)} model and of one study and version: "
+                "nothing tells them apart; give one of them"
+            )
 
 
 def _one_spelling(contents: Mapping[str, dict[str, xr.Dataset]]) -> dict[str, dict[str, xr.Dataset]]:
@@ -188,55 +186,3 @@ def _one_spelling(contents: Mapping[str, dict[str, xr.Dataset]]) -> dict[str, di
                 dataset = dataset.assign_coords({dim: (dim, own, dataset[dim].attrs)})
             spelt[kind][name] = dataset
     return spelt
-
-
-def _open(path: Path) -> dict[str, xr.Dataset]:
-    """The groups of a file by name, "" for the root, without the fields."""
-    if not path.is_file():
-        raise InputError(f"{path}: {'is a folder' if path.is_dir() else 'does not exist'}; expected a dataset (NetCDF)")
-    try:
-        with xr.open_datatree(path, engine="netcdf4", decode_timedelta=False) as tree:
-            attrs = tree.attrs
-            foreign = "schema_version" not in attrs or attrs.get("model") not in _ROOTS
-            nodes = {node.path.strip("/"): node for node in tree.subtree}
-            groups = {} if foreign else {name: _in_memory(nodes[name]) for name in _GROUPS if name in nodes}
-    except (OSError, RuntimeError, ValueError) as error:
-        reason = str(error).splitlines()[0] if str(error) else type(error).__name__
-        raise InputError(f"{path}: cannot be read as NetCDF, perhaps cut short ({reason})") from None
-    if foreign:
-        raise InputError(f"{path}: is no dataset of bem-adhesion, md-reference or persson-theory")
-    if str(attrs["schema_version"]).split(".")[0] != SCHEMA_VERSION.split(".")[0]:
-        raise InputError(
-            f"{path}: has schema version {attrs['schema_version']}, this program reads {SCHEMA_VERSION}; run its study "
-            "again"
-        )
-    return groups
-
-
-def _in_memory(node: xr.DataTree) -> xr.Dataset:
-    """The group without its fields, and without the plane where only they stood on it."""
-    dataset = node.to_dataset().drop_vars(_FIELDS, errors="ignore")
-    used = {dim for variable in dataset.data_vars.values() for dim in variable.dims}
-    unused = [dim for dim in ("y", "x") if dim in dataset.dims and dim not in used]
-    return dataset.drop_dims(unused).load()
-
-
-def field_at(path: Path, name: str, selection: Mapping[str, Any], step: int) -> np.ndarray | None:
-    """One field (y, x) of a file, or None where the file keeps no fields.
-
-    Parameters
-    ----------
-    path : pathlib.Path
-        Dataset of a simulation.
-    name : str
-        ``"gap"`` or ``"pressure"``.
-    selection : mapping
-        Swept coordinates.
-    step : int
-        Position on the path.
-    """
-    with xr.open_dataset(path, decode_timedelta=False) as dataset:
-        if name not in dataset:
-            return None
-        chosen = positions({dim: dataset[dim].values for dim in swept_dims(dataset)}, selection)
-        return dataset[name].isel(chosen).isel(step=step).values

@@ -5,6 +5,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from contact_study.comparison.models import is_simulated
 from contact_study.problem.case import Case
 from contact_study.problem.errors import InputError
 from contact_study.problem.keys import keys_of
@@ -46,7 +47,7 @@ def check_studies(names: Sequence[str], paths: Mapping[str, Path], studies: Mapp
         pairs = _matching_cases(studies[first], studies[other])
         if not pairs:
             raise InputError(f"{where} cannot be compared: their sweeps have no point in common")
-        analytic = other == "theory" and all(case.theory.spectrum == "analytic" for case in studies[other].cases)
+        analytic = not is_simulated(other) and all(case.theory.spectrum == "analytic" for case in studies[other].cases)
         different: dict[str, tuple[Any, Any]] = {}
         for one, two in pairs:
             different |= {key: values for key, values in differences(one, two) if key not in different}

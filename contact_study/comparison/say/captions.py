@@ -6,20 +6,21 @@ import numpy as np
 import xarray as xr
 
 from contact_study.comparison.compute.cases import SweepPoint, case_points, select, sweep_points
-from contact_study.comparison.compute.plotted import Curve, PathCurves, density_at, in_compression
+from contact_study.comparison.compute.plotted import Curve, PathCurves, density_at, in_compression, mean_gap_panels
 from contact_study.comparison.compute.scales import scales
 from contact_study.comparison.compute.shown_states import PanelPoints, common_label, point_label, state_label
-from contact_study.comparison.draw.figures import mean_gap_panels
+from contact_study.comparison.models import entry_of
 from contact_study.comparison.read.datasets import Inputs
 from contact_study.comparison.read.path_points import AVERAGED, Point
-from contact_study.comparison.say.findings import MODEL_WORDS
 from contact_study.comparison.wording import listed, listed_points
 from contact_study.problem.laws import TractionLaw
 
 _ROUNDING = 1e-6  # of h_rms: what a gap prescribed as zero may differ from it
 
 
-def captions(inputs: Inputs, shown: PanelPoints, curves: PathCurves, seed: int | None, banded: bool) -> dict[str, str]:
+def captions(
+    inputs: Inputs, shown: PanelPoints, curves: PathCurves, seed: int | None, banded: Collection[str]
+) -> dict[str, str]:
     """Captions of the figures, by figure name.
 
     Parameters
@@ -32,28 +33,13 @@ def captions(inputs: Inputs, shown: PanelPoints, curves: PathCurves, seed: int |
         What is shown along the path.
     seed : int or None
         Seed of the surface whose fields are shown, None where no seed is swept.
-    banded : bool
-        Whether a metastable band is shaded.
+    banded : collection of str
+        Theories between whose metastable branches a band is shaded.
     """
     models = inputs.models
     panels = _panels(inputs, shown, seed)
     gaps = scales(models, shown.case).height_symbol
-    counted = listed(
-        words
-        for words, there in (
-            ("simulations", "atomistic" in models or "continuum" in models),
-            ("gap-flow theory", "gap_flow" in models),
-        )
-        if there
-    )
-    counted = counted[0].upper() + counted[1:]
-    persson = persson_area = ""
-    if "theory" in models:
-        persson = (
-            " Persson's theory counts the stress in contact only, so that its integral is A/A₀; it has no distribution "
-            "of gaps."
-        )
-        persson_area = ", Persson's theory its real contact area at the highest magnification"
+    densities = "".join(f" {entry_of(name).densities}" for name in models if entry_of(name).densities)
     panels_of_area = ""
     if in_compression(curves.areas):
         panels_of_area = ", (a) linear, (b) logarithmic, compression only"
@@ -62,14 +48,13 @@ def captions(inputs: Inputs, shown: PanelPoints, curves: PathCurves, seed: int |
     own = dict.fromkeys(type(case.law) for case in inputs.cases_at(shown.case.selection))
     return {
         "stress_distribution": "Distribution of the interfacial normal stress, compression positive, in units of E*: "
-        f"{panels} {counted} are normalised over all sites, so that sites out of contact, nearly free of stress, make "
-        f"the central peak.{persson}{_absent(inputs, shown, 'pressure_pdf')}",
+        f"{panels}{_normalised(models)}{densities}{_absent(inputs, shown, 'pressure_pdf')}",
         "gap_distribution": f"Distribution of the local gap u in units of {gaps}: {panels} u is the distance of the "
         f"surfaces, not reduced by the equilibrium distance.{_absent(inputs, shown, 'gap_pdf')}",
-        "contact_area": f"Relative contact area against mean pressure{panels_of_area}. {counted} count "
-        f"points of {_contact(inputs.laws)}{persson_area}.{_lines(inputs, banded)}",
+        "contact_area": f"Relative contact area against mean pressure{panels_of_area}. {_areas(models, inputs.laws)}"
+        f"{_lines(inputs, banded)}",
         "mean_gap": _mean_gap(inputs, curves, gaps, banded),
-        "gap_map": f"Local gap of the simulations at {state}{whose}; contact, {_contact(own)}, is black.",
+        "gap_map": f"Local gap of {_simulations(inputs)} at {state}{whose}; contact, {_contact(own)}, is black.",
     }
 
 
@@ -89,6 +74,37 @@ def _panels(inputs: Inputs, shown: PanelPoints, seed: int | None) -> str:
     return words
 
 
+def _simulations(inputs: Inputs) -> str:
+    return entry_of(inputs.simulations[0]).words if len(inputs.simulations) == 1 else "the simulations"
+
+
+def _counting(models: Collection[str]) -> tuple[str, bool]:
+    """Who counts every site, at the beginning of a sentence, and whether they are several; empty where nobody does."""
+    entries = [entry_of(name) for name in models if not entry_of(name).densities]
+    words = list(dict.fromkeys("simulations" if entry.simulation else entry.label for entry in entries))
+    joined = listed(words) if words else ""
+    return joined[:1].upper() + joined[1:], len(words) > 1 or any(entry.simulation for entry in entries)
+
+
+def _normalised(models: Collection[str]) -> str:
+    who, several = _counting(models)
+    if not who:
+        return ""
+    return (
+        f" {who} {'are' if several else 'is'} normalised over all sites, so that sites out of contact, nearly free of "
+        "stress, make the central peak."
+    )
+
+
+def _areas(models: Collection[str], laws: Collection[type[TractionLaw]]) -> str:
+    """What each model counts as contact."""
+    who, several = _counting(models)
+    own = [f"{entry_of(name).words} {entry_of(name).area}" for name in models if entry_of(name).area]
+    if not who:
+        return "".join(f"The area is {entry_of(name).area}." for name in models if entry_of(name).area)
+    return ", ".join([f"{who} {'count' if several else 'counts'} points of {_contact(laws)}", *own]) + "."
+
+
 def _contact(laws: Collection[type[TractionLaw]]) -> str:
     """What counts as contact, by law; laws without a wall first."""
     first, *others = sorted(laws, key=lambda law: law.has_wall)
@@ -96,7 +112,7 @@ def _contact(laws: Collection[type[TractionLaw]]) -> str:
     return first.counts_as_contact + "".join(apart)
 
 
-def _mean_gap(inputs: Inputs, curves: PathCurves, gaps: str, banded: bool) -> str:
+def _mean_gap(inputs: Inputs, curves: PathCurves, gaps: str, banded: Collection[str]) -> str:
     """Caption of figure 4, whose panels depend on where there is tension."""
     shown = mean_gap_panels(curves.gaps, curves.linear_gaps)
     what = {
@@ -118,22 +134,21 @@ def _mean_gap(inputs: Inputs, curves: PathCurves, gaps: str, banded: bool) -> st
 def _below_zero(curves: Collection[Curve]) -> str:
     """What a negative mean gap means, for each kind of model that has one."""
     words = ""
-    for models, meaning in (
-        (("atomistic", "continuum", "gap_flow"), "the surfaces are pressed closer than this distance on average"),
-        (("theory",), "its energy U(p) somewhere falls with growing p, ū = ∫dU/p, and ū is no distance of surfaces"),
-    ):
+    for meaning in dict.fromkeys(entry_of(curve.model).negative_gap for curve in curves):
         found = [
-            curve for curve in curves if curve.model in models and (curve.x[np.isfinite(curve.y)] < -_ROUNDING).any()
+            curve
+            for curve in curves
+            if entry_of(curve.model).negative_gap == meaning and (curve.x[np.isfinite(curve.y)] < -_ROUNDING).any()
         ]
         if found:
-            who = listed(MODEL_WORDS[curve.model] for curve in found)
+            who = listed(entry_of(curve.model).words for curve in found)
             words += (
                 f" Where ū < 0 ({'; '.join(filter(None, (who, listed_points(c.label for c in found))))}), {meaning}."
             )
     return words
 
 
-def _lines(inputs: Inputs, banded: bool) -> str:
+def _lines(inputs: Inputs, banded: Collection[str]) -> str:
     seeds = any(AVERAGED in dataset.dims for dataset in inputs.models.values())
     errors = ", points are means and error bars standard errors over seeds" if seeds else ""
     words = (
@@ -141,7 +156,8 @@ def _lines(inputs: Inputs, banded: bool) -> str:
         "crosses: not converged; detached states are left out."
     )
     if banded:
-        words += " The shaded band lies between the metastable loading and unloading branches of the gap-flow theory."
+        theories = listed(entry_of(name).words for name in banded)
+        words += f" The shaded band lies between the metastable loading and unloading branches of {theories}."
     return words
 
 
@@ -154,7 +170,7 @@ def _absent(inputs: Inputs, shown: PanelPoints, name: str) -> str:
         for point, named in states:
             reason = _why_absent(inputs, dataset, name, point, named)
             if reason:
-                missing.setdefault(reason, []).append(f"{MODEL_WORDS[model]} at {_state(inputs, point, named)}")
+                missing.setdefault(reason, []).append(f"{entry_of(model).words} at {_state(inputs, point, named)}")
     return "".join(f" {reason}: {'; '.join(dict.fromkeys(words))}." for reason, words in missing.items())
 
 

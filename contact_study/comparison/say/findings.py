@@ -9,18 +9,12 @@ import xarray as xr
 from contact_study.comparison.compute.cases import SweepPoint, case_points, select, sweep_points
 from contact_study.comparison.compute.deviations import COMPARED
 from contact_study.comparison.compute.scales import Scales, scales
+from contact_study.comparison.models import entry_of
 from contact_study.comparison.read.datasets import Inputs
-from contact_study.comparison.read.path_points import AVERAGED, Point
+from contact_study.comparison.read.path_points import AVERAGED, Point, usable
 from contact_study.comparison.wording import length_unit, listed, number, percent, percent_of, pressure_unit
 
 AREA, GAP = "relative_contact_area_relative_deviation", "mean_gap_deviation"
-
-MODEL_WORDS = {
-    "atomistic": "the atoms",
-    "continuum": "the continuum",
-    "theory": "Persson's theory",
-    "gap_flow": "the gap-flow theory",
-}
 
 
 @dataclass(frozen=True)
@@ -71,13 +65,20 @@ def spread(deviations: xr.Dataset, pair: str, name: str, points: list[SweepPoint
     ValueError
         If nothing was compared.
     """
+    of_pair = deviations.sel(pair=pair)
+    if name not in of_pair:
+        raise ValueError("nothing was compared")
+    return _over_states(of_pair[[name]].where(of_pair["state"] == COMPARED), name, points, scale)
+
+
+def _over_states(dataset: xr.Dataset, name: str, points: list[SweepPoint], scale: dict[str, float]) -> Spread:
+    """A quantity over all states where it is a number; ValueError if it is none anywhere."""
     values: list[np.ndarray] = []
     places: list[str] = []
     for point in points:
-        part = select(deviations.sel(pair=pair), point)
-        if part is None or name not in part:
+        part = select(dataset, point)
+        if part is None:
             continue
-        part = part.where(part["state"] == COMPARED)
         lead = [AVERAGED] if AVERAGED in part[name].dims else []
         array = part[name].transpose(*lead, "step").values / scale[point.label]
         path = case_points(part, "pressure" if "applied_pressure" in part.coords else "gap")
@@ -87,7 +88,7 @@ def spread(deviations: xr.Dataset, pair: str, name: str, points: list[SweepPoint
             values.append(array[index])
             places.append(f"{label}{seed}{_point_words(part, path[index[-1]])}")
     if not values:
-        raise ValueError("nothing was compared")
+        raise ValueError("no state has a number")
     found = np.array(values)
     low, high = int(np.argmin(found)), int(np.argmax(found))
     return Spread(len(found), float(np.median(np.abs(found))), found[low], found[high], places[low], places[high])
@@ -116,9 +117,34 @@ def headline(models: Mapping[str, xr.Dataset], deviations: xr.Dataset) -> list[s
             sentences.append(_pair_sentence(deviations, pair, points, units))
         except ValueError:
             sentences.append(
-                f"Between {MODEL_WORDS[model]} and {MODEL_WORDS[reference]} no state could be compared: none was "
+                f"Between {entry_of(model).words} and {entry_of(reference).words} no state could be compared: none was "
                 "found converged and in contact by both."
             )
+    return sentences
+
+
+def extents(models: Mapping[str, xr.Dataset]) -> list[str]:
+    """From where to where the contact area and the mean gap of each model go: a sentence a model."""
+    points = sweep_points(models)
+    units = {point.label: scales(models, point) for point in points}
+    heights = {label: unit.rms_height for label, unit in units.items()}
+    symbol = next(iter(units.values())).height_symbol
+    sentences = []
+    for name, dataset in models.items():
+        found, words = usable(dataset), []
+        for quantity, title, sizes, unit in (
+            ("relative_contact_area", "contact area A/A₀", dict.fromkeys(heights, 1.0), ""),
+            ("mean_gap", "mean gap ū", heights, f" {symbol}"),
+        ):
+            if quantity in dataset:
+                try:
+                    over = _over_states(dataset[[quantity]].where(found), quantity, points, sizes)
+                except ValueError:
+                    continue
+                low, high = number(over.low, 3), number(over.high, 3)
+                words.append(f"{title} {low}{unit} ({over.low_at}) to {high}{unit} ({over.high_at})")
+        states = "; ".join(words) or "no state was found converged and in contact"
+        sentences.append(f"{_sentence_case(entry_of(name).words)}: {states}.")
     return sentences
 
 
@@ -147,16 +173,17 @@ def _ranking(deviations: xr.Dataset, points: list[SweepPoint]) -> list[str]:
     except ValueError:
         return ["No state was found converged and in contact by all models: their deviations are of different states."]
     order = sorted(spreads, key=lambda model: spreads[model].median)
-    medians = ", then ".join(f"{MODEL_WORDS[model]} ({percent_of(spreads[model].median)})" for model in order)
+    medians = ", then ".join(f"{entry_of(model).words} ({percent_of(spreads[model].median)})" for model in order)
     worst = listed(f"{percent(spreads[model].worst)} ({spreads[model].worst_at})" for model in order)
     count = spreads[order[0]].count
     words = (
         f"By the median relative deviation of contact area over the {count} state{'s' if count > 1 else ''} that all "
-        f"models share, nearest to {MODEL_WORDS[reference]}: {medians}. At worst they are off by {worst}, in this order"
+        f"models share, nearest to {entry_of(reference).words}: {medians}. At worst they are off by {worst}, in this "
+        "order"
     )
     by_worst = sorted(spreads, key=lambda model: abs(spreads[model].worst))
     if by_worst != order:
-        words += f"; by the worst state the order is {', '.join(MODEL_WORDS[model] for model in by_worst)}"
+        words += f"; by the worst state the order is {', '.join(entry_of(model).words for model in by_worst)}"
     return [f"{words}."]
 
 
@@ -168,9 +195,9 @@ def sample_notes(inputs: Inputs) -> list[str]:
     counts = sorted({len(own) for own in seeds.values()})
     surfaces = "one realisation" if counts == [1] else f"{listed((str(count) for count in counts), 'or')} realisations"
     notes = []
-    theory = inputs.studies.get("theory")
-    if theory is not None and any(case.theory.spectrum == "analytic" for case in theory.cases):
-        target, realised = _slopes(inputs, ["theory"]), _slopes(inputs, list(seeds))
+    ensembles = [name for name in inputs.models if not entry_of(name).simulation and _knows_the_target(inputs, name)]
+    if ensembles:
+        target, realised = _slopes(inputs, ensembles), _slopes(inputs, list(seeds))
         notes.append(
             f"The theory knows the target spectrum{target}, the simulations {surfaces} of it{realised}: the scatter "
             "between surfaces enters the deviations of the theory from the simulations."
@@ -180,6 +207,10 @@ def sample_notes(inputs: Inputs) -> list[str]:
         "independent samples."
     )
     return notes
+
+
+def _knows_the_target(inputs: Inputs, model: str) -> bool:
+    return any(case.theory.spectrum == "analytic" for case in inputs.studies[entry_of(model).file].cases)
 
 
 def _slopes(inputs: Inputs, models: Sequence[str]) -> str:
@@ -202,7 +233,7 @@ def _pair_sentence(deviations: xr.Dataset, pair: str, points: list[SweepPoint], 
     model, reference = split_pair(pair)
     area = _area_spread(deviations, pair, points)
     words = (
-        f"{_sentence_case(MODEL_WORDS[model])} against {MODEL_WORDS[reference]}: contact area "
+        f"{_sentence_case(entry_of(model).words)} against {entry_of(reference).words}: contact area "
         f"{percent(area.low)} ({area.low_at}) to {percent(area.high)} ({area.high_at}), "
         f"median magnitude {percent_of(area.median)} over {area.count} states"
     )

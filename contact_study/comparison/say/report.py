@@ -10,12 +10,12 @@ import jinja2
 import xarray as xr
 from markupsafe import Markup, escape
 
-from contact_study.comparison.draw.style import MODEL_NAMES
+from contact_study.comparison.models import entry_of, kind_of
 from contact_study.comparison.read.datasets import Inputs
 from contact_study.comparison.read.path_points import AVERAGED
 from contact_study.comparison.say import result_tables, setting_tables
 from contact_study.comparison.say.description import study_paragraphs
-from contact_study.comparison.say.findings import headline, sample_notes
+from contact_study.comparison.say.findings import extents, headline, sample_notes
 
 FIGURE_TITLES = {
     "stress_distribution": "Stress distribution",
@@ -42,7 +42,7 @@ class Figures:
 
 
 def render_report(
-    inputs: Inputs, deviations: xr.Dataset, regime: xr.Dataset, figures: Figures, attrs: Mapping[str, Any]
+    inputs: Inputs, deviations: xr.Dataset | None, regime: xr.Dataset, figures: Figures, attrs: Mapping[str, Any]
 ) -> str:
     """The whole report as HTML.
 
@@ -51,7 +51,7 @@ def render_report(
     inputs : Inputs
         What was compared.
     deviations, regime : xarray.Dataset
-        As :func:`compute_deviations` and :func:`compute_regime` return them.
+        As :func:`compute_deviations` and :func:`compute_regime` return them; None where nothing deviates from another.
     figures : Figures
         Figures to embed.
     attrs : mapping
@@ -65,21 +65,23 @@ def render_report(
         undefined=jinja2.StrictUndefined,
     )
     environment.filters["symbols"] = _symbols
+    models = inputs.models
     return environment.get_template("report.html.j2").render(
         attrs=attrs,
         paragraphs=study_paragraphs(inputs),
-        findings=headline(inputs.models, deviations),
+        findings=extents(models) if deviations is None else headline(models, deviations),
         sample_notes=sample_notes(inputs),
-        models=list(inputs.models),
+        related=_related(inputs),
+        file=next(iter(inputs.paths)),
         created=str(attrs["created"])[:16].replace("T", " "),
         provenance=_provenance(inputs),
         figures=[
             (FIGURE_TITLES[name], base64.b64encode(image).decode(), figures.captions[name], _width(image) < _WIDE)
             for name, image in figures.images.items()
         ],
-        summary=result_tables.summary_table(inputs.models, deviations),
+        summary=None if deviations is None else result_tables.summary_table(models, deviations),
         results=result_tables.results_tables(inputs.models, inputs.control),
-        deviations=result_tables.deviation_tables(inputs.models, deviations, inputs.control),
+        deviations=[] if deviations is None else result_tables.deviation_tables(models, deviations, inputs.control),
         regime=setting_tables.regime_table(inputs.models, regime),
         constants=setting_tables.constants_table(inputs.models),
         effort=setting_tables.effort_table(inputs.models),
@@ -87,6 +89,8 @@ def render_report(
         study_toml=inputs.study.toml,
         hard_wall=not all(law.attracts for law in inputs.laws),
         adhesive=any(law.attracts for law in inputs.laws),
+        rough=bool(regime["tabor_parameter"].notnull().any()),
+        simulated=bool(inputs.simulations),
         several_seeds=any(dataset.sizes.get(AVERAGED, 1) > 1 for dataset in inputs.models.values()),
     )
 
@@ -96,7 +100,7 @@ def collected_warnings(inputs: Inputs) -> list[str]:
     notes = list(inputs.notes)
     for kind in inputs.paths:
         text = str(inputs.groups[kind][""].attrs.get("warnings", ""))
-        notes += [f"{MODEL_NAMES[kind]}: {line}" for line in text.splitlines() if line]
+        notes += [f"{_whose(inputs, kind)}: {line}" for line in text.splitlines() if line]
     return notes
 
 
@@ -117,7 +121,7 @@ def _provenance(inputs: Inputs) -> list[dict[str, str]]:
         when, _, command = str(attrs.get("history", "")).partition(": ")
         rows.append(
             {
-                "model": MODEL_NAMES[kind] if kind != "theory" else "theories",
+                "model": _whose(inputs, kind),
                 "file": path.name,
                 "commit": str(attrs.get("git_commit", "unknown"))[:12],
                 "when": when[:16].replace("T", " "),
@@ -125,3 +129,19 @@ def _provenance(inputs: Inputs) -> list[dict[str, str]]:
             }
         )
     return rows
+
+
+def _whose(inputs: Inputs, file: str) -> str:
+    """The models of a file: the one, or all together."""
+    labels = [entry_of(name).label for name in inputs.models if entry_of(name).file == file]
+    return labels[0] if len(labels) == 1 else "theories" + "".join(f" ({tail})" for tail in file.split(":")[1:])
+
+
+def _related(inputs: Inputs) -> list[tuple[str, str]]:
+    """What each model is, once for several datasets of it."""
+    said = {}
+    adhesive, hard = any(law.attracts for law in inputs.laws), not all(law.attracts for law in inputs.laws)
+    for entry in (entry_of(kind_of(name)) for name in inputs.models):
+        words = [entry.about, entry.about_adhesion if adhesive else "", entry.about_hard_wall if hard else ""]
+        said[entry.label[0].upper() + entry.label[1:]] = " ".join(filter(None, words))
+    return list(said.items())

@@ -8,9 +8,10 @@ import xarray as xr
 from contact_study.comparison.compute.cases import SweepPoint, case_points, select, series, sweep_points
 from contact_study.comparison.compute.deviations import COMPARED, DETACHED, NOT_CONVERGED
 from contact_study.comparison.compute.scales import Scales, scales
+from contact_study.comparison.models import entry_of
 from contact_study.comparison.read.path_points import Point
 from contact_study.comparison.say.findings import AREA, GAP, Spread, on_shared_states, split_pair, spread
-from contact_study.comparison.say.tables import NOTHING, SHORT_NAMES, Table
+from contact_study.comparison.say.tables import NOTHING, Table
 from contact_study.comparison.wording import Unit, control_unit, fixed, number, percent, percent_of, with_error
 
 
@@ -29,7 +30,7 @@ def results_tables(models: Mapping[str, xr.Dataset], control: str) -> list[Table
         ]
         points = [_point_cells(named, unit, scale, control) for named in path]
         rows = [[*cells, *numbers] for cells, numbers in zip(points, zip(*columns, strict=True), strict=True)]
-        names = [SHORT_NAMES[name] for name in parts]
+        names = [entry_of(name).short for name in parts]
         groups = [("", 2), ("contact area A/A₀", len(parts)), (f"mean gap ū ({gaps})", len(parts))]
         tables.append(Table(point.label, [*_point_header(control, unit, gaps), *names, *names], rows, groups))
     return tables
@@ -98,7 +99,7 @@ def deviation_tables(models: Mapping[str, xr.Dataset], deviations: xr.Dataset, c
 def pair_name(pair: str) -> str:
     """A pair as the head of a column."""
     model, reference = split_pair(pair)
-    return f"{SHORT_NAMES[model]} − {SHORT_NAMES[reference]}"
+    return f"{entry_of(model).short} − {entry_of(reference).short}"
 
 
 def summary_table(models: Mapping[str, xr.Dataset], deviations: xr.Dataset) -> Table:

@@ -6,8 +6,8 @@ import numpy as np
 import xarray as xr
 
 from contact_study.comparison.compute.cases import constant, first_constant, select, sweep_points
-from contact_study.comparison.draw.style import MODEL_NAMES
-from contact_study.comparison.say.tables import NOTHING, SHORT_NAMES, Table, fixed_or_nothing
+from contact_study.comparison.models import entry_of
+from contact_study.comparison.say.tables import NOTHING, Table, fixed_or_nothing
 from contact_study.comparison.wording import Unit, length_unit, number, pressure_unit
 
 _REGIME = (
@@ -28,7 +28,7 @@ def regime_table(models: Mapping[str, xr.Dataset], regime: xr.Dataset) -> Table:
     unit = _stress_unit(models)
     columns = [column for column in _REGIME if (regime[column[0]].fillna(0) != 0).any()]
     zone = length_unit(float(regime["process_zone"].fillna(0).max()))
-    theories = [name for name in ("theory", "gap_flow") if "pull_off_pressure" in models.get(name, ())]
+    theories = [name for name, dataset in models.items() if "pull_off_pressure" in dataset]
     rows = []
     for point in sweep_points(models):
         part = select(regime, point)
@@ -45,7 +45,7 @@ def regime_table(models: Mapping[str, xr.Dataset], regime: xr.Dataset) -> Table:
         ]
         rows.append([point.label, *cells])
     header = ["", *(f"{words} ({zone.name})" if name == "process_zone" else words for name, words, _ in columns)]
-    header += [f"pull-off, {SHORT_NAMES[name]} ({unit.name})" for name in theories]
+    header += [f"pull-off, {entry_of(name).short} ({unit.name})" for name in theories]
     return Table("Regime numbers", header, rows)
 
 
@@ -79,7 +79,7 @@ def constants_table(models: Mapping[str, xr.Dataset]) -> Table:
                 continue
             values = [constant(part, name) / size for name, (_, size) in used.items()]
             cells = [number(value, 5) if np.isfinite(value) else NOTHING for value in values]
-            rows.append([point.label, MODEL_NAMES[model], *cells])
+            rows.append([point.label, entry_of(model).label, *cells])
     return Table("Material and interface", ["", "model", *(words for words, _ in used.values())], rows)
 
 
@@ -103,7 +103,7 @@ def effort_table(models: Mapping[str, xr.Dataset]) -> Table:
             for name in used
         ]
         endings = [str(int(solved.sum())), str(int(unconverged.sum())), str(int(detached.sum()))]
-        rows.append([MODEL_NAMES[model], *endings, f"{float(residual):.1e}".replace("-", "−"), *work])
+        rows.append([entry_of(model).label, *endings, f"{float(residual):.1e}".replace("-", "−"), *work])
     header = ["model", "steps", "not converged", "detached", "largest residual", *used.values()]
     return Table("Effort and convergence", header, rows)
 

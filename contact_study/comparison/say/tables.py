@@ -8,9 +8,6 @@ from contact_study.comparison.wording import fixed
 
 NOTHING = "–"
 
-# Columns are narrow.
-SHORT_NAMES = {"atomistic": "atoms", "continuum": "continuum", "theory": "Persson", "gap_flow": "gap\u00a0flow"}
-
 
 @dataclass(frozen=True)
 class Table:
