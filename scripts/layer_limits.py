@@ -1,0 +1,122 @@
+"""Contact of a layer between its limits: the half-space where it is thick, a closed form where it is thin.
+
+The paper's surface on a hard wall, and a sphere on the thinnest layers; `docs/elasticity.md` explains the columns.
+
+    python scripts/layer_limits.py --figure layer_limits.png
+"""
+
+import argparse
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from bem_adhesion.hard_wall import HardWallContact
+from bem_adhesion.solution import Solution
+from contact_study.campaign.command import Parser, guarded
+from contact_study.fields.grid import Grid
+from contact_study.problem.elasticity import Elasticity, HalfSpace, Layer
+from contact_study.problem.study import read_study
+from contact_study.problem.surface import realise
+from theory.closed_forms import relative_contact_area
+
+THICKNESSES = (1.0, 0.5, 0.25, 0.1, 0.03, 0.01)  # over the cell
+RATIOS = (0.3, 0.5)
+PRESSURE = 0.01  # over E*
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    return guarded("layer_limits", lambda: _main(arguments), interrupted="nothing is written")
+
+
+def parser() -> Parser:
+    made = Parser(
+        description=__doc__.splitlines()[0], formatter_class=argparse.ArgumentDefaultsHelpFormatter, allow_abbrev=False
+    )
+    made.add_argument("study", type=Path, nargs="?", default=Path("data/yang2008.toml"), help="study of the surface")
+    made.add_argument("--points", type=int, default=256, help="points along each side")
+    made.add_argument("--figure", type=Path, help="draw area and K(q), too")
+    return made
+
+
+def _main(arguments: Sequence[str] | None) -> int:
+    given = parser().parse_args(arguments)
+    surface = realise(read_study(given.study).cases[0])
+    grid = Grid((given.points, given.points), surface.size)
+    heights, spectrum = surface.heights(grid.shape), surface.measured_spectrum()
+
+    def areas(solid: Elasticity) -> tuple[float, float]:
+        """Contact area of the solver and of Persson's theory without adhesion."""
+        found = pressed(heights, grid, solid, PRESSURE)
+        variance = spectrum.full_contact_stress_variance(solid.stiffness)
+        return float(np.mean(found.pressure > 0)), float(relative_contact_area(PRESSURE, variance))
+
+    rows = {"half-space": [areas(HalfSpace(1.0))] * len(RATIOS)}
+    for thickness in THICKNESSES:
+        rows[f"{thickness:g}"] = [areas(Layer(1.0, ratio, thickness * max(grid.size))) for ratio in RATIOS]
+    head = " | ".join(f"A, ν = {ratio:g} | Persson" for ratio in RATIOS)
+    print(f"| d/L | {head} |\n" + "|---" * (1 + 2 * len(RATIOS)) + "|")
+    for name, row in rows.items():
+        print(f"| {name} | " + " | ".join(f"{area:.4f} | {theory:.4f}" for area, theory in row) + " |")
+    print("\n| d/a | peak, ν = 0.2 | radius | peak, ν = 0.5 | radius |\n|---|---|---|---|---|")
+    for thickness in (0.02, 0.01, 0.005):
+        cells = [f"{100 * error:+.2f} %" for ratio in (0.2, 0.5) for error in sphere(thickness, ratio, given.points)]
+        print(f"| {thickness / 0.25:g} | " + " | ".join(cells) + " |")
+    if given.figure is not None:
+        _draw(given.figure, rows)
+        print(given.figure, file=sys.stderr)
+    return 0
+
+
+def pressed(heights: np.ndarray, grid: Grid, solid: Elasticity, pressure: float) -> Solution:
+    """The contact with a hard wall."""
+    contact = HardWallContact(heights, grid, solid)
+    return contact.step(contact.separated(), pressure)
+
+
+def sphere(thickness: float, ratio: float, points: int) -> tuple[float, float]:
+    """Errors of peak pressure and contact radius against the thin layer's closed form; cell and E* are one."""
+    wanted, radius = 0.25, 100.0
+    grid = Grid((points, points), (1.0, 1.0))
+    x = grid.coordinates[0] - 0.5
+    layer = Layer(1.0, ratio, thickness)
+    if ratio < 0.5:
+        spring = 1 / layer.mean_compliance
+        force, peak = np.pi * spring * wanted**4 / (4 * radius), spring * wanted**2 / (2 * radius)
+    else:
+        flow = 0.25 / (32 * radius * thickness**3)  # the shear modulus is E*/4
+        force, peak = np.pi * flow * wanted**6, 3 * flow * wanted**4
+    found = pressed(-(x[:, None] ** 2 + x[None, :] ** 2) / (2 * radius), grid, layer, force)
+    reached = np.sqrt(np.mean(found.pressure > 0) / np.pi)
+    return float(found.pressure.max() / peak - 1), float(reached / wanted - 1)
+
+
+def _draw(path: Path, rows: dict[str, list[tuple[float, float]]]) -> None:
+    import matplotlib
+
+    matplotlib.use("Agg")
+    import matplotlib.pyplot as plt
+
+    figure, (left, right) = plt.subplots(1, 2, figsize=(9, 3.6), layout="constrained")
+    x = np.geomspace(0.03, 20, 200)
+    for number, ratio in enumerate(RATIOS):
+        layer, colour = Layer(1.0, ratio, 1.0), f"C{number}"
+        left.loglog(x, layer.stiffness(x), colour, label=f"layer, ν = {ratio:g}")
+        thin = np.full_like(x, 1 / layer.mean_compliance) if ratio < 0.5 else 0.75 / x**2
+        left.loglog(x, thin, colour, linestyle=":", label="thin limit")
+        area, theory = np.array([rows[f"{d:g}"][number] for d in THICKNESSES]).T
+        right.semilogx(THICKNESSES, area, colour, marker="o", label=f"ν = {ratio:g}")
+        right.semilogx(THICKNESSES, theory, colour, linestyle="--", label="Persson's theory")
+    left.loglog(x, HalfSpace(1.0).stiffness(x), "k--", label="half-space")
+    right.axhline(rows["half-space"][0][0], color="k", linestyle=":", label="half-space")
+    left.set(xlabel="qd", ylabel="K d/E*", ylim=(0.2, 50))
+    right.set(xlabel="d/L", ylabel=f"relative contact area, p = {PRESSURE:g} E*")
+    left.legend(fontsize="small")
+    right.legend(fontsize="small")
+    figure.savefig(path, dpi=120)
+    plt.close(figure)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
