@@ -11,6 +11,8 @@ metastable branches that enclose them in the group ``metastable``, on the dimens
 says so by the name it gives a quantity: ``"gap_flow/mean_gap"``, ``"gap_flow/loading/mean_gap"``.
 """
 
+from dataclasses import replace
+
 import numpy as np
 
 from contact_study.observables import ENTRIES
@@ -22,6 +24,9 @@ CONVENTIONS = "CF-1.11"
 # Dimensions of the labels before a quantity's name, and the group for so many of them.
 LABELS = ("theory", "metastable_branch")
 LABELLED_GROUPS = ("", "", "metastable")
+
+# Before the name of a constant whose key is swept: the name itself is that of the dimension, with the values asked for.
+REALISED = "realised_"
 
 
 VARIABLES: dict[str, Variable] = {
@@ -87,6 +92,9 @@ COORDINATES: dict[str, Variable] = {
 
 def variable_of(name: str) -> Variable:
     """The entry of a quantity or coordinate."""
+    if name.startswith(REALISED):
+        known = VARIABLES[name.removeprefix(REALISED)]
+        return replace(known, long_name=f"{known.long_name}, as the model has it")
     return COORDINATES[name] if name in COORDINATES else VARIABLES[name]
 
 

@@ -87,6 +87,26 @@ def test_writes_the_dataset_and_names_it(study, tmp_path, capsys):
         assert "applied_pressure" in dataset.coords, "a group stands by itself"
 
 
+def test_constants_of_swept_keys_stand_beside_them(study, tmp_path):
+    """A constant that has the name of a swept key, whose dimension has the values asked for."""
+    output = tmp_path / "bem.nc"
+    swept = '"interaction.well_depth_ratio" = [1, 4]\n'
+    study.write_text(study.read_text().replace(swept, swept + '"interaction.work_of_adhesion" = [0.5, 0.7]\n'))
+    assert run(study, "-o", output, "--workers", 1) == 0
+    with xr.open_dataset(output) as dataset:
+        np.testing.assert_array_equal(dataset.work_of_adhesion, [0.5, 0.7])
+        own = dataset.realised_work_of_adhesion
+        assert "work_of_adhesion" in own.dims
+        assert own.attrs["units"] == "J m-2"
+        expected = dataset.work_of_adhesion * dataset.get("well_depth_ratio", 1)
+        np.testing.assert_allclose(*xr.broadcast(own, expected), rtol=1e-12)
+    wider = ["--interaction.work_of_adhesion", "[0.5, 0.7, 0.9]"]
+    assert run(study, "-o", output, "--workers", 1, "--resume", *wider) == 0
+    with xr.open_dataset(output) as dataset:
+        assert dataset.realised_work_of_adhesion.sizes["work_of_adhesion"] == 3
+        assert "work_of_adhesion" in dataset.coords
+
+
 def test_processes_give_the_same_numbers_as_one(study, tmp_path):
     assert run(study, "-o", tmp_path / "one.nc", "--workers", 1) == 0
     assert run(study, "-o", tmp_path / "two.nc", "--workers", 2) == 0

@@ -8,8 +8,10 @@ import pytest
 import xarray as xr
 
 from contact_study.comparison.command import main
+from contact_study.comparison.compute.cases import sweep_points
 from contact_study.comparison.compute.deviations import pairs_of
 from contact_study.comparison.compute.plotted import Curve
+from contact_study.comparison.compute.scales import scales
 from contact_study.comparison.draw.figures import contact_area_figure
 from contact_study.comparison.draw.style import look_of
 from contact_study.comparison.read.datasets import read_inputs
@@ -73,6 +75,24 @@ def test_one_theory_of_a_file(tmp_path):
     assert status == 0
     assert "The area is its real contact area at the highest magnification." in text
     assert not list((tmp_path / "figures").glob("*gap_distribution*"))
+
+
+def test_one_dataset_without_fields(tmp_path):
+    with xr.open_dataset(write(tmp_path / "c.nc", "continuum"), decode_timedelta=False) as dataset:
+        dataset.drop_vars(["gap", "pressure", "height", "y", "x"]).to_netcdf(tmp_path / "bare.nc")
+    assert reported(tmp_path, tmp_path / "bare.nc")[0] == 0
+    assert len(list((tmp_path / "figures").iterdir())) == 4
+
+
+def test_constants_of_swept_keys_are_the_models_own(tmp_path):
+    """Where h_rms is swept, gaps are in units of the roughness that the model has."""
+    text = STUDY[: STUDY.index("[sweep]")] + '[sweep]\n"surface.rms_height" = ["8 angstrom", "10 angstrom"]\n'
+    text = text.replace('normalisation = "realised"', 'normalisation = "spectrum"')
+    models = read_inputs([write(tmp_path / "c.nc", "continuum", text)]).models
+    first = sweep_points(models)[0]
+    realised = float(models["continuum"]["realised_rms_height"][0])
+    assert scales(models, first).rms_height == realised != pytest.approx(8e-10, rel=1e-3)
+    assert reported(tmp_path, tmp_path / "c.nc")[0] == 0
 
 
 def test_two_datasets_of_one_model(tmp_path):

@@ -10,7 +10,7 @@ from contact_study.campaign import steps as store
 from contact_study.campaign.dataset.file import RESTART
 from contact_study.campaign.resume.folder import Parts
 from contact_study.campaign.resume.identity import Run
-from contact_study.campaign.schema import COORDINATES, LABELLED_GROUPS, LABELS, quantity_of, variable_of
+from contact_study.campaign.schema import COORDINATES, LABELLED_GROUPS, LABELS, REALISED, quantity_of, variable_of
 from contact_study.fields.distributions import Bins, redistributed
 from contact_study.problem.study import SweptKey
 
@@ -94,7 +94,7 @@ def assemble(
     arrays: dict[str, np.ndarray] = {}
     for index, constants, path in cases:
         for name, value in constants.items():
-            _place(arrays, name, value, lengths, index)
+            _place(arrays, f"{REALISED}{name}" if name in sweep else name, value, lengths, index)
         for number, values in enumerate(path):
             for name, value in values.items():
                 _place(arrays, name, value, (*lengths, steps), (*index, number))

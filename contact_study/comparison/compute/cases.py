@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from contact_study.campaign.schema import REALISED
 from contact_study.comparison.labels import coordinate_label
 from contact_study.comparison.models import entry_of
 from contact_study.comparison.read.path_points import AVERAGED, Point, path_points, swept_dims
@@ -126,10 +127,12 @@ def case_points(part: xr.Dataset, control: str) -> list[Point | None]:
 
 
 def constant(part: xr.Dataset, name: str) -> float:
-    """A number of the whole path, its mean over seeds; NaN where the dataset has none."""
-    if name not in part:
-        return float("nan")
-    return float(part[name].mean())
+    """A number of the whole path, its mean over seeds; NaN where the dataset has none.
+
+    Where its key is swept, it is what the model has, not what was asked for.
+    """
+    own = next((known for known in (f"{REALISED}{name}", name) if known in part), None)
+    return float("nan") if own is None else float(part[own].mean())
 
 
 def first_constant(models: Mapping[str, xr.Dataset], point: SweepPoint, name: str) -> float:

@@ -38,7 +38,7 @@ def read_gap_maps(inputs: Inputs, shown: PanelPoints, seed: int | None) -> GapMa
     gaps, size = {}, (0.0, 0.0)
     for model in inputs.simulations:
         part = select(inputs.models[model], shown.case)
-        if part is None or shown.common not in (path := case_points(part, inputs.control)):
+        if part is None or "y" not in part or shown.common not in (path := case_points(part, inputs.control)):
             continue
         step = path.index(shown.common)
         selection = dict(shown.case.selection)
