@@ -1,3 +1,36 @@
-"""What is asked, how it is run and what came out: shared by the three models, with no solver in it."""
+"""What is asked, how it is run and what came out: shared by the three models, with no solver in it.
+
+A study, from a file or as nested mappings, is run by :func:`run`, which gives an :class:`xarray.Dataset`.
+"""
+
+import importlib
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from contact_study.campaign.library import run
+    from contact_study.problem.errors import InputError
+    from contact_study.problem.study import make_study, read_study
+    from contact_study.problem.surface import realise
+
+__all__ = ["InputError", "__version__", "make_study", "read_study", "realise", "run"]
 
 __version__ = "0.1.0"
+
+_MODULES = {
+    "InputError": "problem.errors",
+    "make_study": "problem.study",
+    "read_study": "problem.study",
+    "realise": "problem.surface",
+    "run": "campaign.library",
+}
+
+
+def __getattr__(name: str) -> Any:
+    # Imported when asked for: the solvers import this package's numerics, and need none of its files and datasets.
+    if name not in _MODULES:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return getattr(importlib.import_module(f"{__name__}.{_MODULES[name]}"), name)
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

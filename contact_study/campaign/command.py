@@ -3,34 +3,24 @@
 import argparse
 import dataclasses
 import io
-import os
 import re
 import shlex
 import signal
-import subprocess
 import sys
 import tomllib
 import traceback
 from collections.abc import Mapping, Sequence
-from functools import cache
 from pathlib import Path
 from typing import Any, NoReturn
 
 import xarray as xr
 
 import contact_study
-from contact_study.campaign.check import checked
-from contact_study.campaign.dataset.assembly import assembled
-from contact_study.campaign.dataset.provenance import carried_warnings, provenance, read_flags, unconverged
+from contact_study.campaign.conduct import Conditions, check_inputs_kept, conduct
+from contact_study.campaign.dataset.provenance import unconverged
 from contact_study.campaign.engines import ENGINES, CampaignError
-from contact_study.campaign.files import writable_output
 from contact_study.campaign.model import Model
-from contact_study.campaign.predictor import check_predictor
 from contact_study.campaign.progress import Progress
-from contact_study.campaign.resume.folder import Parts
-from contact_study.campaign.resume.identity import Run, run_of
-from contact_study.campaign.resume.take_up import Finished, earlier_commits, finished_at, take_up
-from contact_study.campaign.runner import run_cases
 from contact_study.problem.errors import InputError
 from contact_study.problem.keys import suggestion
 from contact_study.problem.study import all_keys, read_study
@@ -117,56 +107,12 @@ def _main(model: Model, arguments: Sequence[str]) -> int:
     output: Path = given.output
     study = read_study(given.study, overrides)
     predictor = getattr(given, "predictor", None)
-    _check_inputs_kept(output, [given.study, predictor, *(case.height_map for case in study.cases)])
-    bins, said = checked(model, study)
-    run = run_of(model, study, bins, predictor if predictor is not None and predictor.is_file() else None)
-    if predictor is not None:
-        said += check_predictor(predictor, study, run.height_maps)
-    parts = Parts(output)
-    finished = finished_at(output, resume=given.resume, overwrite=given.overwrite)
-    if finished is not None and finished.is_of(run):
-        return _already_done(run, parts, finished)
-    writable_output(output)
-    progress = Progress(model.command)
-    for note in said:
-        progress.say(f"warning: {note}")
-    try:
-        unfinished = parts.open(resume=given.resume, overwrite=given.overwrite)
-        names = run.case_names()
-        commits = earlier_commits(unfinished, finished, git_commit())
-        for note in [*commits, *take_up(run, names, parts, unfinished, finished, git_commit())]:
-            progress.say(f"warning: {note}")
-        notes = run_cases(run, names, parts, given.workers, progress, given.engine)
-        progress.close()
-        groups, late = assembled(run, names, parts)
-        notes = [*carried_warnings(run, finished), *notes, *late]
-        command = f"{model.command} {shlex.join(arguments)}"
-        groups[""].attrs.update(provenance(run, finished, [*said, *notes, *commits], command, git_commit()))
-        parts.finish(groups)
-    finally:
-        progress.close()
-        parts.close()
-    for note in dict.fromkeys(notes):
-        progress.say(f"warning: {note}")
+    check_inputs_kept(output, [given.study, predictor, *(case.height_map for case in study.cases)])
+    words = f"{model.command} {shlex.join(arguments)}"
+    how = Conditions(given.resume, given.overwrite, given.workers, given.engine)
+    groups = conduct(model, study, output, Progress(model.command), words, predictor, how)
     print(output)
     return _status(model, groups)
-
-
-def _already_done(run: Run, parts: Parts, finished: Finished) -> int:
-    command, path = run.model.command, finished.path
-    if parts.belong_to(run.attributes):
-        parts.remove()  # of a run killed between its dataset and its tidying up
-    elif parts.folder.exists():
-        print(f"{command}: warning: {parts.folder} holds steps of another run, which are left alone", file=sys.stderr)
-    status = _status(run.model, read_flags(finished))
-    if finished.attributes["git_commit"] != git_commit():
-        print(
-            f"{command}: warning: {path} is of commit {finished.attributes['git_commit']}, this is {git_commit()}; use "
-            "--overwrite to compute it anew",
-            file=sys.stderr,
-        )
-    print(path)
-    return status
 
 
 def _parser(model: Model) -> Parser:
@@ -229,36 +175,6 @@ def _toml_value(text: str) -> Any:
         return tomllib.loads(f"value = {text}")["value"]
     except tomllib.TOMLDecodeError:
         return text
-
-
-def _check_inputs_kept(output: Path, inputs: Sequence[Path | None]) -> None:
-    for path in inputs:
-        if path is not None and output.resolve() == path.resolve():
-            raise InputError(f"{output}: is read by this run; choose another output")
-
-
-@cache
-def git_commit() -> str:
-    """Commit of the checkout that this runs from, marked if it has been changed; "unknown" outside one."""
-    try:
-        found = subprocess.run(
-            [
-                "git",
-                "-C",
-                os.path.dirname(__file__),
-                "describe",
-                "--always",
-                "--dirty",
-                "--abbrev=40",
-                "--exclude=*",
-            ],
-            capture_output=True,
-            text=True,
-            timeout=10,
-        )
-    except (OSError, subprocess.TimeoutExpired):
-        return "unknown"
-    return found.stdout.strip() or "unknown"
 
 
 def _status(model: Model, groups: Mapping[str, xr.Dataset]) -> int:

@@ -14,6 +14,9 @@ from contact_study.problem.study import Study
 from contact_study.problem.surface import Surface
 from contact_study.problem.surface_scales import SurfaceScales
 
+# Where each model declares itself as MODEL, by what it is; imported when asked for, for models know of no other.
+MODULES = {"continuum": "bem_adhesion.run", "atomistic": "md_reference.run", "theory": "theory.run"}
+
 Predictor = Callable[[int], np.ndarray | None]
 
 

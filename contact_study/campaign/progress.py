@@ -1,6 +1,7 @@
 """Progress on stderr: a bar on a terminal, a line per finished step elsewhere."""
 
 import sys
+import warnings
 from contextlib import suppress
 from typing import Any
 
@@ -53,7 +54,30 @@ class Progress:
             tqdm.write(f"{self._name}: {text}", file=sys.stderr)
             sys.stderr.flush()
 
+    def warn(self, note: str) -> None:
+        """Something to be known of the study or a step."""
+        self.say(f"warning: {note}")
+
     def close(self) -> None:
         """No more steps."""
         if self._bar is not None:
             self._bar.close()
+
+
+class Warnings(Progress):
+    """Shows no steps; warnings are Python's."""
+
+    def __init__(self) -> None:
+        super().__init__("")
+
+    def start(self, total: int, done: int) -> None:
+        pass
+
+    def step(self, label: str, point: str, summary: dict[str, Any], seconds: float) -> None:
+        pass
+
+    def say(self, text: str) -> None:
+        pass
+
+    def warn(self, note: str) -> None:
+        warnings.warn(note, UserWarning, stacklevel=4)  # at the caller of the library

@@ -9,7 +9,8 @@ from pathlib import Path
 from typing import Any
 
 import contact_study
-from contact_study.campaign.command import DONE, NOT_CONVERGED, Parser, git_commit, guarded
+from contact_study.campaign.command import DONE, NOT_CONVERGED, Parser, guarded
+from contact_study.campaign.dataset.provenance import git_commit
 from contact_study.campaign.files import writable_output
 from contact_study.campaign.schema import CONVENTIONS, SCHEMA_VERSION
 from contact_study.comparison.compute.deviations import MISSING, compute_deviations, pairs_of

@@ -13,8 +13,9 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from contact_study.campaign import command, steps
+from contact_study.campaign import steps
 from contact_study.campaign.command import main
+from contact_study.campaign.dataset import provenance
 from contact_study.campaign.schema import COORDINATES, VARIABLES
 from tests.campaign.toy_model import TOY
 
@@ -282,7 +283,7 @@ def test_changed_numbers_on_disk_are_computed_again(study, interrupted, tmp_path
 
 def test_another_commit_is_said(study, interrupted, monkeypatch, capsys):
     """A run that is continued, or not repeated, after the program has changed."""
-    monkeypatch.setattr(command, "git_commit", lambda: "another")
+    monkeypatch.setattr(provenance, "git_commit", lambda: "another")
     assert run(study, "-o", interrupted, "--resume") == 0
     assert "the next of another" in capsys.readouterr().err
     monkeypatch.undo()

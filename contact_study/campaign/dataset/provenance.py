@@ -1,9 +1,12 @@
 """What a dataset says of itself: where it came from, and which of its steps did not converge."""
 
 import itertools
+import os
+import subprocess
 import tomllib
 from collections.abc import Iterator, Mapping, Sequence
 from datetime import UTC, datetime
+from functools import cache
 from typing import Any
 
 import xarray as xr
@@ -73,3 +76,27 @@ def unconverged(groups: Mapping[str, xr.Dataset]) -> Iterator[str]:
                 yield (
                     f"{failed} of {total} steps did not converge{where}; see the variables converged and residual there"
                 )
+
+
+@cache
+def git_commit() -> str:
+    """Commit of the checkout that this runs from, marked if it has been changed; "unknown" outside one."""
+    try:
+        found = subprocess.run(
+            [
+                "git",
+                "-C",
+                os.path.dirname(__file__),
+                "describe",
+                "--always",
+                "--dirty",
+                "--abbrev=40",
+                "--exclude=*",
+            ],
+            capture_output=True,
+            text=True,
+            timeout=10,
+        )
+    except (OSError, subprocess.TimeoutExpired):
+        return "unknown"
+    return found.stdout.strip() or "unknown"

@@ -28,6 +28,7 @@ def run(tasks: Sequence[Task], workers: int, report: Report) -> None:
             running = [executor.submit(_run_queued, task) for task in reversed(tasks)]
         for finished in as_completed(running):
             finished.result()
+        executor.shutdown()  # a worker sends its last reports before it ends
     except BrokenProcessPool:
         raise CampaignError("a worker process was killed (out of memory?); finished steps are kept") from None
     except BaseException:

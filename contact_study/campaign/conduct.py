@@ -1,0 +1,132 @@
+"""A campaign from its study to its dataset: checked, taken up where an earlier run stands, run, assembled."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import xarray as xr
+
+from contact_study.campaign.check import checked
+from contact_study.campaign.dataset import provenance
+from contact_study.campaign.dataset.assembly import assembled
+from contact_study.campaign.files import writable_output
+from contact_study.campaign.model import Model
+from contact_study.campaign.predictor import check_predictor
+from contact_study.campaign.progress import Progress
+from contact_study.campaign.resume.folder import Parts
+from contact_study.campaign.resume.identity import Run, run_of
+from contact_study.campaign.resume.take_up import Finished, earlier_commits, finished_at, take_up
+from contact_study.campaign.runner import run_cases
+from contact_study.problem.errors import InputError
+from contact_study.problem.study import Study
+
+
+@dataclass(frozen=True)
+class Conditions:
+    """How a campaign is carried out; nothing here decides a number.
+
+    Parameters
+    ----------
+    resume, overwrite : bool
+        What to do about a dataset, or the steps of one, that stand at the output: continue them, or replace them.
+    workers : int or None
+        Processes; None for one a case, at most the cores.
+    engine : str or None
+        Where cases run, a name of :data:`contact_study.campaign.engines.ENGINES`; None for what the workers ask for.
+    """
+
+    resume: bool = False
+    overwrite: bool = False
+    workers: int | None = None
+    engine: str | None = None
+
+
+def conduct(
+    model: Model,
+    study: Study,
+    output: Path,
+    progress: Progress,
+    command: str,
+    predictor: Path | None = None,
+    conditions: Conditions | None = None,
+) -> Mapping[str, xr.Dataset]:
+    """Carry out a study and write its dataset.
+
+    Parameters
+    ----------
+    model : Model
+        The model.
+    study : Study
+        The study.
+    output : pathlib.Path
+        Dataset to write.
+    progress : Progress
+        Hears of every step and every warning.
+    command : str
+        What was asked, for the dataset's history.
+    predictor : pathlib.Path, optional
+        Dataset whose gap fields the steps start from.
+    conditions : Conditions, optional
+        How.
+
+    Returns
+    -------
+    mapping
+        Groups of the dataset by name, at least which of their steps converged.
+
+    Raises
+    ------
+    InputError
+        If the study, the predictor or what stands at the output cannot be used; nothing is written then.
+    CampaignError
+        If it could not be brought to its end; finished steps are kept.
+    """
+    how = conditions or Conditions()
+    bins, said = checked(model, study)
+    run = run_of(model, study, bins, predictor if predictor is not None and predictor.is_file() else None)
+    if predictor is not None:
+        said += check_predictor(predictor, study, run.height_maps)
+    parts = Parts(output)
+    finished = finished_at(output, resume=how.resume, overwrite=how.overwrite)
+    if finished is not None and finished.is_of(run):
+        return _already_done(run, parts, finished, progress)
+    writable_output(output)
+    for note in said:
+        progress.warn(note)
+    commit = provenance.git_commit()
+    try:
+        unfinished = parts.open(resume=how.resume, overwrite=how.overwrite)
+        names = run.case_names()
+        commits = earlier_commits(unfinished, finished, commit)
+        for note in [*commits, *take_up(run, names, parts, unfinished, finished, commit)]:
+            progress.warn(note)
+        notes = run_cases(run, names, parts, how.workers, progress, how.engine)
+        progress.close()
+        groups, late = assembled(run, names, parts)
+        notes = [*provenance.carried_warnings(run, finished), *notes, *late]
+        groups[""].attrs.update(provenance.provenance(run, finished, [*said, *notes, *commits], command, commit))
+        parts.finish(groups)
+    finally:
+        progress.close()
+        parts.close()
+    for note in dict.fromkeys(notes):
+        progress.warn(note)
+    return groups
+
+
+def _already_done(run: Run, parts: Parts, finished: Finished, progress: Progress) -> Mapping[str, xr.Dataset]:
+    if parts.belong_to(run.attributes):
+        parts.remove()  # of a run killed between its dataset and its tidying up
+    elif parts.folder.exists():
+        progress.warn(f"{parts.folder} holds steps of another run, which are left alone")
+    commit, now = finished.attributes["git_commit"], provenance.git_commit()
+    if commit != now:
+        progress.warn(f"{finished.path} is of commit {commit}, this is {now}; use --overwrite to compute it anew")
+    return provenance.read_flags(finished)
+
+
+def check_inputs_kept(output: Path, inputs: list[Path | None]) -> None:
+    """Raise InputError if the output is a file that the run reads."""
+    for path in inputs:
+        if path is not None and output.resolve() == path.resolve():
+            raise InputError(f"{output}: is read by this run; choose another output")

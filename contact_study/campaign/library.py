@@ -1,0 +1,124 @@
+"""Studies from Python: a table or a file in, a dataset out."""
+
+import importlib
+import tempfile
+import warnings
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from contact_study.campaign.conduct import Conditions, check_inputs_kept, conduct
+from contact_study.campaign.dataset.provenance import unconverged
+from contact_study.campaign.model import MODULES, Model
+from contact_study.campaign.progress import Progress, Warnings
+from contact_study.problem.errors import InputError
+from contact_study.problem.study import Study, make_study, read_study
+
+
+def run(
+    study: Mapping[str, Any] | str | Path,
+    model: str = "continuum",
+    *,
+    output: str | Path | None = None,
+    resume: bool = False,
+    overwrite: bool = False,
+    predictor: str | Path | None = None,
+    workers: int = 1,
+    engine: str | None = None,
+    progress: bool = False,
+) -> xr.Dataset:
+    """Run a study by one of the models.
+
+    Parameters
+    ----------
+    study : mapping or path-like
+        The content of a study file as nested mappings, ``{"surface": {"kind": "self_affine", ...}, ...}``, with
+        numbers in SI or strings with a unit and relative paths from the working directory; or the path of a file.
+    model : str, optional
+        ``"continuum"``, ``"atomistic"`` or ``"theory"``.
+    output : path-like, optional
+        Dataset to write, as the model's command would; without one nothing is left on disk.
+    resume, overwrite : bool, optional
+        Continue, or replace, what stands at ``output``.
+    predictor : path-like, optional
+        Dataset of the continuum whose gap fields the atomistic model starts from.
+    workers : int, optional
+        Processes over which the points of a sweep are spread. With more than one the caller's script is read again by
+        each process: call this below ``if __name__ == "__main__":``.
+    engine : str, optional
+        Where cases run, ``"serial"`` or ``"processes"``; by default what ``workers`` asks for.
+    progress : bool, optional
+        Show every finished step on stderr.
+
+    Returns
+    -------
+    xarray.Dataset
+        What ``xarray.open_dataset`` reads of the dataset's file, loaded. Metastable branches of theories, a group of
+        their own, are in a file that is written only.
+
+    Raises
+    ------
+    ValueError
+        If a key of the study or an argument cannot be used; the message names it.
+
+    Warns
+    -----
+    UserWarning
+        Of what the command would warn of, and of steps that did not converge: see the variable ``converged``.
+
+    Examples
+    --------
+    >>> dataset = contact_study.run("data/yang2008_quick.toml", "theory")  # doctest: +SKIP
+    >>> dataset.relative_contact_area.plot.line(x="step", hue="theory")  # doctest: +SKIP
+    """
+    chosen = _model(model)
+    if resume and overwrite:
+        raise InputError("resume and overwrite exclude each other")
+    if isinstance(workers, bool) or not isinstance(workers, int) or workers < 1:
+        raise InputError(f"workers = {workers!r}: must be a whole number of at least 1")
+    if predictor is not None and not chosen.takes_predictor:
+        raise InputError(f"predictor: the model {model!r} takes none")
+    if output is None and resume:
+        raise InputError("resume: needs an output to go on from")
+    asked = _study(study)
+    start = None if predictor is None else Path(predictor)
+    shown = Progress(chosen.command) if progress else Warnings()
+    words = f"contact_study.run(..., {model!r})"
+    with tempfile.TemporaryDirectory(prefix="contact_study") as folder:
+        path = Path(folder) / "dataset.nc" if output is None else Path(output)
+        given = study if isinstance(study, str | Path) else None
+        check_inputs_kept(path, [None if given is None else Path(given), start, *(c.height_map for c in asked.cases)])
+        how = Conditions(resume, overwrite, workers, engine)
+        groups = conduct(chosen, asked, path, shown, words, start, how)
+        dataset = xr.load_dataset(path)
+    for line in unconverged(groups):
+        warnings.warn(line, UserWarning, stacklevel=2)
+    return dataset
+
+
+def _model(name: str) -> Model:
+    if name not in MODULES:
+        raise InputError(f"model = {name!r}: expected one of {', '.join(MODULES)}")
+    return importlib.import_module(MODULES[name]).MODEL
+
+
+def _study(study: Mapping[str, Any] | str | Path) -> Study:
+    if isinstance(study, str | Path):
+        return read_study(study)
+    if isinstance(study, Mapping):
+        return make_study(_plain(study))
+    raise InputError(f"study = {study!r}: expected a mapping of sections or the path of a study file")
+
+
+def _plain(value: Any) -> Any:
+    """A value as a TOML file would hold it."""
+    if isinstance(value, Mapping):
+        return {str(name): _plain(content) for name, content in value.items()}
+    if isinstance(value, np.ndarray | np.generic):
+        return _plain(value.tolist())
+    if isinstance(value, tuple | list):
+        return [_plain(item) for item in value]
+    return str(value) if isinstance(value, Path) else value
