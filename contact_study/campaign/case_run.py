@@ -113,7 +113,7 @@ def _summary(step: Step) -> Mapping[str, Any]:
     first: dict[str, Any] = {}
     for key, value in step.values.items():
         first.setdefault(quantity_of(key)[1], value)
-    return {name: first.get(name) for name in ("relative_contact_area", "converged", "message")}
+    return {name: first.get(name) for name in ("relative_contact_area", "converged", "detached", "message")}
 
 
 def _with_threads(case: Case, surface: Surface, threads: int) -> Case:

@@ -38,7 +38,9 @@ class Progress:
         self._done += 1
         area = summary.get("relative_contact_area")
         text = f"{label + ': ' if label else ''}{point}"
-        if area is not None:
+        if summary.get("detached"):
+            text += f", {summary.get('message') or 'detached'}"
+        elif area is not None:
             text += f", contact area {float(area):.4f}"
         if not summary.get("converged", True):
             text += f", NOT CONVERGED ({summary.get('message') or 'see residual'})"
