@@ -125,7 +125,7 @@ def constants(case: Case, surface: Surface) -> dict[str, Value]:
         values |= {"peak_distance": law.peak_distance, "process_zone": zone}
     if case.output.fields:
         y, x = surface.grid.coordinates
-        values |= {"y": y, "x": x, "height": surface.heights(surface.shape)}
+        values |= {"y": y, "x": x, "height": surface.sampled}
     return values
 
 
@@ -147,7 +147,7 @@ def solve_path(
     """
     solver = case.solver
     contact = rough_contact(
-        surface.heights(surface.shape),
+        surface.sampled,
         surface.grid.size,
         case.solid,
         case.law,

@@ -58,7 +58,7 @@ class PathCost:
 def cost_of_path(case: Case, pressures: np.ndarray) -> PathCost:
     """Load one case from separation through the pressures (Pa)."""
     surface = realise(case)
-    contact = LoadedContact(surface.heights(surface.shape), surface.grid, case.material.contact_modulus, case.law)
+    contact = LoadedContact(surface.sampled, surface.grid, case.material.contact_modulus, case.law)
     state = contact.step(contact.separated(), pressures[0]).displacement  # compiles
     state, pairs, converged = contact.separated(), [], True
     TimedTransform.seconds, began = 0.0, time.perf_counter()

@@ -49,7 +49,7 @@ def surface(points: int, cutoff_mode: int, seed: int) -> tuple[np.ndarray, Grid]
             "loading": {"path": [1e9]},
         }
     )
-    return realise(study.cases[0]).heights((points, points)), Grid((points, points), (SIZE, SIZE))
+    return realise(study.cases[0]).sampled, Grid((points, points), (SIZE, SIZE))
 
 
 def ours(height: np.ndarray, grid: Grid, mean_pressure: float) -> Solution:

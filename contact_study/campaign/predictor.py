@@ -12,6 +12,7 @@ import xarray as xr
 from contact_study.problem.case import Case
 from contact_study.problem.errors import InputError
 from contact_study.problem.keys import keys_of, shown
+from contact_study.problem.path_points import path_points, path_points_of
 from contact_study.problem.study import SECTIONS, Study, make_study, same
 
 # Sections and keys that make a contact what it is. The grid is each model's own, a map's content counts and not its
@@ -89,12 +90,13 @@ class GapFields:
     path : pathlib.Path
         Dataset of the continuum.
     case : Case
-        The case to be started; matched by what either study sweeps and by the prescribed values.
+        The case to be started; matched by what either study sweeps and by the points of its path.
     """
 
     def __init__(self, path: Path, case: Case):
         self._path = path
         self._case = case
+        self._points = path_points_of(case)
         with xr.open_dataset(path, decode_timedelta=False) as dataset:
             study = _study(path, dataset.attrs)
         start = _matching(study, case)
@@ -103,20 +105,13 @@ class GapFields:
     def __call__(self, number: int) -> np.ndarray | None:
         if self._index is None:
             return None
-        wanted, branch = self._case.path[number]
         with xr.open_dataset(self._path, decode_timedelta=False) as dataset:
             dataset = dataset.isel({name: i for name, i in self._index.items() if name in dataset.dims})
-            applied = dataset[f"applied_{self._case.loading.control}"].values
-            # The same study file gives the same floats; 1e-9 forgives a value written in another unit.
-            same = np.isclose(applied, wanted, rtol=1e-9, atol=0.0) & (
-                dataset["branch"].values == (branch == "unloading")
-            )
-            usable = same & (dataset["converged"].values == 1) & (dataset["detached"].values != 1)
-            if not usable.any():
+            points = path_points(dataset[f"applied_{self._case.loading.control}"].values, dataset["branch"].values)
+            if self._points[number] not in points:
                 return None
-            # A path may visit one pressure twice: the visit nearest in order is the one meant.
-            visits = np.flatnonzero(usable)
-            return _unpadded(dataset["gap"].isel(step=int(visits[np.argmin(np.abs(visits - number))])).values)
+            state = dataset.isel(step=points.index(self._points[number]))
+            return _unpadded(state["gap"].values) if state["converged"] == 1 and state["detached"] != 1 else None
 
     def fingerprint(self, number: int) -> str:
         """SHA-256 of the field of a path point; empty where there is none."""

@@ -43,28 +43,29 @@ class Surface(ABC):
         return Grid(self.shape, self.size)
 
     @cached_property
-    def _sampled(self) -> np.ndarray:
+    def sampled(self) -> np.ndarray:
+        """Heights on the continuum grid, made once (m)."""
         return self.heights(self.shape)
 
     @property
     def rms_height(self) -> float:
         """Root-mean-square height of this surface on the continuum grid (m)."""
-        return float(np.sqrt(np.mean(self._sampled**2)))
+        return float(np.sqrt(np.mean(self.sampled**2)))
 
     @property
     def peak_to_valley(self) -> float:
         """Highest minus lowest point of the continuum grid (m)."""
-        return float(np.ptp(self._sampled))
+        return float(np.ptp(self.sampled))
 
     @property
     def rms_slope(self) -> float:
         """√<|∇h|²> of the trigonometric interpolant on the continuum grid."""
-        power = self.grid.multiplicity * np.abs(fourier.transform(self._sampled)) ** 2
+        power = self.grid.multiplicity * np.abs(fourier.transform(self.sampled)) ** 2
         return float(np.sqrt(np.sum(self.grid.wavenumber**2 * power)))
 
     def measured_spectrum(self) -> RadialSpectrum:
         """Radial spectrum of this very surface."""
-        return radial_spectrum(self._sampled, self.grid)
+        return radial_spectrum(self.sampled, self.grid)
 
 
 @dataclass(frozen=True)

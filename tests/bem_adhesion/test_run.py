@@ -9,7 +9,7 @@ from bem_adhesion import run
 from contact_study.campaign.schema import COORDINATES, VARIABLES
 from contact_study.problem.errors import InputError
 from contact_study.problem.study import make_study
-from contact_study.problem.surface import realise
+from contact_study.problem.surface import BandLimitedSurface, realise
 from contact_study.problem.surface_scales import scales_of
 from tests.bem_adhesion.paper_system import E_STAR, R0, study_table
 from tests.recording import bins_of_case, recorded_path
@@ -80,6 +80,16 @@ def test_work_of_the_pressure_is_the_energy_stored(interaction):
         pressure = 0.5 * (one["mean_pressure"] + other["mean_pressure"])
         # The trapezoidal rule over two to three per cent of the gap, where the pressure bends by as much.
         assert -pressure * (other["mean_separation"] - one["mean_separation"]) == pytest.approx(stored, rel=2e-3)
+
+
+def test_heights_are_made_once_a_case(monkeypatch):
+    made = []
+    heights = BandLimitedSurface.heights
+    monkeypatch.setattr(BandLimitedSurface, "heights", lambda self, shape: made.append(shape) or heights(self, shape))
+    case, surface = problem(output={"fields": True})
+    run.constants(case, surface)
+    next(iter(run.solve_path(case, surface)))
+    assert made == [surface.shape]
 
 
 def test_constants_of_law_material_and_surface():

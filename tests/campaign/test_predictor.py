@@ -56,6 +56,14 @@ def test_field_of_the_same_visit(dataset):
     assert fields(0).shape == (3, 5)
 
 
+def test_a_further_visit_is_another_point(dataset):
+    """The third time at a pressure has no field of the second: contacts remember."""
+    third = case(4.0)
+    third = dataclasses.replace(third, loading=dataclasses.replace(third.loading, path=(1e8, 1e9, 1e8, 1e8)))
+    assert GapFields(dataset, third)(2)[0, 0] == 6.0
+    assert GapFields(dataset, third)(3) is None
+
+
 def test_nothing_where_there_is_no_usable_state(dataset):
     fields = GapFields(dataset, case(4.0))
     assert fields(1) is None  # not converged

@@ -12,7 +12,7 @@ from contact_study.comparison.compute.deviations import (
     compute_deviations,
 )
 from contact_study.comparison.read.datasets import read_inputs
-from contact_study.comparison.read.path_points import path_points
+from contact_study.problem.path_points import path_points
 from tests.comparison.synthetic import AREA_FACTOR, GAP_SHIFT, STUDY, area, gap, write, write_all
 
 

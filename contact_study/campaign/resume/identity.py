@@ -19,6 +19,7 @@ from contact_study.fields.distributions import Bins
 from contact_study.problem.case import Case
 from contact_study.problem.errors import InputError
 from contact_study.problem.keys import keys_of, shown
+from contact_study.problem.path_points import path_points_of
 from contact_study.problem.study import SECTIONS, WHOLE_STUDY, Study, make_study
 
 # Keys of a case that decide none of its numbers, or decide them in a way of their own.
@@ -220,7 +221,7 @@ def _match(number: int, case: Case, other: Case, run: Run) -> Match:
         raise InputError("output.fields is true there and false here: the fields there would be lost")
     if case.loading.unload and not other.loading.unload:
         raise InputError(f"loading.unload is true there and false here{where}")
-    before, after = (_points(one) for one in (case, other))
+    before, after = (path_points_of(one) for one in (case, other))
     length = len(case.loading.path)
     if after[:length] != before[:length]:
         raise InputError(f"loading.path{where} does not begin with the {length} points that are there")
@@ -244,7 +245,3 @@ def _ranges_hold(case: Case, bins: Bins) -> bool:
         if chosen is not None and not chosen[0] - slack <= edges[0] < edges[-1] <= chosen[1] + slack:
             return False
     return True
-
-
-def _points(case: Case) -> list[tuple[Any, str]]:
-    return [(_rounded(value), branch) for value, branch in case.path]

@@ -12,7 +12,8 @@ import xarray as xr
 from contact_study.campaign.schema import REALISED
 from contact_study.comparison.labels import coordinate_label
 from contact_study.comparison.models import entry_of
-from contact_study.comparison.read.path_points import AVERAGED, Point, path_points, swept_dims
+from contact_study.comparison.read.path_points import AVERAGED, swept_dims
+from contact_study.problem.path_points import PathPoint, path_points
 
 
 @dataclass(frozen=True)
@@ -116,7 +117,7 @@ def _by_seed(part: xr.Dataset, name: str, steps: int) -> np.ndarray:
     return part[name].transpose(*lead, "step").values.astype(float).reshape(-1, steps)
 
 
-def case_points(part: xr.Dataset, control: str) -> list[Point | None]:
+def case_points(part: xr.Dataset, control: str) -> list[PathPoint | None]:
     """Points of the path of a part that :func:`select` gave; all its seeds walk the same."""
     prescribed, branch = part[f"applied_{control}"], part["branch"]
     if AVERAGED in prescribed.dims:

@@ -10,7 +10,8 @@ from contact_study.comparison.compute.cases import SweepPoint, case_points, sele
 from contact_study.comparison.compute.scales import Scales, mean_pressure_unit, scales
 from contact_study.comparison.compute.shown_states import PanelPoints, point_label
 from contact_study.comparison.models import entry_of
-from contact_study.comparison.read.path_points import AVERAGED, Point, usable
+from contact_study.comparison.read.path_points import AVERAGED, usable
+from contact_study.problem.path_points import PathPoint
 
 
 @dataclass(frozen=True)
@@ -253,7 +254,7 @@ def _distributions(
     name: str,
     unit_of: Callable[[Scales], float],
 ) -> tuple[list[Curve], list[Curve]]:
-    def curves(states: list[tuple[SweepPoint, Point, str]]) -> list[Curve]:
+    def curves(states: list[tuple[SweepPoint, PathPoint, str]]) -> list[Curve]:
         found = []
         for colour, (point, named, label) in enumerate(states):
             unit = unit_of(scales(models, point))
@@ -272,7 +273,7 @@ def _distributions(
     return curves(panel_a), curves(panel_b)
 
 
-def density_at(dataset: xr.Dataset, point: SweepPoint, name: str, named: Point, control: str) -> np.ndarray | None:
+def density_at(dataset: xr.Dataset, point: SweepPoint, name: str, named: PathPoint, control: str) -> np.ndarray | None:
     """A density at one state, its mean over the seeds that converged in contact; None where there is none."""
     part = select(dataset, point)
     if part is None or name not in part or named not in (path := case_points(part, control)):

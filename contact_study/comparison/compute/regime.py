@@ -163,7 +163,7 @@ def _roughness_of(inputs: Inputs, point: SweepPoint) -> Roughness | None:
         surface = realise(case)
     except InputError:  # a height map that is no longer where the study names it
         return _from_dataset(inputs.models, point, case.solid)
-    return roughness(surface.heights(surface.shape), surface.size, case.solid)
+    return roughness(surface.sampled, surface.size, case.solid)
 
 
 def _from_dataset(models: Mapping[str, xr.Dataset], point: SweepPoint, solid: Elasticity) -> Roughness | None:

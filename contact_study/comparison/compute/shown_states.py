@@ -14,8 +14,8 @@ from contact_study.comparison.compute.cases import (
     sweep_points,
 )
 from contact_study.comparison.compute.scales import Scales, common_scales, scales
-from contact_study.comparison.read.path_points import Point
 from contact_study.comparison.wording import length, number, pressure
+from contact_study.problem.path_points import PathPoint
 
 # p/E* of figures 1b and 2b of Yang et al., EPL 84, 46004 (2008); their panels a state none.
 PAPER_PRESSURES = (-0.00532, 0.00832, 0.06265)
@@ -29,19 +29,19 @@ class PanelPoints:
 
     Attributes
     ----------
-    common : Point
+    common : PathPoint
         Point of the path at which all points of the sweep are shown (panel a).
     case : SweepPoint
         Point of the sweep shown at several pressures (panel b).
-    several : list of Point
+    several : list of PathPoint
         These points of its path.
     paper : bool
         Whether they are those of the paper.
     """
 
-    common: Point
+    common: PathPoint
     case: SweepPoint
-    several: list[Point]
+    several: list[PathPoint]
     paper: bool = False
 
 
@@ -75,13 +75,13 @@ def panel_points(models: Mapping[str, xr.Dataset], control: str, wanted: float |
     return PanelPoints(common, case, list(dict.fromkeys(several)), is_paper)
 
 
-def _value(named: Point) -> float:
+def _value(named: PathPoint) -> float:
     return float(named[0])
 
 
-def _loading_points(models: Mapping[str, xr.Dataset], point: SweepPoint, control: str) -> list[Point]:
+def _loading_points(models: Mapping[str, xr.Dataset], point: SweepPoint, control: str) -> list[PathPoint]:
     """First visits on loading at one point of the sweep, by any model."""
-    found: dict[Point, None] = {}
+    found: dict[PathPoint, None] = {}
     for dataset in models.values():
         part = select(dataset, point)
         if part is not None:
@@ -89,7 +89,7 @@ def _loading_points(models: Mapping[str, xr.Dataset], point: SweepPoint, control
     return list(found)
 
 
-def _paper_points(path: list[Point], contact_modulus: float) -> list[tuple[Point, float]]:
+def _paper_points(path: list[PathPoint], contact_modulus: float) -> list[tuple[PathPoint, float]]:
     chosen = []
     for wished in PAPER_PRESSURES:
         near = min(path, key=lambda named: abs(_value(named) / contact_modulus - wished))
@@ -98,7 +98,7 @@ def _paper_points(path: list[Point], contact_modulus: float) -> list[tuple[Point
     return chosen
 
 
-def point_label(named: Point, units: Scales, control: str) -> str:
+def point_label(named: PathPoint, units: Scales, control: str) -> str:
     """A point of the path of one point of the sweep, in the figures' units."""
     if control == "pressure":
         return f"p/E* = {number(_value(named) / units.contact_modulus, 4)}"
@@ -106,7 +106,7 @@ def point_label(named: Point, units: Scales, control: str) -> str:
     return f"{symbol} = {number(_value(named) / units.rms_height, 3)}"
 
 
-def common_label(models: Mapping[str, xr.Dataset], named: Point, control: str) -> str:
+def common_label(models: Mapping[str, xr.Dataset], named: PathPoint, control: str) -> str:
     """A point of the path for the whole sweep: in the figures' units where these are one for all, else in its own."""
     one_modulus, one_height = common_scales(models)
     if one_modulus if control == "pressure" else one_height:

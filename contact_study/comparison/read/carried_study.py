@@ -13,10 +13,11 @@ import numpy as np
 import xarray as xr
 
 from contact_study.comparison.read.differences import SAME, same
-from contact_study.comparison.read.path_points import AVERAGED, Point, path_points, positions, swept_dims
+from contact_study.comparison.read.path_points import AVERAGED, positions, swept_dims
 from contact_study.problem.case import Case
 from contact_study.problem.errors import InputError
 from contact_study.problem.keys import keys_of
+from contact_study.problem.path_points import PathPoint, path_points, path_points_of
 from contact_study.problem.study import SECTIONS, WHOLE_STUDY, Study, make_study
 
 
@@ -127,8 +128,7 @@ def _check_paths(path: Path, dataset: xr.Dataset, study: Study) -> None:
     first: dict[tuple[Any, ...], Case] = {}
     for case in study.cases:
         walked = _path_of(dataset, case)
-        values, branches = zip(*case.path, strict=True)
-        if walked != path_points(np.array(values), np.array([branch == "unloading" for branch in branches])):
+        if walked != path_points_of(case):
             at = f" at {case.label}" if case.label else ""
             raise InputError(
                 f"{path}: its loading path{at} is not that of the study it carries; compare whole datasets"
@@ -141,7 +141,7 @@ def _check_paths(path: Path, dataset: xr.Dataset, study: Study) -> None:
             )
 
 
-def _path_of(dataset: xr.Dataset, case: Case) -> list[Point]:
+def _path_of(dataset: xr.Dataset, case: Case) -> list[PathPoint]:
     at = positions({dim: dataset[dim].values for dim in swept_dims(dataset)}, case.coordinates)
     prescribed, branch = (
         dataset[name].isel({dim: index for dim, index in at.items() if dim in dataset[name].dims}).values

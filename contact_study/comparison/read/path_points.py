@@ -1,6 +1,5 @@
 """Points of the models' loading paths, matched by prescribed value, branch and occurrence."""
 
-from collections import Counter
 from collections.abc import Mapping
 from typing import Any
 
@@ -9,9 +8,9 @@ import xarray as xr
 
 from contact_study.campaign.schema import COORDINATES
 from contact_study.comparison.read.differences import same
+from contact_study.problem.path_points import PathPoint, path_points
 
 AVERAGED = "seed"
-Point = tuple[str, int, int]  # prescribed value to nine digits, branch, how many times visited before
 
 
 def swept_dims(dataset: xr.Dataset) -> tuple[str, ...]:
@@ -49,27 +48,6 @@ def usable(dataset: xr.Dataset) -> xr.DataArray:
     if "detached" in dataset:
         there = there & (dataset["detached"] != 1)
     return there
-
-
-def path_points(prescribed: np.ndarray, branch: np.ndarray) -> list[Point | None]:
-    """Names of the points of one path, None where it is padded.
-
-    Parameters
-    ----------
-    prescribed, branch : numpy.ndarray, shape (steps,)
-        The controlled quantity and the flag of the branch.
-    """
-    visits: Counter[tuple[str, int]] = Counter()
-    points: list[Point | None] = []
-    for value, side in zip(prescribed, branch, strict=True):
-        if np.isnan(value):
-            points.append(None)
-            continue
-        # Nine digits: the same pressure written in another unit differs in the last of sixteen.
-        key = (f"{value:.9g}", int(side))
-        points.append((*key, visits[key]))
-        visits[key] += 1
-    return points
 
 
 def on_common_path(models: Mapping[str, xr.Dataset], control: str) -> dict[str, xr.Dataset]:
@@ -122,7 +100,7 @@ def _with_step(dataset: xr.Dataset, control: str) -> xr.Dataset:
     )
 
 
-def _all_points(dataset: xr.Dataset, lead: xr.DataArray) -> dict[tuple[int, ...], list[Point | None]]:
+def _all_points(dataset: xr.Dataset, lead: xr.DataArray) -> dict[tuple[int, ...], list[PathPoint | None]]:
     """Points of every case, by position in the sweep."""
     prescribed, branch = (
         dataset[name].broadcast_like(lead).transpose(*lead.dims, "step").values for name in ("prescribed", "branch")
@@ -130,5 +108,5 @@ def _all_points(dataset: xr.Dataset, lead: xr.DataArray) -> dict[tuple[int, ...]
     return {index: path_points(prescribed[index], branch[index]) for index in np.ndindex(lead.shape)}
 
 
-def _union(paths: list[list[Point | None]]) -> list[Point]:
+def _union(paths: list[list[PathPoint | None]]) -> list[PathPoint]:
     return list(dict.fromkeys(point for path in paths for point in path if point is not None))

@@ -11,9 +11,10 @@ from contact_study.comparison.compute.scales import scales
 from contact_study.comparison.compute.shown_states import PanelPoints, common_label, point_label, state_label
 from contact_study.comparison.models import entry_of
 from contact_study.comparison.read.datasets import Inputs
-from contact_study.comparison.read.path_points import AVERAGED, Point
+from contact_study.comparison.read.path_points import AVERAGED
 from contact_study.comparison.wording import listed, listed_points
 from contact_study.problem.laws import TractionLaw
+from contact_study.problem.path_points import PathPoint
 
 _ROUNDING = 1e-6  # of h_rms: what a gap prescribed as zero may differ from it
 
@@ -174,7 +175,7 @@ def _absent(inputs: Inputs, shown: PanelPoints, name: str) -> str:
     return "".join(f" {reason}: {'; '.join(dict.fromkeys(words))}." for reason, words in missing.items())
 
 
-def _why_absent(inputs: Inputs, dataset: xr.Dataset, name: str, point: SweepPoint, named: Point) -> str:
+def _why_absent(inputs: Inputs, dataset: xr.Dataset, name: str, point: SweepPoint, named: PathPoint) -> str:
     """Why a model shows no distribution at a state; nothing where it does, or where it has none at all."""
     part = select(dataset, point)
     if name not in dataset or part is None:
@@ -191,5 +192,5 @@ def _why_absent(inputs: Inputs, dataset: xr.Dataset, name: str, point: SweepPoin
     return "Not shown, being detached or not converged" if any(flagged) else "Without a result"
 
 
-def _state(inputs: Inputs, point: SweepPoint, named: Point) -> str:
+def _state(inputs: Inputs, point: SweepPoint, named: PathPoint) -> str:
     return state_label(point, point_label(named, scales(inputs.models, point), inputs.control))

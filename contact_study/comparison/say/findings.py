@@ -11,8 +11,9 @@ from contact_study.comparison.compute.deviations import COMPARED
 from contact_study.comparison.compute.scales import Scales, scales
 from contact_study.comparison.models import entry_of
 from contact_study.comparison.read.datasets import Inputs
-from contact_study.comparison.read.path_points import AVERAGED, Point, usable
+from contact_study.comparison.read.path_points import AVERAGED, usable
 from contact_study.comparison.wording import length_unit, listed, number, percent, percent_of, pressure_unit
+from contact_study.problem.path_points import PathPoint
 
 AREA, GAP = "relative_contact_area_relative_deviation", "mean_gap_deviation"
 
@@ -94,7 +95,7 @@ def _over_states(dataset: xr.Dataset, name: str, points: list[SweepPoint], scale
     return Spread(len(found), float(np.median(np.abs(found))), found[low], found[high], places[low], places[high])
 
 
-def _point_words(part: xr.Dataset, named: Point | None) -> str:
+def _point_words(part: xr.Dataset, named: PathPoint | None) -> str:
     """A point of the path: its prescribed value, and what tells it from another visit of the same value."""
     assert named is not None
     value, branch, visits = float(named[0]), named[1], named[2]

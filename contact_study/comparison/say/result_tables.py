@@ -9,10 +9,10 @@ from contact_study.comparison.compute.cases import SweepPoint, case_points, sele
 from contact_study.comparison.compute.deviations import COMPARED, DETACHED, NOT_CONVERGED
 from contact_study.comparison.compute.scales import Scales, scales
 from contact_study.comparison.models import entry_of
-from contact_study.comparison.read.path_points import Point
 from contact_study.comparison.say.findings import AREA, GAP, Spread, on_shared_states, split_pair, spread
 from contact_study.comparison.say.tables import NOTHING, Table
 from contact_study.comparison.wording import Unit, control_unit, fixed, number, percent, percent_of, with_error
+from contact_study.problem.path_points import PathPoint
 
 
 def results_tables(models: Mapping[str, xr.Dataset], control: str) -> list[Table]:
@@ -36,7 +36,7 @@ def results_tables(models: Mapping[str, xr.Dataset], control: str) -> list[Table
     return tables
 
 
-def _union_of_paths(parts: Mapping[str, xr.Dataset], control: str) -> list[Point]:
+def _union_of_paths(parts: Mapping[str, xr.Dataset], control: str) -> list[PathPoint]:
     return list(dict.fromkeys(named for part in parts.values() for named in case_points(part, control) if named))
 
 
@@ -44,13 +44,13 @@ def _point_header(control: str, unit: Unit, gaps: str) -> list[str]:
     return [f"p ({unit.name})", "p/E*"] if control == "pressure" else [f"ū ({unit.name})", f"ū ({gaps})"]
 
 
-def _point_cells(named: Point, unit: Unit, scale: Scales, control: str) -> list[str]:
+def _point_cells(named: PathPoint, unit: Unit, scale: Scales, control: str) -> list[str]:
     value = float(named[0])
     shown = number(value / unit.size, 5) + (" ↩" if named[1] else "")
     return [shown, number(value / (scale.contact_modulus if control == "pressure" else scale.rms_height), 4)]
 
 
-def _column(part: xr.Dataset, quantity: str, scale: float, path: list[Point], control: str) -> list[str]:
+def _column(part: xr.Dataset, quantity: str, scale: float, path: list[PathPoint], control: str) -> list[str]:
     """One quantity of one model at the given points of the path."""
     if quantity not in part:
         return [NOTHING] * len(path)
