@@ -34,6 +34,8 @@ areas = [np.mean(found.gap < 1.12 * law.length) for found in states]
 figure, (left, right) = plt.subplots(1, 2, figsize=(8, 3.4), layout="constrained")
 left.loglog(pressures / 1e6, areas, "o-")
 left.set(xlabel="pressure (MPa)", ylabel="relative contact area")
+left.set_yticks([0.02, 0.05, 0.1, 0.2, 0.5], ["0.02", "0.05", "0.1", "0.2", "0.5"])
+left.minorticks_off()
 middle = len(states) // 2
 image = right.imshow(states[middle].gap * 1e9, extent=[0, size * 1e9] * 2, origin="lower", cmap="viridis")
 figure.colorbar(image, label="gap (nm)")

@@ -13,6 +13,7 @@ EXAMPLES = sorted((Path(__file__).parent.parent / "examples").glob("*.py"))
 SMALLER = {
     "jkr_sphere": ["--points", "64"],
     "hysteresis_loop": ["--points", "64", "--steps", "8"],
+    "ensemble": ["--samples", "2"],
     "atoms_beside_continuum": ["--atoms", "32"],
 }
 

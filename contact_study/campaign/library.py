@@ -14,8 +14,11 @@ from contact_study.campaign.conduct import Conditions, check_inputs_kept, conduc
 from contact_study.campaign.dataset.provenance import unconverged
 from contact_study.campaign.model import MODULES, Model
 from contact_study.campaign.progress import Progress, Warnings
+from contact_study.fields.arguments import field
 from contact_study.problem.errors import InputError
 from contact_study.problem.study import Study, make_study, read_study
+
+_HEIGHTS = "heights.npy"
 
 
 def run(
@@ -36,7 +39,8 @@ def run(
     ----------
     study : mapping or path-like
         The content of a study file as nested mappings, ``{"surface": {"kind": "self_affine", ...}, ...}``, with
-        numbers in SI or strings with a unit and relative paths from the working directory; or the path of a file.
+        numbers in SI or strings with a unit and relative paths from the working directory; or the path of a file. A
+        surface of one's own is ``{"surface": {"heights": array, "size": ...}}``, heights (y, x) in m.
     model : str, optional
         ``"continuum"``, ``"atomistic"`` or ``"theory"``.
     output : path-like, optional
@@ -83,11 +87,11 @@ def run(
         raise InputError(f"predictor: the model {model!r} takes none")
     if output is None and resume:
         raise InputError("resume: needs an output to go on from")
-    asked = _study(study)
     start = None if predictor is None else Path(predictor)
     shown = Progress(chosen.command) if progress else Warnings()
     words = f"contact_study.run(..., {model!r})"
     with tempfile.TemporaryDirectory(prefix="contact_study") as folder:
+        asked = _study(study, Path(folder))
         path = Path(folder) / "dataset.nc" if output is None else Path(output)
         given = study if isinstance(study, str | Path) else None
         check_inputs_kept(path, [None if given is None else Path(given), start, *(c.height_map for c in asked.cases)])
@@ -105,12 +109,27 @@ def _model(name: str) -> Model:
     return importlib.import_module(MODULES[name]).MODEL
 
 
-def _study(study: Mapping[str, Any] | str | Path) -> Study:
+def _study(study: Mapping[str, Any] | str | Path, folder: Path) -> Study:
     if isinstance(study, str | Path):
         return read_study(study)
-    if isinstance(study, Mapping):
-        return make_study(_plain(study))
-    raise InputError(f"study = {study!r}: expected a mapping of sections or the path of a study file")
+    if not isinstance(study, Mapping):
+        raise InputError(f"study = {study!r}: expected a mapping of sections or the path of a study file")
+    surface = study.get("surface")
+    if isinstance(surface, Mapping) and "heights" in surface:
+        return make_study(_plain({**study, "surface": _as_map(surface, folder)}), folder)
+    return make_study(_plain(study))
+
+
+def _as_map(surface: Mapping[str, Any], folder: Path) -> dict[str, Any]:
+    """The section of a height array: that of a height map, which holds it."""
+    for key in ("path", "height_unit"):
+        if key in surface:
+            raise InputError(f"surface.{key}: does not go with surface.heights, an array in m")
+    if surface.get("kind", "file") != "file":
+        raise InputError(f'surface.kind = {surface["kind"]!r}: surface.heights are a surface of kind "file"')
+    np.save(folder / _HEIGHTS, field("surface.heights", surface["heights"]))
+    others = {key: value for key, value in surface.items() if key != "heights"}
+    return {**others, "kind": "file", "path": _HEIGHTS}
 
 
 def _plain(value: Any) -> Any:

@@ -139,3 +139,38 @@ def test_the_face_of_the_package():
     with pytest.raises(AttributeError, match="no attribute 'walk'"):
         _ = contact_study.walk
     assert importlib.metadata.version("bem-adhesion") == contact_study.__version__
+
+
+def test_a_height_array_is_a_surface(tmp_path):
+    height = 2e-11 * np.random.default_rng(0).standard_normal((16, 24))
+    study = {name: keys for name, keys in STUDY.items() if name not in ("surface", "sweep")}
+    own = study | {"surface": {"heights": height, "size": (4e-9, 6e-9)}}
+    dataset = run(own)
+    np.save("map.npy", height)
+    of_a_map = run(study | {"surface": {"kind": "file", "path": "map.npy", "size": [4e-9, 6e-9]}})
+    xr.testing.assert_equal(dataset.drop_vars("wall_time"), of_a_map.drop_vars("wall_time"))
+    assert dataset.rms_height == pytest.approx(height.std(), rel=1e-12)
+    # The same array goes on where the file ends; another one is another study.
+    run(own, output="own.nc")
+    longer = own | {"loading": {"path": ["0.5 GPa", "2 GPa", "1 GPa"]}}
+    assert run(longer, output="own.nc", resume=True).sizes["step"] == 3
+    with pytest.raises(ValueError, match=r"heights\.npy has changed"):
+        run(own | {"surface": {"heights": 2 * height, "size": (4e-9, 6e-9)}}, output="own.nc", resume=True)
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["map.npy", "own.nc"]
+
+
+@pytest.mark.parametrize(
+    ("surface", "message"),
+    [
+        ({"heights": "map.npy", "size": 1e-8}, "surface.heights must be an array"),
+        ({"heights": np.full((8, 8), np.nan), "size": 1e-8}, "surface.heights is not finite"),
+        ({"heights": np.eye(8)}, "size"),
+        ({"heights": np.eye(8), "size": 1e-8, "kind": "sphere"}, "surface.kind"),
+        ({"heights": np.eye(8), "size": 1e-8, "height_unit": "nm"}, "surface.height_unit"),
+        ({"heights": np.eye(8), "size": 1e-8, "radius": 1e-8}, "surface.radius"),
+    ],
+)
+def test_bad_height_arrays_are_named(surface, message):
+    study = {name: keys for name, keys in STUDY.items() if name not in ("surface", "sweep")}
+    with pytest.raises(ValueError, match=message):
+        run(study | {"surface": surface})
