@@ -1,10 +1,13 @@
 """Every example runs as its first lines say, and ends in a figure."""
 
+import re
 import subprocess
 import sys
+import warnings
 from pathlib import Path
 
 import matplotlib.image
+import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 
@@ -29,3 +32,21 @@ def test_example_draws_its_figure(example, tmp_path):
     # Something is drawn, in more than black and white.
     assert len(np.unique(np.round(pixels.reshape(-1, 3), 1), axis=0)) > 5
     assert 0.5 < np.mean(pixels) < 0.99
+
+
+def test_python_of_the_readme_runs(tmp_path, monkeypatch):
+    readme = (EXAMPLES[0].parent.parent / "README.md").read_text()
+    whole_study, by_states = re.findall(r"```python\n(.*?)```", readme.partition("## From Python")[2], re.DOTALL)[:2]
+    study = re.search(r"```toml\n(.*?)```", readme, re.DOTALL)[1].partition("[sweep]")[0]
+    monkeypatch.chdir(tmp_path)
+    Path("study.toml").write_text(study.replace("[400, 400]", "[48, 48]").replace('"1040 ang', '"120 ang'))
+    waves = 2 * np.pi * np.arange(32) / 32
+    names = {"height": 5e-10 * (np.cos(waves) + np.cos(2 * waves)[:, None])}
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", UserWarning)  # small grids are coarse for the law
+        exec(whole_study, names)
+    plt.close("all")
+    assert names["dataset"].relative_contact_area.sizes == {"step": 5}
+    exec(by_states, names)
+    assert names["pressed"].converged
+    assert names["pulled"].pressure.mean() <= 0
