@@ -13,6 +13,7 @@ from contact_study.campaign import command
 from contact_study.campaign.memory import grid_fits
 from contact_study.campaign.model import Model
 from contact_study.observables.base import InterfaceState, SolverReport, Value
+from contact_study.observables.constants import InterfaceConstants, heights_on
 from contact_study.problem.case import Case
 from contact_study.problem.errors import InputError
 from contact_study.problem.plausibility import points
@@ -108,25 +109,21 @@ def _fast(count: int) -> int:
 
 def constants(case: Case, surface: Surface) -> dict[str, Value]:
     """What does not change along the path."""
-    law, material = case.law, case.material
-    pixel = max(surface.grid.spacing)
-    values: dict[str, Value] = {
-        "contact_modulus": material.contact_modulus,
-        "work_of_adhesion": law.work_of_adhesion,
-        "equilibrium_distance": law.equilibrium_distance,
-        "peak_tensile_stress": law.peak_tensile_stress,
-        "contact_distance": case.contact_distance,
-        "rms_height": surface.rms_height,
-        "rms_slope": surface.rms_slope,
-        "pixel": pixel,
-    }
-    if law.attracts:
-        zone = process_zone(material.contact_modulus, law)
-        values |= {"peak_distance": law.peak_distance, "process_zone": zone}
-    if case.output.fields:
-        y, x = surface.grid.coordinates
-        values |= {"y": y, "x": x, "height": surface.sampled}
-    return values
+    law, modulus = case.law, case.material.contact_modulus
+    known = InterfaceConstants(
+        contact_modulus=modulus,
+        work_of_adhesion=law.work_of_adhesion,
+        equilibrium_distance=law.equilibrium_distance,
+        peak_tensile_stress=law.peak_tensile_stress,
+        contact_distance=case.contact_distance,
+        rms_height=surface.rms_height,
+        rms_slope=surface.rms_slope,
+        pixel=max(surface.grid.spacing),
+        peak_distance=law.peak_distance if law.attracts else None,
+        process_zone=process_zone(modulus, law) if law.attracts else None,
+    )
+    fields = heights_on(surface.grid, surface.sampled) if case.output.fields else {}
+    return {**known.values, **fields}
 
 
 def solve_path(

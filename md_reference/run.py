@@ -9,6 +9,7 @@ from contact_study.campaign import command
 from contact_study.campaign.memory import require_memory
 from contact_study.campaign.model import Model
 from contact_study.observables.base import InterfaceState, SolverReport, Value
+from contact_study.observables.constants import InterfaceConstants, heights_on
 from contact_study.problem.case import Case
 from contact_study.problem.errors import InputError
 from contact_study.problem.plausibility import contact_stress, points, squeeze
@@ -148,22 +149,22 @@ def constants(case: Case, surface: Surface) -> Mapping[str, Value]:
     )
     properties = measure_interface(flat, _length(case))
     heights = surface.heights(case.lattice.atoms)
-    y, x = stiffness.grid.coordinates
+    known = InterfaceConstants(
+        contact_modulus=effective_contact_modulus(stiffness, heights),
+        work_of_adhesion=properties.work_of_adhesion,
+        equilibrium_distance=properties.equilibrium_distance,
+        peak_tensile_stress=properties.peak_tensile_stress,
+        contact_distance=case.contact_distance,
+        rms_height=surface.rms_height,
+        rms_slope=surface.rms_slope,
+        pixel=stiffness.lattice_constant,
+        peak_distance=properties.peak_distance,
+    )
     return {
-        "y": y,
-        "x": x,
-        "height": heights,
+        **known.values,
+        **heights_on(stiffness.grid, heights),
         "wavevector": stiffness.grid.wavenumber[0, 1:],
         "contact_modulus_at": stiffness.contact_modulus[0, 1:],
-        "contact_modulus": effective_contact_modulus(stiffness, heights),
-        "work_of_adhesion": properties.work_of_adhesion,
-        "equilibrium_distance": properties.equilibrium_distance,
-        "peak_tensile_stress": properties.peak_tensile_stress,
-        "peak_distance": properties.peak_distance,
-        "contact_distance": case.contact_distance,
-        "rms_height": surface.rms_height,
-        "rms_slope": surface.rms_slope,
-        "pixel": stiffness.lattice_constant,
     }
 
 

@@ -17,6 +17,7 @@ from contact_study.campaign.record import Step
 from contact_study.campaign.schema import quantity_of
 from contact_study.fields.spectrum import RoughnessSpectrum
 from contact_study.observables.base import Value
+from contact_study.observables.constants import InterfaceConstants
 from contact_study.problem.case import Case
 from contact_study.problem.elasticity import Elasticity
 from contact_study.problem.errors import InputError
@@ -180,14 +181,17 @@ def constants(case: Case, surface: Surface) -> dict[str, Value]:
     theory, law = persson_theory(case, surface), case.law
     spectrum = theory.spectrum
     tolerance, max_iterations = _effort(case, theory)
+    known = InterfaceConstants(
+        contact_modulus=theory.solid.contact_modulus,
+        work_of_adhesion=law.work_of_adhesion,
+        equilibrium_distance=law.equilibrium_distance,
+        peak_tensile_stress=law.peak_tensile_stress,
+        contact_distance=case.contact_distance,
+        rms_height=float(np.sqrt(spectrum.mean_square_height)),
+        rms_slope=spectrum.rms_slope,
+    )
     values: dict[str, Value] = {
-        "contact_modulus": theory.solid.contact_modulus,
-        "work_of_adhesion": law.work_of_adhesion,
-        "equilibrium_distance": law.equilibrium_distance,
-        "peak_tensile_stress": law.peak_tensile_stress,
-        "contact_distance": case.contact_distance,
-        "rms_height": float(np.sqrt(spectrum.mean_square_height)),
-        "rms_slope": spectrum.rms_slope,
+        **known.values,
         "energy_defect": energy_defect(theory, tolerance, max_iterations),
         "persson/pull_off_pressure": pull_off_pressure(theory, tolerance=tolerance, max_iterations=max_iterations),
         "wavevector": _stored_wavevectors(theory),

@@ -1,7 +1,7 @@
 """The one schema of all datasets: names, dimensions, units and meanings.
 
-What is read off the state of a simulation has its entry beside its formula, in :mod:`contact_study.observables`; here
-stands the rest: what the campaign, the theories and the constants of a case add.
+What is read off the state of a simulation has its entry beside its formula, in :mod:`contact_study.observables`; as
+have the constants of a case; here stands the rest: what the campaign and the theories add.
 
 ``gap`` and ``pressure`` are the fields; a dataset cannot hold a field and a dimension of one name, so the
 distributions stand on ``gap_bin`` and ``pressure_bin``.
@@ -17,6 +17,7 @@ import numpy as np
 
 from contact_study.observables import ENTRIES
 from contact_study.observables.base import Variable
+from contact_study.observables.constants import CONSTANTS
 
 SCHEMA_VERSION = "2.1"
 CONVENTIONS = "CF-1.11"
@@ -35,7 +36,6 @@ VARIABLES: dict[str, Variable] = {
     "predictor_field": Variable(
         "1", "SHA-256 of the predictor's gap field that the step started from; empty: from the step before", kind="text"
     ),
-    "height": Variable("m", "height of the rigid surface, toward the block", ("y", "x")),
     "gap": Variable("m", "local gap: height of the block's surface over the rigid one", ("step", "y", "x")),
     "pressure": Variable("Pa", "local pressure, compression positive", ("step", "y", "x")),
     "relative_contact_area_at": Variable(
@@ -53,17 +53,8 @@ VARIABLES: dict[str, Variable] = {
         "m", "derivative of the interfacial energy by pressure at zero pressure, Persson's theory", ()
     ),
     "pull_off_pressure": Variable("Pa", "lowest pressure that an adhered state carries", ()),
-    "contact_modulus": Variable("Pa", "contact modulus", ()),
     "contact_modulus_at": Variable("Pa", "contact modulus of a wave of the surface", ("wavevector",)),
-    "work_of_adhesion": Variable("J m-2", "work of adhesion", ()),
-    "equilibrium_distance": Variable("m", "distance of flat surfaces without load", ()),
-    "peak_tensile_stress": Variable("Pa", "largest tensile stress of flat surfaces", ()),
-    "peak_distance": Variable("m", "distance of flat surfaces at the largest tensile stress", ()),
-    "rms_height": Variable("m", "root-mean-square height of the surface", ()),
-    "rms_slope": Variable("1", "root-mean-square slope of the surface", ()),
-    "contact_distance": Variable("m", "gaps below it count as contact", ()),
-    "pixel": Variable("m", "largest grid spacing", ()),
-    "process_zone": Variable("m", "length over which the law bridges the edge of a contact", ()),
+    **CONSTANTS,
 }
 
 COORDINATES: dict[str, Variable] = {

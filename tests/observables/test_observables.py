@@ -1,13 +1,17 @@
 """Every observable on a state made by hand, under names and in the units of its entry."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 
 from contact_study.campaign.record import Step, recorded
 from contact_study.campaign.schema import VARIABLES
 from contact_study.fields.distributions import Bins
+from contact_study.fields.grid import Grid
 from contact_study.observables import ENTRIES, OBSERVABLES, observed
 from contact_study.observables.base import InterfaceState, SolverReport
+from contact_study.observables.constants import CONSTANTS, InterfaceConstants, heights_on
 
 BINS = Bins.evenly((-2e9, 4e9, 6), (0.0, 8e-10, 4))
 REPORT = SolverReport(converged=True, detached=False, residual=1e-9, iterations=12, fft_pairs=20.5, message="slow")
@@ -67,6 +71,18 @@ def test_names_are_spelt_once_and_have_entries():
         assert VARIABLES[name].dims[0] == "step", name
         assert np.ndim(value) == len(VARIABLES[name].dims) - 1, name
         np.asarray(value).astype(VARIABLES[name].dtype)
+
+
+def test_constants_have_an_entry_each_and_are_left_out_where_there_is_none():
+    names = [field.name for field in dataclasses.fields(InterfaceConstants)]
+    assert {*names, "height"} == set(CONSTANTS)
+    every = InterfaceConstants(*(float(number) for number in range(len(names))))
+    assert every.values == {name: float(number) for number, name in enumerate(names)}
+    assert set(dataclasses.replace(every, peak_distance=None).values) == set(names) - {"peak_distance"}
+    found = heights_on(Grid((2, 3), (4e-9, 9e-9)), np.ones((2, 3)))
+    np.testing.assert_allclose(found["y"], [0, 2e-9], rtol=1e-15)
+    np.testing.assert_allclose(found["x"], [0, 3e-9, 6e-9], rtol=1e-15)
+    assert found["height"].shape == (2, 3)
 
 
 @pytest.mark.parametrize("fields", [False, True])
