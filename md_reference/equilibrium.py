@@ -141,7 +141,7 @@ class EquilibriumSolver:
             gradient = self._gradient(at.stretch, push)
             residual = float(np.max(np.abs(gradient))) / self._force_scale
             outcome = self._outcome(at, residual, pressure)
-            if outcome is Outcome.CONVERGED and self._leave_saddle(at, push):
+            if outcome is Outcome.CONVERGED and self._leave_saddle(at):
                 continue
             if outcome is not None:
                 break
@@ -182,13 +182,13 @@ class EquilibriumSolver:
             return Outcome.ITERATION_LIMIT
         return Outcome.STALLED if at.vanishing >= _VANISHING_STEPS else None
 
-    def _leave_saddle(self, at: _Iterate, push: float) -> bool:
+    def _leave_saddle(self, at: _Iterate) -> bool:
         """Move to lower energy where an equilibrium has a direction of negative curvature; whether it had."""
         direction = self._newton.unstable_direction(self._set_curvature(at.displacement, True), _SADDLE_ITERATIONS)
         if direction is None:
             return False
         stretch = self._apply_stiffness(direction).copy()
-        elastic_slope = float(np.sum(at.stretch * direction)) + push * float(np.sum(direction[2]))
+        elastic_slope = float(np.sum(self._force * direction))  # in balance: what the interface holds
         elastic_curvature = float(np.sum(stretch * direction))
         length = _SADDLE_STEP * self.interaction.length
         while length > _VANISHING_STEP * self.interaction.length:

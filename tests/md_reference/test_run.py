@@ -252,6 +252,12 @@ def test_waves_that_the_sites_cannot_carry_are_said():
     study = Study({}, Path(), (fine,), {})
     (note,) = review(study, scales_of(study))
     assert "left out" in note
+    # Of several such cases the first is described, with how many there are.
+    finer = case_of((16, 48), surface={"shape": [128, 128], "cutoff_mode": 50, "rms_height": "0.1 angstrom"})
+    several = Study({}, Path(), (case_of((32, 32)), fine, finer), {})
+    (again,) = review(several, scales_of(several))
+    assert again.partition(" m")[0] == note.partition(" m")[0]
+    assert "points" in again
 
 
 def test_more_atoms_than_memory_are_refused():
