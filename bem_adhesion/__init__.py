@@ -8,11 +8,12 @@ from bem_adhesion.contact import Contact, rough_contact
 from bem_adhesion.solution import Outcome, Solution
 from contact_study import __version__
 from contact_study.problem.elasticity import Elasticity, HalfSpace, Layer
-from contact_study.problem.laws import HardWall, LennardJones93, LennardJones104, TractionLaw
+from contact_study.problem.laws import Exponential, HardWall, LennardJones93, LennardJones104, TractionLaw
 
 __all__ = [
     "Contact",
     "Elasticity",
+    "Exponential",
     "HalfSpace",
     "HardWall",
     "Layer",

@@ -13,20 +13,14 @@ order one for the sake of float32.
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 
-from bem_adhesion.law_passes import passes_of
 from bem_adhesion.linearised import LinearisedContact
 from bem_adhesion.operator import MakeOperator
 from bem_adhesion.solution import Outcome
+from bem_adhesion.wall_passes import passes_of
 from contact_study.fields.grid import Grid
 from contact_study.problem.laws.base import TractionLaw
 
-# An attracted point out of balance by a stress g gains the curvature CAUTION |g| / distance, with the distance to
-# equilibrium if it is pulled into contact, its gap if it is pulled out: it then steps about there and not beyond. The
-# term vanishes with g, so that Newton's quadratic convergence stays. It makes the descent follow a slow gradient flow
-# more closely, at a quarter less work.
-CAUTION = 1.0
 # Reduction of the residual asked of a linear solve: with the full curvature, and while it is faded.
 REDUCTION, FADED_REDUCTION = 0.1, 0.3
 LINEAR_ITERATIONS = 60
@@ -49,30 +43,6 @@ BACKTRACKING, SHORTEST_STEP = 0.4, 1e-4
 ENERGY_ROUNDING = 1e-9
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "arcp", "nsz"})
-def _gradient(elastic, gap, traction, load, equilibrium, peak, right_side, curvature):
-    """Write −(K d + φ' + load), raise the curvature of points out of balance beyond the law's peak.
-
-    Returns Σ ½ d·K d + load·d, max|gradient|, Σ gradient² and Σ gradient.
-    """
-    energy = 0.0
-    largest = 0.0
-    square = 0.0
-    total = 0.0
-    for i in range(gap.shape[0]):
-        for j in range(gap.shape[1]):
-            d = gap[i, j]
-            gradient = elastic[i, j] + traction[i, j] + load[i, j]
-            right_side[i, j] = -gradient
-            if d > peak:
-                curvature[i, j] += CAUTION * abs(gradient) / (d - equilibrium if gradient > 0.0 else d)
-            energy += (0.5 * elastic[i, j] + load[i, j]) * d
-            largest = max(largest, abs(gradient))
-            square += gradient * gradient
-            total += gradient
-    return energy, largest, square, total
-
-
 @dataclass(frozen=True)
 class _State:
     """Energy, max|gradient|, Σ gradient² and Σ gradient at a gap; the sums run over all points."""
@@ -90,9 +60,11 @@ class NewtonResult:
     Parameters
     ----------
     gap : numpy.ndarray
-        The gap d, > 0.
+        The gap d, > 0, or >= 0 outside a wall.
+    reaction : numpy.ndarray or float
+        Pressure of the wall where the gap is zero; zero for a law without one.
     residual : float
-        max|K d + φ'(d) + load|.
+        max|K d + φ'(d) + load|; where surfaces touch a wall, only what it would have to pull.
     iterations : int
         Newton iterations.
     outcome : Outcome
@@ -100,6 +72,7 @@ class NewtonResult:
     """
 
     gap: np.ndarray
+    reaction: np.ndarray | float
     residual: float
     iterations: int
     outcome: Outcome
@@ -129,9 +102,9 @@ class AdhesiveContact:
     def __init__(self, grid: Grid, make_operator: MakeOperator, law: TractionLaw, shift: float):
         self.grid = grid
         self.law = law
-        self._passes = passes_of(law)
         self.solid = make_operator(grid, np.float64)
         self._single = make_operator(grid, np.float32)
+        self._passes = passes_of(law, self.solid.largest)
         self._linearised = LinearisedContact(self._single, shift)
         self._traction = np.empty(grid.shape)
         self.curvature = np.empty(grid.shape, np.float32)
@@ -146,20 +119,16 @@ class AdhesiveContact:
         self.solid.field[...] = gap
         return self.solid.apply(self.solid.stiffness)
 
+    def imbalance(self, pressure: np.ndarray, gap: np.ndarray) -> float:
+        """Mean of K d + φ'(d) + load, given as ``pressure`` = K d + load, over the points that are free to move."""
+        return self._passes.imbalance(pressure, self.law.traction(gap), gap)
+
     def _evaluate(self, gap: np.ndarray, load: np.ndarray) -> _State:
         """Energy and gradient at a gap; fills traction, curvature and right side."""
         potential = self._passes.evaluate(gap, self._traction, self.curvature)
         elastic = self.elastic_pressure(gap)
-        law = self.law
-        energy, largest, square, total = _gradient(
-            elastic,
-            gap,
-            self._traction,
-            load,
-            law.equilibrium_distance,
-            law.peak_distance,
-            self._right_side,
-            self.curvature,
+        energy, largest, square, total = self._passes.gradient(
+            elastic, gap, self._traction, load, self._right_side, self.curvature
         )
         if not np.isfinite(square):
             largest = np.inf  # a maximum passes over what is not a number
@@ -179,6 +148,8 @@ class AdhesiveContact:
         while True:
             reduction = REDUCTION if fading == 0 else FADED_REDUCTION
             result = self._linearised.solve(self._right_side, self.curvature, 1 - fading, reduction, LINEAR_ITERATIONS)
+            self._passes.hold(self.curvature, self._linearised.solution)
+            self._passes.hold(self.curvature, self._linearised.direction)
             if not result.negative_curvature:
                 return fading, raised
             if fading == 1:
@@ -221,8 +192,10 @@ class AdhesiveContact:
 
     def beside_saddle(self, gap: np.ndarray, load: np.ndarray) -> np.ndarray | None:
         """A gap of lower energy along the last search direction; None if rounding leaves none to be found."""
-        direction = self._linearised.direction / np.abs(self._linearised.direction).max()
         energy = self._evaluate(gap, load).energy
+        direction = self._linearised.direction
+        self._passes.hold(self.curvature, direction)
+        direction /= np.abs(direction).max()
         beside = np.empty_like(gap)
         length = SADDLE_STEP * self.law.length
         while length > SHORTEST_STEP * self.law.length:
@@ -238,7 +211,8 @@ class AdhesiveContact:
         self._evaluate(gap, load)
         result = self._linearised.solve(self._right_side, self.curvature, 1.0, REDUCTION, LINEAR_ITERATIONS)
         step = self._linearised.solution
-        if result.negative_curvature or np.abs(step / gap).max() > limit:
+        self._passes.hold(self.curvature, step)
+        if result.negative_curvature or np.abs(step / (gap + self._passes.margin)).max() > limit:
             return gap
         moved = np.empty_like(gap)
         self._passes.advance(gap, step, STEP_LIMIT, moved)
@@ -294,7 +268,9 @@ class AdhesiveContact:
                 fading = fading * FADING_DECAY if fading > 0.9 * FADING_START else 0.0
             gap, trial = trial, gap
             state = new_state
-        return NewtonResult(gap, state.largest, iteration, outcome)
+        # The solver has evaluated this gap last.
+        reaction = self._passes.reaction(self.solid.field, gap, self._traction, load)
+        return NewtonResult(gap, reaction, state.largest, iteration, outcome)
 
     def _line_search(
         self, gap: np.ndarray, load: np.ndarray, state: _State, trial: np.ndarray

@@ -14,10 +14,10 @@ from scipy.optimize import brentq
 
 from bem_adhesion.adhesive import NewtonResult
 from bem_adhesion.arguments import check_arguments
-from bem_adhesion.law_passes import passes_of
 from bem_adhesion.multilevel import MultilevelContact
 from bem_adhesion.operator import periodic
 from bem_adhesion.solution import Outcome, Solution
+from bem_adhesion.wall_passes import passes_of
 from contact_study.fields import fourier
 from contact_study.fields.grid import Grid
 from contact_study.problem.elasticity import Elasticity, elasticity_of
@@ -31,6 +31,8 @@ PRECONDITIONER_SHIFT = 0.22
 GAP_CORRECTIONS = 20
 # Tension, in units of the law's peak, that counts as none: the gap where it has fallen to this is out of reach.
 NO_TENSION = 1e-3
+# Gap outside a wall that is none, over the largest height: some roundings of both.
+TOUCHING = 1e-14
 
 
 def typical_wavenumber(height: np.ndarray, grid: Grid) -> float:
@@ -49,7 +51,7 @@ def typical_wavenumber(height: np.ndarray, grid: Grid) -> float:
 
 def reach(law: TractionLaw) -> float:
     """Gap beyond which the law's tension is less than a thousandth of its peak (m)."""
-    nearer, farther = law.peak_distance, 2 * law.peak_distance
+    nearer, farther = law.peak_distance, law.peak_distance + max(law.peak_distance, law.length)
     no_tension = NO_TENSION * law.peak_tensile_stress
     while law.traction(np.array(farther)) > no_tension:
         nearer, farther = farther, 2 * farther
@@ -144,7 +146,12 @@ class LoadedContact:
         if state.shape != self.height.shape:
             raise ValueError(f"state has shape {state.shape}, the surface {self.height.shape}")
         gap = state / self._length - self._height
-        if not gap.min() > 0:
+        if self.law.has_wall:
+            # Points that touch, and the rounding of a displacement that was stored and read.
+            gap[np.abs(gap) <= TOUCHING * np.abs(self._height).max()] = 0.0
+            if gap.min() < 0:
+                raise ValueError("the state to start from has gaps < 0")
+        elif not gap.min() > 0:
             raise ValueError("the state to start from has gaps <= 0")
         # Rounding of a displacement that was stored and read is less than this.
         out_of_reach = gap.min() > (1 - 1e-6) * self._reach / self._length
@@ -163,18 +170,26 @@ class LoadedContact:
             return self._apart(Outcome.DETACHED, result.iterations, pairs)
         return self._solution(result, pairs)
 
-    def _solve(self, gap: np.ndarray, pressure: float, approach: bool) -> NewtonResult:
-        return self._contact.solve(gap, self._flattening + pressure, self.tolerance, self.max_iterations, approach)
+    def _solve(
+        self, gap: np.ndarray, pressure: float, approach: bool, tolerance: float | None = None
+    ) -> NewtonResult:
+        load = self._flattening + pressure
+        return self._contact.solve(gap, load, tolerance or self.tolerance, self.max_iterations, approach)
 
     def _hold(self, gap: np.ndarray, mean_gap: float, approach: bool) -> NewtonResult:
         """Move the end of the spring by the secant method until the mean gap is met."""
-        end = mean_gap + float(np.mean(self._law.traction(gap))) / self._spring
-        compliance = 1.0
+        end = mean_gap + self._tension(gap) / self._spring
+        compliance, tolerance = 1.0, self.tolerance
+        if mean_gap == 0:  # only a wall can be met everywhere, at any pressure from that of opening on
+            gap = np.zeros_like(gap)
+            end = self._tension(gap) / self._spring
         previous: tuple[float, float] | None = None
         iterations = 0
         outcome = Outcome.ITERATION_LIMIT
         for _ in range(GAP_CORRECTIONS):
-            result = self._solve(gap, -self._spring * end, approach)
+            result = self._solve(gap, -self._spring * end, approach, tolerance)
+            if result.iterations == 0:  # the last correction is below what the tolerance tells apart
+                tolerance *= 0.1
             iterations += result.iterations
             gap, approach = result.gap, False
             error = float(np.mean(gap)) - mean_gap
@@ -182,11 +197,23 @@ class LoadedContact:
                 outcome = result.outcome
                 break
             if previous is not None and error != previous[1]:
-                # Between rigid (1) and a contact ten times as stiff as the spring.
-                compliance = np.clip((error - previous[1]) / (end - previous[0]), 0.1, 1.0)
+                # Between rigid (1) and a contact ten times as stiff as the spring; a wall closes for good.
+                stiffest = 1e-3 if self.law.has_wall else 0.1
+                compliance = np.clip((error - previous[1]) / (end - previous[0]), stiffest, 1.0)
             previous = end, error
             end -= error / compliance
         return replace(result, iterations=iterations, outcome=outcome)
+
+    def _tension(self, gap: np.ndarray) -> float:
+        """Mean tension under which a state is in equilibrium, in units of the contact modulus."""
+        if not self.law.has_wall:
+            return float(np.mean(self._law.traction(gap)))
+        if not gap.any():  # in full contact the one at which a first point is pulled off
+            return float(self._flattening.min()) + self._law.peak_tensile_stress
+        # The wall's share is not in the law; points that are free are in balance without it.
+        finest = self._contact.finest
+        flexed = finest.elastic_pressure(gap) - self._spring * gap.mean() + self._flattening
+        return finest.imbalance(flexed, gap)
 
     def _solution(self, result: NewtonResult, pairs: float) -> Solution:
         gap = result.gap * self._length
@@ -194,6 +221,7 @@ class LoadedContact:
         pressure = np.empty_like(gap)
         interaction = passes_of(self.law).evaluate(gap, pressure, np.empty(gap.shape, np.float32)) / gap.size
         np.negative(pressure, out=pressure)
+        pressure += result.reaction * self.elasticity.contact_modulus
         # In equilibrium K w is the interface pressure less its mean: ½<w, K w> without another transform.
         elastic = 0.5 * np.mean((pressure - pressure.mean()) * displacement)
         elastic += self.elasticity.compression_energy(float(pressure.mean()))

@@ -108,7 +108,7 @@ class MultilevelContact:
         """The gap that the coarser grids foresee; the start where they foresee none."""
         law = self.finest.law
         pressure = self.finest.elastic_pressure(gap) + load
-        change_of_load = float(pressure.mean() + law.traction(gap).mean())
+        change_of_load = self.finest.imbalance(pressure, gap)
         # Surfaces that come together snap in at any load.
         lag = 0.0 if approach else max(LAG / coarser.points_per_process_zone**4, LEAST_LAG) * law.peak_tensile_stress
         if abs(change_of_load) <= lag:

@@ -5,7 +5,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from bem_adhesion.law_passes import LawPasses, passes_of
+from bem_adhesion.law_passes import LawPasses
+from bem_adhesion.wall_passes import passes_of
 from tests.problem.test_laws import gaps, laws
 
 

@@ -1,0 +1,116 @@
+"""Attraction outside a wall: the constraint gap >= 0 in a Newton solver, by projection.
+
+A point that touches and is pressed against the wall is held: it leaves the linear solve, as if it were infinitely
+stiff, and the wall takes up what is out of balance there, its reaction. All others move; who would pass through the
+wall stops at it (D. P. Bertsekas, SIAM J. Control Optim. 20, 221 (1982): a projected Newton step whose matrix leaves
+the held points alone descends). A converged state satisfies gap >= 0, reaction >= 0 and gap × reaction = 0 exactly, the
+equilibrium of the free points and the sign of the reaction to the tolerance.
+"""
+
+import numpy as np
+from numba import njit
+
+from bem_adhesion.law_passes import CAUTION, LawPasses, LennardJones104Passes
+from contact_study.problem.laws.base import TractionLaw
+from contact_study.problem.laws.exponential import Exponential
+from contact_study.problem.laws.lennard_jones_10_4 import LennardJones104
+
+# Stiffness of a point that is held, over the largest of the solid: infinite to the accuracy of a linear solve, and far
+# from the rounding of single precision.
+HELD = 1e3
+
+
+@njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "arcp", "nsz"})
+def _gradient(elastic, gap, traction, load, margin, held, right_side, curvature):
+    """As ``law_passes._gradient`` outside a wall; held points are balanced and get the curvature ``held``."""
+    energy = 0.0
+    largest = 0.0
+    square = 0.0
+    total = 0.0
+    for i in range(gap.shape[0]):
+        for j in range(gap.shape[1]):
+            d = gap[i, j]
+            gradient = elastic[i, j] + traction[i, j] + load[i, j]
+            energy += (0.5 * elastic[i, j] + load[i, j]) * d
+            if d == 0.0 and gradient > 0.0:
+                right_side[i, j] = 0.0
+                curvature[i, j] = held
+            else:
+                right_side[i, j] = -gradient
+                curvature[i, j] += CAUTION * abs(gradient) / (d + margin)
+                largest = max(largest, abs(gradient))
+                square += gradient * gradient
+                total += gradient
+    return energy, largest, square, total
+
+
+@njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "arcp", "nsz"})
+def _advance(gap, step, limit, margin, out):
+    """Each gap plus its step, by no more than the fraction ``limit`` of gap and margin, and not through the wall."""
+    for i in range(gap.size):
+        d = gap[i]
+        most = limit * (d + margin)
+        out[i] = max(d + min(max(step[i], -most), most), 0.0)
+
+
+@njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "arcp", "nsz"})
+def _exponential(gap, length, work, traction, stiffness):
+    """φ' and φ'' of −work·exp(−gap/length) over flat arrays; returns Σ φ."""
+    total = 0.0
+    for i in range(gap.size):
+        energy = work * np.exp(-gap[i] / length)
+        traction[i] = energy / length
+        stiffness[i] = -energy / (length * length)
+        total -= energy
+    return total
+
+
+class WallPasses(LawPasses):
+    """The passes of a law outside a wall.
+
+    Parameters
+    ----------
+    law : TractionLaw
+        The law.
+    largest : float
+        Largest stiffness of the elastic solid (Pa/m).
+    """
+
+    def __init__(self, law: TractionLaw, largest: float):
+        super().__init__(law)
+        self.margin = law.length
+        self._held = np.float32(HELD * largest)
+
+    def gradient(self, elastic, gap, traction, load, right_side, curvature):
+        return _gradient(elastic, gap, traction, load, self.margin, self._held, right_side, curvature)
+
+    def hold(self, curvature, step):
+        step[curvature == self._held] = 0
+
+    def reaction(self, elastic, gap, traction, load):
+        return np.where(gap == 0, np.maximum(elastic + traction + load, 0.0), 0.0)
+
+    def imbalance(self, pressure, traction, gap):
+        free = gap > 0
+        return float(np.mean((pressure + traction)[free])) if free.any() else 0.0
+
+    def advance(self, gap, step, limit, out):
+        _advance(gap.reshape(-1), step.reshape(-1), limit, self.margin, out.reshape(-1))
+
+
+class ExponentialPasses(WallPasses):
+    """The exponential law, compiled."""
+
+    def evaluate(self, gap, traction, stiffness):
+        law = self.law
+        flat = gap.reshape(-1), law.length, law.work_of_adhesion, traction.reshape(-1), stiffness.reshape(-1)
+        return float(_exponential(*flat))
+
+
+def passes_of(law: TractionLaw, largest: float = 1.0) -> LawPasses:
+    """The passes of a law, compiled ones where there are any, on a solid of that largest stiffness (Pa/m)."""
+    if isinstance(law, LennardJones104):
+        return LennardJones104Passes(law)
+    if isinstance(law, Exponential):
+        return ExponentialPasses(law, largest)
+    return WallPasses(law, largest) if law.has_wall else LawPasses(law)
