@@ -170,9 +170,7 @@ class LoadedContact:
             return self._apart(Outcome.DETACHED, result.iterations, pairs)
         return self._solution(result, pairs)
 
-    def _solve(
-        self, gap: np.ndarray, pressure: float, approach: bool, tolerance: float | None = None
-    ) -> NewtonResult:
+    def _solve(self, gap: np.ndarray, pressure: float, approach: bool, tolerance: float | None = None) -> NewtonResult:
         load = self._flattening + pressure
         return self._contact.solve(gap, load, tolerance or self.tolerance, self.max_iterations, approach)
 
@@ -236,6 +234,7 @@ class LoadedContact:
             result.iterations,
             pairs,
             result.outcome,
+            max(0.0, -float(np.min(result.reaction))) if self.law.has_wall else None,
         )
 
     def _apart(self, outcome: Outcome, iterations: int = 0, pairs: float = 0.0) -> Solution:

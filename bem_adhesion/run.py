@@ -178,6 +178,7 @@ def _state(case: Case, solution: Solution) -> InterfaceState:
             residual=solution.residual,
             iterations=solution.iterations,
             fft_pairs=solution.fft_pairs,
+            complementarity_residual=solution.complementarity_residual,
             message="" if solution.outcome is Outcome.CONVERGED else solution.message,
         ),
         restart={"state": solution.state},

@@ -49,6 +49,9 @@ class Solution:
         Transform pairs, as float64 pairs on the finest grid (see :meth:`Operator.equivalent_pairs`).
     outcome : Outcome
         How the solve ended.
+    complementarity_residual : float or None
+        Attraction outside a wall: the largest pull that touching points would need of the wall, over E*; where there is
+        a gap the wall carries nothing.
     """
 
     state: np.ndarray
@@ -61,6 +64,7 @@ class Solution:
     iterations: int
     fft_pairs: float
     outcome: Outcome
+    complementarity_residual: float | None = None
 
     @property
     def converged(self) -> bool:

@@ -88,7 +88,7 @@ class WallPasses(LawPasses):
         step[curvature == self._held] = 0
 
     def reaction(self, elastic, gap, traction, load):
-        return np.where(gap == 0, np.maximum(elastic + traction + load, 0.0), 0.0)
+        return np.where(gap == 0, elastic + traction + load, 0.0)
 
     def imbalance(self, pressure, traction, gap):
         free = gap > 0

@@ -31,6 +31,8 @@ class SolverReport:
         Evaluations of the interface forces, of a model that counts them.
     message : str
         What is to be known of the step; empty if nothing.
+    complementarity_residual : float or None
+        How far the conditions of a wall are violated, of a solver that knows one beside another law.
     """
 
     converged: bool
@@ -40,6 +42,7 @@ class SolverReport:
     fft_pairs: float
     force_evaluations: int | None = None
     message: str = ""
+    complementarity_residual: float | None = None
 
 
 @dataclass(frozen=True)

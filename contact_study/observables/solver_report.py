@@ -22,11 +22,15 @@ SOLVER_REPORT = Observable(
             "1",
             "error left in the equations of the model, in units of their own scales; see comment",
             attrs={
-                "comment": "adhesive simulations: largest unbalanced stress over contact modulus; hard wall: largest "
-                "gap inside or penetration outside the contact over rms height; Persson's theory: last change of the "
-                "detachment stress over contact modulus; gap-flow theory: mean traction less pressure over contact "
-                "modulus, an error of its grid"
+                "comment": "adhesive simulations: largest unbalanced stress over contact modulus, where surfaces touch "
+                "a wall only what it would have to pull; hard wall without adhesion: largest gap inside or penetration "
+                "outside the contact over rms height; Persson's theory: last change of the detachment stress over "
+                "contact modulus; gap-flow theory: mean traction less pressure over contact modulus, an error of its "
+                "grid"
             },
+        ),
+        "complementarity_residual": Variable(
+            "1", "largest pull on the wall where surfaces touch, over the contact modulus; gaps without reaction"
         ),
         "iterations": Variable("1", "iterations of the solver", kind="count"),
         "fft_pairs": Variable(

@@ -27,7 +27,9 @@ def elastic_pressure(contact, displacement):
     """K w by NumPy's transform (Pa); its mean is the load's."""
     grid = contact._grid
     q = np.hypot(
-        *np.meshgrid(*(2 * np.pi * np.fft.fftfreq(n, s / n) for n, s in zip(grid.shape, grid.size, strict=True)), indexing="ij")
+        *np.meshgrid(
+            *(2 * np.pi * np.fft.fftfreq(n, s / n) for n, s in zip(grid.shape, grid.size, strict=True)), indexing="ij"
+        )
     )
     return np.fft.ifft2(0.5 * E_STAR * q / contact.law.length * np.fft.fft2(displacement)).real
 
@@ -60,6 +62,7 @@ def test_states_satisfy_the_conditions_of_contact(work_of_adhesion, control):
         assert reaction[touching].min() > -1e-8 * E_STAR
         np.testing.assert_allclose(reaction[~touching], 0, atol=1e-12 * E_STAR)
         assert found.residual <= 1e-8
+        assert found.complementarity_residual == pytest.approx(max(0, -reaction[touching].min() / E_STAR), abs=1e-14)
         assert found.interaction_energy == pytest.approx(np.mean(contact.law.potential(found.gap)), rel=1e-12)
 
 

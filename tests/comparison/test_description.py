@@ -98,6 +98,18 @@ def test_laws_side_by_side():
     assert "adhered branch" in words["Loading"]
 
 
+def test_attraction_outside_a_wall():
+    text = SINGLE.replace('well_depth = "18.6 meV"', 'law = "exponential"\nwork_of_adhesion = "0.69 J/m^2"')
+    text = text.replace('contact_distance = "3.68 angstrom"\n', "")
+    words = described(text, names=("continuum", "theory"))["Interaction"]
+    assert words.startswith(
+        "Attraction (Δγ/ρ) exp(−u/ρ) outside a hard wall, of length 3.28 Å. Work of adhesion Δγ = 0.69"
+    )
+    assert "points that touch it count as contact" in words
+    assert "Lennard-Jones" not in words
+    assert "Gaps below" not in words
+
+
 def test_a_hard_wall_alone():
     text = SINGLE.replace('well_depth = "18.6 meV"', 'law = "hard_wall"')
     words = described(text, names=("continuum", "theory"))

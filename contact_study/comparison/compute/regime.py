@@ -84,7 +84,7 @@ def compute_regime(inputs: Inputs) -> xr.Dataset:
     """
     models = inputs.models
     points = sweep_points(models)
-    numbers = [_regime(models, point, _roughness_of(inputs, point)) for point in points]
+    numbers = [_regime(models, point, _roughness_of(inputs, point), _range(inputs, point)) for point in points]
     dims = list(points[0].selection)
     attrs = {d: next(dataset[d].attrs for dataset in models.values() if d in dataset.dims) for d in dims}
     several_seeds = any(dataset.sizes.get(AVERAGED, 1) > 1 for dataset in models.values())
@@ -124,10 +124,11 @@ _MEANINGS = {
 _OF_THE_SURFACE = set(_MEANINGS) - {"process_zone", "pixel_over_process_zone"}
 
 
-def _regime(models: Mapping[str, xr.Dataset], point: SweepPoint, surface: Roughness | None) -> dict[str, float]:
-    modulus, work, distance, peak = (
-        first_constant(models, point, name)
-        for name in ("contact_modulus", "work_of_adhesion", "equilibrium_distance", "peak_tensile_stress")
+def _regime(
+    models: Mapping[str, xr.Dataset], point: SweepPoint, surface: Roughness | None, reach: float
+) -> dict[str, float]:
+    modulus, work, peak = (
+        first_constant(models, point, name) for name in ("contact_modulus", "work_of_adhesion", "peak_tensile_stress")
     )
     zone = modulus * work / peak**2 if peak > 0 else np.nan
     parts = [select(models[name], point) for name in models if entry_of(name).feels_law]
@@ -139,7 +140,7 @@ def _regime(models: Mapping[str, xr.Dataset], point: SweepPoint, surface: Roughn
         return numbers
     energy = modulus * surface.conformal_energy
     radius = 2 / surface.rms_laplacian
-    tabor = np.cbrt(radius * work**2 / (modulus**2 * distance**3)) if distance > 0 else np.nan
+    tabor = np.cbrt(radius * work**2 / (modulus**2 * reach**3)) if reach > 0 else np.nan
     return numbers | {
         "tabor_parameter": float(tabor),
         "adhesion_over_elastic_energy": work * surface.area_factor / energy,
@@ -149,6 +150,13 @@ def _regime(models: Mapping[str, xr.Dataset], point: SweepPoint, surface: Roughn
         "rms_slope": surface.rms_slope,
         "rms_laplacian": surface.rms_laplacian,
     }
+
+
+def _range(inputs: Inputs, point: SweepPoint) -> float:
+    """Length r₀ of Tabor's parameter (m): the equilibrium distance or, outside a wall, the law's range."""
+    distance = first_constant(inputs.models, point, "equilibrium_distance")
+    case = next(iter(inputs.cases_at(point.selection)), None)
+    return case.law.length if case is not None and case.law.has_wall else distance
 
 
 def _roughness_of(inputs: Inputs, point: SweepPoint) -> Roughness | None:

@@ -89,6 +89,7 @@ def render_report(
         study_toml=inputs.study.toml,
         hard_wall=not all(law.attracts for law in inputs.laws),
         adhesive=any(law.attracts for law in inputs.laws),
+        wall=any(law.attracts and law.has_wall for law in inputs.laws),
         rough=bool(regime["tabor_parameter"].notnull().any()),
         simulated=bool(inputs.simulations),
         several_seeds=any(dataset.sizes.get(AVERAGED, 1) > 1 for dataset in inputs.models.values()),
