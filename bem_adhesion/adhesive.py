@@ -121,7 +121,8 @@ class AdhesiveContact:
 
     def imbalance(self, pressure: np.ndarray, gap: np.ndarray) -> float:
         """Mean of K d + φ'(d) + load, given as ``pressure`` = K d + load, over the points that are free to move."""
-        return self._passes.imbalance(pressure, self.law.traction(gap), gap)
+        self._passes.evaluate(gap, self._traction, self.curvature)
+        return self._passes.imbalance(pressure, self._traction, gap)
 
     def _evaluate(self, gap: np.ndarray, load: np.ndarray) -> _State:
         """Energy and gradient at a gap; fills traction, curvature and right side."""

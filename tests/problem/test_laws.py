@@ -1,11 +1,18 @@
+from dataclasses import dataclass
+
 import numpy as np
 import pytest
 from scipy.integrate import quad
 
+from contact_study.problem import study
+from contact_study.problem.errors import InputError
+from contact_study.problem.keys import Kinds, key, quantity
 from contact_study.problem.laws import LAWS as TABLE
 from contact_study.problem.laws import TractionLaw, make_law
+from contact_study.problem.laws.interaction import SmoothInteraction
 from contact_study.problem.laws.lennard_jones_9_3 import LennardJones93
 from contact_study.problem.laws.lennard_jones_10_4 import LennardJones104, work_of_adhesion
+from tests.problem.test_study import changed
 
 R0 = 3.28e-10
 LAWS = [LennardJones104(0.69, R0), LennardJones104(5.52, R0), LennardJones104(0.05, 2e-9), LennardJones93(0.69, R0)]
@@ -203,3 +210,46 @@ def test_scaling_changes_units_only(law):
     gap = gaps(law)
     np.testing.assert_allclose(scaled.traction(gap / length) * stress, law.traction(gap), rtol=1e-11, atol=1e-3)
     np.testing.assert_allclose(scaled.potential(gap / length) * stress * length, law.potential(gap), rtol=1e-12)
+
+
+@dataclass(frozen=True, kw_only=True)
+class MorseInteraction(SmoothInteraction):
+    width: float = key(quantity("m", positive=True), "range of the attraction")
+
+
+@dataclass(frozen=True)
+class Morse(TractionLaw):
+    """What a contributor writes: a potential, a key of its own, words."""
+
+    title = "Morse"
+    words = "Morse's"
+    section = MorseInteraction
+
+    width: float = 1.0
+
+    @classmethod
+    def of(cls, section, work_of_adhesion):
+        return cls(work_of_adhesion, section.length, section.width)
+
+    def potential(self, gap):
+        decay = np.exp(-(gap - self.length) / self.width)
+        return self.work_of_adhesion * (decay**2 - 2 * decay)
+
+
+def test_a_new_law_is_a_potential_and_its_keys(monkeypatch):
+    monkeypatch.setitem(TABLE, "morse", Morse)
+    sections = {name: law.section for name, law in TABLE.items()}
+    monkeypatch.setitem(study.SECTIONS, "interaction", Kinds("law", sections))
+    (case,) = study.make_study(changed("interaction", law="morse", width="0.5 angstrom")).cases
+    law, width = case.law, 0.5e-10
+    assert law.equilibrium_distance == pytest.approx(3.28e-10, abs=0, rel=1e-12)
+    assert law.peak_tensile_stress == pytest.approx(law.work_of_adhesion / (2 * width), rel=1e-12)
+    assert law.peak_distance == pytest.approx(3.28e-10 + np.log(2) * width, abs=0, rel=1e-7)
+    assert law.equilibrium_stiffness == pytest.approx(2 * law.work_of_adhesion / width**2, rel=1e-8)
+    pressure = np.geomspace(1e-6, 1e6, 13) * law.peak_tensile_stress
+    floor = 4 * np.finfo(float).eps * law.equilibrium_stiffness * law.equilibrium_distance  # of a rounded gap
+    np.testing.assert_allclose(law.traction(law.repulsive_gap(-pressure)), -pressure, rtol=1e-12, atol=floor)
+    with pytest.raises(InputError, match=r'interaction\.width: law = "lennard_jones_10_4" has no such key'):
+        study.make_study(changed("interaction", width="0.5 angstrom"))
+    with pytest.raises(InputError, match=r'missing key interaction\.width: law = "morse" needs it'):
+        study.make_study(changed("interaction", law="morse"))

@@ -173,5 +173,8 @@ class TractionLaw(ABC):
         return gap <= contact_distance if self.has_wall else gap < contact_distance
 
     def scaled(self, length: float, stress: float) -> "TractionLaw":
-        """The same law in other units: lengths divided by ``length`` (m), stresses by ``stress`` (Pa)."""
+        """The same law in other units: lengths divided by ``length`` (m), stresses by ``stress`` (Pa).
+
+        A law with lengths of its own scales them, too.
+        """
         return replace(self, work_of_adhesion=self.work_of_adhesion / (length * stress), length=self.length / length)
