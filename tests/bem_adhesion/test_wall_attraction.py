@@ -66,6 +66,16 @@ def test_states_satisfy_the_conditions_of_contact(work_of_adhesion, control):
         assert found.interaction_energy == pytest.approx(np.mean(contact.law.potential(found.gap)), rel=1e-12)
 
 
+def test_a_loose_tolerance_shows_in_the_complementarity():
+    """The pull that the wall would need is what the dataset says, and no more than the residual."""
+    contact = contact_of(0.69, tolerance=1e-2)
+    found = contact.step(contact.step(contact.separated(), 1e9).state, 5e9)
+    reaction = found.pressure + contact.law.traction(found.gap)
+    pull = -reaction[found.gap == 0].min() / E_STAR
+    assert found.complementarity_residual == pytest.approx(pull, rel=1e-6)
+    assert 1e-4 < pull <= found.residual <= 1e-2
+
+
 def test_states_are_minima():
     """No small displacement that the wall allows lowers the energy, rough or smooth, at the edge or everywhere."""
     contact = contact_of(2.76)
@@ -156,6 +166,14 @@ def test_full_contact_is_met_by_either_control():
     assert opened.converged
     assert opened.gap.mean() == pytest.approx(2e-11, abs=0, rel=1e-6)
     assert opened.pressure.mean() < closed.pressure.mean()
+
+
+def test_surfaces_almost_closed_under_gap_control():
+    """The contact is then far stiffer than the spring: a mean gap of 1/1700 of the range."""
+    contact = contact_of(0.69, control="gap")
+    found = contact.step(contact.separated(), 1e-13)
+    assert found.converged
+    assert found.gap.mean() == pytest.approx(1e-13, abs=1e-8 * RANGE)
 
 
 def paraboloid(tabor_parameter, work_of_adhesion, points, cell):

@@ -65,7 +65,7 @@ def test_force_evaluations_are_of_models_that_count_them():
 def test_names_are_spelt_once_and_have_entries():
     names = [name for observable in OBSERVABLES for name in observable.variables]
     assert len(names) == len(set(names))
-    found = observed(state(report=SolverReport(True, False, 0.0, 1, 0.0, 1)), BINS)
+    found = observed(state(report=SolverReport(True, False, 0.0, 1, 0.0, 1, complementarity_residual=0.0)), BINS)
     assert set(found) == set(names) == set(ENTRIES)
     for name, value in found.items():
         assert VARIABLES[name].dims[0] == "step", name
