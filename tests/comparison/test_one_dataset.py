@@ -143,6 +143,9 @@ def test_datasets_of_one_model_look_different():
     looks = {(str(look.line), look.marker) for look in (look_of(name, names) for name in names)}
     assert len(looks) == 4
     assert look_of("continuum:a", names) == look_of("continuum", ["continuum"])
+    assert (look_of("continuum:a", names).line, look_of("continuum:a", names).marker) == ("-", "o"), (
+        "its own comes first"
+    )
 
 
 def test_colours_tell_the_models_where_nothing_is_swept():
