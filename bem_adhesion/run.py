@@ -9,7 +9,6 @@ from scipy.fft import next_fast_len
 from bem_adhesion.contact import rough_contact
 from bem_adhesion.multilevel import POINTS_PER_PROCESS_ZONE, process_zone
 from bem_adhesion.solution import Outcome, Solution
-from contact_study.campaign import command
 from contact_study.campaign.memory import grid_fits
 from contact_study.campaign.model import Model
 from contact_study.observables.base import InterfaceState, SolverReport, Value
@@ -37,6 +36,8 @@ _COARSEST = 1e5
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """The command ``bem-adhesion``; returns the exit status."""
+    from contact_study.campaign import command  # workers solve, and need none of what reads and writes datasets
+
     return command.main(MODEL, arguments)
 
 

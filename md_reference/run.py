@@ -5,7 +5,6 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 
 import numpy as np
 
-from contact_study.campaign import command
 from contact_study.campaign.memory import require_memory
 from contact_study.campaign.model import Model
 from contact_study.observables.base import InterfaceState, SolverReport, Value
@@ -47,6 +46,8 @@ Predictor = Callable[[int], np.ndarray | None]
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """The command ``md-reference``; returns the exit status."""
+    from contact_study.campaign import command  # workers solve, and need none of what reads and writes datasets
+
     return command.main(MODEL, arguments)
 
 

@@ -11,7 +11,6 @@ from typing import Any
 import numpy as np
 from scipy.optimize import brentq
 
-from contact_study.campaign import command
 from contact_study.campaign.model import Model
 from contact_study.campaign.record import Step
 from contact_study.campaign.schema import quantity_of
@@ -81,6 +80,8 @@ _FINEST_TOLERANCE = 1e-11
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """The command ``persson-theory``; returns the exit status."""
+    from contact_study.campaign import command  # workers solve, and need none of what reads and writes datasets
+
     return command.main(MODEL, arguments)
 
 

@@ -141,9 +141,9 @@ def _march(variance, detachment_stress, faces, mass, contact):
         from_right[i] = 0.5 / (distance[i] * width[i])
     forward = np.empty(n + 1)  # rate of mass through face i from cell i-1 into i, and back
     backward = np.empty(n + 1)
-    pivot = np.empty(n)
-    lower = np.empty(n)
-    upper = np.empty(n)
+    inverse = np.empty(n)  # of the pivots, and the factors of elimination and of its way back
+    inward = np.empty(n)
+    outward = np.empty(n)
     first = np.empty(n)
     ratio = (1.0 - gamma) / gamma
     total = mass.sum()
@@ -166,31 +166,72 @@ def _march(variance, detachment_stress, faces, mass, contact):
             if i > 0:
                 forward[i] = (bernoulli + z) * from_left[i]
         weight = gamma * step
-        # Stage one: (1 − γ Δs L) m₁ = m₀, factorised on the way. Each recurrence is written so that its next value
-        # waits for one division, or one product and sum, of the last.
-        diagonal = 1.0 + weight * (backward[0] + forward[1])
-        pivot[0] = 1.0 / diagonal
-        first[0] = mass[0]
-        for i in range(1, n):
-            product = weight * forward[i] * weight * backward[i]
-            diagonal = 1.0 + weight * (backward[i] + forward[i + 1]) - product / diagonal
-            pivot[i] = 1.0 / diagonal
-            lower[i] = weight * forward[i] * pivot[i - 1]
-            first[i] = mass[i] + lower[i] * first[i - 1]
-        first[n - 1] *= pivot[n - 1]
-        for i in range(n - 2, -1, -1):
-            upper[i] = weight * backward[i + 1] * pivot[i]
-            first[i] = first[i] * pivot[i] + upper[i] * first[i + 1]
+        # Stage one: (1 − γ Δs L) m₁ = m₀.
+        _factorise(weight, forward, backward, inverse, inward, outward)
+        first[:] = mass
+        _solve(inverse, inward, outward, first)
         # Stage two: (1 − γ Δs L) m₂ = m₀ + (1 − γ) Δs L m₁ with Δs L m₁ = (m₁ − m₀) / γ.
         early = backward[0] * first[0] * (1.0 - gamma) * step
-        mass[0] += ratio * (first[0] - mass[0])
-        for i in range(1, n):
-            mass[i] = mass[i] + ratio * (first[i] - mass[i]) + lower[i] * mass[i - 1]
-        mass[n - 1] *= pivot[n - 1]
-        for i in range(n - 2, -1, -1):
-            mass[i] = mass[i] * pivot[i] + upper[i] * mass[i + 1]
+        for i in range(n):
+            mass[i] += ratio * (first[i] - mass[i])
+        _solve(inverse, inward, outward, mass)
         late = backward[0] * mass[0] * weight
         edge_stress -= early * (detachment_stress[k] + gamma * rise) + late * detachment_stress[k + 1]
         total -= early + late
         contact[k + 1] = total
     return edge_stress
+
+
+@njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "arcp", "nsz"})
+def _factorise(weight, forward, backward, inverse, inward, outward):
+    """Eliminate the cells of 1 − weight L from both ends inward, to the cells ``n // 2 - 1`` and ``n // 2``.
+
+    Each elimination waits for a division of the one before; the two ends do not wait for each other.
+    """
+    n = inverse.size
+    middle = n // 2
+    low = 1.0 + weight * (backward[0] + forward[1])
+    high = 1.0 + weight * (backward[n - 1] + forward[n])
+    inverse[0] = 1.0 / low
+    inverse[n - 1] = 1.0 / high
+    for i in range(1, n - middle):
+        above = n - 1 - i
+        high = (
+            1.0
+            + weight * (backward[above] + forward[above + 1])
+            - (weight * forward[above + 1] * weight * backward[above + 1] / high)
+        )
+        inverse[above] = 1.0 / high
+        if i < middle:
+            low = 1.0 + weight * (backward[i] + forward[i + 1]) - weight * forward[i] * weight * backward[i] / low
+            inverse[i] = 1.0 / low
+    for i in range(middle):
+        outward[i] = weight * backward[i + 1] * inverse[i]
+        inward[i] = weight * forward[i + 1] * inverse[i]
+    for i in range(middle, n):
+        outward[i] = weight * forward[i] * inverse[i]
+        inward[i] = weight * backward[i] * inverse[i]
+
+
+@njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "arcp", "nsz"})
+def _solve(inverse, inward, outward, values):
+    """Solve in place with the matrix of :func:`_factorise`."""
+    n = inverse.size
+    middle = n // 2
+    for i in range(1, middle):
+        above = n - 1 - i
+        values[i] += inward[i - 1] * values[i - 1]
+        values[above] += inward[above + 1] * values[above + 1]
+    if n - middle > middle:
+        values[middle] += inward[middle + 1] * values[middle + 1]
+    # The two cells that are left.
+    low, high = values[middle - 1] * inverse[middle - 1], values[middle] * inverse[middle]
+    share = 1.0 / (1.0 - outward[middle - 1] * outward[middle])
+    values[middle - 1] = (low + outward[middle - 1] * high) * share
+    values[middle] = (high + outward[middle] * low) * share
+    for i in range(1, middle):
+        below, above = middle - 1 - i, middle + i
+        values[below] = values[below] * inverse[below] + outward[below] * values[below + 1]
+        values[above] = values[above] * inverse[above] + outward[above] * values[above - 1]
+    if n - middle > middle:
+        values[n - 1] = values[n - 1] * inverse[n - 1] + outward[n - 1] * values[n - 2]

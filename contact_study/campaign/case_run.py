@@ -6,12 +6,11 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from contact_study.campaign import steps as store
 from contact_study.campaign.engines.base import CampaignError, Report
 from contact_study.campaign.model import Model
-from contact_study.campaign.predictor import GapFields
 from contact_study.campaign.record import Step, recorded
 from contact_study.campaign.resume.identity import content_hash
 from contact_study.campaign.schema import quantity_of
@@ -19,6 +18,9 @@ from contact_study.fields.distributions import Bins
 from contact_study.observables.base import Value
 from contact_study.problem.case import Case
 from contact_study.problem.surface import Surface, realise
+
+if TYPE_CHECKING:
+    from contact_study.campaign.predictor import GapFields
 
 # Below this number of points a second thread of FFTW gains little, and costs much when the other core is busy.
 _POINTS_FOR_THREADS = 1024**2
@@ -70,7 +72,7 @@ def run_case(job: Job, threads: int, report: Report) -> None:
         if start == len(case.path):
             return
         restart = (store.load_state(job.folder, start - 1) or None) if start else None
-        predictor = GapFields(job.predictor, case) if job.predictor else None
+        predictor = _predictor(job)
         began = time.perf_counter()
         for number, point in enumerate(job.model.solve_path(case, surface, restart, start, predictor), start):
             now = time.perf_counter()
@@ -80,6 +82,14 @@ def run_case(job: Job, threads: int, report: Report) -> None:
             store.save_step(job.folder, number, _completed(case, number, step, now - began, started))
             report(case.label, _point(case, number), dict(_summary(step)), now - began)
             began = time.perf_counter()
+
+
+def _predictor(job: Job) -> "GapFields | None":
+    if job.predictor is None:
+        return None
+    from contact_study.campaign.predictor import GapFields  # and with it xarray, which is slow to import
+
+    return GapFields(job.predictor, job.case)
 
 
 def _check_height_map(job: Job) -> None:
