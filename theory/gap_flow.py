@@ -223,7 +223,7 @@ def gap_flow(
     solid = elasticity_of(elasticity)
     contact_modulus = solid.contact_modulus
     reduced = law.scaled(length, contact_modulus)
-    x = _gap_nodes(spectrum, solid, reduced, length, largest_gap, gaps)
+    x = gap_nodes(spectrum, solid, reduced, length, largest_gap, gaps)
     stiffness, steps = _scales(spectrum, solid, length, scales)
     energy = np.array(reduced.potential(x), dtype=float)
     compliances = np.empty((steps.size, x.size))
@@ -232,7 +232,7 @@ def gap_flow(
     return GapFlow(reduced, length, contact_modulus, branch, x, energy, lost, stiffness, steps, compliances, hull)
 
 
-def _gap_nodes(
+def gap_nodes(
     spectrum: RoughnessSpectrum, solid: Elasticity, law: TractionLaw, length: float, largest_gap: float, count: int
 ) -> np.ndarray:
     """Nodes from deep in the repulsion to far above the roughness, finest where the law varies."""
