@@ -1,20 +1,22 @@
-"""Analytic theories of rough adhesive contact: Persson's, as Yang et al. 2008 used it, and the gap flow.
+"""Theories of rough adhesive contact: Persson's, as Yang et al. 2008 used it, the gap flow and the edge flow.
 
 A spectrum, a target or that of a height array (:func:`spectrum_of`), a solid and a law or work of adhesion make a
-theory; both give states at a pressure: :class:`PerssonTheory`, :func:`gap_flow`. Whole studies are run by
-:func:`contact_study.run` or the command ``persson-theory``.
+theory; each gives states at a pressure: :class:`PerssonTheory`, :func:`gap_flow`, :func:`edge_flow`. Whole studies
+are run by :func:`contact_study.run` or the command ``persson-theory``.
 """
 
 from contact_study import __version__
 from contact_study.fields.spectrum import RadialSpectrum, RoughnessSpectrum, SelfAffineSpectrum, spectrum_of
 from contact_study.problem.elasticity import Elasticity, HalfSpace, Layer
 from contact_study.problem.laws import LennardJones93, LennardJones104, TractionLaw
+from theory.edge_flow import EdgeFlow, edge_flow
 from theory.gap_flow import GapFlow, gap_flow
 from theory.gap_state import GapState
 from theory.persson import PerssonContact, PerssonTheory
 from theory.separation import SeparationCurve, energy_defect, pull_off_pressure, separation_curve
 
 __all__ = [
+    "EdgeFlow",
     "Elasticity",
     "GapFlow",
     "GapState",
@@ -30,6 +32,7 @@ __all__ = [
     "SeparationCurve",
     "TractionLaw",
     "__version__",
+    "edge_flow",
     "energy_defect",
     "gap_flow",
     "pull_off_pressure",

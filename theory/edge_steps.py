@@ -19,15 +19,15 @@ _STABLE = 0.8
 
 
 @njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "arcp", "nsz"})
-def sweep(x, stiffness, wavevector, steps, traction, start, sharp, response, weights, gradients, answer):
+def sweep(x, stiffness, modulation, square, steps, traction, start, sharp, response, weights, gradients, answer):
     """Follow the distribution from coarse to fine and the traction back; every scale's response to what they find.
 
     Parameters
     ----------
     x : numpy.ndarray, shape (n,)
         Nodes of the gap.
-    stiffness, wavevector, steps : numpy.ndarray, shape (k,)
-        K, q and Δm of each scale.
+    stiffness, modulation, square, steps : numpy.ndarray, shape (k,)
+        K, the cost g of its modulation, q² and Δm of each scale.
     traction : numpy.ndarray, shape (n,)
         φ' at the nodes.
     start : numpy.ndarray, shape (n,)
@@ -49,7 +49,7 @@ def sweep(x, stiffness, wavevector, steps, traction, start, sharp, response, wei
     n = x.size
     lower, diagonal, upper, work = np.empty(n), np.empty(n), np.empty(n), np.empty(n)
     right, early, late, curvature = np.empty(n), np.empty(n), np.empty(n), np.empty(n)
-    _distribute(x, wavevector, steps, start, sharp, response, weights, gradients)
+    _distribute(x, square, steps, start, sharp, response, weights, gradients)
     mean = traction.copy()
     elastic = 0.0
     for k in range(steps.size):
@@ -64,7 +64,9 @@ def sweep(x, stiffness, wavevector, steps, traction, start, sharp, response, wei
             _solve(lower, diagonal, upper, right, late, work)
         _slope(x, mean, late, curvature)
         mean[:] = late
-        _respond(x, stiffness[k], wavevector[k], curvature, weights[k : k + 2], gradients[k : k + 2], answer[k])
+        _respond(
+            x, stiffness[k], modulation[k], square[k], curvature, weights[k : k + 2], gradients[k : k + 2], answer[k]
+        )
         stored = 0.0
         for i in range(n):
             here = 0.5 * (weights[k, i] + weights[k + 1, i])
@@ -89,7 +91,7 @@ def local_response(x, stiffness, steps, traction, response):
 
 
 @njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "arcp", "nsz"})
-def _distribute(x, wavevector, steps, start, sharp, response, weights, gradients):
+def _distribute(x, square, steps, start, sharp, response, weights, gradients):
     """∂P/∂m = ½(f²P)'' and, with M = f²N, ∂N/∂m = ½ f⁻² (f⁴N')' + f'² N + q²P, from coarse to fine."""
     n = x.size
     lower, diagonal, upper, work = np.empty(n), np.empty(n), np.empty(n), np.empty(n)
@@ -109,7 +111,7 @@ def _distribute(x, wavevector, steps, start, sharp, response, weights, gradients
             _second_stage(weights[k + 1], early, right)
             _solve(lower, diagonal, upper, right, weights[k], work)
         _gradient_flow(x, f, weight, lower, diagonal, upper)
-        source = weight * wavevector[k] ** 2
+        source = weight * square[k]
         for i in range(n):
             begin[i] = gradients[k + 1, i] / (f[i] * f[i])
             right[i] = begin[i] + source * early[i] / _cell(x, i)
@@ -124,27 +126,28 @@ def _distribute(x, wavevector, steps, start, sharp, response, weights, gradients
 
 
 @njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "arcp", "nsz"})
-def _respond(x, stiffness, wavevector, curvature, weights, gradients, answer):
-    """Solve K (X f/4 + z) + c f = K, (X + 4) z = 4 f by elimination of two-by-two blocks.
+def _respond(x, stiffness, modulation, square, curvature, weights, gradients, answer):
+    """Solve K [(1 − g + g X/4) f + g z] + c f = K, (X + 4) z = 4 f by elimination of two-by-two blocks.
 
     X = −(P q²)⁻¹ ∂ M ∂ with the means of P and M over the scale. Rows are times P, so that a node without weight has
     no equation of its own; it is given the response of its curvature.
     """
     n = x.size
+    quarter = 0.25 * modulation
     coupling = np.zeros(n)  # of node i and the next: M over q² and the distance
     a, b, c, d = np.empty(n), np.empty(n), np.empty(n), np.empty(n)
     r, s = np.empty(n), np.empty(n)
     for i in range(1, n - 2):
         mean = gradients[0, i] + gradients[0, i + 1] + gradients[1, i] + gradients[1, i + 1]
-        coupling[i] = 0.25 * max(mean, 0.0) / ((x[i + 1] - x[i]) * wavevector * wavevector)
+        coupling[i] = 0.25 * max(mean, 0.0) / ((x[i + 1] - x[i]) * square)
     for i in range(n):
         local = stiffness / (stiffness + max(curvature[i], -_STABLE * stiffness))
         if 0 < i < n - 1:
             joined = coupling[i] + coupling[i - 1]
             share = max(0.5 * (weights[0, i] + weights[1, i]), 0.0)
             empty = _EMPTY * _cell(x, i)
-            a[i] = 0.25 * joined + share * curvature[i] / stiffness + empty
-            b[i] = share
+            a[i] = quarter * joined + share * (1.0 - modulation + curvature[i] / stiffness) + empty
+            b[i] = modulation * share
             c[i] = -4.0 * share
             d[i] = joined + 4.0 * share + empty
             r[i] = share + empty * local
@@ -157,15 +160,15 @@ def _respond(x, stiffness, wavevector, curvature, weights, gradients, answer):
         t = coupling[i - 1]
         scale = t / (a[i - 1] * d[i - 1] - b[i - 1] * c[i - 1])
         aa, bb, cc, dd = d[i - 1] * scale, -b[i - 1] * scale, -c[i - 1] * scale, a[i - 1] * scale
-        a[i] -= 0.0625 * t * aa
-        b[i] -= 0.25 * t * bb
-        c[i] -= 0.25 * t * cc
+        a[i] -= quarter * quarter * t * aa
+        b[i] -= quarter * t * bb
+        c[i] -= quarter * t * cc
         d[i] -= t * dd
-        r[i] += 0.25 * (aa * r[i - 1] + bb * s[i - 1])
+        r[i] += quarter * (aa * r[i - 1] + bb * s[i - 1])
         s[i] += cc * r[i - 1] + dd * s[i - 1]
     f = z = 0.0
     for i in range(n - 1, -1, -1):
-        first, second = r[i] + 0.25 * coupling[i] * f, s[i] + coupling[i] * z
+        first, second = r[i] + quarter * coupling[i] * f, s[i] + coupling[i] * z
         scale = 1.0 / (a[i] * d[i] - b[i] * c[i])
         f, z = (d[i] * first - b[i] * second) * scale, (a[i] * second - c[i] * first) * scale
         answer[i] = f

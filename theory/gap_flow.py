@@ -28,6 +28,7 @@ from contact_study.fields.spectrum import RoughnessSpectrum
 from contact_study.problem.elasticity import Elasticity, elasticity_of
 from contact_study.problem.laws.base import TractionLaw
 from theory.gap_state import GapState
+from theory.pressure_curve import PressureCurve, positions
 from theory.scale_steps import BRANCHES, flow_through_scales, trace_back
 
 # Iterations of Newton's method in a step, at most.
@@ -42,7 +43,7 @@ _STEP_GROWTH = 500
 
 
 @dataclass(frozen=True)
-class GapFlow:
+class GapFlow(PressureCurve):
     """The flowed energy: mean pressure over mean gap, and the way back to local gaps.
 
     Lengths are in units of ``length``, stresses of ``contact_modulus``.
@@ -85,6 +86,10 @@ class GapFlow:
         """Whether the implicit equations of every step are solved."""
         return self.unconverged_steps == 0
 
+    @property
+    def _from_contact(self) -> bool:
+        return self.branch == "unloading"
+
     @cached_property
     def mean_gap(self) -> np.ndarray:
         """Mean gaps, from the law's zero, at which :attr:`pressure` stands, shape (n − 1,) (m)."""
@@ -95,67 +100,23 @@ class GapFlow:
         """p = −∂U/∂ū (Pa)."""
         return -np.diff(self.energy) / np.diff(self.gaps) * self.contact_modulus
 
-    @property
-    def pull_off_pressure(self) -> float:
-        """Lowest pressure of the curve, the end of adhesion under pressure control (Pa)."""
-        return float(self.pressure.min())
-
-    def gap_at(self, pressure: float) -> float:
-        """Mean gap, from the law's zero, at a pressure (m); NaN where no stable state carries it.
-
-        Of several stable states (p falling with ū) it is the one of the largest gap, which an approaching block meets
-        first, or on the unloading branch of the smallest, which a retracting block leaves last.
-
-        Raises
-        ------
-        ValueError
-            If the pressure is higher than the nodes of the flow reach.
-        """
-        p = self.pressure
-        if pressure > p.max():
-            raise ValueError(f"pressure = {pressure:g} Pa: the flow reaches {p.max():.3g} Pa")
-        crossings = np.flatnonzero((p[:-1] > pressure) & (p[1:] <= pressure))
-        if crossings.size == 0:
-            return float("nan")
-        i = crossings[0] if self.branch == "unloading" else crossings[-1]
-        weight = (p[i] - pressure) / (p[i] - p[i + 1])
-        return float((1 - weight) * self.mean_gap[i] + weight * self.mean_gap[i + 1])
-
-    def pressure_at(self, mean_gap: float) -> float:
-        """Pressure at a mean gap within the nodes (Pa)."""
-        return float(np.interp(mean_gap, self.mean_gap, self.pressure))
-
-    def at_pressure(self, pressure: float) -> GapState:
-        """The distribution of gaps at a mean pressure (Pa), of the stable state that :meth:`gap_at` chooses.
-
-        Raises
-        ------
-        ValueError
-            If no stable state carries the pressure, or it is higher than the nodes of the flow reach.
-        """
-        gap = self.gap_at(pressure)
-        if np.isnan(gap):
-            raise ValueError(f"pressure = {pressure:g} Pa: below the pull-off at {self.pull_off_pressure:.3g} Pa")
-        return self.states(np.array([gap]))[0]
-
     def states(self, mean_gaps: np.ndarray) -> list[GapState]:
         """Distribution of the local gap at each mean gap (m), all in one pass from coarse to fine.
 
         Raises
         ------
         ValueError
-            If a mean gap is outside the nodes of the flow.
+            If a mean gap is no number or outside the nodes of the flow.
         """
-        positions = np.asarray(mean_gaps, dtype=float) / self.length
-        if np.any((positions < self.gaps[0]) | (positions > self.gaps[-1])):
-            raise ValueError("mean_gaps: outside the nodes of the flow")
-        weights = np.zeros((self.gaps.size, positions.size))
-        right = np.maximum(np.searchsorted(self.gaps, positions), 1)
-        share = (positions - self.gaps[right - 1]) / (self.gaps[right] - self.gaps[right - 1])
-        columns = np.arange(positions.size)
+        asked = positions(mean_gaps, self.gaps[0] * self.length, self.gaps[-1] * self.length)
+        reduced = asked / self.length
+        weights = np.zeros((self.gaps.size, reduced.size))
+        right = np.clip(np.searchsorted(self.gaps, reduced), 1, self.gaps.size - 1)
+        share = (reduced - self.gaps[right - 1]) / (self.gaps[right] - self.gaps[right - 1])
+        columns = np.arange(reduced.size)
         weights[right - 1, columns] = 1 - share
         weights[right, columns] = share
-        elastic = np.zeros(positions.size)
+        elastic = np.zeros(reduced.size)
         trace_back(self.gaps, self._stiffness, self._steps, self._compliances, self._hull, weights, elastic)
         return [
             GapState(
@@ -167,8 +128,9 @@ class GapFlow:
                 float(energy) * self.contact_modulus * self.length,
                 self.gaps,
                 weight,
+                self.converged,
             )
-            for gap, energy, weight in zip(np.asarray(mean_gaps), elastic, np.ascontiguousarray(weights.T), strict=True)
+            for gap, energy, weight in zip(asked, elastic, np.ascontiguousarray(weights.T), strict=True)
         ]
 
 

@@ -1,4 +1,4 @@
-"""Distribution of the local gap in the gap-flow theory, and what is read off it."""
+"""Distribution of the local gap in a theory that knows it, and what is read off it."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -32,6 +32,8 @@ class GapState:
         Elastic energy of all waves, per nominal area (J/m²).
     gaps, weights : numpy.ndarray, shape (n,)
         Nodes of the local gap and the fraction of the area at each.
+    converged : bool
+        Whether the equations that the state rests on are solved.
     """
 
     law: TractionLaw
@@ -42,6 +44,7 @@ class GapState:
     elastic_energy: float
     gaps: np.ndarray
     weights: np.ndarray
+    converged: bool
 
     @property
     def complete(self) -> bool:

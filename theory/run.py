@@ -434,7 +434,7 @@ def _state_values(case: Case, flow: GapFlow, state: GapState | None) -> dict[str
         "interaction_energy": state.interaction_energy,
         "pressure_pdf": state.pressure_density,
         "gap_pdf": state.gap_density,
-        "converged": flow.converged and state.complete,
+        "converged": state.converged and state.complete,
         "detached": False,
         # Mean traction of the local gaps against the slope of the energy: not a measure of convergence but of the
         # resolution. Second order in the gap's nodes, first in the scales and where coexistence ends between nodes.
