@@ -18,7 +18,7 @@ _EMPTY = 1e-12
 _STABLE = 0.8
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "arcp", "nsz"})
+@njit(cache=True, error_model="numpy", fastmath={"contract", "arcp", "nsz"})
 def sweep(x, stiffness, modulation, square, steps, traction, start, sharp, response, weights, gradients, answer):
     """Follow the distribution from coarse to fine and the traction back; every scale's response to what they find.
 
@@ -75,7 +75,7 @@ def sweep(x, stiffness, modulation, square, steps, traction, start, sharp, respo
     return elastic
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "arcp", "nsz"})
+@njit(cache=True, error_model="numpy", fastmath={"contract", "arcp", "nsz"})
 def local_response(x, stiffness, steps, traction, response):
     """Fill f with that of a law which the finer scales only smooth: where the distribution is not known yet."""
     n = x.size
@@ -90,7 +90,7 @@ def local_response(x, stiffness, steps, traction, response):
         mean[:] = smoothed
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "arcp", "nsz"})
+@njit(cache=True, error_model="numpy", fastmath={"contract", "arcp", "nsz"})
 def _distribute(x, square, steps, start, sharp, response, weights, gradients):
     """∂P/∂m = ½(f²P)'' and, with M = f²N, ∂N/∂m = ½ f⁻² (f⁴N')' + f'² N + q²P, from coarse to fine."""
     n = x.size
@@ -125,7 +125,7 @@ def _distribute(x, square, steps, start, sharp, response, weights, gradients):
             gradients[k, i] = middle[i] * f[i] * f[i]
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "arcp", "nsz"})
+@njit(cache=True, error_model="numpy", fastmath={"contract", "arcp", "nsz"})
 def _respond(x, stiffness, modulation, square, curvature, weights, gradients, answer):
     """Solve K [(1 − g + g X/4) f + g z] + c f = K, (X + 4) z = 4 f by elimination of two-by-two blocks.
 
@@ -174,7 +174,7 @@ def _respond(x, stiffness, modulation, square, curvature, weights, gradients, an
         answer[i] = f
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "arcp", "nsz"})
+@njit(cache=True, error_model="numpy", fastmath={"contract", "arcp", "nsz"})
 def _diffusion(x, response, weight, transposed, lower, diagonal, upper):
     """1 − weight ½f²∂² or its transpose, with end rows that change nothing."""
     n = x.size
@@ -193,7 +193,7 @@ def _diffusion(x, response, weight, transposed, lower, diagonal, upper):
             upper[i] = -factor / behind
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "arcp", "nsz"})
+@njit(cache=True, error_model="numpy", fastmath={"contract", "arcp", "nsz"})
 def _gradient_flow(x, response, weight, lower, diagonal, upper):
     """1 − weight (½ f⁻² ∂ f⁴ ∂ + f'²); the same operator as ½f²∂² + 2ff'∂ + f'², without a second derivative of f."""
     n = x.size
@@ -208,14 +208,14 @@ def _gradient_flow(x, response, weight, lower, diagonal, upper):
         diagonal[i] = 1.0 - lower[i] - upper[i] - factor * stretch
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "arcp", "nsz"})
+@njit(cache=True, error_model="numpy", fastmath={"contract", "arcp", "nsz"})
 def _second_stage(begin, early, right):
     """Right side of the second stage of a step without a source."""
     for i in range(begin.size):
         right[i] = begin[i] + (1.0 - _GAMMA) / _GAMMA * (early[i] - begin[i])
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "arcp", "nsz"})
+@njit(cache=True, error_model="numpy", fastmath={"contract", "arcp", "nsz"})
 def _solve(lower, diagonal, upper, right, solution, work):
     """Tridiagonal elimination; ``work`` is lost."""
     n = right.size
@@ -230,7 +230,7 @@ def _solve(lower, diagonal, upper, right, solution, work):
         solution[i] -= work[i] * solution[i + 1]
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "arcp", "nsz"})
+@njit(cache=True, error_model="numpy", fastmath={"contract", "arcp", "nsz"})
 def _slope(x, one, other, slope):
     """Derivative of the mean of two functions, of second order on any nodes."""
     n = x.size
@@ -242,7 +242,7 @@ def _slope(x, one, other, slope):
     slope[0], slope[n - 1] = slope[1], slope[n - 2]
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "arcp", "nsz"}, inline="always")
+@njit(cache=True, error_model="numpy", fastmath={"contract", "arcp", "nsz"}, inline="always")
 def _cell(x, i):
     """Length of the gap that belongs to node i."""
     if i == 0:

@@ -11,7 +11,7 @@ _EQUILIBRIUM, _LOADING = 0, 1
 _STEP_TOLERANCE = 1e-9
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "arcp", "nsz"})
+@njit(cache=True, error_model="numpy", fastmath={"contract", "arcp", "nsz"})
 def _convex_hull(x, energy, stiffness, left):
     """Replace U by the hull of U + ½Kx², less ½Kx²; ``left[i]`` becomes the vertex at or left of node i."""
     n = x.size
@@ -38,7 +38,7 @@ def _convex_hull(x, energy, stiffness, left):
     left[n - 1] = n - 1
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "arcp", "nsz"})
+@njit(cache=True, error_model="numpy", fastmath={"contract", "arcp", "nsz"})
 def _jump_at_instability(x, energy, stiffness, loading, left):
     """Make U' + Kx rise monotonically by jumps of the approaching (or retracting) patch; ``left`` as for the hull."""
     n = x.size
@@ -60,7 +60,7 @@ def _jump_at_instability(x, energy, stiffness, loading, left):
         energy[i] = energy[i + 1] - slope * (x[i + 1] - x[i])
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "arcp", "nsz"})
+@njit(cache=True, error_model="numpy", fastmath={"contract", "arcp", "nsz"})
 def flow_through_scales(x, stiffness, steps, branch, iterations, energy, compliances, hull):
     """Add all scales to ``energy`` in place; keeps v of every step and the coexisting states.
 
@@ -121,7 +121,7 @@ def flow_through_scales(x, stiffness, steps, branch, iterations, energy, complia
     return unconverged
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "arcp", "nsz"})
+@njit(cache=True, error_model="numpy", fastmath={"contract", "arcp", "nsz"})
 def trace_back(x, stiffness, steps, compliances, hull, weights, elastic):
     """Carry distributions of the gap from coarse to fine in place, adding up the elastic energy of each scale.
 
@@ -173,7 +173,7 @@ def trace_back(x, stiffness, steps, compliances, hull, weights, elastic):
                     weights[i, state] = 0.0
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "arcp", "nsz"})
+@njit(cache=True, error_model="numpy", fastmath={"contract", "arcp", "nsz"})
 def _second_derivative(x):
     """Weights of the nodes below and above in the second derivative at a node; zero at the ends."""
     below = np.zeros(x.size)

@@ -124,7 +124,7 @@ def _split_delta(start: float, faces: np.ndarray, mass: np.ndarray) -> None:
     mass[right - 1], mass[right] = 1 - weight, weight
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "arcp", "nsz"})
+@njit(cache=True, error_model="numpy", fastmath={"contract", "arcp", "nsz"})
 def _march(variance, detachment_stress, faces, mass, contact):
     """Advance the cell masses through all nodes in place; fills the contact area, returns the edge stress."""
     gamma = _GAMMA
@@ -182,7 +182,7 @@ def _march(variance, detachment_stress, faces, mass, contact):
     return edge_stress
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "arcp", "nsz"})
+@njit(cache=True, error_model="numpy", fastmath={"contract", "arcp", "nsz"})
 def _factorise(weight, forward, backward, inverse, inward, outward):
     """Eliminate the cells of 1 − weight L from both ends inward, to the cells ``n // 2 - 1`` and ``n // 2``.
 
@@ -213,7 +213,7 @@ def _factorise(weight, forward, backward, inverse, inward, outward):
         inward[i] = weight * backward[i] * inverse[i]
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "arcp", "nsz"})
+@njit(cache=True, error_model="numpy", fastmath={"contract", "arcp", "nsz"})
 def _solve(inverse, inward, outward, values):
     """Solve in place with the matrix of :func:`_factorise`."""
     n = inverse.size
