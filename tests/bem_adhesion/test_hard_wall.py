@@ -200,6 +200,13 @@ def test_a_step_takes_the_cheaper_start(cutoff_mode):
         assert at(contact, load, before).fft_pairs <= most * at(contact, load).fft_pairs
 
 
+@pytest.mark.parametrize("shape", [(64, 65), (65, 64), (66, 130)])
+def test_grids_that_cannot_all_be_halved(shape):
+    height, grid = random_heights(shape, 2.0, seed=4)
+    full = at(HardWallContact(height, grid, 1.0, "gap"), 0.0).pressure.mean()
+    assert_complementary(solve(height, grid, 1.0, 0.1 * full), height, grid, 1.0, 0.1 * full)
+
+
 def test_repeated_solve_gives_the_same_bits():
     height, grid = self_affine(128)
     contact = HardWallContact(height, grid, CONTACT_MODULUS)

@@ -3,7 +3,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from bem_adhesion.loading import LoadedContact, reach
+from bem_adhesion.loading import LoadedContact, reach, typical_wavenumber
 from bem_adhesion.solution import Outcome
 from contact_study.fields.grid import Grid
 from contact_study.problem.laws.lennard_jones_9_3 import LennardJones93
@@ -211,3 +211,38 @@ def test_wrong_arguments_are_refused():
         contact.step(contact.separated(), np.inf)
     with pytest.raises(ValueError, match="gaps"):
         contact.step(height, 1e9)
+
+
+def test_typical_wavenumber_is_slope_over_height():
+    """Of one wave its own; of two the root mean square by their heights; an offset changes nothing."""
+    grid = Grid((32, 48), (2e-9, 3e-9))
+    y, x = grid.coordinates
+    one = 1e-10 * np.cos(2 * np.pi * 3 * x[None, :] / 3e-9) * np.ones((32, 1))
+    assert typical_wavenumber(one + 7e-9, grid) == pytest.approx(2 * np.pi / 1e-9, rel=1e-9)
+    two = one + 1e-10 * np.cos(2 * np.pi * y[:, None] / 2e-9)
+    mean_square = 0.5 * ((2 * np.pi / 1e-9) ** 2 + (2 * np.pi / 2e-9) ** 2)
+    assert typical_wavenumber(two, grid) == pytest.approx(np.sqrt(mean_square), rel=1e-9)
+    assert typical_wavenumber(np.full((32, 48), 3e-9), grid) == pytest.approx(2 * np.pi / 3e-9, rel=1e-12)
+
+
+def test_a_gap_out_of_reach_is_met_rigidly():
+    contact = rough_contact(4.0, control="gap")
+    gap = float((contact.separated() - contact.height).mean()) + 5e-9
+    found = contact.step(contact.separated(), gap)
+    assert found.gap.mean() - contact.law.equilibrium_distance == pytest.approx(gap, rel=1e-9)
+    # Nothing acts there that would deform the block: the rigid move is the solution, to the tolerance.
+    assert found.iterations <= 1
+    np.testing.assert_allclose(found.gap + contact.height, (found.gap + contact.height).mean(), rtol=1e-9)
+
+
+def test_tangent_covers_small_changes_only():
+    """A Newton step of a small load lands next to the solution; one that changes a gap by more is not taken."""
+    contact = rough_contact(1.0)
+    solver = contact._contact.finest
+    start = contact.step(contact.separated(), 1e9).gap / contact.law.length
+    load = contact._flattening + 1.001e9 / contact.elasticity.contact_modulus
+    target = solver.solve(start, load, 1e-10, 50).gap
+    moved = solver.on_tangent(start, load, 0.1)
+    # A linear solve to a tenth, and curvature: what is left is a small part of the way.
+    assert np.abs(moved - target).max() < 0.3 * np.abs(start - target).max()
+    assert solver.on_tangent(start, load, 1e-9) is start
