@@ -107,14 +107,18 @@ def test_datasets_describe_themselves(folder, name):
 def test_theories_stand_side_by_side(folder):
     with xr.open_datatree(folder / "theory.nc", decode_timedelta=False) as tree:
         root, branches = tree.to_dataset(), tree["metastable"].to_dataset()
-        assert list(root.theory.values) == ["persson", "gap_flow"]
+        assert list(root.theory.values) == ["persson", "gap_flow", "edge_flow"]
         for name in ("relative_contact_area", "mean_gap", "elastic_energy", "residual", "pull_off_pressure"):
+            # The edge flow's own measure of its error is the mean of its local pressures.
+            theories = ["persson", "gap_flow"] if name in ("residual", "pull_off_pressure") else root.theory.values
             assert (
-                np.isfinite(root[name].isel(well_depth_ratio=1))
+                np.isfinite(root[name].isel(well_depth_ratio=1).sel(theory=theories))
                 .any("step" if "step" in root[name].dims else None)
                 .all()
             )
-        assert (root.gap_pdf.notnull().any(("step", "gap_bin", "well_depth_ratio")).values == [False, True]).all()
+        assert (root.gap_pdf.notnull().any(("step", "gap_bin", "well_depth_ratio")).values == [False, True, True]).all()
+        told = root.local_mean_pressure.notnull().any(("step", "well_depth_ratio"))
+        assert told.values.tolist() == [False, False, True]
         for name in ("contact_stress", "detachment_stress", "contact_modulus", "wall_time"):
             assert "theory" not in root[name].dims, name
         # The branches enclose the equilibrium, to the error of the theory's grids.
@@ -238,7 +242,8 @@ def test_smaller_study_is_widened_to_the_whole(folder, tmp_path, name):
 def test_theory_of_the_steps_that_did_not_converge_is_named(folder, tmp_path, capsys, monkeypatch):
     """A Newton iteration less than the gap flow needs: its states fail, Persson's do not."""
     flow = theory.run.gap_flow
-    monkeypatch.setattr(theory.run, "gap_flow", lambda *arguments: flow(*arguments, iterations=1))
+    for module in (theory.run, theory.gap_paths):
+        monkeypatch.setattr(module, "gap_flow", lambda *arguments: flow(*arguments, iterations=1))
     arguments = [str(folder / "study.toml"), "-o", str(tmp_path / "theory.nc"), "--workers", "1"]
     arguments += ["--interaction.well_depth_ratio", "4"]
     assert main(theory.run.MODEL, arguments) == 2

@@ -1,7 +1,8 @@
-"""Both theories of a case as a campaign runs them, and the command ``persson-theory``.
+"""The theories of a case as a campaign runs them, and the command ``persson-theory``.
 
 ``persson`` is Persson's theory as the paper used it, ``gap_flow`` the equilibrium of the gap-flow theory, and
-``gap_flow/loading`` and ``gap_flow/unloading`` are the two metastable branches that enclose what is reached.
+``gap_flow/loading`` and ``gap_flow/unloading`` are the two metastable branches that enclose what is reached;
+``edge_flow`` is the edge flow.
 """
 
 import warnings
@@ -24,12 +25,11 @@ from contact_study.problem.plausibility import points
 from contact_study.problem.study import Study
 from contact_study.problem.surface import Surface
 from contact_study.problem.surface_scales import SurfaceScales
-from theory.gap_flow import BRANCHES, GapFlow, gap_flow
-from theory.gap_state import GapState
+from theory.gap_flow import BRANCHES, gap_flow
+from theory.gap_paths import DETACHED, edge_flow_paths, flow_name, gap_flow_paths, nowhere, warn_of_unconverged
 from theory.persson import TOLERANCE, PerssonContact, PerssonTheory, solve
 from theory.separation import (
     NegativeSeparation,
-    NotConverged,
     SeparationCurve,
     energy_defect,
     pull_off_pressure,
@@ -42,24 +42,13 @@ MODEL = Model(
     module="theory.run",
     ignores=("atomistic",),
     whole_path=True,  # the separation curve, and the gaps of the gap flow, reach as far as the path asks
-    description="Persson's theory of rough contact with adhesion, and the gap-flow theory beside it",
+    description="Persson's theory of rough contact with adhesion, and beside it the gap-flow theory and the edge flow",
     references="C. Yang, B. N. J. Persson, J. Israelachvili, K. Rosenberg, EPL 84, 46004 (2008); "
     "B. N. J. Persson, J. Chem. Phys. 115, 3840 (2001); akin to the gap flow: J. Joe, Traction Between Rough Surfaces, "
     "PhD thesis, University of Michigan (2021), https://hdl.handle.net/2027.42/169927",
 )
 
 _UNSOUND_GAP = "states at higher pressures that the mean gap rests on did not converge"
-
-# What a block that has come off is, in every model; its mean gap is infinite where the model defines one.
-_DETACHED: dict[str, Any] = {
-    "mean_pressure": 0.0,
-    "relative_contact_area": 0.0,
-    "elastic_energy": 0.0,
-    "interaction_energy": 0.0,
-    "converged": True,
-    "detached": True,
-    "residual": 0.0,
-}
 
 # Wavevectors at which the magnification-resolved quantities are stored.
 _STORED_WAVEVECTORS = 129
@@ -200,8 +189,8 @@ def constants(case: Case, surface: Surface) -> dict[str, Value]:
     if not law.has_wall:
         for branch in BRANCHES:
             flow = gap_flow(spectrum, theory.solid, law, branch)
-            _warn_of_unconverged(flow)
-            values[_name(branch, "pull_off_pressure")] = flow.pull_off_pressure
+            warn_of_unconverged(flow)
+            values[flow_name(branch, "pull_off_pressure")] = flow.pull_off_pressure
     return values
 
 
@@ -231,7 +220,7 @@ def solve_path(
     """
     theory = persson_theory(case, surface)
     curve = _separation(case, theory)
-    flows = _gap_flow_path(case, theory.spectrum)
+    paths = [*gap_flow_paths(case, theory.spectrum), *edge_flow_paths(case, theory.spectrum)]
     by_pressure = case.loading.control == "pressure"
     pressures = [value if by_pressure else _pressure_at(curve, value) for value, _ in case.path]
     gaps = curve.mean_gap(np.array(pressures))
@@ -246,8 +235,8 @@ def solve_path(
             if np.isfinite(gaps[number]) and not curve.converged_above(pressures[number]):
                 values |= {"converged": False, "message": _UNSOUND_GAP}
         values = {name if name in _PERSSONS_OWN else f"persson/{name}": value for name, value in values.items()}
-        for branch in flows:
-            values |= branch[number]
+        for path in paths:
+            values |= path[number]
         yield Step(
             _with_compression(values, case.solid),
             restart={} if isinstance(stress, str) else {"detachment_stress": stress},
@@ -310,17 +299,12 @@ def _stored_wavevectors(theory: PerssonTheory) -> np.ndarray:
     return np.geomspace(theory.wavevectors[0], theory.wavevectors[-1], _STORED_WAVEVECTORS)
 
 
-def _nowhere(edges: np.ndarray) -> np.ndarray:
-    """Distribution of what is nowhere within any bins."""
-    return np.zeros(edges.size - 1)
-
-
 def _persson_values(contact: PerssonContact) -> dict[str, Any]:
     theory = contact.theory
     if contact.detached:
-        return _DETACHED | {
+        return DETACHED | {
             **{name: np.zeros(_STORED_WAVEVECTORS) for name in _RESOLVED},
-            "pressure_pdf": _nowhere,
+            "pressure_pdf": nowhere,
             "contact_stress": 0.0,
             "edge_stress": 0.0,
             "message": "detached: the adhered branch ends above this pressure",
@@ -364,86 +348,6 @@ def _unreachable(gap: float) -> dict[str, Any]:
         "message": "the theory has no pressure for this mean gap",
         "iterations": 0,
     }
-
-
-def _gap_flow_path(case: Case, spectrum: RoughnessSpectrum) -> list[list[dict[str, Any]]]:
-    """Values of each path point in each branch; none outside a wall, which no flow goes through.
-
-    Raises
-    ------
-    InputError
-        If a point of the path is beyond any contact.
-    """
-    if case.law.has_wall:
-        return []
-    largest = 0.0
-    if case.loading.control == "gap":
-        largest = max(gap for gap, _ in case.path) + case.law.equilibrium_distance
-    flows = [gap_flow(spectrum, case.solid, case.law, branch, largest) for branch in BRANCHES]
-    for flow in flows:
-        _warn_of_unconverged(flow)
-    try:
-        return [_flow_values(case, flow) for flow in flows]
-    except ValueError as error:
-        raise InputError(f"loading.path: {error}") from None
-
-
-def _warn_of_unconverged(flow: GapFlow) -> None:
-    if not flow.converged:
-        warnings.warn(
-            f"gap flow, {flow.branch}: {flow.unconverged_steps} of {flow.steps} steps of the roughness "
-            "did not converge",
-            NotConverged,
-            stacklevel=2,
-        )
-
-
-def _flow_values(case: Case, flow: GapFlow) -> list[dict[str, Any]]:
-    zero = case.law.equilibrium_distance
-    if case.loading.control == "pressure":
-        gaps = np.array([flow.gap_at(pressure) for pressure, _ in case.path])
-    else:
-        gaps = np.array([value + zero for value, _ in case.path])
-    held = np.isfinite(gaps)
-    states = iter(flow.states(gaps[held]))
-    return [
-        {
-            _name(flow.branch, key): value
-            for key, value in _state_values(case, flow, next(states) if there else None).items()
-        }
-        for there in held
-    ]
-
-
-def _state_values(case: Case, flow: GapFlow, state: GapState | None) -> dict[str, Any]:
-    """Quantities of one state; None where the branch has none, because the block has come off."""
-    if state is None:
-        return _DETACHED | {
-            "mean_gap": float("inf"),
-            "converged": flow.converged,  # a curve that is not solved does not tell where it ends either
-            "relative_repulsive_area": 0.0,
-            "pressure_pdf": _nowhere,
-            "gap_pdf": _nowhere,
-        }
-    return {
-        "mean_pressure": state.pressure,
-        "mean_gap": state.mean_gap - case.law.equilibrium_distance,
-        "relative_contact_area": state.fraction_below(case.contact_distance),
-        "relative_repulsive_area": state.relative_repulsive_area,
-        "elastic_energy": state.elastic_energy,
-        "interaction_energy": state.interaction_energy,
-        "pressure_pdf": state.pressure_density,
-        "gap_pdf": state.gap_density,
-        "converged": state.converged and state.complete,
-        "detached": False,
-        # Mean traction of the local gaps against the slope of the energy: not a measure of convergence but of the
-        # resolution. Second order in the gap's nodes, first in the scales and where coexistence ends between nodes.
-        "residual": abs(state.mean_traction - state.pressure) / case.solid.contact_modulus,
-    }
-
-
-def _name(branch: str, quantity: str) -> str:
-    return f"gap_flow/{quantity}" if branch == "equilibrium" else f"gap_flow/{branch}/{quantity}"
 
 
 if __name__ == "__main__":

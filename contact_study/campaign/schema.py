@@ -49,6 +49,11 @@ VARIABLES: dict[str, Variable] = {
     ),
     "contact_stress": Variable("Pa", "mean stress carried inside the contact, compression positive, Persson's theory"),
     "edge_stress": Variable("Pa", "mean stress carried at detached edges, compression positive, Persson's theory"),
+    "local_mean_pressure": Variable(
+        "Pa",
+        "mean of the local pressures, compression positive, edge flow; its difference to the mean pressure is the "
+        "theory's own error",
+    ),
     "energy_defect": Variable(
         "m", "derivative of the interfacial energy by pressure at zero pressure, Persson's theory", ()
     ),

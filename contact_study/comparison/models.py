@@ -163,6 +163,23 @@ MODELS = (
         "knows the spectrum only, and gives an equilibrium with two metastable branches on either side.",
         start="The gap-flow theory gives the equilibrium at each point, whatever came before.",
     ),
+    ShownModel(
+        name="edge_flow",
+        choices=choices.theories,
+        file="theory",
+        label="edge flow",
+        words="the edge flow",
+        short="edge\u00a0flow",
+        trust=0,
+        colour="#CC79A7",
+        line="-.",
+        marker="",
+        feels_law=True,
+        about="The gap flow whose response to each scale costs the elastic energy of its own modulation, so that "
+        "contact has edges. It knows the spectrum only and gives one state at each mean gap, without hysteresis; its "
+        "pressure is the slope of its energy, from which the mean of its local pressures differs by its own error.",
+        start="The edge flow gives one state at each point, whatever came before.",
+    ),
 )
 
 

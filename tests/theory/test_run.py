@@ -14,7 +14,8 @@ from contact_study.problem.surface import realise
 from contact_study.problem.surface_scales import scales_of
 from tests.problem.test_study import of_another_kind
 from tests.recording import bins_of_case, recorded_path
-from theory import closed_forms, run
+from theory import closed_forms, gap_paths, run
+from theory.edge_flow import edge_flow
 from theory.gap_flow import gap_flow
 from theory.persson import solve, true_area_factor
 from theory.separation import NegativeSeparation, NotConverged
@@ -70,7 +71,7 @@ def test_names_are_those_of_the_schema(case, steps):
     names |= {name.rpartition("/")[2] for name in run.constants(case, realise(case))}
     assert names <= known
     groups = {name.rpartition("/")[0] for name in steps[0].values}
-    assert groups == {"", "persson", "gap_flow", "gap_flow/loading", "gap_flow/unloading"}
+    assert groups == {"", "persson", "gap_flow", "gap_flow/loading", "gap_flow/unloading", "edge_flow"}
     assert len(steps) == len(case.path) == 3
     assert all(step.values.keys() == steps[0].values.keys() for step in steps)
 
@@ -109,8 +110,12 @@ def test_values_are_consistent(case, steps):
         assert values["gap_flow/mean_pressure"] == pytest.approx(applied, rel=1e-9)
         # Mean traction and slope of the energy balance to second order in the gap's nodes: 1e-6 of the modulus here.
         assert values["gap_flow/residual"] < 1e-5
-        for name, edges in bins_of_case(case).edges_of.items():
-            assert np.sum(values[f"gap_flow/{name}"] * np.diff(edges)) == pytest.approx(1, abs=2e-3)
+        # The spline's root is found between points of its slope, 16 from one mean gap to the next.
+        assert values["edge_flow/mean_pressure"] == pytest.approx(applied, rel=1e-3)
+        assert values["edge_flow/converged"]
+        for theory in ("gap_flow", "edge_flow"):
+            for name, edges in bins_of_case(case).edges_of.items():
+                assert np.sum(values[f"{theory}/{name}"] * np.diff(edges)) == pytest.approx(1, abs=2e-3)
 
 
 @pytest.mark.parametrize("group", ["persson/", "gap_flow/", "gap_flow/loading/", "gap_flow/unloading/"])
@@ -156,9 +161,23 @@ def test_prescribed_gap_is_the_inverse_of_prescribed_pressure(steps):
     assert not step[2].values["persson/converged"]
     assert "no pressure" in step[2].values["persson/message"]
     assert step[2].values["gap_flow/relative_contact_area"] > 0.9
-    flow_gap = steps[0].values["gap_flow/mean_gap"]
-    step = steps_of(case_of(loading={"control": "gap", "path": [flow_gap], "unload": False}))
-    assert step[0].values["gap_flow/mean_pressure"] == pytest.approx(1e9, rel=1e-6)
+    for theory, accuracy in (("gap_flow", 1e-6), ("edge_flow", 2e-3)):  # other mean gaps under the spline
+        flow_gap = steps[0].values[f"{theory}/mean_gap"]
+        step = steps_of(case_of(loading={"control": "gap", "path": [flow_gap], "unload": False}))
+        assert step[0].values[f"{theory}/mean_pressure"] == pytest.approx(1e9, rel=accuracy)
+        areas = [values[f"{theory}/relative_contact_area"] for values in (step[0].values, steps[0].values)]
+        assert areas[0] == pytest.approx(areas[1], rel=accuracy)
+
+
+def test_what_the_edge_flow_does_not_find_is_said(case):
+    surface = realise(case)
+    flow = edge_flow(surface.spectrum, case.solid, case.law, gaps=60, scales=16, iterations=3)
+    with pytest.warns(NotConverged, match=r"edge flow: \d+ of \d+ mean gaps"):
+        values = gap_paths._edge_flow_values(case, flow)
+    assert not any(step["edge_flow/converged"] for step in values)
+    beyond = [step for step in values if np.isnan(step["edge_flow/mean_pressure"])]
+    assert beyond, "the curve ends early"
+    assert np.isnan(beyond[0]["edge_flow/relative_contact_area"])
 
 
 def test_large_gaps_take_light_loads():
@@ -221,7 +240,7 @@ def test_tension_follows_the_adhered_branch_and_detaches():
 
 def test_flow_whose_steps_did_not_converge_is_flagged(case):
     flow = gap_flow(realise(case).spectrum, case.material.contact_modulus, case.law, iterations=3)
-    assert not any(values["gap_flow/converged"] for values in run._flow_values(case, flow))
+    assert not any(values["gap_flow/converged"] for values in gap_paths._gap_flow_values(case, flow))
 
 
 def test_every_state_of_an_unconverged_branch_is_flagged(monkeypatch):
@@ -230,7 +249,8 @@ def test_every_state_of_an_unconverged_branch_is_flagged(monkeypatch):
     def loading_cut_short(*arguments):
         return gap_flow(*arguments, iterations=3 if "loading" in arguments else 60)
 
-    monkeypatch.setattr(run, "gap_flow", loading_cut_short)
+    for module in (run, gap_paths):
+        monkeypatch.setattr(module, "gap_flow", loading_cut_short)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", NegativeSeparation)
         with pytest.warns(NotConverged, match=r"gap flow, loading: \d+ of \d+ steps of the roughness"):
@@ -247,9 +267,9 @@ def test_every_state_of_an_unconverged_branch_is_flagged(monkeypatch):
 def test_distribution_that_lost_area_is_not_converged(case):
     flow = gap_flow(realise(case).spectrum, case.material.contact_modulus, case.law)
     (state,) = flow.states(np.array([flow.gap_at(1e9)]))
-    assert run._state_values(case, flow, state)["converged"]
+    assert gap_paths._state_values(case, state)["converged"]
     for weights in (0.999 * state.weights, np.roll(state.weights, 1)):
-        assert not run._state_values(case, flow, dataclasses.replace(state, weights=weights))["converged"]
+        assert not gap_paths._state_values(case, dataclasses.replace(state, weights=weights))["converged"]
 
 
 def test_gap_that_rests_on_unconverged_states_is_flagged():
@@ -367,7 +387,7 @@ def test_a_layer_is_held_by_its_base():
     compliance = case.solid.mean_compliance
     assert compliance > 0
     found = [name for name in values if quantity_of(name)[1] == "mean_separation"]
-    assert len(found) == 4
+    assert len(found) == 5
     for name in found:
         gap = values[name.replace("mean_separation", "mean_gap")]
         assert gap - values[name] == pytest.approx(compliance * pressure, rel=1e-9)

@@ -1,0 +1,186 @@
+"""What the theories of the local gap, gap flow and edge flow, say of each point of a loading path."""
+
+import warnings
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from contact_study.fields.spectrum import RoughnessSpectrum
+from contact_study.problem.case import Case
+from contact_study.problem.errors import InputError
+from theory.edge_flow import EdgeFlow, edge_flow
+from theory.gap_flow import BRANCHES, GapFlow, gap_flow
+from theory.gap_state import GapState
+from theory.separation import NotConverged
+
+# What a block that has come off is, in every model; its mean gap is infinite where the model defines one.
+DETACHED: dict[str, Any] = {
+    "mean_pressure": 0.0,
+    "relative_contact_area": 0.0,
+    "elastic_energy": 0.0,
+    "interaction_energy": 0.0,
+    "converged": True,
+    "detached": True,
+    "residual": 0.0,
+}
+
+# How far beyond the path's highest pressure the curve of the edge flow is asked to reach.
+_RESERVE = 1.1
+
+
+def gap_flow_paths(case: Case, spectrum: RoughnessSpectrum) -> list[list[dict[str, Any]]]:
+    """Values of each path point in each branch; none outside a wall, which no flow goes through.
+
+    Raises
+    ------
+    InputError
+        If a point of the path is beyond any contact.
+    """
+    if case.law.has_wall:
+        return []
+    largest = 0.0
+    if case.loading.control == "gap":
+        largest = max(gap for gap, _ in case.path) + case.law.equilibrium_distance
+    flows = [gap_flow(spectrum, case.solid, case.law, branch, largest) for branch in BRANCHES]
+    for flow in flows:
+        warn_of_unconverged(flow)
+    try:
+        return [_gap_flow_values(case, flow) for flow in flows]
+    except ValueError as error:
+        raise InputError(f"loading.path: {error}") from None
+
+
+def edge_flow_paths(case: Case, spectrum: RoughnessSpectrum) -> list[list[dict[str, Any]]]:
+    """Values of each path point, in a list of one; none outside a wall.
+
+    Raises
+    ------
+    InputError
+        If a point of the path is beyond any contact.
+    """
+    if case.law.has_wall:
+        return []
+    asked = np.array([value for value, _ in case.path])
+    try:
+        if case.loading.control == "pressure":
+            # Down to where contact begins to be whole: beyond the pull-off, wherever that is.
+            stress = np.sqrt(spectrum.full_contact_stress_variance(case.solid.stiffness))
+            highest = max(_RESERVE * asked.max(), float(stress))
+            return [_edge_flow_values(case, edge_flow(spectrum, case.solid, case.law, highest))]
+        gaps = asked + case.law.equilibrium_distance
+        flow = edge_flow(
+            spectrum, case.solid, case.law, 0.0, largest_gap=float(gaps.max()), smallest_gap=float(gaps.min())
+        )
+        return [_edge_flow_values(case, flow)]
+    except ValueError as error:
+        raise InputError(f"loading.path: {error}") from None
+
+
+def warn_of_unconverged(flow: GapFlow) -> None:
+    """Say how many steps of a gap flow did not converge, if any."""
+    if not flow.converged:
+        warnings.warn(
+            f"gap flow, {flow.branch}: {flow.unconverged_steps} of {flow.steps} steps of the roughness "
+            "did not converge",
+            NotConverged,
+            stacklevel=2,
+        )
+
+
+def flow_name(branch: str, quantity: str) -> str:
+    """The name of a quantity of the gap flow."""
+    return f"gap_flow/{quantity}" if branch == "equilibrium" else f"gap_flow/{branch}/{quantity}"
+
+
+def nowhere(edges: np.ndarray) -> np.ndarray:
+    """Distribution of what is nowhere within any bins."""
+    return np.zeros(edges.size - 1)
+
+
+def _gap_flow_values(case: Case, flow: GapFlow) -> list[dict[str, Any]]:
+    if case.loading.control == "pressure":
+        gaps = np.array([flow.gap_at(pressure) for pressure, _ in case.path])
+    else:
+        gaps = np.array([value + case.law.equilibrium_distance for value, _ in case.path])
+    held = np.isfinite(gaps)
+    states = iter(flow.states(gaps[held]))
+    found = []
+    for there in held:
+        if there:
+            state = next(states)
+            # Mean traction of the local gaps against the slope of the energy: not a measure of convergence but of the
+            # resolution. Second order in the gap's nodes, first in the scales and where coexistence ends between nodes.
+            residual = abs(state.mean_traction - state.pressure) / case.solid.contact_modulus
+            values = _state_values(case, state) | {"residual": residual}
+        else:
+            values = _come_off(flow.converged)
+        found.append({flow_name(flow.branch, key): value for key, value in values.items()})
+    return found
+
+
+def _edge_flow_values(case: Case, flow: EdgeFlow) -> list[dict[str, Any]]:
+    if not flow.converged:
+        warnings.warn(
+            f"edge flow: {flow.unconverged_states} of {len(flow.equilibria)} mean gaps did not converge",
+            NotConverged,
+            stacklevel=2,
+        )
+    zero = case.law.equilibrium_distance
+    found = []
+    for asked, _ in case.path:
+        if case.loading.control == "pressure":
+            # A curve that ended early does not say what is beyond it.
+            gap = flow.gap_at(asked) if asked <= flow.pressure.max() else None
+        else:
+            gap = asked + zero if flow.mean_gap[0] <= asked + zero <= flow.mean_gap[-1] else None
+        if gap is None:
+            values = _not_found(asked if case.loading.control == "gap" else np.nan)
+        elif np.isnan(gap):
+            values = _come_off(flow.converged) | {"local_mean_pressure": 0.0}
+        else:
+            (state,) = flow.states(np.array([gap]))
+            values = _state_values(case, state) | {"local_mean_pressure": state.mean_traction}
+        found.append({f"edge_flow/{key}": value for key, value in values.items() if key != "residual"})
+    return found
+
+
+def _state_values(case: Case, state: GapState) -> dict[str, Any]:
+    """Quantities of one state."""
+    return {
+        "mean_pressure": state.pressure,
+        "mean_gap": state.mean_gap - case.law.equilibrium_distance,
+        "relative_contact_area": state.fraction_below(case.contact_distance),
+        "relative_repulsive_area": state.relative_repulsive_area,
+        "elastic_energy": state.elastic_energy,
+        "interaction_energy": state.interaction_energy,
+        "pressure_pdf": state.pressure_density,
+        "gap_pdf": state.gap_density,
+        "converged": state.converged and state.complete,
+        "detached": False,
+    }
+
+
+def _come_off(converged: bool) -> dict[str, Any]:
+    """Quantities where a curve has no state; one that is not solved does not tell where it ends either."""
+    return DETACHED | {
+        "mean_gap": float("inf"),
+        "converged": converged,
+        "relative_repulsive_area": 0.0,
+        "pressure_pdf": nowhere,
+        "gap_pdf": nowhere,
+    }
+
+
+def _not_found(gap: float) -> dict[str, Any]:
+    """Quantities of a state that the iteration did not find: NaN, and flagged."""
+    unknown: Callable[[np.ndarray], np.ndarray] = lambda edges: np.full(edges.size - 1, np.nan)  # noqa: E731
+    names = ("mean_pressure", "relative_contact_area", "relative_repulsive_area", "elastic_energy")
+    return {
+        **dict.fromkeys((*names, "interaction_energy", "local_mean_pressure"), float("nan")),
+        "mean_gap": gap,
+        "pressure_pdf": unknown,
+        "gap_pdf": unknown,
+        "converged": False,
+        "detached": False,
+    }
