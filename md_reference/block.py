@@ -16,7 +16,7 @@ from numba import njit
 from contact_study.fields.grid import Grid
 from contact_study.problem.elasticity import contact_modulus_of
 
-_OPTIONS = {"cache": True, "error_model": "numpy", "fastmath": {"contract", "reassoc", "arcp", "nsz"}}
+_OPTIONS = {"cache": True, "error_model": "numpy", "fastmath": {"contract", "arcp", "nsz"}}
 
 # Corners of a cubic cell; degree of freedom 3 * corner + component.
 _CORNERS = np.array([(x, y, z) for z in (0, 1) for y in (0, 1) for x in (0, 1)])
