@@ -26,7 +26,7 @@ def parser() -> argparse.ArgumentParser:
 
 def rows(study: Path, finest: int) -> Iterator[str]:
     """The table's lines."""
-    head = ("case", "nodes × scales", "A", "ū (nm)", "mean of local pressures / pressure", "mean gaps", "sweeps", "lost")
+    head = ("case", "nodes × scales", "A", "ū (nm)", "local / mean pressure", "mean gaps", "sweeps", "lost")
     yield f"| {' | '.join(head)} |"
     yield "|---" * len(head) + "|"
     seen = set()
