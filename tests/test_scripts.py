@@ -3,13 +3,22 @@
 import re
 
 import numpy as np
+import pandas as pd
 import pytest
 import xarray as xr
 
 import bem_adhesion.operator
 from contact_study.comparison.command import main as compare
 from contact_study.fields.fourier import RealTransform
-from scripts import benchmark_adhesive, benchmark_storage, continuum_against_atoms, result_table, two_starts
+from scripts import (
+    benchmark_adhesive,
+    benchmark_storage,
+    continuum_against_atoms,
+    edge_flow_convergence,
+    edge_flow_ensemble,
+    result_table,
+    two_starts,
+)
 from tests.comparison.synthetic import AREA_FACTOR, GAP_SHIFT, area, gap, write_all
 
 
@@ -135,3 +144,41 @@ def test_conclusion_of_two_starts():
         "The two starts end in different states at 2 of 3 points, by -5.00 to +5.00 % of the area; at 1 of them the "
         "state from the continuum has the lower energy."
     )
+
+
+def test_errors_of_the_theories_over_an_ensemble():
+    table = pd.DataFrame(
+        [
+            (model, name, ratio, pressure, mean, 0.02, 4, 64)
+            for name in ("relative_contact_area", "mean_gap")
+            for ratio in (1.0, 8.0)
+            for pressure in (0.1, 0.5, 1.0)
+            for model, mean in (
+                ("continuum", 0.2),
+                ("gap_flow", 0.3 if pressure > 0.1 else 9.0),
+                ("edge_flow", 0.2 * (1 - 0.1 * pressure)),
+            )
+        ],
+        columns=["model", "quantity", "ratio", "pressure_GPa", "mean", "standard_error", "surfaces", "points"],
+    )
+    _, _, *rows = edge_flow_ensemble.rows(table)
+    # 0.1 GPa stands apart; 5 and 10 % below count as errors of their size.
+    assert rows[0] == "| ≤ 2 ε0 | A | 50.0 (50.0) % | 7.5 (10.0) % | 10.0 % | 4 |"
+    assert [row.split(" | ")[1] for row in rows] == ["A", "ū", "A", "ū"]
+
+
+@pytest.mark.filterwarnings("ignore:the grid spacing")  # a coarse grid is quick
+def test_ensemble_of_small_surfaces():
+    table = edge_flow_ensemble.ensemble(2, 32, [1.0])
+    assert set(table["model"]) == {"continuum", "gap_flow", "edge_flow"}
+    assert (table["surfaces"] == 2).all()
+    areas = table[table["quantity"] == "relative_contact_area"].pivot(index="pressure_GPa", columns="model")["mean"]
+    assert (areas.diff().iloc[1:] > 0).all().all()
+
+
+def test_convergence_of_the_edge_flow(capsys):
+    assert edge_flow_convergence.main(["data/yang2008_quick.toml", "--finest", "120"]) == 0
+    _, _, *rows = capsys.readouterr().out.splitlines()
+    assert [row.split(" | ")[1] for row in rows] == ["120 × 40"] * 3
+    areas = [float(row.split(" | ")[2]) for row in rows]
+    assert areas == sorted(areas)
