@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from contact_study.fields.arguments import positive
+from contact_study.fields.arguments import check_control
 from contact_study.fields.grid import Grid
 
 
@@ -18,7 +18,4 @@ def check_arguments(height: np.ndarray, grid: Grid, control: str, tolerance: flo
         raise ValueError(f"height has shape {height.shape}, the grid {grid.shape}")
     if not np.all(np.isfinite(height)):
         raise ValueError("height is not finite everywhere")
-    if control not in ("pressure", "gap"):
-        raise ValueError(f"control = {control!r}: must be 'pressure' or 'gap'")
-    positive("tolerance", tolerance, "units of the scale that the solver names")
-    positive("max_iterations", max_iterations, "iterations")
+    check_control(control, tolerance, max_iterations)

@@ -13,6 +13,7 @@ from bem_adhesion.active_set import ContactLevel
 from bem_adhesion.arguments import check_arguments
 from bem_adhesion.operator import periodic
 from bem_adhesion.solution import Outcome, Solution
+from contact_study.fields.arguments import check_step
 from contact_study.fields.grid import Grid
 from contact_study.problem.elasticity import Elasticity, elasticity_of
 
@@ -109,13 +110,9 @@ class HardWallContact:
         ValueError
             If the target is negative or not finite, or the state has another shape.
         """
-        what = "mean pressure" if self.control == "pressure" else "mean gap"
-        if not np.isfinite(target):
-            raise ValueError(f"target = {target:g}: a {what} must be finite")
+        check_step(self.control, target, state, self.grid.shape)
         if target < 0:
-            raise ValueError(f"target = {target:g}: a hard wall without adhesion has no negative {what}")
-        if state.shape != self.grid.shape:
-            raise ValueError(f"state has shape {state.shape}, the grid {self.grid.shape}")
+            raise ValueError(f"target = {target:g}: a hard wall without adhesion has no negative mean {self.control}")
         return self._at_pressure(state, target) if self.control == "pressure" else self._at_gap(state, target)
 
     def _at_pressure(self, state: np.ndarray, mean_pressure: float) -> Solution:

@@ -19,6 +19,7 @@ from bem_adhesion.operator import periodic
 from bem_adhesion.solution import Outcome, Solution
 from bem_adhesion.wall_passes import passes_of
 from contact_study.fields import fourier
+from contact_study.fields.arguments import check_step
 from contact_study.fields.grid import Grid
 from contact_study.problem.elasticity import Elasticity, elasticity_of
 from contact_study.problem.laws.base import TractionLaw
@@ -141,10 +142,7 @@ class LoadedContact:
         ValueError
             If the target is not finite, or the state has another shape or touches or penetrates the surface.
         """
-        if not np.isfinite(target):
-            raise ValueError(f"target = {target:g}: must be finite")
-        if state.shape != self.height.shape:
-            raise ValueError(f"state has shape {state.shape}, the surface {self.height.shape}")
+        check_step(self.control, target, state, self.height.shape)
         gap = state / self._length - self._height
         if self.law.has_wall:
             # Points that touch, and the rounding of a displacement that was stored and read.

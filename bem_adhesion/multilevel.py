@@ -90,8 +90,10 @@ class MultilevelContact:
             lower = self.finest.beside_saddle(result.gap, load)
             if lower is None:
                 break
-            rest = self.finest.solve(lower, load, tolerance, max_iterations - result.iterations)
-            result = replace(rest, iterations=result.iterations + rest.iterations)
+            used = result.iterations + 1  # leaving a saddle counts: there may be one after the other
+            rest = self.finest.solve(lower, load, tolerance, max(max_iterations - used, 0))
+            outcome = rest.outcome if used <= max_iterations else Outcome.ITERATION_LIMIT
+            result = replace(rest, iterations=used + rest.iterations, outcome=outcome)
         return result
 
     def _descend(

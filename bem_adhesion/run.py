@@ -8,7 +8,7 @@ from scipy.fft import next_fast_len
 
 from bem_adhesion.contact import rough_contact
 from bem_adhesion.multilevel import POINTS_PER_PROCESS_ZONE, process_zone
-from bem_adhesion.solution import Outcome, Solution
+from bem_adhesion.solution import Solution
 from contact_study.campaign.memory import grid_fits
 from contact_study.campaign.model import Model
 from contact_study.observables.base import InterfaceState, SolverReport, Value
@@ -173,15 +173,7 @@ def _state(case: Case, solution: Solution) -> InterfaceState:
         mean_separation=separation,
         elastic_energy=solution.elastic_energy,
         interaction_energy=solution.interaction_energy,
-        report=SolverReport(
-            converged=solution.converged,
-            detached=solution.detached,
-            residual=solution.residual,
-            iterations=solution.iterations,
-            fft_pairs=solution.fft_pairs,
-            complementarity_residual=solution.complementarity_residual,
-            message="" if solution.outcome is Outcome.CONVERGED else solution.message,
-        ),
+        report=SolverReport.of(solution, complementarity_residual=solution.complementarity_residual),
         restart={"state": solution.state},
     )
 

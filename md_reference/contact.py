@@ -5,7 +5,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from contact_study.fields import fourier
-from contact_study.fields.arguments import field, finite, grid_of, positive
+from contact_study.fields.arguments import check_control, check_step, field, finite, grid_of, positive
 from contact_study.problem.lattice import Lattice, lattice_of
 from md_reference.block import SurfaceStiffness, element_matrix, surface_stiffness
 from md_reference.equilibrium import EquilibriumSolver
@@ -50,11 +50,8 @@ class AtomisticContact:
         max_iterations: int = 2000,
         threads: int = 1,
     ):
-        if control not in ("pressure", "gap"):
-            raise ValueError(f"control = {control!r}: must be 'pressure' or 'gap'")
+        check_control(control, tolerance, max_iterations)
         positive("contact_modulus", contact_modulus, "Pa")
-        positive("tolerance", tolerance, "units of E*")
-        positive("max_iterations", max_iterations, "iterations")
         self.interface = interface
         self.control = control
         self._area_per_atom = stiffness.area_per_atom
@@ -95,10 +92,7 @@ class AtomisticContact:
         InputError
             If a mean separation is so small that all atoms would be inside the substrate.
         """
-        if not np.isfinite(target):
-            raise ValueError(f"target = {target:g}: must be finite")
-        if state.shape != self._apart.shape:
-            raise ValueError(f"state has shape {state.shape}, the layer of atoms {self._apart.shape}")
+        check_step(self.control, target, state, self._apart.shape)
         if self.control == "gap":
             found = self._solver.solve(at_mean_gap(self.interface, state, target + self._mean_height))
         else:

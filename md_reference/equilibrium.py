@@ -142,6 +142,7 @@ class EquilibriumSolver:
             residual = float(np.max(np.abs(gradient))) / self._force_scale
             outcome = self._outcome(at, residual, pressure)
             if outcome is Outcome.CONVERGED and self._leave_saddle(at):
+                at.iteration += 1  # there may be one saddle after the other
                 continue
             if outcome is not None:
                 break
@@ -176,6 +177,8 @@ class EquilibriumSolver:
         """How the solve has ended, None while it goes on."""
         if not self._fixed_mean and pressure <= 0 and not self._force.any():
             return Outcome.DETACHED
+        if at.iteration > self.max_iterations:  # by leaving a saddle
+            return Outcome.ITERATION_LIMIT
         if residual <= self.tolerance:
             return Outcome.CONVERGED if at.fresh else None
         if at.iteration >= self.max_iterations:

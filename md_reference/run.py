@@ -19,7 +19,7 @@ from md_reference.block import SurfaceStiffness, element_matrix, surface_stiffne
 from md_reference.contact import AtomisticContact, interface_of
 from md_reference.interface import INSIDE, LennardJonesInterface
 from md_reference.measure import FlatInterface, effective_contact_modulus, measure_interface
-from md_reference.solution import Outcome, Solution
+from md_reference.solution import Solution
 
 MODEL = Model(
     command="md-reference",
@@ -120,7 +120,7 @@ def build_stiffness(case: Case) -> SurfaceStiffness:
 
 def build_interface(case: Case, surface: Surface) -> LennardJonesInterface:
     """Lennard-Jones atoms of a case over the substrate's sites."""
-    return interface_of(surface.heights, case.lattice, case.well_depth, _length(case), case.atomistic.cutoff)
+    return interface_of(surface.heights, case.lattice, case.well_depth, case.law.length, case.atomistic.cutoff)
 
 
 def build_contact(case: Case, surface: Surface) -> AtomisticContact:
@@ -145,10 +145,10 @@ def constants(case: Case, surface: Surface) -> Mapping[str, Value]:
         (surface.size[0] / sites[0], surface.size[1] / sites[1]),
         stiffness.area_per_atom,
         case.well_depth,
-        _length(case),
+        case.law.length,
         case.atomistic.cutoff,
     )
-    properties = measure_interface(flat, _length(case))
+    properties = measure_interface(flat, case.law.length)
     heights = surface.heights(case.lattice.atoms)
     known = InterfaceConstants(
         contact_modulus=effective_contact_modulus(stiffness, heights),
@@ -220,28 +220,15 @@ def _state(case: Case, solution: Solution) -> InterfaceState:
     return InterfaceState(
         gap=solution.gap,
         pressure=solution.pressure,
-        contact=solution.gap < case.contact_distance,
-        equilibrium_distance=_length(case),
+        contact=case.law.in_contact(solution.gap, solution.pressure, case.contact_distance),
+        equilibrium_distance=case.law.equilibrium_distance,
         # The solver leaves a block's uniform compression out; that of a layer of atoms is the solid's, see its element.
         mean_separation=solution.mean_separation - case.solid.compression(mean_pressure),
         elastic_energy=solution.elastic_energy + case.solid.compression_energy(mean_pressure),
         interaction_energy=solution.interaction_energy,
-        report=SolverReport(
-            converged=solution.converged,
-            detached=solution.detached,
-            residual=solution.residual,
-            iterations=solution.iterations,
-            fft_pairs=solution.fft_pairs,
-            force_evaluations=solution.force_evaluations,
-            message="" if solution.outcome is Outcome.CONVERGED else solution.message,
-        ),
+        report=SolverReport.of(solution, force_evaluations=solution.force_evaluations),
         restart={"state": solution.state},
     )
-
-
-def _length(case: Case) -> float:
-    assert case.interaction.length is not None  # a Lennard-Jones law cannot be bound without it
-    return case.interaction.length
 
 
 if __name__ == "__main__":

@@ -30,6 +30,22 @@ def positive(name: str, value: object, unit: str) -> float:
     return number
 
 
+def check_control(control: str, tolerance: float, max_iterations: int) -> None:
+    """Make sure that a solver knows what it is to hold and when to stop; raises ValueError otherwise."""
+    if control not in ("pressure", "gap"):
+        raise ValueError(f"control = {control!r}: must be 'pressure' or 'gap'")
+    positive("tolerance", tolerance, "units of the scale that the solver names")
+    positive("max_iterations", max_iterations, "iterations")
+
+
+def check_step(control: str, target: float, state: np.ndarray, shape: tuple[int, ...]) -> None:
+    """Make sure that a load step has a finite target and a state of this shape; raises ValueError otherwise."""
+    if not np.isfinite(target):
+        raise ValueError(f"target = {target:g}: a mean {control} must be finite")
+    if state.shape != shape:
+        raise ValueError(f"state has shape {state.shape}, this contact needs {shape}")
+
+
 def field(name: str, values: object) -> np.ndarray:
     """A field (y, x) of finite numbers; raises ValueError otherwise."""
     try:

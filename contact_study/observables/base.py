@@ -2,13 +2,30 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 
 from contact_study.fields.distributions import Bins
 
 Value = float | int | bool | str | np.ndarray
+
+
+class Solved(Protocol):
+    """What the solutions of all solvers have."""
+
+    @property
+    def converged(self) -> bool: ...
+    @property
+    def detached(self) -> bool: ...
+    @property
+    def residual(self) -> float: ...
+    @property
+    def iterations(self) -> int: ...
+    @property
+    def fft_pairs(self) -> float: ...
+    @property
+    def message(self) -> str: ...
 
 
 @dataclass(frozen=True)
@@ -43,6 +60,22 @@ class SolverReport:
     force_evaluations: int | None = None
     message: str = ""
     complementarity_residual: float | None = None
+
+    @classmethod
+    def of(cls, solution: Solved, **known: int | float | None) -> "SolverReport":
+        """The report on a solution, with what only its solver knows.
+
+        A message stands where there is no plain equilibrium.
+        """
+        return cls(
+            solution.converged,
+            solution.detached,
+            solution.residual,
+            solution.iterations,
+            solution.fft_pairs,
+            message="" if solution.converged and not solution.detached else solution.message,
+            **known,  # type: ignore[arg-type]
+        )
 
 
 @dataclass(frozen=True)

@@ -156,6 +156,17 @@ def test_iteration_limit_is_reported_with_its_residual():
 small = settings(max_examples=8)
 
 
+def test_saddles_without_end_meet_the_iteration_limit(monkeypatch):
+    contact = rough_contact(1.0, 32)
+    contact.max_iterations = 40
+    levels = contact._contact
+    monkeypatch.setattr(levels, "_has_negative_curvature", lambda: True)
+    monkeypatch.setattr(levels.finest, "beside_saddle", lambda gap, load: gap)
+    found = contact.step(contact.separated(), 1e9)
+    assert found.outcome is Outcome.ITERATION_LIMIT
+    assert found.iterations == 41
+
+
 def small_problem(shape=(20, 24)):
     grid = Grid(shape, (150e-10, 180e-10))
     y, x = (2 * np.pi * axis / size for axis, size in zip(grid.coordinates, grid.size, strict=True))

@@ -125,6 +125,14 @@ def test_limits_and_impossible_starts_are_reported():
         solver.solve(start - 20 * LENGTH, 1e9)
 
 
+def test_saddles_without_end_meet_the_iteration_limit(monkeypatch):
+    interface, solver = solver_of((8, 8), max_iterations=30)
+    monkeypatch.setattr(solver, "_leave_saddle", lambda at: True)
+    found = solver.solve(touching(interface), 1e9)
+    assert found.outcome is Outcome.ITERATION_LIMIT
+    assert found.iterations == 31
+
+
 @pytest.mark.parametrize(("control", "distance"), [("pressure", 0.95), ("gap", 1.5)])
 def test_no_equilibrium_on_top_of_a_barrier(control, distance):
     """A uniform layer, every atom on top of a site: forces balance by symmetry, yet it slides, or breaks up."""

@@ -1,16 +1,15 @@
 """What every traction-separation law says of itself."""
 
-import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
-from numbers import Real
 from typing import ClassVar
 
 import numpy as np
 from scipy.optimize import brentq, minimize_scalar
 
+from contact_study.fields.arguments import positive
 from contact_study.problem.laws.interaction import InteractionSection, SmoothInteraction
 
 # Steps of the numerical derivatives, in units of the law's length: along the imaginary axis nothing cancels; along the
@@ -73,10 +72,7 @@ class TractionLaw(ABC):
 
     def __post_init__(self):
         for name, unit in (("work_of_adhesion", "J/m²"), ("length", "m")):
-            value = getattr(self, name)
-            number = isinstance(value, Real) and not isinstance(value, bool)
-            if not (number and math.isfinite(value) and value > 0):
-                raise ValueError(f"{name} = {value!r}: must be a positive finite number, in {unit}")
+            positive(name, getattr(self, name), unit)
 
     @classmethod
     def of(cls, section: InteractionSection, work_of_adhesion: float) -> "TractionLaw":
