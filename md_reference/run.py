@@ -1,13 +1,12 @@
 """The atomistic model of a case: its measured constants and its states along the loading path; the command."""
 
-import warnings
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
 from contact_study.campaign.memory import require_memory
 from contact_study.campaign.model import Model
-from contact_study.observables.base import InterfaceState, SolverReport, Value
+from contact_study.observables.base import InterfaceState, Value
 from contact_study.observables.constants import InterfaceConstants, heights_on
 from contact_study.problem.case import Case
 from contact_study.problem.errors import InputError
@@ -15,11 +14,11 @@ from contact_study.problem.plausibility import contact_stress, points, squeeze
 from contact_study.problem.study import Study
 from contact_study.problem.surface import Surface
 from contact_study.problem.surface_scales import SurfaceScales
-from md_reference.block import SurfaceStiffness, element_matrix, surface_stiffness
-from md_reference.contact import AtomisticContact, interface_of
-from md_reference.interface import INSIDE, LennardJonesInterface
+from md_reference.interface import INSIDE
 from md_reference.measure import FlatInterface, effective_contact_modulus, measure_interface
-from md_reference.solution import Solution
+from md_reference.methods import METHODS
+from md_reference.methods.base import Predictor
+from md_reference.system import build_stiffness
 
 MODEL = Model(
     command="md-reference",
@@ -32,16 +31,11 @@ MODEL = Model(
     ignores=("theory",),
 )
 
-# Below 1024² atoms a second thread of FFTW gains nothing, and loses much when the other core is busy.
-_POINTS_FOR_THREADS = 1024**2
-
 # Displacements, forces, Hessians, stiffness and transforms of one atom: some sixty doubles.
 _BYTES_PER_ATOM = 500
 
 # The springs' Lamé modulus grows as 1/(1 − 2ν): five digits nearer to 0.5 than this, rounding makes moduli negative.
 _MOST_INCOMPRESSIBLE = 0.49999
-
-Predictor = Callable[[int], np.ndarray | None]
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -111,32 +105,6 @@ def review(study: Study, scales: Sequence[SurfaceScales]) -> list[str]:
     ]
 
 
-def build_stiffness(case: Case) -> SurfaceStiffness:
-    """The condensed block of a case, see :attr:`Case.block_layers`."""
-    lattice, material = case.lattice, case.material
-    element = element_matrix(case.atomistic.block, lattice.constant, material.youngs_modulus, material.poissons_ratio)
-    return surface_stiffness(element, lattice.atoms, lattice.constant, case.block_layers)
-
-
-def build_interface(case: Case, surface: Surface) -> LennardJonesInterface:
-    """Lennard-Jones atoms of a case over the substrate's sites."""
-    return interface_of(surface.heights, case.lattice, case.well_depth, case.law.length, case.atomistic.cutoff)
-
-
-def build_contact(case: Case, surface: Surface) -> AtomisticContact:
-    """Block and interface of a case, to be loaded."""
-    stiffness, solver = build_stiffness(case), case.solver
-    return AtomisticContact(
-        stiffness,
-        build_interface(case, surface),
-        case.material.contact_modulus,
-        case.loading.control,
-        solver.tolerance,
-        solver.max_iterations,
-        max(solver.threads, 1) if stiffness.grid.points >= _POINTS_FOR_THREADS else 1,
-    )
-
-
 def constants(case: Case, surface: Surface) -> Mapping[str, Value]:
     """What the atoms of a case are, measured on them: moduli, adhesion; and the surface under their rest positions."""
     stiffness = build_stiffness(case)
@@ -176,59 +144,8 @@ def solve_path(
     start: int = 0,
     predictor: Predictor | None = None,
 ) -> Iterator[InterfaceState]:
-    """Equilibria along the loading path, each from its predictor or else from the state before it.
-
-    Parameters
-    ----------
-    case, surface : Case, Surface
-        The question.
-    restart : mapping, optional
-        ``InterfaceState.restart`` of the point before ``start``; without it the path begins from separation.
-    start : int, optional
-        First point of the path to solve.
-    predictor : callable, optional
-        Point number -> gap field (y, x) of a continuum solution on any grid (m): the atoms start at their lateral
-        rest positions, at the surface's height plus that gap. Where it has none (None) a warning names the point.
-
-    Yields
-    ------
-    InterfaceState
-        For each point from ``start`` on.
-    """
-    contact = build_contact(case, surface)
-    state = contact.separated() if restart is None else restart["state"]
-    for number in range(start, len(case.path)):
-        value, branch = case.path[number]
-        gap = None
-        # Blocks that are apart are not brought together by tension.
-        if predictor is not None and not (contact.is_separated(state) and contact.control == "pressure" and value <= 0):
-            gap = predictor(number)
-            if gap is None:
-                unit = "Pa" if contact.control == "pressure" else "m"
-                warnings.warn(
-                    f"the predictor holds no state in contact for point {number + 1} of the path, {value:g} {unit} "
-                    f"({branch}): the atoms start from where they were",
-                    stacklevel=2,
-                )
-        found = contact.step(state if gap is None else contact.predicted(gap), value)
-        state = found.state
-        yield _state(case, found)
-
-
-def _state(case: Case, solution: Solution) -> InterfaceState:
-    mean_pressure = float(np.mean(solution.pressure))
-    return InterfaceState(
-        gap=solution.gap,
-        pressure=solution.pressure,
-        contact=case.law.in_contact(solution.gap, solution.pressure, case.contact_distance),
-        equilibrium_distance=case.law.equilibrium_distance,
-        # The solver leaves a block's uniform compression out; that of a layer of atoms is the solid's, see its element.
-        mean_separation=solution.mean_separation - case.solid.compression(mean_pressure),
-        elastic_energy=solution.elastic_energy + case.solid.compression_energy(mean_pressure),
-        interaction_energy=solution.interaction_energy,
-        report=SolverReport.of(solution, force_evaluations=solution.force_evaluations),
-        restart={"state": solution.state},
-    )
+    """States along the loading path by the case's method, see :data:`md_reference.methods.base.Method`."""
+    return METHODS[case.atomistic.method](case, surface, restart, start, predictor)
 
 
 if __name__ == "__main__":

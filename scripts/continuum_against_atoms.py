@@ -40,6 +40,7 @@ from md_reference.interface import Interaction
 from md_reference.solution import Equilibrium
 from md_reference.solution import Outcome as AtomisticOutcome
 from md_reference.starts import predicted
+from md_reference.system import build_interface, build_stiffness
 
 # Each model, and what sets it apart from the one before.
 MODELS = {
@@ -156,7 +157,7 @@ def cosine_of_tilt(heights: np.ndarray, grid: Grid) -> np.ndarray:
 
 def solve(case: Case, surface: Surface, measured: dict[str, float]) -> list[list[tuple[float, float, bool]]]:
     """Relative contact area, mean gap (m) and convergence of every model (inner) at every pressure (outer)."""
-    stiffness = md_reference.run.build_stiffness(case)
+    stiffness = build_stiffness(case)
     heights = surface.heights(case.lattice.atoms)
     grid = Grid(
         case.lattice.atoms, surface.size
@@ -180,7 +181,7 @@ def solve(case: Case, surface: Surface, measured: dict[str, float]) -> list[list
         SmearedLayers(adhesion, heights, stiffness.area_per_atom, cosine)
         for cosine in (np.ones(case.lattice.atoms), cosine_of_tilt(heights, grid))
     )
-    pairs = md_reference.run.build_interface(case, surface)
+    pairs = build_interface(case, surface)
     railed = without_lateral_freedom(stiffness)
     first = continuum(case.solid, case.law)
     shown = HalfSpace(modulus)

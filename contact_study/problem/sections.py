@@ -85,9 +85,9 @@ class AtomisticSection:
 
     block: str = key(choice("isotropic"), "springs of the block; isotropic is the only kind today", "isotropic")
     method: str = key(
-        choice("surface_stiffness"),
-        "how the block is solved; today only one way: condensed exactly to its bottom layer, at zero temperature",
-        "surface_stiffness",
+        choice("quasi_static"),
+        "how the atoms come along the path: equilibria at zero temperature, each from the one before it",
+        "quasi_static",
     )
     cutoff: float = key(
         quantity("1", minimum=2.0, maximum=20.0), "cutoff of the pair potential in units of interaction.length", 4.0

@@ -6,6 +6,7 @@ import pytest
 from contact_study.problem.errors import InputError
 from contact_study.problem.surface import realise
 from md_reference import run
+from md_reference.system import build_stiffness
 from tests.md_reference.systems import case_of
 from tests.recording import recorded_path
 
@@ -20,7 +21,7 @@ def layered(cells, **sections):
 def test_layers_of_atoms_have_the_stiffness_of_the_closed_form(cells):
     """From the equations of elasticity there, cell by cell here: they differ by the lattice, (qa)² and (a/d)²."""
     case = layered(cells, atoms=(96, 96))
-    stiffness = run.build_stiffness(case)
+    stiffness = build_stiffness(case)
     wavenumber = stiffness.grid.wavenumber[0, 1:4]
     relative = stiffness.normal_stiffness[0, 1:4] / case.solid.stiffness(wavenumber) - 1
     assert np.all(np.abs(relative) < 0.04 * (wavenumber * stiffness.lattice_constant) ** 2 + 0.04 / cells**2)

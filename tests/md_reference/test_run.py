@@ -6,13 +6,17 @@ import pytest
 
 from contact_study.fields import fourier
 from contact_study.problem.errors import InputError
+from contact_study.problem.keys import keys_of
+from contact_study.problem.sections import AtomisticSection
 from contact_study.problem.study import Study
 from contact_study.problem.surface import realise
 from contact_study.problem.surface_scales import scales_of
 from md_reference.block import element_matrix, surface_stiffness
 from md_reference.interface import LennardJonesInterface
-from md_reference.run import build_interface, build_stiffness, check, constants, review, solve_path
+from md_reference.methods import METHODS
+from md_reference.run import check, constants, review, solve_path
 from md_reference.starts import at_mean_gap, predicted, separated
+from md_reference.system import build_interface, build_stiffness
 from tests.md_reference.systems import (
     CONTACT_MODULUS,
     LATTICE_CONSTANT,
@@ -49,6 +53,10 @@ def test_steps_carry_the_quantities_of_the_schema():
         assert inside == pytest.approx(np.mean((gap >= edges.gap_edges[0]) & (gap <= edges.gap_edges[-1])), rel=1e-12)
         mean = np.sum(values["pressure_pdf"] * edges.pressure * np.diff(edges.pressure_edges))
         assert mean == pytest.approx(pressure, abs=np.diff(edges.pressure_edges).max())
+
+
+def test_the_study_file_offers_the_methods_that_exist():
+    assert keys_of(AtomisticSection)["method"].kind.split(" | ") == list(METHODS)
 
 
 def test_work_of_the_pressure_is_the_energy_gained():

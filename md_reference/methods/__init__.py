@@ -1,0 +1,10 @@
+"""The ways that atoms come along a loading path, by the word of ``atomistic.method``."""
+
+from collections.abc import Mapping
+
+from md_reference.methods import quasi_static
+from md_reference.methods.base import Method
+
+METHODS: Mapping[str, Method] = {
+    "quasi_static": quasi_static.solve_path,
+}

@@ -1,0 +1,57 @@
+"""What a case is made of: the condensed block, the interface, and both as a contact under load."""
+
+import numpy as np
+
+from contact_study.observables.base import InterfaceState, SolverReport
+from contact_study.problem.case import Case
+from contact_study.problem.surface import Surface
+from md_reference.block import SurfaceStiffness, element_matrix, surface_stiffness
+from md_reference.contact import AtomisticContact, interface_of
+from md_reference.interface import LennardJonesInterface
+from md_reference.solution import Solution
+
+# Below 1024² atoms a second thread of FFTW gains nothing, and loses much when the other core is busy.
+_POINTS_FOR_THREADS = 1024**2
+
+
+def build_stiffness(case: Case) -> SurfaceStiffness:
+    """The condensed block of a case, see :attr:`Case.block_layers`."""
+    lattice, material = case.lattice, case.material
+    element = element_matrix(case.atomistic.block, lattice.constant, material.youngs_modulus, material.poissons_ratio)
+    return surface_stiffness(element, lattice.atoms, lattice.constant, case.block_layers)
+
+
+def build_interface(case: Case, surface: Surface) -> LennardJonesInterface:
+    """Lennard-Jones atoms of a case over the substrate's sites."""
+    return interface_of(surface.heights, case.lattice, case.well_depth, case.law.length, case.atomistic.cutoff)
+
+
+def build_contact(case: Case, surface: Surface) -> AtomisticContact:
+    """Block and interface of a case, to be loaded."""
+    stiffness, solver = build_stiffness(case), case.solver
+    return AtomisticContact(
+        stiffness,
+        build_interface(case, surface),
+        case.material.contact_modulus,
+        case.loading.control,
+        solver.tolerance,
+        solver.max_iterations,
+        max(solver.threads, 1) if stiffness.grid.points >= _POINTS_FOR_THREADS else 1,
+    )
+
+
+def interface_state(case: Case, solution: Solution) -> InterfaceState:
+    """A solution as the campaign takes it: under the block's uniform compression, contact told."""
+    mean_pressure = float(np.mean(solution.pressure))
+    return InterfaceState(
+        gap=solution.gap,
+        pressure=solution.pressure,
+        contact=case.law.in_contact(solution.gap, solution.pressure, case.contact_distance),
+        equilibrium_distance=case.law.equilibrium_distance,
+        # The solver leaves a block's uniform compression out; that of a layer of atoms is the solid's, see its element.
+        mean_separation=solution.mean_separation - case.solid.compression(mean_pressure),
+        elastic_energy=solution.elastic_energy + case.solid.compression_energy(mean_pressure),
+        interaction_energy=solution.interaction_energy,
+        report=SolverReport.of(solution, force_evaluations=solution.force_evaluations),
+        restart={"state": solution.state},
+    )
