@@ -40,15 +40,17 @@ def draw(inputs: Inputs, wanted: float | None = None) -> Figures:
     if any(distances):
         drawn["gap_distribution"] = figures.gap_distribution_figure(*distances, scale.height_symbol, states)
     drawn["contact_area"] = figures.contact_area_figure(curves.areas, pressure.name, area_bands)
-    shaded = tuple(bands.mean_gap_bands(inputs.branches, points, units, linear=either) for either in (False, True))
+    logarithmic, linear = (bands.mean_gap_bands(inputs.branches, points, units, linear=it) for it in (False, True))
     if plotted.mean_gap_panels(curves.gaps, curves.linear_gaps):
-        drawn["mean_gap"] = figures.mean_gap_figure(curves.gaps, curves.linear_gaps, scale.height_symbol, shaded)
+        drawn["mean_gap"] = figures.mean_gap_figure(
+            curves.gaps, curves.linear_gaps, scale.height_symbol, (logarithmic, linear)
+        )
     seed = _first_seed(inputs)
     maps = read_gap_maps(inputs, shown, seed)
     if maps is not None:
         state = state_label(shown.case, point_label(shown.common, scale, control))
         drawn["gap_map"] = gap_map_figure(maps, state)
-    banded = dict.fromkeys(band.model for found in (area_bands, *shaded) for band in found)
+    banded = dict.fromkeys(band.model for found in (area_bands, logarithmic, linear) for band in found)
     words = captions(inputs, shown, curves, seed, list(banded))
     return Figures({name: png(figure) for name, figure in drawn.items()}, words)
 

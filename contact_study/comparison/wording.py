@@ -1,10 +1,11 @@
 """Numbers as a reader wants them: few digits, true minus signs, units that suit."""
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
 
 import numpy as np
 import xarray as xr
+
+from contact_study.plots.units import Unit, length_unit, pressure_unit
 
 _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
@@ -46,40 +47,16 @@ def _decimals(fraction: float) -> int:
     return 0 if abs(fraction) >= 0.1 else 1
 
 
-@dataclass(frozen=True)
-class Unit:
-    """A unit to show a quantity in: its name and its size in SI."""
-
-    name: str
-    size: float
-
-
 def length(value: float) -> str:
     """A length in the unit that suits it."""
     unit = length_unit(value)
     return f"{value / unit.size:.6g} {unit.name}"
 
 
-def length_unit(largest: float) -> Unit:
-    """The unit in which lengths up to ``largest`` (m) read well; ångströms reach up to the cells of atoms."""
-    for name, size, limit in (("Å", 1e-10, 2e-7), ("nm", 1e-9, 1e-6), ("µm", 1e-6, 1e-3), ("mm", 1e-3, 1.0)):
-        if largest < limit:
-            return Unit(name, size)
-    return Unit("m", 1.0)
-
-
 def pressure(value: float) -> str:
     """A pressure in the unit that suits it."""
     unit = pressure_unit(abs(value))
     return f"{number(value / unit.size, 6)} {unit.name}"
-
-
-def pressure_unit(largest: float) -> Unit:
-    """The unit in which pressures up to ``largest`` (Pa) read well."""
-    for name, size in (("GPa", 1e9), ("MPa", 1e6), ("kPa", 1e3)):
-        if largest >= size:
-            return Unit(name, size)
-    return Unit("Pa", 1.0)
 
 
 def control_unit(models: Mapping[str, xr.Dataset], control: str) -> Unit:

@@ -14,8 +14,8 @@ from contact_study.fields.distributions import Bins
 from contact_study.observables.base import InterfaceState, Observable, Value, Variable
 
 
-def cluster_sizes(contact: np.ndarray) -> np.ndarray:
-    """Points of each cluster of a periodic map.
+def cluster_map(contact: np.ndarray) -> np.ndarray:
+    """Which cluster of a periodic map each point belongs to.
 
     Parameters
     ----------
@@ -24,18 +24,28 @@ def cluster_sizes(contact: np.ndarray) -> np.ndarray:
 
     Returns
     -------
-    numpy.ndarray of int, shape (clusters,)
-        In no particular order; empty without contact.
+    numpy.ndarray of int, shape (ny, nx)
+        0 without contact, 1 in the largest cluster, 2 in the next, and so on.
     """
     labels, count = ndimage.label(contact)
+    if not count:
+        return labels
     # Patches that end at an edge of the map go on at the opposite one.
     one = np.concatenate([labels[0], labels[:, 0]])
     other = np.concatenate([labels[-1], labels[:, -1]])
     meet = (one > 0) & (other > 0)
     joined = coo_array((np.ones(np.count_nonzero(meet)), (one[meet] - 1, other[meet] - 1)), shape=(count, count))
-    clusters, cluster_of = connected_components(joined, directed=False) if count else (0, np.zeros(0, int))
+    clusters, cluster_of = connected_components(joined, directed=False)
     points = np.bincount(labels.ravel(), minlength=count + 1)[1:]
-    return np.bincount(cluster_of, weights=points, minlength=clusters).astype(int)
+    sizes = np.bincount(cluster_of, weights=points, minlength=clusters)
+    rank = np.empty(clusters, int)
+    rank[np.argsort(-sizes, kind="stable")] = np.arange(1, clusters + 1)
+    return np.concatenate([[0], rank[cluster_of]])[labels]
+
+
+def cluster_sizes(contact: np.ndarray) -> np.ndarray:
+    """Points of each cluster of a periodic map (see :func:`cluster_map`), shape (clusters,), the largest first."""
+    return np.bincount(cluster_map(contact).ravel())[1:]
 
 
 def _read(state: InterfaceState, _: Bins) -> dict[str, Value]:

@@ -8,7 +8,7 @@ import xarray as xr
 
 from contact_study.comparison.compute.cases import SweepPoint, first_constant, sweep_points
 from contact_study.comparison.read.differences import same
-from contact_study.comparison.wording import Unit, pressure_unit
+from contact_study.plots.units import Unit, pressure_unit
 
 
 @dataclass(frozen=True)

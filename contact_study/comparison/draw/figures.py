@@ -27,17 +27,9 @@ from contact_study.comparison.compute.plotted import (
     window,
 )
 from contact_study.comparison.draw.legends import colour_legend, model_legend, panel_heading, shared_colour_legend
-from contact_study.comparison.draw.style import (
-    DOUBLE,
-    PRESSURE_COLOURS,
-    SINGLE,
-    SWEEP_COLOURS,
-    Look,
-    look_of,
-    palette,
-    styled,
-)
+from contact_study.comparison.draw.style import PRESSURE_COLOURS, SWEEP_COLOURS, Look, look_of, palette
 from contact_study.comparison.models import entry_of
+from contact_study.plots.style import DOUBLE, SINGLE, styled
 
 _TICKS = 6  # along x: numbers such as −0.075 stand side by side in half a page
 _ROW = 0.16  # inches that a row of the legend takes

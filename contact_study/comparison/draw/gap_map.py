@@ -4,9 +4,10 @@ import matplotlib
 from matplotlib.figure import Figure
 
 from contact_study.comparison.compute.gap_maps import GapMaps
-from contact_study.comparison.draw.style import DOUBLE, SINGLE, styled, typeset
+from contact_study.comparison.draw.style import typeset
 from contact_study.comparison.models import entry_of
-from contact_study.comparison.wording import length_unit
+from contact_study.plots.style import DOUBLE, SINGLE, styled
+from contact_study.plots.units import length_unit
 
 _FRAME, _BAR = 0.75, 0.95  # inches around a map, and for the bar of colours
 

@@ -1,7 +1,7 @@
-"""How every figure looks: fonts, lines, colours, and the symbols in its words."""
+"""How the models look beside one another: lines, markers, colours, and the symbols in words."""
 
 import io
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
@@ -10,33 +10,11 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from contact_study.comparison.models import entry_of, kind_of
+from contact_study.plots.style import COLOURS, RESOLUTION, STYLE
 
-RESOLUTION = 200  # dots per inch
-SINGLE, DOUBLE = 3.46, 7.0  # inches: one and two columns of a journal
-
-# Okabe and Ito: told apart with any colour vision. Panels whose colours mean pressures use other ones.
-SWEEP_COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
+# Panels whose colours mean pressures use other ones than those of a sweep.
+SWEEP_COLOURS = COLOURS
 PRESSURE_COLOURS = ("#000000", "#CC79A7", "#E69F00", "#56B4E9", "#0072B2", "#D55E00")
-
-STYLE = {
-    "font.size": 8,
-    "axes.labelsize": 8.5,
-    "legend.fontsize": 7.5,
-    "xtick.labelsize": 7.5,
-    "ytick.labelsize": 7.5,
-    "axes.linewidth": 0.7,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "axes.grid": True,
-    "grid.color": "#e6e6e6",
-    "grid.linewidth": 0.5,
-    "lines.linewidth": 1.2,
-    "mathtext.fontset": "dejavusans",
-    "legend.frameon": False,
-    "legend.handlelength": 2.0,
-    "savefig.dpi": RESOLUTION,
-}
-
 
 # Where several datasets of one model stand side by side: the first has the model's own line and marker.
 _OTHER_LINES: tuple[Any, ...] = ((0, (7, 1.5)), (0, (4, 1, 1, 1)), (0, (4, 1, 1, 1, 1, 1)))
@@ -63,17 +41,6 @@ def look_of(model: str, beside: Iterable[str]) -> Look:
         line = line if line == "none" else _OTHER_LINES[(turn - 1) % len(_OTHER_LINES)]
         marker = _OTHER_MARKERS[(turn - 1) % len(_OTHER_MARKERS)] if marker else marker
     return Look(line, marker, entry.marker_size, entry.line_width, entry.hollow)
-
-
-def styled(draw: Callable[..., Figure]) -> Callable[..., Figure]:
-    """Draw in the common style without changing the caller's settings."""
-
-    def drawn(*arguments: Any, **options: Any) -> Figure:
-        with matplotlib.rc_context(STYLE):
-            return draw(*arguments, **options)
-
-    drawn.__doc__, drawn.__name__ = draw.__doc__, draw.__name__
-    return drawn
 
 
 def png(figure: Figure) -> bytes:

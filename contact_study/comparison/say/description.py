@@ -8,7 +8,8 @@ from contact_study.comparison.labels import coordinate_label
 from contact_study.comparison.models import entry_of
 from contact_study.comparison.read.datasets import Inputs
 from contact_study.comparison.read.path_points import AVERAGED
-from contact_study.comparison.wording import control_unit, length, listed, listed_points, number, pressure_unit, varied
+from contact_study.comparison.wording import control_unit, length, listed, listed_points, number, varied
+from contact_study.plots.units import pressure_unit
 from contact_study.problem.case import Case
 from contact_study.problem.keys import keys_of
 from contact_study.problem.units import quantity

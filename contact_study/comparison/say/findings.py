@@ -12,7 +12,8 @@ from contact_study.comparison.compute.scales import Scales, scales
 from contact_study.comparison.models import entry_of
 from contact_study.comparison.read.datasets import Inputs
 from contact_study.comparison.read.path_points import AVERAGED, usable
-from contact_study.comparison.wording import length_unit, listed, number, percent, percent_of, pressure_unit
+from contact_study.comparison.wording import listed, number, percent, percent_of
+from contact_study.plots.units import length_unit, pressure_unit
 from contact_study.problem.path_points import PathPoint
 
 AREA, GAP = "relative_contact_area_relative_deviation", "mean_gap_deviation"

@@ -11,7 +11,8 @@ from contact_study.comparison.compute.scales import Scales, scales
 from contact_study.comparison.models import entry_of
 from contact_study.comparison.say.findings import AREA, GAP, Spread, on_shared_states, split_pair, spread
 from contact_study.comparison.say.tables import NOTHING, Table
-from contact_study.comparison.wording import Unit, control_unit, fixed, number, percent, percent_of, with_error
+from contact_study.comparison.wording import control_unit, fixed, number, percent, percent_of, with_error
+from contact_study.plots.units import Unit
 from contact_study.problem.path_points import PathPoint
 
 

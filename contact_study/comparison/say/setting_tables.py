@@ -8,7 +8,8 @@ import xarray as xr
 from contact_study.comparison.compute.cases import constant, first_constant, select, sweep_points
 from contact_study.comparison.models import entry_of
 from contact_study.comparison.say.tables import NOTHING, Table, fixed_or_nothing
-from contact_study.comparison.wording import Unit, length_unit, number, pressure_unit
+from contact_study.comparison.wording import number
+from contact_study.plots.units import Unit, length_unit, pressure_unit
 
 _REGIME = (
     ("tabor_parameter", "Tabor parameter μ", 2),

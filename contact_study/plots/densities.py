@@ -1,0 +1,127 @@
+"""Distributions of stress and gap, and the spectrum of the surface."""
+
+from collections.abc import Callable
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+
+from contact_study.fields.grid import Grid
+from contact_study.fields.spectrum import radial_spectrum
+from contact_study.plots.selection import extent, lines, one_state, require
+from contact_study.plots.style import COLOURS, axes_of, readable_decades, styled
+from contact_study.plots.units import Unit, length_unit, pressure_unit
+
+_BANDS_PER_DECADE = 24
+_LEAST = 1e-8  # of the largest density: theories' tails go on for ever
+
+
+@styled
+def stress_distribution(dataset: xr.Dataset, axes: Axes | None = None) -> Axes:
+    """Probability density of the local pressure, a line for each state: select those to be shown.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        Of any model.
+    axes : matplotlib.axes.Axes, optional
+        Where to draw.
+
+    Raises
+    ------
+    ValueError
+        If the dataset has no such distribution.
+    """
+    require(dataset, "pressure_pdf")
+    return _densities(dataset, "pressure_pdf", "pressure_bin", pressure_unit, r"stress $\sigma$", r"P(\sigma)", axes)
+
+
+@styled
+def gap_distribution(dataset: xr.Dataset, axes: Axes | None = None) -> Axes:
+    """Probability density of the local gap; parameters and errors as :func:`stress_distribution`."""
+    require(dataset, "gap_pdf")
+    return _densities(dataset, "gap_pdf", "gap_bin", length_unit, "gap $u$", "P(u)", axes)
+
+
+@styled
+def surface_spectrum(dataset: xr.Dataset, axes: Axes | None = None) -> Axes:
+    """Power spectrum C(q) of the surface, averaged over directions and narrow bands of q.
+
+    Convention: h_rms² = 2π ∫ q C dq.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        One surface of a simulation with its fields.
+    axes : matplotlib.axes.Axes, optional
+        Where to draw.
+
+    Raises
+    ------
+    ValueError
+        If the heights were not kept, there is more than one surface, or it is flat.
+    """
+    surface = one_state(dataset, "height")
+    spectrum = radial_spectrum(surface["height"].values, Grid(surface["height"].shape, extent(surface)))
+    q, density = band_averages(spectrum.wavevectors, spectrum.variances, extent(surface))
+    axes = axes_of(axes)
+    axes.loglog(q, density, ".-", color=COLOURS[0], ms=3, lw=0.8)
+    readable_decades(axes.xaxis)
+    axes.set(xlabel=r"wavevector $q$ (m$^{-1}$)", ylabel=r"power spectrum $C(q)$ (m$^4$)")
+    return axes
+
+
+def band_averages(
+    wavevectors: np.ndarray, variances: np.ndarray, size: tuple[float, float]
+) -> tuple[np.ndarray, np.ndarray]:
+    """C(q) in bands of equal ratio.
+
+    Parameters
+    ----------
+    wavevectors, variances : numpy.ndarray, shape (shells,)
+        |q| (1/m) and <h²> (m²) of the modes of a cell.
+    size : tuple of float
+        Periods of the cell (m): a mode stands for (2π)²/(L_y L_x) of the plane of wavevectors.
+
+    Returns
+    -------
+    q, density : numpy.ndarray, shape (bands,)
+        Mean wavevector (1/m) and C (m⁴) of the bands that hold modes.
+    """
+    decades = np.log10(wavevectors[-1] / wavevectors[0])
+    edges = np.geomspace(wavevectors[0], wavevectors[-1] * (1 + 1e-9), max(2, int(_BANDS_PER_DECADE * decades) + 1))
+    edges[0] *= 1 - 1e-9
+    # Modes in a band, from the lattice of wavevectors itself: narrow bands hold few, not as many as their area.
+    cell = (2 * np.pi) ** 2 / (size[0] * size[1])
+    side = [int(np.ceil(edges[-1] * length / (2 * np.pi))) for length in size]
+    rows, columns = (2 * np.pi / length * np.arange(-n, n + 1) for length, n in zip(size, side, strict=True))
+    modes, _ = np.histogram(np.hypot(rows[:, None], columns).ravel(), edges)
+    total, _ = np.histogram(wavevectors, edges, weights=variances)
+    weighted, _ = np.histogram(wavevectors, edges, weights=variances * wavevectors)
+    held = total > 0
+    return weighted[held] / total[held], total[held] / (modes[held] * cell)
+
+
+def _densities(
+    dataset: xr.Dataset,
+    name: str,
+    along: str,
+    unit_of: Callable[[float], Unit],
+    symbol: str,
+    density: str,
+    axes: Axes | None,
+) -> Axes:
+    axes = axes_of(axes)
+    every = [(words, part[name].values) for words, part in lines(dataset.squeeze(), name, along)]
+    shown = [(words, pdf) for words, pdf in every if np.nansum(pdf) > 0]  # Persson's theory has no gaps
+    values = dataset[along].values
+    peak = max((float(pdf.max(initial=0.0, where=np.isfinite(pdf))) for _, pdf in shown), default=0.0)
+    present = np.any([pdf > _LEAST * peak for _, pdf in shown], axis=0) if shown else np.zeros(values.size, bool)
+    unit = unit_of(float(np.abs(values[present]).max(initial=0.0)))
+    for number, (words, pdf) in enumerate(shown):
+        drawn = np.where(pdf > _LEAST * peak, pdf, np.nan) * unit.size
+        axes.semilogy(values / unit.size, drawn, color=COLOURS[number % len(COLOURS)], lw=1.0, label=words or None)
+    axes.set(xlabel=f"{symbol} ({unit.name})", ylabel=rf"${density}$ (1/{unit.name})")
+    if axes.get_legend_handles_labels()[1]:
+        axes.legend()
+    return axes

@@ -1,0 +1,124 @@
+"""Maps of one state: gap, pressure, contact."""
+
+from typing import Any
+
+import matplotlib
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.colors import ListedColormap
+
+from contact_study.observables.contact_clusters import cluster_map
+from contact_study.plots.selection import extent, one_state, touching
+from contact_study.plots.style import COLOURS, axes_of, styled
+from contact_study.plots.units import Unit, length_unit, pressure_unit
+
+_NONE, _OTHERS = "#ffffff", "#9a9a9a"
+
+
+@styled
+def gap_map(dataset: xr.Dataset, axes: Axes | None = None) -> Axes:
+    """Local gap of one state, contact in black.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        One state of a simulation with its fields, such as ``dataset.sel(step=3)``.
+    axes : matplotlib.axes.Axes, optional
+        Where to draw.
+
+    Raises
+    ------
+    ValueError
+        If the fields were not kept, or there is more than one state.
+    """
+    state = one_state(dataset, "gap", "contact_distance")
+    gap = np.ma.masked_array(state["gap"].values, touching(state))
+    unit = length_unit(float(gap.max()) if gap.count() else float(state["contact_distance"]))
+    colours = matplotlib.colormaps["cividis"].with_extremes(bad="black")
+    words = f"gap ({unit.name})" + (", contact black" if gap.mask.any() else "")
+    return _map(state, gap / unit.size, axes, words, cmap=colours, vmin=float(state["contact_distance"]) / unit.size)
+
+
+@styled
+def pressure_map(dataset: xr.Dataset, axes: Axes | None = None) -> Axes:
+    """Local pressure of one state: compression red, tension blue.
+
+    Parameters
+    ----------
+    dataset, axes
+        As :func:`gap_map`.
+
+    Raises
+    ------
+    ValueError
+        As :func:`gap_map`.
+    """
+    state = one_state(dataset, "pressure")
+    pressure = state["pressure"].values
+    largest = float(np.abs(pressure).max())
+    unit = pressure_unit(largest)
+    # A few points at contact edges carry many times what the rest does: these saturate, and the bar says so.
+    limit = float(np.quantile(np.abs(pressure), 0.995)) or largest or 1.0
+    return _map(
+        state,
+        pressure / unit.size,
+        axes,
+        f"pressure ({unit.name})",
+        extend="both" if limit < largest else "neither",
+        cmap="RdBu_r",
+        vmin=-limit / unit.size,
+        vmax=limit / unit.size,
+    )
+
+
+@styled
+def contact_map(dataset: xr.Dataset, axes: Axes | None = None, largest: int = len(COLOURS)) -> Axes:
+    """Contact of one state: its largest clusters in colour, the others grey.
+
+    Parameters
+    ----------
+    dataset, axes
+        As :func:`gap_map`.
+    largest : int, optional
+        How many clusters have a colour, at most six.
+
+    Raises
+    ------
+    ValueError
+        As :func:`gap_map`.
+    """
+    state = one_state(dataset, "gap", "contact_distance")
+    clusters = cluster_map(touching(state))
+    coloured = min(largest, len(COLOURS))
+    colours = ListedColormap([_NONE, *COLOURS[:coloured], _OTHERS])
+    axes = _map(state, np.minimum(clusters, coloured + 1), axes, None, cmap=colours, vmin=-0.5, vmax=coloured + 1.5)
+    share = float(np.mean(clusters > 0))
+    axes.set_title(f"contact area {share:.3g}, {clusters.max()} clusters", fontsize=8)
+    return axes
+
+
+def _map(
+    state: xr.Dataset,
+    field: np.ndarray,
+    axes: Axes | None,
+    words: str | None,
+    extend: str = "neither",
+    **options: Any,
+) -> Axes:
+    """A field (y, x) at the true proportions of the cell; no words, no bar of colours."""
+    axes = axes_of(axes, height=3.0)
+    height, width = extent(state)
+    unit: Unit = length_unit(max(height, width))
+    image = axes.imshow(
+        field,
+        origin="lower",
+        extent=(0, width / unit.size, 0, height / unit.size),
+        interpolation="nearest",
+        **options,
+    )
+    axes.set(xlabel=rf"$x$ ({unit.name})", ylabel=rf"$y$ ({unit.name})")
+    axes.grid(False)
+    if words:
+        axes.figure.colorbar(image, ax=axes, label=words, extend=extend)
+    return axes

@@ -1,0 +1,97 @@
+"""What of a dataset a picture shows: one state, or lines over what it sweeps."""
+
+import itertools
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+import xarray as xr
+
+LOADING, UNLOADING = 0, 1
+
+
+def require(dataset: xr.Dataset, *names: str) -> None:
+    """Make sure that a dataset holds what is to be shown.
+
+    Raises
+    ------
+    ValueError
+        If a variable is missing.
+    """
+    for name in names:
+        if name not in dataset:
+            hint = "; fields are kept with output.fields = true" if name in ("gap", "pressure", "height") else ""
+            raise ValueError(f"the dataset has no variable {name!r}{hint}")
+
+
+def one_state(dataset: xr.Dataset, *names: str) -> xr.Dataset:
+    """The variables of a dataset that a map shows, for one state.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        Of a simulation, all but the lateral dimensions selected or of one entry.
+    names : str
+        Variables that are needed.
+
+    Raises
+    ------
+    ValueError
+        If a variable is missing, or the dataset holds more than one state.
+    """
+    require(dataset, *names)
+    squeezed = dataset.squeeze()
+    for dim in squeezed[names[0]].dims:
+        if dim not in ("y", "x"):
+            values = squeezed[dim].values
+            raise ValueError(
+                f"the dataset holds {values.size} states along {dim!r}: select one first, for example "
+                f"dataset.sel({dim}={values[-1]!s})"
+            )
+    # Smaller cells of a sweep are padded to the points of the largest.
+    return squeezed.isel(
+        {axis: np.flatnonzero(np.isfinite(squeezed[axis].values)) for axis in ("y", "x") if axis in squeezed.dims}
+    )
+
+
+def extent(state: xr.Dataset) -> tuple[float, float]:
+    """Lateral periods along y and x (m): a grid's last point is one spacing before its end."""
+    periods = []
+    for axis in ("y", "x"):
+        values = state[axis].values
+        periods.append(values.size * float(values[1] - values[0]) if values.size > 1 else float(state["pixel"]))
+    return periods[0], periods[1]
+
+
+def touching(state: xr.Dataset) -> np.ndarray:
+    """Whether each point (y, x) counts as contact: below the contact distance, at a bare wall under pressure."""
+    distance = float(state["contact_distance"])
+    if distance == 0 and "pressure" in state:
+        return state["pressure"].values > 0
+    return state["gap"].values <= distance
+
+
+def lines(dataset: xr.Dataset, name: str, *along: str) -> Iterator[tuple[str, xr.Dataset]]:
+    """One dataset for each line of a picture, with what tells it from the others in words.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        The dataset.
+    name : str
+        The variable shown.
+    along : str
+        Dimensions that run along a line.
+    """
+    dims = [str(dim) for dim in dataset[name].dims if dim not in along]
+    choices: Sequence[Sequence[object]] = [list(dataset[dim].values) for dim in dims]
+    for values in itertools.product(*choices):
+        words = [label(dataset[dim], value) for dim, value in zip(dims, values, strict=True)]
+        yield ", ".join(words), dataset.sel(dict(zip(dims, values, strict=True)))
+
+
+def label(coordinate: xr.DataArray, value: object) -> str:
+    """One coordinate in words."""
+    if isinstance(value, str):
+        return value.replace("_", " ")
+    units = coordinate.attrs.get("units", "1")
+    return f"{str(coordinate.name).replace('_', ' ')} = {value:.6g}{'' if units == '1' else f' {units}'.replace(' m-2', '/m²')}"

@@ -1,0 +1,61 @@
+"""How every figure looks: sizes, fonts, lines, colours."""
+
+from collections.abc import Callable
+from functools import wraps
+from typing import ParamSpec, TypeVar
+
+import matplotlib
+from matplotlib.axes import Axes
+from matplotlib.axis import Axis
+from matplotlib.figure import Figure
+from matplotlib.ticker import LogFormatterSciNotation, LogLocator
+
+RESOLUTION = 200  # dots per inch
+SINGLE, DOUBLE = 3.46, 7.0  # inches: one and two columns of a journal
+
+# Okabe and Ito: told apart with any colour vision.
+COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
+
+STYLE = {
+    "font.size": 8,
+    "axes.labelsize": 8.5,
+    "legend.fontsize": 7.5,
+    "xtick.labelsize": 7.5,
+    "ytick.labelsize": 7.5,
+    "axes.linewidth": 0.7,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.grid": True,
+    "grid.color": "#e6e6e6",
+    "grid.linewidth": 0.5,
+    "lines.linewidth": 1.2,
+    "mathtext.fontset": "dejavusans",
+    "legend.frameon": False,
+    "legend.handlelength": 2.0,
+    "savefig.dpi": RESOLUTION,
+}
+
+Parameters = ParamSpec("Parameters")
+Drawn = TypeVar("Drawn")
+
+
+def styled(draw: Callable[Parameters, Drawn]) -> Callable[Parameters, Drawn]:
+    """Draw in the common style without changing the caller's settings."""
+
+    @wraps(draw)
+    def drawn(*arguments: Parameters.args, **options: Parameters.kwargs) -> Drawn:
+        with matplotlib.rc_context(STYLE):
+            return draw(*arguments, **options)
+
+    return drawn
+
+
+def readable_decades(axis: Axis) -> None:
+    """Name 2 and 5 of a logarithmic axis, too, where it has few decades, and no more."""
+    axis.set_minor_locator(LogLocator(subs=(2.0, 5.0)))
+    axis.set_minor_formatter(LogFormatterSciNotation(minor_thresholds=(1.5, 1.5)))
+
+
+def axes_of(axes: Axes | None, width: float = SINGLE, height: float = 2.8) -> Axes:
+    """The given axes, or those of a new figure that pyplot knows nothing of (inches)."""
+    return Figure(figsize=(width, height), layout="constrained").subplots() if axes is None else axes

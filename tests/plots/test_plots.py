@@ -1,0 +1,270 @@
+"""Pictures are checked by the data that they show."""
+
+import matplotlib
+import numpy as np
+import pytest
+import xarray as xr
+from matplotlib.colors import to_rgb
+from matplotlib.figure import Figure
+
+import contact_study
+from contact_study import plots
+from contact_study.plots.curves import dissipated_energy
+from contact_study.plots.densities import band_averages
+from contact_study.plots.style import COLOURS
+from contact_study.plots.units import length_unit, pressure_unit
+
+SIDE, SPACING = 16, 1e-9
+
+STUDY = {
+    "material": {"youngs_modulus": "77.2 GPa", "poissons_ratio": 0.42, "lattice_constant": "0.26 nm"},
+    "interaction": {"law": "lennard_jones_10_4", "length": "0.328 nm", "work_of_adhesion": "0.1 J/m^2"},
+    "surface": {
+        "kind": "self_affine",
+        "size": ["8.32 nm", "8.32 nm"],
+        "shape": [32, 32],
+        "hurst_exponent": 0.8,
+        "rms_height": "0.2 nm",
+        "cutoff_mode": 5,
+        "seed": 1,
+    },
+    "loading": {"path": ["0.5 GPa", "2 GPa", "-0.05 GPa"]},
+    "sweep": {"interaction.work_of_adhesion": ["0.05 J/m^2", "0.1 J/m^2"]},
+}
+
+
+def state(**changes):
+    """One state as simulations write it, with gaps, pressures and heights that a test can foretell."""
+    position = SPACING * np.arange(SIDE)
+    y, x = np.mgrid[:SIDE, :SIDE]
+    gap = np.where((abs(x - 4) < 2) & (abs(y - 4) < 3), 0.1e-9, 1e-9 * (1 + x + 0.1 * y))
+    gap[:, 15], gap[8:10, 12:14] = 2e-9, 0.1e-9
+    fields = {"gap": gap, "pressure": 1e8 * (x - 3.0), "height": 1e-9 * np.cos(2 * np.pi * (x - 2 * y) / SIDE)}
+    return xr.Dataset(
+        {name: (("y", "x"), values) for name, values in fields.items()} | {"contact_distance": 0.2e-9},
+        {"y": position, "x": position},
+    ).assign(**changes)
+
+
+def path(pressures, areas, gaps, branch, **further):
+    values = {
+        "mean_pressure": pressures,
+        "relative_contact_area": areas,
+        "mean_gap": gaps,
+        "mean_separation": gaps,
+        "converged": np.ones(len(branch)),
+        "detached": np.zeros(len(branch)),
+    }
+    return xr.Dataset(
+        {name: ("step", np.asarray(value, float)) for name, value in {**values, **further}.items()},
+        {"step": np.arange(len(branch)), "branch": ("step", np.array(branch))},
+    )
+
+
+def test_gap_map_shows_the_gaps_and_masks_the_contact():
+    axes = plots.gap_map(state())
+    (image,) = axes.images
+    shown = image.get_array()
+    assert shown.mask.sum() == 3 * 5 + 4
+    np.testing.assert_allclose(shown[0, 6], 70.0, rtol=1e-6)  # Å, at x = 6, y = 0
+    assert shown[6, 0] > shown[0, 0]  # y upwards
+    assert image.origin == "lower"
+    np.testing.assert_allclose(image.get_extent(), (0, 16, 0, 16))
+    assert axes.get_xlabel() == "$x$ (nm)"
+    assert image.colorbar.ax.get_ylabel() == "gap (Å), contact black"
+
+
+def test_pressure_map_tells_tension_from_compression():
+    image = plots.pressure_map(state()).images[0]
+    np.testing.assert_allclose(image.get_array()[5], 1e-1 * (np.arange(SIDE) - 3), atol=1e-9)  # GPa
+    assert image.norm.vmin == -image.norm.vmax
+    red, blue = image.cmap(image.norm(1.0)), image.cmap(image.norm(-0.3))
+    assert red[0] > red[2]
+    assert blue[2] > blue[0]
+
+
+def test_contact_map_colours_the_largest_clusters_first():
+    axes = plots.contact_map(state(), largest=1)
+    (image,) = axes.images
+    colour = [
+        to_rgb(image.cmap(image.norm(image.get_array()[row, column]))[:3]) for row, column in ((4, 4), (8, 12), (0, 9))
+    ]
+    assert colour[0] == to_rgb(COLOURS[0])
+    assert colour[1] == to_rgb("#9a9a9a")
+    assert colour[2] == (1, 1, 1)
+    assert axes.get_title() == f"contact area {19 / 256:.3g}, 2 clusters"
+
+
+def test_a_bare_wall_is_in_contact_where_it_presses():
+    wall = state(contact_distance=0.0)
+    wall["gap"] = wall["gap"] * 0
+    assert plots.contact_map(wall).images[0].get_array().astype(bool).sum() == 12 * SIDE
+
+
+def test_section_has_both_surfaces_and_the_contact():
+    axes = plots.section(state(), y=4.2e-9)
+    surface, block, contact = (line.get_ydata() for line in axes.lines)
+    assert axes.get_ylabel() == "height (Å)"
+    np.testing.assert_allclose(surface, 10 * np.cos(2 * np.pi * (np.arange(SIDE) - 8) / SIDE), atol=1e-9)
+    np.testing.assert_allclose(block - surface, 1e10 * state()["gap"].values[4], rtol=1e-9)
+    assert list(np.flatnonzero(np.isfinite(contact))) == [3, 4, 5]
+    with pytest.raises(ValueError, match="outside the cell"):
+        plots.section(state(), y=17e-9)
+
+
+def test_section_goes_through_the_highest_point_by_default():
+    high = state()
+    high["height"][11, 3] = 5e-9
+    assert max(plots.section(high).lines[0].get_ydata()) == pytest.approx(5e-9 / 1e-10)
+
+
+def test_curves_part_loading_from_unloading_and_leave_out_what_did_not_converge():
+    dataset = path(
+        [1e6, 2e6, 4e6, 2e6, -1e6],
+        [0.1, 0.2, 0.4, 0.3, 0.15],
+        [5e-9, 4e-9, 2e-9, 3e-9, 4.5e-9],
+        [0, 0, 0, 1, 1],
+        converged=[1, 0, 1, 1, 1],
+    )
+    axes = plots.contact_area(dataset)
+    line, forth, back, _ = axes.lines
+    np.testing.assert_allclose(line.get_xdata(), [1, 4, 2, -1])
+    np.testing.assert_allclose(forth.get_ydata(), [0.1, 0.4])
+    np.testing.assert_allclose(back.get_xdata(), [2, -1])
+    assert back.get_markerfacecolor() == "white"
+    assert axes.get_xlabel() == "pressure $p$ (MPa)"
+    gaps = plots.mean_gap(dataset).lines[0]
+    np.testing.assert_allclose(gaps.get_ydata(), np.array([50, 20, 30, 45]))  # Å
+
+
+def test_tension_is_shown_on_logarithms_of_both_signs():
+    axes = plots.contact_area(
+        path([1e6, 1e8, 1e9, -1e7], [0.1, 0.2, 0.4, 0.15], [4e-9] * 4, [0, 0, 0, 1]), scale="symlog"
+    )
+    assert axes.get_xscale() == "symlog"
+    np.testing.assert_allclose(axes.get_xticks(), [-0.01, -0.001, 0, 0.001, 0.01, 0.1, 1])
+    assert axes.get_xlim()[0] > -1
+    with pytest.raises(ValueError, match="scale = 'cubic'"):
+        plots.contact_area(path([1e6], [0.1], [1e-9], [0]), scale="cubic")
+
+
+def test_a_line_for_each_point_of_the_sweep_and_each_theory():
+    one = path([1e9, 2e9], [0.1, 0.2], [5e-9, 4e-9], [0, 0])
+    swept = xr.concat([one, one * 2], xr.DataArray(["persson", "edge_flow"], dims="theory", name="theory"))
+    axes = plots.contact_area(swept.assign_coords(branch=one["branch"]))
+    assert axes.get_legend_handles_labels()[1] == ["persson"]  # the other's "converged" is 2: nothing of it counts
+    swept["converged"] = swept["converged"].clip(max=1)
+    axes = plots.contact_area(swept.assign_coords(branch=one["branch"]))
+    assert axes.get_legend_handles_labels()[1] == ["persson", "edge flow"]
+
+
+def test_dissipated_energy_of_a_parallelogram():
+    """Separation 10 − p while loading, 8 − p back, between −1 and 4 MPa: ∫ = 2 nm × 5 MPa, less a triangle.
+
+    At the turning point both branches meet, so that the loop closes over the last step of 1 MPa: a triangle of ½.
+    """
+    forth, back = np.array([-1, 0, 1, 2, 3, 4.0]), np.array([3, 2, 1, 0, -1.0])
+    dataset = path(
+        1e6 * np.concatenate([forth, back]),
+        np.full(11, 0.1),
+        1e-9 * np.concatenate([10 - forth, 8 - back]),
+        [0] * 6 + [1] * 5,
+    )
+    assert dissipated_energy(dataset) == pytest.approx(2e-9 * 1e6 * 4.5, rel=1e-9)
+    axes = plots.hysteresis_loop(dataset)
+    assert "0.009 J/m² dissipated" in axes.get_legend_handles_labels()[1]
+    np.testing.assert_allclose(axes.lines[0].get_xdata(), (11 - np.arange(6)) * 10)  # Å, pressures from below
+    with pytest.raises(ValueError, match="no cycle"):
+        plots.hysteresis_loop(dataset.isel(step=slice(6)))
+    with pytest.raises(ValueError, match="select one along 'seed'"):
+        plots.hysteresis_loop(xr.concat([dataset, dataset], "seed"))
+
+
+def test_spectrum_is_that_of_the_waves_and_keeps_the_variance():
+    rng = np.random.default_rng(3)
+    heights = rng.standard_normal((SIDE, SIDE)) * 1e-10
+    surface = state(height=(("y", "x"), heights))
+    line = plots.surface_spectrum(surface).lines[0]
+    # White noise has one C(q): its variance over the area of wavevectors (2π/Δ)², here within the scatter of a band.
+    white = heights.var() * SPACING**2 / (2 * np.pi) ** 2
+    inside = line.get_xdata() < np.pi / SPACING
+    assert np.mean(line.get_ydata()[inside]) == pytest.approx(white, rel=0.2)
+
+
+def test_band_averages_of_one_wave():
+    """Variance 1 on the four modes of |q| = 2π/L of a square cell, ½ on the next four; their cells have area 1."""
+    q, density = band_averages(np.array([1.0, 2**0.5]), np.array([1.0, 0.5]), (2 * np.pi, 2 * np.pi))
+    np.testing.assert_allclose(q, [1.0, 2**0.5])
+    np.testing.assert_allclose(density, [1 / 4, 1 / 8])
+
+
+def test_distributions_have_the_units_of_their_axis():
+    bins = np.linspace(-2e9, 2e9, 9)
+    density = np.exp(-((bins / 1e9) ** 2)) * 1e-9
+    density[0] = 0.0
+    dataset = xr.Dataset({"pressure_pdf": ("pressure_bin", density)}, {"pressure_bin": bins})
+    line = plots.stress_distribution(dataset).lines[0]
+    np.testing.assert_allclose(line.get_xdata()[5], 0.5)
+    np.testing.assert_allclose(line.get_ydata()[5], np.exp(-0.25))
+    assert np.isnan(line.get_ydata()[0])
+
+
+def test_deviations_stand_under_their_own_pressures():
+    values = [[[0.1, -0.2, np.nan], [0.3, 0.02, 0.05]]]
+    pressures = [[1e9, 2e9, np.nan], [-5e8, 1e9, 2e9]]
+    dataset = xr.Dataset(
+        {"relative_contact_area_relative_deviation": (("pair", "well_depth_ratio", "step"), values)},
+        {
+            "pair": ["continuum - atomistic"],
+            "well_depth_ratio": [1.0, 8.0],
+            "applied_pressure": (("well_depth_ratio", "step"), pressures),
+            "branch": (("well_depth_ratio", "step"), [[0, 0, -1], [0, 0, 0]]),
+        },
+    )
+    axes = plots.deviations(dataset, "continuum - atomistic")
+    shown = axes.images[0].get_array().filled(np.nan)
+    np.testing.assert_allclose(shown, [[np.nan, 10, -20], [30, 2, 5]])
+    assert [tick.get_text() for tick in axes.get_xticklabels()] == ["-0.5", "1", "2"]
+    assert [tick.get_text() for tick in axes.get_yticklabels()] == ["well depth ratio = 1", "well depth ratio = 8"]
+    with pytest.raises(ValueError, match="the dataset has continuum - atomistic"):
+        plots.deviations(dataset, "moon - sun")
+
+
+@pytest.mark.parametrize(
+    ("draw", "missing"),
+    [(plots.gap_map, "gap"), (plots.pressure_map, "pressure"), (plots.section, "height"), (plots.contact_area, None)],
+)
+def test_what_is_missing_is_named(draw, missing):
+    with pytest.raises(ValueError, match=missing or "relative_contact_area|mean_pressure"):
+        draw(state().drop_vars(missing) if missing else state())
+
+
+def test_more_than_one_state_is_refused_with_the_way_out():
+    two = xr.concat([state(), state()], xr.DataArray([3, 4], dims="step", name="step"), data_vars="all")
+    with pytest.raises(ValueError, match=r"select one first, for example dataset.sel\(step=4\)"):
+        plots.gap_map(two)
+    plots.gap_map(two.sel(step=3))
+
+
+@pytest.mark.parametrize(
+    ("unit_of", "value", "name"),
+    [(length_unit, 1e-7, "Å"), (length_unit, 5e-7, "nm"), (length_unit, 2.0, "m"), (pressure_unit, 3e5, "kPa")],
+)
+def test_units_suit(unit_of, value, name):
+    assert unit_of(value).name == name
+
+
+def test_a_study_is_shown_whole_and_no_state_of_matplotlib_changes():
+    before = dict(matplotlib.rcParams)
+    dataset = contact_study.run({**STUDY, "output": {"fields": True}})
+    figure = Figure()
+    axes = figure.subplots()
+    assert plots.contact_area(dataset, axes) is axes
+    assert len(axes.get_legend_handles_labels()[1]) == 2
+    one = dataset.isel(work_of_adhesion=1, step=1)
+    (image,) = plots.gap_map(one).images
+    share = float(one["relative_contact_area"])
+    assert image.get_array().mask.mean() == pytest.approx(share, abs=1e-12)
+    assert plots.contact_map(one).get_title().startswith(f"contact area {share:.3g}")
+    assert plots.surface_spectrum(dataset).lines[0].get_xdata()[0] == pytest.approx(2 * np.pi / 8.32e-9, rel=0.2)
+    assert dict(matplotlib.rcParams) == before
