@@ -93,5 +93,5 @@ def label(coordinate: xr.DataArray, value: object) -> str:
     """One coordinate in words."""
     if isinstance(value, str):
         return value.replace("_", " ")
-    units = coordinate.attrs.get("units", "1")
-    return f"{str(coordinate.name).replace('_', ' ')} = {value:.6g}{'' if units == '1' else f' {units}'.replace(' m-2', '/m²')}"
+    units = coordinate.attrs.get("units", "1").replace(" m-2", "/m²")
+    return f"{str(coordinate.name).replace('_', ' ')} = {value:.6g}{'' if units == '1' else f' {units}'}"

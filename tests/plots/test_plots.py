@@ -69,8 +69,8 @@ def test_gap_map_shows_the_gaps_and_masks_the_contact():
     np.testing.assert_allclose(shown[0, 6], 70.0, rtol=1e-6)  # Å, at x = 6, y = 0
     assert shown[6, 0] > shown[0, 0]  # y upwards
     assert image.origin == "lower"
-    np.testing.assert_allclose(image.get_extent(), (0, 16, 0, 16))
-    assert axes.get_xlabel() == "$x$ (nm)"
+    np.testing.assert_allclose(image.get_extent(), (0, 160, 0, 160))
+    assert axes.get_xlabel() == "$x$ (Å)"
     assert image.colorbar.ax.get_ylabel() == "gap (Å), contact black"
 
 
