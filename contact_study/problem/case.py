@@ -127,7 +127,7 @@ class Case:
     @cached_property
     def lattice(self) -> Lattice:
         """The lattices of the atoms; errors as :func:`~contact_study.problem.lattice.lattice_of`."""
-        return lattice_of(self.surface.size, self.material.lattice_constant)
+        return lattice_of(self.surface.cell(self.directory), self.material.lattice_constant)
 
     @property
     def work_of_adhesion(self) -> float:

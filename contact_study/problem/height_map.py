@@ -1,128 +1,121 @@
-"""Height maps from files: NetCDF, npy or text, as one array in metres."""
+"""A height map in metres: what its file says, together with what the study says of it."""
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from contact_study.problem import units
 from contact_study.problem.errors import InputError
+from contact_study.problem.map_formats import Channel, RawMap, read_map
 
-# Largest distance of a coordinate from its place on an even grid, in steps: what rounded decimals and single
-# precision leave, and far less than the height changes over.
-_UNEVEN = 0.01
+# Relative difference up to which two sizes are one: headers round to four digits. The usual mistake, counting
+# intervals instead of points, is 1/N, and larger on all maps of less than a thousand points a side.
+_SAME_SIZE = 1e-3
 
 
 @dataclass(frozen=True)
 class HeightMap:
-    """Heights (y, x) and the lateral size of the cell, both in metres; y and x increase along the axes."""
+    """Heights (y, x) and the lateral size of the cell, both in metres; y and x increase along the axes.
+
+    Attributes
+    ----------
+    heights : numpy.ndarray, shape (ny, nx)
+        Heights (m), NaN where the file has none.
+    size : tuple of float
+        Periods along y and x (m).
+    unit : str
+        Unit that the heights were taken to be in, and who says so.
+    """
 
     heights: np.ndarray
     size: tuple[float, float]
+    unit: str
 
     @property
     def shape(self) -> tuple[int, int]:
         """Points along y and x."""
         return self.heights.shape[0], self.heights.shape[1]
 
+    @property
+    def spacing(self) -> tuple[float, float]:
+        """Distance of neighbouring points along y and x (m)."""
+        return self.size[0] / self.shape[0], self.size[1] / self.shape[1]
 
-def read_height_map(path: Path, height_unit: str | None, size: tuple[float, float] | None) -> HeightMap:
+
+def read_height_map(
+    path: Path,
+    height_unit: str | None = None,
+    size: tuple[float, float] | None = None,
+    channel: Channel = None,
+    lateral_unit: str | None = None,
+) -> HeightMap:
     """Read a height map.
 
     Parameters
     ----------
     path : pathlib.Path
-        ``.nc`` (variable ``height``, or the only two-dimensional one), ``.npy``, or a text table. The axes of a
-        NetCDF variable are told by their names ``y`` and ``x`` (or the attribute ``axis`` of their coordinates), in
-        whatever order and direction; those of all else are (y, x), both increasing.
-    height_unit : str, optional
-        Unit of the numbers; default the NetCDF variable's ``units``, else metres.
+        A file of one of the formats of :mod:`contact_study.problem.map_formats`.
+    height_unit, lateral_unit : str, optional
+        Units of the file's numbers, where it does not say; else metres. A unit that contradicts the file is refused.
     size : tuple of float, optional
-        Lateral periods (m); default from the NetCDF's coordinates ``y`` and ``x`` (m).
+        Lateral periods along y and x (m), where the file does not say.
+    channel : str or int, optional
+        Which of the maps that the file holds.
 
     Raises
     ------
     InputError
-        If the file is missing or damaged, is no table of at least 4 × 4 finite numbers, its coordinates are not evenly
-        spaced, or its size is unknown.
+        If the file is missing or damaged, is no table of at least 4 × 4 numbers, its coordinates are not evenly
+        spaced, its size is unknown, or the study contradicts it.
     """
     if not path.is_file():
         raise InputError(f"surface.path: {path} {'is no file' if path.exists() else 'does not exist'}")
     try:
-        heights, unit, own_size = _read(path)
+        raw = read_map(path, channel)
+        heights = np.asarray(raw.heights, dtype=float)
     except InputError:
         raise
     except Exception as error:  # each format raises its own types on a damaged file
-        raise InputError(f"surface.path: {path} cannot be read ({error})") from None
+        reason = str(error).strip().partition("\n")[0]
+        raise InputError(f"surface.path: {path} cannot be read ({reason})") from None
     if heights.ndim != 2 or min(heights.shape) < 4:
         raise InputError(
             f"surface.path: {path} holds an array of shape {heights.shape}; expected at least 4 x 4 heights"
         )
-    bad = np.argwhere(~np.isfinite(heights))
-    if bad.size:
+    if not np.any(np.isfinite(heights)):
+        raise InputError(f"surface.path: {path} holds no finite numbers: all of its heights are missing")
+    heights = np.where(np.isfinite(heights), heights, np.nan)
+    factor = _factor(path, "height_unit", height_unit, raw.height_unit)
+    said = "its file" if raw.height_unit else "surface.height_unit" if height_unit else "default"
+    unit = f"{raw.height_unit or height_unit or 'm'}, {said}"
+    return HeightMap(np.ascontiguousarray(heights * factor), _size(path, raw, size, lateral_unit), unit)
+
+
+def _factor(path: Path, name: str, given: str | None, own: str | None) -> float:
+    """Metres in a unit: the file's, or else the study's, which must be the same if both say one."""
+    factor = units.quantity(f"1 {own or given or 'm'}", "m", f"unit of {path}" if own else f"surface.{name}")
+    if own and given and abs(units.quantity(f"1 {given}", "m", f"surface.{name}") / factor - 1) > 1e-9:
+        raise InputError(f'surface.{name} = "{given}": {path} says {own}; leave the key out, or mend the file')
+    return factor
+
+
+def _size(
+    path: Path, raw: RawMap, given: tuple[float, float] | None, lateral_unit: str | None
+) -> tuple[float, float]:
+    if raw.size is None:
+        if given is None:
+            raise InputError(f"missing key surface.size: {path} does not tell its lateral size")
+        if lateral_unit is not None:
+            raise InputError(f"surface.lateral_unit: {path} has no lateral coordinates; surface.size has its own unit")
+        return given
+    factor = _factor(path, "lateral_unit", lateral_unit, raw.lateral_unit)
+    own = raw.size[0] * factor, raw.size[1] * factor
+    if given is None:
+        return own
+    if any(abs(one / other - 1) > _SAME_SIZE for one, other in zip(given, own, strict=True)):
         raise InputError(
-            f"surface.path: {path} holds {len(bad)} heights that are no finite numbers, the first at "
-            f"row {bad[0][0]}, column {bad[0][1]}; fill or crop them"
+            f"surface.size = {given[0]:.6g} x {given[1]:.6g} m: {path} says {own[0]:.6g} x {own[1]:.6g} m (y, x; its "
+            "points times their spacing); leave the key out, or mend the file"
         )
-    size = size or own_size
-    if size is None:
-        raise InputError(f"missing key surface.size: {path} does not tell its lateral size")
-    factor = units.quantity(f"1 {height_unit or unit}", "m", "surface.height_unit")
-    return HeightMap(np.ascontiguousarray(heights, dtype=float) * factor, size)
-
-
-def _read(path: Path) -> tuple[np.ndarray, str, tuple[float, float] | None]:
-    if path.suffix == ".npy":
-        return np.load(path, allow_pickle=False), "m", None
-    if path.suffix in (".nc", ".nc4", ".netcdf"):
-        return _read_netcdf(path)
-    return np.loadtxt(path, ndmin=2), "m", None
-
-
-def _read_netcdf(path: Path) -> tuple[np.ndarray, str, tuple[float, float] | None]:
-    import xarray as xr
-
-    with xr.open_dataset(path) as dataset:
-        names = [str(name) for name, variable in dataset.items() if variable.ndim == 2]
-        name = "height" if "height" in dataset else (names[0] if len(names) == 1 else None)
-        if name is None:
-            raise InputError(f"surface.path: {path} has no variable height and {len(names)} two-dimensional ones")
-        heights = dataset[name].load()
-        axes = {_axis(dataset, str(dimension)): dimension for dimension in heights.dims}
-        if set(axes) == {"y", "x"}:
-            heights = heights.transpose(axes["y"], axes["x"])
-        steps = []
-        for dimension in map(str, heights.dims):
-            step = _step(path, dataset, dimension)
-            if step is not None and step < 0:
-                heights = heights.isel({dimension: slice(None, None, -1)})
-            steps.append(step)
-        size = None
-        if len(steps) == 2 and steps[0] and steps[1]:
-            size = abs(steps[0]) * heights.shape[0], abs(steps[1]) * heights.shape[1]
-        return heights.values, str(heights.attrs.get("units", "m")), size
-
-
-def _axis(dataset: Any, dimension: str) -> str:
-    """``y`` or ``x`` as the coordinate's attribute or else the dimension's name says; another name as it is."""
-    attribute = dataset[dimension].attrs.get("axis") if dimension in dataset.coords else None
-    return str(attribute or dimension).lower()
-
-
-def _step(path: Path, dataset: Any, dimension: str) -> float | None:
-    """Distance of neighbouring points (m), negative where the coordinate decreases; None without a coordinate."""
-    if dimension not in dataset.coords or dataset[dimension].size < 2:
-        return None
-    coordinate = dataset[dimension]
-    values = coordinate.values.astype(float)
-    step = (values[-1] - values[0]) / (values.size - 1)
-    even = values[0] + step * np.arange(values.size)
-    if not np.all(np.abs(values - even) <= _UNEVEN * abs(step)) or step == 0:
-        lengths = np.abs(np.diff(values))
-        raise InputError(
-            f"surface.path: the coordinate {dimension} of {path} is not evenly spaced (steps from "
-            f"{lengths.min():.6g} to {lengths.max():.6g}); resample the map on an even grid"
-        )
-    unit = str(coordinate.attrs.get("units", "m"))
-    return float(step) * units.quantity(f"1 {unit}", "m", f"units of {dimension}")
+    return given

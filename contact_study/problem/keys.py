@@ -99,6 +99,17 @@ def text() -> Reader:
     return read, "text"
 
 
+def name_or_number() -> Reader:
+    """Text, or a whole number from 0."""
+
+    def read(value: Any, name: str) -> str | int:
+        if isinstance(value, bool) or not isinstance(value, str | int) or (isinstance(value, int) and value < 0):
+            raise InputError(f"{name} = {value!r}: expected a name or a number from 0")
+        return value
+
+    return read, "text or integer"
+
+
 def pair(reader: Reader, *, broadcast: bool = False, names: str = "[y, x]") -> Reader:
     """Two values, along y and x unless named otherwise; with ``broadcast`` one value stands for both."""
     read_one, kind = reader

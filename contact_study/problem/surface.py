@@ -9,6 +9,7 @@ import numpy as np
 
 from contact_study.fields import fourier
 from contact_study.fields.grid import Grid
+from contact_study.fields.roughness import Roughness, roughness_of
 from contact_study.fields.spectrum import RadialSpectrum, SelfAffineSpectrum, radial_spectrum
 
 if TYPE_CHECKING:
@@ -62,6 +63,16 @@ class Surface(ABC):
         """√<|∇h|²> of the trigonometric interpolant on the continuum grid."""
         power = self.grid.multiplicity * np.abs(fourier.transform(self.sampled)) ** 2
         return float(np.sqrt(np.sum(self.grid.wavenumber**2 * power)))
+
+    @cached_property
+    def roughness(self) -> Roughness:
+        """What this surface is like: of a measured one its map, of all others the continuum grid."""
+        return roughness_of(self.sampled, self.grid)
+
+    @property
+    def filled(self) -> float:
+        """Share of a map's points that were missing and filled."""
+        return 0.0
 
     def measured_spectrum(self) -> RadialSpectrum:
         """Radial spectrum of this very surface."""

@@ -62,6 +62,10 @@ class SurfaceSection(ABC):
     def scales(self, directory: Path) -> SurfaceScales:
         """What the study alone says of heights and slopes; parameters and errors as :meth:`realise`."""
 
+    def cell(self, directory: Path) -> tuple[float, float] | None:
+        """Periods along y and x (m), None if they are not known; parameters and errors as :meth:`realise`."""
+        return self.size
+
     @property
     def map_path(self) -> str | None:
         """File of the heights as the study writes it; None for a surface that needs none."""

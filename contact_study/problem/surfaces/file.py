@@ -1,17 +1,64 @@
-"""A measured surface: heights from a file, taken as periodic."""
+"""A measured surface: heights from a file, made ready as the study asks and taken as periodic."""
 
 from dataclasses import dataclass
+from functools import cached_property, lru_cache
 from pathlib import Path
 
 import numpy as np
 
-from contact_study.fields import fourier
+from contact_study.fields import fourier, preparation
 from contact_study.fields.grid import Grid
+from contact_study.fields.roughness import Roughness, roughness_of
+from contact_study.problem.errors import InputError
 from contact_study.problem.height_map import HeightMap, read_height_map
-from contact_study.problem.keys import key, text
-from contact_study.problem.surface import BandLimitedSurface, Surface
+from contact_study.problem.keys import choice, integer, key, name_or_number, pair, quantity, text
+from contact_study.problem.surface import BandLimitedSurface
 from contact_study.problem.surface_scales import SurfaceScales, spectrum_of_waves
 from contact_study.problem.surfaces.base import SurfaceSection
+
+_DEGREES = {"mean": 0, "tilt": 1, "curvature": 2}
+
+
+@dataclass(frozen=True)
+class MeasuredMap:
+    """A map made ready.
+
+    Attributes
+    ----------
+    heights : numpy.ndarray, shape (ny, nx)
+        Heights about their mean (m).
+    grid : Grid
+        Their points.
+    filled : float
+        Share of the points of the crop that were missing and filled.
+    unit : str
+        Unit that the heights were taken to be in, and who says so.
+    """
+
+    heights: np.ndarray
+    grid: Grid
+    filled: float
+    unit: str
+
+    @cached_property
+    def roughness(self) -> Roughness:
+        """What it is like."""
+        return roughness_of(self.heights, self.grid)
+
+
+@dataclass(frozen=True)
+class MeasuredSurface(BandLimitedSurface):
+    """The trigonometric polynomial through a measured map, which remembers the map."""
+
+    measured: MeasuredMap
+
+    @property
+    def roughness(self) -> Roughness:
+        return self.measured.roughness
+
+    @property
+    def filled(self) -> float:
+        return self.measured.filled
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -21,36 +68,144 @@ class MapFile(SurfaceSection):
     words = "rigid, periodic, height map {path}, {size}"
     height_key = "surface.height_unit"
 
-    path: str = key(text(), "height map: NetCDF, npy or text, relative to the study file")
-    height_unit: str | None = key(text(), "unit of the height map, default m or the file's own", None)
+    path: str = key(
+        text(),
+        "height map: NetCDF, npy, npz, text, xyz, ESRI or WSxM ASCII, or an instrument's (extra instruments), relative "
+        "to the study file",
+    )
+    channel: str | int | None = key(
+        name_or_number(), "name or number, from 0, of the map in a file that holds several", None
+    )
+    height_unit: str | None = key(text(), "unit of the map's heights where its file does not say, default m", None)
+    lateral_unit: str | None = key(
+        text(), "unit of the map's x and y or cell size where its file does not say, default m", None
+    )
+    crop: tuple[tuple[float, float], tuple[float, float]] | None = key(
+        pair(pair(quantity("m", minimum=0.0), names="[from, to]")), "part of the map that is taken", None
+    )
+    detrend: str = key(
+        choice("mean", "tilt", "curvature"),
+        "what is subtracted by least squares: the mean, the mean plane, or a surface of second order",
+        "mean",
+    )
+    fill: str = key(choice("none", "harmonic"), "missing heights: refused, or continued from around them", "none")
+    edges: str = key(
+        choice("periodic", "mirror", "window"),
+        "edges that do not meet: left as they are, joined to mirror images (twice the sides), or faded to the mean",
+        "periodic",
+    )
+    window_share: float = key(
+        quantity("1", positive=True, maximum=1.0), 'share of each side over which edges = "window" fades them', 0.2
+    )
+    resample: tuple[int, int] | None = key(
+        pair(integer(minimum=4)), "points of the map for all models, by trigonometric interpolation", None
+    )
+    lowpass: float | None = key(quantity("m", positive=True), "shortest wavelength that is kept", None)
+
+    def __post_init__(self):
+        if self.crop is not None and any(low >= high for low, high in self.crop):
+            raise InputError(f"surface.crop = {[list(side) for side in self.crop]}: each [from, to] must increase")
 
     @property
     def map_path(self) -> str:
         return self.path
 
-    def realise(self, directory: Path) -> Surface:
-        height_map = self._read(directory)
-        heights = height_map.heights - height_map.heights.mean()
-        shape = self.shape or height_map.shape
-        return BandLimitedSurface(height_map.size, shape, None, fourier.transform(heights), height_map.shape)
+    def cell(self, directory: Path) -> tuple[float, float]:
+        if self.size is not None and self.crop is None and self.edges != "mirror":
+            return self.size  # the file, if it says one, says the same
+        return self.measured(directory).grid.size
+
+    def realise(self, directory: Path) -> MeasuredSurface:
+        found = self.measured(directory)
+        native = found.grid.shape
+        return MeasuredSurface(
+            found.grid.size, self.shape or native, None, fourier.transform(found.heights), native, found
+        )
 
     def scales(self, directory: Path) -> SurfaceScales:
-        height_map = self._read(directory)
-        heights, shape = height_map.heights, self.shape
-        grid = Grid(height_map.shape, height_map.size)
+        found = self.measured(directory)
+        grid, heights, shape = found.grid, found.heights, self.shape
         coefficients = fourier.transform(heights)
         lost = None
         if shape is not None and (shape[0] < grid.shape[0] or shape[1] < grid.shape[1]):
             lost = _moments(fourier.resize_spectrum(coefficients, grid.shape, shape), Grid(shape, grid.size))
         height, slope = _moments(coefficients, grid)
-        peak_to_valley = float(np.ptp(heights))
         power = (grid.multiplicity * np.abs(coefficients) ** 2).reshape(-1)[1:]
         spectrum = spectrum_of_waves(grid.wavenumber.reshape(-1)[1:], power)
-        shortest = 2 * max(grid.spacing)
-        return SurfaceScales(grid.size, shape or grid.shape, height, slope, peak_to_valley, shortest, spectrum, lost)
+        return SurfaceScales(
+            grid.size,
+            shape or grid.shape,
+            height,
+            slope,
+            float(np.ptp(heights)),
+            max(2 * max(grid.spacing), self.lowpass or 0.0),
+            spectrum,
+            lost,
+        )
 
-    def _read(self, directory: Path) -> HeightMap:
-        return read_height_map(directory / self.path, self.height_unit, self.size)
+    def measured(self, directory: Path) -> MeasuredMap:
+        """The map, made ready; errors as :meth:`realise`."""
+        path = directory / self.path
+        state = path.stat() if path.is_file() else None
+        return _measured(self, path, (state.st_mtime_ns, state.st_size) if state else None)
+
+    def _prepared(self, path: Path) -> MeasuredMap:
+        found = self._cropped(path, read_height_map(path, self.height_unit, self.size, self.channel, self.lateral_unit))
+        heights = found.heights
+        missing = float(np.mean(np.isnan(heights)))
+        if missing and self.fill == "none":
+            row, column = np.argwhere(np.isnan(heights))[0]
+            raise InputError(
+                f"surface.path: {path} has {np.isnan(heights).sum()} heights ({100 * missing:.3g} %) that are no finite "
+                f'numbers, the first at row {row}, column {column}; use surface.fill = "harmonic", or surface.crop'
+            )
+        if missing == 1:
+            raise InputError(f"surface.crop: all heights of {path} in it are missing")
+        if missing or self.detrend != "mean":
+            heights = preparation.detrended(heights, _DEGREES[self.detrend])
+        heights = preparation.filled(heights, found.spacing)
+        size = found.size
+        if self.edges == "mirror":
+            heights, size = preparation.mirrored(heights), (2 * size[0], 2 * size[1])
+        elif self.edges == "window":
+            heights = preparation.windowed(heights, self.window_share)
+        if self.resample is not None:
+            heights = fourier.interpolate(heights, self.resample)
+        grid = Grid((heights.shape[0], heights.shape[1]), size)
+        if self.lowpass is not None:
+            heights = preparation.lowpassed(heights, grid, self._shortest(grid))
+        heights = heights - heights.mean()
+        heights.setflags(write=False)
+        return MeasuredMap(heights, grid, missing, found.unit)
+
+    def _cropped(self, path: Path, found: HeightMap) -> HeightMap:
+        if self.crop is None:
+            return found
+        parts, size = [], []
+        for axis, (low, high), count, step in zip("yx", self.crop, found.shape, found.spacing, strict=True):
+            # A point on a limit is meant, whatever the rounding of its unit.
+            first, last = (int(np.ceil(limit / step - 1e-6)) for limit in (low, high))
+            if last > count:
+                raise InputError(f"surface.crop: {axis} = {high:g} m lies beyond {path}, which ends at {count * step:g} m")
+            if last - first < 4:
+                raise InputError(f"surface.crop: holds {last - first} points of {path} along {axis}; at least 4 are needed")
+            parts.append(slice(first, last))
+            size.append((last - first) * step)
+        return HeightMap(found.heights[parts[0], parts[1]], (size[0], size[1]), found.unit)
+
+    def _shortest(self, grid: Grid) -> float:
+        assert self.lowpass is not None
+        if self.lowpass > min(grid.size) / 2:
+            raise InputError(
+                f"surface.lowpass = {self.lowpass:g} m: leaves less than two waves on a side of {min(grid.size):g} m"
+            )
+        return self.lowpass
+
+
+@lru_cache(maxsize=4)
+def _measured(section: MapFile, path: Path, state: tuple[int, int] | None) -> MeasuredMap:
+    """A study asks for one map several times; ``state`` tells one content of the file from another."""
+    return section._prepared(path)
 
 
 def _moments(coefficients: np.ndarray, grid: Grid) -> tuple[float, float]:
