@@ -118,7 +118,8 @@ def roughness_of(heights: np.ndarray, grid: Grid) -> Roughness:
         inside.append(float(np.sqrt(np.mean(np.diff(heights, axis=axis) ** 2))))
     # Along an axis without any height of its own rounding is no jump.
     negligible = 1e-9 * float(np.ptp(heights))
-    ratios = [jump / max(step, negligible) if jump > negligible else 0.0 for jump, step in zip(jumps, inside, strict=True)]
+    pairs = zip(jumps, inside, strict=True)
+    ratios = [jump / max(step, negligible) if jump > negligible else 0.0 for jump, step in pairs]
     return Roughness(
         grid,
         float(np.sqrt(power.sum())),

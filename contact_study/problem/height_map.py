@@ -100,9 +100,7 @@ def _factor(path: Path, name: str, given: str | None, own: str | None) -> float:
     return factor
 
 
-def _size(
-    path: Path, raw: RawMap, given: tuple[float, float] | None, lateral_unit: str | None
-) -> tuple[float, float]:
+def _size(path: Path, raw: RawMap, given: tuple[float, float] | None, lateral_unit: str | None) -> tuple[float, float]:
     if raw.size is None:
         if given is None:
             raise InputError(f"missing key surface.size: {path} does not tell its lateral size")

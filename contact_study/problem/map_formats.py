@@ -57,6 +57,8 @@ def read_map(path: Path, channel: Channel) -> RawMap:
     if _is_text(path):
         try:
             return _text(path, channel)
+        except InputError:
+            raise
         except ValueError as error:
             reason = str(error)
     else:
@@ -138,7 +140,7 @@ def _text(path: Path, channel: Channel) -> RawMap:
         raw = _table(path, lines[1 + _last(lines, "Amplitude:") :], ("Y", "X"), said, downwards=True)
         return replace(raw, height_unit=unit[1] if unit else None)
     if re.match(r"\s*ncols\s", head, re.IGNORECASE):
-        return _esri(lines)
+        return _esri(path, lines)
     # The comments in which Gwyddion and others export a table.
     said = _header(head, r"^#\s*(?P<key>Width|Height|Value units):\s*(?P<value>.*)$")
     return _table(path, lines, ("Height", "Width"), said, downwards=bool(said))
@@ -173,8 +175,8 @@ def _xyz(path: Path, channel: Channel) -> RawMap:
     return _points(path, path.read_text(encoding="utf-8", errors="replace").splitlines())
 
 
-def _esri(lines: Sequence[str]) -> RawMap:
-    """An ASCII grid of ESRI: columns, rows, corner, cell size and the number of missing heights, then rows downwards."""
+def _esri(path: Path, lines: Sequence[str]) -> RawMap:
+    """An ASCII grid of ESRI: columns, rows, corner, cell size and the mark of missing heights, then rows."""
     said: dict[str, float] = {}
     while re.match(r"\s*[A-Za-z_]", lines[len(said)]):
         name, number = lines[len(said)].split()
@@ -182,7 +184,10 @@ def _esri(lines: Sequence[str]) -> RawMap:
     heights = np.loadtxt(lines[len(said) :], ndmin=2)[::-1].copy()
     rows, columns = int(said.get("nrows", -1)), int(said["ncols"])
     if heights.shape != (rows, columns):
-        raise ValueError(f"holds {heights.shape[0]} x {heights.shape[1]} heights, its header says {rows} x {columns}")
+        raise InputError(
+            f"surface.path: {path} holds {heights.shape[0]} x {heights.shape[1]} heights, its header says "
+            f"{rows} x {columns}"
+        )
     heights[heights == said.get("nodata_value", -9999.0)] = np.nan
     return RawMap(heights, (rows * said["cellsize"], columns * said["cellsize"]))
 
@@ -202,14 +207,15 @@ def _instrument(path: Path, channel: Channel, reason: str) -> RawMap:
         with open_topography(str(path)) as reader:
             maps = [one for one in reader.channels if one.dim == 2 and one.is_height_channel]
             name = chosen(path, [one.channel_id for one in maps], channel)
-            topography = next(one for one in maps if one.channel_id == name).topography()
-            heights = np.ma.filled(np.ma.asarray(topography.heights(), dtype=float), np.nan).T
-            sides, unit = topography.physical_sizes, topography.unit
+            found = next(one for one in maps if one.channel_id == name)
+            sides = found.physical_sizes
+            # It asks for a size where the file has none.
+            topography = found.topography(physical_sizes=found.nb_grid_pts if sides is None else None)
+            heights: np.ndarray = np.ma.filled(np.ma.asarray(topography.heights(), dtype=float), np.nan).T
+            unit = topography.unit
     except CannotDetectFileFormat:
         raise InputError(f"surface.path: {path} is in no format that is known ({reason})") from None
-    # Without a size of its own SurfaceTopography counts points.
-    known = unit is not None and sides is not None
-    return RawMap(heights, (float(sides[1]), float(sides[0])) if known else None, unit, unit)
+    return RawMap(heights, None if sides is None else (float(sides[1]), float(sides[0])), unit, unit)
 
 
 def _only(path: Path, channel: Channel) -> None:

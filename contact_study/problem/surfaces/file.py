@@ -186,9 +186,13 @@ class MapFile(SurfaceSection):
             # A point on a limit is meant, whatever the rounding of its unit.
             first, last = (int(np.ceil(limit / step - 1e-6)) for limit in (low, high))
             if last > count:
-                raise InputError(f"surface.crop: {axis} = {high:g} m lies beyond {path}, which ends at {count * step:g} m")
+                raise InputError(
+                    f"surface.crop: {axis} = {high:g} m lies beyond {path}, which ends at {count * step:g} m"
+                )
             if last - first < 4:
-                raise InputError(f"surface.crop: holds {last - first} points of {path} along {axis}; at least 4 are needed")
+                raise InputError(
+                    f"surface.crop: holds {last - first} points of {path} along {axis}; at least 4 are needed"
+                )
             parts.append(slice(first, last))
             size.append((last - first) * step)
         return HeightMap(found.heights[parts[0], parts[1]], (size[0], size[1]), found.unit)

@@ -1,0 +1,324 @@
+"""Height maps of many formats, made ready by the keys of the study; what does not fit ends in one line."""
+
+import struct
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from contact_study.problem.errors import InputError
+from contact_study.problem.height_map import read_height_map
+from contact_study.problem.study import make_study
+from contact_study.problem.surface import realise
+from tests.problem.test_study import TABLE
+
+SIZE = (6e-6, 8e-6)  # y, x
+
+
+@pytest.fixture
+def heights():
+    """In nm, with no symmetry that a wrong axis would leave unseen."""
+    return np.round(np.random.default_rng(3).normal(0, 20, (6, 8)), 3) + np.arange(6)[:, None] - np.arange(8)
+
+
+def surface(folder, name, **keys):
+    table = {
+        "surface": {"kind": "file", "path": name, **keys},
+        "material": TABLE["material"],
+        "interaction": {"law": "hard_wall"},
+        "loading": TABLE["loading"],
+    }
+    return realise(make_study(table, folder).cases[0])
+
+
+def refused(folder, name, **keys):
+    with pytest.raises(InputError) as failure:
+        surface(folder, name, **keys)
+    assert "\n" not in str(failure.value)
+    return str(failure.value)
+
+
+def taken(found, expected, size=SIZE, rounded=1e-9):
+    np.testing.assert_allclose(found.sampled, expected - expected.mean(), atol=1e-12 * np.ptp(expected))
+    np.testing.assert_allclose(found.size, size, rtol=rounded)
+
+
+def wsxm_xyz(path, heights):
+    y, x = np.mgrid[:6, :8]
+    lines = [f"{a} {b} {h}" for a, b, h in zip(x.ravel(), y.ravel(), heights.ravel(), strict=True)]
+    path.write_text(
+        "\n".join(["WSxM file copyright UAM", "WSxM ASCII XYZ file", "X[um]\tY[um]\tZ[nm]", "", *lines[::-1]])
+    )
+
+
+def rows(heights):
+    return "\n".join(" ".join(map(str, row)) for row in heights[::-1]) + "\n"
+
+
+def wsxm_matrix(path, heights):
+    head = "WSxM file copyright UAM\nWSxM ASCII Matrix file\nX Amplitude: 8000 nm\nY Amplitude: 6 µm\nZ Amplitude: 90 nm\n\n"
+    path.write_text(head + rows(heights), encoding="utf-8")
+
+
+def gwyddion(path, heights):
+    head = "# Channel: Height\n# Width: 8.00 µm\n# Height: 6.00 µm\n# Value units: nm\n"
+    path.write_text(head + rows(heights), encoding="utf-8")
+
+
+def netcdf(path, heights):
+    units = {"units": "um"}
+    coordinates = {"x": ("x", np.arange(8.0), units), "y": ("y", np.arange(6.0), units)}
+    xr.Dataset({"height": (("x", "y"), heights.T, {"units": "nm"})}, coordinates).to_netcdf(path)
+
+
+def bcr(path, heights):
+    """Binary 16-bit integers below a header; 0.001 nm a unit."""
+    said = {
+        "fileformat": "bcrstm",
+        "headersize": 2048,
+        "xpixels": 8,
+        "ypixels": 6,
+        "xlength": 8000,
+        "ylength": 6000,
+        "xunit": "nm",
+        "yunit": "nm",
+        "zunit": "nm",
+        "bit2nm": 0.01,
+        "intelmode": 1,
+    }
+    header = "".join(f"{name} = {value}\n" for name, value in said.items()).ljust(2048, "\0")
+    path.write_bytes(header.encode() + struct.pack("<48h", *np.rint(heights / 0.01).astype(int).ravel()))
+
+
+@pytest.mark.parametrize(
+    ("name", "write"),
+    [
+        ("map.nc", netcdf),
+        ("map.xyz", wsxm_xyz),
+        ("map.txt", wsxm_xyz),
+        ("map.txt", wsxm_matrix),
+        ("map.asc", gwyddion),
+    ],
+)
+def test_files_that_say_all(tmp_path, heights, name, write):
+    write(tmp_path / name, heights)
+    found = surface(tmp_path, name)
+    taken(found, 1e-9 * heights)
+    assert found.shape == (6, 8)
+    # What the study repeats is no contradiction; what differs is one, with both in the line.
+    surface(tmp_path, name, size=["6 um", "8.001 um"], height_unit="nm")
+    assert "says 6e-06 x 8e-06" in refused(tmp_path, name, size=["6 um", "7 um"])
+    assert "says nm" in refused(tmp_path, name, height_unit="um")
+
+
+@pytest.mark.parametrize("name", ["map.npy", "map.npz", "map.txt", "map.dat"])
+def test_bare_tables_are_told_their_size_and_unit(tmp_path, heights, name):
+    if name == "map.npy":
+        np.save(tmp_path / name, heights)
+    elif name == "map.npz":
+        np.savez(tmp_path / name, heights=heights)
+    else:
+        np.savetxt(tmp_path / name, heights, fmt="%.17g")
+    taken(surface(tmp_path, name, size=["6 um", "8 um"], height_unit="nm"), 1e-9 * heights)
+    assert "surface.size" in refused(tmp_path, name)
+    assert "surface.height_unit" in refused(tmp_path, name, size="6 um", height_unit="N")
+    assert "surface.lateral_unit" in refused(tmp_path, name, size="6 um", lateral_unit="um")
+
+
+def test_esri_grid_and_its_missing_heights(tmp_path, heights):
+    torn = heights.copy()
+    torn[2, 3] = -9999
+    head = "ncols 8\nnrows 6\nxllcorner 0.0\nyllcorner 0.0\ncellsize 1.0\nNODATA_value -9999\n"
+    (tmp_path / "map.asc").write_text(head + rows(torn))
+    keys = {"height_unit": "nm", "lateral_unit": "um"}
+    assert "1 heights (2.08 %)" in refused(tmp_path, "map.asc", **keys)
+    found = surface(tmp_path, "map.asc", fill="harmonic", **keys)
+    torn[2, 3] = np.mean([torn[1, 3], torn[3, 3], torn[2, 2], torn[2, 4]])
+    # The mean is taken before filling, of the heights that are there, and once more after it.
+    taken(found, 1e-9 * torn)
+    assert found.filled == pytest.approx(1 / 48)
+    (tmp_path / "map.asc").write_text(head.replace("nrows 6", "nrows 5") + rows(torn))
+    assert "header says 5 x 8" in refused(tmp_path, "map.asc", **keys)
+
+
+def test_points_in_any_order_with_whole_lines_missing(tmp_path, heights):
+    y, x = np.mgrid[:6, :8]
+    points = np.column_stack([0.1 * x.ravel(), y.ravel() / 3, heights.ravel()])
+    np.random.default_rng(1).shuffle(points)
+    keys = {"height_unit": "nm", "lateral_unit": "nm", "fill": "harmonic"}
+    np.savetxt(tmp_path / "map.xyz", points, fmt="%.4f")  # a third rounds to 0.01 % of a step
+    taken(surface(tmp_path, "map.xyz", **keys), 1e-9 * heights, (2e-9, 0.8e-9), rounded=1e-4)
+    left = points[np.abs(points[:, 0] - 0.3) > 1e-3]
+    np.savetxt(tmp_path / "map.xyz", left, fmt="%.4f")
+    found = surface(tmp_path, "map.xyz", **keys)
+    assert found.shape == (6, 8)
+    assert found.filled == pytest.approx(1 / 8)
+    np.savetxt(tmp_path / "map.xyz", np.vstack([points, points[:1]]))
+    assert "two heights for one place" in refused(tmp_path, "map.xyz", **keys)
+    points[:, 0] += np.random.default_rng(1).uniform(-0.03, 0.03, 48)
+    np.savetxt(tmp_path / "map.xyz", points)
+    assert "surface.path" in refused(tmp_path, "map.xyz", **keys)
+    np.savetxt(tmp_path / "map.xyz", points[:, :2])
+    assert "2 columns" in refused(tmp_path, "map.xyz", **keys)
+
+
+def test_an_instruments_file(tmp_path, heights):
+    pytest.importorskip("SurfaceTopography", reason="extra instruments")
+    bcr(tmp_path / "map.bcr", heights)
+    found = surface(tmp_path, "map.bcr")
+    assert found.shape == (6, 8)
+    np.testing.assert_allclose(found.size, SIZE, rtol=1e-9)
+    # Integers of 0.01 nm; this format's rows begin at the top or the bottom, as its reader decides.
+    expected = 1e-9 * (heights - heights.mean())
+    assert min(np.abs(found.sampled - turned).max() for turned in (expected, expected[::-1])) < 6e-12
+    assert "says" in refused(tmp_path, "map.bcr", size="6 um")
+    assert "says nm" in refused(tmp_path, "map.bcr", height_unit="um")
+    assert "7" in refused(tmp_path, "map.bcr", channel=7)
+
+
+def test_unknown_formats(tmp_path, monkeypatch):
+    (tmp_path / "map.spm").write_bytes(b"\0\1\2\3 nothing that anyone knows" * 100)
+    pytest.importorskip("SurfaceTopography", reason="extra instruments")
+    assert "in no format that is known" in refused(tmp_path, "map.spm", size="1 um")
+    (tmp_path / "words.txt").write_text("there are no numbers here\n")
+    assert "words.txt" in refused(tmp_path, "words.txt", size="1 um")
+
+
+def test_instruments_need_their_extra(tmp_path, monkeypatch):
+    monkeypatch.setitem(__import__("sys").modules, "SurfaceTopography.IO", None)
+    (tmp_path / "map.spm").write_bytes(b"\0\1\2\3 of some instrument" * 100)
+    assert "bem-adhesion[instruments]" in refused(tmp_path, "map.spm", size="1 um")
+
+
+def test_several_maps_leave_a_choice(tmp_path, heights):
+    xr.Dataset({"trace": (("y", "x"), heights), "retrace": (("y", "x"), heights + 1.0 * heights**2)}).to_netcdf(
+        tmp_path / "map.nc"
+    )
+    np.savez(tmp_path / "map.npz", trace=heights, retrace=heights + heights**2, scale=np.ones(3))
+    for name in ("map.nc", "map.npz"):
+        keys = {"size": ["6 um", "8 um"], "height_unit": "nm"}
+        line = refused(tmp_path, name, **keys)
+        assert "surface.channel" in line
+        assert "0: trace, 1: retrace" in line
+        for channel in (1, "retrace"):
+            taken(surface(tmp_path, name, channel=channel, **keys), 1e-9 * (heights + heights**2))
+        taken(surface(tmp_path, name, channel="trace", **keys), 1e-9 * heights)
+        for channel in (2, "phase"):
+            assert f"surface.channel = {channel!r}" in refused(tmp_path, name, channel=channel, **keys)
+    np.save(tmp_path / "one.npy", heights)
+    assert "holds one map" in refused(tmp_path, "one.npy", channel="retrace", size="1 um")
+
+
+@pytest.mark.parametrize(
+    ("array", "culprit"),
+    [(np.ones((1, 9)), r"at least 4 x 4"), (np.full((9, 9), np.nan), "all of its heights are missing")],
+)
+def test_maps_that_are_none(tmp_path, array, culprit):
+    np.save(tmp_path / "map.npy", array)
+    assert culprit in refused(tmp_path, "map.npy", size="1 um", fill="harmonic")
+
+
+@pytest.fixture
+def tilted(tmp_path):
+    y, x = np.mgrid[:24, :30]
+    heights = 1e-9 * (np.sin(2 * np.pi * 3 * y / 24) + np.cos(2 * np.pi * 5 * x / 30))
+    np.save(tmp_path / "map.npy", heights + 3e-9 * y - 2e-9 * x + 4e-10 * (y - 12.0) ** 2)
+    return tmp_path
+
+
+KEYS = {"size": ["24 nm", "30 nm"]}
+
+
+def test_detrending(tilted):
+    left = [surface(tilted, "map.npy", detrend=how, **KEYS).rms_height for how in ("mean", "tilt", "curvature")]
+    assert left[0] > 1.5 * left[1] > 3 * left[2]
+    # The waves that are left correlate a little with a plane and a bowl.
+    assert left[2] == pytest.approx(1e-9, rel=0.2)
+
+
+def test_crop_takes_the_part_and_its_size(tilted):
+    found = surface(tilted, "map.npy", crop=[["4 nm", "16 nm"], [0, "10 nm"]], **KEYS)
+    taken(found, np.load(tilted / "map.npy")[4:16, :10], (12e-9, 10e-9))
+    assert "y = 2.5e-08 m lies beyond" in refused(tilted, "map.npy", crop=[[0, "25 nm"], [0, "10 nm"]], **KEYS)
+    assert "3 points" in refused(tilted, "map.npy", crop=[[0, "20 nm"], [0, "3 nm"]], **KEYS)
+    assert "must increase" in refused(tilted, "map.npy", crop=[[0, "20 nm"], ["3 nm", "3 nm"]], **KEYS)
+
+
+def test_edges(tilted):
+    torn = surface(tilted, "map.npy", **KEYS).roughness
+    assert torn.edge_ratio > 10
+    mirror = surface(tilted, "map.npy", edges="mirror", **KEYS)
+    assert mirror.shape == (48, 60)
+    assert mirror.size == pytest.approx((48e-9, 60e-9))
+    assert mirror.roughness.edge_ratio == 0
+    window = surface(tilted, "map.npy", edges="window", window_share=0.4, **KEYS)
+    assert window.size == pytest.approx((24e-9, 30e-9))
+    assert window.roughness.edge_ratio < 1
+    assert window.rms_height < torn.rms_height
+    # A wider window leaves less.
+    assert surface(tilted, "map.npy", edges="window", window_share=0.8, **KEYS).rms_height < window.rms_height
+
+
+def test_resample_and_lowpass(tilted):
+    keys = {"detrend": "curvature", "edges": "mirror", **KEYS}
+    whole = surface(tilted, "map.npy", **keys)
+    finer = surface(tilted, "map.npy", resample=[96, 120], **keys)
+    np.testing.assert_allclose(finer.sampled[::2, ::2], whole.sampled, atol=1e-20)  # rounding of 1e-8
+    smooth = surface(tilted, "map.npy", lowpass="9 nm", **keys)
+    power = np.abs(np.fft.fft2(smooth.sampled))
+    q = np.hypot(np.fft.fftfreq(48, 1e-9)[:, None], np.fft.fftfreq(60, 1e-9)[None, :])
+    assert power[q > 1 / 9e-9 * 1.001].max() < 1e-10 * power.max()
+    assert power[(q < 1 / 9e-9) & (q > 1 / 10e-9)].max() > 1e-4 * power.max()
+    assert "surface.lowpass" in refused(tilted, "map.npy", lowpass="25 nm", **keys)
+
+
+def test_missing_heights_outside_the_crop_do_not_matter(tilted):
+    heights = np.load(tilted / "map.npy")
+    heights[20, 20] = np.inf
+    np.save(tilted / "map.npy", heights)
+    surface(tilted, "map.npy", crop=[[0, "16 nm"], [0, "30 nm"]], **KEYS)
+    assert "row 20, column 20" in refused(tilted, "map.npy", **KEYS)
+    heights[:16, :10] = np.nan
+    np.save(tilted / "map.npy", heights)
+    assert "in it are missing" in refused(tilted, "map.npy", crop=[[0, "16 nm"], [0, "10 nm"]], fill="harmonic", **KEYS)
+
+
+def test_a_plane_is_fitted_to_what_was_measured(tilted):
+    """Filling first would let the hole weigh in the fit."""
+    heights = np.load(tilted / "map.npy")
+    plane = 3e-9 * np.arange(24)[:, None] - 2e-9 * np.arange(30)[None, :]
+    heights[:8, :8] = np.nan
+    left = []
+    for more in (0, 5 * plane):
+        np.save(tilted / "map.npy", heights + more)
+        left.append(surface(tilted, "map.npy", detrend="tilt", fill="harmonic", **KEYS).sampled)
+    np.testing.assert_allclose(left[0], left[1], atol=1e-18)  # rounding of 1e-6
+
+
+def test_a_changed_file_is_read_again(tilted):
+    before = surface(tilted, "map.npy", **KEYS).rms_height
+    np.save(tilted / "map.npy", 2 * np.load(tilted / "map.npy").astype(np.longdouble))
+    assert surface(tilted, "map.npy", **KEYS).rms_height == pytest.approx(2 * before)
+
+
+def test_atoms_stand_on_the_cell_that_is_left(tmp_path):
+    heights = 1e-10 * np.random.default_rng(1).standard_normal((20, 40))
+    np.save(tmp_path / "map.npy", heights)
+    table = {
+        "surface": {"kind": "file", "path": "map.npy", "size": ["5.2 nm", "10.4 nm"], "crop": [[0, "2.6 nm"]] * 2},
+        "material": TABLE["material"],
+        "interaction": TABLE["interaction"],
+        "loading": TABLE["loading"],
+    }
+    assert make_study(table, tmp_path).cases[0].lattice.atoms == (10, 10)
+    del table["surface"]["crop"]
+    table["surface"]["edges"] = "mirror"
+    assert make_study(table, tmp_path).cases[0].lattice.atoms == (40, 80)
+
+
+def test_the_unit_says_who_said_it(tmp_path, heights):
+    gwyddion(tmp_path / "map.txt", heights)
+    assert read_height_map(tmp_path / "map.txt").unit == "nm, its file"
+    np.save(tmp_path / "map.npy", heights)
+    assert read_height_map(tmp_path / "map.npy", "nm", (1.0, 1.0)).unit == "nm, surface.height_unit"
+    assert read_height_map(tmp_path / "map.npy", None, (1.0, 1.0)).unit == "m, default"
