@@ -156,8 +156,9 @@ class MapFile(SurfaceSection):
         if missing and self.fill == "none":
             row, column = np.argwhere(np.isnan(heights))[0]
             raise InputError(
-                f"surface.path: {path} has {np.isnan(heights).sum()} heights ({100 * missing:.3g} %) that are no finite "
-                f'numbers, the first at row {row}, column {column}; use surface.fill = "harmonic", or surface.crop'
+                f"surface.path: {path} has {np.isnan(heights).sum()} heights ({100 * missing:.3g} %) that are no "
+                f"finite numbers, the first at row {row}, column {column}; use surface.crop, or "
+                'surface.fill = "harmonic"'
             )
         if missing == 1:
             raise InputError(f"surface.crop: all heights of {path} in it are missing")
