@@ -17,17 +17,14 @@ from contact_study.comparison.compute.deviations import MISSING, compute_deviati
 from contact_study.comparison.compute.regime import compute_regime
 from contact_study.comparison.illustrations import draw
 from contact_study.comparison.read.datasets import Inputs, read_inputs
-from contact_study.comparison.say.report import Figures, collected_warnings, render_report
+from contact_study.comparison.say.report import FIGURE_TITLES, Figures, collected_warnings, render_report
 from contact_study.comparison.say.setting_tables import unconverged_steps
 from contact_study.comparison.tree import comparison_tree
 from contact_study.problem import units
 from contact_study.problem.errors import InputError
 
 COMMAND = "contact-compare"
-FIGURE_FILES = {
-    name: f"figure_{number}_{name}.png"
-    for number, name in enumerate(("stress_distribution", "gap_distribution", "contact_area", "mean_gap", "gap_map"), 1)
-}
+FIGURE_FILES = {name: f"figure_{number}_{name}.png" for number, name in enumerate(FIGURE_TITLES, 1)}
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

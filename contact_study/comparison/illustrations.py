@@ -3,10 +3,12 @@
 from contact_study.comparison.compute import bands, plotted
 from contact_study.comparison.compute.cases import sweep_points
 from contact_study.comparison.compute.gap_maps import read_gap_maps
+from contact_study.comparison.compute.interface_state import read_interface_state
 from contact_study.comparison.compute.scales import mean_pressure_unit, scales
 from contact_study.comparison.compute.shown_states import common_label, panel_points, point_label, state_label
 from contact_study.comparison.draw import figures
 from contact_study.comparison.draw.gap_map import gap_map_figure
+from contact_study.comparison.draw.interface import interface_figure
 from contact_study.comparison.draw.style import png
 from contact_study.comparison.read.datasets import Inputs
 from contact_study.comparison.read.path_points import AVERAGED
@@ -50,6 +52,9 @@ def draw(inputs: Inputs, wanted: float | None = None) -> Figures:
     if maps is not None:
         state = state_label(shown.case, point_label(shown.common, scale, control))
         drawn["gap_map"] = gap_map_figure(maps, state)
+        interface = read_interface_state(inputs, shown, seed)
+        if interface is not None:
+            drawn["interface"] = interface_figure(interface, state)
     banded = dict.fromkeys(band.model for found in (area_bands, logarithmic, linear) for band in found)
     words = captions(inputs, shown, curves, seed, list(banded))
     return Figures({name: png(figure) for name, figure in drawn.items()}, words)

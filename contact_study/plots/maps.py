@@ -94,7 +94,8 @@ def contact_map(dataset: xr.Dataset, axes: Axes | None = None, largest: int = le
     colours = ListedColormap([_NONE, *COLOURS[:coloured], _OTHERS])
     axes = _map(state, np.minimum(clusters, coloured + 1), axes, None, cmap=colours, vmin=-0.5, vmax=coloured + 1.5)
     share = float(np.mean(clusters > 0))
-    axes.set_title(f"contact area {share:.3g}, {clusters.max()} clusters", fontsize=8)
+    words = "one cluster" if clusters.max() == 1 else f"{clusters.max()} clusters"
+    axes.set_title(f"contact area {share:.3g}, {words}", fontsize=8)
     return axes
 
 

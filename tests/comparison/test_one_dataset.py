@@ -51,7 +51,7 @@ def test_one_dataset_is_reported_on(tmp_path, kind):
     assert ("The simulations start" in text) is False
     drawn = {path.stem.partition("_")[2].partition("_")[2] for path in (tmp_path / "figures").iterdir()}
     every = {"stress_distribution", "gap_distribution", "contact_area", "mean_gap"}
-    assert drawn == (every if kind == "theory" else {*every, "gap_map"})
+    assert drawn == (every if kind == "theory" else {*every, "gap_map", "interface"})
 
 
 def test_extents_are_of_converged_states_in_contact(tmp_path):

@@ -1,8 +1,10 @@
 """The gap fields of the simulations at one state, read one at a time from their files."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+import xarray as xr
 
 from contact_study.comparison.compute.cases import case_points, first_constant, select
 from contact_study.comparison.compute.shown_states import PanelPoints
@@ -31,21 +33,37 @@ class GapMaps:
     contact_distance: float
 
 
+def located(
+    inputs: Inputs, model: str, shown: PanelPoints, seed: int | None
+) -> tuple[xr.Dataset, dict[str, Any], int] | None:
+    """Where a simulation keeps the state common to the figures; None where it has no such state in the plane.
+
+    Returns
+    -------
+    part, selection, step
+        Its dataset at the point of the sweep, the swept coordinates with the seed, the position on the path.
+    """
+    part = select(inputs.models[model], shown.case)
+    if part is None or "y" not in part or shown.common not in (path := case_points(part, inputs.control)):
+        return None
+    selection = dict(shown.case.selection)
+    if AVERAGED in part.dims:
+        if seed is None:
+            return None
+        selection[AVERAGED] = seed
+    return part, selection, path.index(shown.common)
+
+
 def read_gap_maps(inputs: Inputs, shown: PanelPoints, seed: int | None) -> GapMaps | None:
     """The maps at the state common to the figures; None where no simulation kept its fields or is in contact."""
     hard_wall = not any(case.law.attracts for case in inputs.cases_at(shown.case.selection))
     distance = 0.0 if hard_wall else first_constant(inputs.models, shown.case, "contact_distance")
     gaps, size = {}, (0.0, 0.0)
     for model in inputs.simulations:
-        part = select(inputs.models[model], shown.case)
-        if part is None or "y" not in part or shown.common not in (path := case_points(part, inputs.control)):
+        place = located(inputs, model, shown, seed)
+        if place is None:
             continue
-        step = path.index(shown.common)
-        selection = dict(shown.case.selection)
-        if AVERAGED in part.dims:
-            if seed is None:
-                continue
-            selection[AVERAGED] = seed
+        part, selection, step = place
         # Smaller cells of a sweep are padded to the points of the largest.
         y, x = (part[axis].values[np.isfinite(part[axis].values)] for axis in ("y", "x"))
         stored = field_at(inputs.paths[entry_of(model).file], "gap", selection, step)

@@ -56,6 +56,9 @@ def captions(
         f"{_lines(inputs, banded)}",
         "mean_gap": _mean_gap(inputs, curves, gaps, banded),
         "gap_map": f"Local gap of {_simulations(inputs)} at {state}{whose}; contact, {_contact(own)}, is black.",
+        "interface": f"Interface of {_simulations(inputs)} at {state}{whose}. (a) Local pressure, compression red, "
+        f"tension blue; (b) clusters of contact, {_contact(own)}, the six largest in colour; (c) section along x "
+        "through the highest point of the surface.",
     }
 
 

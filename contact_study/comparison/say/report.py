@@ -23,6 +23,7 @@ FIGURE_TITLES = {
     "contact_area": "Contact area",
     "mean_gap": "Mean gap",
     "gap_map": "Gap fields",
+    "interface": "Interface",
 }
 
 # Symbols whose subscripts are set as such; study text is full of underscores that are none.
