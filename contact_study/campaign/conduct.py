@@ -104,7 +104,8 @@ def conduct(
         progress.close()
         groups, late = assembled(run, names, parts)
         notes = [*provenance.carried_warnings(run, finished), *notes, *late]
-        groups[""].attrs.update(provenance.provenance(run, finished, [*said, *notes, *commits], command, commit))
+        earlier = [finished.attributes] if finished is not None else []
+        groups[""].attrs.update(provenance.provenance(run, earlier, [*said, *notes, *commits], command, commit))
         parts.finish(groups)
     finally:
         progress.close()

@@ -1,6 +1,5 @@
 """Studies from Python: a table or a file in, a dataset out."""
 
-import importlib
 import tempfile
 import warnings
 from collections.abc import Mapping
@@ -12,7 +11,7 @@ import xarray as xr
 
 from contact_study.campaign.conduct import Conditions, check_inputs_kept, conduct
 from contact_study.campaign.dataset.provenance import unconverged
-from contact_study.campaign.model import MODULES, Model
+from contact_study.campaign.model import MODULES, Model, model_of
 from contact_study.campaign.progress import Progress, Warnings
 from contact_study.fields.arguments import field
 from contact_study.problem.errors import InputError
@@ -106,7 +105,7 @@ def run(
 def _model(name: str) -> Model:
     if name not in MODULES:
         raise InputError(f"model = {name!r}: expected one of {', '.join(MODULES)}")
-    return importlib.import_module(MODULES[name]).MODEL
+    return model_of(name)
 
 
 def _study(study: Mapping[str, Any] | str | Path, folder: Path) -> Study:

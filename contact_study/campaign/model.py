@@ -20,6 +20,11 @@ MODULES = {"continuum": "bem_adhesion.run", "atomistic": "md_reference.run", "th
 Predictor = Callable[[int], np.ndarray | None]
 
 
+def model_of(kind: str) -> "Model":
+    """The model of a kind, a key of :data:`MODULES`."""
+    return importlib.import_module(MODULES[kind]).MODEL
+
+
 @dataclass(frozen=True)
 class Model:
     """One of the three models.

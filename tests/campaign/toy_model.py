@@ -12,6 +12,7 @@ from contact_study.campaign.record import Step
 from contact_study.problem.errors import InputError
 
 TOY = Model("toy", "continuum", "tests.campaign.toy_model", "a toy", "none", ignores=("atomistic", "theory"))
+MODEL = TOY
 TOY_OF_WHOLE_PATHS = dataclasses.replace(TOY, whole_path=True)
 TOY_ATOMS = dataclasses.replace(TOY, kind="atomistic", takes_predictor=True, ignores=("theory",))
 
@@ -49,6 +50,7 @@ def solve_path(case, surface, restart=None, start=0, predictor=None):
                 "mean_pressure": value,
                 "relative_contact_area": float(state[0] ** 2),
                 "pressure_pdf": lambda edges, density=state[1]: np.full(edges.size - 1, density),
+                "gap_flow/mean_gap": float(state[0]),
                 "gap_flow/loading/relative_contact_area": float(state[2] ** 2),
                 "converged": not (case.interaction.well_depth_ratio == 5 and number == 1),
                 "gap_flow/loading/converged": not (case.interaction.well_depth_ratio == 6 and number == 1),

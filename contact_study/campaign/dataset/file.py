@@ -113,7 +113,8 @@ class Earlier:
                 dims = [dim for dim in LABELS if dim in variable.dims]
                 for place in np.ndindex(*(variable.sizes[dim] for dim in dims)):
                     labelled = dict(zip(dims, place, strict=True))
-                    labels = [str(dataset[dim].values[i]) for dim, i in labelled.items()]
+                    # A group inherits the labels that the root has, too.
+                    labels = [str(node[dim].values[i]) for dim, i in labelled.items()]
                     yield "/".join([*labels, str(name)]), variable.isel(chosen | labelled)
 
 

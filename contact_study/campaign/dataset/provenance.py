@@ -34,17 +34,17 @@ def carried_warnings(run: Run, finished: Finished | None) -> list[str]:
 
 
 def provenance(
-    run: Run, finished: Finished | None, warnings: Sequence[str], command: str, git_commit: str
+    run: Run, earlier: Sequence[Mapping[str, Any]], warnings: Sequence[str], command: str, git_commit: str
 ) -> dict[str, Any]:
-    """Attributes of the root; ``command`` is the command line, the newest of the dataset's history."""
-    history = f"{datetime.now(UTC).isoformat(timespec='seconds')}: {command}"
-    if finished is not None:
-        history += f"\n{finished.attributes.get('history', '')}"
+    """Attributes of the root; ``command`` heads the history, that of ``earlier`` datasets follows."""
+    history = [f"{datetime.now(UTC).isoformat(timespec='seconds')}: {command}"]
+    for attributes in earlier:
+        history += str(attributes.get("history", "")).splitlines()
     return {
         "Conventions": CONVENTIONS,
         "title": run.study.title,
         "source": f"bem-adhesion {contact_study.__version__}, {run.model.command}: {run.model.description}",
-        "history": history,
+        "history": "\n".join(dict.fromkeys(history)),
         "references": run.model.references,
         "git_commit": git_commit,
         "warnings": "\n".join(dict.fromkeys(warnings)),

@@ -52,7 +52,7 @@ class Cases:
         for section in SECTIONS:
             if section not in (*WHOLE_STUDY, *self.model.ignores):
                 for name in keys_of(type(getattr(case, section))):
-                    values[f"{section}.{name}"] = _rounded(getattr(getattr(case, section), name))
+                    values[f"{section}.{name}"] = rounded(getattr(getattr(case, section), name))
         for dotted in _APART:
             values.pop(dotted, None)
         if case.height_map is not None:
@@ -64,7 +64,7 @@ class Cases:
         names = []
         for case in self.study.cases:
             # Two points of a sweep may differ in nothing that decides a number, such as the threads.
-            apart = {name: _rounded(value) for name, value in case.coordinates.items()}
+            apart = {name: rounded(value) for name, value in case.coordinates.items()}
             text = json.dumps([self.deciding(case), apart], sort_keys=True)
             names.append(hashlib.sha256(text.encode()).hexdigest()[:16])
         return names
@@ -101,10 +101,10 @@ class Run(Cases):
         }
 
 
-def _rounded(value: Any) -> Any:
+def rounded(value: Any) -> Any:
     """Floats to twelve digits: a value written in another unit differs by a rounding."""
     if isinstance(value, tuple):
-        return [_rounded(item) for item in value]
+        return [rounded(item) for item in value]
     return float(f"{value:.12g}") if isinstance(value, float) else value
 
 
@@ -180,10 +180,7 @@ def _check_program(attributes: Mapping[str, Any], run: Run) -> None:
 def _earlier(attributes: Mapping[str, Any], run: Run) -> Cases:
     import tomllib
 
-    maps = {}
-    for line in str(attributes.get("height_maps", "")).splitlines():
-        content, _, path = line.partition(" ")
-        maps[path] = content.removeprefix("sha256:")
+    maps = recorded_height_maps(attributes)
     try:
         study = make_study(tomllib.loads(str(attributes["study_toml"])), run.study.directory)
     except (KeyError, tomllib.TOMLDecodeError, InputError):
@@ -193,10 +190,19 @@ def _earlier(attributes: Mapping[str, Any], run: Run) -> Cases:
     return Cases(run.model, study, maps)
 
 
+def recorded_height_maps(attributes: Mapping[str, Any]) -> dict[str, str]:
+    """SHA-256 of each height map of a dataset, by its path as the study writes it."""
+    maps = {}
+    for line in str(attributes.get("height_maps", "")).splitlines():
+        content, _, path = line.partition(" ")
+        maps[path] = content.removeprefix("sha256:")
+    return maps
+
+
 def _differences(values: dict[str, Any], others: Sequence[dict[str, Any]], case: Case, study: Study) -> str:
     """In what a case that is not found differs from the nearest that is there."""
-    nearest = min(others, key=lambda other: sum(1 for _ in _differing(values, other)))
-    differing = dict(_differing(values, nearest))
+    nearest = min(others, key=lambda other: sum(1 for _ in differing_keys(values, other)))
+    differing = dict(differing_keys(values, nearest))
     if list(differing) == ["surface.path"] and case.height_map is not None:
         one, two = (str(value).rpartition(" ")[2][:12] for value in differing["surface.path"])
         return f"the height map {case.surface.map_path} has changed (SHA-256 {one}… there, {two}… here)"
@@ -208,7 +214,8 @@ def _differences(values: dict[str, Any], others: Sequence[dict[str, Any]], case:
     return ", ".join(words[:_SHOWN]) + more
 
 
-def _differing(values: dict[str, Any], other: dict[str, Any]) -> Iterator[tuple[str, tuple[Any, Any]]]:
+def differing_keys(values: dict[str, Any], other: dict[str, Any]) -> Iterator[tuple[str, tuple[Any, Any]]]:
+    """Keys of :meth:`Cases.deciding` that tell two cases apart, with the values of both."""
     for dotted in {**values, **other}:
         if values.get(dotted) != other.get(dotted):
             yield dotted, (values.get(dotted), other.get(dotted))

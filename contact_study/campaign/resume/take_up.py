@@ -131,7 +131,7 @@ def take_up(
             for number, found in taken.matches.items():
                 folder = parts.case_folder(names[number])
                 if not folder.exists():
-                    why = _unpack(dataset, taken.case(found), found, run.study.cases[number], run.bins, folder)
+                    why = unpack(dataset, taken.case(found), found, run.study.cases[number], run.bins, folder)
                     notes += [_anew(run, number, why)] if why else []
     return list(dict.fromkeys(notes))
 
@@ -214,11 +214,30 @@ def _on_usable_bins(folder: Path, bins: Bins) -> int:
     return numbers[-1] + 1 if numbers else 0
 
 
-def _unpack(dataset: Earlier, before: Case, found: Match, case: Case, own: Bins, folder: Path) -> str:
-    """Put what stands of a case of a finished dataset into its folder; returns why it cannot, if it cannot."""
+def unpack(dataset: Earlier, before: Case, found: Match, case: Case, own: Bins, folder: Path) -> str:
+    """Put what stands of a case of a finished dataset into the folder of a run's case.
+
+    Parameters
+    ----------
+    dataset : Earlier
+        The dataset.
+    before, case : Case
+        The case there and here.
+    found : Match
+        Where it stands there, and how much of it stands here.
+    own : Bins
+        Those of the run.
+    folder : pathlib.Path
+        Folder of the case; it appears by rename.
+
+    Returns
+    -------
+    str
+        Why nothing of it can be used; empty if it can.
+    """
     if found.steps == 0:
         return found.anew
-    bins = _bins_of(dataset, own)
+    bins = recorded_bins(dataset, own)
     if not bins.hold(own):
         return "the bins of its distributions were coarser than those asked for now"
     state = dataset.state(found.earlier) if found.steps == len(before.path) else {}
@@ -235,8 +254,8 @@ def _unpack(dataset: Earlier, before: Case, found: Match, case: Case, own: Bins,
     return ""
 
 
-def _bins_of(dataset: Earlier, own: Bins) -> Bins:
-    """Bins of a dataset, from their centres; those of this run for a distribution that it lacks."""
+def recorded_bins(dataset: Earlier, own: Bins) -> Bins:
+    """Bins of a dataset, from their centres; those of ``own`` for a distribution that it lacks."""
     edges = []
     for centres, default in zip(dataset.bin_centres, (own.pressure_edges, own.gap_edges), strict=True):
         if centres is None:
