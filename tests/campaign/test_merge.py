@@ -9,6 +9,7 @@ import tomli_w
 import xarray as xr
 
 from contact_study.campaign.command import main
+from contact_study.campaign.merge import joining
 from contact_study.campaign.merge.command import main as merge_main
 from contact_study.campaign.model import MODULES
 from tests.campaign.test_command import assert_same
@@ -233,6 +234,16 @@ def test_output_is_not_lost(parts, merge, tmp_path):
     assert refused(*merge(*files, output="new.nc"), "holds the steps of an unfinished run")
     assert (tmp_path / "new.nc.parts" / "case-1").is_dir()
     assert not (tmp_path / "new.nc.parts.lock").exists()
+
+
+def test_interrupted_merge_leaves_nothing(parts, merge, tmp_path, monkeypatch):
+    def interrupt(*_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(joining, "assembled", interrupt)
+    status, said = merge(parts / "seed1.nc", parts / "seed2.nc")
+    assert (status, said) == (130, "contact-merge: interrupted; nothing was written\n")
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_inputs_that_are_none(parts, run, merge, tmp_path):
