@@ -7,13 +7,15 @@ nodes as on coarse ones. Its slowest modes are a few smooth ones (one near −2.
 circle under strong adhesion), which Anderson's acceleration deals with; ln f is mixed, weighted by its area.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
 from contact_study.fields.spectrum import RoughnessSpectrum
 from contact_study.problem.elasticity import Elasticity
-from theory.edge_steps import local_response, sweep
+from theory.edge_steps import compare, differences, local_response, sweep
 from theory.fixed_point import accelerated
 
 # Bounds of the response: contact gives way by K/(K + c), and nothing follows more than some times its wave.
@@ -169,17 +171,30 @@ class Problem:
     tolerance: float
     iterations: int
 
+    @cached_property
+    def _geometry(self) -> np.ndarray:
+        return differences(self.gaps)
+
     def local(self) -> np.ndarray:
         """Response to a law that the finer scales only smooth, shape (k, n): where nothing touches."""
         response = np.empty((self.scales.steps.size, self.gaps.size))
-        local_response(self.gaps, self.scales.stiffness, self.scales.steps, self.traction, response)
+        local_response(self._geometry, self.scales.stiffness, self.scales.steps, self.traction, response)
         return response
 
-    def between(self, one: Equilibrium, other: Equilibrium, gap: float) -> np.ndarray:
-        """Response at a mean gap, from those at two others along straight lines of ln f over ln ū, shape (k, n)."""
-        share = np.log(gap / other.gap) / np.log(other.gap / one.gap)
-        step = np.clip(share * np.log(other.response / one.response), -_FARTHEST, _FARTHEST)
-        return np.clip(other.response * np.exp(step), _LEAST, _LARGEST)
+    def between(self, states: Sequence[Equilibrium], gap: float) -> np.ndarray:
+        """Response at a mean gap from those at others, shape (k, n): ln f as a polynomial through them of ln ū.
+
+        A mean gap beyond the last state changes ln f of that one by no more than a bound.
+        """
+        places, place = np.log([state.gap for state in states]), np.log(gap)
+        logarithm = np.zeros_like(states[-1].response)
+        for own, state in zip(places, states, strict=True):
+            others = places[places != own]
+            logarithm += np.prod((place - others) / (own - others)) * np.log(state.response)
+        if not places.min() <= place <= places.max():
+            last = np.log(states[-1].response)
+            logarithm = last + np.clip(logarithm - last, -_FARTHEST, _FARTHEST)
+        return np.clip(np.exp(logarithm), _LEAST, _LARGEST)
 
     def solve(self, gap: float, response: np.ndarray) -> Equilibrium:
         """The state at a mean gap, from a first response."""
@@ -190,6 +205,7 @@ class Problem:
         start[right - 1], start[right] = 1 - share, share
         weights, gradients = np.empty((2, scales.steps.size + 1, x.size))
         answer, f = np.empty_like(response), np.empty_like(response)
+        factors = np.empty((scales.steps.size, 3, x.size))
         elastic = 0.0
 
         def update(logarithm: np.ndarray) -> tuple[np.ndarray, np.ndarray, float]:
@@ -197,6 +213,7 @@ class Problem:
             np.exp(logarithm, out=f)
             elastic = sweep(
                 x,
+                self._geometry,
                 scales.stiffness,
                 scales.modulation,
                 scales.square,
@@ -208,13 +225,11 @@ class Problem:
                 weights,
                 gradients,
                 answer,
+                factors,
             )
-            area = np.maximum(0.5 * (weights[1:] + weights[:-1]), 0.0)
-            bounded = np.clip(answer, _LEAST, _LARGEST)
-            # A response that would be negative or larger than the bound is no equilibrium: its distance from it counts.
-            aim = np.where((answer > 0) & (answer < _LEAST), bounded, answer)
-            change = float(np.max(np.sum(area * np.abs(aim - f), axis=1)))
-            return np.log(bounded) - logarithm, np.sqrt(area + _UNSEEN) * f, change
+            weight = np.empty_like(f)
+            change = compare(weights, f, answer, _LEAST, _LARGEST, _UNSEEN, weight)
+            return np.log(answer) - logarithm, weight, change
 
         logarithm, change, count = accelerated(
             update,

@@ -50,6 +50,9 @@ _HALVINGS, _LOST = 3, 3
 # Order of the spline through the energy, and points of its derivative between two mean gaps.
 _ORDER, _POINTS = 5, 16
 
+# States of the curve from which the start of one between them is interpolated.
+_NEIGHBOURS = 4
+
 # Pressure, in deviations of the stress of full contact, that the curve reaches if none is asked.
 _WHOLE_CONTACT = 4.0
 
@@ -127,9 +130,10 @@ class EdgeFlow(PressureCurve):
     def _state(self, mean_gap: float) -> GapState:
         gaps = np.array([found.gap for found in self.equilibria])
         after = int(np.clip(np.searchsorted(-gaps, -mean_gap / self.length), 1, gaps.size - 1))
-        larger, smaller = self.equilibria[after - 1 : after + 1]
+        first = int(np.clip(after - _NEIGHBOURS // 2, 0, max(gaps.size - _NEIGHBOURS, 0)))
         gap = float(np.clip(mean_gap / self.length, gaps[-1], gaps[0]))
-        found = self._problem.solve(gap, self._problem.between(larger, smaller, gap))
+        start = self._problem.between(self.equilibria[first : first + _NEIGHBOURS], gap)
+        found = self._problem.solve(gap, start)
         # The spline's slope rests on the neighbours, a few of them on either side.
         rests_on = (found, *self.equilibria[max(after - 2, 0) : after + 2])
         return GapState(
@@ -259,5 +263,4 @@ def _approach(problem: Problem, far: float, near: float, highest: float) -> tupl
 
 def _next(problem: Problem, sound: list[Equilibrium], gap: float) -> Equilibrium:
     """The state at a mean gap, from the one or two last ones that converged."""
-    start = problem.between(sound[-2], sound[-1], gap) if len(sound) > 1 else sound[-1].response
-    return problem.solve(gap, start)
+    return problem.solve(gap, problem.between(sound, gap))

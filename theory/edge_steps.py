@@ -8,6 +8,8 @@ distribution, whose data are sharp, are of the implicit Euler method.
 import numpy as np
 from numba import njit
 
+from theory.tridiagonal import factorise, solve
+
 _GAMMA = 1 - 1 / np.sqrt(2)
 
 # Weight per unit of the gap below which a node's response is that of its own curvature: what such a node does changes
@@ -18,14 +20,47 @@ _EMPTY = 1e-12
 _STABLE = 0.8
 
 
+def differences(x: np.ndarray) -> np.ndarray:
+    """Coefficients of the differences on nodes, shape (5, n); the first four are zero at the ends.
+
+    ½u'' = c₀ (u₋ − u) + c₁ (u₊ − u), u' = c₂ (u − u₋) + c₃ (u₊ − u), both of second order where nodes vary smoothly,
+    and the length c₄ of the gap that belongs to a node.
+    """
+    found = np.zeros((5, x.size))
+    before, behind = np.diff(x)[:-1], np.diff(x)[1:]
+    found[0, 1:-1] = 1 / (before * (before + behind))
+    found[1, 1:-1] = 1 / (behind * (before + behind))
+    found[2, 1:-1] = behind / (before * (before + behind))
+    found[3, 1:-1] = before / (behind * (before + behind))
+    found[4] = np.concatenate([[x[1] - x[0]], 0.5 * (before + behind), [x[-1] - x[-2]]])
+    return found
+
+
 @njit(cache=True, error_model="numpy", fastmath={"contract", "arcp", "nsz"})
-def sweep(x, stiffness, modulation, square, steps, traction, start, sharp, response, weights, gradients, answer):
+def sweep(
+    x,
+    geometry,
+    stiffness,
+    modulation,
+    square,
+    steps,
+    traction,
+    start,
+    sharp,
+    response,
+    weights,
+    gradients,
+    answer,
+    factors,
+):
     """Follow the distribution from coarse to fine and the traction back; every scale's response to what they find.
 
     Parameters
     ----------
     x : numpy.ndarray, shape (n,)
         Nodes of the gap.
+    geometry : numpy.ndarray, shape (5, n)
+        Their :func:`differences`.
     stiffness, modulation, square, steps : numpy.ndarray, shape (k,)
         K, the cost g of its modulation, q² and Δm of each scale.
     traction : numpy.ndarray, shape (n,)
@@ -40,6 +75,8 @@ def sweep(x, stiffness, modulation, square, steps, traction, start, sharp, respo
         Filled with the weights P and the densities M = P <|∇u|²> finer than each scale; the last row is the coarsest.
     answer : numpy.ndarray, shape (k, n)
         Filled with the response of equilibrium to these weights and tractions.
+    factors : numpy.ndarray, shape (k, 3, n)
+        Room for the factors of each scale's diffusion, which the traction needs as the distribution does, transposed.
 
     Returns
     -------
@@ -47,25 +84,32 @@ def sweep(x, stiffness, modulation, square, steps, traction, start, sharp, respo
         Elastic energy of all scales.
     """
     n = x.size
-    lower, diagonal, upper, work = np.empty(n), np.empty(n), np.empty(n), np.empty(n)
-    right, early, late, curvature = np.empty(n), np.empty(n), np.empty(n), np.empty(n)
-    _distribute(x, square, steps, start, sharp, response, weights, gradients)
+    early, late, curvature, rows = np.empty(n), np.empty(n), np.empty(n), np.empty((7, n))
+    _distribute(geometry, square, steps, start, sharp, response, weights, gradients, factors)
     mean = traction.copy()
     elastic = 0.0
     for k in range(steps.size):
-        euler = steps.size - 1 - k < sharp
-        weight = steps[k] if euler else _GAMMA * steps[k]
-        _diffusion(x, response[k], weight, False, lower, diagonal, upper)
-        _solve(lower, diagonal, upper, mean, early, work)
-        if euler:
+        inverse, inward, outward = factors[k, 0], factors[k, 1], factors[k, 2]
+        early[:] = mean
+        solve(inverse, inward, outward, early)
+        if steps.size - 1 - k < sharp:
             late[:] = early
         else:
-            _second_stage(mean, early, right)
-            _solve(lower, diagonal, upper, right, late, work)
-        _slope(x, mean, late, curvature)
+            _second_stage(mean, early, late)
+            solve(inverse, inward, outward, late)
+        _slope(geometry, mean, late, curvature)
         mean[:] = late
         _respond(
-            x, stiffness[k], modulation[k], square[k], curvature, weights[k : k + 2], gradients[k : k + 2], answer[k]
+            x,
+            geometry[4],
+            stiffness[k],
+            modulation[k],
+            square[k],
+            curvature,
+            weights[k : k + 2],
+            gradients[k : k + 2],
+            answer[k],
+            rows,
         )
         stored = 0.0
         for i in range(n):
@@ -76,26 +120,47 @@ def sweep(x, stiffness, modulation, square, steps, traction, start, sharp, respo
 
 
 @njit(cache=True, error_model="numpy", fastmath={"contract", "arcp", "nsz"})
-def local_response(x, stiffness, steps, traction, response):
-    """Fill f with that of a law which the finer scales only smooth: where the distribution is not known yet."""
-    n = x.size
-    lower, diagonal, upper, work = np.empty(n), np.empty(n), np.empty(n), np.empty(n)
-    curvature, mean, smoothed = np.empty(n), traction.copy(), np.empty(n)
-    for k in range(steps.size):
-        _slope(x, mean, mean, curvature)
-        for i in range(n):
-            response[k, i] = stiffness[k] / (stiffness[k] + max(curvature[i], -_STABLE * stiffness[k]))
-        _diffusion(x, response[k], steps[k], False, lower, diagonal, upper)
-        _solve(lower, diagonal, upper, mean, smoothed, work)
-        mean[:] = smoothed
+def compare(weights, response, answer, least, largest, unseen, importance):
+    """Largest change of a scale's mean response; bounds the answer, and fills the importance of each of its values.
+
+    An answer that would be negative or larger than the bound is no equilibrium: its distance from there counts.
+    """
+    worst = 0.0
+    for k in range(response.shape[0]):
+        change = 0.0
+        for i in range(response.shape[1]):
+            area = max(0.5 * (weights[k, i] + weights[k + 1, i]), 0.0)
+            found = answer[k, i]
+            bounded = min(max(found, least), largest)
+            change += area * abs((bounded if 0.0 < found < least else found) - response[k, i])
+            importance[k, i] = np.sqrt(area + unseen) * response[k, i]
+            answer[k, i] = bounded
+        if change > worst or change != change:  # no number is no convergence, and stays
+            worst = change
+    return worst
 
 
 @njit(cache=True, error_model="numpy", fastmath={"contract", "arcp", "nsz"})
-def _distribute(x, square, steps, start, sharp, response, weights, gradients):
+def local_response(geometry, stiffness, steps, traction, response):
+    """Fill f with that of a law which the finer scales only smooth: where the distribution is not known yet."""
+    n = traction.size
+    factors = np.empty((3, n))
+    curvature, mean = np.empty(n), traction.copy()
+    for k in range(steps.size):
+        _slope(geometry, mean, mean, curvature)
+        for i in range(n):
+            response[k, i] = stiffness[k] / (stiffness[k] + max(curvature[i], -_STABLE * stiffness[k]))
+        _diffusion(geometry, response[k], steps[k], factors)
+        solve(factors[0], factors[1], factors[2], mean)
+
+
+@njit(cache=True, error_model="numpy", fastmath={"contract", "arcp", "nsz"})
+def _distribute(geometry, square, steps, start, sharp, response, weights, gradients, factors):
     """∂P/∂m = ½(f²P)'' and, with M = f²N, ∂N/∂m = ½ f⁻² (f⁴N')' + f'² N + q²P, from coarse to fine."""
-    n = x.size
-    lower, diagonal, upper, work = np.empty(n), np.empty(n), np.empty(n), np.empty(n)
-    right, early, begin, middle = np.empty(n), np.empty(n), np.empty(n), np.empty(n)
+    n = start.size
+    stretching = np.empty((3, n))
+    early, begin, middle = np.empty(n), np.empty(n), np.empty(n)
+    cell = geometry[4]
     last = steps.size - 1
     weights[last + 1] = start
     gradients[last + 1] = 0.0
@@ -103,109 +168,135 @@ def _distribute(x, square, steps, start, sharp, response, weights, gradients):
         f = response[k]
         euler = last - k < sharp
         weight = steps[k] if euler else _GAMMA * steps[k]
-        _diffusion(x, f, weight, True, lower, diagonal, upper)
-        _solve(lower, diagonal, upper, weights[k + 1], early, work)
+        _diffusion(geometry, f, weight, factors[k])
+        inverse, inward, outward = factors[k, 0], factors[k, 1], factors[k, 2]
+        early[:] = weights[k + 1]
+        solve(inverse, outward, inward, early)
         if euler:
             weights[k] = early
         else:
-            _second_stage(weights[k + 1], early, right)
-            _solve(lower, diagonal, upper, right, weights[k], work)
-        _gradient_flow(x, f, weight, lower, diagonal, upper)
+            _second_stage(weights[k + 1], early, weights[k])
+            solve(inverse, outward, inward, weights[k])
+        _gradient_flow(geometry, f, weight, stretching)
         source = weight * square[k]
         for i in range(n):
             begin[i] = gradients[k + 1, i] / (f[i] * f[i])
-            right[i] = begin[i] + source * early[i] / _cell(x, i)
-        _solve(lower, diagonal, upper, right, middle, work)
+            middle[i] = begin[i] + source * early[i] / cell[i]
+        solve(stretching[0], stretching[1], stretching[2], middle)
         if not euler:
             for i in range(n):
-                right[i] = begin[i] + (1.0 - _GAMMA) / _GAMMA * (middle[i] - begin[i])
-                right[i] += source * weights[k, i] / _cell(x, i)
-            _solve(lower, diagonal, upper, right, middle, work)
+                middle[i] = begin[i] + (1.0 - _GAMMA) / _GAMMA * (middle[i] - begin[i])
+                middle[i] += source * weights[k, i] / cell[i]
+            solve(stretching[0], stretching[1], stretching[2], middle)
         for i in range(n):
             gradients[k, i] = middle[i] * f[i] * f[i]
 
 
 @njit(cache=True, error_model="numpy", fastmath={"contract", "arcp", "nsz"})
-def _respond(x, stiffness, modulation, square, curvature, weights, gradients, answer):
+def _respond(x, cell, stiffness, modulation, square, curvature, weights, gradients, answer, rows):
     """Solve K [(1 − g + g X/4) f + g z] + c f = K, (X + 4) z = 4 f by elimination of two-by-two blocks.
 
     X = −(P q²)⁻¹ ∂ M ∂ with the means of P and M over the scale. Rows are times P, so that a node without weight has
-    no equation of its own; it is given the response of its curvature.
+    no equation of its own; it is given the response of its curvature. Blocks are eliminated from both ends inward.
     """
     n = x.size
     quarter = 0.25 * modulation
-    coupling = np.zeros(n)  # of node i and the next: M over q² and the distance
-    a, b, c, d = np.empty(n), np.empty(n), np.empty(n), np.empty(n)
-    r, s = np.empty(n), np.empty(n)
+    # Block of each node, its right side, and the coupling to the next node: M over q² and the distance.
+    a, b, c, d, r, s, coupling = rows[0], rows[1], rows[2], rows[3], rows[4], rows[5], rows[6]
+    for i in range(n):
+        coupling[i] = 0.0
     for i in range(1, n - 2):
         mean = gradients[0, i] + gradients[0, i + 1] + gradients[1, i] + gradients[1, i + 1]
         coupling[i] = 0.25 * max(mean, 0.0) / ((x[i + 1] - x[i]) * square)
     for i in range(n):
-        local = stiffness / (stiffness + max(curvature[i], -_STABLE * stiffness))
-        if 0 < i < n - 1:
-            joined = coupling[i] + coupling[i - 1]
-            share = max(0.5 * (weights[0, i] + weights[1, i]), 0.0)
-            empty = _EMPTY * _cell(x, i)
-            a[i] = quarter * joined + share * (1.0 - modulation + curvature[i] / stiffness) + empty
-            b[i] = modulation * share
-            c[i] = -4.0 * share
-            d[i] = joined + 4.0 * share + empty
-            r[i] = share + empty * local
-            s[i] = empty * local
-        else:
-            a[i] = d[i] = 1.0
-            b[i] = c[i] = 0.0
-            r[i] = s[i] = local
-    for i in range(1, n):
-        t = coupling[i - 1]
-        scale = t / (a[i - 1] * d[i - 1] - b[i - 1] * c[i - 1])
-        aa, bb, cc, dd = d[i - 1] * scale, -b[i - 1] * scale, -c[i - 1] * scale, a[i - 1] * scale
-        a[i] -= quarter * quarter * t * aa
-        b[i] -= quarter * t * bb
-        c[i] -= quarter * t * cc
-        d[i] -= t * dd
-        r[i] += quarter * (aa * r[i - 1] + bb * s[i - 1])
-        s[i] += cc * r[i - 1] + dd * s[i - 1]
-    f = z = 0.0
-    for i in range(n - 1, -1, -1):
-        first, second = r[i] + quarter * coupling[i] * f, s[i] + coupling[i] * z
-        scale = 1.0 / (a[i] * d[i] - b[i] * c[i])
-        f, z = (d[i] * first - b[i] * second) * scale, (a[i] * second - c[i] * first) * scale
-        answer[i] = f
+        answer[i] = stiffness / (stiffness + max(curvature[i], -_STABLE * stiffness))
+    for i in range(1, n - 1):
+        joined = coupling[i] + coupling[i - 1]
+        share = max(0.5 * (weights[0, i] + weights[1, i]), 0.0)
+        empty = _EMPTY * cell[i]
+        a[i] = quarter * joined + share * (1.0 - modulation + curvature[i] / stiffness) + empty
+        b[i] = modulation * share
+        c[i] = -4.0 * share
+        d[i] = joined + 4.0 * share + empty
+        r[i] = share + empty * answer[i]
+        s[i] = empty * answer[i]
+    # The end nodes, coupled to nothing, keep the response of their curvature.
+    middle = n // 2
+    left, right = _block(rows, 1), _block(rows, n - 2)
+    for i in range(2, middle):
+        left = _eliminate(rows, left, i, coupling[i - 1], quarter)
+        right = _eliminate(rows, right, n - 1 - i, coupling[n - 1 - i], quarter)
+    if n - middle > middle:
+        right = _eliminate(rows, right, middle, coupling[middle], quarter)
+    _eliminate(rows, left, middle, coupling[middle - 1], quarter)
+    scale = 1.0 / (a[middle] * d[middle] - b[middle] * c[middle])
+    low = high = (d[middle] * r[middle] - b[middle] * s[middle]) * scale
+    below = above = (a[middle] * s[middle] - c[middle] * r[middle]) * scale
+    answer[middle] = low
+    for i in range(middle - 1, 0, -1):
+        low, below = _substitute(rows, i, coupling[i], quarter, low, below)
+        answer[i] = low
+    for i in range(middle + 1, n - 1):
+        high, above = _substitute(rows, i, coupling[i - 1], quarter, high, above)
+        answer[i] = high
+
+
+@njit(cache=True, error_model="numpy", fastmath={"contract", "arcp", "nsz"}, inline="always")
+def _block(rows, i):
+    """Block and right side of a node."""
+    return rows[0, i], rows[1, i], rows[2, i], rows[3, i], rows[4, i], rows[5, i]
+
+
+@njit(cache=True, error_model="numpy", fastmath={"contract", "arcp", "nsz"}, inline="always")
+def _eliminate(rows, neighbour, i, t, quarter):
+    """Take the block of a neighbour, to which a node is coupled by t, out of the node's; returns what is left."""
+    a, b, c, d, r, s = neighbour
+    scale = t / (a * d - b * c)
+    left = (
+        rows[0, i] - quarter * quarter * t * (d * scale),
+        rows[1, i] + quarter * t * (b * scale),
+        rows[2, i] + quarter * t * (c * scale),
+        rows[3, i] - t * (a * scale),
+        rows[4, i] + quarter * ((d * r - b * s) * scale),
+        rows[5, i] + (a * s - c * r) * scale,
+    )
+    rows[0, i], rows[1, i], rows[2, i], rows[3, i], rows[4, i], rows[5, i] = left
+    return left
+
+
+@njit(cache=True, error_model="numpy", fastmath={"contract", "arcp", "nsz"}, inline="always")
+def _substitute(rows, i, t, quarter, f, z):
+    """f and z of a node from those of the neighbour that was taken out after it."""
+    first, second = rows[4, i] + quarter * t * f, rows[5, i] + t * z
+    scale = 1.0 / (rows[0, i] * rows[3, i] - rows[1, i] * rows[2, i])
+    return (rows[3, i] * first - rows[1, i] * second) * scale, (rows[0, i] * second - rows[2, i] * first) * scale
 
 
 @njit(cache=True, error_model="numpy", fastmath={"contract", "arcp", "nsz"})
-def _diffusion(x, response, weight, transposed, lower, diagonal, upper):
-    """1 − weight ½f²∂² or its transpose, with end rows that change nothing."""
-    n = x.size
-    lower[:] = 0.0
-    upper[:] = 0.0
-    diagonal[:] = 1.0
-    for i in range(1, n - 1):
-        before, behind = x[i] - x[i - 1], x[i + 1] - x[i]
-        factor = weight * response[i] * response[i] / (before + behind)
-        diagonal[i] += factor * (1.0 / before + 1.0 / behind)
-        if transposed:
-            upper[i - 1] = -factor / before
-            lower[i + 1] = -factor / behind
-        else:
-            lower[i] = -factor / before
-            upper[i] = -factor / behind
+def _diffusion(geometry, response, weight, factors):
+    """Factors of 1 − weight ½f²∂², with end rows that change nothing."""
+    n = response.size
+    lower, diagonal, upper = np.empty(n), np.empty(n), np.empty(n)
+    for i in range(n):
+        factor = weight * response[i] * response[i]
+        lower[i] = -factor * geometry[0, i]
+        upper[i] = -factor * geometry[1, i]
+        diagonal[i] = 1.0 - lower[i] - upper[i]
+    factorise(lower, diagonal, upper, factors[0], factors[1], factors[2])
 
 
 @njit(cache=True, error_model="numpy", fastmath={"contract", "arcp", "nsz"})
-def _gradient_flow(x, response, weight, lower, diagonal, upper):
-    """1 − weight (½ f⁻² ∂ f⁴ ∂ + f'²); the same operator as ½f²∂² + 2ff'∂ + f'², without a second derivative of f."""
-    n = x.size
-    lower[0] = upper[0] = lower[n - 1] = upper[n - 1] = 0.0
-    diagonal[0] = diagonal[n - 1] = 1.0
+def _gradient_flow(geometry, response, weight, factors):
+    """Factors of 1 − weight (½ f⁻² ∂ f⁴ ∂ + f'²); the operator is ½f²∂² + 2ff'∂ + f'² without a second derivative."""
+    n = response.size
+    lower, diagonal, upper = np.zeros(n), np.ones(n), np.zeros(n)
     for i in range(1, n - 1):
-        before, behind = x[i] - x[i - 1], x[i + 1] - x[i]
-        factor = weight / (before + behind)
-        lower[i] = -factor * response[i - 1] ** 2 / before
-        upper[i] = -factor * response[i + 1] ** 2 / behind
-        stretch = (response[i] - response[i - 1]) ** 2 / before + (response[i + 1] - response[i]) ** 2 / behind
-        diagonal[i] = 1.0 - lower[i] - upper[i] - factor * stretch
+        left, right = weight * geometry[0, i], weight * geometry[1, i]
+        before, here, behind = response[i - 1], response[i], response[i + 1]
+        lower[i] = -left * before**2
+        upper[i] = -right * behind**2
+        diagonal[i] = 1.0 - lower[i] - upper[i] - left * (here - before) ** 2 - right * (behind - here) ** 2
+    factorise(lower, diagonal, upper, factors[0], factors[1], factors[2])
 
 
 @njit(cache=True, error_model="numpy", fastmath={"contract", "arcp", "nsz"})
@@ -216,37 +307,10 @@ def _second_stage(begin, early, right):
 
 
 @njit(cache=True, error_model="numpy", fastmath={"contract", "arcp", "nsz"})
-def _solve(lower, diagonal, upper, right, solution, work):
-    """Tridiagonal elimination; ``work`` is lost."""
-    n = right.size
-    pivot = 1.0 / diagonal[0]
-    work[0] = upper[0] * pivot
-    solution[0] = right[0] * pivot
-    for i in range(1, n):
-        pivot = 1.0 / (diagonal[i] - lower[i] * work[i - 1])
-        work[i] = upper[i] * pivot
-        solution[i] = (right[i] - lower[i] * solution[i - 1]) * pivot
-    for i in range(n - 2, -1, -1):
-        solution[i] -= work[i] * solution[i + 1]
-
-
-@njit(cache=True, error_model="numpy", fastmath={"contract", "arcp", "nsz"})
-def _slope(x, one, other, slope):
-    """Derivative of the mean of two functions, of second order on any nodes."""
-    n = x.size
+def _slope(geometry, one, other, slope):
+    """Derivative of the mean of two functions; at the ends that of their neighbours."""
+    n = slope.size
     for i in range(1, n - 1):
-        before, behind = x[i] - x[i - 1], x[i + 1] - x[i]
-        left = (one[i] + other[i] - one[i - 1] - other[i - 1]) / before
-        right = (one[i + 1] + other[i + 1] - one[i] - other[i]) / behind
-        slope[i] = 0.5 * (left * behind + right * before) / (before + behind)
+        before, here, behind = one[i - 1] + other[i - 1], one[i] + other[i], one[i + 1] + other[i + 1]
+        slope[i] = 0.5 * (geometry[2, i] * (here - before) + geometry[3, i] * (behind - here))
     slope[0], slope[n - 1] = slope[1], slope[n - 2]
-
-
-@njit(cache=True, error_model="numpy", fastmath={"contract", "arcp", "nsz"}, inline="always")
-def _cell(x, i):
-    """Length of the gap that belongs to node i."""
-    if i == 0:
-        return x[1] - x[0]
-    if i == x.size - 1:
-        return x[i] - x[i - 1]
-    return 0.5 * (x[i + 1] - x[i - 1])

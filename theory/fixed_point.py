@@ -3,12 +3,16 @@
 from collections.abc import Callable
 
 import numpy as np
+from numba import njit
 
 # States that are remembered, and the share of the residual that is taken.
 _MEMORY, _MIXING = 10, 0.5
 
 # Added to the normal equations of the least squares, relative to their trace: differences may be parallel.
 _REGULARISATION = 1e-12
+
+# Values that are worked on at a time: those of all remembered states fit into the cache of a core.
+_BLOCK = 256
 
 
 def accelerated(
@@ -46,15 +50,16 @@ def accelerated(
     residual, weight, change = update(values)
     count = 1
     moves, turns = np.empty((2, _MEMORY, values.size))
+    normal, right = np.empty((_MEMORY, _MEMORY)), np.empty(_MEMORY)
     while tolerance < change < np.inf and count < iterations:
-        step = _MIXING * residual
         held = min(count - 1, _MEMORY)
+        shares = np.zeros(held)
         if held:
-            weighted = turns[:held] * weight.ravel()
-            normal = weighted @ weighted.T
-            normal[np.diag_indices(held)] += _REGULARISATION * np.trace(normal)
-            shares = np.linalg.solve(normal, weighted @ (weight * residual).ravel())
-            step = step - (shares @ moves[:held] + _MIXING * (shares @ turns[:held])).reshape(values.shape)
+            _normal_equations(turns[:held], weight.ravel(), residual.ravel(), normal, right)
+            own = normal[:held, :held] + _REGULARISATION * np.trace(normal[:held, :held]) * np.eye(held)
+            shares = np.linalg.solve(own, right[:held])
+        step = np.empty_like(values)
+        _step(shares, moves[:held], turns[:held], residual.ravel(), step.ravel())
         before, moved = residual, np.clip(values + step, *bounds)
         residual, weight, change = update(moved)
         if not np.isfinite(change):  # what the caller keeps of the last update is to be numbers
@@ -65,3 +70,46 @@ def accelerated(
         values = moved
         count += 1
     return values, change, count
+
+
+# Products of a few long vectors, without the threads that a library of linear algebra would start for them.
+
+
+@njit(cache=True, error_model="numpy", fastmath={"contract", "arcp", "nsz", "reassoc"})
+def _normal_equations(turns, weight, residual, normal, right):
+    """Fill the weighted products of the turns with each other and with the residual."""
+    held, size = turns.shape
+    scaled, aim = np.empty((held, _BLOCK)), np.empty(_BLOCK)
+    normal[:] = 0.0
+    right[:] = 0.0
+    for first in range(0, size, _BLOCK):
+        count = min(_BLOCK, size - first)
+        for k in range(count):
+            aim[k] = weight[first + k] * residual[first + k]
+        for i in range(held):
+            total = 0.0
+            for k in range(count):
+                scaled[i, k] = weight[first + k] * turns[i, first + k]
+                total += scaled[i, k] * aim[k]
+            right[i] += total
+            for j in range(i + 1):
+                total = 0.0
+                for k in range(count):
+                    total += scaled[i, k] * scaled[j, k]
+                normal[i, j] += total
+    for i in range(held):
+        for j in range(i):
+            normal[j, i] = normal[i, j]
+
+
+@njit(cache=True, error_model="numpy", fastmath={"contract", "arcp", "nsz"})
+def _step(shares, moves, turns, residual, step):
+    """Fill the step from the residual and the shares of the remembered states."""
+    held, size = moves.shape
+    for first in range(0, size, _BLOCK):
+        last = min(first + _BLOCK, size)
+        for k in range(first, last):
+            step[k] = _MIXING * residual[k]
+        for j in range(held):
+            for k in range(first, last):
+                step[k] -= shares[j] * (moves[j, k] + _MIXING * turns[j, k])

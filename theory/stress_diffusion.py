@@ -18,6 +18,8 @@ from numba import njit
 from scipy.interpolate import PchipInterpolator
 from scipy.special import ndtr
 
+from theory.tridiagonal import solve
+
 # Alexander's stiffly accurate SDIRK method of order two.
 _GAMMA = 1 - 1 / np.sqrt(2)
 
@@ -169,12 +171,12 @@ def _march(variance, detachment_stress, faces, mass, contact):
         # Stage one: (1 − γ Δs L) m₁ = m₀.
         _factorise(weight, forward, backward, inverse, inward, outward)
         first[:] = mass
-        _solve(inverse, inward, outward, first)
+        solve(inverse, inward, outward, first)
         # Stage two: (1 − γ Δs L) m₂ = m₀ + (1 − γ) Δs L m₁ with Δs L m₁ = (m₁ − m₀) / γ.
         early = backward[0] * first[0] * (1.0 - gamma) * step
         for i in range(n):
             mass[i] += ratio * (first[i] - mass[i])
-        _solve(inverse, inward, outward, mass)
+        solve(inverse, inward, outward, mass)
         late = backward[0] * mass[0] * weight
         edge_stress -= early * (detachment_stress[k] + gamma * rise) + late * detachment_stress[k + 1]
         total -= early + late
@@ -184,10 +186,7 @@ def _march(variance, detachment_stress, faces, mass, contact):
 
 @njit(cache=True, error_model="numpy", fastmath={"contract", "arcp", "nsz"})
 def _factorise(weight, forward, backward, inverse, inward, outward):
-    """Eliminate the cells of 1 − weight L from both ends inward, to the cells ``n // 2 - 1`` and ``n // 2``.
-
-    Each elimination waits for a division of the one before; the two ends do not wait for each other.
-    """
+    """Eliminate the cells of 1 − weight L as :func:`theory.tridiagonal.factorise` does a matrix that stands."""
     n = inverse.size
     middle = n // 2
     low = 1.0 + weight * (backward[0] + forward[1])
@@ -211,27 +210,3 @@ def _factorise(weight, forward, backward, inverse, inward, outward):
     for i in range(middle, n):
         outward[i] = weight * forward[i] * inverse[i]
         inward[i] = weight * backward[i] * inverse[i]
-
-
-@njit(cache=True, error_model="numpy", fastmath={"contract", "arcp", "nsz"})
-def _solve(inverse, inward, outward, values):
-    """Solve in place with the matrix of :func:`_factorise`."""
-    n = inverse.size
-    middle = n // 2
-    for i in range(1, middle):
-        above = n - 1 - i
-        values[i] += inward[i - 1] * values[i - 1]
-        values[above] += inward[above + 1] * values[above + 1]
-    if n - middle > middle:
-        values[middle] += inward[middle + 1] * values[middle + 1]
-    # The two cells that are left.
-    low, high = values[middle - 1] * inverse[middle - 1], values[middle] * inverse[middle]
-    share = 1.0 / (1.0 - outward[middle - 1] * outward[middle])
-    values[middle - 1] = (low + outward[middle - 1] * high) * share
-    values[middle] = (high + outward[middle] * low) * share
-    for i in range(1, middle):
-        below, above = middle - 1 - i, middle + i
-        values[below] = values[below] * inverse[below] + outward[below] * values[below + 1]
-        values[above] = values[above] * inverse[above] + outward[above] * values[above - 1]
-    if n - middle > middle:
-        values[n - 1] = values[n - 1] * inverse[n - 1] + outward[n - 1] * values[n - 2]

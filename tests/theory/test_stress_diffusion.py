@@ -7,7 +7,8 @@ from hypothesis import strategies as st
 from scipy.special import erf
 from scipy.stats import norm
 
-from theory.stress_diffusion import _factorise, _solve, diffuse
+from theory.stress_diffusion import _factorise, diffuse
+from theory.tridiagonal import solve
 
 
 def nodes(count=160):
@@ -182,5 +183,5 @@ def test_cells_are_eliminated_from_both_ends(cells):
     expected = np.linalg.solve(np.eye(cells) - weight * rates, mass)
     inverse, inward, outward = np.empty(cells), np.empty(cells), np.empty(cells)
     _factorise(weight, forward, backward, inverse, inward, outward)
-    _solve(inverse, inward, outward, mass)
+    solve(inverse, inward, outward, mass)
     np.testing.assert_allclose(mass, expected, rtol=1e-12)
