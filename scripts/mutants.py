@@ -37,10 +37,12 @@ PACKAGES = {
 }
 # Tests of a module, the quickest to fail first; by default its own file, then the whole package.
 TESTS = {
+    "theory/case_theories.py": ("test_run.py",),
     "theory/closed_forms.py": ("test_closed_forms.py", "test_persson.py", "test_separation.py"),
     "theory/gap_flow.py": ("test_gap_flow.py", "test_run.py"),
     "theory/gap_state.py": ("test_gap_flow.py", "test_run.py"),
     "theory/persson.py": ("test_persson.py", "test_separation.py", "test_run.py"),
+    "theory/persson_paths.py": ("test_run.py",),
     "theory/run.py": ("test_run.py",),
     "theory/scale_steps.py": ("test_gap_flow.py",),
     "theory/separation.py": ("test_separation.py", "test_run.py"),

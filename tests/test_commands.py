@@ -241,9 +241,8 @@ def test_smaller_study_is_widened_to_the_whole(folder, tmp_path, name):
 
 def test_theory_of_the_steps_that_did_not_converge_is_named(folder, tmp_path, capsys, monkeypatch):
     """A Newton iteration less than the gap flow needs: its states fail, Persson's do not."""
-    flow = theory.run.gap_flow
-    for module in (theory.run, theory.gap_paths):
-        monkeypatch.setattr(module, "gap_flow", lambda *arguments: flow(*arguments, iterations=1))
+    flow = theory.case_theories.gap_flow
+    monkeypatch.setattr(theory.case_theories, "gap_flow", lambda *arguments: flow(*arguments, iterations=1))
     arguments = [str(folder / "study.toml"), "-o", str(tmp_path / "theory.nc"), "--workers", "1"]
     arguments += ["--interaction.well_depth_ratio", "4"]
     assert main(theory.run.MODEL, arguments) == 2

@@ -6,11 +6,11 @@ from typing import Any
 
 import numpy as np
 
-from contact_study.fields.spectrum import RoughnessSpectrum
 from contact_study.problem.case import Case
 from contact_study.problem.errors import InputError
-from theory.edge_flow import EdgeFlow, edge_flow
-from theory.gap_flow import BRANCHES, GapFlow, gap_flow
+from theory.case_theories import CaseTheories
+from theory.edge_flow import EdgeFlow
+from theory.gap_flow import GapFlow
 from theory.gap_state import GapState
 from theory.separation import NotConverged
 
@@ -25,11 +25,8 @@ DETACHED: dict[str, Any] = {
     "residual": 0.0,
 }
 
-# How far beyond the path's highest pressure the curve of the edge flow is asked to reach.
-_RESERVE = 1.1
 
-
-def gap_flow_paths(case: Case, spectrum: RoughnessSpectrum) -> list[list[dict[str, Any]]]:
+def gap_flow_paths(theories: CaseTheories) -> list[list[dict[str, Any]]]:
     """Values of each path point in each branch; none outside a wall, which no flow goes through.
 
     Raises
@@ -37,21 +34,13 @@ def gap_flow_paths(case: Case, spectrum: RoughnessSpectrum) -> list[list[dict[st
     InputError
         If a point of the path is beyond any contact.
     """
-    if case.law.has_wall:
-        return []
-    largest = 0.0
-    if case.loading.control == "gap":
-        largest = max(gap for gap, _ in case.path) + case.law.equilibrium_distance
-    flows = [gap_flow(spectrum, case.solid, case.law, branch, largest) for branch in BRANCHES]
-    for flow in flows:
-        warn_of_unconverged(flow)
     try:
-        return [_gap_flow_values(case, flow) for flow in flows]
+        return [_gap_flow_values(theories.case, flow) for flow in theories.gap_flows]
     except ValueError as error:
         raise InputError(f"loading.path: {error}") from None
 
 
-def edge_flow_paths(case: Case, spectrum: RoughnessSpectrum) -> list[list[dict[str, Any]]]:
+def edge_flow_paths(theories: CaseTheories) -> list[list[dict[str, Any]]]:
     """Values of each path point, in a list of one; none outside a wall.
 
     Raises
@@ -59,33 +48,8 @@ def edge_flow_paths(case: Case, spectrum: RoughnessSpectrum) -> list[list[dict[s
     InputError
         If a point of the path is beyond any contact.
     """
-    if case.law.has_wall:
-        return []
-    asked = np.array([value for value, _ in case.path])
-    try:
-        if case.loading.control == "pressure":
-            # Down to where contact begins to be whole: beyond the pull-off, wherever that is.
-            stress = np.sqrt(spectrum.full_contact_stress_variance(case.solid.stiffness))
-            highest = max(_RESERVE * asked.max(), float(stress))
-            return [_edge_flow_values(case, edge_flow(spectrum, case.solid, case.law, highest))]
-        gaps = asked + case.law.equilibrium_distance
-        flow = edge_flow(
-            spectrum, case.solid, case.law, 0.0, largest_gap=float(gaps.max()), smallest_gap=float(gaps.min())
-        )
-        return [_edge_flow_values(case, flow)]
-    except ValueError as error:
-        raise InputError(f"loading.path: {error}") from None
-
-
-def warn_of_unconverged(flow: GapFlow) -> None:
-    """Say how many steps of a gap flow did not converge, if any."""
-    if not flow.converged:
-        warnings.warn(
-            f"gap flow, {flow.branch}: {flow.unconverged_steps} of {flow.steps} steps of the roughness "
-            "did not converge",
-            NotConverged,
-            stacklevel=2,
-        )
+    flow = theories.edge_flow
+    return [] if flow is None else [_edge_flow_values(theories.case, flow)]
 
 
 def flow_name(branch: str, quantity: str) -> str:

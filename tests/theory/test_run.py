@@ -14,7 +14,7 @@ from contact_study.problem.surface import realise
 from contact_study.problem.surface_scales import scales_of
 from tests.problem.test_study import of_another_kind
 from tests.recording import bins_of_case, recorded_path
-from theory import closed_forms, gap_paths, run
+from theory import case_theories, closed_forms, gap_paths, run
 from theory.edge_flow import edge_flow
 from theory.gap_flow import gap_flow
 from theory.persson import solve, true_area_factor
@@ -249,8 +249,7 @@ def test_every_state_of_an_unconverged_branch_is_flagged(monkeypatch):
     def loading_cut_short(*arguments):
         return gap_flow(*arguments, iterations=3 if "loading" in arguments else 60)
 
-    for module in (run, gap_paths):
-        monkeypatch.setattr(module, "gap_flow", loading_cut_short)
+    monkeypatch.setattr(case_theories, "gap_flow", loading_cut_short)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", NegativeSeparation)
         with pytest.warns(NotConverged, match=r"gap flow, loading: \d+ of \d+ steps of the roughness"):
@@ -320,17 +319,17 @@ CHOICES = {
 def test_choices_of_the_study_are_those_of_the_theory(case, steps, key):
     value, attribute = CHOICES[key]
     chosen = case_of(theory={key: value}, loading={"path": ["1 GPa"], "unload": False})
-    theory = run.persson_theory(chosen, realise(chosen))
+    theory = case_theories.case_theories(chosen, realise(chosen)).persson
     assert getattr(theory, attribute) == value
-    assert getattr(run.persson_theory(case, realise(case)), attribute) != value
+    assert getattr(case_theories.case_theories(case, realise(case)).persson, attribute) != value
     area = steps_of(chosen)[0].values["persson/relative_contact_area"]
     assert area != pytest.approx(steps[0].values["persson/relative_contact_area"], rel=1e-3)
 
 
 def test_detachment_stress_is_capped_where_the_study_says_so(case):
     capped = case_of(theory={"cap_detachment_stress": True})
-    assert run.persson_theory(capped, realise(capped)).stress_cap == case.law.peak_tensile_stress
-    assert run.persson_theory(case, realise(case)).stress_cap == np.inf
+    assert case_theories.case_theories(capped, realise(capped)).persson.stress_cap == case.law.peak_tensile_stress
+    assert case_theories.case_theories(case, realise(case)).persson.stress_cap == np.inf
 
 
 def review(**sections):
@@ -391,7 +390,7 @@ def test_a_layer_is_held_by_its_base():
     for name in found:
         gap = values[name.replace("mean_separation", "mean_gap")]
         assert gap - values[name] == pytest.approx(compliance * pressure, rel=1e-9)
-    theory = run.persson_theory(case, realise(case))
+    theory = case_theories.case_theories(case, realise(case)).persson
     stored = solve(theory, pressure).elastic_energy
     total = values[found[0].replace("mean_separation", "elastic_energy")]
     assert total == pytest.approx(stored + 0.5 * compliance * pressure**2, rel=1e-6)

@@ -1,0 +1,153 @@
+"""The theories of a case: which spectra they are fed with, and the curves that all points of its path are read from."""
+
+import warnings
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+
+import numpy as np
+
+from contact_study.fields.spectrum import RoughnessSpectrum
+from contact_study.problem.case import Case
+from contact_study.problem.errors import InputError
+from contact_study.problem.surface import Surface
+from theory.edge_flow import EdgeFlow, edge_flow
+from theory.gap_flow import BRANCHES, GapFlow, gap_flow
+from theory.persson import TOLERANCE, PerssonTheory
+from theory.separation import NotConverged
+
+# Change of the detachment stress, in units of the full-contact stress, that rounding still lets the iteration reach.
+_FINEST_TOLERANCE = 1e-11
+
+# How far beyond the path's highest pressure the curve of the edge flow is asked to reach.
+_RESERVE = 1.1
+
+
+@dataclass(frozen=True)
+class CaseTheories:
+    """The theories of a case, fed with one spectrum.
+
+    Attributes
+    ----------
+    case : Case
+        The case.
+    spectrum : RoughnessSpectrum
+        What they know of the surface.
+    """
+
+    case: Case
+    spectrum: RoughnessSpectrum
+
+    @cached_property
+    def persson(self) -> PerssonTheory:
+        """Persson's theory with the choices of the case."""
+        chosen, law = self.case.theory, self.case.law
+        return PerssonTheory(
+            self.spectrum,
+            self.case.solid,
+            law.work_of_adhesion,
+            chosen.energy_weight,
+            chosen.beta,
+            chosen.true_area,
+            chosen.alpha,
+            law.peak_tensile_stress if chosen.cap_detachment_stress else np.inf,
+        )
+
+    @property
+    def effort(self) -> tuple[float, int]:
+        """Tolerance, in units of the full-contact stress, and most iterations of a state of Persson's theory.
+
+        Its residual is the change of σ_a over E*, which ``solver.tolerance`` bounds as it does the residual stress of
+        the simulations; but it is never looser than the theory's own choice, which counts on flat surfaces of little
+        stress.
+        """
+        asked = self.case.solver.tolerance * self.persson.solid.contact_modulus / self.persson.stress_scale
+        return float(np.clip(asked, _FINEST_TOLERANCE, TOLERANCE)), self.case.solver.max_iterations
+
+    @cached_property
+    def gap_flows(self) -> tuple[GapFlow, ...]:
+        """The gap flow in each branch; none outside a wall, which no flow goes through."""
+        case = self.case
+        if case.law.has_wall:
+            return ()
+        largest = 0.0
+        if case.loading.control == "gap":
+            largest = max(gap for gap, _ in case.path) + case.law.equilibrium_distance
+        flows = tuple(gap_flow(self.spectrum, case.solid, case.law, branch, largest) for branch in BRANCHES)
+        for flow in flows:
+            if not flow.converged:
+                warnings.warn(
+                    f"gap flow, {flow.branch}: {flow.unconverged_steps} of {flow.steps} steps of the roughness "
+                    "did not converge",
+                    NotConverged,
+                    stacklevel=2,
+                )
+        return flows
+
+    @cached_property
+    def edge_flow(self) -> EdgeFlow | None:
+        """The edge flow as far as the path asks; None outside a wall.
+
+        Raises
+        ------
+        InputError
+            If a point of the path is beyond any contact.
+        """
+        case = self.case
+        if case.law.has_wall:
+            return None
+        asked = np.array([value for value, _ in case.path])
+        try:
+            if case.loading.control == "pressure":
+                # Down to where contact begins to be whole: beyond the pull-off, wherever that is.
+                stress = np.sqrt(self.spectrum.full_contact_stress_variance(case.solid.stiffness))
+                return edge_flow(self.spectrum, case.solid, case.law, max(_RESERVE * asked.max(), float(stress)))
+            gaps = asked + case.law.equilibrium_distance
+            return edge_flow(self.spectrum, case.solid, case.law, 0.0, float(gaps.max()), float(gaps.min()))
+        except ValueError as error:
+            raise InputError(f"loading.path: {error}") from None
+
+
+def case_theories(case: Case, surface: Surface) -> CaseTheories:
+    """The theories of a case, made once for as long as the same case and surface are asked for.
+
+    Raises
+    ------
+    InputError
+        If a height map is flat.
+    """
+    return _kept(_Asked(case, surface))
+
+
+def roughness(case: Case, surface: Surface) -> RoughnessSpectrum:
+    """The spectrum that the case asks for.
+
+    Raises
+    ------
+    InputError
+        If a height map is flat.
+    """
+    if case.theory.spectrum == "analytic" and surface.spectrum is not None:
+        return surface.spectrum
+    try:
+        return surface.measured_spectrum()
+    except ValueError as error:
+        raise InputError(f"surface: {error}") from None
+
+
+@dataclass(frozen=True, eq=False)
+class _Asked:
+    """Arguments of a cached function that hold arrays: told apart by which objects they are."""
+
+    case: Case
+    surface: Surface
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, _Asked) and self.case is other.case and self.surface is other.surface
+
+    def __hash__(self) -> int:
+        return hash((id(self.case), id(self.surface)))
+
+
+@lru_cache(maxsize=1)
+def _kept(asked: _Asked) -> CaseTheories:
+    return CaseTheories(asked.case, roughness(asked.case, asked.surface))

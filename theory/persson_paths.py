@@ -1,0 +1,145 @@
+"""What Persson's theory says of each point of a loading path."""
+
+import warnings
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+from scipy.optimize import brentq
+
+from theory.case_theories import CaseTheories
+from theory.gap_paths import DETACHED, nowhere
+from theory.persson import PerssonContact, PerssonTheory, solve
+from theory.separation import NegativeSeparation, SeparationCurve, separation_curve
+
+_UNSOUND_GAP = "states at higher pressures that the mean gap rests on did not converge"
+
+# Wavevectors at which the magnification-resolved quantities are stored.
+_STORED_WAVEVECTORS = 129
+_RESOLVED = ("relative_contact_area_at", "detachment_stress", "effective_work_of_adhesion")
+
+# Quantities that no other theory has.
+PERSSONS_OWN = (*_RESOLVED, "contact_stress", "edge_stress")
+
+# Below this pressure, in units of the full-contact stress, a mean gap is not sought.
+_LOWEST_PRESSURE = 1e-9
+
+
+def persson_path(
+    theories: CaseTheories, stress: np.ndarray | str = "adhered", start: int = 0
+) -> Iterator[tuple[dict[str, Any], np.ndarray | str]]:
+    """Values and detachment stress at each path point from number ``start`` on.
+
+    Each state starts from the one before, since under tension the branch matters; the first from ``stress``.
+    """
+    case, theory = theories.case, theories.persson
+    curve = _separation(theories)
+    by_pressure = case.loading.control == "pressure"
+    pressures = [value if by_pressure else _pressure_at(curve, value) for value, _ in case.path]
+    gaps = curve.mean_gap(np.array(pressures))
+    for number in range(start, len(case.path)):
+        if np.isnan(pressures[number]):
+            values = _unreachable(case.path[number][0])
+        else:
+            contact = solve(theory, pressures[number], stress, *theories.effort)
+            stress = contact.detachment_stress
+            values = _persson_values(contact) | {"mean_gap": float(gaps[number])}
+            if np.isfinite(gaps[number]) and not curve.converged_above(pressures[number]):
+                values |= {"converged": False, "message": _UNSOUND_GAP}
+        yield values, stress
+
+
+def _separation(theories: CaseTheories) -> SeparationCurve:
+    """The separation curve down to the lowest pressure, or out to the largest gap, of the path."""
+    case, theory = theories.case, theories.persson
+    tolerance, max_iterations = theories.effort
+
+    def sweep(lowest: float) -> SeparationCurve:
+        return separation_curve(theory, lowest, tolerance=tolerance, max_iterations=max_iterations)
+
+    if case.loading.control == "pressure":
+        # Tension has no separation; a curve that nothing is read from stays short.
+        lowest = min((p for p, _ in case.path if p > 0), default=theory.stress_scale)
+        return sweep(min(lowest, theory.stress_scale))
+    curve = sweep(1e-3 * theory.stress_scale)
+    largest = max(gap for gap, _ in case.path)
+    ends = _quiet_gap(curve, curve.pressure[:2])
+    growth = ends[0] - ends[1]
+    if ends[0] > largest or growth <= 0:  # reached, or sticking so strong that the gap no longer grows
+        return curve
+    # At light load the gap grows by the same step with every decade less pressure; one decade in reserve.
+    decades = (largest - ends[0]) / growth * np.log10(curve.pressure[1] / curve.pressure[0]) + 1
+    lowest = max(curve.pressure[0] * 10.0 ** (-decades), _LOWEST_PRESSURE * theory.stress_scale)
+    return sweep(lowest)
+
+
+def _quiet_gap(curve: SeparationCurve, pressure: np.ndarray | float) -> np.ndarray:
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", NegativeSeparation)
+        return curve.mean_gap(pressure)
+
+
+def _pressure_at(curve: SeparationCurve, gap: float) -> float:
+    """Lowest pressure at which the mean gap has fallen to ``gap``; NaN if the theory reaches no such gap."""
+    gaps = _quiet_gap(curve, curve.pressure)
+    reached = np.flatnonzero(gaps <= gap)
+    if gap <= 0 or reached.size == 0 or reached[0] == 0:
+        return float("nan")
+    low, high = np.log(curve.pressure[reached[0] - 1 : reached[0] + 1])
+    return float(np.exp(brentq(lambda x: float(_quiet_gap(curve, np.exp(x))) - gap, low, high, xtol=1e-10)))
+
+
+def stored_wavevectors(theory: PerssonTheory) -> np.ndarray:
+    """Wavevectors at which the magnification-resolved quantities are stored (1/m)."""
+    return np.geomspace(theory.wavevectors[0], theory.wavevectors[-1], _STORED_WAVEVECTORS)
+
+
+def _persson_values(contact: PerssonContact) -> dict[str, Any]:
+    theory = contact.theory
+    if contact.detached:
+        return DETACHED | {
+            **{name: np.zeros(_STORED_WAVEVECTORS) for name in _RESOLVED},
+            "pressure_pdf": nowhere,
+            "contact_stress": 0.0,
+            "edge_stress": 0.0,
+            "message": "detached: the adhered branch ends above this pressure",
+            "iterations": contact.iterations,
+        }
+    stored, nodes = np.log(stored_wavevectors(theory)), np.log(theory.wavevectors)
+    message = ""
+    if contact.pressure <= 0:
+        message = "the theory's mean gap diverges at zero pressure and is not defined under tension"
+    elif not contact.converged:
+        message = f"the detachment stress did not converge; {contact.advice}"
+    return {
+        "mean_pressure": contact.pressure,
+        "relative_contact_area": contact.relative_contact_area,
+        "elastic_energy": contact.elastic_energy,
+        "interaction_energy": contact.adhesion_energy,
+        "pressure_pdf": contact.pressure_density,
+        "contact_stress": contact.contact_stress,
+        "edge_stress": contact.edge_stress,
+        "relative_contact_area_at": np.interp(stored, nodes, contact.contact),
+        "detachment_stress": np.interp(stored, nodes, contact.detachment_stress),
+        "effective_work_of_adhesion": np.interp(stored, nodes, contact.effective_work_of_adhesion),
+        "converged": contact.converged,
+        "detached": contact.detached,
+        "message": message,
+        "residual": contact.residual * theory.stress_scale / theory.solid.contact_modulus,
+        "iterations": contact.iterations,
+    }
+
+
+def _unreachable(gap: float) -> dict[str, Any]:
+    """Values of a prescribed mean gap that Persson's theory has no pressure for: NaN."""
+    names = ("mean_pressure", "relative_contact_area", "elastic_energy", "interaction_energy", "contact_stress")
+    lost: dict[str, Any] = dict.fromkeys((*names, "edge_stress", "residual"), float("nan"))
+    return lost | {
+        **{name: np.full(_STORED_WAVEVECTORS, np.nan) for name in _RESOLVED},
+        "pressure_pdf": lambda edges: np.full(edges.size - 1, np.nan),
+        "mean_gap": gap,
+        "converged": False,
+        "detached": False,
+        "message": "the theory has no pressure for this mean gap",
+        "iterations": 0,
+    }
