@@ -1,12 +1,13 @@
 # make paper   the comparison of Yang et al. 2008 at the paper's size (PRESET=quick: a first look)
 # make test    the tests
-# make mutants  what share of small changes to the numerical modules the tests notice (an hour and more; by hand)
+# make docs    the documentation site, in build/site
+# make mutants what share of small changes to the numerical modules the tests notice (an hour and more; by hand)
 PYTHON ?= python3
 PRESET ?= paper
 SAMPLE ?= 60
 BIN := .venv/bin
 
-.PHONY: env paper test validation lint benchmark mutants docs-tables docs-check clean
+.PHONY: env paper test validation lint benchmark mutants docs docs-tables docs-check clean
 .DELETE_ON_ERROR:
 
 env: .venv/.ready
@@ -45,6 +46,11 @@ benchmark: env
 
 mutants: env
 	$(BIN)/python scripts/mutants.py --sample $(SAMPLE)
+
+# The site, in build/site: pages, gallery, library; an example that fails or a link that leads nowhere fails it.
+docs: env
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[docs]'
+	$(BIN)/python -m sphinx -b html -W --keep-going -q docs build/site
 
 # Both studies anew: the tables are of this code. An hour.
 docs-tables: env

@@ -1,6 +1,9 @@
-"""One surface, twice: a block of atoms and an elastic half-space with the smeared law of the same atoms.
+"""Atoms beside the continuum
+==========================
 
-python examples/atoms_beside_continuum.py -o atoms_beside_continuum.png
+One surface, twice: a block of atoms and an elastic half-space with the smeared law of the same atoms::
+
+    python examples/atoms_beside_continuum.py -o atoms_beside_continuum.png
 """
 
 import argparse

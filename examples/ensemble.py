@@ -1,6 +1,9 @@
-"""Twelve samples of one roughness: mean contact area and its standard error, with and without adhesion.
+"""An ensemble with error bars
+===========================
 
-python examples/ensemble.py -o ensemble.png
+Twelve samples of one roughness: mean contact area and its standard error, with and without adhesion::
+
+    python examples/ensemble.py -o ensemble.png
 """
 
 import argparse

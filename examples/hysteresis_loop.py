@@ -1,6 +1,9 @@
-"""Approach and retraction of a rough surface with strong adhesion: the loop of pressure and mean gap, and its loss.
+"""Loading and unloading
+=====================
 
-python examples/hysteresis_loop.py -o hysteresis_loop.png
+Approach and retraction of a rough surface with strong adhesion: the loop of pressure and mean gap, and its loss::
+
+    python examples/hysteresis_loop.py -o hysteresis_loop.png
 """
 
 import argparse

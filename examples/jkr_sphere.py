@@ -1,7 +1,10 @@
-"""A sphere that sticks: approach, snap-in, pull-off, and the theory of Johnson, Kendall and Roberts.
+"""A sphere that sticks
+====================
+
+A sphere that sticks: approach, snap-in, pull-off, and the theory of Johnson, Kendall and Roberts.
 
 The sphere is a paraboloid in a periodic cell, so wide that its neighbours' attraction and stress stay small. At a Tabor
-parameter of some units the pull-off force is near −3/2 π w R, JKR's limit of infinite Tabor parameter.
+parameter of some units the pull-off force is near −3/2 π w R, JKR's limit of infinite Tabor parameter::
 
     python examples/jkr_sphere.py -o jkr_sphere.png
 """

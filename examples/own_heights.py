@@ -1,6 +1,9 @@
-"""A height array of one's own, pressed: contact area over pressure, and where it touches.
+"""Heights of one's own
+====================
 
-python examples/own_heights.py -o own_heights.png
+A height array of one's own, pressed: contact area over pressure, and where it touches::
+
+    python examples/own_heights.py -o own_heights.png
 """
 
 import argparse

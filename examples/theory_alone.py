@@ -1,6 +1,9 @@
-"""Persson's theory and the gap flow from nothing but a spectrum: contact area over pressure at three adhesions.
+"""Theory from a spectrum
+======================
 
-python examples/theory_alone.py -o theory_alone.png
+Persson's theory and the gap flow from nothing but a spectrum: contact area over pressure at three adhesions::
+
+    python examples/theory_alone.py -o theory_alone.png
 """
 
 import argparse

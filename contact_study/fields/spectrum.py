@@ -76,7 +76,7 @@ class RoughnessSpectrum(ABC):
 
     @property
     def rms_slope(self) -> float:
-        """√<|∇h|²> = √(2π M₃)."""
+        """Root-mean-square slope √<(∇h)²> = √(2π M₃)."""
         return float(np.sqrt(2 * np.pi * self.moment(3)))
 
     @property
@@ -200,7 +200,7 @@ def _power_integral(power: float, a: float, b: float | np.ndarray) -> np.ndarray
 
 @dataclass(frozen=True)
 class RadialSpectrum(RoughnessSpectrum):
-    """Spectrum of one surface: shells of Fourier modes of equal |q| and the height variance of each.
+    """Spectrum of one surface: shells of Fourier modes of equal wavevector and the height variance of each.
 
     A continuous theory cannot use lines as they are. Each shell is therefore spread between the geometric means of
     its wavevector with its neighbours' (mirrored at both ends), where every moment grows linearly to the exact sum
@@ -209,7 +209,7 @@ class RadialSpectrum(RoughnessSpectrum):
     Parameters
     ----------
     wavevectors : numpy.ndarray, shape (n,)
-        |q| of the shells, increasing (1/m).
+        Magnitudes q of the shells, increasing (1/m).
     variances : numpy.ndarray, shape (n,)
         Height variance in each shell (m²); their sum is h_rms².
 

@@ -1,6 +1,8 @@
 """What changes along the loading path: contact area, mean gap, the work that a cycle costs."""
 
 from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -81,20 +83,19 @@ def hysteresis_loop(dataset: xr.Dataset, axes: Axes | None = None) -> Axes:
     ValueError
         As :func:`dissipated_energy`.
     """
-    energy, shared, loading, unloading = _loop(dataset)
+    loop = _loop(dataset)
     pressure = pressure_unit(_largest(dataset, "mean_pressure"))
     length = length_unit(_largest(dataset, "mean_separation"))
     axes = axes_of(axes)
-    axes.fill_betweenx(
-        shared / pressure.size,
-        np.interp(shared, *unloading) / length.size,
-        np.interp(shared, *loading) / length.size,
-        color=COLOURS[0],
-        alpha=0.15,
-        lw=0,
-        label=f"{energy:.3g} J/m² dissipated",
-    )
-    for (along, separation), filled, words in ((loading, True, "loading"), (unloading, False, "unloading")):
+    words = f"{loop.energy:.3g} J/m² dissipated"
+    forth, back = (np.interp(loop.shared, *branch) for branch in (loop.loading, loop.unloading))
+    options: dict[str, Any] = {"color": COLOURS[0], "alpha": 0.15, "lw": 0, "label": words}
+    if loop.prescribed == "mean_pressure":
+        axes.fill_betweenx(loop.shared / pressure.size, back / length.size, forth / length.size, **options)
+    else:
+        axes.fill_between(loop.shared / length.size, back / pressure.size, forth / pressure.size, **options)
+    for branch, filled, words in ((loop.loading, True, "loading"), (loop.unloading, False, "unloading")):
+        along, separation = branch if loop.prescribed == "mean_pressure" else branch[::-1]
         axes.plot(
             separation / length.size,
             along / pressure.size,
@@ -111,9 +112,11 @@ def hysteresis_loop(dataset: xr.Dataset, axes: Axes | None = None) -> Axes:
 
 
 def dissipated_energy(dataset: xr.Dataset) -> float:
-    """Energy per area that a cycle of pressure between the ends of both branches dissipates: ∫(ū_l − ū_u) dp (J/m²).
+    """Energy per area that a cycle between the ends of both branches dissipates (J/m²).
 
-    By trapezoids through the points of the path: as exact as these are dense where the contact jumps.
+    ∫(ū_loading − ū_unloading) dp where the pressure is prescribed, ∫(p_loading − p_unloading) dū where the gap is, over
+    what both branches pass; by trapezoids through the points of the path: as exact as these are dense where the contact
+    jumps.
 
     Parameters
     ----------
@@ -123,39 +126,57 @@ def dissipated_energy(dataset: xr.Dataset) -> float:
     Raises
     ------
     ValueError
-        If there is more than one point of the sweep, no unloading, or no pressure that both branches pass.
+        If there is more than one point of the sweep, no unloading, or nothing that both branches pass.
     """
-    return _loop(dataset)[0]
+    return _loop(dataset).energy
 
 
 _Branch = tuple[np.ndarray, np.ndarray]
 
 
-def _loop(dataset: xr.Dataset) -> tuple[float, np.ndarray, _Branch, _Branch]:
+@dataclass(frozen=True)
+class _Loop:
+    """Both branches over what was prescribed, increasing, and the energy between them."""
+
+    prescribed: str
+    loading: _Branch
+    unloading: _Branch
+    shared: np.ndarray
+    energy: float
+
+
+def _loop(dataset: xr.Dataset) -> _Loop:
     require(dataset, "mean_pressure", "mean_separation", "branch")
+    names = ["mean_pressure", "mean_separation"]
+    prescribed, answer = names[::-1] if "applied_gap" in dataset else names
     part = dataset.squeeze()
     others = [dim for dim in part["mean_pressure"].dims if dim != "step"]
     if others:
         raise ValueError(f"the dataset has more than one cycle: select one along {others[0]!r} first")
     fit = _fit(part) & np.isfinite(part["mean_separation"].values)
-    branches: list[_Branch] = []
-    for side in (LOADING, UNLOADING):
-        here = fit & (part["branch"].values == side)
-        pressure, separation = part["mean_pressure"].values[here], part["mean_separation"].values[here]
-        if side == UNLOADING and branches and branches[0][0].size:  # it begins where loading ended
-            pressure, separation = np.append(branches[0][0][-1], pressure), np.append(branches[0][1][-1], separation)
-        order = np.argsort(pressure, kind="stable")
-        branches.append((pressure[order], separation[order]))
-    loading, unloading = branches
+    side, along, response = part["branch"].values, part[prescribed].values, part[answer].values
+    turn = np.flatnonzero(fit & (side == LOADING))[-1:]  # where unloading begins
+    loading, unloading = (
+        _sorted(along[here], response[here])
+        for here in (
+            np.flatnonzero(fit & (side == LOADING)),
+            np.concatenate([turn, np.flatnonzero(fit & (side == UNLOADING))]),
+        )
+    )
     if loading[0].size < 2 or unloading[0].size < 3:
-        raise ValueError("the dataset has no cycle: a loading.path that comes back makes one")
+        raise ValueError("the dataset has no cycle: loading.unload = true makes one")
     low, high = max(loading[0][0], unloading[0][0]), min(loading[0][-1], unloading[0][-1])
     if low >= high:
-        raise ValueError("loading and unloading share no pressure")
+        raise ValueError("loading and unloading share no part of the path")
     every = np.unique(np.concatenate([loading[0], unloading[0]]))
     shared = every[(every >= low) & (every <= high)]
     width = np.interp(shared, *loading) - np.interp(shared, *unloading)
-    return float(trapezoid(width, shared)), shared, loading, unloading
+    return _Loop(prescribed, loading, unloading, shared, float(trapezoid(width, shared)))
+
+
+def _sorted(along: np.ndarray, response: np.ndarray) -> _Branch:
+    order = np.argsort(along, kind="stable")
+    return along[order], response[order]
 
 
 def _along_the_path(dataset: xr.Dataset, axes: Axes | None, read: Callable[[xr.Dataset], _Branch], name: str) -> Axes:

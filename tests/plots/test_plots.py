@@ -174,6 +174,13 @@ def test_dissipated_energy_of_a_parallelogram():
     axes = plots.hysteresis_loop(dataset)
     assert "0.009 J/m² dissipated" in axes.get_legend_handles_labels()[1]
     np.testing.assert_allclose(axes.lines[0].get_xdata(), (11 - np.arange(6)) * 10)  # Å, pressures from below
+    gap = dataset.rename(mean_pressure="mean_separation", mean_separation="mean_pressure")
+    held = gap.assign(mean_separation=gap.mean_separation * 1e-15, mean_pressure=gap.mean_pressure * 1e15)
+    held = held.assign_coords(applied_gap=held.mean_separation)
+    assert dissipated_energy(held) == pytest.approx(2e-9 * 1e6 * 4.5, rel=1e-9)
+    drawn = plots.hysteresis_loop(held).lines[0]
+    assert drawn.get_xdata()[0] < drawn.get_xdata()[-1]
+    assert drawn.get_ydata()[0] > drawn.get_ydata()[-1]
     with pytest.raises(ValueError, match="no cycle"):
         plots.hysteresis_loop(dataset.isel(step=slice(6)))
     with pytest.raises(ValueError, match="select one along 'seed'"):

@@ -1,0 +1,65 @@
+"""The documentation site: the pages of this folder, the examples as a gallery, and the library's face."""
+
+import sys
+import warnings
+from pathlib import Path
+
+import contact_study
+
+sys.path.insert(0, str(Path(__file__).resolve().parent))  # what the gallery imports
+
+project = "bem-adhesion"
+author = "The bem-adhesion developers"
+release = contact_study.__version__
+
+extensions = [
+    "myst_parser",
+    "numpydoc",
+    "sphinx.ext.autodoc",
+    "sphinx.ext.mathjax",
+    "sphinx.ext.viewcode",
+    "sphinx_gallery.gen_gallery",
+]
+root_doc = "index"
+exclude_patterns = ["_build", "gallery/*.ipynb", "gallery/*.py", "gallery/*.md5", "sg_execution_times.rst"]
+html_theme = "furo"
+html_title = "bem-adhesion"
+templates_path = []
+
+myst_heading_anchors = 3
+myst_enable_extensions = ["dollarmath"]
+
+autodoc_member_order = "groupwise"
+numpydoc_show_class_members = False
+numpydoc_class_members_toctree = False
+
+sphinx_gallery_conf = {
+    "reset_argv": "gallery_arguments.into_scratch",
+    "examples_dirs": "../examples",
+    "gallery_dirs": "gallery",
+    "filename_pattern": r"\.py$",
+    "write_computation_times": False,
+    "show_signature": False,
+    "min_reported_time": 1e9,
+    # An example that fails must fail the build.
+    "abort_on_example_error": True,
+    "run_stale_examples": True,
+    "remove_config_comments": True,
+}
+
+# Examples draw with pyplot, of which the gallery takes the figures; on a machine without a display nothing is shown.
+warnings.filterwarnings("ignore", message="FigureCanvasAgg is non-interactive")
+
+
+def setup(app):
+    """Describe a class once, where several packages hand out the same one."""
+    described = set()
+
+    def skip(app, what, name, obj, skip, options):
+        if what != "module" or not isinstance(obj, type):
+            return None
+        again = obj in described
+        described.add(obj)
+        return True if again else None
+
+    app.connect("autodoc-skip-member", skip)
