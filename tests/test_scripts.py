@@ -60,7 +60,7 @@ def test_benchmark_of_the_storage(capsys, monkeypatch):
     for line in (written, read):
         milliseconds, share = re.findall(r"([\d.]+) (?:ms|%)", line)
         assert float(milliseconds) > 0
-        assert 0 < float(share) < 100
+        assert 0 <= float(share) < 100  # of a slow run writing may round to nothing
 
 
 def test_result_table(tmp_path, capsys):
