@@ -7,12 +7,12 @@ import xarray as xr
 from matplotlib.axes import Axes
 
 from contact_study.fields.grid import Grid
-from contact_study.fields.spectrum import radial_spectrum
+from contact_study.fields.roughness import roughness_of
 from contact_study.plots.selection import extent, lines, one_state, require
 from contact_study.plots.style import COLOURS, axes_of, readable_decades, styled
 from contact_study.plots.units import Unit, length_unit, pressure_unit
 
-_BANDS_PER_DECADE = 24
+_ROUNDING = 1e-20  # of the largest C: what a transform leaves of waves that a surface does not have
 _LEAST = 1e-8  # of the largest density: theories' tails go on for ever
 
 
@@ -45,7 +45,7 @@ def gap_distribution(dataset: xr.Dataset, axes: Axes | None = None) -> Axes:
 
 @styled
 def surface_spectrum(dataset: xr.Dataset, axes: Axes | None = None) -> Axes:
-    """Power spectrum C(q) of the surface, averaged over directions and narrow bands of q.
+    """Power spectrum C(q) of the surface, averaged over directions and bands of an eighth of an octave.
 
     Convention: h_rms² = 2π ∫ q C dq.
 
@@ -62,44 +62,16 @@ def surface_spectrum(dataset: xr.Dataset, axes: Axes | None = None) -> Axes:
         If the heights were not kept, there is more than one surface, or it is flat.
     """
     surface = one_state(dataset, "height")
-    spectrum = radial_spectrum(surface["height"].values, Grid(surface["height"].shape, extent(surface)))
-    q, density = band_averages(spectrum.wavevectors, spectrum.variances, extent(surface))
+    grid = Grid(surface["height"].shape, extent(surface))
+    spectrum = roughness_of(surface["height"].values, grid).spectrum
+    if not spectrum.density.any():
+        raise ValueError("the surface is flat: it has no spectrum")
+    shown = spectrum.density > _ROUNDING * spectrum.density.max()
     axes = axes_of(axes)
-    axes.loglog(q, density, ".-", color=COLOURS[0], ms=3, lw=0.8)
+    axes.loglog(spectrum.wavevectors[shown], spectrum.density[shown], ".-", color=COLOURS[0], ms=3, lw=0.8)
     readable_decades(axes.xaxis)
     axes.set(xlabel=r"wavevector $q$ (m$^{-1}$)", ylabel=r"power spectrum $C(q)$ (m$^4$)")
     return axes
-
-
-def band_averages(
-    wavevectors: np.ndarray, variances: np.ndarray, size: tuple[float, float]
-) -> tuple[np.ndarray, np.ndarray]:
-    """C(q) in bands of equal ratio.
-
-    Parameters
-    ----------
-    wavevectors, variances : numpy.ndarray, shape (shells,)
-        |q| (1/m) and <h²> (m²) of the modes of a cell.
-    size : tuple of float
-        Periods of the cell (m): a mode stands for (2π)²/(L_y L_x) of the plane of wavevectors.
-
-    Returns
-    -------
-    q, density : numpy.ndarray, shape (bands,)
-        Mean wavevector (1/m) and C (m⁴) of the bands that hold modes.
-    """
-    decades = np.log10(wavevectors[-1] / wavevectors[0])
-    edges = np.geomspace(wavevectors[0], wavevectors[-1] * (1 + 1e-9), max(2, int(_BANDS_PER_DECADE * decades) + 1))
-    edges[0] *= 1 - 1e-9
-    # Modes in a band, from the lattice of wavevectors itself: narrow bands hold few, not as many as their area.
-    cell = (2 * np.pi) ** 2 / (size[0] * size[1])
-    side = [int(np.ceil(edges[-1] * length / (2 * np.pi))) for length in size]
-    rows, columns = (2 * np.pi / length * np.arange(-n, n + 1) for length, n in zip(size, side, strict=True))
-    modes, _ = np.histogram(np.hypot(rows[:, None], columns).ravel(), edges)
-    total, _ = np.histogram(wavevectors, edges, weights=variances)
-    weighted, _ = np.histogram(wavevectors, edges, weights=variances * wavevectors)
-    held = total > 0
-    return weighted[held] / total[held], total[held] / (modes[held] * cell)
 
 
 def _densities(
