@@ -12,7 +12,8 @@ from contact_study.problem.laws import LennardJones93, LennardJones104, Traction
 from theory.edge_flow import EdgeFlow, edge_flow
 from theory.gap_flow import GapFlow, gap_flow
 from theory.gap_state import GapState
-from theory.persson import PerssonContact, PerssonTheory
+from theory.persson import PerssonTheory
+from theory.persson_contact import PerssonContact
 from theory.separation import SeparationCurve, energy_defect, pull_off_pressure, separation_curve
 
 __all__ = [

@@ -113,6 +113,15 @@ class EdgeFlow(PressureCurve):
         order = min(_ORDER, len(rising) // 2 * 2 - 1)  # odd, and less than the states: a curve that ended early has few
         return make_interp_spline([found.gap for found in rising], energies, k=order)
 
+    @property
+    def pull_off_pressure(self) -> float:
+        """Lowest pressure of the curve, the end of adhesion under pressure control (Pa).
+
+        NaN where the curve does not reach as far as that: its lowest pressure is the one of its smallest mean gap.
+        """
+        lowest = int(np.argmin(self.pressure))
+        return float(self.pressure[lowest]) if lowest > 0 else float("nan")
+
     def pressure_at(self, mean_gap: float) -> float:
         """Pressure at a mean gap within the curve (Pa)."""
         return -float(self._energy(mean_gap / self.length, 1)) * self.contact_modulus
@@ -137,6 +146,7 @@ class EdgeFlow(PressureCurve):
         # The spline's slope rests on the neighbours, a few of them on either side.
         rests_on = (found, *self.equilibria[max(after - 2, 0) : after + 2])
         return GapState(
+            ("edge_flow",),
             self.law,
             self.length,
             self.contact_modulus,
@@ -146,6 +156,7 @@ class EdgeFlow(PressureCurve):
             self._problem.gaps,
             found.weights,
             all(self._solved(state) for state in rests_on),
+            found.change,
         )
 
     def _solved(self, found: Equilibrium) -> bool:

@@ -120,6 +120,7 @@ class GapFlow(PressureCurve):
         trace_back(self.gaps, self._stiffness, self._steps, self._compliances, self._hull, weights, elastic)
         return [
             GapState(
+                ("gap_flow",) if self.branch == "equilibrium" else ("gap_flow", self.branch),
                 self.law,
                 self.length,
                 self.contact_modulus,

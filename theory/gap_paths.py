@@ -11,7 +11,6 @@ from contact_study.problem.errors import InputError
 from theory.case_theories import CaseTheories
 from theory.edge_flow import EdgeFlow
 from theory.gap_flow import GapFlow
-from theory.gap_state import GapState
 from theory.separation import NotConverged
 
 # What a block that has come off is, in every model; its mean gap is infinite where the model defines one.
@@ -73,10 +72,7 @@ def _gap_flow_values(case: Case, flow: GapFlow) -> list[dict[str, Any]]:
     for there in held:
         if there:
             state = next(states)
-            # Mean traction of the local gaps against the slope of the energy: not a measure of convergence but of the
-            # resolution. Second order in the gap's nodes, first in the scales and where coexistence ends between nodes.
-            residual = abs(state.mean_traction - state.pressure) / case.solid.contact_modulus
-            values = _state_values(case, state) | {"residual": residual}
+            values = state.quantities(case.contact_distance)
         else:
             values = _come_off(flow.converged)
         found.append({flow_name(flow.branch, key): value for key, value in values.items()})
@@ -101,28 +97,12 @@ def _edge_flow_values(case: Case, flow: EdgeFlow) -> list[dict[str, Any]]:
         if gap is None:
             values = _not_found(asked if case.loading.control == "gap" else np.nan)
         elif np.isnan(gap):
-            values = _come_off(flow.converged) | {"local_mean_pressure": 0.0}
+            values = _come_off(flow.converged)
         else:
             (state,) = flow.states(np.array([gap]))
-            values = _state_values(case, state) | {"local_mean_pressure": state.mean_traction}
-        found.append({f"edge_flow/{key}": value for key, value in values.items() if key != "residual"})
+            values = state.quantities(case.contact_distance)
+        found.append({f"edge_flow/{key}": value for key, value in values.items()})
     return found
-
-
-def _state_values(case: Case, state: GapState) -> dict[str, Any]:
-    """Quantities of one state."""
-    return {
-        "mean_pressure": state.pressure,
-        "mean_gap": state.mean_gap - case.law.equilibrium_distance,
-        "relative_contact_area": state.fraction_below(case.contact_distance),
-        "relative_repulsive_area": state.relative_repulsive_area,
-        "elastic_energy": state.elastic_energy,
-        "interaction_energy": state.interaction_energy,
-        "pressure_pdf": state.pressure_density,
-        "gap_pdf": state.gap_density,
-        "converged": state.converged and state.complete,
-        "detached": False,
-    }
 
 
 def _come_off(converged: bool) -> dict[str, Any]:
@@ -131,6 +111,7 @@ def _come_off(converged: bool) -> dict[str, Any]:
         "mean_gap": float("inf"),
         "converged": converged,
         "relative_repulsive_area": 0.0,
+        "local_mean_pressure": 0.0,
         "pressure_pdf": nowhere,
         "gap_pdf": nowhere,
     }
@@ -141,7 +122,7 @@ def _not_found(gap: float) -> dict[str, Any]:
     unknown: Callable[[np.ndarray], np.ndarray] = lambda edges: np.full(edges.size - 1, np.nan)  # noqa: E731
     names = ("mean_pressure", "relative_contact_area", "relative_repulsive_area", "elastic_energy")
     return {
-        **dict.fromkeys((*names, "interaction_energy", "local_mean_pressure"), float("nan")),
+        **dict.fromkeys((*names, "interaction_energy", "local_mean_pressure", "residual"), float("nan")),
         "mean_gap": gap,
         "pressure_pdf": unknown,
         "gap_pdf": unknown,

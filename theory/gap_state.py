@@ -2,14 +2,21 @@
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from scipy.interpolate import PchipInterpolator
 
 from contact_study.problem.laws.base import TractionLaw
 
+if TYPE_CHECKING:
+    import xarray as xr
+
 # Relative change of the area and of the mean gap that the rounding of some thousand steps explains.
 _KEPT = 1e-6
+
+# Area of a node below which default bins need not reach it.
+_SEEN = 1e-9
 
 
 @dataclass(frozen=True)
@@ -20,6 +27,8 @@ class GapState:
 
     Attributes
     ----------
+    labels : tuple of str
+        Theory, and its metastable branch if it is one.
     law : TractionLaw
         The law in units of ``length`` and ``contact_modulus``.
     length, contact_modulus : float
@@ -34,8 +43,11 @@ class GapState:
         Nodes of the local gap and the fraction of the area at each.
     converged : bool
         Whether the equations that the state rests on are solved.
+    change : float, optional
+        Largest change of a scale's mean response in the last iteration, of a theory that iterates.
     """
 
+    labels: tuple[str, ...]
     law: TractionLaw
     length: float
     contact_modulus: float
@@ -45,6 +57,18 @@ class GapState:
     gaps: np.ndarray
     weights: np.ndarray
     converged: bool
+    change: float | None = None
+
+    @property
+    def residual(self) -> float:
+        """Last change of the responses; of a theory without iteration what parts both pressures, over E*.
+
+        That is no measure of convergence but of the resolution: second order in the nodes of the gap, first in the
+        scales and where coexistence ends between nodes.
+        """
+        if self.change is not None:
+            return self.change
+        return abs(self.mean_traction - self.pressure) / self.contact_modulus
 
     @property
     def complete(self) -> bool:
@@ -99,6 +123,68 @@ class GapState:
         occupied = mass > 0
         mass, low, high = mass[occupied], low[occupied], high[occupied]
         return np.diff(_mass_below(bins, low, high, mass)) / np.diff(edges)
+
+    def quantities(self, contact_distance: float | None = None) -> dict[str, Any]:
+        """Everything that is read off the state, by its name in a dataset; distributions as functions of bin edges.
+
+        The mean gap is from the law's equilibrium distance, as in all datasets.
+
+        Parameters
+        ----------
+        contact_distance : float, optional
+            Gaps below it count as contact (m); by default those within the law's own contact distance.
+        """
+        own = self.law.contact_distance * self.length
+        return {
+            "mean_pressure": self.pressure,
+            "mean_gap": self.mean_gap - self.law.equilibrium_distance * self.length,
+            "relative_contact_area": self.fraction_below(own if contact_distance is None else contact_distance),
+            "relative_repulsive_area": self.relative_repulsive_area,
+            "elastic_energy": self.elastic_energy,
+            "interaction_energy": self.interaction_energy,
+            "local_mean_pressure": self.mean_traction,
+            "pressure_pdf": self.pressure_density,
+            "gap_pdf": self.gap_density,
+            "converged": self.converged and self.complete,
+            "detached": False,
+            "residual": self.residual,
+        }
+
+    def to_dataset(
+        self,
+        contact_distance: float | None = None,
+        pressure_edges: np.ndarray | None = None,
+        gap_edges: np.ndarray | None = None,
+    ) -> "xr.Dataset":
+        """The state in the schema of ``theory.nc``, without the dimension of a path.
+
+        Parameters
+        ----------
+        contact_distance : float, optional
+            Gaps below it count as contact (m); by default those within the law's own contact distance.
+        pressure_edges, gap_edges : numpy.ndarray, optional
+            Edges of the bins of both distributions (Pa, m); by default even ones over all but a billionth of the area.
+
+        Raises
+        ------
+        ValueError
+            If edges do not rise.
+        """
+        from theory.datasets import dataset_of  # xarray is slow to import, and only needed here
+
+        held = np.flatnonzero(self.weights > _SEEN)
+        low, high = (float(self._edges[end]) for end in (held[0], held[-1] + 1))
+        stress = -self.law.traction(np.linspace(low, high, 4 * self.gaps.size)) * self.contact_modulus
+        beside = 1e-3 * np.ptp(stress)  # the peak of the law may lie between two of them
+        return dataset_of(
+            self.labels,
+            self.quantities(contact_distance),
+            {"pressure_pdf": pressure_edges, "gap_pdf": gap_edges},
+            {
+                "pressure_pdf": (float(stress.min() - beside), float(stress.max() + beside)),
+                "gap_pdf": (low * self.length, high * self.length),
+            },
+        )
 
 
 def _mass_below(edges: np.ndarray, low: np.ndarray, high: np.ndarray, mass: np.ndarray) -> np.ndarray:

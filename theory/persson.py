@@ -28,6 +28,7 @@ from scipy.special import erfcx
 from contact_study.fields.arguments import finite, positive
 from contact_study.fields.spectrum import RoughnessSpectrum
 from contact_study.problem.elasticity import Elasticity, elasticity_of
+from theory.persson_contact import PerssonContact
 from theory.stress_diffusion import StressDistribution, diffuse
 
 ENERGY_WEIGHTS = ("paper", "wang_mueser", "area")
@@ -163,7 +164,7 @@ class PerssonTheory:
         start: np.ndarray | str = "adhered",
         tolerance: float = TOLERANCE,
         max_iterations: int = MAX_ITERATIONS,
-    ) -> "PerssonContact":
+    ) -> PerssonContact:
         """The contact at a mean pressure; see :func:`solve`."""
         return solve(self, pressure, start, tolerance, max_iterations)
 
@@ -189,96 +190,6 @@ class PerssonTheory:
         stiffness = self.solid.stiffness(self.wavevectors)
         stress = np.sqrt(2 * self.alpha * stiffness * np.maximum(effective_work, 0.0))
         return np.minimum(stress, self.stress_cap)
-
-
-@dataclass(frozen=True)
-class PerssonContact:
-    """The state of contact at one pressure.
-
-    Attributes
-    ----------
-    theory : PerssonTheory
-        What was solved.
-    pressure : float
-        p, compression positive (Pa).
-    detachment_stress : numpy.ndarray
-        σ_a at the theory's magnifications (Pa).
-    distribution : StressDistribution
-        P(σ) at the highest magnification and A(q), in units of ``theory.stress_scale``.
-    converged : bool
-        Whether the residual met the tolerance.
-    stalled : bool
-        Whether the iteration was ended because it came no nearer to its end.
-    residual : float
-        Largest change of σ_a in the last iteration over ``theory.stress_scale``.
-    iterations : int
-        Diffusions solved.
-    """
-
-    theory: PerssonTheory
-    pressure: float
-    detachment_stress: np.ndarray
-    distribution: StressDistribution
-    converged: bool
-    stalled: bool
-    residual: float
-    iterations: int
-
-    @property
-    def contact(self) -> np.ndarray:
-        """A(q)/A₀ at the magnifications."""
-        return self.distribution.contact
-
-    @property
-    def relative_contact_area(self) -> float:
-        """A(q₁)/A₀, the real contact area."""
-        return float(self.distribution.contact[-1])
-
-    @property
-    def detached(self) -> bool:
-        """Whether no contact is left: without pressure the iteration ends near zero area, not on it."""
-        return self.pressure <= 0 and self.relative_contact_area < 1e-6
-
-    @property
-    def advice(self) -> str:
-        """What to do about a state that did not converge."""
-        return "its iteration circles; lower theory.alpha" if self.stalled else "raise solver.max_iterations"
-
-    @property
-    def effective_work_of_adhesion(self) -> np.ndarray:
-        """γ_eff at the magnifications (J/m²)."""
-        return self.theory.effective_work_of_adhesion(self.contact)
-
-    @property
-    def elastic_energy(self) -> float:
-        """U_el(q_L) per nominal area (J/m²)."""
-        return float(self.theory.elastic_energy(self.contact)[0])
-
-    @property
-    def adhesion_energy(self) -> float:
-        """−Δγ A*(q₁) per nominal area (J/m²)."""
-        theory = self.theory
-        return float(-theory.work_of_adhesion * self.relative_contact_area * theory.area_factor[-1])
-
-    @property
-    def energy(self) -> float:
-        """Interfacial energy U = U_el − Δγ A* (J/m²)."""
-        return self.elastic_energy + self.adhesion_energy
-
-    @property
-    def contact_stress(self) -> float:
-        """Mean stress carried inside the contact, ∫ σ P dσ (Pa)."""
-        return self.distribution.contact_stress * self.theory.stress_scale
-
-    @property
-    def edge_stress(self) -> float:
-        """Mean stress carried at detached edges, −∫ σ_a g ds <= 0 (Pa); with the contact's it makes the pressure."""
-        return self.distribution.edge_stress * self.theory.stress_scale
-
-    def pressure_density(self, edges: np.ndarray) -> np.ndarray:
-        """Mean of P(σ) in bins (1/Pa), shape (n,) for n + 1 edges (Pa)."""
-        scale = self.theory.stress_scale
-        return self.distribution.bin_averages(np.asarray(edges) / scale) / scale
 
 
 def solve(

@@ -9,7 +9,8 @@ from scipy.optimize import brentq
 
 from theory.case_theories import CaseTheories
 from theory.gap_paths import DETACHED, nowhere
-from theory.persson import PerssonContact, PerssonTheory, solve
+from theory.persson import PerssonTheory, solve
+from theory.persson_contact import PerssonContact
 from theory.separation import NegativeSeparation, SeparationCurve, separation_curve
 
 _UNSOUND_GAP = "states at higher pressures that the mean gap rests on did not converge"
@@ -111,23 +112,8 @@ def _persson_values(contact: PerssonContact) -> dict[str, Any]:
         message = "the theory's mean gap diverges at zero pressure and is not defined under tension"
     elif not contact.converged:
         message = f"the detachment stress did not converge; {contact.advice}"
-    return {
-        "mean_pressure": contact.pressure,
-        "relative_contact_area": contact.relative_contact_area,
-        "elastic_energy": contact.elastic_energy,
-        "interaction_energy": contact.adhesion_energy,
-        "pressure_pdf": contact.pressure_density,
-        "contact_stress": contact.contact_stress,
-        "edge_stress": contact.edge_stress,
-        "relative_contact_area_at": np.interp(stored, nodes, contact.contact),
-        "detachment_stress": np.interp(stored, nodes, contact.detachment_stress),
-        "effective_work_of_adhesion": np.interp(stored, nodes, contact.effective_work_of_adhesion),
-        "converged": contact.converged,
-        "detached": contact.detached,
-        "message": message,
-        "residual": contact.residual * theory.stress_scale / theory.solid.contact_modulus,
-        "iterations": contact.iterations,
-    }
+    values = contact.quantities() | {"message": message}
+    return values | {name: np.interp(stored, nodes, values[name]) for name in _RESOLVED}
 
 
 def _unreachable(gap: float) -> dict[str, Any]:

@@ -123,6 +123,8 @@ def constants(case: Case, surface: Surface) -> dict[str, Value]:
     }
     for flow in theories.gap_flows:
         values[flow_name(flow.branch, "pull_off_pressure")] = flow.pull_off_pressure
+    if theories.edge_flow is not None:
+        values["edge_flow/pull_off_pressure"] = theories.edge_flow.pull_off_pressure
     return values
 
 

@@ -14,7 +14,8 @@ from functools import cached_property
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from theory.persson import MAX_ITERATIONS, TOLERANCE, PerssonContact, PerssonTheory, solve
+from theory.persson import MAX_ITERATIONS, TOLERANCE, PerssonTheory, solve
+from theory.persson_contact import PerssonContact
 
 # Pressure beyond which contact is full to 1e-12, in standard deviations of the full-contact stress.
 _FULL_CONTACT = 7.0

@@ -1,5 +1,7 @@
 """Edge flow: reference values, exact limits, balances, convergence, honest flags, arguments."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 
@@ -189,3 +191,23 @@ def test_bad_questions_are_named(paper, flows):
         for gap in (np.nan, 1e-12, 1.0):
             with pytest.raises(ValueError, match="mean_gaps"):
                 flow.states(np.array([gap]))
+
+
+def test_pull_off_is_the_lowest_pressure_of_a_curve_that_passes_it(flows):
+    flow = flows[8]
+    lowest = flow.mean_gap[np.argmin(flow.pressure)]
+    assert flow.pull_off_pressure == flow.pressure.min() < -0.5e9
+    around = [flow.pressure_at(lowest + shift) for shift in (-5e-11, 5e-11)]
+    assert min(around) > flow.pull_off_pressure
+    with pytest.raises(ValueError, match="below the pull-off"):
+        flow.at_pressure(1.01 * flow.pull_off_pressure)
+    assert flow.at_pressure(0.99 * flow.pull_off_pressure).converged
+    # A curve that ends while the pressure still falls does not tell.
+    far = sum(found.gap * flow.length > lowest + 1e-10 for found in flow.equilibria)
+    assert np.isnan(dataclasses.replace(flow, equilibria=flow.equilibria[:far]).pull_off_pressure)
+
+
+def test_the_residual_is_the_last_change(flows):
+    state = flows[1].at_pressure(1e9)
+    assert 0 < state.residual <= 1e-6
+    assert state.quantities()["residual"] == state.residual

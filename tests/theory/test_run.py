@@ -263,12 +263,20 @@ def test_every_state_of_an_unconverged_branch_is_flagged(monkeypatch):
         run.constants(case, realise(case))
 
 
+def test_pull_off_of_every_theory_is_a_constant(case):
+    found = run.constants(case, realise(case))
+    flow = edge_flow(realise(case).spectrum, case.solid, case.law)
+    # Two curves with other ends.
+    assert found["edge_flow/pull_off_pressure"] == pytest.approx(flow.pull_off_pressure, rel=1e-2)
+    assert found["gap_flow/pull_off_pressure"] < found["edge_flow/pull_off_pressure"] < 0
+
+
 def test_distribution_that_lost_area_is_not_converged(case):
     flow = gap_flow(realise(case).spectrum, case.material.contact_modulus, case.law)
     (state,) = flow.states(np.array([flow.gap_at(1e9)]))
-    assert gap_paths._state_values(case, state)["converged"]
+    assert state.quantities()["converged"]
     for weights in (0.999 * state.weights, np.roll(state.weights, 1)):
-        assert not gap_paths._state_values(case, dataclasses.replace(state, weights=weights))["converged"]
+        assert not dataclasses.replace(state, weights=weights).quantities()["converged"]
 
 
 def test_gap_that_rests_on_unconverged_states_is_flagged():

@@ -1,0 +1,106 @@
+"""States of the theories as datasets of the schema, beside those of a study; P(σ) at any magnification."""
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from contact_study.campaign.schema import variable_of
+from theory.edge_flow import edge_flow
+from theory.gap_flow import gap_flow
+
+# Quantities every theory has.
+SHARED = ("mean_pressure", "mean_gap", "relative_contact_area", "elastic_energy", "interaction_energy", "pressure_pdf")
+
+
+@pytest.fixture(scope="module")
+def states(paper):
+    arguments = paper.spectrum, paper.contact_modulus, paper.law(1)
+    return {
+        "persson": paper.theory(0.6924).at_pressure(1e9),
+        "gap_flow": gap_flow(*arguments, gaps=200, scales=200).at_pressure(1e9),
+        "edge_flow": edge_flow(*arguments, highest_pressure=2e9, gaps=100, scales=30).at_pressure(1e9),
+    }
+
+
+@pytest.mark.parametrize("theory", ["persson", "gap_flow", "edge_flow"])
+def test_every_theory_gives_the_same_quantities_with_units_and_whole_distributions(states, theory):
+    dataset = states[theory].to_dataset()
+    assert dataset.theory == theory
+    for name in dataset.data_vars:
+        assert dataset[name].attrs["units"] == variable_of(name).units
+        assert "step" not in dataset[name].dims
+    assert all(np.isfinite(dataset[name]).all() for name in SHARED)
+    assert dataset.converged == 1
+    # Persson's counts the stress in contact only.
+    held = float(dataset.relative_contact_area) if theory == "persson" else 1.0
+    width = dataset.pressure_bin[1] - dataset.pressure_bin[0]
+    assert float(dataset.pressure_pdf.sum() * width) == pytest.approx(held, rel=1e-6)
+
+
+def test_the_local_theories_say_gaps_and_both_pressures(states, paper):
+    for theory in ("gap_flow", "edge_flow"):
+        state = states[theory]
+        dataset = state.to_dataset(paper.contact_distance)
+        assert float(dataset.relative_contact_area) == state.fraction_below(paper.contact_distance)
+        # From the law's zero, at which smooth surfaces rest.
+        assert float(dataset.mean_gap) == pytest.approx(state.mean_gap - 3.28e-10, rel=1e-12)
+        width = dataset.gap_bin[1] - dataset.gap_bin[0]
+        assert float(dataset.gap_pdf.sum() * width) == pytest.approx(1, rel=1e-6)
+        mean = float((dataset.gap_pdf * dataset.gap_bin).sum() * width)
+        assert mean == pytest.approx(state.mean_gap, rel=1e-3)  # 400 bins
+        assert float(dataset.local_mean_pressure) == state.mean_traction != float(dataset.mean_pressure)
+        own = state.to_dataset()
+        assert float(own.relative_contact_area) == state.fraction_below(paper.law(1).contact_distance)
+
+
+def test_a_branch_has_its_name_and_states_join_along_a_path(paper):
+    flow = gap_flow(paper.spectrum, paper.contact_modulus, paper.law(4), "loading", gaps=200, scales=200)
+    edges = np.linspace(0, 5e-9, 11)
+    path = xr.concat(
+        [flow.at_pressure(p).to_dataset(gap_edges=edges, pressure_edges=edges) for p in (1e9, 2e9)], "step"
+    )
+    assert path.metastable_branch == "loading"
+    assert path.theory == "gap_flow"
+    assert path.gap_pdf.shape == (2, 10)
+    assert float(path.mean_gap[0]) > float(path.mean_gap[1])
+
+
+def test_edges_that_do_not_rise_are_refused(states):
+    for theory in states:
+        with pytest.raises(ValueError, match="pressure_edges: must be rising"):
+            states[theory].to_dataset(pressure_edges=np.array([1.0, 0.0]))
+    with pytest.raises(ValueError, match="gap_edges: must be rising"):
+        states["gap_flow"].to_dataset(gap_edges=np.array([1.0]))
+
+
+def test_the_mean_gap_of_perssons_theory_is_that_of_its_energy(states):
+    from theory.separation import separation_curve
+
+    expected = separation_curve(states["persson"].theory, 1e8).mean_gap(1e9)
+    # Two sweeps with other pressures.
+    assert float(states["persson"].to_dataset().mean_gap) == pytest.approx(float(expected), rel=1e-3)
+    pulled = states["persson"].theory.at_pressure(-1e6).to_dataset()
+    assert np.isnan(pulled.mean_gap)
+
+
+@pytest.mark.parametrize("work", [0.0, 0.6924])
+def test_stress_at_a_magnification_is_the_diffusion_stopped_there(paper, work):
+    contact = paper.theory(work).at_pressure(1e9)
+    wavevectors = contact.theory.wavevectors
+    edges = contact.theory.stress_scale * np.linspace(-7, 8, 1501)
+    for node in (40, 100, wavevectors.size - 1):
+        density = contact.stress_density(edges, wavevectors[node])
+        # Its area is the apparent contact at that magnification; cells of another grading, second order.
+        assert np.sum(density) * (edges[1] - edges[0]) == pytest.approx(contact.contact[node], rel=2e-3)
+    # At the last it is the distribution itself, on other cells.
+    whole = contact.pressure_density(edges)
+    assert np.abs(density - whole).max() < 5e-3 * whole.max()
+    if work == 0:
+        variance = contact.theory.stress_variance[100]
+        density = contact.stress_density(edges, wavevectors[100])
+        centres = 0.5 * (edges[1:] + edges[:-1])
+        image = np.exp(-((centres - 1e9) ** 2) / (2 * variance)) - np.exp(-((centres + 1e9) ** 2) / (2 * variance))
+        expected = np.where(centres > 0, image, 0) / np.sqrt(2 * np.pi * variance)
+        assert np.abs(density - expected).max() < 0.02 * expected.max()
+    with pytest.raises(ValueError, match="wavevector"):
+        contact.stress_density(edges, 2 * wavevectors[-1])

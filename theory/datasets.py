@@ -1,0 +1,61 @@
+"""A state of a theory as a dataset of the schema that ``theory.nc`` has, for those who work without study files."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from contact_study.campaign.schema import COORDINATES, LABELS, variable_of
+
+# Bins of a distribution where none are asked for.
+_BINS = 400
+
+
+def dataset_of(
+    labels: tuple[str, ...],
+    quantities: Mapping[str, Any],
+    edges: Mapping[str, np.ndarray | None],
+    ranges: Mapping[str, tuple[float, float]],
+    wavevectors: np.ndarray | None = None,
+) -> xr.Dataset:
+    """The dataset of one state.
+
+    Parameters
+    ----------
+    labels : tuple of str
+        Theory, and metastable branch if it is one.
+    quantities : mapping
+        Values by their names in the schema; distributions as functions from the edges of bins to the means in them.
+    edges : mapping
+        Edges of the bins by the name of the distribution; None for as many even ones as there are by default.
+    ranges : mapping
+        Lowest and highest edge of those.
+    wavevectors : numpy.ndarray, optional
+        Where quantities on the dimension ``wavevector`` stand (1/m).
+    """
+    coordinates: dict[str, Any] = dict(zip(LABELS, labels, strict=False))
+    content = {}
+    if wavevectors is not None:
+        coordinates["wavevector"] = wavevectors
+    for name, value in quantities.items():
+        known = variable_of(name)
+        dims = tuple(dim for dim in known.dims if dim != "step")
+        if callable(value):
+            given = edges[name]
+            asked = np.linspace(*ranges[name], _BINS + 1) if given is None else np.asarray(given, dtype=float)
+            if asked.ndim != 1 or asked.size < 2 or not np.all(np.diff(asked) > 0):
+                raise ValueError(f"{name.removesuffix('pdf')}edges: must be rising numbers, two at least")
+            coordinates[dims[0]] = 0.5 * (asked[1:] + asked[:-1])
+            value = value(asked)
+        attributes = {"units": known.units, "long_name": known.long_name, **known.attrs}
+        content[name] = xr.Variable(dims, np.asarray(value, dtype=known.dtype), attributes)
+    held = {
+        name: xr.Variable(
+            () if np.ndim(value) == 0 else (name,),
+            value,
+            {"units": COORDINATES[name].units, "long_name": COORDINATES[name].long_name},
+        )
+        for name, value in coordinates.items()
+    }
+    return xr.Dataset(content, held)
