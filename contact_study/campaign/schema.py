@@ -51,8 +51,8 @@ VARIABLES: dict[str, Variable] = {
     "edge_stress": Variable("Pa", "mean stress carried at detached edges, compression positive, Persson's theory"),
     "local_mean_pressure": Variable(
         "Pa",
-        "mean of the local pressures, compression positive, gap flow and edge flow; its difference to the mean pressure "
-        "is the edge flow's own error, the gap flow's resolution",
+        "mean of the local pressures, compression positive, gap flow and edge flow; its difference to the mean "
+        "pressure is the edge flow's own error, the gap flow's resolution",
     ),
     "energy_defect": Variable(
         "m", "derivative of the interfacial energy by pressure at zero pressure, Persson's theory", ()
