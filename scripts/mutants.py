@@ -34,6 +34,7 @@ PACKAGES = {
     "bem_adhesion": "tests/bem_adhesion",
     "md_reference": "tests/md_reference",
     "contact_study/problem": "tests/problem",
+    "contact_study/fields": "tests/fields",
 }
 # Tests of a module, the quickest to fail first; by default its own file, then the whole package.
 TESTS = {

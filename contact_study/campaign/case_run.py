@@ -16,6 +16,7 @@ from contact_study.campaign.resume.identity import content_hash
 from contact_study.campaign.schema import quantity_of
 from contact_study.fields.distributions import Bins
 from contact_study.observables.base import Value
+from contact_study.observables.roughness import roughness_values
 from contact_study.problem.case import Case
 from contact_study.problem.surface import Surface, realise
 
@@ -65,7 +66,10 @@ def run_case(job: Job, threads: int, report: Report) -> None:
         surface = realise(job.case)
         case = job.case if job.case.solver.threads else _with_threads(job.case, surface, threads)
         if not store.has_constants(job.folder):
-            constants = job.model.constants(case, surface)
+            constants = {
+                **roughness_values(surface.roughness, surface.filled),
+                **job.model.constants(case, surface),
+            }
             keep_warnings()
             store.save_constants(job.folder, constants)
         start = finished(job)

@@ -19,6 +19,8 @@ import contact_study
 from contact_study.campaign.conduct import Conditions, check_inputs_kept, conduct
 from contact_study.campaign.dataset.provenance import unconverged
 from contact_study.campaign.engines import ENGINES, CampaignError
+from contact_study.campaign.files import writable_output
+from contact_study.campaign.inspection import inspect
 from contact_study.campaign.model import Model
 from contact_study.campaign.progress import Progress
 from contact_study.problem.errors import InputError
@@ -95,11 +97,15 @@ def _main(model: Model, arguments: Sequence[str]) -> int:
     if unknown:
         options = [f"--{section}.{name}" for section, name, *_ in all_keys()]
         raise InputError(f"unknown argument {unknown[0]}{suggestion(unknown[0], options)}; see --help")
-    if not given.output.name:
-        raise InputError(f"-o {given.output}: name a file")
     overrides = {
         name[4:]: value for name, value in vars(given).items() if name.startswith("key:") and value is not None
     }
+    if given.inspect is not None:
+        return _inspect(given, overrides)
+    if given.study is None or given.output is None:
+        raise InputError("name a study and where its dataset goes, STUDY.toml -o OUT.nc; see --help")
+    if not given.output.name:
+        raise InputError(f"-o {given.output}: name a file")
     if given.resume and given.overwrite:
         raise InputError("--resume and --overwrite exclude each other")
     if given.workers is not None and given.workers < 1:
@@ -115,18 +121,39 @@ def _main(model: Model, arguments: Sequence[str]) -> int:
     return _status(model, groups)
 
 
+def _inspect(given: argparse.Namespace, overrides: Mapping[str, Any]) -> int:
+    """Look at a surface, and run nothing."""
+    if given.study is not None:
+        raise InputError(f"{given.study}: --inspect takes the map or the study, and runs none")
+    if not given.inspect.is_file():
+        raise InputError(f"--inspect: {given.inspect} does not exist")
+    if given.output is not None:
+        check_inputs_kept(given.output, [given.inspect])
+        writable_output(given.output)
+    for line in inspect(given.inspect, overrides, given.output):
+        print(line)
+    return DONE
+
+
 def _parser(model: Model) -> Parser:
     parser = Parser(
         prog=model.command,
         usage="%(prog)s STUDY.toml -o OUT.nc [--section.key VALUE ...] [--resume | --overwrite] [--workers N]"
-        + (" [--predictor BEM.nc]" if model.takes_predictor else ""),
+        + (" [--predictor BEM.nc]" if model.takes_predictor else "")
+        + "\n       %(prog)s --inspect FILE [--section.key VALUE ...] [-o PICTURE.png]",
         description=model.description,
         epilog="Exit status: 0 done and converged, 1 wrong input, 2 some step did not converge. "
         'Quantities are SI numbers or strings with a unit, lists have commas: --loading.path "-1 kPa, 2 MPa".',
         allow_abbrev=False,
     )
-    parser.add_argument("study", type=Path, metavar="STUDY.toml", help="study file")
-    parser.add_argument("-o", "--output", type=Path, required=True, metavar="OUT.nc", help="dataset to write")
+    parser.add_argument("study", type=Path, nargs="?", metavar="STUDY.toml", help="study file")
+    parser.add_argument("-o", "--output", type=Path, metavar="OUT.nc", help="dataset to write")
+    parser.add_argument(
+        "--inspect",
+        type=Path,
+        metavar="FILE",
+        help="say what a height map, or the surface of a study, was taken to be; draw it and its spectrum; run nothing",
+    )
     parser.add_argument("--resume", action="store_true", help="continue an interrupted run of the same study")
     parser.add_argument("--overwrite", action="store_true", help="replace an existing dataset")
     parser.add_argument("--workers", type=int, metavar="N", help="processes; default: one per case, at most the cores")

@@ -18,7 +18,9 @@ from contact_study.campaign.resume.identity import Run, run_of
 from contact_study.campaign.resume.take_up import Finished, earlier_commits, finished_at, take_up
 from contact_study.campaign.runner import run_cases
 from contact_study.problem.errors import InputError
+from contact_study.problem.measured_surface import taken
 from contact_study.problem.study import Study
+from contact_study.problem.surface_scales import scales_of
 
 
 @dataclass(frozen=True)
@@ -91,6 +93,8 @@ def conduct(
     if finished is not None and finished.is_of(run):
         return _already_done(run, parts, finished, progress)
     writable_output(output)
+    for line in taken(study.cases, scales_of(study)):
+        progress.say(line)
     for note in said:
         progress.warn(note)
     commit = provenance.git_commit()

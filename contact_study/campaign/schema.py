@@ -18,6 +18,7 @@ import numpy as np
 from contact_study.observables import ENTRIES
 from contact_study.observables.base import Variable
 from contact_study.observables.constants import CONSTANTS
+from contact_study.observables.roughness import ROUGHNESS, SPECTRUM_WAVEVECTOR
 
 SCHEMA_VERSION = "2.1"
 CONVENTIONS = "CF-1.11"
@@ -60,12 +61,14 @@ VARIABLES: dict[str, Variable] = {
     "pull_off_pressure": Variable("Pa", "lowest pressure that an adhered state carries", ()),
     "contact_modulus_at": Variable("Pa", "contact modulus of a wave of the surface", ("wavevector",)),
     **CONSTANTS,
+    **ROUGHNESS,
 }
 
 COORDINATES: dict[str, Variable] = {
     "pressure_bin": Variable("Pa", "interfacial pressure, compression positive (bin centre)", ("pressure_bin",)),
     "gap_bin": Variable("m", "local gap (bin centre)", ("gap_bin",)),
     "wavevector": Variable("m-1", "roughness wavevector", ("wavevector",)),
+    "spectrum_wavevector": SPECTRUM_WAVEVECTOR,
     "y": Variable("m", "position along y", ("y",)),
     "x": Variable("m", "position along x", ("x",)),
     "step": Variable("1", "point of the loading path", ("step",), kind="count"),

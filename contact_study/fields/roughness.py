@@ -13,6 +13,7 @@ from contact_study.fields.grid import Grid
 
 BANDS_PER_OCTAVE = 8
 _HURST = np.linspace(0.0, 1.0, 101)
+_TAIL_POWERS = np.linspace(0.0, 8.0, 33)
 # A self-affine range is nothing below an octave.
 _SHORTEST_RANGE = BANDS_PER_OCTAVE
 
@@ -149,8 +150,9 @@ def self_affine_fit(spectrum: PowerSpectrum) -> SelfAffineFit | None:
     """The self-affine law of largest likelihood, each wave's power being exponentially distributed about C.
 
     That is the distribution of |h_q|² on a Gaussian surface (Whittle's likelihood of a spectrum). Beyond the cutoff
-    C is a constant of its own: next to nothing, or the floor of the measurement. Roll-off and cutoff are taken for
-    real only where they raise the likelihood by more than their number asks for (Schwarz' criterion).
+    C is a power law of its own: next to nothing, the flat floor of a measurement, or what edges leave. Roll-off and
+    cutoff are taken for real only where they raise the likelihood by more than their number asks for (Schwarz'
+    criterion).
 
     Parameters
     ----------
@@ -170,6 +172,7 @@ def self_affine_fit(spectrum: PowerSpectrum) -> SelfAffineFit | None:
     # What rounding of a transform leaves of nothing.
     power = np.maximum(spectrum.density / scale, 1e-30)
     penalty = 0.5 * np.log(waves.sum())
+    tail = _tails(q, waves, power)
     best: tuple[float, tuple[float, int, int, float]] | None = None
     for start in range(q.size):
         shape = np.maximum(q / q[start], 1.0)[None, :] ** (-2 - 2 * _HURST[:, None])
@@ -182,9 +185,8 @@ def self_affine_fit(spectrum: PowerSpectrum) -> SelfAffineFit | None:
             partly = end + 1
             if partly < q.size:  # the band that the cutoff divides has a C of its own
                 beyond = number[-1] - number[partly]
-                floor = np.sum((waves * power)[partly + 1 :]) / beyond if beyond else 1.0
                 cost = cost + waves[partly] * (np.log(power[partly]) + 1) + penalty
-                cost = cost + beyond * (np.log(floor) + 1) + penalty * (1 + bool(beyond))
+                cost = cost + (tail[partly + 1] + 2 * penalty if beyond else 0) + penalty
             least = int(np.argmin(cost))
             if best is None or cost[least] < best[0]:
                 found = (float(_HURST[least]), start, end, float(density[least]))
@@ -200,3 +202,12 @@ def self_affine_fit(spectrum: PowerSpectrum) -> SelfAffineFit | None:
         outer = q[end + 1] * q[end + 2] if end + 2 < q.size else q[end + 1] ** 2
         cutoff = np.sqrt(inner + min(power[end + 1] / expected, 1.0) * (outer - inner))
     return SelfAffineFit(hurst, float(q[start]), float(cutoff), float(density * scale))
+
+
+def _tails(q: np.ndarray, waves: np.ndarray, power: np.ndarray) -> np.ndarray:
+    """Least cost of a power law through all bands from each one on."""
+    shape = (q / q[0])[None, :] ** -_TAIL_POWERS[:, None]
+    number, level, curve = (
+        np.cumsum(part[..., ::-1], axis=-1)[..., ::-1] for part in (waves, waves * power / shape, waves * np.log(shape))
+    )
+    return np.min(curve + number * (np.log(level / number) + 1), axis=0)

@@ -11,6 +11,8 @@ Every criterion is a ratio of the study's own scales, so that no unit, material 
   for this modulus.
 - **peak over tolerance**: the law's largest tension against the residual stress that ``solver.tolerance`` leaves.
 
+Of measured maps see :mod:`contact_study.problem.measured_surface`.
+
 The models add what only they need: see ``review`` in their ``run.py``.
 """
 
@@ -21,6 +23,7 @@ import numpy as np
 from contact_study.problem.case import Case
 from contact_study.problem.errors import InputError
 from contact_study.problem.laws.base import TractionLaw
+from contact_study.problem.measured_surface import doubts
 from contact_study.problem.study import Study
 from contact_study.problem.surface_scales import SurfaceScales
 
@@ -49,6 +52,7 @@ def review(study: Study, scales: Sequence[SurfaceScales]) -> list[str]:
     notes += _squeezes([item for item in adhesive if not item[2].has_wall])
     notes += _peaks(adhesive)
     notes += _maps(pairs)
+    notes += dict.fromkeys(line for case, scale in pairs for line in doubts(str(case.surface.map_path), scale))
     notes += _idle_keys(study.cases)
     return notes
 

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from contact_study.fields.grid import Grid
+from contact_study.fields.roughness import Roughness
 from contact_study.fields.spectrum import RadialSpectrum, RoughnessSpectrum
 from contact_study.problem.elasticity import Elasticity
 
@@ -40,6 +41,12 @@ class SurfaceScales:
         Waves that have these heights and slopes; None if there are none.
     lost : tuple of float or None
         Height and slope of a map, as above, on a ``shape`` that cannot carry all of its waves.
+    measured : Roughness or None
+        What a map from a file is like.
+    unit : str
+        Unit that the heights of a map were taken to be in, and who says so.
+    filled : float
+        Fraction of its points that were missing and filled.
     """
 
     size: tuple[float, float]
@@ -50,6 +57,9 @@ class SurfaceScales:
     shortest_wave: float
     spectrum: RoughnessSpectrum | None = field(default=None, compare=False)
     lost: tuple[float, float] | None = None
+    measured: Roughness | None = field(default=None, compare=False)
+    unit: str = ""
+    filled: float = 0.0
 
     @property
     def pixel(self) -> float:

@@ -141,6 +141,9 @@ class MapFile(SurfaceSection):
             max(2 * max(grid.spacing), self.lowpass or 0.0),
             spectrum,
             lost,
+            found.roughness,
+            found.unit,
+            found.filled,
         )
 
     def measured(self, directory: Path) -> MeasuredMap:

@@ -1,0 +1,115 @@
+"""A look at a surface before anything is run: its numbers in words, a picture, and its spectrum as a table."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from contact_study.campaign.files import write_aside
+from contact_study.fields.roughness import Roughness
+from contact_study.problem.case import Case
+from contact_study.problem.errors import InputError
+from contact_study.problem.keys import bind
+from contact_study.problem.measured_surface import described, doubts, length
+from contact_study.problem.study import read_study
+from contact_study.problem.surfaces import SURFACES
+from contact_study.problem.surfaces.base import SurfaceSection
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+# Points of the picture along the longer side.
+_PICTURE = 1024
+
+
+def inspect(path: Path, overrides: Mapping[str, Any], picture: Path | None = None) -> list[str]:
+    """Look at a map, or at the surface of a study's first point.
+
+    Parameters
+    ----------
+    path : pathlib.Path
+        A map, or a study file (``.toml``).
+    overrides : mapping
+        Dotted keys ("surface.key") and their values, in place of the study's; of a map, all that is said of it.
+    picture : pathlib.Path, optional
+        Figure to write; default beside ``path``. The spectrum goes to a table of the same name (``.csv``).
+
+    Returns
+    -------
+    list of str
+        What there is to say, the last line naming the files that were written.
+
+    Raises
+    ------
+    InputError
+        If the surface cannot be made.
+    """
+    from matplotlib.figure import Figure  # slow to import, and needed here only
+
+    section, directory, words = _surface(path, overrides)
+    scales = section.scales(directory)
+    surface = section.realise(directory)
+    lines = [words, *described(surface.roughness, surface.filled)]
+    lines += [f"warning: {line}" for line in doubts(str(section.map_path), scales)]
+    if surface.roughness.rms_slope > 1:
+        lines.append("warning: surface: an rms slope above 1; linear elasticity of a half-space is meant for far less")
+    figure = picture or path.with_name(f"{path.stem}.inspect.png")
+    drawn = Figure(figsize=(9.5, 4), layout="constrained")
+    known = drawn.canvas.get_supported_filetypes()
+    kind = figure.suffix.lower().lstrip(".")
+    if kind not in known:
+        raise InputError(f"-o {figure}: --inspect writes a figure; expected a name that ends in {', '.join(known)}")
+    table = figure.with_suffix(".csv")
+    grid = surface.roughness.grid
+    heights = surface.heights(grid.shape)
+    _draw(drawn, heights, surface.roughness)
+    write_aside(figure, lambda partial: drawn.savefig(partial, dpi=150, format=kind))
+    write_aside(table, lambda partial: _tabulate(partial, surface.roughness))
+    return [*lines, f"{figure} (map and spectrum), {table} (spectrum)"]
+
+
+def _surface(path: Path, overrides: Mapping[str, Any]) -> tuple[SurfaceSection, Path, str]:
+    if path.suffix.lower() == ".toml":
+        study = read_study(path, overrides)
+        case: Case = study.cases[0]
+        kinds = len({one.surface for one in study.cases})
+        which = f", at {case.label}, the first of {kinds} surfaces" if kinds > 1 else ""
+        return case.surface, case.directory, f"{path}: surface of kind {case.surface.kind}{which}"
+    strangers = [dotted for dotted in overrides if not dotted.startswith("surface.")]
+    if strangers:
+        raise InputError(f"--{strangers[0]}: a map alone has no such key; --inspect STUDY.toml looks at a study")
+    table = {dotted.removeprefix("surface."): value for dotted, value in overrides.items()}
+    section = bind(SURFACES, {**table, "kind": "file", "path": path.name}, "surface")
+    return section, path.parent, f"{path}: heights in {section.measured(path.parent).unit}"
+
+
+def _draw(figure: "Figure", heights: np.ndarray, roughness: Roughness) -> None:
+    grid, spectrum, fit = roughness.grid, roughness.spectrum, roughness.fit
+    lateral, vertical = (_unit(value) for value in (max(grid.size), float(np.abs(heights).max())))
+    left, right = figure.subplots(1, 2)
+    every = max(1, max(grid.shape) // _PICTURE)
+    extent = (0, grid.size[1] / lateral[0], 0, grid.size[0] / lateral[0])
+    image = left.imshow(heights[::every, ::every] / vertical[0], extent=extent, origin="lower", cmap="viridis")
+    figure.colorbar(image, label=f"height ({vertical[1]})")
+    left.set(xlabel=f"x ({lateral[1]})", ylabel=f"y ({lateral[1]})")
+    there = spectrum.density > 1e-20 * max(spectrum.density.max(initial=0.0), 1e-300)
+    right.loglog(spectrum.wavevectors[there], spectrum.density[there], ".", label="surface")
+    if fit is not None:
+        q = np.geomspace(spectrum.wavevectors[0], fit.cutoff, 100)
+        law = fit.density * np.maximum(q / fit.roll_off, 1) ** (-2 - 2 * fit.hurst_exponent)
+        right.loglog(q, law, label=f"H = {fit.hurst_exponent:.2f}, down to {length(2 * np.pi / fit.cutoff)}")
+    right.set(xlabel="wavevector q (1/m)", ylabel="C (m⁴)", title=f"h_rms {length(roughness.rms_height)}")
+    right.legend()
+
+
+def _unit(largest: float) -> tuple[float, str]:
+    """Size in metres, and name, of the unit that suits a length."""
+    name = length(largest or 1.0).rpartition(" ")[2]
+    return {"m": 1.0, "mm": 1e-3, "µm": 1e-6, "nm": 1e-9, "pm": 1e-12}[name], name
+
+
+def _tabulate(path: Path, roughness: Roughness) -> None:
+    spectrum = roughness.spectrum
+    columns = np.column_stack([spectrum.wavevectors, spectrum.density, spectrum.waves])
+    np.savetxt(path, columns, fmt=("%.9g", "%.9g", "%d"), delimiter=",", header="q (1/m),C (m^4),waves", comments="")

@@ -1,0 +1,87 @@
+"""What a study takes a surface to be, in words, and what of a measured map should not be so.
+
+Criteria, each a ratio or a size that no surface of use has:
+
+- **edges**: heights differ across an edge of the cell :data:`JUMP` times as much as from line to line inside. A
+  periodic surface has 1, for scatter rarely more than 2; a map cut from a larger surface tens.
+- **order**: rms heights outside :data:`HEIGHTS`; the usual cause is a unit taken for another.
+- **noise**: the spectrum of the waves shorter than four points falls more slowly than 1/q, as noise of single points
+  does and no self-affine surface (q⁻² and steeper), and they make more than a tenth of the mean square slope.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from contact_study.fields.roughness import Roughness
+from contact_study.problem.case import Case
+from contact_study.problem.surface_scales import SurfaceScales
+
+JUMP = 4.0
+HEIGHTS = (1e-12, 1e-3)
+NOISE_POWER, NOISE_SHARE = -1.0, 0.1
+
+_PREFIXES = ((1.0, "m"), (1e-3, "mm"), (1e-6, "µm"), (1e-9, "nm"), (0.0, "pm"))
+
+
+def length(*metres: float) -> str:
+    """Lengths in the unit that suits the largest, to four digits: ``1.024 x 2 µm``."""
+    largest = max(abs(value) for value in metres)
+    size, unit = next(pair for pair in _PREFIXES if largest >= 0.9995 * pair[0])
+    return " x ".join(f"{value / (size or 1e-12):.4g}" for value in metres) + f" {unit}"
+
+
+def described(roughness: Roughness, filled: float = 0.0) -> list[str]:
+    """What a surface was taken to be, a few lines."""
+    grid, fit = roughness.grid, roughness.fit
+    lines = [
+        f"{grid.shape[0]} x {grid.shape[1]} points, spacing {length(*grid.spacing)}, size {length(*grid.size)} "
+        f"(y, x), {100 * filled:.3g} % filled",
+        f"h_rms {length(roughness.rms_height)}, rms slope {roughness.rms_slope:.4g}, rms curvature "
+        f"{roughness.rms_curvature:.4g} 1/m, jump at the edges {length(roughness.edge_jump)} "
+        f"({roughness.edge_ratio:.3g} times that of neighbouring lines)",
+    ]
+    if fit is not None:
+        lines.append(
+            f"spectrum: Hurst exponent {fit.hurst_exponent:.2f} from wavelengths of {length(2 * np.pi / fit.roll_off)} "
+            f"down to {length(2 * np.pi / fit.cutoff)}"
+        )
+    return lines
+
+
+def doubts(path: str, scales: SurfaceScales) -> list[str]:
+    """What of a measured map looks wrong; each line says what to do."""
+    found, notes = scales.measured, []
+    if found is None:
+        return []
+    if found.rms_height and not HEIGHTS[0] <= found.rms_height <= HEIGHTS[1]:
+        notes.append(
+            f"surface: {path} has rms heights of {found.rms_height:.3g} m on a cell of {length(*scales.size)}; is "
+            f"their unit right ({scales.unit})?"
+        )
+    if found.edge_ratio > JUMP:
+        notes.append(
+            f"surface: the edges of {path} do not meet: heights jump by {length(found.edge_jump)} across them, "
+            f"{found.edge_ratio:.3g} times as much as between neighbouring lines, and the rms slope, "
+            f'{found.rms_slope:.3g}, counts that; surface.detrend = "tilt" and surface.edges = "mirror" or '
+            '"window" join them'
+        )
+    power, share = found.noise
+    if power > NOISE_POWER and share > NOISE_SHARE:
+        notes.append(
+            f"surface: {path} has the spectrum of noise in single points (q^{power:.2g} below four of them), which "
+            f"makes {100 * share:.0f} % of the mean square slope; surface.lowpass = "
+            f'"{length(4 * max(found.grid.spacing))}" would leave it out'
+        )
+    return notes
+
+
+def taken(cases: Sequence[Case], scales: Sequence[SurfaceScales]) -> list[str]:
+    """Lines on each measured map of a study as it was taken, each once."""
+    words = (
+        f"surface {case.surface.map_path}: {line}"
+        for case, scale in zip(cases, scales, strict=True)
+        if scale.measured is not None
+        for line in described(scale.measured, scale.filled)
+    )
+    return list(dict.fromkeys(words))

@@ -1,0 +1,125 @@
+"""``--inspect``, and what a run says and keeps of its surface."""
+
+import matplotlib.image
+import numpy as np
+import pytest
+import xarray as xr
+
+from contact_study.fields.grid import Grid
+from contact_study.fields.roughness import roughness_of
+from tests.campaign.test_command import run, study  # noqa: F401
+
+MAP = """
+[surface]
+kind = "file"
+path = "map.npy"
+size = ["4 nm", "8 nm"]
+height_unit = "pm"
+detrend = "tilt"
+fill = "harmonic"
+[material]
+youngs_modulus = "77.2 GPa"
+poissons_ratio = 0.42
+[interaction]
+law = "hard_wall"
+[loading]
+path = ["0.1 GPa"]
+"""
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    y, x = np.arange(32) / 32, np.arange(64) / 64
+    heights = 50 * np.cos(6 * np.pi * y[:, None]) + 30 * np.cos(10 * np.pi * x[None, :]) + 0 * x
+    heights[3, 5] = np.nan
+    np.save(tmp_path / "map.npy", heights)
+    (tmp_path / "study.toml").write_text(MAP)
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+KEYS = ("--surface.size", "4 nm, 8 nm", "--surface.height_unit", "pm", "--surface.fill", "harmonic")
+
+
+def test_a_map_is_looked_at_and_nothing_run(folder, capsys):
+    before = {path.name for path in folder.iterdir()}
+    assert run("--inspect", "map.npy", *KEYS) == 0
+    said = capsys.readouterr()
+    assert said.err == ""
+    lines = said.out.splitlines()
+    assert "pm, surface.height_unit" in lines[0]
+    assert "32 x 64 points" in lines[1]
+    assert "0.0488 % filled" in lines[1]
+    assert "h_rms 41.2" in lines[2]  # sqrt((50² + 30²) / 2) = 41.23 but for the one that is filled
+    assert {path.name for path in folder.iterdir()} - before == {"map.inspect.png", "map.inspect.csv"}
+    assert "map.inspect.png" in lines[-1]
+    assert "map.inspect.csv" in lines[-1]
+    assert matplotlib.image.imread(folder / "map.inspect.png").shape[1] > 800
+    table = np.genfromtxt(folder / "map.inspect.csv", delimiter=",", names=True)
+    cell = (2 * np.pi) ** 2 / 32e-18
+    variance = np.sum(table["C_m4"] * table["waves"]) * cell
+    assert np.sqrt(variance) == pytest.approx(41.23e-12, rel=1e-3)
+
+
+def test_the_surface_of_a_study_is_looked_at(folder, study, capsys):  # noqa: F811
+    assert run("--inspect", "study.toml", "-o", "looked.pdf") == 0
+    said = capsys.readouterr().out
+    assert "16 x 16 points" in said
+    assert "first of 2 surfaces" in said
+    assert (folder / "looked.pdf").read_bytes()[:4] == b"%PDF"
+    (folder / "study.toml").write_text(MAP)
+    assert run("--inspect", "study.toml", "--surface.edges", "mirror") == 0
+    assert "64 x 128 points" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("arguments", "culprit"),
+    [
+        (("--inspect", "nowhere.npy"), "nowhere.npy does not exist"),
+        (("--inspect", "map.npy"), "surface.size"),
+        (("--inspect", "map.npy", *KEYS, "--loading.unload", "true"), "loading.unload"),
+        (("--inspect", "map.npy", *KEYS, "-o", "map.npy"), "map.npy"),
+        (("--inspect", "map.npy", *KEYS, "-o", "nowhere.xyz"), "xyz"),
+        (("study.toml", "--inspect", "map.npy"), "study.toml"),
+        (("study.toml",), "-o OUT.nc"),
+        ((), "-o OUT.nc"),
+    ],
+)
+def test_bad_input_is_one_line(folder, capsys, arguments, culprit):
+    before = (folder / "map.npy").read_bytes()
+    assert run(*arguments) == 1
+    said = capsys.readouterr()
+    assert culprit in said.err
+    assert len(said.err.splitlines()) == 1
+    assert (folder / "map.npy").read_bytes() == before
+
+
+def test_a_run_says_and_keeps_what_it_took(folder, capsys):
+    assert run("study.toml", "-o", "out.nc") == 0
+    said = capsys.readouterr().err
+    assert said.index("32 x 64 points") < said.index("[1/1]")
+    with xr.open_dataset(folder / "out.nc") as dataset:
+        assert (int(dataset.surface_points_y), int(dataset.surface_points_x)) == (32, 64)
+        assert (float(dataset.surface_size_y), float(dataset.surface_size_x)) == pytest.approx((4e-9, 8e-9))
+        assert float(dataset.filled_fraction) == pytest.approx(1 / 2048)
+        density, waves = dataset.power_spectrum, dataset.spectrum_wavevector
+        assert density.dims == waves.dims == ("spectrum_wavevector",)
+        peaks = np.sort(waves.values[np.argsort(density.values)[-2:]])
+        # Three waves on 4 nm and five on 8 nm, each in a band of an eighth of an octave (9 %).
+        assert peaks == pytest.approx(2 * np.pi * np.array([5 / 8e-9, 3 / 4e-9]), rel=0.1)
+        for name in ("rms_curvature", "edge_jump", "edge_jump_ratio", "fitted_hurst_exponent", "power_spectrum"):
+            assert dataset[name].attrs["units"]
+            assert dataset[name].attrs["long_name"]
+
+
+def test_what_is_kept_is_that_of_each_case(folder, study):  # noqa: F811
+    assert run("study.toml", "-o", "out.nc", "--workers", "1") == 0
+    with xr.open_dataset(folder / "out.nc") as dataset:
+        heights = dataset.height
+        for seed in dataset.seed.values:
+            own = heights.sel(seed=seed)
+            expected = roughness_of(own.values, Grid((16, 16), (1e-8, 1e-8)))
+            kept = dataset.sel(seed=seed)
+            assert float(kept.rms_curvature) == pytest.approx(expected.rms_curvature, rel=1e-9)
+            assert float(kept.edge_jump) == pytest.approx(expected.edge_jump, rel=1e-9)
+            np.testing.assert_allclose(kept.power_spectrum, expected.spectrum.density, rtol=1e-9)

@@ -1,0 +1,117 @@
+"""What is said of a measured map before anything runs: its numbers, and what of them cannot be meant."""
+
+import numpy as np
+import pytest
+
+from contact_study.problem.errors import InputError
+from contact_study.problem.measured_surface import described, doubts, length, taken
+from contact_study.problem.plausibility import review
+from contact_study.problem.study import make_study
+from contact_study.problem.surface import realise
+from contact_study.problem.surface_scales import scales_of
+from tests.problem.test_study import TABLE, changed
+
+
+@pytest.fixture(scope="module")
+def heights():
+    """In m, periodic on 2 µm; self-affine with H = 0.8 from 500 nm to 20 nm."""
+    keys = {"size": "2 um", "shape": [512, 512], "rms_height": "10 nm", "roll_off_mode": 4, "cutoff_mode": 100}
+    table = changed("surface", **keys, seed=2)
+    table["interaction"] = {"law": "hard_wall"}
+    return realise(make_study(table).cases[0]).sampled
+
+
+def study_of(folder, heights, **keys):
+    np.save(folder / "map.npy", heights)
+    surface = {"kind": "file", "path": "map.npy", "size": "2 um", **keys}
+    table = {"material": TABLE["material"], "interaction": {"law": "hard_wall"}, "loading": TABLE["loading"]}
+    return make_study({**table, "surface": surface}, folder)
+
+
+def notes(folder, heights, **keys):
+    study = study_of(folder, heights, **keys)
+    return review(study, scales_of(study))
+
+
+def test_a_periodic_map_is_taken_without_a_word(tmp_path, heights):
+    assert notes(tmp_path, heights) == []
+
+
+def test_edges_that_do_not_meet(tmp_path, heights):
+    part = heights[:256, :256]
+    (line,) = notes(tmp_path, part, size="1 um")
+    assert "do not meet" in line
+    assert 'surface.edges = "mirror"' in line
+    assert notes(tmp_path, part, size="1 um", edges="mirror") == []
+    assert notes(tmp_path, part, size="1 um", edges="window") == []
+
+
+def test_a_mirrored_map_has_the_law_of_the_whole(tmp_path, heights):
+    study = study_of(tmp_path, heights[:256, :256], size="1 um", edges="mirror")
+    fit = scales_of(study)[0].measured.fit
+    # A quarter of the surface; the roll-off is among two waves a side.
+    assert fit.hurst_exponent == pytest.approx(0.8, abs=0.05)
+    assert 2 * np.pi / fit.cutoff == pytest.approx(20e-9, rel=0.03)
+    assert 2 * np.pi / fit.roll_off == pytest.approx(500e-9, rel=0.3)
+
+
+@pytest.mark.parametrize(("scale", "size"), [(1e9, "2000 m"), (1e-9, "2 um")])
+def test_heights_of_the_wrong_order(tmp_path, heights, scale, size):
+    """Metres for nanometres in all three directions leave every slope as it is."""
+    lines = notes(tmp_path, scale * heights, size=size)
+    assert any("is their unit right (m, default)?" in line for line in lines)
+
+
+def test_metres_for_nanometres_of_height_alone_are_refused(tmp_path, heights):
+    with pytest.raises(InputError, match=r"surface\.height_unit"):
+        notes(tmp_path, 1e9 * heights)
+
+
+def test_noise_of_single_points(tmp_path, heights):
+    noisy = heights + 3e-10 * np.random.default_rng(1).standard_normal(heights.shape)
+    (line,) = notes(tmp_path, noisy)
+    assert "noise in single points" in line
+    advice = line.partition("surface.lowpass = ")[2].partition('"')[2].partition('"')[0]
+    assert notes(tmp_path, noisy, lowpass=advice) == []
+
+
+def test_steep_maps_are_warned_of(tmp_path, heights):
+    (line,) = notes(tmp_path, 5 * heights)
+    assert "rms slope" in line
+
+
+def test_what_was_taken_is_said_once_for_each_map(tmp_path, heights):
+    torn = heights.copy()
+    torn[:10, :100] = np.nan
+    table = study_of(tmp_path, torn, fill="harmonic").table
+    table["sweep"] = {"material.poissons_ratio": [0.2, 0.3]}
+    study = make_study(table, tmp_path)
+    lines = taken(study.cases, scales_of(study))
+    assert len(lines) == 3
+    assert "512 x 512 points, spacing 3.906 x 3.906 nm, size 2 x 2 µm (y, x), 0.381 % filled" in lines[0]
+    said = float(lines[1].partition("h_rms ")[2].partition(" nm")[0])
+    assert said == pytest.approx(1e9 * heights.std(), rel=0.01)  # 0.4 % of the points are others
+    assert "Hurst exponent 0.8" in lines[2]
+    table["sweep"] = {"surface.lowpass": ["40 nm", "80 nm"]}
+    study = make_study(table, tmp_path)
+    assert len(taken(study.cases, scales_of(study))) == 5  # the first line is the same for both
+
+
+def test_other_kinds_are_not_said():
+    study = make_study(changed("surface"))
+    assert taken(study.cases, scales_of(study)) == []
+    assert doubts("none", scales_of(study)[0]) == []
+
+
+def test_a_flat_map_is_described(tmp_path):
+    study = study_of(tmp_path, np.zeros((8, 8)))
+    assert "h_rms 0 pm" in described(scales_of(study)[0].measured)[1]
+    assert review(study, scales_of(study)) == []
+
+
+@pytest.mark.parametrize(
+    ("metres", "words"),
+    [((1e-9,), "1 nm"), ((9.99999e-7,), "1 µm"), ((2e-6, 5e-7), "2 x 0.5 µm"), ((3e-13,), "0.3 pm"), ((42.0,), "42 m")],
+)
+def test_lengths_in_words(metres, words):
+    assert length(*metres) == words
