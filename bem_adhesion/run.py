@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 from scipy.fft import next_fast_len
@@ -19,6 +20,7 @@ from contact_study.problem.plausibility import points
 from contact_study.problem.study import Study
 from contact_study.problem.surface import Surface
 from contact_study.problem.surface_scales import SurfaceScales
+from contact_study.problem.tabor import JKR_LIKE, longest_range, tabor_parameter
 
 MODEL = Model(
     command="bem-adhesion",
@@ -90,17 +92,43 @@ def _unresolved_law(study: Study, scales: Sequence[SurfaceScales]) -> list[str]:
     if not unresolved:
         return []
     ratio, zone, case, scale = max(unresolved, key=lambda item: item[0])
-    refined = [_fast(math.ceil(POINTS_PER_PROCESS_ZONE * length / zone)) for length in scale.size]
+    refined = _resolving(scale.size, zone)
     # The process zone grows with the square of the law's length where the work of adhesion stays.
     longer = case.law.length * math.sqrt(POINTS_PER_PROCESS_ZONE * ratio)
-    ways = [f"interaction.length = {longer:.2g} m with the same work of adhesion"]
+    known = ""
+    if scale.rms_curvature > 0:
+        tabor = tabor_parameter(1 / scale.rms_curvature, case.material.contact_modulus, case.work_of_adhesion, longer)
+        known = f" (Tabor parameter {tabor:.2g})"
+    ways = [f"interaction.length = {longer:.2g} m with the same work of adhesion{known}"]
     if grid_fits((refined[0], refined[1])):
         ways.insert(0, f"surface.shape = {refined}")
     where = points([case for *_, case, _ in unresolved], len(study.cases))
     return [
         f"the grid spacing {scale.pixel:.3g} m is coarser than a quarter of the process zone {zone:.3g} m{where}: "
         f"contact edges may be trapped by the grid; {' or '.join(ways)} would resolve it"
+        + _jkr_like(case, scale, longer)
     ]
+
+
+def _jkr_like(case: Case, scale: SurfaceScales, resolved: float) -> str:
+    """Where a range that the grid resolves is too long, or may be longer: the longest that leaves JKR's contacts."""
+    if not scale.rms_curvature > 0:
+        return ""
+    modulus, work = case.material.contact_modulus, case.law.work_of_adhesion
+    longest = longest_range(scale.rms_curvature, scale.rms_height, modulus, work)
+    if longest <= case.law.length:
+        return ""
+    needed = _resolving(scale.size, process_zone(modulus, replace(case.law, length=longest)))
+    enough = "; the grid is fine enough for it" if longest >= resolved else f", on surface.shape = {needed}"
+    return (
+        f'. Up to interaction.length = {longest:.2g} m ("auto") contacts stay like those of the JKR theory (Tabor '
+        f"parameter above {JKR_LIKE:g}){enough}"
+    )
+
+
+def _resolving(size: tuple[float, float], zone: float) -> list[int]:
+    """Points along y and x that resolve a process zone (m)."""
+    return [_fast(math.ceil(POINTS_PER_PROCESS_ZONE * length / zone)) for length in size]
 
 
 def _fast(count: int) -> int:

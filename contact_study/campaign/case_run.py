@@ -68,6 +68,7 @@ def run_case(job: Job, threads: int, report: Report) -> None:
         if not store.has_constants(job.folder):
             constants = {
                 **roughness_values(surface.roughness, surface.filled),
+                **({"interaction_length": case.law.length} if case.law.attracts else {}),
                 **job.model.constants(case, surface),
             }
             keep_warnings()

@@ -93,8 +93,6 @@ def conduct(
     if finished is not None and finished.is_of(run):
         return _already_done(run, parts, finished, progress)
     writable_output(output)
-    for line in taken(study.cases, scales_of(study)):
-        progress.say(line)
     for note in said:
         progress.warn(note)
     commit = provenance.git_commit()
@@ -104,6 +102,8 @@ def conduct(
         commits = earlier_commits(unfinished, finished, commit)
         for note in [*commits, *take_up(run, names, parts, unfinished, finished, commit)]:
             progress.warn(note)
+        for line in [*study.choices, *taken(study.cases, scales_of(study))]:
+            progress.say(line)
         notes = run_cases(run, names, parts, how.workers, progress, how.engine)
         progress.close()
         groups, late = assembled(run, names, parts)

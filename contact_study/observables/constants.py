@@ -16,6 +16,9 @@ CONSTANTS: dict[str, Variable] = {
     "peak_distance": Variable("m", "distance of flat surfaces at the largest tensile stress", ()),
     "rms_height": Variable("m", "root-mean-square height of the surface", ()),
     "rms_slope": Variable("1", "root-mean-square slope of the surface", ()),
+    "interaction_length": Variable(
+        "m", "length of the traction-separation law: zero stress, or range outside a wall", ()
+    ),
     "contact_distance": Variable("m", "gaps below it count as contact", ()),
     "pixel": Variable("m", "largest grid spacing", ()),
     "process_zone": Variable("m", "length over which the law bridges the edge of a contact", ()),

@@ -110,6 +110,12 @@ def name_or_number() -> Reader:
     return read, "text or integer"
 
 
+def or_word(reader: Reader, word: str) -> Reader:
+    """What another reader reads, or one word in its place, which is left as it is."""
+    read_other, kind = reader
+    return lambda value, name: value if value == word else read_other(value, name), kind
+
+
 def pair(reader: Reader, *, broadcast: bool = False, names: str = "[y, x]") -> Reader:
     """Two values, along y and x unless named otherwise; with ``broadcast`` one value stands for both."""
     read_one, kind = reader

@@ -13,7 +13,7 @@ from typing import Any
 
 import tomli_w
 
-from contact_study.problem import sections
+from contact_study.problem import automatic, sections
 from contact_study.problem.case import Case
 from contact_study.problem.elasticity import ELASTICITIES
 from contact_study.problem.errors import InputError
@@ -62,6 +62,8 @@ class Study:
         Swept keys by their last part, the leading dimensions of every dataset.
     notes : tuple of str
         What in the file has no effect.
+    choices : tuple of str
+        What the file left to be chosen, and what was.
     """
 
     table: dict[str, Any]
@@ -69,6 +71,7 @@ class Study:
     cases: tuple[Case, ...]
     sweep: dict[str, SweptKey]
     notes: tuple[str, ...] = ()
+    choices: tuple[str, ...] = ()
 
     @property
     def title(self) -> str:
@@ -124,9 +127,8 @@ def make_study(table: dict[str, Any], directory: Path | str = ".") -> Study:
         for number, item in enumerate(exceptions, 1)
         if not any(_matches(one, item["when"]) for one in merged)
     )
-    return Study(
-        table, Path(directory), cases, {_last(dotted): _swept_key(dotted, cases, swept) for dotted in swept}, notes
-    )
+    keys = {_last(dotted): _swept_key(dotted, cases, swept) for dotted in swept}
+    return Study(table, Path(directory), cases, keys, notes, automatic.choices(merged, cases))
 
 
 def all_keys() -> Iterator[tuple[str, str, Key, Any]]:
@@ -205,6 +207,8 @@ def _check_sweep(swept: dict[str, Any]) -> None:
             )
         if not isinstance(values, list) or not values:
             raise InputError(f"sweep.{dotted} = {values!r}: expected a list of at least one value")
+        if dotted == automatic.LENGTH and automatic.AUTO in values:
+            raise InputError(f'sweep.{dotted}: "{automatic.AUTO}" is no number to sweep over; give it in [[override]]')
         if any(isinstance(value, list | dict) for value in values):
             raise InputError(f"sweep.{dotted}: each value must be a number or a text")
         if name in seen:
@@ -295,7 +299,10 @@ def _of_own_kind(merged: list[dict[str, Any]]) -> list[dict[str, Any]]:
 
 
 def _case(merged: dict[str, Any], point: dict[str, Any], index: tuple[int, ...], directory: Path) -> Case:
-    bound: dict[str, Any] = {name: bind(declared, merged[name], name) for name, declared in SECTIONS.items()}
+    bound: dict[str, Any] = {}
+    for name, declared in SECTIONS.items():
+        asked = merged[name] if name != "interaction" else automatic.with_length(merged[name], bound, directory)
+        bound[name] = bind(declared, asked, name)
     coordinates = {_last(dotted): _scalar(_read(dotted, value), dotted) for dotted, value in point.items()}
     return Case(**bound, coordinates=coordinates, index=index, directory=directory)
 

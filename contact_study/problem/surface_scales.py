@@ -47,6 +47,8 @@ class SurfaceScales:
         Unit that the heights of a map were taken to be in, and who says so.
     filled : float
         Fraction of its points that were missing and filled.
+    apex_curvature : float or None
+        Mean curvature of a surface that is one asperity, whose waves are those of its edges (1/m).
     """
 
     size: tuple[float, float]
@@ -60,11 +62,21 @@ class SurfaceScales:
     measured: Roughness | None = field(default=None, compare=False)
     unit: str = ""
     filled: float = 0.0
+    apex_curvature: float | None = None
 
     @property
     def pixel(self) -> float:
         """Largest grid spacing (m)."""
         return max(Grid(self.shape, self.size).spacing)
+
+    @property
+    def rms_curvature(self) -> float:
+        """Root mean square of the mean curvature, half of the rms Laplacian (1/m)."""
+        if self.apex_curvature is not None:
+            return self.apex_curvature
+        if self.measured is not None:
+            return self.measured.rms_curvature
+        return 0.0 if self.spectrum is None else self.spectrum.rms_laplacian / 2
 
     def full_contact_stress(self, solid: Elasticity) -> float:
         """Deviation of the stress that a solid feels in full contact, of a half-space E* ξ / 2 (Pa)."""

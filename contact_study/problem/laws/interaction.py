@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from contact_study.problem.errors import InputError
-from contact_study.problem.keys import key, quantity, text
+from contact_study.problem.keys import key, or_word, quantity, text
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -20,8 +20,9 @@ class InteractionSection:
     work_of_adhesion: float | None = key(quantity("J/m^2", positive=True), "Δγ, in place of well_depth", None)
     well_depth_ratio: float = key(quantity("1", positive=True), "multiplies well_depth or work_of_adhesion", 1.0)
     length: float | None = key(
-        quantity("m", positive=True),
-        "the law's length: distance of zero stress (10-4 law: r0 of the pairs; 9-3 law: z0), range (exponential wall)",
+        or_word(quantity("m", positive=True), "auto"),
+        "the law's length: distance of zero stress (10-4 law: r0 of the pairs; 9-3 law: z0), range (exponential wall); "
+        "auto: the longest that leaves contacts JKR-like",
         None,
     )
     contact_distance: float | None = key(

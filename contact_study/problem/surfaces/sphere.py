@@ -52,7 +52,9 @@ class Sphere(CellSection):
         peak = (y2 + x2) / (8 * radius)
         waves = np.hstack([_waves(length, radius) for length in self.size])
         spectrum = spectrum_of_waves(*waves)
-        return SurfaceScales(self.size, self.shape, float(height), float(slope), peak, float("inf"), spectrum)
+        return SurfaceScales(
+            self.size, self.shape, float(height), float(slope), peak, float("inf"), spectrum, apex_curvature=1 / radius
+        )
 
 
 def _waves(length: float, radius: float) -> np.ndarray:

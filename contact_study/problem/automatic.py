@@ -1,0 +1,81 @@
+"""Values that a study leaves to be chosen: the range of adhesion, from surface, modulus and work of adhesion."""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from contact_study.problem.case import Case
+from contact_study.problem.errors import InputError
+from contact_study.problem.keys import default_of, keys_of
+from contact_study.problem.laws import INTERACTIONS, LAWS
+from contact_study.problem.measured_surface import length
+from contact_study.problem.tabor import JKR_LIKE, SHARE_OF_HEIGHT, longest_range, tabor_parameter
+
+AUTO, LENGTH = "auto", "interaction.length"
+
+
+def with_length(interaction: Mapping[str, Any], bound: Mapping[str, Any], directory: Path) -> dict[str, Any]:
+    """The interaction of a study with a number for its length, the longest that leaves contacts JKR-like.
+
+    Parameters
+    ----------
+    interaction : mapping
+        The section as the file has it.
+    bound : mapping
+        The sections before it, bound: surface and material among them.
+    directory : pathlib.Path
+        Where relative paths of the study start.
+
+    Raises
+    ------
+    InputError
+        If nothing attracts, adhesion is not given as its work, the surface is flat or cannot be read.
+    """
+    given = dict(interaction)
+    if given.get("length") != AUTO:
+        return given
+    law = LAWS.get(str(INTERACTIONS.kind_of(given)))
+    if law is not None and not law.attracts:
+        raise InputError(f'{LENGTH} = "{AUTO}": law = "{INTERACTIONS.kind_of(given)}" does not attract; leave it out')
+    if "work_of_adhesion" not in given:
+        raise InputError(
+            f'{LENGTH} = "{AUTO}": needs interaction.work_of_adhesion, which pairs of atoms would make of it'
+        )
+    work, ratio = (
+        keys_of(INTERACTIONS)[name].read(given.get(name, default_of(INTERACTIONS, name)), f"interaction.{name}")
+        for name in ("work_of_adhesion", "well_depth_ratio")
+    )
+    scales = bound["surface"].scales(directory)
+    try:
+        given["length"] = longest_range(
+            scales.rms_curvature, scales.rms_height, bound["material"].contact_modulus, work * ratio
+        )
+    except ValueError as error:
+        raise InputError(f'{LENGTH} = "{AUTO}": {error}; give a length') from None
+    return given
+
+
+def choices(tables: Sequence[Mapping[str, Any]], cases: Sequence[Case]) -> tuple[str, ...]:
+    """What was chosen, in words, each once.
+
+    Parameters
+    ----------
+    tables : sequence of mapping
+        The study's sections at each point of its sweep, as the file has them.
+    cases : sequence of Case
+        The same points, bound.
+    """
+    said = []
+    for table, case in zip(tables, cases, strict=True):
+        if table["interaction"].get("length") == AUTO:
+            scales = case.surface.scales(case.directory)
+            tabor = tabor_parameter(
+                1 / scales.rms_curvature, case.material.contact_modulus, case.work_of_adhesion, case.law.length
+            )
+            why = (
+                f"the longest that keeps the Tabor parameter above {JKR_LIKE:g}"
+                if case.law.length < 0.98 * SHARE_OF_HEIGHT * scales.rms_height
+                else f"{SHARE_OF_HEIGHT:g} of the rms height"
+            )
+            said.append(f'{LENGTH} = "{AUTO}": {length(case.law.length)}, {why} (it is {tabor:.2g})')
+    return tuple(dict.fromkeys(said))

@@ -1,0 +1,43 @@
+"""How long an attraction may reach before a contact is no longer that of Johnson, Kendall and Roberts.
+
+A soft or large body feels adhesion as work, not as a range: below a range that it sets itself, nothing changes but the
+number of grid points. Tabor's parameter μ = (R Δγ² / E*² r₀³)^(1/3) compares how far the surface is pulled up at the
+edge of a contact with the range r₀ of the law; D. Tabor, J. Colloid Interface Sci. 58, 2 (1977).
+"""
+
+import numpy as np
+
+# Pull-off of a sphere is then within 1 % of JKR's.
+JKR_LIKE = 3.0
+# A range above this part of the rms height would blur the roughness itself, and not only the edges of contact.
+SHARE_OF_HEIGHT = 0.1
+
+
+def tabor_parameter(radius: float, contact_modulus: float, work_of_adhesion: float, length: float) -> float:
+    """μ of a law of range ``length`` (m) on an asperity of a radius of curvature (m)."""
+    return float(np.cbrt(radius * (work_of_adhesion / contact_modulus) ** 2) / length)
+
+
+def longest_range(rms_curvature: float, rms_height: float, contact_modulus: float, work_of_adhesion: float) -> float:
+    """The longest range of a law that leaves a contact JKR-like, to two digits, rounded down (m).
+
+    Parameters
+    ----------
+    rms_curvature : float
+        Root mean square of the surface's mean curvature, whose inverse counts as the asperities' radius (1/m).
+    rms_height : float
+        Of the surface (m).
+    contact_modulus, work_of_adhesion : float
+        E* (Pa) and Δγ (J/m²).
+
+    Raises
+    ------
+    ValueError
+        If the surface is flat.
+    """
+    if not rms_curvature > 0:
+        raise ValueError("a flat surface has no curvature to compare a range with")
+    longest = tabor_parameter(1 / rms_curvature, contact_modulus, work_of_adhesion, JKR_LIKE)
+    longest = min(longest, SHARE_OF_HEIGHT * rms_height)
+    digits = 10 ** (np.floor(np.log10(longest)) - 1)
+    return float(np.floor(longest / digits * (1 + 1e-12)) * digits)

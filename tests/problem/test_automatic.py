@@ -1,0 +1,107 @@
+"""``interaction.length = "auto"``: the longest range that leaves contacts JKR-like, and what cannot have one."""
+
+import numpy as np
+import pytest
+
+from contact_study.problem.errors import InputError
+from contact_study.problem.measured_surface import length
+from contact_study.problem.study import make_study
+from contact_study.problem.tabor import longest_range, tabor_parameter
+from tests import reference_problems as reference
+
+MATERIAL = {"youngs_modulus": "2 MPa", "poissons_ratio": 0.5}
+MODULUS = 2e6 / 0.75
+WORK = 0.05
+SPHERE = {"kind": "sphere", "size": "400 um", "shape": [64, 64], "radius": "100 um"}
+WAVE = {"kind": "wavy", "size": "20 um", "shape": [64, 64], "amplitude": "1 um", "modes": [1, 2]}
+
+
+def case(surface=SPHERE, sweep=None, **interaction):
+    table = {
+        "surface": surface,
+        "material": MATERIAL,
+        "interaction": {"law": "exponential", "work_of_adhesion": WORK, "length": "auto", **interaction},
+        "loading": {"path": ["1 kPa"]},
+    }
+    study = make_study(table | ({} if sweep is None else {"sweep": sweep}))
+    return study, study.cases
+
+
+def test_a_sphere_has_a_tabor_parameter_of_three():
+    study, (one,) = case()
+    tabor = reference.tabor_parameter(100e-6, MODULUS, WORK, one.law.length)
+    assert 3 <= tabor < 3.3  # two digits, rounded down
+    assert one.interaction.length == one.law.length
+    assert study.choices == (
+        f'interaction.length = "auto": {length(one.law.length)}, the longest that keeps the Tabor parameter above 3 '
+        f"(it is {tabor:.2g})",
+    )
+
+
+def test_a_wave_has_the_radius_of_its_rms_curvature():
+    _, (one,) = case(WAVE)
+    qy, qx = 2 * np.pi / 20e-6, 4 * np.pi / 20e-6
+    curvature = 0.5 * (qy**2 + qx**2) * 1e-6 / 2  # <cos² cos²> is a quarter
+    assert 3 <= reference.tabor_parameter(1 / curvature, MODULUS, WORK, one.law.length) < 3.3
+
+
+def test_the_range_is_a_tenth_of_the_rms_height_at_most():
+    study, (one,) = case(WAVE | {"amplitude": "0.1 um"})
+    assert one.law.length == pytest.approx(5e-9)
+    assert "0.1 of the rms height" in study.choices[0]
+
+
+def test_each_point_of_a_sweep_has_its_own():
+    study, cases = case(sweep={"interaction.well_depth_ratio": [1, 8], "surface.radius": ["100 um", "800 um"]})
+    # ℓ ∝ (R Δγ²)^(1/3), to two digits.
+    lengths = np.array([one.law.length for one in cases])
+    np.testing.assert_allclose(lengths / lengths[0], [1, 2, 4, 8], rtol=0.1)
+    assert len(study.choices) == 4
+
+
+def test_an_override_may_ask_for_it():
+    table = {
+        "surface": SPHERE,
+        "material": MATERIAL,
+        "interaction": {"law": "exponential", "work_of_adhesion": WORK, "length": "1 nm"},
+        "loading": {"path": ["1 kPa"]},
+        "sweep": {"surface.radius": ["100 um", "800 um"]},
+        "override": [{"when": {"surface.radius": "800 um"}, "interaction.length": "auto"}],
+    }
+    study = make_study(table)
+    assert study.cases[0].law.length == 1e-9
+    assert study.cases[1].law.length > 1e-7
+    assert len(study.choices) == 1
+
+
+@pytest.mark.parametrize(
+    ("surface", "keys", "culprit"),
+    [
+        ({"kind": "flat", "size": 1e-6, "shape": [8, 8]}, {}, "a flat surface has no curvature"),
+        (SPHERE, {"law": "hard_wall"}, "does not attract"),
+        (SPHERE, {"law": "nothing"}, "interaction.law"),
+        (SPHERE, {"length": "automatic"}, "interaction.length"),
+        (SPHERE, {"work_of_adhesion": "1 N"}, "interaction.work_of_adhesion"),
+        ({"kind": "file", "path": "nowhere.npy", "size": 1e-6}, {}, "nowhere.npy does not exist"),
+    ],
+)
+def test_what_cannot_be_chosen(surface, keys, culprit):
+    with pytest.raises(InputError, match=culprit) as failure:
+        case(surface, **keys)
+    assert "\n" not in str(failure.value)
+
+
+def test_pairs_of_atoms_and_sweeps_have_no_automatic_length():
+    table = {"surface": SPHERE, "material": MATERIAL, "loading": {"path": [1e3]}}
+    with pytest.raises(InputError, match=r"needs interaction\.work_of_adhesion"):
+        make_study(table | {"interaction": {"well_depth": "10 meV", "length": "auto"}})
+    interaction = {"law": "exponential", "work_of_adhesion": WORK}
+    with pytest.raises(InputError, match="no number to sweep over"):
+        make_study(table | {"interaction": interaction, "sweep": {"interaction.length": ["auto", 1e-9]}})
+
+
+def test_rounding_is_downwards():
+    for scale in np.geomspace(1, 10, 23):
+        found = longest_range(scale * 1e6, 1e-3, 1e7, 0.1)
+        assert 3 <= tabor_parameter(1 / (scale * 1e6), 1e7, 0.1, found) < 3.31
+        assert float(f"{found:.2g}") == pytest.approx(found, rel=1e-12)
