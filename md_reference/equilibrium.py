@@ -1,8 +1,10 @@
 """Mechanical equilibrium at zero temperature: minimise ½ u·Su + E(u) + p a² Σu_z over the bottom layer of atoms.
 
-A truncated Newton method. Where an attracted atom is still on its way to the surface its interaction has negative
-curvature and Newton's model is useless; there each atom is given at least the curvature k|F_z|/(gap − r0), a spring
-that ends at contact, until a full step becomes small. Then the exact Hessian takes over.
+Newton's method with inexact linear solves in single precision (:mod:`md_reference.newton_step`). Attracted atoms have
+negative curvature; what :mod:`md_reference.snap_in` leaves of it is faded by a factor 1 − fading when a linear solve
+meets a descent of the whole quadratic model, and restored after successful steps. From the first touch of a block that
+was apart it is faded out altogether until the residual is small: surfaces that come together snap in everywhere at
+once, and the descent then follows a slow gradient flow.
 """
 
 from dataclasses import dataclass
@@ -13,26 +15,30 @@ from numba import njit
 from contact_study.fields.fourier import RealTransform
 from md_reference.block import SurfaceStiffness
 from md_reference.interface import Interaction
-from md_reference.newton_step import NewtonSolver, NewtonStep
-from md_reference.snap_in import raised_curvature
+from md_reference.newton_step import NewtonSolver
+from md_reference.snap_in import land, raised_curvature
 from md_reference.solution import Equilibrium, Outcome
 
 # Lengths in units of the interaction's length r0, stresses in units of the contact modulus.
-_FIRST_STEP = 0.3
-_LARGEST_STEP = 0.9
-_SMALL_STEP = 0.3  # a full step below this hands over to the exact Hessian
-_SMALLEST_GAP = 0.03  # bounds the snap-in curvature where the gap is close to r0
+_LARGEST_STEP = 10.0
+_LARGEST_SLIDE = 0.5  # of an atom along the surface in one step
+_FALL = 0.9  # of a block out of reach, as a whole
 _VANISHING_STEP = 1e-9
 _VANISHING_STEPS = 5  # as many in a row mean that the residual has reached its rounding
-_SNAP_IN_FACTOR = 2.0
 _SHIFT_FRACTION = 0.1  # c of the preconditioner, in units of the mean normal curvature of the interface
 _SMALLEST_SHIFT = 4e-5  # the same in units of E* a, where nothing touches
-_SNAP_IN_ITERATIONS = 15
-_EXACT_ITERATIONS = 300
-_LARGEST_REDUCTION = 0.3
+# Reduction of the residual that a linear solve is asked for: while curvature is faded, with all of it, at the end.
+_FADED_REDUCTION = 0.3
+_REDUCTION = 0.1
 _SMALLEST_REDUCTION = 0.03  # single precision loses more than it gains below
-_OVERSHOOT = 3.0  # a linear solve ends where its step exceeds the trusted one by this factor
-_BACKTRACK = 0.4
+_CLOSE = 1e-3  # residual below which a linear solve may take all the iterations it needs
+_FEW_ITERATIONS, _MANY_ITERATIONS = 60, 300
+# Fading of negative curvature: first value, growth on failure, decay on success.
+_FADING_START, _FADING_GROWTH, _FADING_DECAY = 0.1, 3.0, 0.6
+# Below this residual a state with negative curvature is left along that direction, by this step; above it surfaces that
+# come together from separation are still coming.
+_SADDLE_RESIDUAL, _ALONG_SADDLE = 0.2, 0.1
+_BACKTRACK, _SHORTEST_FRACTION = 0.4, 1e-4
 _SADDLE_ITERATIONS = 20  # of conjugate gradients that look for negative curvature at an equilibrium
 _SADDLE_STEP = 0.03
 _REFRESH = 20  # accepted steps after which S u is computed anew from u
@@ -40,37 +46,27 @@ _REFRESH = 20  # accepted steps after which S u is computed anew from u
 
 @dataclass
 class _Iterate:
-    """Where a solve stands: the state u, its interaction energy, S u and what the next step may rely on."""
+    """Where a solve stands: the state u, its interaction energy, S u, gaps and tilt, and what steps may rely on."""
 
     displacement: np.ndarray
     energy: float
     stretch: np.ndarray
+    gap: np.ndarray
+    cosine: np.ndarray
+    approaching: bool  # surfaces come together from where nothing touched
     fresh: bool = True  # S u computed from u itself, not updated
-    trust: float = _FIRST_STEP
-    exact: bool = False  # Newton's own model instead of the snap-in springs
-    snap_in_until: int = 0  # iteration before which the springs stay
+    fading: float = 0.0
     vanishing: int = 0  # steps of no length in a row
     iteration: int = 0
     evaluations: int = 1
 
+    def fade(self) -> None:
+        """Take away more of the negative curvature."""
+        self.fading = min(1.0, max(_FADING_GROWTH * self.fading, _FADING_START))
 
-@dataclass(frozen=True)
-class _Taken:
-    """A step taken: fraction of Newton's, largest component over r0, and how well the model foretold the energy."""
-
-    fraction: float
-    size: float
-    shortened: bool
-    foretold: bool
-
-
-def _trusted(trust: float, taken: _Taken) -> float:
-    """Largest step to try next: cut after a failure, doubled where a step of nearly that size went as foretold."""
-    if taken.shortened:
-        return max(1.2 * taken.size, 0.01 * _FIRST_STEP)
-    if taken.size > 0.9 * trust and taken.foretold:
-        return min(2 * trust, _LARGEST_STEP)
-    return trust
+    def restore(self) -> None:
+        """Take away less of it."""
+        self.fading = self.fading * _FADING_DECAY if self.fading > 0.9 * _FADING_START else 0.0
 
 
 class EquilibriumSolver:
@@ -117,6 +113,7 @@ class EquilibriumSolver:
         self._coefficients = stiffness.coefficients / self._transform.points
         self._coefficients[2, 0, 0] = 0.0
         self._force = np.empty(shape)
+        self._trial_force = np.empty(shape)
         self._hessian = np.empty((6, *shape[1:]))
 
     def solve(self, start: np.ndarray, pressure: float = 0.0) -> Equilibrium:
@@ -150,9 +147,7 @@ class EquilibriumSolver:
                 self._refresh(at)
                 continue
             at.iteration += 1
-            newton = self._newton_step(at, gradient, residual)
-            if newton is not None:
-                self._advance(at, newton, gradient, push)
+            self._advance(at, gradient, residual, push)
         return Equilibrium(
             displacement=at.displacement,
             force=self._force.copy(),
@@ -171,7 +166,8 @@ class EquilibriumSolver:
         energy = self._evaluate(u)
         if not np.isfinite(energy):
             raise ValueError("the starting state has atoms inside the substrate (or not finite): start it higher")
-        return _Iterate(u, energy, self._apply_stiffness(u).copy())
+        apart = not np.any(self._force[2] > 0)
+        return _Iterate(u, energy, self._apply_stiffness(u).copy(), *self.interaction.gap_and_cosine(u), apart)
 
     def _outcome(self, at: _Iterate, residual: float, pressure: float) -> Outcome | None:
         """How the solve has ended, None while it goes on."""
@@ -187,7 +183,8 @@ class EquilibriumSolver:
 
     def _leave_saddle(self, at: _Iterate) -> bool:
         """Move to lower energy where an equilibrium has a direction of negative curvature; whether it had."""
-        direction = self._newton.unstable_direction(self._set_curvature(at.displacement, True), _SADDLE_ITERATIONS)
+        shift = self._set_curvature(at, np.zeros_like(self._force), 0.0)
+        direction = self._newton.unstable_direction(shift, _SADDLE_ITERATIONS)
         if direction is None:
             return False
         stretch = self._apply_stiffness(direction).copy()
@@ -200,79 +197,106 @@ class EquilibriumSolver:
                 energy = self._evaluate(trial)
                 at.evaluations += 1
                 if move * elastic_slope + 0.5 * move**2 * elastic_curvature + energy < at.energy:
-                    at.displacement, at.energy, at.exact, at.vanishing = trial, energy, False, 0
+                    at.displacement, at.energy, at.vanishing = trial, energy, 0
+                    at.gap, at.cosine = self.interaction.gap_and_cosine(trial)
                     self._refresh(at)
                     return True
             length *= _BACKTRACK
         self._evaluate(at.displacement)
         return False
 
-    def _newton_step(self, at: _Iterate, gradient: np.ndarray, residual: float) -> NewtonStep | None:
-        """Solve the linear model of the energy; None if its first direction already has negative curvature."""
-        shift = self._set_curvature(at.displacement, at.exact)
-        if not at.exact:
-            newton = self._newton.solve(gradient, shift, _LARGEST_REDUCTION, _SNAP_IN_ITERATIONS, np.inf)
-            # With its springs nothing is indefinite: where the first direction has no curvature, nothing acts yet.
-            falls = newton.indefinite and newton.iterations == 1 and not self._fixed_mean
-            return self._fall(gradient) if falls else newton
-        # The forcing term falls with the residual (in units of E*/100) for fast final convergence.
-        reduction = min(_LARGEST_REDUCTION, max(_SMALLEST_REDUCTION, (100 * residual) ** 0.5))
-        reach = _OVERSHOOT * at.trust * self.interaction.length
-        newton = self._newton.solve(gradient, shift, reduction, _EXACT_ITERATIONS, reach)
-        if newton.indefinite:
-            at.exact = False
-            at.snap_in_until = at.iteration + 1
-            if newton.iterations == 1:
-                return None
-        return newton
+    def _newton_step(self, at: _Iterate, gradient: np.ndarray, residual: float) -> tuple[np.ndarray, bool]:
+        """A step by the linear model of the energy, and whether more negative curvature had to be faded for it."""
+        if at.approaching:
+            coming = not self._fixed_mean and not np.any(self._force[2] > 0)
+            if coming or residual > _SADDLE_RESIDUAL:
+                at.fading = 1.0
+        raised = False
+        while True:
+            shift = self._set_curvature(at, gradient, at.fading)
+            # The forcing term falls with the residual (in units of E*/100) for fast final convergence.
+            full = max(_SMALLEST_REDUCTION, min(_REDUCTION, (100 * residual) ** 0.5))
+            iterations = _FEW_ITERATIONS if residual > _CLOSE else _MANY_ITERATIONS
+            newton = self._newton.solve(gradient, shift, _FADED_REDUCTION if at.fading > 0 else full, iterations)
+            if not newton.indefinite:
+                return newton.step, raised
+            if at.fading == 1:
+                # Nothing is indefinite: where the first direction has no curvature, next to nothing acts yet.
+                falls = newton.iterations == 1 and not self._fixed_mean
+                return self._fall(gradient) if falls else newton.step, raised
+            if at.fading == 0 and not raised and residual < _SADDLE_RESIDUAL:
+                return newton.step + self._downhill(gradient), raised
+            at.fade()
+            raised = True
 
-    def _fall(self, gradient: np.ndarray) -> NewtonStep:
-        """A block out of reach of the substrate comes down as a whole."""
+    def _fall(self, gradient: np.ndarray) -> np.ndarray:
+        """A block out of reach of the substrate moves as a whole."""
         step = np.zeros_like(gradient)
-        step[2] = -_LARGEST_STEP * self.interaction.length
-        return NewtonStep(step, 0.0, 1, False)
+        step[2] = -np.sign(np.sum(gradient[2])) * _FALL * self.interaction.length
+        return step
 
-    def _advance(self, at: _Iterate, newton: NewtonStep, gradient: np.ndarray, push: float) -> None:
-        """Take the step as far as the energy follows it, and adapt what the next one may rely on."""
-        stretch_step = self._apply_stiffness(newton.step)
-        taken = self._search(at, newton, stretch_step, gradient, push)
-        at.vanishing = at.vanishing + 1 if taken.size < _VANISHING_STEP else 0
-        at.trust = _trusted(at.trust, taken)
-        if at.iteration >= at.snap_in_until and taken.fraction == 1.0 and taken.size < _SMALL_STEP:
-            at.exact = True
+    def _downhill(self, gradient: np.ndarray) -> np.ndarray:
+        """A step along the last direction of the linear solver, which has negative curvature."""
+        direction = self._newton.direction
+        sign = -1.0 if np.vdot(gradient, direction) >= 0 else 1.0
+        return sign * _ALONG_SADDLE * self.interaction.length / np.abs(direction).max() * direction
+
+    def _advance(self, at: _Iterate, gradient: np.ndarray, residual: float, push: float) -> None:
+        """Take a step as far as the energy follows it, and adapt what the next one may rely on."""
+        step, raised = self._newton_step(at, gradient, residual)
+        # Where next to nothing acts, rounding is all that keeps a block from moving for ever.
+        excess = float(np.max(np.abs(step))) / (_LARGEST_STEP * self.interaction.length)
+        if excess > 1:
+            step /= excess
+        fraction = self._search(at, step, push)
+        if fraction < 1:
+            at.fade()
+        elif not raised:
+            at.restore()
         if at.iteration % _REFRESH == 0:
             self._refresh(at)
-        else:
-            at.stretch += taken.fraction * stretch_step
-            at.fresh = False
 
-    def _search(
-        self, at: _Iterate, newton: NewtonStep, stretch_step: np.ndarray, gradient: np.ndarray, push: float
-    ) -> _Taken:
-        """Shorten the step until the energy falls by a tenth of what the linear model says, and move there.
+    def _search(self, at: _Iterate, step: np.ndarray, push: float) -> float:
+        """Shorten the step until the energy falls, and move there; the fraction taken, zero if it never falls.
 
         The change of energy is summed from its parts, never a difference of two totals, which would round away.
         """
-        step = newton.step
-        length = float(np.max(np.abs(step))) / self.interaction.length
-        fraction = min(1.0, at.trust / length)
-        slope = float(np.sum(gradient * step))
-        elastic_slope = float(np.sum(at.stretch * step)) + push * float(np.sum(step[2]))
-        elastic_curvature = float(np.sum(stretch_step * step))
         noise = 1e-12 * abs(at.energy)  # rounding of the sum over pairs
-        shortened = False
-        while True:
-            trial = at.displacement + fraction * step
-            energy = self._evaluate(trial)
+        fraction = 1.0
+        while fraction > _SHORTEST_FRACTION:
+            trial, gap, cosine = self._trial(at, fraction * step)
+            energy = self.interaction.evaluate(trial, self._trial_force, self._hessian)
             at.evaluations += 1
-            change = fraction * elastic_slope + 0.5 * fraction**2 * elastic_curvature + energy - at.energy
-            model = fraction * slope + 0.5 * fraction**2 * newton.curvature
-            if change <= 0.1 * model + noise or (fraction * length < _VANISHING_STEP and np.isfinite(energy)):
-                break
+            if np.isfinite(energy):
+                move = trial - at.displacement
+                stretch = self._apply_stiffness(move)
+                change = float(np.sum((at.stretch + 0.5 * stretch) * move)) + push * float(np.sum(move[2]))
+                if change + energy - at.energy <= noise:
+                    size = float(np.max(np.abs(move))) / self.interaction.length
+                    at.vanishing = at.vanishing + 1 if size < _VANISHING_STEP else 0
+                    at.displacement, at.energy, at.gap, at.cosine = trial, energy, gap, cosine
+                    at.stretch += stretch
+                    at.fresh = False
+                    self._force, self._trial_force = self._trial_force, self._force
+                    return fraction
             fraction *= _BACKTRACK
-            shortened = True
-        at.displacement, at.energy = trial, energy
-        return _Taken(fraction, fraction * length, shortened, change <= 0.6 * model + noise)
+        at.vanishing += 1
+        self._evaluate(at.displacement)
+        return 0.0
+
+    def _trial(self, at: _Iterate, step: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Displacement, gap and cosine of the tilt after a step in which every atom lands softly."""
+        length = self.interaction.length
+        trial = at.displacement + step
+        slide = _LARGEST_SLIDE * length
+        trial[:2] = at.displacement[:2] + np.clip(step[:2], -slide, slide)
+        gap, cosine = self.interaction.gap_and_cosine(trial)
+        land(at.gap, at.cosine, self._force[2], length, self.interaction.force_prefactor, gap, cosine, trial[2])
+        if self._fixed_mean:
+            shift = np.mean(at.displacement[2]) - np.mean(trial[2])
+            trial[2] += shift
+            gap += shift
+        return trial, gap, cosine
 
     def _refresh(self, at: _Iterate) -> None:
         """Compute S u anew, free of the rounding of its updates."""
@@ -296,15 +320,12 @@ class EquilibriumSolver:
         _multiply(self._transform.forward().view(np.float64), self._coefficients)
         return self._transform.backward()
 
-    def _set_curvature(self, u: np.ndarray, exact: bool) -> float:
+    def _set_curvature(self, at: _Iterate, gradient: np.ndarray, fading: float) -> float:
         """Put the interface's curvature of this step into the linear solver; returns the preconditioner's shift."""
-        length = self.interaction.length
-        gap = u[2] if exact else self.interaction.gap(u)
-        factor = 0.0 if exact else _SNAP_IN_FACTOR
         stiff = raised_curvature(
-            self._hessian, self._force, gap, factor, length, _SMALLEST_GAP * length, self._newton.diagonal
+            self._hessian, gradient, at.gap, at.cosine, fading, self.interaction.length, self._newton.diagonal
         )
-        return max(_SHIFT_FRACTION * stiff / gap.size, self._smallest_shift)
+        return max(_SHIFT_FRACTION * stiff / at.gap.size, self._smallest_shift)
 
 
 @njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "arcp", "nsz"})

@@ -31,6 +31,10 @@ class Interaction(Protocol):
 
     length: float
 
+    @property
+    def force_prefactor(self) -> float:
+        """Force on an atom over a flat layer of sites, over s¹¹ − s⁵ with s = r0/distance (N)."""
+
     def evaluate(self, displacement: np.ndarray, force: np.ndarray, hessian: np.ndarray | None) -> float:
         """Energy (J), infinite if an atom is inside the substrate.
 
@@ -40,6 +44,9 @@ class Interaction(Protocol):
 
     def gap(self, displacement: np.ndarray) -> np.ndarray:
         """Height of each atom above the surface at its current lateral position (m), shape (ny, nx)."""
+
+    def gap_and_cosine(self, displacement: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """:meth:`gap` and the cosine of the surface's tilt there, each of shape (ny, nx)."""
 
 
 class LennardJonesInterface:
@@ -106,11 +113,21 @@ class LennardJonesInterface:
         )
         return math.inf if inside else energy
 
+    @property
+    def force_prefactor(self) -> float:
+        """That of the smeared layer; see :class:`Interaction`."""
+        return 8 * math.pi * self.well_depth * self.length / math.prod(self.substrate.spacing)
+
     def gap(self, displacement: np.ndarray) -> np.ndarray:
         """Height of each atom above the surface below it; see :class:`Interaction`."""
+        return self.gap_and_cosine(displacement)[0]
+
+    def gap_and_cosine(self, displacement: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Gap and tilt; see :class:`Interaction`."""
         y = np.arange(self.shape[0])[:, None] * self.spacing[0] + displacement[1]
         x = np.arange(self.shape[1])[None, :] * self.spacing[1] + displacement[0]
-        return displacement[2] - self.substrate.height_at(y, x)
+        height, cosine = self.substrate.height_and_cosine(y, x)
+        return displacement[2] - height, cosine
 
     def rest_heights(self) -> np.ndarray:
         """Height of the surface under the atoms' rest positions (m), shape (ny, nx)."""

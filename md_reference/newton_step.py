@@ -25,8 +25,6 @@ class NewtonStep:
     ----------
     step : numpy.ndarray, shape (3, ny, nx)
         Approximate solution x (m).
-    curvature : float
-        x·(S + D)x (J).
     iterations : int
         Conjugate-gradient iterations, each of one transform pair.
     indefinite : bool
@@ -34,7 +32,6 @@ class NewtonStep:
     """
 
     step: np.ndarray
-    curvature: float
     iterations: int
     indefinite: bool
 
@@ -50,6 +47,13 @@ class NewtonSolver:
         Keep the mean of the normal component (gap control) instead of leaving it free (pressure control).
     threads : int, optional
         Threads of FFTW.
+
+    Attributes
+    ----------
+    diagonal : numpy.ndarray of float32, shape (6, ny, nx)
+        D (N/m), to be written by the caller: xx, yy, zz, xy, xz, yz.
+    direction : numpy.ndarray of float32, shape (3, ny, nx)
+        The last search direction: one of negative curvature if the solver stopped on it.
     """
 
     def __init__(self, stiffness: SurfaceStiffness, fixed_mean: bool, threads: int = 1):
@@ -62,12 +66,10 @@ class NewtonSolver:
         self._multiplicity = stiffness.grid.multiplicity[0].astype(np.float32)
         self._residual = np.empty(shape, np.float32)
         self._solution = np.empty(shape, np.float32)
-        self._direction = np.empty(shape, np.float32)
+        self.direction = np.empty(shape, np.float32)
         self._image = np.empty(shape, np.float32)
 
-    def solve(
-        self, gradient: np.ndarray, shift: float, reduction: float, max_iterations: int, largest: float
-    ) -> NewtonStep:
+    def solve(self, gradient: np.ndarray, shift: float, reduction: float, max_iterations: int) -> NewtonStep:
         """Solve (S + D) x = −gradient with the D that the caller has put into :attr:`diagonal`.
 
         Parameters
@@ -80,8 +82,6 @@ class NewtonSolver:
             Stop when the residual's norm has fallen by this factor.
         max_iterations : int
             Largest number of iterations.
-        largest : float
-            End the iteration when a component of the step exceeds this (m): the caller shortens such a step anyway.
         """
         scale = float(np.max(np.abs(gradient)))
         spectrum = self.transform.spectrum.view(np.float32)
@@ -89,7 +89,7 @@ class NewtonSolver:
         np.multiply(gradient, -1 / scale, out=self._residual, casting="same_kind")
         field[...] = self._residual
         self._solution[...] = 0.0
-        self._direction[...] = 0.0
+        self.direction[...] = 0.0
         self._image[...] = 0.0
         target = reduction**2 * float(np.sum(self._residual * self._residual, dtype=np.float64))
         previous = 1.0
@@ -100,27 +100,28 @@ class NewtonSolver:
             product = _precondition(
                 spectrum, self._coefficients, self._multiplicity, shift, 1 / self.transform.points, self.fixed_mean
             )
+            if not product > 0.0:
+                break  # rounding is all that is left
             self.transform.backward()
             iterations += 1
             ratio = product / previous if iterations > 1 else 0.0
             previous = product
             curvature = _advance_direction(
-                field, self._residual, self.diagonal, shift, ratio, self._direction, self._image
+                field, self._residual, self.diagonal, shift, ratio, self.direction, self._image
             )
             if not curvature > 1e-12 * product:
                 indefinite = True
                 break
-            squares, normal_sum, extent = _advance_solution(
-                product / curvature, self._direction, self._image, self._solution, self._residual, field
+            squares, normal_sum = _advance_solution(
+                product / curvature, self.direction, self._image, self._solution, self._residual, field
             )
             if self.fixed_mean:
                 # A uniform normal residual is the constraint's own force, which the preconditioner drops.
                 squares -= normal_sum**2 / self.transform.points
-            if squares <= target or extent * scale > largest:
+            if squares <= target:
                 break
         step = self._solution * scale
-        curvature = -float(np.sum(step * (gradient + scale * self._residual)))
-        return NewtonStep(step, curvature, iterations, indefinite)
+        return NewtonStep(step, iterations, indefinite)
 
     def unstable_direction(self, shift: float, max_iterations: int) -> np.ndarray | None:
         """A direction of negative curvature of S + D, shape (3, ny, nx); None if conjugate gradients meet none.
@@ -138,8 +139,8 @@ class NewtonSolver:
             start[2] -= np.mean(start[2])
         if not start.any():
             return None
-        found = self.solve(start, shift, 0.0, max_iterations, np.inf)
-        return self._direction / np.abs(self._direction).max() if found.indefinite else None
+        found = self.solve(start, shift, 0.0, max_iterations)
+        return self.direction / np.abs(self.direction).max() if found.indefinite else None
 
 
 @njit(**_OPTIONS)
@@ -238,19 +239,16 @@ def _advance_direction(z, r, diagonal, shift, ratio, direction, image):
 
 @njit(**_OPTIONS)
 def _advance_solution(length, direction, image, solution, r, field):
-    """Step along the direction, the new residual also into ``field``; returns r·r, Σr_z and max|solution|."""
+    """Step along the direction, the new residual also into ``field``; returns r·r and Σr_z."""
     alpha = np.float32(length)
     squares = 0.0
     normal_sum = 0.0
-    extent = np.float32(0.0)
     for c in range(3):
         for j in range(r.shape[1]):
             row = np.float32(0.0)
             row_sum = np.float32(0.0)
             for i in range(r.shape[2]):
-                moved = solution[c, j, i] + alpha * direction[c, j, i]
-                solution[c, j, i] = moved
-                extent = max(extent, abs(moved))
+                solution[c, j, i] += alpha * direction[c, j, i]
                 value = r[c, j, i] - alpha * image[c, j, i]
                 r[c, j, i] = value
                 field[c, j, i] = value
@@ -259,4 +257,4 @@ def _advance_solution(length, direction, image, solution, r, field):
             squares += float(row)
             if c == 2:
                 normal_sum += float(row_sum)
-    return squares, normal_sum, float(extent)
+    return squares, normal_sum

@@ -1,14 +1,49 @@
-"""Curvature of the interface for a Newton step while atoms snap in: one 3×3 matrix an atom, raised where attracted."""
+"""What a Newton step takes from the interface while atoms snap in: curvature to model it by, and where atoms land.
+
+An attracted atom has negative curvature, and an atom that meets the repulsive wall has one that grows a hundredfold
+within a tenth of r0: a quadratic model holds for neither. So the curvature of an attracted atom out of balance is
+raised by a spring that ends at its goal, and a step is taken atom by atom in the variable in which the force is nearly
+linear: distance where the atom is attracted, force where it is repelled. No single atom then shortens the step of all.
+"""
 
 import numpy as np
 from numba import njit
 
+# A raised atom has at least the curvature |g| / distance of a spring that ends at contact where the force out of
+# balance g draws it there, and at twice its gap where g draws it away. It vanishes with g: Newton's convergence stays.
+_SMALLEST_DISTANCE = 0.03  # in units of r0, bounds that curvature close to contact
+# Largest relative change of an attracted atom's distance in one step, and of a repelled one that comes free.
+_LARGEST_CHANGE = 0.4
+# Force at which an atom lands that enters repulsion in one step, over that of a flat layer's prefactor: about a third
+# of the largest attraction. Enough to hold it there, and its overshoot does not decide the line search.
+_LANDING = 0.126
 
-@njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "arcp", "nsz"})
-def raised_curvature(hessian, force, gap, factor, length, smallest_gap, diagonal):
-    """Hessian of each atom, raised by a multiple of 1 so that its lowest eigenvalue reaches the snap-in spring.
+_OPTIONS = {"cache": True, "error_model": "numpy", "fastmath": {"contract", "reassoc", "arcp", "nsz"}}
 
-    With ``factor`` zero the Hessian is copied. Returns the sum over atoms of the positive part of the zz component.
+
+@njit(**_OPTIONS)
+def raised_curvature(hessian, gradient, gap, cosine, fading, length, diagonal):
+    """Hessian of each atom, raised by a multiple of 1 where the normal force softens.
+
+    Parameters
+    ----------
+    hessian : numpy.ndarray, shape (6, ny, nx)
+        Of the interface: xx, yy, zz, xy, xz, yz (N/m).
+    gradient : numpy.ndarray, shape (3, ny, nx)
+        Force out of balance on each atom, negated (N).
+    gap, cosine : numpy.ndarray, shape (ny, nx)
+        Height over the surface (m) and cosine of the surface's tilt there.
+    fading : float
+        Fraction of the remaining negative curvature to take away: 1 leaves none.
+    length : float
+        r0 (m).
+    diagonal : numpy.ndarray, shape (6, ny, nx)
+        The raised Hessian, written here.
+
+    Returns
+    -------
+    float
+        Sum over atoms of the positive part of the zz component.
     """
     stiff = 0.0
     for j in range(gap.shape[0]):
@@ -20,11 +55,14 @@ def raised_curvature(hessian, force, gap, factor, length, smallest_gap, diagonal
             xz = hessian[4, j, i]
             yz = hessian[5, j, i]
             lift = 0.0
-            if factor > 0.0:
-                wanted = 0.0
-                if force[2, j, i] < 0.0:
-                    wanted = factor * -force[2, j, i] / max(gap[j, i] - length, smallest_gap)
-                lift = max(0.0, wanted - _lowest_eigenvalue(xx, yy, zz, xy, xz, yz))
+            if zz < 0.0 or fading > 0.0:
+                lowest = _lowest_eigenvalue(xx, yy, zz, xy, xz, yz)
+                if zz < 0.0:
+                    g = gradient[2, j, i]
+                    height = gap[j, i]
+                    above = max(height - length / cosine[j, i], _SMALLEST_DISTANCE * length)
+                    lift = abs(g) / (above if g > 0.0 else height)
+                lift -= fading * min(lowest + lift, 0.0)
             diagonal[0, j, i] = xx + lift
             diagonal[1, j, i] = yy + lift
             diagonal[2, j, i] = zz + lift
@@ -35,7 +73,65 @@ def raised_curvature(hessian, force, gap, factor, length, smallest_gap, diagonal
     return stiff
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "arcp", "nsz"})
+@njit(**_OPTIONS)
+def land(gap, cosine, force, length, prefactor, trial_gap, trial_cosine, height):
+    """Correct the heights that a Newton step leads to, atom by atom, see the module.
+
+    The force on an atom at the distance d from the layer of sites below it is taken as that of smeared layers,
+    ``prefactor`` (s¹¹ − s⁵) with s = r0/d, and its part normal to the mean plane as cos²θ times that over a layer
+    tilted by θ. Only where a long step ends follows from it: to first order it is the step.
+
+    Parameters
+    ----------
+    gap, cosine : numpy.ndarray, shape (ny, nx)
+        Before the step, as in :func:`raised_curvature`.
+    force : numpy.ndarray, shape (ny, nx)
+        Force of the interface before the step, normal to the mean plane (N).
+    length, prefactor : float
+        r0 (m) and the force (N).
+    trial_gap, trial_cosine : numpy.ndarray, shape (ny, nx)
+        After the step; the gap is corrected in place.
+    height : numpy.ndarray, shape (ny, nx)
+        Height of the atoms after the step, corrected in place (m).
+    """
+    for j in range(gap.shape[0]):
+        for i in range(gap.shape[1]):
+            before = gap[j, i] * cosine[j, i]
+            moved = trial_gap[j, i] * trial_cosine[j, i] - before
+            f = force[j, i]
+            if f > 0.0:
+                f /= prefactor * cosine[j, i] ** 2
+                s = repulsive_root(f)
+                s6 = s**6
+                f -= s6 * (11.0 * s6 - 5.0) * moved / length
+                after = length / repulsive_root(f) if f > 0.0 else length * (1.0 + min(-f / 6.0, _LARGEST_CHANGE))
+                after += before - length / s
+            else:
+                after = before + min(max(moved, -_LARGEST_CHANGE * before), _LARGEST_CHANGE * before)
+                edge = min(before, length)
+                if after < edge:
+                    after = edge / repulsive_root(min(6.0 * (edge - after) / edge, _LANDING))
+            corrected = after / trial_cosine[j, i]
+            height[j, i] += corrected - trial_gap[j, i]
+            trial_gap[j, i] = corrected
+
+
+@njit(**_OPTIONS)
+def repulsive_root(force):
+    """s >= 1 with s¹¹ − s⁵ = force >= 0."""
+    # The root is a concave function of the force, so that its tangents (at s = 1, 1.1, 1.25, 1.6 and 2.5) bound it
+    # from above; Newton descends from there.
+    s = min(1.0 + force / 6.0, 1.1 + (force - 1.2426067) / 21.210667)
+    s = min(s, min(1.25 + (force - 8.5897744) / 90.238452, 1.6 + (force - 165.4361) / 1176.6948))
+    s = min(s, 2.5 + (force - 23744.2) / 104709.0)
+    for _ in range(6):
+        s5 = s**5
+        s10 = s5 * s5
+        s -= (s10 * s - s5 - force) / (11.0 * s10 - 5.0 * s5 / s)
+    return s
+
+
+@njit(**_OPTIONS)
 def _lowest_eigenvalue(xx, yy, zz, xy, xz, yz):
     """Of a symmetric 3×3 matrix, by the trigonometric solution of its characteristic equation."""
     mean = (xx + yy + zz) / 3.0

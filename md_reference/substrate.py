@@ -70,10 +70,14 @@ class Substrate:
         numpy.ndarray
             Heights (m), of the shape of ``y``.
         """
-        out = np.empty(y.shape)
+        return self.height_and_cosine(y, x)[0]
+
+    def height_and_cosine(self, y: np.ndarray, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Height of the surface (m), and cosine of its tilt 1/√(1 + |∇h|²); parameters as :meth:`height_at`."""
+        height, cosine = np.empty(y.shape), np.empty(y.shape)
         per_y, per_x = (self.refinement / distance for distance in self.spacing)
-        _evaluate_spline(self._spline, y.ravel(), x.ravel(), per_y, per_x, out.ravel())
-        return out
+        _evaluate_spline(self._spline, y.ravel(), x.ravel(), per_y, per_x, height.ravel(), cosine.ravel())
+        return height, cosine
 
 
 @njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "arcp", "nsz"})
@@ -89,7 +93,14 @@ def _basis(t):
 
 
 @njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "arcp", "nsz"})
-def _evaluate_spline(coefficients, y, x, samples_per_y, samples_per_x, out):
+def _basis_slope(t):
+    """Derivatives of :func:`_basis`."""
+    s = 1.0 - t
+    return (-0.5 * s * s, 0.5 * t * (3.0 * t - 4.0), 0.5 * s * (4.0 - 3.0 * s), 0.5 * t * t)
+
+
+@njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "arcp", "nsz"})
+def _evaluate_spline(coefficients, y, x, samples_per_y, samples_per_x, height, cosine):
     rows = coefficients.shape[0] - 3
     columns = coefficients.shape[1] - 3
     for n in range(y.size):
@@ -102,11 +113,19 @@ def _evaluate_spline(coefficients, y, x, samples_per_y, samples_per_x, out):
         j = min(int(u), columns - 1)
         w_y = _basis(v - i)
         w_x = _basis(u - j)
+        d_y = _basis_slope(v - i)
+        d_x = _basis_slope(u - j)
         total = 0.0
+        slope_y = 0.0
+        slope_x = 0.0
         for k in range(4):
             row = coefficients[i + k]
-            total += w_y[k] * (w_x[0] * row[j] + w_x[1] * row[j + 1] + w_x[2] * row[j + 2] + w_x[3] * row[j + 3])
-        out[n] = total
+            along = w_x[0] * row[j] + w_x[1] * row[j + 1] + w_x[2] * row[j + 2] + w_x[3] * row[j + 3]
+            total += w_y[k] * along
+            slope_y += d_y[k] * along
+            slope_x += w_y[k] * (d_x[0] * row[j] + d_x[1] * row[j + 1] + d_x[2] * row[j + 2] + d_x[3] * row[j + 3])
+        height[n] = total
+        cosine[n] = 1.0 / np.sqrt(1.0 + (slope_y * samples_per_y) ** 2 + (slope_x * samples_per_x) ** 2)
 
 
 def sample_substrate(

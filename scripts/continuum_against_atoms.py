@@ -111,6 +111,15 @@ class SmearedLayers:
         """Vertical gap at the rest positions (m)."""
         return displacement[2] - self.heights
 
+    def gap_and_cosine(self, displacement: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """That and cos θ."""
+        return self.gap(displacement), self.cosine
+
+    @property
+    def force_prefactor(self) -> float:
+        """Of the 10-4 law, on an atom's area (N)."""
+        return self.area_per_atom * 20 * self.law.work_of_adhesion / (3 * self.length)
+
 
 def main(arguments: Sequence[str] | None = None) -> int:
     return guarded("continuum_against_atoms", lambda: _main(arguments), interrupted="nothing is written")

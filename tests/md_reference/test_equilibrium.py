@@ -117,6 +117,15 @@ def test_tension_beyond_pull_off_is_reported_as_detachment():
     assert gone.iterations < 300
 
 
+def test_a_light_load_brings_a_large_block_down_from_separation():
+    # Out of reach a linear solve has but rounding to divide by: its step is as long as 1e8 r0.
+    interface, solver = solver_of((128, 128), coefficients=rough_coefficients(modes=4, rms=4e-10))
+    found = solver.solve(separated(interface), 2e8)
+    assert found.outcome is Outcome.CONVERGED
+    assert found.evaluations < 100
+    assert np.mean(found.force[2]) == pytest.approx(2e8 * AREA, abs=1e-8 * CONTACT_MODULUS * AREA)
+
+
 def test_limits_and_impossible_starts_are_reported():
     interface, solver = solver_of((32, 32), 8, max_iterations=3)
     start = separated(interface)

@@ -43,7 +43,7 @@ def test_step_solves_the_linear_problem(fixed_mean):
     gradient = np.random.default_rng(1).standard_normal((3, *SHAPE))
     if fixed_mean:
         gradient[2] -= gradient[2].mean()
-    found = solver.solve(gradient, 0.02 * scale, 1e-4, 500, np.inf)
+    found = solver.solve(gradient, 0.02 * scale, 1e-4, 500)
     image = free_of_uniform_compression(stiffness, apply(stiffness, found.step), found.step)
     image += times_diagonal(solver.diagonal.astype(float), found.step)
     left = image + gradient
@@ -53,7 +53,6 @@ def test_step_solves_the_linear_problem(fixed_mean):
     assert not found.indefinite
     # Twice the asked reduction: single precision.
     assert np.linalg.norm(left) < 2e-4 * np.linalg.norm(gradient)
-    assert found.curvature == pytest.approx(np.sum(found.step * image), rel=1e-3)
     assert solver.transform.pairs == found.iterations
 
 
@@ -62,18 +61,19 @@ def test_step_does_not_depend_on_the_size_of_the_gradient():
     solver = NewtonSolver(stiffness, False)
     solver.diagonal[...] = random_diagonal(1.0)
     gradient = np.random.default_rng(2).standard_normal((3, *SHAPE))
-    one = solver.solve(gradient, 1.0, 1e-3, 100, np.inf)
-    small = solver.solve(gradient * 2.0**-60, 1.0, 1e-3, 100, np.inf)
+    one = solver.solve(gradient, 1.0, 1e-3, 100)
+    small = solver.solve(gradient * 2.0**-60, 1.0, 1e-3, 100)
     np.testing.assert_array_equal(one.step * 2.0**-60, small.step)
 
 
-def test_negative_curvature_and_long_steps_end_the_iteration():
+def test_negative_curvature_ends_the_iteration():
     stiffness = stiffness_of(SHAPE)
     solver = NewtonSolver(stiffness, False)
     gradient = np.random.default_rng(3).standard_normal((3, *SHAPE))
     solver.diagonal[:3] = -2 * np.abs(stiffness.coefficients).max()
-    assert solver.solve(gradient, 1.0, 1e-3, 100, np.inf).indefinite
+    assert solver.solve(gradient, 1.0, 1e-3, 100).indefinite
+    image = free_of_uniform_compression(stiffness, apply(stiffness, solver.direction), solver.direction)
+    image += times_diagonal(solver.diagonal.astype(float), solver.direction)
+    assert np.sum(image * solver.direction) < 0
     solver.diagonal[...] = random_diagonal(1.0)
-    whole = solver.solve(gradient, 1.0, 1e-5, 100, np.inf)
-    short = solver.solve(gradient, 1.0, 1e-5, 100, 0.1 * np.abs(whole.step).max())
-    assert short.iterations < whole.iterations
+    assert not solver.solve(gradient, 1.0, 1e-3, 100).indefinite
