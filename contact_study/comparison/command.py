@@ -47,7 +47,7 @@ def _main(arguments: Sequence[str]) -> int:
     wanted = (
         units.quantity(given.reference_pressure, "Pa", "--reference-pressure") if given.reference_pressure else None
     )
-    inputs = read_inputs(given.datasets)
+    inputs = read_inputs(given.datasets, given.average)
     if wanted is not None and inputs.control != "pressure":
         raise InputError("--reference-pressure: these studies prescribe the gap; leave it out")
     for note in inputs.notes:
@@ -96,6 +96,11 @@ def _parser() -> Parser:
         metavar="P",
         help='pressure at which the distributions of the whole sweep are shown, such as "1 GPa"; the nearest one '
         "of the path is taken (default: p/E* = 0.00832 where the path has it, else its middle)",
+    )
+    parser.add_argument(
+        "--average",
+        metavar="KEY",
+        help="swept key over which means and standard errors are shown, such as rms_height (default: seed)",
     )
     parser.add_argument("--version", action="version", version=f"%(prog)s {contact_study.__version__}")
     return parser

@@ -1,5 +1,7 @@
 """The figures of one comparison with their captions: what is shown is chosen, read and drawn."""
 
+from typing import Any
+
 from contact_study.comparison.compute import bands, plotted
 from contact_study.comparison.compute.cases import sweep_points
 from contact_study.comparison.compute.gap_maps import read_gap_maps
@@ -11,7 +13,6 @@ from contact_study.comparison.draw.gap_map import gap_map_figure
 from contact_study.comparison.draw.interface import interface_figure
 from contact_study.comparison.draw.style import png
 from contact_study.comparison.read.datasets import Inputs
-from contact_study.comparison.read.path_points import AVERAGED
 from contact_study.comparison.say.captions import captions
 from contact_study.comparison.say.report import Figures
 
@@ -47,7 +48,7 @@ def draw(inputs: Inputs, wanted: float | None = None) -> Figures:
         drawn["mean_gap"] = figures.mean_gap_figure(
             curves.gaps, curves.linear_gaps, scale.height_symbol, (logarithmic, linear)
         )
-    seed = _first_seed(inputs)
+    seed = _first_sample(inputs)
     maps = read_gap_maps(inputs, shown, seed)
     if maps is not None:
         state = state_label(shown.case, point_label(shown.common, scale, control))
@@ -60,7 +61,8 @@ def draw(inputs: Inputs, wanted: float | None = None) -> Figures:
     return Figures({name: png(figure) for name, figure in drawn.items()}, words)
 
 
-def _first_seed(inputs: Inputs) -> int | None:
-    """The first seed that all models have which sweep it; None where none does."""
-    swept = [list(dataset[AVERAGED].values) for dataset in inputs.models.values() if AVERAGED in dataset.dims]
-    return next((int(seed) for seed in swept[0] if all(seed in other for other in swept)), None) if swept else None
+def _first_sample(inputs: Inputs) -> Any:
+    """The first seed, or value of what else is averaged over, that all models have which sweep it; None without."""
+    name = inputs.average
+    swept = [dataset[name].values.tolist() for dataset in inputs.models.values() if name in dataset.dims]
+    return next((value for value in swept[0] if all(value in other for other in swept)), None) if swept else None

@@ -5,13 +5,16 @@ from typing import Any
 
 import xarray as xr
 
+from contact_study.comparison.compute.ensemble import ensemble_statistics
 from contact_study.comparison.read.datasets import Inputs
 
 
 def comparison_tree(
     inputs: Inputs, deviations: xr.Dataset | None, regime: xr.Dataset, attrs: Mapping[str, Any]
 ) -> xr.DataTree:
-    """A group for each file, named after its kind and as in the file itself, ``regime``, and ``deviations`` if any.
+    """A group for each file, named after its kind and as in the file itself, ``regime``, ``deviations`` if any.
+
+    In ``ensemble`` stand, for each model with several samples, means and standard errors over them.
 
     Parameters
     ----------
@@ -28,6 +31,7 @@ def comparison_tree(
         for name, dataset in contents.items()
     }
     groups["/regime"] = regime
+    groups |= {f"/ensemble/{name}": dataset for name, dataset in ensemble_statistics(inputs.models).items()}
     if deviations is not None:
         groups["/deviations"] = deviations
     return xr.DataTree.from_dict(

@@ -12,7 +12,7 @@ import xarray as xr
 from contact_study.campaign.schema import REALISED
 from contact_study.comparison.labels import coordinate_label
 from contact_study.comparison.models import entry_of
-from contact_study.comparison.read.path_points import AVERAGED, swept_dims
+from contact_study.comparison.read.path_points import averaged, samples_in, swept_dims
 from contact_study.problem.path_points import PathPoint, path_points
 
 
@@ -35,7 +35,7 @@ class SweepPoint:
 def sweep_points(models: Mapping[str, xr.Dataset]) -> list[SweepPoint]:
     """Points of the sweep that some model has, in their order."""
     lead = max(models.values(), key=lambda dataset: len(swept_dims(dataset)))
-    dims = [dim for dim in swept_dims(lead) if dim != AVERAGED]
+    dims = [dim for dim in swept_dims(lead) if dim != averaged(lead)]
     values = [
         list(dict.fromkeys(v for dataset in models.values() if dim in dataset.dims for v in dataset[dim].values))
         for dim in dims
@@ -95,7 +95,7 @@ def series(part: xr.Dataset, name: str) -> Series:
     # The rule of usable(), on arrays; what has detached has no value.
     good = ~np.isnan(area) & ((converged == 1) | np.isnan(converged)) & ~np.isnan(values)
     samples: np.ndarray = good.sum(axis=0)
-    if AVERAGED not in part[name].dims:
+    if not samples_in(part[name]):
         return Series(values[0], np.full(steps, np.nan), good[0], samples)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RuntimeWarning)  # a point without any seed has no mean
@@ -113,18 +113,14 @@ def _by_seed(part: xr.Dataset, name: str, steps: int) -> np.ndarray:
     """A variable on seed and step, NaN where the part has none; a variable without seeds is one for all."""
     if name not in part:
         return np.full((1, steps), np.nan)
-    lead = [AVERAGED] if AVERAGED in part[name].dims else []
-    return part[name].transpose(*lead, "step").values.astype(float).reshape(-1, steps)
+    return part[name].transpose(*samples_in(part[name]), "step").values.astype(float).reshape(-1, steps)
 
 
 def case_points(part: xr.Dataset, control: str) -> list[PathPoint | None]:
     """Points of the path of a part that :func:`select` gave; all its seeds walk the same."""
     prescribed, branch = part[f"applied_{control}"], part["branch"]
-    if AVERAGED in prescribed.dims:
-        prescribed = prescribed.isel({AVERAGED: 0})
-    if AVERAGED in branch.dims:
-        branch = branch.isel({AVERAGED: 0})
-    return path_points(prescribed.values, branch.values)
+    first = (variable.isel(dict.fromkeys(samples_in(variable), 0)).values for variable in (prescribed, branch))
+    return path_points(*first)
 
 
 def constant(part: xr.Dataset, name: str) -> float:

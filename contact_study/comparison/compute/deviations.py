@@ -7,7 +7,7 @@ import xarray as xr
 
 from contact_study.campaign.schema import COORDINATES, VARIABLES
 from contact_study.comparison.models import entry_of, kind_of
-from contact_study.comparison.read.path_points import AVERAGED, on_common_path, swept_dims, usable
+from contact_study.comparison.read.path_points import averaged, on_common_path, swept_dims, usable
 
 QUANTITIES = ("relative_contact_area", "mean_gap", "elastic_energy")
 
@@ -40,7 +40,8 @@ def compute_deviations(models: Mapping[str, xr.Dataset], control: str) -> xr.Dat
     xarray.Dataset
         Dimensions (pair, …sweep…, step). For each quantity ``x`` that some pair has, ``x_deviation``, the model's value
         minus the reference's, and ``x_relative_deviation``, that over the reference's value; NaN unless ``state``
-        says that the point is compared. With several seeds also ``…_mean`` and ``…_standard_error`` over them.
+        says that the point is compared. Where a swept key is averaged over, the seed unless another is named,
+        also ``…_mean`` and ``…_standard_error`` of the paired differences.
     """
     aligned = on_common_path(models, control)
     pairs = pairs_of(models)
@@ -56,9 +57,10 @@ def compute_deviations(models: Mapping[str, xr.Dataset], control: str) -> xr.Dat
     )
     for dim in swept_dims(table.drop_dims("pair")):
         table[dim].attrs = next(dataset[dim].attrs for dataset in models.values() if dim in dataset.dims)
-    if table.sizes.get(AVERAGED, 1) > 1:
-        table = _with_seed_statistics(table)
-    return _described(table, control)
+    average = averaged(next(iter(models.values())))
+    if table.sizes.get(average, 1) > 1:
+        table = _with_statistics(table, average)
+    return _described(table, control, average)
 
 
 def _compare_pair(model: xr.Dataset, reference: xr.Dataset) -> xr.Dataset:
@@ -81,22 +83,23 @@ def _flagged(dataset: xr.Dataset, name: str, value: int) -> xr.DataArray | bool:
     return dataset[name] == value if name in dataset else False
 
 
-def _with_seed_statistics(table: xr.Dataset) -> xr.Dataset:
-    count = (table["state"] == COMPARED).sum(AVERAGED)
+def _with_statistics(table: xr.Dataset, average: str) -> xr.Dataset:
+    """Add means and standard errors over samples; the differences are paired, each of two models on one surface."""
+    count = (table["state"] == COMPARED).sum(average)
     added = {}
     for name in [str(name) for name in table.data_vars if str(name).endswith("deviation")]:
-        added[f"{name}_mean"] = table[name].mean(AVERAGED)
+        added[f"{name}_mean"] = table[name].mean(average)
         # One surface tells nothing of the scatter: NaN, not zero.
-        added[f"{name}_standard_error"] = table[name].std(AVERAGED, ddof=1).where(count > 1) / np.sqrt(count)
+        added[f"{name}_standard_error"] = table[name].std(average, ddof=1).where(count > 1) / np.sqrt(count)
     return table.assign(added)
 
 
-def _described(table: xr.Dataset, control: str) -> xr.Dataset:
+def _described(table: xr.Dataset, control: str, average: str) -> xr.Dataset:
     """Drop what no pair has and give every variable its units and meaning."""
     empty = [name for name in table.data_vars if name != "state" and not table[name].notnull().any()]
     table = table.drop_vars(empty)
     for name in table.data_vars:
-        table[name].attrs = _attributes(str(name))
+        table[name].attrs = _attributes(str(name), average)
     table["state"].encoding = VARIABLES["converged"].encoding
     table["branch"].encoding = COORDINATES["branch"].encoding
     for name in (f"applied_{control}", "branch", "step"):
@@ -105,7 +108,7 @@ def _described(table: xr.Dataset, control: str) -> xr.Dataset:
     return table
 
 
-def _attributes(name: str) -> dict[str, object]:
+def _attributes(name: str, average: str) -> dict[str, object]:
     if name == "state":
         return {
             "units": "1",
@@ -117,7 +120,7 @@ def _attributes(name: str) -> dict[str, object]:
     known, relative = VARIABLES[quantity], "_relative_deviation" in name
     words = f"{known.long_name}: {'(model - reference) / reference' if relative else 'model minus reference'}"
     if name.endswith("_mean"):
-        words += ", mean over seeds"
+        words += f", mean of the paired differences over {average}"
     if name.endswith("_standard_error"):
-        words += ", standard error over seeds"
+        words += f", standard error of the paired differences over {average}"
     return {"units": "1" if relative else known.units, "long_name": words}

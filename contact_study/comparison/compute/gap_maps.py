@@ -11,7 +11,6 @@ from contact_study.comparison.compute.shown_states import PanelPoints
 from contact_study.comparison.models import entry_of
 from contact_study.comparison.read.datasets import Inputs
 from contact_study.comparison.read.files import field_at
-from contact_study.comparison.read.path_points import AVERAGED
 
 
 @dataclass(frozen=True)
@@ -47,10 +46,10 @@ def located(
     if part is None or "y" not in part or shown.common not in (path := case_points(part, inputs.control)):
         return None
     selection = dict(shown.case.selection)
-    if AVERAGED in part.dims:
+    if inputs.average in part.dims:
         if seed is None:
             return None
-        selection[AVERAGED] = seed
+        selection[inputs.average] = seed
     return part, selection, path.index(shown.common)
 
 

@@ -8,7 +8,6 @@ from contact_study.comparison.compute.shown_states import PanelPoints
 from contact_study.comparison.models import entry_of
 from contact_study.comparison.read.datasets import Inputs
 from contact_study.comparison.read.files import field_at
-from contact_study.comparison.read.path_points import AVERAGED
 
 
 def read_interface_state(inputs: Inputs, shown: PanelPoints, seed: int | None) -> xr.Dataset | None:
@@ -24,8 +23,8 @@ def read_interface_state(inputs: Inputs, shown: PanelPoints, seed: int | None) -
         return None
     part, selection, step = place
     state = part.isel(step=step)
-    if AVERAGED in part.dims:
-        state = state.sel({AVERAGED: seed})
+    if inputs.average in part.dims:
+        state = state.sel({inputs.average: seed})
     for name in ("gap", "pressure"):
         field = field_at(inputs.paths[entry_of(model).file], name, selection, step)
         if field is None or np.isinf(field).any() or not np.isfinite(field).any():

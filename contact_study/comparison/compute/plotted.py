@@ -10,7 +10,7 @@ from contact_study.comparison.compute.cases import SweepPoint, case_points, sele
 from contact_study.comparison.compute.scales import Scales, mean_pressure_unit, scales
 from contact_study.comparison.compute.shown_states import PanelPoints, point_label
 from contact_study.comparison.models import entry_of
-from contact_study.comparison.read.path_points import AVERAGED, usable
+from contact_study.comparison.read.path_points import samples_in, usable
 from contact_study.problem.path_points import PathPoint
 
 
@@ -207,25 +207,53 @@ def path_segments(curve: Curve) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     numpy.ndarray of bool, shape (states,)
         Whether a line passes through a state.
     """
-    fit = np.ones(curve.x.shape, bool) if curve.fit is None else curve.fit
     back = np.zeros(curve.x.shape, bool) if curve.unloading is None else curve.unloading
     ends: list[np.ndarray] = []
     unloading: list[bool] = []
     joined = np.zeros(curve.x.shape, bool)
-    last = None
+    for last, here in _followed(curve):
+        joined[[last, here]] = True
+        segment = np.array([[curve.x[last], curve.y[last]], [curve.x[here], curve.y[here]]])
+        if not any(_retraces(segment, other) for other in ends):
+            ends.append(segment)
+            unloading.append(bool(back[here]))
+    return np.array(ends).reshape(-1, 2, 2), np.array(unloading, bool), joined
+
+
+def error_band(curve: Curve) -> np.ndarray:
+    """The strip of one standard error to either side of a curve, between the states that its lines join.
+
+    Errors along both axes make no strip, and none has a state whose error is not known.
+
+    Returns
+    -------
+    numpy.ndarray, shape (number, 4, 2)
+        Corners (x, y) of the strip's part along every segment.
+    """
+    along_y, error = curve.x_error is None, curve.y_error if curve.x_error is None else curve.x_error
+    if error is None or (curve.x_error is not None and curve.y_error is not None):
+        return np.empty((0, 4, 2))
+    across = np.stack([np.zeros(error.shape), error] if along_y else [error, np.zeros(error.shape)], axis=1)
+    points = np.stack([curve.x, curve.y], axis=1)
+    low, high = points - across, points + across
+    strips = [[low[last], low[here], high[here], high[last]] for last, here in _followed(curve)]
+    found = np.array(strips).reshape(-1, 4, 2)
+    return found[np.isfinite(found).all(axis=(1, 2))]
+
+
+def _followed(curve: Curve) -> list[tuple[int, int]]:
+    """Numbers of the states that lines join, in the order of the path."""
+    fit = np.ones(curve.x.shape, bool) if curve.fit is None else curve.fit
+    pairs, last = [], None
     for here in range(curve.x.size):
         if not fit[here]:
             last = None
         if not fit[here] or not np.isfinite(curve.x[here] + curve.y[here]):
             continue
         if last is not None:
-            joined[[last, here]] = True
-            segment = np.array([[curve.x[last], curve.y[last]], [curve.x[here], curve.y[here]]])
-            if not any(_retraces(segment, other) for other in ends):
-                ends.append(segment)
-                unloading.append(bool(back[here]))
+            pairs.append((last, here))
         last = here
-    return np.array(ends).reshape(-1, 2, 2), np.array(unloading, bool), joined
+    return pairs
 
 
 def _retraces(one: np.ndarray, other: np.ndarray) -> bool:
@@ -259,12 +287,16 @@ def _distributions(
         for colour, (point, named, label) in enumerate(states):
             unit = unit_of(scales(models, point))
             for model, dataset in models.items():
-                density = density_at(dataset, point, f"{name}_pdf", named, control)
-                if density is None:
+                both = density_at(dataset, point, f"{name}_pdf", named, control)
+                if both is None:
                     continue
+                density, error = both
                 with np.errstate(divide="ignore", invalid="ignore"):  # rounding may leave −0
                     logarithm = np.where(density > 0, np.log10(density * unit), np.nan)
-                found.append(Curve(model, label, colour, dataset[f"{name}_bin"].values / unit, logarithm))
+                    # Of the logarithm; where the density may be zero it has none.
+                    error = np.where(error < density, error / (density * np.log(10)), np.nan)
+                centres = dataset[f"{name}_bin"].values / unit
+                found.append(Curve(model, label, colour, centres, logarithm, y_error=_or_none(error)))
         return found
 
     units = scales(models, shown.case)
@@ -273,17 +305,27 @@ def _distributions(
     return curves(panel_a), curves(panel_b)
 
 
-def density_at(dataset: xr.Dataset, point: SweepPoint, name: str, named: PathPoint, control: str) -> np.ndarray | None:
-    """A density at one state, its mean over the seeds that converged in contact; None where there is none."""
+def density_at(
+    dataset: xr.Dataset, point: SweepPoint, name: str, named: PathPoint, control: str
+) -> tuple[np.ndarray, np.ndarray] | None:
+    """A density at one state: its mean over the samples that converged in contact and the standard error of that.
+
+    The error is NaN with fewer than two samples. None where there is no such state.
+    """
     part = select(dataset, point)
     if part is None or name not in part or named not in (path := case_points(part, control)):
         return None
     state = part.isel(step=path.index(named))
-    fit = usable(state) & state[name].notnull().any(dim=name.replace("_pdf", "_bin"))
+    bins = name.replace("_pdf", "_bin")
+    fit = usable(state) & state[name].notnull().any(dim=bins)
     if not fit.any():
         return None
     density = state[name].where(fit)
-    return (density.mean(AVERAGED) if AVERAGED in density.dims else density).values
+    dims = samples_in(density)
+    if not dims:
+        return density.values, np.full(density.shape, np.nan)
+    count = density.notnull().sum(dims)
+    return density.mean(dims).values, (density.std(dims, ddof=1).where(count > 1) / np.sqrt(count)).values
 
 
 def smallest_resolved(curves: list[Curve]) -> float:

@@ -9,7 +9,7 @@ import xarray as xr
 from contact_study.comparison.compute.cases import SweepPoint, constant, first_constant, select, sweep_points
 from contact_study.comparison.models import entry_of
 from contact_study.comparison.read.datasets import Inputs
-from contact_study.comparison.read.path_points import AVERAGED
+from contact_study.comparison.read.path_points import averaged
 from contact_study.fields import fourier
 from contact_study.fields.grid import Grid
 from contact_study.problem.elasticity import Elasticity
@@ -87,7 +87,7 @@ def compute_regime(inputs: Inputs) -> xr.Dataset:
     numbers = [_regime(models, point, _roughness_of(inputs, point), _range(inputs, point)) for point in points]
     dims = list(points[0].selection)
     attrs = {d: next(dataset[d].attrs for dataset in models.values() if d in dataset.dims) for d in dims}
-    several_seeds = any(dataset.sizes.get(AVERAGED, 1) > 1 for dataset in models.values())
+    averages = {averaged(dataset) for dataset in models.values() if dataset.sizes.get(averaged(dataset), 1) > 1}
     data = {}
     for name, (units, long_name) in _MEANINGS.items():
         column = xr.DataArray([row[name] for row in numbers], dims="case")
@@ -99,7 +99,7 @@ def compute_regime(inputs: Inputs) -> xr.Dataset:
             )
         else:
             column = column[0]
-        whose = ", surface of the first seed" if several_seeds and name in _OF_THE_SURFACE else ""
+        whose = f", surface of the first {next(iter(averages))}" if averages and name in _OF_THE_SURFACE else ""
         data[name] = column.assign_attrs(units=units, long_name=long_name + whose)
     return xr.Dataset(data)
 

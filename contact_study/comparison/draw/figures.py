@@ -7,16 +7,18 @@ of the sweep, the colour tells the model, too.
 """
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.collections import LineCollection
+from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.figure import Figure
 
 from contact_study.comparison.compute.bands import Band
 from contact_study.comparison.compute.plotted import (
     Curve,
+    error_band,
     in_compression,
     logarithmic,
     mean_gap_panels,
@@ -32,6 +34,7 @@ from contact_study.comparison.models import entry_of
 from contact_study.plots.style import DOUBLE, SINGLE, styled
 
 _TICKS = 6  # along x: numbers such as −0.075 stand side by side in half a page
+_ERROR = 0.25  # opacity of a strip of standard errors
 _ROW = 0.16  # inches that a row of the legend takes
 
 
@@ -79,6 +82,9 @@ def _distribution_figure(
 
 
 def _draw_density(axes: Axes, curve: Curve, look: Look, colour: Any) -> None:
+    if curve.y_error is not None:
+        low, high = curve.y - curve.y_error, curve.y + curve.y_error
+        axes.fill_between(curve.x, low, high, color=colour, alpha=_ERROR, lw=0, zorder=1)
     if look.line == "none":
         axes.plot(curve.x, curve.y, look.marker, color=colour, ms=2.0, mfc="none", mew=0.6, zorder=2)
     else:
@@ -187,8 +193,13 @@ def _looks(curves: Sequence[Curve]) -> dict[str, Look]:
 def _draw_path(axes: Axes, curve: Curve, look: Look, colour: Any) -> None:
     """One model's points along the path: filled while loading, hollow while unloading, crossed if not converged."""
     theory = not simulated(curve)
+    fit = np.ones(curve.x.shape, bool) if curve.fit is None else curve.fit
     order = 2 if theory else 3
     segments, back, joined = path_segments(curve)
+    if look.line != "none" and len(strip := error_band(curve)):
+        axes.add_collection(PolyCollection(list(strip), facecolors=[colour], alpha=_ERROR, linewidths=0, zorder=1))
+        if joined[fit].all():
+            curve = replace(curve, x_error=None, y_error=None)
     for side, alpha in ((~back, 1.0), (back, 0.55 if theory else 1.0)):
         if side.any() and look.line != "none":
             lines = LineCollection(
@@ -200,7 +211,6 @@ def _draw_path(axes: Axes, curve: Curve, look: Look, colour: Any) -> None:
                 zorder=order,
             )
             axes.add_collection(lines)
-    fit = np.ones(curve.x.shape, bool) if curve.fit is None else curve.fit
     unloading = np.zeros(curve.x.shape, bool) if curve.unloading is None else curve.unloading
     for side, fill in ((~unloading, "none" if look.hollow else colour), (unloading, "white")):
         here = fit & side & np.isfinite(curve.x) & np.isfinite(curve.y)

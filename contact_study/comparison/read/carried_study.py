@@ -13,7 +13,7 @@ import numpy as np
 import xarray as xr
 
 from contact_study.comparison.read.differences import SAME, same
-from contact_study.comparison.read.path_points import AVERAGED, positions, swept_dims
+from contact_study.comparison.read.path_points import SEED, positions, swept_dims
 from contact_study.problem.case import Case
 from contact_study.problem.errors import InputError
 from contact_study.problem.keys import keys_of
@@ -21,7 +21,7 @@ from contact_study.problem.path_points import PathPoint, path_points, path_point
 from contact_study.problem.study import SECTIONS, WHOLE_STUDY, Study, make_study
 
 
-def carried_study(path: Path, dataset: xr.Dataset) -> tuple[Study, list[str]]:
+def carried_study(path: Path, dataset: xr.Dataset, average: str = SEED) -> tuple[Study, list[str]]:
     """The study of a dataset, its sweep being what the dataset holds, and what had to be changed for that.
 
     Parameters
@@ -30,6 +30,8 @@ def carried_study(path: Path, dataset: xr.Dataset) -> tuple[Study, list[str]]:
         File of the dataset, for messages and for what the study names beside it.
     dataset : xarray.Dataset
         Root group of a model's dataset.
+    average : str
+        Swept key over which a reader sees means.
 
     Raises
     ------
@@ -45,7 +47,7 @@ def carried_study(path: Path, dataset: xr.Dataset) -> tuple[Study, list[str]]:
     if changes:
         study = _readable(path, _with_sweep(path, table, changes))
     _check_bins(path, dataset, study)
-    _check_paths(path, dataset, study)
+    _check_paths(path, dataset, study, average)
     notes = [
         f"{path}: holds {name} = {', '.join(f'{value}' for value in values)}, which the study it carries does not "
         "sweep so; the dataset's are taken"
@@ -119,8 +121,8 @@ def _check_bins(path: Path, dataset: xr.Dataset, study: Study) -> None:
             )
 
 
-def _check_paths(path: Path, dataset: xr.Dataset, study: Study) -> None:
-    """Every case walks the path of its study, and all seeds of a point of the sweep the same one."""
+def _check_paths(path: Path, dataset: xr.Dataset, study: Study, average: str) -> None:
+    """Every case walks the path of its study, and all samples of a point of the sweep the same one."""
     if len({case.loading.control for case in study.cases}) > 1:
         raise InputError(
             f"{path}: prescribes pressures at some points of its sweep, gaps at others; compare them apart"
@@ -133,10 +135,10 @@ def _check_paths(path: Path, dataset: xr.Dataset, study: Study) -> None:
             raise InputError(
                 f"{path}: its loading path{at} is not that of the study it carries; compare whole datasets"
             )
-        others = tuple(value for name, value in case.coordinates.items() if name != AVERAGED)
+        others = tuple(value for name, value in case.coordinates.items() if name != average)
         if first.setdefault(others, case).path != case.path:
             raise InputError(
-                f"{path}: the seeds of one point of the sweep take different loading paths ({case.label}); "
+                f"{path}: points that differ in {average} alone take different loading paths ({case.label}); "
                 "they cannot be averaged"
             )
 

@@ -12,7 +12,7 @@ from contact_study.comparison.models import entry_of, file_kinds, in_order, kind
 from contact_study.comparison.read.carried_study import carried_study
 from contact_study.comparison.read.differences import check_height_maps, check_studies, same
 from contact_study.comparison.read.files import branches_in, models_in, open_groups, unknown_theories
-from contact_study.comparison.read.path_points import swept_dims
+from contact_study.comparison.read.path_points import SEED, swept_dims, with_average
 from contact_study.problem.case import Case
 from contact_study.problem.errors import InputError
 from contact_study.problem.laws import TractionLaw
@@ -40,6 +40,8 @@ class Inputs:
         Differences between the studies that a reader must know.
     groups : dict
         Groups of each file as they stand in it, "" for the root.
+    average : str
+        The swept key over which a reader sees means.
     """
 
     paths: dict[str, Path]
@@ -48,6 +50,7 @@ class Inputs:
     studies: dict[str, Study]
     notes: tuple[str, ...] = ()
     groups: dict[str, dict[str, xr.Dataset]] = field(default_factory=dict)
+    average: str = SEED
 
     @property
     def study(self) -> Study:
@@ -88,6 +91,11 @@ class Inputs:
         return seeds
 
     @property
+    def samples(self) -> int:
+        """The largest number of values that a model has of what is averaged over."""
+        return max(dataset.sizes.get(self.average, 1) for dataset in self.models.values())
+
+    @property
     def laws(self) -> list[type[TractionLaw]]:
         """Every traction-separation law of the cases."""
         return list(dict.fromkeys(type(case.law) for case in self.cases))
@@ -103,8 +111,15 @@ def is_at(case: Case, coordinates: Mapping[str, Any]) -> bool:
     return all(same(case.coordinates.get(name, value), value) for name, value in coordinates.items())
 
 
-def read_inputs(paths: Sequence[Path]) -> Inputs:
+def read_inputs(paths: Sequence[Path], average: str | None = None) -> Inputs:
     """Open datasets of one contact, in any order.
+
+    Parameters
+    ----------
+    paths : sequence of pathlib.Path
+        Files.
+    average : str, optional
+        Swept key, by its last part, over which a reader sees means: the seed if none is named.
 
     Raises
     ------
@@ -119,10 +134,11 @@ def read_inputs(paths: Sequence[Path]) -> Inputs:
     files = {name: names[name] for name in sorted(names, key=lambda name: file_kinds().index(kind_of(name)))}
     contents = {name: opened[path] for name, path in files.items()}
     _check_told_apart(files, contents)
+    _check_average(average, contents)
     studies: dict[str, Study] = {}
     notes: list[str] = []
     for name, path in files.items():
-        studies[name], joined = carried_study(path, contents[name][""])
+        studies[name], joined = carried_study(path, contents[name][""], average or SEED)
         notes += joined
         notes += [
             f"{path}: holds the theory {label}, which is not shown" for label in unknown_theories(contents[name][""])
@@ -131,7 +147,10 @@ def read_inputs(paths: Sequence[Path]) -> Inputs:
     check_height_maps(
         list(files), files, {name: str(groups[""].attrs.get("height_maps", "")) for name, groups in contents.items()}
     )
-    contents = _one_spelling(contents)
+    contents = {
+        name: {group: with_average(dataset, average or SEED) for group, dataset in groups.items()}
+        for name, groups in _one_spelling(contents).items()
+    }
     found: dict[str, xr.Dataset] = {}
     branches: dict[str, dict[str, xr.Dataset]] = {}
     for name, groups in contents.items():
@@ -139,7 +158,21 @@ def read_inputs(paths: Sequence[Path]) -> Inputs:
         branches |= branches_in(groups, tails[files[name]])
     if not found:
         raise InputError(f"{', '.join(map(str, paths))}: no model there is one that is shown")
-    return Inputs(files, {name: found[name] for name in in_order(found)}, branches, studies, tuple(notes), contents)
+    return Inputs(
+        files,
+        {name: found[name] for name in in_order(found)},
+        branches,
+        studies,
+        tuple(notes),
+        contents,
+        average or SEED,
+    )
+
+
+def _check_average(average: str | None, contents: Mapping[str, Mapping[str, xr.Dataset]]) -> None:
+    swept = dict.fromkeys(dim for groups in contents.values() for dim in swept_dims(groups[""]))
+    if average is not None and average not in swept:
+        raise InputError(f"--average {average}: no dataset sweeps it; swept: {', '.join(swept) or 'nothing'}")
 
 
 def _tails(kinds: Mapping[Path, str]) -> dict[Path, str]:

@@ -10,7 +10,25 @@ from contact_study.campaign.schema import COORDINATES
 from contact_study.comparison.read.differences import same
 from contact_study.problem.path_points import PathPoint, path_points
 
-AVERAGED = "seed"
+SEED = "seed"
+
+# Attribute of a dataset in a comparison: the swept key over which a reader sees means.
+_AVERAGED = "averaged_over"
+
+
+def averaged(dataset: xr.Dataset) -> str:
+    """The swept key over which a reader sees means; a dataset may have no such dimension."""
+    return str(dataset.attrs.get(_AVERAGED, SEED))
+
+
+def with_average(dataset: xr.Dataset, name: str) -> xr.Dataset:
+    """The dataset, to be averaged over a swept key."""
+    return dataset.assign_attrs({_AVERAGED: name})
+
+
+def samples_in(part: xr.Dataset | xr.DataArray) -> list[str]:
+    """The dimension, if there is one, over which what stands at one point of the sweep is averaged."""
+    return [str(dim) for dim in part.dims if dim in part.coords and dim not in COORDINATES]
 
 
 def swept_dims(dataset: xr.Dataset) -> tuple[str, ...]:

@@ -11,7 +11,7 @@ from contact_study.comparison.compute.scales import scales
 from contact_study.comparison.compute.shown_states import PanelPoints, common_label, point_label, state_label
 from contact_study.comparison.models import entry_of
 from contact_study.comparison.read.datasets import Inputs
-from contact_study.comparison.read.path_points import AVERAGED
+from contact_study.comparison.read.path_points import SEED
 from contact_study.comparison.wording import listed, listed_points
 from contact_study.problem.laws import TractionLaw
 from contact_study.problem.path_points import PathPoint
@@ -45,7 +45,7 @@ def captions(
     if in_compression(curves.areas):
         panels_of_area = ", (a) linear, (b) logarithmic, compression only"
     state = state_label(shown.case, point_label(shown.common, scales(models, shown.case), inputs.control))
-    whose = f", surface of the first seed ({seed})" if seed is not None else ""
+    whose = f", surface of the first {inputs.average.replace('_', ' ')} ({seed})" if seed is not None else ""
     own = dict.fromkeys(type(case.law) for case in inputs.cases_at(shown.case.selection))
     return {
         "stress_distribution": "Distribution of the interfacial normal stress, compression positive, in units of E*: "
@@ -74,8 +74,16 @@ def _panels(inputs: Inputs, shown: PanelPoints, seed: int | None) -> str:
     if shown.paper:
         words += " The paper does not state the pressure of its panel (a): this one is a choice."
     if seed is not None:
-        words += " With several seeds, each curve is the mean over those that converged in contact."
+        words += (
+            f" Of {_samples(inputs)}, each curve is the mean over those that converged in contact, the band its "
+            "standard error."
+        )
     return words
+
+
+def _samples(inputs: Inputs) -> str:
+    """What is averaged over, in words."""
+    return "seeds" if inputs.average == SEED else f"the values of {inputs.average.replace('_', ' ')}"
 
 
 def _simulations(inputs: Inputs) -> str:
@@ -153,8 +161,9 @@ def _below_zero(curves: Collection[Curve]) -> str:
 
 
 def _lines(inputs: Inputs, banded: Collection[str]) -> str:
-    seeds = any(AVERAGED in dataset.dims for dataset in inputs.models.values())
-    errors = ", points are means and error bars standard errors over seeds" if seeds else ""
+    errors = ""
+    if inputs.samples > 1:
+        errors = f", points are means, bands about lines and error bars standard errors over {_samples(inputs)}"
     words = (
         f" Lines join the computed states in the order of the path{errors}; filled: loading, hollow: unloading, "
         "crosses: not converged; detached states are left out."

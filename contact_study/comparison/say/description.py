@@ -7,7 +7,6 @@ from contact_study.comparison.choices import over
 from contact_study.comparison.labels import coordinate_label
 from contact_study.comparison.models import entry_of
 from contact_study.comparison.read.datasets import Inputs
-from contact_study.comparison.read.path_points import AVERAGED
 from contact_study.comparison.wording import control_unit, length, listed, listed_points, number, varied
 from contact_study.plots.units import pressure_unit
 from contact_study.problem.case import Case
@@ -144,7 +143,7 @@ def _label(inputs: Inputs, case: Case) -> str:
     """The point of the sweep of a case, its seed aside."""
     units = {name: swept.units for study in inputs.studies.values() for name, swept in study.sweep.items()}
     return ", ".join(
-        coordinate_label(name, value, units[name]) for name, value in case.coordinates.items() if name != AVERAGED
+        coordinate_label(name, value, units[name]) for name, value in case.coordinates.items() if name != inputs.average
     )
 
 

@@ -11,7 +11,7 @@ from contact_study.comparison.compute.deviations import COMPARED
 from contact_study.comparison.compute.scales import Scales, scales
 from contact_study.comparison.models import entry_of
 from contact_study.comparison.read.datasets import Inputs
-from contact_study.comparison.read.path_points import AVERAGED, usable
+from contact_study.comparison.read.path_points import samples_in, usable
 from contact_study.comparison.wording import listed, number, percent, percent_of
 from contact_study.plots.units import length_unit, pressure_unit
 from contact_study.problem.path_points import PathPoint
@@ -81,11 +81,11 @@ def _over_states(dataset: xr.Dataset, name: str, points: list[SweepPoint], scale
         part = select(dataset, point)
         if part is None:
             continue
-        lead = [AVERAGED] if AVERAGED in part[name].dims else []
+        lead = samples_in(part[name])
         array = part[name].transpose(*lead, "step").values / scale[point.label]
         path = case_points(part, "pressure" if "applied_pressure" in part.coords else "gap")
         for index in zip(*np.nonzero(np.isfinite(array)), strict=True):
-            seed = f"seed {part[AVERAGED].values[index[0]]}, " if lead else ""
+            seed = "".join(f"{dim.replace('_', ' ')} {part[dim].values[index[0]]}, " for dim in lead)
             label = f"{point.label}, " if point.label else ""
             values.append(array[index])
             places.append(f"{label}{seed}{_point_words(part, path[index[-1]])}")

@@ -12,7 +12,6 @@ from markupsafe import Markup, escape
 
 from contact_study.comparison.models import entry_of, kind_of
 from contact_study.comparison.read.datasets import Inputs
-from contact_study.comparison.read.path_points import AVERAGED
 from contact_study.comparison.say import result_tables, setting_tables
 from contact_study.comparison.say.description import study_paragraphs
 from contact_study.comparison.say.findings import extents, headline, sample_notes
@@ -93,7 +92,7 @@ def render_report(
         wall=any(law.attracts and law.has_wall for law in inputs.laws),
         rough=bool(regime["tabor_parameter"].notnull().any()),
         simulated=bool(inputs.simulations),
-        several_seeds=any(dataset.sizes.get(AVERAGED, 1) > 1 for dataset in inputs.models.values()),
+        averaged=inputs.average.replace("_", " ") if inputs.samples > 1 else "",
     )
 
 
