@@ -25,8 +25,9 @@ _LARGEST_SLIDE = 0.5  # of an atom along the surface in one step
 _FALL = 0.9  # of a block out of reach, as a whole
 _VANISHING_STEP = 1e-9
 _VANISHING_STEPS = 5  # as many in a row mean that the residual has reached its rounding
-_SHIFT_FRACTION = 0.1  # c of the preconditioner, in units of the mean normal curvature of the interface
-_SMALLEST_SHIFT = 4e-5  # the same in units of E* a, where nothing touches
+# Stiffness c of the preconditioner, over √(strongest softening × stiffness of the surface's mean wave): the waves that
+# soften with the interface. In units of force_prefactor/r0 the strongest softening is 25/44.
+_SHIFT_FRACTION, _SOFTENING = 0.22, 25 / 44
 # Reduction of the residual that a linear solve is asked for: while curvature is faded, with all of it, at the end.
 _FADED_REDUCTION = 0.3
 _REDUCTION = 0.1
@@ -39,7 +40,7 @@ _FADING_START, _FADING_GROWTH, _FADING_DECAY = 0.1, 3.0, 0.6
 # come together from separation are still coming.
 _SADDLE_RESIDUAL, _ALONG_SADDLE = 0.2, 0.1
 _BACKTRACK, _SHORTEST_FRACTION = 0.4, 1e-4
-_SADDLE_ITERATIONS = 20  # of conjugate gradients that look for negative curvature at an equilibrium
+_SADDLE_ITERATIONS = 10  # of conjugate gradients that look for negative curvature at an equilibrium
 _SADDLE_STEP = 0.03
 _REFRESH = 20  # accepted steps after which S u is computed anew from u
 
@@ -105,10 +106,11 @@ class EquilibriumSolver:
         self.max_iterations = max_iterations
         self._area = stiffness.area_per_atom
         self._force_scale = contact_modulus * self._area
-        self._smallest_shift = _SMALLEST_SHIFT * contact_modulus * stiffness.lattice_constant
         self._fixed_mean = control == "gap"
-        self._newton = NewtonSolver(stiffness, self._fixed_mean, threads)
         shape = (3, *stiffness.grid.shape)
+        softening = _SOFTENING * interaction.force_prefactor / interaction.length
+        wave = 0.5 * self._force_scale * self._mean_wavenumber(stiffness)
+        self._newton = NewtonSolver(stiffness, _SHIFT_FRACTION * (softening * wave) ** 0.5, self._fixed_mean, threads)
         self._transform = RealTransform(shape, np.float64, threads)
         self._coefficients = stiffness.coefficients / self._transform.points
         self._coefficients[2, 0, 0] = 0.0
@@ -183,8 +185,8 @@ class EquilibriumSolver:
 
     def _leave_saddle(self, at: _Iterate) -> bool:
         """Move to lower energy where an equilibrium has a direction of negative curvature; whether it had."""
-        shift = self._set_curvature(at, np.zeros_like(self._force), 0.0)
-        direction = self._newton.unstable_direction(shift, _SADDLE_ITERATIONS)
+        self._set_curvature(at, np.zeros_like(self._force), 0.0)
+        direction = self._newton.unstable_direction(_SADDLE_ITERATIONS)
         if direction is None:
             return False
         stretch = self._apply_stiffness(direction).copy()
@@ -213,11 +215,11 @@ class EquilibriumSolver:
                 at.fading = 1.0
         raised = False
         while True:
-            shift = self._set_curvature(at, gradient, at.fading)
+            self._set_curvature(at, gradient, at.fading)
             # The forcing term falls with the residual (in units of E*/100) for fast final convergence.
             full = max(_SMALLEST_REDUCTION, min(_REDUCTION, (100 * residual) ** 0.5))
             iterations = _FEW_ITERATIONS if residual > _CLOSE else _MANY_ITERATIONS
-            newton = self._newton.solve(gradient, shift, _FADED_REDUCTION if at.fading > 0 else full, iterations)
+            newton = self._newton.solve(gradient, _FADED_REDUCTION if at.fading > 0 else full, iterations)
             if not newton.indefinite:
                 return newton.step, raised
             if at.fading == 1:
@@ -320,12 +322,18 @@ class EquilibriumSolver:
         _multiply(self._transform.forward().view(np.float64), self._coefficients)
         return self._transform.backward()
 
-    def _set_curvature(self, at: _Iterate, gradient: np.ndarray, fading: float) -> float:
-        """Put the interface's curvature of this step into the linear solver; returns the preconditioner's shift."""
-        stiff = raised_curvature(
-            self._hessian, gradient, at.gap, at.cosine, fading, self.interaction.length, self._newton.diagonal
-        )
-        return max(_SHIFT_FRACTION * stiff / at.gap.size, self._smallest_shift)
+    def _set_curvature(self, at: _Iterate, gradient: np.ndarray, fading: float) -> None:
+        """Put the interface's curvature of this step into the linear solver."""
+        length, diagonal = self.interaction.length, self._newton.diagonal
+        raised_curvature(self._hessian, gradient, at.gap, at.cosine, fading, length, diagonal)
+
+    def _mean_wavenumber(self, stiffness: SurfaceStiffness) -> float:
+        """Rms slope over rms height of the surface (1/m), at least the longest wave's."""
+        gap, cosine = self.interaction.gap_and_cosine(np.zeros((3, *stiffness.grid.shape)))
+        longest = 2 * np.pi / max(stiffness.grid.size)
+        height = float(np.std(gap))
+        slope = float(np.sqrt(np.mean(1 / cosine**2 - 1)))
+        return max(slope / height, longest) if height > 0 else longest
 
 
 @njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "arcp", "nsz"})

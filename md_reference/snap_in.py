@@ -39,13 +39,7 @@ def raised_curvature(hessian, gradient, gap, cosine, fading, length, diagonal):
         r0 (m).
     diagonal : numpy.ndarray, shape (6, ny, nx)
         The raised Hessian, written here.
-
-    Returns
-    -------
-    float
-        Sum over atoms of the positive part of the zz component.
     """
-    stiff = 0.0
     for j in range(gap.shape[0]):
         for i in range(gap.shape[1]):
             xx = hessian[0, j, i]
@@ -69,8 +63,6 @@ def raised_curvature(hessian, gradient, gap, cosine, fading, length, diagonal):
             diagonal[3, j, i] = xy
             diagonal[4, j, i] = xz
             diagonal[5, j, i] = yz
-            stiff += max(zz + lift, 0.0)
-    return stiff
 
 
 @njit(**_OPTIONS)

@@ -121,6 +121,31 @@ class SmearedLayers:
         return self.area_per_atom * 20 * self.law.work_of_adhesion / (3 * self.length)
 
 
+class OnRails:
+    """An interface whose forces along the surface the rails take up.
+
+    Parameters
+    ----------
+    interaction : Interaction
+        The interface.
+    """
+
+    def __init__(self, interaction: Interaction):
+        self._interaction = interaction
+        self.length = interaction.length
+        self.force_prefactor = interaction.force_prefactor
+        self.gap = interaction.gap
+        self.gap_and_cosine = interaction.gap_and_cosine
+
+    def evaluate(self, displacement: np.ndarray, force: np.ndarray, hessian: np.ndarray | None = None) -> float:
+        """Energy (J); of force and second derivatives the normal ones."""
+        energy = self._interaction.evaluate(displacement, force, hessian)
+        force[:2] = 0.0
+        if hessian is not None:
+            hessian[[0, 1, 3, 4, 5]] = 0.0
+        return energy
+
+
 def main(arguments: Sequence[str] | None = None) -> int:
     return guarded("continuum_against_atoms", lambda: _main(arguments), interrupted="nothing is written")
 
@@ -198,7 +223,7 @@ def solve(case: Case, surface: Surface, measured: dict[str, float]) -> list[list
     minimisers = [
         minimiser(railed, smeared),
         minimiser(railed, tilted),
-        minimiser(railed, pairs),
+        minimiser(railed, OnRails(pairs)),
         minimiser(stiffness, pairs),
     ]
     found = []

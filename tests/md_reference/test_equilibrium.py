@@ -93,15 +93,25 @@ def test_flat_on_flat_sits_at_the_equilibrium_distance_without_pressure():
 
 def test_gap_control_holds_the_mean_height():
     interface, solver = solver_of((48, 48), 8, "gap")
-    start = at_mean_gap(interface, touching(interface), 1e-10)
-    found = solver.solve(start)
-    assert found.outcome is Outcome.CONVERGED
-    assert np.mean(found.displacement[2]) == pytest.approx(np.mean(start[2]), rel=1e-12)
-    assert np.mean(found.force[2]) < 0  # held apart against attraction
-    # The same state is an equilibrium under the pressure that it carries.
+
+    def held_at(mean_gap):
+        start = at_mean_gap(interface, touching(interface), mean_gap)
+        found = solver.solve(start)
+        assert found.outcome is Outcome.CONVERGED
+        assert np.mean(found.displacement[2]) == pytest.approx(np.mean(start[2]), rel=1e-12)
+        assert np.mean(found.force[2]) < 0  # held apart against attraction
+        return found
+
+    # The same state is an equilibrium under the pressure that it carries: its softest mode has 0.030 N/m then ...
     _, free = solver_of((48, 48), 8)
-    again = free.solve(found.displacement, float(np.mean(found.force[2])) / AREA)
+    stable = held_at(0.8e-10)
+    again = free.solve(stable.displacement, float(np.mean(stable.force[2])) / AREA)
     assert again.evaluations == 1
+    # ... and further out −0.021 N/m, which only the held height keeps from closing (both by the full eigenproblem).
+    saddle = held_at(1e-10)
+    closed = free.solve(saddle.displacement, float(np.mean(saddle.force[2])) / AREA)
+    assert closed.outcome is Outcome.CONVERGED
+    assert np.mean(closed.displacement[2]) < np.mean(saddle.displacement[2]) - 0.1 * LENGTH
 
 
 def test_tension_beyond_pull_off_is_reported_as_detachment():

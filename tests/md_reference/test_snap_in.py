@@ -94,8 +94,7 @@ def curved(hessian, gradient_z, gap, cosine=1.0, fading=0.0):
     gradient[2] = gradient_z
     given = np.reshape(hessian, (6, *shape)).astype(float)
     diagonal = np.empty((6, *shape), np.float32)
-    stiff = raised_curvature(given, gradient, np.full(shape, gap), np.full(shape, cosine), fading, LENGTH, diagonal)
-    assert stiff == pytest.approx(max(diagonal[2, 0, 0], 0), rel=1e-6)
+    raised_curvature(given, gradient, np.full(shape, gap), np.full(shape, cosine), fading, LENGTH, diagonal)
     return diagonal[:, 0, 0]
 
 
