@@ -155,6 +155,9 @@ def test_band_is_one_standard_error_to_either_side():
     )
     both = plotted.Curve("continuum", "", 0, x, y, x_error=error, y_error=error)
     assert plotted.error_band(both).size == 0
+    # The pressure that was prescribed scatters by the solver's tolerance.
+    prescribed = plotted.Curve("continuum", "", 0, x, y, x_error=np.full(3, 1e-9), y_error=error)
+    np.testing.assert_array_equal(plotted.error_band(prescribed), plotted.error_band(along))
 
 
 def test_lines_have_bands_and_markers_have_bars(seeded):

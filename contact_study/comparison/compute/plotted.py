@@ -223,22 +223,31 @@ def path_segments(curve: Curve) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 def error_band(curve: Curve) -> np.ndarray:
     """The strip of one standard error to either side of a curve, between the states that its lines join.
 
-    Errors along both axes make no strip, and none has a state whose error is not known.
+    Visible errors along both axes make no strip, and none has a state whose error is not known.
 
     Returns
     -------
     numpy.ndarray, shape (number, 4, 2)
         Corners (x, y) of the strip's part along every segment.
     """
-    along_y, error = curve.x_error is None, curve.y_error if curve.x_error is None else curve.x_error
-    if error is None or (curve.x_error is not None and curve.y_error is not None):
+    x_error, y_error = _visible(curve.x_error, curve.x), _visible(curve.y_error, curve.y)
+    if (x_error is None) == (y_error is None):
         return np.empty((0, 4, 2))
-    across = np.stack([np.zeros(error.shape), error] if along_y else [error, np.zeros(error.shape)], axis=1)
+    none = np.zeros(curve.x.shape)
+    across = np.stack([none if x_error is None else x_error, none if y_error is None else y_error], axis=1)
     points = np.stack([curve.x, curve.y], axis=1)
     low, high = points - across, points + across
     strips = [[low[last], low[here], high[here], high[last]] for last, here in _followed(curve)]
     found = np.array(strips).reshape(-1, 4, 2)
     return found[np.isfinite(found).all(axis=(1, 2))]
+
+
+def _visible(error: np.ndarray | None, values: np.ndarray) -> np.ndarray | None:
+    """Errors, unless all are less than a dot of the figure: what is prescribed is met to the solver's tolerance."""
+    finite = values[np.isfinite(values)]
+    if error is None or not finite.size or np.nanmax(error, initial=0.0) <= 2e-3 * np.ptp(finite):
+        return None
+    return error
 
 
 def _followed(curve: Curve) -> list[tuple[int, int]]:
