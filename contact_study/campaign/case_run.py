@@ -1,5 +1,6 @@
 """One case of a campaign: its steps one after the other, each to disk at once, from where an earlier run stopped."""
 
+import socket
 import time
 import warnings
 from collections.abc import Callable, Iterator, Mapping
@@ -59,8 +60,13 @@ def run_case(job: Job, threads: int, report: Report) -> None:
     Raises
     ------
     CampaignError
-        If a height map has changed.
+        If a height map has changed, or the folder of the run is not on this machine.
     """
+    if not job.folder.parent.is_dir():
+        raise CampaignError(
+            f"{job.folder.parent} does not exist on {socket.gethostname()}; put the output into a folder that all "
+            "workers share under one name"
+        )
     _check_height_map(job)
     with _kept_warnings(job) as keep_warnings:
         surface = realise(job.case)

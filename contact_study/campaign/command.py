@@ -115,7 +115,7 @@ def _main(model: Model, arguments: Sequence[str]) -> int:
     predictor = getattr(given, "predictor", None)
     check_inputs_kept(output, [given.study, predictor, *(case.height_map for case in study.cases)])
     words = f"{model.command} {shlex.join(arguments)}"
-    how = Conditions(given.resume, given.overwrite, given.workers, given.engine)
+    how = Conditions(given.resume, given.overwrite, given.workers, given.engine, given.scheduler)
     groups = conduct(model, study, output, Progress(model.command), words, predictor, how)
     print(output)
     return _status(model, groups)
@@ -138,7 +138,8 @@ def _inspect(given: argparse.Namespace, overrides: Mapping[str, Any]) -> int:
 def _parser(model: Model) -> Parser:
     parser = Parser(
         prog=model.command,
-        usage="%(prog)s STUDY.toml -o OUT.nc [--section.key VALUE ...] [--resume | --overwrite] [--workers N]"
+        usage="%(prog)s STUDY.toml -o OUT.nc [--section.key VALUE ...] [--resume | --overwrite] [--workers N] "
+        "[--engine NAME]"
         + (" [--predictor BEM.nc]" if model.takes_predictor else "")
         + "\n       %(prog)s --inspect FILE [--section.key VALUE ...] [-o PICTURE.png]",
         description=model.description,
@@ -158,6 +159,9 @@ def _parser(model: Model) -> Parser:
     parser.add_argument("--overwrite", action="store_true", help="replace an existing dataset")
     parser.add_argument("--workers", type=int, metavar="N", help="processes; default: one per case, at most the cores")
     parser.add_argument("--engine", choices=ENGINES, help="where cases run; default: processes if there are several")
+    parser.add_argument(
+        "--scheduler", metavar="ADDRESS", help="address, or file, of the scheduler of a Dask cluster (--engine dask)"
+    )
     parser.add_argument("--version", action="version", version=f"%(prog)s {contact_study.__version__}")
     if model.takes_predictor:
         parser.add_argument(

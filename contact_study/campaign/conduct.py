@@ -6,6 +6,7 @@ from pathlib import Path
 
 import xarray as xr
 
+from contact_study.campaign import engines
 from contact_study.campaign.check import checked
 from contact_study.campaign.dataset import provenance
 from contact_study.campaign.dataset.assembly import assembled
@@ -35,12 +36,15 @@ class Conditions:
         Processes; None for one a case, at most the cores.
     engine : str or None
         Where cases run, a name of :data:`contact_study.campaign.engines.ENGINES`; None for what the workers ask for.
+    scheduler : str or None
+        Where a cluster answers, for an engine that has one.
     """
 
     resume: bool = False
     overwrite: bool = False
     workers: int | None = None
     engine: str | None = None
+    scheduler: str | None = None
 
 
 def conduct(
@@ -92,6 +96,7 @@ def conduct(
     finished = finished_at(output, resume=how.resume, overwrite=how.overwrite)
     if finished is not None and finished.is_of(run):
         return _already_done(run, parts, finished, progress)
+    engines.check(how.engine, how.scheduler)
     writable_output(output)
     for note in said:
         progress.warn(note)
@@ -104,7 +109,7 @@ def conduct(
             progress.warn(note)
         for line in [*study.choices, *taken(study.cases, scales_of(study))]:
             progress.say(line)
-        notes = run_cases(run, names, parts, how.workers, progress, how.engine)
+        notes = run_cases(run, names, parts, how.workers, progress, how.engine, how.scheduler)
         progress.close()
         groups, late = assembled(run, names, parts)
         notes = [*provenance.carried_warnings(run, finished), *notes, *late]

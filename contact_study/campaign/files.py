@@ -2,6 +2,7 @@
 
 import json
 import os
+import socket
 from pathlib import Path
 from typing import Any
 
@@ -37,7 +38,8 @@ def write_aside(path: Path, write: Any) -> None:
     OSError
         If it cannot be written.
     """
-    partial = path.with_name(f".{path.name}.{os.getpid()}.tmp")
+    # Two machines may have processes of one number.
+    partial = path.with_name(f".{path.name}.{socket.gethostname()}.{os.getpid()}.tmp")
     try:
         write(partial)
         partial.replace(path)

@@ -30,6 +30,7 @@ def run(
     predictor: str | Path | None = None,
     workers: int = 1,
     engine: str | None = None,
+    scheduler: str | None = None,
     progress: bool = False,
 ) -> xr.Dataset:
     """Run a study by one of the models.
@@ -52,7 +53,9 @@ def run(
         Processes over which the points of a sweep are spread. With more than one the caller's script is read again by
         each process: call this below ``if __name__ == "__main__":``.
     engine : str, optional
-        Where cases run, ``"serial"`` or ``"processes"``; by default what ``workers`` asks for.
+        Where cases run, ``"serial"``, ``"processes"`` or ``"dask"``; by default what ``workers`` asks for.
+    scheduler : str, optional
+        Address, or file, of the scheduler of a Dask cluster.
     progress : bool, optional
         Show every finished step on stderr.
 
@@ -94,7 +97,7 @@ def run(
         path = Path(folder) / "dataset.nc" if output is None else Path(output)
         given = study if isinstance(study, str | Path) else None
         check_inputs_kept(path, [None if given is None else Path(given), start, *(c.height_map for c in asked.cases)])
-        how = Conditions(resume, overwrite, workers, engine)
+        how = Conditions(resume, overwrite, workers, engine, scheduler)
         groups = conduct(chosen, asked, path, shown, words, start, how)
         dataset = xr.load_dataset(path)
     for line in unconverged(groups):

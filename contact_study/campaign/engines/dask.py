@@ -1,0 +1,123 @@
+"""Tasks over the workers of a Dask cluster, on as many machines as it has.
+
+The cluster is the user's: a scheduler that answers at an address, workers that see the folder of the output under the
+same name, each a process of its own under a nanny, which replaces it when it dies. What its cases had finished is on
+disk then; Dask gives them to another worker, which goes on from there.
+"""
+
+import logging
+import pickle
+import threading
+import uuid
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from typing import Any
+
+import contact_study
+from contact_study.campaign.engines.base import CampaignError, Report, Task
+from contact_study.problem.errors import InputError
+
+_ANSWER = "10s"  # that a scheduler takes at most
+
+
+def check(scheduler: str | None) -> None:
+    """Make sure that a scheduler answers and that its workers run this version.
+
+    Raises
+    ------
+    InputError
+        If not, or Dask is not installed.
+    """
+    with _client(scheduler) as client:
+        try:
+            versions = set(client.run(_version).values())
+        except Exception as error:
+            raise InputError(
+                f"--scheduler {scheduler}: its workers cannot import this program ({error}); start them where it is"
+            ) from None
+        others = versions - {contact_study.__version__}
+        if others:
+            raise InputError(
+                f"--scheduler {scheduler}: its workers have version {', '.join(sorted(others))}, this is "
+                f"{contact_study.__version__}"
+            )
+
+
+def run(tasks: Sequence[Task], workers: int, report: Report, scheduler: str | None = None) -> None:
+    """Run every task, the last ones first, at most so many at a time."""
+    from distributed import KilledWorker, as_completed
+    from distributed.client import FutureCancelledError
+
+    topic = f"contact-study-{uuid.uuid4()}"
+    with _client(scheduler) as client:
+        client.subscribe_topic(topic, lambda event: report(*pickle.loads(event[1])))
+        # The last case of a sweep is usually the hardest (strongest adhesion): started first, it is not waited for.
+        waiting = [(_run_reporting, task, topic) for task in tasks]
+        first = [client.submit(*waiting.pop(), pure=False) for _ in range(min(workers, len(waiting)))]
+        running = as_completed(first, loop=client.loop)
+        try:
+            for finished in running:
+                finished.result()
+                if waiting:
+                    running.add(client.submit(*waiting.pop(), pure=False))
+        except KilledWorker:
+            raise CampaignError(
+                "a case has lost its worker again and again (out of memory?); finished steps are kept"
+            ) from None
+        except FutureCancelledError:
+            raise CampaignError(f"the scheduler at {scheduler} is gone; finished steps are kept") from None
+        finally:
+            with suppress(Exception):  # there may be no scheduler to tell
+                client.cancel([*running.futures], force=True)
+
+
+@contextmanager
+def _client(scheduler: str | None) -> Iterator[Any]:
+    if not scheduler:
+        raise InputError("--engine dask: needs --scheduler ADDRESS, such as tcp://node1:8786, or the scheduler's file")
+    try:
+        from distributed import Client
+    except ImportError:
+        raise InputError("--engine dask: needs Dask; pip install 'bem-adhesion[dask]'") from None
+    logging.getLogger("distributed").setLevel(logging.CRITICAL)  # what matters is raised
+    where = {"scheduler_file": scheduler} if Path(scheduler).is_file() else {"address": scheduler}
+    try:
+        client = Client(**where, timeout=_ANSWER, set_as_default=False)
+    except (OSError, ValueError) as error:
+        reason = "no answer" if isinstance(error, TimeoutError) else str(error).splitlines()[0]
+        raise InputError(f"--scheduler {scheduler}: does not answer ({reason})") from None
+    try:
+        yield client
+    finally:
+        with suppress(Exception):
+            client.close(timeout=2)
+
+
+def _version() -> str:
+    return contact_study.__version__
+
+
+# Warnings are caught for a whole process: a worker of several threads runs one case at a time.
+_ALONE = threading.Lock()
+
+
+class _CancelledError(Exception):
+    """Nobody waits for the task any more."""
+
+
+def _run_reporting(task: Task, topic: str) -> None:
+    from distributed import get_worker
+
+    worker = get_worker()
+    key = worker.get_current_task()
+
+    def report(*event: Any) -> None:
+        # A cancelled task, such as one of a run that was killed, cannot be stopped from outside: it ends itself.
+        known = worker.state.tasks.get(key)
+        if known is None or known.state not in ("executing", "long-running"):
+            raise _CancelledError
+        worker.log_event(topic, pickle.dumps(event))
+
+    with _ALONE:
+        task(report)

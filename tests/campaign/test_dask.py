@@ -1,0 +1,199 @@
+"""Cases on a Dask cluster: what every engine owes, workers that are killed, schedulers that are not there."""
+
+import os
+import signal
+import threading
+import time
+from functools import partial
+
+import pytest
+
+from contact_study.campaign import engines
+from contact_study.campaign.command import main
+from contact_study.campaign.engines import ENGINES, CampaignError
+from contact_study.problem.errors import InputError
+from tests.campaign.test_command import STUDY, assert_same
+from tests.campaign.test_engines import die, fail, square
+from tests.campaign.toy_model import TOY
+
+distributed = pytest.importorskip("distributed")
+# Dask's own, on its way down.
+pytestmark = pytest.mark.filterwarnings("ignore")
+
+
+@pytest.fixture(scope="module")
+def cluster():
+    """Two workers, each a process under a nanny."""
+    with distributed.LocalCluster(
+        n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None, silence_logs=50
+    ) as local:
+        yield local
+
+
+def on(cluster, tasks, report=lambda *_: None, workers=4):
+    engines.run(tasks, workers, report, "dask", cluster.scheduler_address)
+
+
+def test_every_task_is_run_once_and_reports_here(cluster):
+    reports = []
+    on(cluster, [partial(square, number) for number in range(5)], lambda *event: reports.append(event), 2)
+    assert sorted(value for number, value in reports if value == number**2) == [0, 1, 4, 9, 16]
+    assert len(reports) == 10
+    pids = {pid for number, pid in reports if pid != number**2}
+    assert os.getpid() not in pids
+
+
+def test_errors_are_raised_here(cluster):
+    with pytest.raises(ValueError, match="broken"):
+        on(cluster, [partial(square, 1), fail])
+
+
+def wait_for(path, report):
+    report("begun")
+    deadline = time.monotonic() + 60
+    while not path.exists() and time.monotonic() < deadline:
+        time.sleep(0.02)
+    report("seen")
+    report("ended")
+    path.with_name("ended").touch()
+
+
+def test_no_more_tasks_at_once_than_asked_for(cluster, tmp_path):
+    begun = []
+
+    def report(word):
+        begun.append(word)
+        if word == "begun" and begun.count("begun") == 1:
+            threading.Timer(0.5, (tmp_path / "first").touch).start()
+
+    on(cluster, [partial(wait_for, tmp_path / "first"), partial(wait_for, tmp_path / "first")], report, 1)
+    assert begun == ["begun", "seen", "ended"] * 2
+
+
+def test_tasks_nobody_waits_for_end_themselves(cluster, tmp_path):
+    """An interrupt cancels; a task that is under way ends at its next report."""
+
+    class InterruptedError(Exception):
+        pass
+
+    def interrupt(signum, frame):
+        raise InterruptedError
+
+    def report(_):
+        os.kill(os.getpid(), signal.SIGUSR1)
+
+    previous = signal.signal(signal.SIGUSR1, interrupt)
+    try:
+        with pytest.raises(InterruptedError):
+            on(cluster, [partial(wait_for, tmp_path / "go")], report)
+    finally:
+        signal.signal(signal.SIGUSR1, previous)
+    time.sleep(0.5)  # for the news to reach the worker
+    (tmp_path / "go").touch()
+    time.sleep(0.5)
+    assert not (tmp_path / "ended").exists()
+
+
+@pytest.fixture
+def study(tmp_path):
+    path = tmp_path / "study.toml"
+    path.write_text(STUDY)
+    return path
+
+
+def run(study, output, *arguments):
+    return main(TOY, [str(argument) for argument in (study, "-o", output, *arguments)])
+
+
+def test_numbers_are_those_of_one_machine(cluster, study, tmp_path, capsys, monkeypatch):
+    assert run(study, tmp_path / "one.nc", "--workers", 1) == 0
+    capsys.readouterr()
+    monkeypatch.chdir(tmp_path)  # a relative path is the client's, not the workers'
+    assert run("study.toml", "dask.nc", "--engine", "dask", "--scheduler", cluster.scheduler_address) == 0
+    assert_same(tmp_path / "one.nc", tmp_path / "dask.nc")
+    lines = [line for line in capsys.readouterr().err.splitlines() if "contact area" in line]
+    assert len(lines) == 14
+    assert lines[-1].startswith("toy: [14/14] ")
+
+
+@pytest.mark.validation
+def test_killed_worker_is_replaced_and_its_cases_resume(study, tmp_path, capsys):
+    """One worker killed by a signal in the middle: every step is computed and reported once, to the same bits."""
+    assert run(study, tmp_path / "whole.nc", "--workers", 1) == 0
+    capsys.readouterr()
+    killed = []
+    with distributed.LocalCluster(
+        n_workers=2, threads_per_worker=1, dashboard_address=None, silence_logs=50, env={"TOY_SECONDS": "0.5"}
+    ) as local:
+        pids = {name: worker.pid for name, worker in local.workers.items()}
+
+        def kill():
+            parts = tmp_path / "killed.nc.parts"
+            while len(list(parts.glob("case-*/step-*.npz"))) < 3:
+                time.sleep(0.02)
+            time.sleep(0.2)  # into the next step
+            killed.extend(parts.glob("case-*/step-*.npz"))
+            os.kill(pids[0], signal.SIGKILL)
+
+        thread = threading.Thread(target=kill, daemon=True)
+        thread.start()
+        assert run(study, tmp_path / "killed.nc", "--engine", "dask", "--scheduler", local.scheduler_address) == 0
+        thread.join()
+        assert 3 <= len(killed) < 14
+        assert local.workers[0].pid != pids[0], "a nanny has replaced it"
+    assert_same(tmp_path / "whole.nc", tmp_path / "killed.nc")
+    lines = [line.partition("] ")[2] for line in capsys.readouterr().err.splitlines() if "/14] " in line]
+    assert len(lines) == len({line.rpartition(" (")[0] for line in lines}) == 14
+
+
+@pytest.mark.validation
+def test_a_case_that_kills_its_workers_is_given_up():
+    with (
+        distributed.LocalCluster(n_workers=1, threads_per_worker=1, dashboard_address=None, silence_logs=50) as local,
+        pytest.raises(CampaignError, match="has lost its worker again and again"),
+    ):
+        on(local, [die])
+
+
+# --- Schedulers and workers that are not what they should be --------------------------------------------------------
+
+
+def refused(study, tmp_path, capsys, *arguments):
+    capsys.readouterr()
+    assert run(study, tmp_path / "no.nc", *arguments) == 1
+    said = capsys.readouterr().err
+    assert said.count("\n") == 1, said
+    assert [path.name for path in tmp_path.iterdir()] == ["study.toml"]
+    return said
+
+
+def test_scheduler_that_does_not_answer(study, tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr("contact_study.campaign.engines.dask._ANSWER", "0.5s")
+    dask = ("--engine", "dask", "--scheduler")
+    assert "--scheduler tcp://127.0.0.1:9: does not answer" in refused(
+        study, tmp_path, capsys, *dask, "tcp://127.0.0.1:9"
+    )
+    assert "--scheduler nowhere: does not answer" in refused(study, tmp_path, capsys, *dask, "nowhere")
+    assert "--engine dask: needs --scheduler ADDRESS" in refused(study, tmp_path, capsys, "--engine", "dask")
+    assert "--scheduler x: goes with --engine dask" in refused(study, tmp_path, capsys, "--scheduler", "x")
+
+
+def test_workers_of_another_version_are_refused(cluster, study, tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr("contact_study.__version__", "9.9")
+    said = refused(study, tmp_path, capsys, "--engine", "dask", "--scheduler", cluster.scheduler_address)
+    assert "this is 9.9" in said
+
+
+def test_folder_that_is_not_shared_is_said(study, tmp_path, monkeypatch):
+    """The worker sees no such folder; or what it wrote there is not here."""
+    monkeypatch.setattr("pathlib.Path.is_dir", lambda path: not path.name.endswith(".parts"))
+    assert run(study, tmp_path / "bem.nc", "--workers", 1) == 1
+    monkeypatch.undo()
+    monkeypatch.setitem(ENGINES, "serial", lambda *_: None)
+    assert run(study, tmp_path / "bem.nc", "--workers", 1, "--engine", "serial", "--resume") == 1
+
+
+def test_without_dask_it_is_said(monkeypatch):
+    monkeypatch.setitem(__import__("sys").modules, "distributed", None)
+    with pytest.raises(InputError, match=r"pip install 'bem-adhesion\[dask\]'"):
+        engines.check("dask", "tcp://127.0.0.1:8786")
