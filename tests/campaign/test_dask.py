@@ -12,8 +12,8 @@ from contact_study.campaign import engines
 from contact_study.campaign.command import main
 from contact_study.campaign.engines import ENGINES, CampaignError
 from contact_study.problem.errors import InputError
+from tests.campaign.tasks import die, fail, square, wait_for
 from tests.campaign.test_command import STUDY, assert_same
-from tests.campaign.test_engines import die, fail, square
 from tests.campaign.toy_model import TOY
 
 distributed = pytest.importorskip("distributed")
@@ -46,16 +46,6 @@ def test_every_task_is_run_once_and_reports_here(cluster):
 def test_errors_are_raised_here(cluster):
     with pytest.raises(ValueError, match="broken"):
         on(cluster, [partial(square, 1), fail])
-
-
-def wait_for(path, report):
-    report("begun")
-    deadline = time.monotonic() + 60
-    while not path.exists() and time.monotonic() < deadline:
-        time.sleep(0.02)
-    report("seen")
-    report("ended")
-    path.with_name("ended").touch()
 
 
 def test_no_more_tasks_at_once_than_asked_for(cluster, tmp_path):

@@ -8,21 +8,9 @@ import pytest
 from contact_study.campaign import engines
 from contact_study.campaign.engines import ENGINES, REMOTE, CampaignError
 from contact_study.problem.errors import InputError
+from tests.campaign.tasks import die, fail, square
 
 LOCAL = [name for name in ENGINES if name not in REMOTE]  # tests/campaign/test_dask.py has the others
-
-
-def square(number, report):
-    report(number, number**2)
-    report(number, os.getpid())
-
-
-def fail(report):
-    raise ValueError("broken")
-
-
-def die(report):
-    os._exit(3)
 
 
 @pytest.mark.parametrize("name", LOCAL)
