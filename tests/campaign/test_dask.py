@@ -5,6 +5,7 @@ import signal
 import threading
 import time
 from functools import partial
+from pathlib import Path
 
 import pytest
 
@@ -174,13 +175,16 @@ def test_workers_of_another_version_are_refused(cluster, study, tmp_path, capsys
     assert "this is 9.9" in said
 
 
-def test_folder_that_is_not_shared_is_said(study, tmp_path, monkeypatch):
+def test_folder_that_is_not_shared_is_said(study, tmp_path, monkeypatch, capsys):
     """The worker sees no such folder; or what it wrote there is not here."""
-    monkeypatch.setattr("pathlib.Path.is_dir", lambda path: not path.name.endswith(".parts"))
-    assert run(study, tmp_path / "bem.nc", "--workers", 1) == 1
-    monkeypatch.undo()
+    with monkeypatch.context() as patch:
+        there = Path.is_dir
+        patch.setattr(Path, "is_dir", lambda path: there(path) and not path.name.endswith(".parts"))
+        assert run(study, tmp_path / "bem.nc", "--workers", 1) == 1
+        assert "bem.nc.parts does not exist on " in capsys.readouterr().err
     monkeypatch.setitem(ENGINES, "serial", lambda *_: None)
     assert run(study, tmp_path / "bem.nc", "--workers", 1, "--engine", "serial", "--resume") == 1
+    assert "a worker has finished steps that are not here" in capsys.readouterr().err
 
 
 def test_without_dask_it_is_said(monkeypatch):

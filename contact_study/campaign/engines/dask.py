@@ -67,9 +67,6 @@ def run(tasks: Sequence[Task], workers: int, report: Report, scheduler: str | No
             ) from None
         except FutureCancelledError:
             raise CampaignError(f"the scheduler at {scheduler} is gone; finished steps are kept") from None
-        finally:
-            with suppress(Exception):  # there may be no scheduler to tell
-                client.cancel([*running.futures], force=True)
 
 
 @contextmanager
@@ -90,8 +87,8 @@ def _client(scheduler: str | None) -> Iterator[Any]:
     try:
         yield client
     finally:
-        with suppress(Exception):
-            client.close(timeout=2)
+        with suppress(Exception):  # there may be no scheduler left to tell
+            client.close(timeout=2)  # which cancels what nobody else waits for
 
 
 def _version() -> str:
