@@ -11,7 +11,7 @@ from contact_study.fields.grid import Grid
 from contact_study.fields.spectrum import radial_spectrum
 from theory import LennardJones104, PerssonTheory, gap_flow, spectrum_of
 
-PACKAGES = ("contact_study", "bem_adhesion", "md_reference", "theory")
+PACKAGES = ("contact_study", "bem_adhesion", "md_reference", "theory", "theory.references")
 HEIGHT = 5e-10 * np.random.default_rng(0).standard_normal((16, 24))
 
 

@@ -5,7 +5,7 @@ import pytest
 
 from contact_study.fields.grid import Grid
 from tests.bem_adhesion.rough_surfaces import CONTACT_MODULUS, solve
-from tests.reference_problems import (
+from theory.references import (
     egg_box_full_contact_pressure,
     egg_box_heavy_area,
     egg_box_light_area,

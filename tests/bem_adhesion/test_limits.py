@@ -9,8 +9,8 @@ from bem_adhesion.solution import Outcome
 from contact_study.fields.grid import Grid
 from contact_study.problem.laws.lennard_jones_9_3 import LennardJones93
 from contact_study.problem.laws.lennard_jones_10_4 import LennardJones104
-from tests import reference_problems as reference
 from tests.bem_adhesion.paper_system import touching
+from theory import references as reference
 
 
 def paraboloid(tabor_parameter, work_of_adhesion, points, cell, law=LennardJones104):

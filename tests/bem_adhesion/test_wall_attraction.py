@@ -11,9 +11,9 @@ from bem_adhesion.solution import Outcome
 from bem_adhesion.wall_passes import WallPasses, passes_of
 from contact_study.fields.grid import Grid
 from contact_study.problem.laws.exponential import Exponential
-from tests import reference_problems as reference
 from tests.bem_adhesion.paper_system import E_STAR
 from tests.bem_adhesion.rough_surfaces import self_affine
+from theory import references as reference
 
 RANGE = 1.74e-10  # m: with this the law's peak is that of the 10-4 law of the same work of adhesion
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tests import reference_problems as reference
+from theory import references as reference
 
 
 @pytest.mark.parametrize(
@@ -55,3 +55,37 @@ def test_egg_box_limits_join_at_full_contact():
     assert reference.egg_box_light_area(1e-6) == pytest.approx(
         2 * np.pi * (3 * np.sqrt(2) * 1e-6 / (32 * np.pi)) ** (2 / 3)
     )
+
+
+def test_the_curve_of_maugis_goes_over_into_both_limits():
+    # F/πwR and a/(3πwR²/4E*)^(1/3): DMT a³ = F + 2, JKR F = a³ − a√(6a).
+    load, radius = reference.maugis_dugdale_contact(1e-3, np.array([50.0, 100.0, 200.0]))
+    np.testing.assert_allclose(radius**3, load + 2, rtol=0.02, atol=0.02)
+    load, radius = reference.maugis_dugdale_contact(30.0, np.array([1e-3, 2e-3]))
+    np.testing.assert_allclose(load, radius**3 - radius * np.sqrt(6 * radius), rtol=0.02)
+
+
+def test_dmt_is_hertz_under_more_load():
+    arguments = {"radius": 1e-6, "contact_modulus": 1e9, "work_of_adhesion": 0.05}
+    assert reference.dmt_contact_radius(2e-7, **arguments) == pytest.approx(
+        reference.hertz_contact_radius(2e-7 + 2 * np.pi * 0.05 * 1e-6, 1e-6, 1e9)
+    )
+    assert reference.dmt_contact_radius(reference.dmt_pull_off_force(1e-6, 0.05), **arguments) == 0
+
+
+@pytest.mark.parametrize(
+    ("call", "named"),
+    [
+        (lambda: reference.hertz_contact_radius(-1e-9, 1e-6, 1e9), "force"),
+        (lambda: reference.hertz_contact_radius(1e-9, 0.0, 1e9), "radius"),
+        (lambda: reference.jkr_contact_radius(-1.0, 1e-6, 1e9, 0.05), "force"),
+        (lambda: reference.jkr_contact_radius(0.0, 1e-6, 1e9, -0.05), "work_of_adhesion"),
+        (lambda: reference.tabor_parameter(1e-6, np.nan, 0.05, 3e-10), "contact_modulus"),
+        (lambda: reference.maugis_dugdale_contact(0.0, 1.0), "maugis_parameter"),
+        (lambda: reference.wave_relative_area(1.1), "relative_pressure"),
+        (lambda: reference.wave_relative_pressure(np.array([0.5, -0.1])), "relative_area"),
+    ],
+)
+def test_what_no_contact_can_be_is_named(call, named):
+    with pytest.raises(ValueError, match=named):
+        call()
