@@ -6,6 +6,7 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 
+from contact_study.campaign.schema import SPECTRUM_MARK
 from contact_study.fields.spectrum import RoughnessSpectrum
 from contact_study.problem.case import Case
 from contact_study.problem.errors import InputError
@@ -32,10 +33,18 @@ class CaseTheories:
         The case.
     spectrum : RoughnessSpectrum
         What they know of the surface.
+    other : str
+        The spectrum's name in the study where it is not the first one; else empty.
     """
 
     case: Case
     spectrum: RoughnessSpectrum
+    other: str = ""
+
+    def named(self, quantity: str) -> str:
+        """The name of a theory's quantity, ``"gap_flow/mean_gap"``, with the spectrum where that is not the first."""
+        theory, _, rest = quantity.partition("/")
+        return f"{theory}{SPECTRUM_MARK}{self.other}/{rest}" if self.other else quantity
 
     @cached_property
     def persson(self) -> PerssonTheory:
@@ -107,8 +116,8 @@ class CaseTheories:
             raise InputError(f"loading.path: {error}") from None
 
 
-def case_theories(case: Case, surface: Surface) -> CaseTheories:
-    """The theories of a case, made once for as long as the same case and surface are asked for.
+def case_theories(case: Case, surface: Surface) -> tuple[CaseTheories, ...]:
+    """The theories of a case for each spectrum, made once for as long as the same case and surface are asked for.
 
     Raises
     ------
@@ -118,15 +127,15 @@ def case_theories(case: Case, surface: Surface) -> CaseTheories:
     return _kept(_Asked(case, surface))
 
 
-def roughness(case: Case, surface: Surface) -> RoughnessSpectrum:
-    """The spectrum that the case asks for.
+def roughness(surface: Surface, kind: str) -> RoughnessSpectrum:
+    """The spectrum that a case asks for.
 
     Raises
     ------
     InputError
         If a height map is flat.
     """
-    if case.theory.spectrum == "analytic" and surface.spectrum is not None:
+    if kind == "analytic" and surface.spectrum is not None:
         return surface.spectrum
     try:
         return surface.measured_spectrum()
@@ -149,5 +158,9 @@ class _Asked:
 
 
 @lru_cache(maxsize=1)
-def _kept(asked: _Asked) -> CaseTheories:
-    return CaseTheories(asked.case, roughness(asked.case, asked.surface))
+def _kept(asked: _Asked) -> tuple[CaseTheories, ...]:
+    kinds = asked.case.theory.spectra
+    return tuple(
+        CaseTheories(asked.case, roughness(asked.surface, kind), kind if number else "")
+        for number, kind in enumerate(kinds)
+    )

@@ -87,9 +87,12 @@ def _normal_equations(turns, weight, residual, normal, right):
         for k in range(count):
             aim[k] = weight[first + k] * residual[first + k]
         for i in range(held):
-            total = 0.0
             for k in range(count):
                 scaled[i, k] = weight[first + k] * turns[i, first + k]
+        # Sums in loops that write nothing: otherwise their order depends on where the arrays lie in memory.
+        for i in range(held):
+            total = 0.0
+            for k in range(count):
                 total += scaled[i, k] * aim[k]
             right[i] += total
             for j in range(i + 1):

@@ -22,7 +22,7 @@ from contact_study.problem.plausibility import points
 from contact_study.problem.study import Study
 from contact_study.problem.surface import Surface
 from contact_study.problem.surface_scales import SurfaceScales
-from theory.case_theories import case_theories
+from theory.case_theories import CaseTheories, case_theories
 from theory.gap_paths import edge_flow_paths, flow_name, gap_flow_paths
 from theory.persson import PerssonTheory
 from theory.persson_paths import PERSSONS_OWN, persson_path, stored_wavevectors
@@ -62,7 +62,7 @@ def check(case: Case) -> None:
     kind = case.surface.kind
     if not case.surface.rough:
         raise InputError(f'surface.kind = "{kind}": a theory of roughness needs a rough surface')
-    if case.surface.target_spectrum is None and case.theory.spectrum == "analytic":
+    if case.surface.target_spectrum is None and "analytic" in case.theory.spectra:
         raise InputError(f'theory.spectrum = "analytic": surface.kind = "{kind}" has none; use "surface"')
 
 
@@ -104,7 +104,8 @@ def review(study: Study, scales: Sequence[SurfaceScales]) -> list[str]:
 
 def constants(case: Case, surface: Surface) -> dict[str, Value]:
     """What does not change along the path."""
-    theories, law = case_theories(case, surface), case.law
+    every, law = case_theories(case, surface), case.law
+    theories = every[0]
     theory, spectrum, (tolerance, max_iterations) = theories.persson, theories.spectrum, theories.effort
     known = InterfaceConstants(
         contact_modulus=theory.solid.contact_modulus,
@@ -118,13 +119,16 @@ def constants(case: Case, surface: Surface) -> dict[str, Value]:
     values: dict[str, Value] = {
         **known.values,
         "energy_defect": energy_defect(theory, tolerance, max_iterations),
-        "persson/pull_off_pressure": pull_off_pressure(theory, tolerance=tolerance, max_iterations=max_iterations),
         "wavevector": stored_wavevectors(theory),
     }
-    for flow in theories.gap_flows:
-        values[flow_name(flow.branch, "pull_off_pressure")] = flow.pull_off_pressure
-    if theories.edge_flow is not None:
-        values["edge_flow/pull_off_pressure"] = theories.edge_flow.pull_off_pressure
+    for theories in every:
+        tolerance, max_iterations = theories.effort
+        pull = pull_off_pressure(theories.persson, tolerance=tolerance, max_iterations=max_iterations)
+        values[theories.named("persson/pull_off_pressure")] = pull
+        for flow in theories.gap_flows:
+            values[theories.named(flow_name(flow.branch, "pull_off_pressure"))] = flow.pull_off_pressure
+        if theories.edge_flow is not None:
+            values[theories.named("edge_flow/pull_off_pressure")] = theories.edge_flow.pull_off_pressure
     return values
 
 
@@ -152,17 +156,29 @@ def solve_path(
     InputError
         If the surface has no spectrum, or a point of the path is beyond any contact.
     """
-    theories = case_theories(case, surface)
-    first = (restart or {}).get("detachment_stress", "adhered")
-    flows = [*gap_flow_paths(theories), *edge_flow_paths(theories)]
-    for number, (values, stress) in enumerate(persson_path(theories, first, start), start):
-        values = {name if name in PERSSONS_OWN else f"persson/{name}": value for name, value in values.items()}
-        for path in flows:
-            values |= path[number]
+    every = case_theories(case, surface)
+    kept = restart or {}
+    paths = [persson_path(theories, kept.get(_stress_name(theories), "adhered"), start) for theories in every]
+    flows = [(theories, [*gap_flow_paths(theories), *edge_flow_paths(theories)]) for theories in every]
+    for number, states in enumerate(zip(*paths, strict=True), start):
+        values: dict[str, Any] = {}
+        for theories, (own, _) in zip(every, states, strict=True):
+            shared = {name: value for name, value in own.items() if name not in PERSSONS_OWN}
+            values |= {theories.named(f"persson/{name}"): value for name, value in shared.items()}
+            if not theories.other:
+                values |= {name: own[name] for name in PERSSONS_OWN}
+        for theories, found in flows:
+            for path in found:
+                values |= {theories.named(name): value for name, value in path[number].items()}
+        stresses = {_stress_name(theories): stress for theories, (_, stress) in zip(every, states, strict=True)}
         yield Step(
             _with_compression(values, case.solid),
-            restart={} if isinstance(stress, str) else {"detachment_stress": stress},
+            restart={name: stress for name, stress in stresses.items() if not isinstance(stress, str)},
         )
+
+
+def _stress_name(theories: CaseTheories) -> str:
+    return f"detachment_stress_{theories.other}" if theories.other else "detachment_stress"
 
 
 def _with_compression(values: dict[str, Any], solid: Elasticity) -> dict[str, Any]:

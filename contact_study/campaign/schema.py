@@ -8,7 +8,8 @@ distributions stand on ``gap_bin`` and ``pressure_bin``.
 
 One dataset may hold several theories side by side: what they share stands on the dimension ``theory``, and the
 metastable branches that enclose them in the group ``metastable``, on the dimension ``metastable_branch``, too. A model
-says so by the name it gives a quantity: ``"gap_flow/mean_gap"``, ``"gap_flow/loading/mean_gap"``.
+says so by the name it gives a quantity: ``"gap_flow/mean_gap"``, ``"gap_flow/loading/mean_gap"``. Where theories are
+fed with several spectra, those of the first stand under their own names, others as ``"gap_flow@surface"``.
 """
 
 from dataclasses import replace
@@ -22,6 +23,9 @@ from contact_study.observables.roughness import ROUGHNESS, SPECTRUM_WAVEVECTOR
 
 SCHEMA_VERSION = "2.1"
 CONVENTIONS = "CF-1.11"
+
+# Between a theory and the spectrum that it is fed with, where that is not the first of the study: "edge_flow@surface".
+SPECTRUM_MARK = "@"
 
 # Dimensions of the labels before a quantity's name, and the group for so many of them.
 LABELS = ("theory", "metastable_branch")

@@ -55,12 +55,16 @@ def atoms(cases: Sequence[Case]) -> str:
 
 def theories(cases: Sequence[Case]) -> str:
     """Spectrum, and the factors of Persson's theory."""
-    spectra = {"analytic": "the target spectrum", "surface": "the spectrum of the very surface"}
+    words = {"analytic": "the target spectrum", "surface": "the spectrum of the very surface"}
+
+    def spectra(case: Case) -> str:
+        return " and ".join(words[name] for name in case.theory.spectra)
+
     caps = {False: "no limit to σ_a", True: "σ_a limited to σ_max"}
     chosen = {case.theory.cap_detachment_stress for case in cases}
     cap = "" if chosen == {False} else f", {over(cases, lambda case: caps[case.theory.cap_detachment_stress])}"
     return (
-        f"Theories: {over(cases, lambda case: spectra[case.theory.spectrum])}; in Persson's theory elastic energy "
+        f"Theories: {over(cases, spectra)}; in Persson's theory elastic energy "
         f"weight {over(cases, lambda case: f'“{case.theory.energy_weight}”')} "
         f"(β = {over(cases, lambda case: f'{case.theory.beta:g}')}), true area "
         f"{over(cases, lambda case: f'“{case.theory.true_area}”')}, "

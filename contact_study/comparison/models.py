@@ -7,6 +7,7 @@ dimension ``theory``.
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 
+from contact_study.campaign.schema import SPECTRUM_MARK
 from contact_study.comparison import choices
 from contact_study.problem.case import Case
 
@@ -14,6 +15,12 @@ _PRESSED = "the surfaces are pressed closer than this distance on average"
 
 # Between the name of a model and the file that tells one of its datasets from another: "continuum:coarse".
 _OF = ":"
+
+# What a theory's other spectra add to its label, words and short name.
+_SPECTRA = {
+    "surface": ("own spectrum", "with the surface's own spectrum", "own"),
+    "analytic": ("target spectrum", "with the target spectrum", "target"),
+}
 
 
 @dataclass(frozen=True)
@@ -191,8 +198,18 @@ def entry_of(name: str) -> ShownModel:
     KeyError
         If there is no such entry.
     """
-    model, _, file = name.partition(_OF)
+    fed, _, file = name.partition(_OF)
+    model, _, spectrum = fed.partition(SPECTRUM_MARK)
     entry = {entry.name: entry for entry in MODELS}[model]
+    if spectrum:
+        label, words, short = _SPECTRA[spectrum]
+        entry = replace(
+            entry,
+            name=fed,
+            label=f"{entry.label}, {label}",
+            words=f"{entry.words} {words}",
+            short=f"{entry.short}, {short}",
+        )
     if not file:
         return entry
     label, words, short = (f"{text} ({file})" for text in (entry.label, entry.words, entry.short))
@@ -201,7 +218,7 @@ def entry_of(name: str) -> ShownModel:
 
 def known(name: str) -> bool:
     """Whether a model has an entry."""
-    return any(entry.name == name for entry in MODELS)
+    return any(entry.name == kind_of(name) for entry in MODELS) and spectrum_of(name) in ("", *_SPECTRA)
 
 
 def is_simulated(file: str) -> bool:
@@ -215,8 +232,13 @@ def of_file(name: str, file: str) -> str:
 
 
 def kind_of(name: str) -> str:
-    """The model of which a name may be one of several datasets."""
-    return name.partition(_OF)[0]
+    """The model of which a name may be one of several datasets, or spectra."""
+    return name.partition(_OF)[0].partition(SPECTRUM_MARK)[0]
+
+
+def spectrum_of(name: str) -> str:
+    """The spectrum that a theory is fed with, where that is not the first of its study; else empty."""
+    return name.partition(_OF)[0].partition(SPECTRUM_MARK)[2]
 
 
 def in_order(names: Iterable[str]) -> list[str]:

@@ -77,6 +77,25 @@ def choice(*allowed: str) -> Reader:
     return read, " | ".join(allowed)
 
 
+def choices(*allowed: str) -> Reader:
+    """One of a few words, or a list of different ones."""
+    read_one, kind = choice(*allowed)
+
+    def read(value: Any, name: str) -> str | tuple[str, ...]:
+        if isinstance(value, str) and "," in value:
+            value = listed(value)
+        if not isinstance(value, list):
+            return read_one(value, name)
+        if not value:
+            raise InputError(f"{name} = []: is empty; give at least one value")
+        given = tuple(read_one(item, f"{name}[{i}]") for i, item in enumerate(value))
+        if len(set(given)) < len(given):
+            raise InputError(f"{name} = {value!r}: names one twice")
+        return given[0] if len(given) == 1 else given
+
+    return read, f"{kind}, or a list"
+
+
 def flag() -> Reader:
     """True or false."""
 

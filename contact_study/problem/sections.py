@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from contact_study.problem.errors import InputError
-from contact_study.problem.keys import choice, flag, integer, key, pair, quantity, sequence, text
+from contact_study.problem.keys import choice, choices, flag, integer, key, pair, quantity, sequence, text
 from contact_study.problem.units import unit_of
 
 
@@ -99,9 +99,9 @@ class AtomisticSection:
 class TheorySection:
     """Choices inside Persson's theory with adhesion (root of the dataset) and what both theories are fed."""
 
-    spectrum: str = key(
-        choice("analytic", "surface"),
-        "roughness spectrum: the target, or that of the very surface",
+    spectrum: str | tuple[str, ...] = key(
+        choices("analytic", "surface"),
+        "roughness spectrum: the target, that of the very surface, or both side by side",
         "analytic",
     )
     energy_weight: str = key(
@@ -117,6 +117,11 @@ class TheorySection:
     )
     alpha: float = key(quantity("1", positive=True), "α in σ_a² = α E* q γ_eff", 1.0)
     cap_detachment_stress: bool = key(flag(), "limit σ_a to the law's largest tensile stress", False)
+
+    @property
+    def spectra(self) -> tuple[str, ...]:
+        """The spectra that the theories are fed with, the first one under their own names."""
+        return (self.spectrum,) if isinstance(self.spectrum, str) else self.spectrum
 
 
 @dataclass(frozen=True)

@@ -21,7 +21,8 @@ def pairs_of(models: Iterable[str]) -> list[tuple[str, str]]:
         (model, reference)
         for number, reference in enumerate(names)
         for model in names[number + 1 :]
-        if entry_of(reference).trust > entry_of(model).trust or kind_of(reference) == kind_of(model)
+        if entry_of(reference).trust > entry_of(model).trust
+        or (kind_of(reference) == kind_of(model) and entry_of(reference).file != entry_of(model).file)
     ]
 
 

@@ -47,7 +47,9 @@ def check_studies(names: Sequence[str], paths: Mapping[str, Path], studies: Mapp
         pairs = _matching_cases(studies[first], studies[other])
         if not pairs:
             raise InputError(f"{where} cannot be compared: their sweeps have no point in common")
-        analytic = not is_simulated(other) and all(case.theory.spectrum == "analytic" for case in studies[other].cases)
+        analytic = not is_simulated(other) and all(
+            case.theory.spectra == ("analytic",) for case in studies[other].cases
+        )
         different: dict[str, tuple[Any, Any]] = {}
         for one, two in pairs:
             different |= {key: values for key, values in differences(one, two) if key not in different}

@@ -40,7 +40,8 @@ def captions(
     models = inputs.models
     panels = _panels(inputs, shown, seed)
     gaps = scales(models, shown.case).height_symbol
-    densities = "".join(f" {entry_of(name).densities}" for name in models if entry_of(name).densities)
+    told = dict.fromkeys(entry_of(name).densities for name in models)
+    densities = "".join(f" {words}" for words in told if words)
     panels_of_area = ""
     if in_compression(curves.areas):
         panels_of_area = ", (a) linear, (b) logarithmic, compression only"

@@ -9,7 +9,7 @@ import xarray as xr
 from contact_study.comparison.compute.cases import SweepPoint, case_points, select, sweep_points
 from contact_study.comparison.compute.deviations import COMPARED
 from contact_study.comparison.compute.scales import Scales, scales
-from contact_study.comparison.models import entry_of
+from contact_study.comparison.models import entry_of, spectrum_of
 from contact_study.comparison.read.datasets import Inputs
 from contact_study.comparison.read.path_points import samples_in, usable
 from contact_study.comparison.wording import listed, number, percent, percent_of
@@ -212,7 +212,8 @@ def sample_notes(inputs: Inputs) -> list[str]:
 
 
 def _knows_the_target(inputs: Inputs, model: str) -> bool:
-    return any(case.theory.spectrum == "analytic" for case in inputs.studies[entry_of(model).file].cases)
+    own = spectrum_of(model)
+    return any((own or case.theory.spectra[0]) == "analytic" for case in inputs.studies[entry_of(model).file].cases)
 
 
 def _slopes(inputs: Inputs, models: Sequence[str]) -> str:
