@@ -25,7 +25,15 @@ def test_what_is_exported_is_there_and_explained(package):
 
 
 @pytest.mark.parametrize(
-    "module", ["bem_adhesion.contact", "md_reference.contact", "theory.persson", "theory.gap_flow", "theory.edge_flow"]
+    "module",
+    [
+        "bem_adhesion.contact",
+        "md_reference.contact",
+        "theory.persson",
+        "theory.gap_flow",
+        "theory.edge_flow",
+        "theory.non_adhesive",
+    ],
 )
 def test_examples_of_docstrings(module):
     found = doctest.testmod(importlib.import_module(module))

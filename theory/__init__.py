@@ -1,8 +1,9 @@
 """Theories of rough adhesive contact: Persson's, as Yang et al. 2008 used it, the gap flow and the edge flow.
 
 A spectrum, a target or that of a height array (:func:`spectrum_of`), a solid and a law or work of adhesion make a
-theory; each gives states at a pressure: :class:`PerssonTheory`, :func:`gap_flow`, :func:`edge_flow`. Whole studies
-are run by :func:`contact_study.run` or the command ``persson-theory``.
+theory; each gives states at a pressure: :class:`PerssonTheory`, :func:`gap_flow`, :func:`edge_flow`, and without
+adhesion :class:`NonAdhesiveTheory`. Contacts with analytic solutions are in :mod:`theory.references`. Whole studies are
+run by :func:`contact_study.run` or the command ``persson-theory``.
 """
 
 from contact_study import __version__
@@ -12,6 +13,7 @@ from contact_study.problem.laws import LennardJones93, LennardJones104, Traction
 from theory.edge_flow import EdgeFlow, edge_flow
 from theory.gap_flow import GapFlow, gap_flow
 from theory.gap_state import GapState
+from theory.non_adhesive import NonAdhesiveContact, NonAdhesiveTheory
 from theory.persson import PerssonTheory
 from theory.persson_contact import PerssonContact
 from theory.separation import SeparationCurve, energy_defect, pull_off_pressure, separation_curve
@@ -25,6 +27,8 @@ __all__ = [
     "Layer",
     "LennardJones93",
     "LennardJones104",
+    "NonAdhesiveContact",
+    "NonAdhesiveTheory",
     "PerssonContact",
     "PerssonTheory",
     "RadialSpectrum",

@@ -67,15 +67,22 @@ def mean_gap(
     bands : int, optional
         Bands in which the integral over q is done by Gauss's rule in the deviation of the stress.
     """
-    root, parts = _stress_and_energy(spectrum, elasticity_of(elasticity), bands)
+    stress, energy = stress_and_energy_points(spectrum, elasticity_of(elasticity), bands)
+    w = 1 / stress
+    total = (energy * w) @ _separation_kernel(w[:, None] * np.atleast_1d(np.asarray(pressure, dtype=float)), beta)
+    return (2 / np.sqrt(np.pi) * total).reshape(np.shape(pressure))
+
+
+def stress_and_energy_points(
+    spectrum: RoughnessSpectrum, solid: Elasticity, bands: int
+) -> tuple[np.ndarray, np.ndarray]:
+    """√(2s) at Gauss's points of bands (Pa), and the full-contact energy at each (J/m²)."""
+    root, parts = _stress_and_energy(spectrum, solid, bands)
     # dU is shared over a band in √s, in which 1/w, singular at q_L, is linear.
     nodes, weights = roots_legendre(4)
     stress = 0.5 * (root[1:] + root[:-1])[:, None] + 0.5 * np.diff(root)[:, None] * nodes
     share = stress * weights / np.sum(stress * weights, axis=1, keepdims=True)
-    w = (1 / stress).ravel()
-    energy = (parts[:, None] * share).ravel()
-    total = (energy * w) @ _separation_kernel(w[:, None] * np.atleast_1d(np.asarray(pressure, dtype=float)), beta)
-    return (2 / np.sqrt(np.pi) * total).reshape(np.shape(pressure))
+    return stress.ravel(), (parts[:, None] * share).ravel()
 
 
 def _stress_and_energy(spectrum: RoughnessSpectrum, solid: Elasticity, bands: int) -> tuple[np.ndarray, np.ndarray]:

@@ -12,6 +12,7 @@ import xarray as xr
 import contact_study.comparison
 from contact_study.comparison import models
 from contact_study.comparison.command import main
+from contact_study.comparison.compute.deviations import pairs_of
 from contact_study.comparison.compute.plotted import contact_area_data
 from contact_study.comparison.draw.figures import contact_area_figure
 from contact_study.comparison.read.datasets import read_inputs
@@ -53,6 +54,29 @@ def test_a_theory_without_an_entry_is_said_and_left_out(paths):
     inputs = read_inputs(paths)
     assert "made_up" not in inputs.models
     assert f"{paths[2]}: holds the theory made_up, which is not shown" in inputs.notes
+
+
+def test_a_theory_of_another_spectrum_is_a_model_of_its_own(paths, tmp_path):
+    with xr.open_datatree(paths[2], decode_timedelta=False) as tree:
+        root = tree.to_dataset().load()
+    names = {"made_up": "persson@surface"}
+    root = root.assign_coords(theory=[names.get(str(label), str(label)) for label in root.theory.values])
+    root.to_netcdf(tmp_path / "two_spectra.nc")
+    inputs = read_inputs([*paths[:2], tmp_path / "two_spectra.nc"])
+    order = list(inputs.models)
+    assert order.index("persson@surface") == order.index("persson") + 1
+    assert not any("not shown" in note for note in inputs.notes)
+    # Beside the simulations, not against itself.
+    pairs = pairs_of(inputs.models)
+    assert ("persson@surface", "continuum") in pairs
+    assert ("persson@surface", "persson") not in pairs
+    entry = models.entry_of("persson@surface:coarse")
+    assert (entry.label, entry.file) == ("Persson's theory, own spectrum (coarse)", "theory:coarse")
+    assert models.entry_of("edge_flow@analytic").short == "edge\u00a0flow, target"
+    assert not models.known("persson@file")
+    arguments = [*map(str, (*paths[:2], tmp_path / "two_spectra.nc")), "-o", str(tmp_path / "both.nc")]
+    assert main([*arguments, "--report", str(tmp_path / "report.html")]) == 0
+    assert "Persson's theory, own spectrum" in html.unescape((tmp_path / "report.html").read_text(encoding="utf-8"))
 
 
 def test_an_entry_is_all_it_takes(paths, tmp_path, monkeypatch):

@@ -263,6 +263,39 @@ def test_every_state_of_an_unconverged_branch_is_flagged(monkeypatch):
         run.constants(case, realise(case))
 
 
+def test_two_spectra_stand_side_by_side_and_are_those_of_one_alone(case, steps):
+    both = case_of(theory={"spectrum": ["analytic", "surface"]})
+    found = steps_of(both)
+    own = steps_of(case_of(theory={"spectrum": "surface"}))
+    for step, target, measured in zip(found, steps, own, strict=True):
+        labelled = {name for name in target.values if "/" in name}
+        for name, value in target.values.items():
+            assert np.array_equal(step.values[name], value, equal_nan=not isinstance(value, str)), name
+        for name in labelled:
+            other = step.values[name.replace("/", "@surface/", 1)]
+            assert np.array_equal(other, measured.values[name], equal_nan=not isinstance(other, str)), name
+        assert len(step.values) == len(target.values) + len(labelled)
+        assert step.values["edge_flow@surface/mean_gap"] != step.values["edge_flow/mean_gap"]
+    values = run.constants(both, realise(both))
+    assert "persson@surface/pull_off_pressure" in values  # nothing sticks in it
+    for theory in ("gap_flow", "edge_flow"):
+        assert values[f"{theory}@surface/pull_off_pressure"] != values[f"{theory}/pull_off_pressure"]
+    resumed = steps_of(both, restart=found[0].restart, start=1)
+    for step, again in zip(found[1:], resumed, strict=True):
+        for name in ("persson/relative_contact_area", "persson@surface/relative_contact_area"):
+            assert step.values[name] == again.values[name]
+
+
+def test_a_list_of_spectra_is_checked():
+    for given, said in (([], "empty"), (["surface", "surface"], "twice"), (["surface", "file"], "expected one of")):
+        with pytest.raises(InputError, match=rf"theory\.spectrum.*{said}"):
+            case_of(theory={"spectrum": given})
+    assert case_of(theory={"spectrum": ["surface"]}).theory.spectra == ("surface",)
+    assert case_of(theory={"spectrum": "analytic, surface"}).theory.spectra == ("analytic", "surface")
+    with pytest.raises(InputError, match="analytic"):
+        run.check(case_of(surface={"kind": "wavy", "amplitude": "1 nm"}, theory={"spectrum": ["surface", "analytic"]}))
+
+
 def test_pull_off_of_every_theory_is_a_constant(case):
     found = run.constants(case, realise(case))
     flow = edge_flow(realise(case).spectrum, case.solid, case.law)

@@ -1,0 +1,116 @@
+"""The corrections of Persson's theory without adhesion: against closed forms, their own equations and each other."""
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+from scipy.special import erf
+
+from theory import closed_forms
+from theory.non_adhesive import CORRECTIONS, NonAdhesiveTheory
+
+PRESSURES = (1e7, 1e9, 5e9, 3e10)
+
+
+def theory_of(paper, correction, **choices):
+    return NonAdhesiveTheory(paper.spectrum, paper.contact_modulus, correction, **choices)
+
+
+def variance_of(paper, wavevector=None):
+    return float(paper.spectrum.full_contact_stress_variance(lambda q: 0.5 * paper.contact_modulus * q, wavevector))
+
+
+@pytest.mark.parametrize("pressure", PRESSURES)
+def test_without_correction_it_is_the_closed_form(paper, pressure):
+    contact = theory_of(paper, "persson").at_pressure(pressure)
+    assert contact.relative_contact_area == pytest.approx(erf(pressure / np.sqrt(2 * variance_of(paper))), rel=1e-9)
+    expected = closed_forms.mean_gap(pressure, paper.spectrum, paper.contact_modulus, beta=1.0)
+    # Both sums over the same bands; interpolation on 3000 nodes.
+    assert contact.mean_gap == pytest.approx(float(expected), rel=1e-6)
+
+
+def test_without_reduction_every_correction_is_the_theory(paper):
+    plain = theory_of(paper, "persson").at_pressure(1e9)
+    for correction in ("yang_persson", "xu"):
+        same = theory_of(paper, correction, gamma=1.0).at_pressure(1e9)
+        for name in ("relative_contact_area", "mean_gap", "elastic_energy", "stiffness"):
+            assert getattr(same, name) == pytest.approx(getattr(plain, name), rel=1e-6)
+
+
+@pytest.mark.parametrize("pressure", PRESSURES)
+def test_xu_solves_its_implicit_equation(paper, pressure):
+    contact = theory_of(paper, "xu").at_pressure(pressure)
+    variance = variance_of(paper)
+    area = brentq(lambda a: a - erf(pressure / np.sqrt(2 * (0.42 + 0.58 * a) * variance)), 0, 1, xtol=1e-14)
+    assert contact.relative_contact_area == pytest.approx(area, rel=1e-7)
+
+
+@pytest.mark.parametrize(
+    ("correction", "share"),
+    [
+        ("yang_persson", lambda area: 0.42 + 0.58 * area**2),
+        ("wang_mueser", lambda area: 5 / 9 - 2 / 9 * area**2 + 2 / 3 * area**4),
+    ],
+)
+@pytest.mark.parametrize("pressure", [1e9, 5e9])
+def test_increments_are_those_of_the_equations(paper, correction, share, pressure):
+    """Marching in the magnification, the midpoint rule."""
+    contact = theory_of(paper, correction).at_pressure(pressure)
+    steps = np.diff(np.linspace(0, np.cbrt(variance_of(paper)), 4001) ** 3)
+    partial = 0.0
+    for step in steps:
+        middle = partial + 0.5 * step * share(erf(pressure / np.sqrt(2 * max(partial, 1e-300))))
+        partial += step * share(erf(pressure / np.sqrt(2 * middle)))
+    assert float(contact.stress_variance_at()) == pytest.approx(partial, rel=1e-6)
+
+
+@pytest.mark.parametrize(("correction", "share"), [("yang_persson", 0.42), ("wang_mueser", 5 / 9), ("xu", 0.42)])
+def test_light_contact_is_larger_by_the_root_of_its_share(paper, correction, share):
+    light = theory_of(paper, correction).at_pressure(1e4).relative_contact_area
+    plain = theory_of(paper, "persson").at_pressure(1e4).relative_contact_area
+    assert light / plain == pytest.approx(share**-0.5, rel=1e-3)
+
+
+@pytest.mark.parametrize("correction", CORRECTIONS)
+def test_the_pressure_does_the_work(paper, correction):
+    theory = theory_of(paper, correction)
+    for pressure in (1e8, 1e9, 1e10):
+        below, here, above = (theory.at_pressure(pressure * (1 + shift)) for shift in (-1e-3, 0, 1e-3))
+        gained = above.elastic_energy - below.elastic_energy
+        closed = below.mean_gap - above.mean_gap
+        # Central differences over 0.2 %.
+        assert gained == pytest.approx(pressure * closed, rel=1e-4)
+        assert here.stiffness == pytest.approx(2e-3 * pressure / closed, rel=1e-4)
+
+
+@pytest.mark.parametrize("correction", CORRECTIONS)
+def test_whole_contact_stores_all_and_magnification_takes_area(paper, correction):
+    contact = theory_of(paper, correction).at_pressure(1e11)
+    full = float(paper.spectrum.full_contact_energy(lambda q: 0.5 * paper.contact_modulus * q))
+    assert contact.elastic_energy == pytest.approx(full, rel=1e-6)
+    assert contact.mean_gap < 1e-15
+    light = theory_of(paper, correction).at_pressure(1e9)
+    areas = light.relative_contact_area_at(np.geomspace(*paper.spectrum.limits, 20))
+    assert areas[0] == 1
+    assert np.all(np.diff(areas) < 0)
+    assert areas[-1] == light.relative_contact_area
+
+
+@pytest.mark.parametrize("correction", CORRECTIONS)
+def test_distribution_carries_area_and_pressure(paper, correction):
+    contact = theory_of(paper, correction).at_pressure(2e9)
+    dataset = contact.to_dataset()
+    width = dataset.pressure_bin[1] - dataset.pressure_bin[0]
+    assert float(dataset.pressure_pdf.sum() * width) == pytest.approx(contact.relative_contact_area, rel=1e-9)
+    assert float((dataset.pressure_pdf * dataset.pressure_bin).sum() * width) == pytest.approx(2e9, rel=1e-3)
+    middle = dataset.pressure_bin.values[100]
+    assert float(dataset.pressure_pdf[100]) == pytest.approx(float(contact.stress_density(middle)), rel=1e-3)
+    assert dataset.theory == correction
+
+
+def test_what_cannot_be_is_named(paper):
+    for choices in ({"correction": "better"}, {"correction": "xu", "gamma": 1.5}, {"correction": "xu", "gamma": 0.0}):
+        with pytest.raises(ValueError, match="better" if "gamma" not in choices else "gamma"):
+            theory_of(paper, **choices)
+    for pressure in (0.0, -1e9, np.nan):
+        with pytest.raises(ValueError, match="pressure"):
+            theory_of(paper, "xu").at_pressure(pressure)
