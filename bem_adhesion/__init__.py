@@ -8,19 +8,37 @@ from bem_adhesion.contact import Contact, rough_contact
 from bem_adhesion.solution import Outcome, Solution
 from contact_study import __version__
 from contact_study.problem.elasticity import Elasticity, HalfSpace, Layer
-from contact_study.problem.laws import Exponential, HardWall, LennardJones93, LennardJones104, TractionLaw
+from contact_study.problem.laws import (
+    Dugdale,
+    DugdaleCore,
+    Exponential,
+    ExponentialCore,
+    HardWall,
+    LennardJones93,
+    LennardJones104,
+    Morse,
+    Repulsive,
+    TabulatedLaw,
+    TractionLaw,
+)
 
 __all__ = [
     "Contact",
+    "Dugdale",
+    "DugdaleCore",
     "Elasticity",
     "Exponential",
+    "ExponentialCore",
     "HalfSpace",
     "HardWall",
     "Layer",
     "LennardJones93",
     "LennardJones104",
+    "Morse",
     "Outcome",
+    "Repulsive",
     "Solution",
+    "TabulatedLaw",
     "TractionLaw",
     "__version__",
     "rough_contact",

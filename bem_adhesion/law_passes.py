@@ -83,9 +83,9 @@ class LawPasses:
         Returns Σ ½ d·K d + load·d, max|gradient|, Σ gradient² and Σ gradient.
         """
         law = self.law
-        return _gradient(
-            elastic, gap, traction, load, law.equilibrium_distance, law.peak_distance, right_side, curvature
-        )
+        # Repulsion alone is convex: nothing to be cautious of, and its peak is no distance from its equilibrium.
+        peak = law.peak_distance if law.attracts else np.inf
+        return _gradient(elastic, gap, traction, load, law.equilibrium_distance, peak, right_side, curvature)
 
     def hold(self, curvature: np.ndarray, step: np.ndarray) -> None:
         """Take a wall's points out of a step; without a wall none."""
@@ -122,7 +122,9 @@ class LawPasses:
         equilibrium, tangent = law.equilibrium_distance, law.equilibrium_stiffness
         repelled = gap < equilibrium
         moved = gap + np.clip(step, -limit * gap, limit * gap)
-        landing = np.maximum(tangent * (moved - equilibrium), -LANDING * law.peak_tensile_stress)
+        # Without a peak there is nothing to overshoot into: points land on the tangent.
+        largest = LANDING * law.peak_tensile_stress or np.inf
+        landing = np.maximum(tangent * (moved - equilibrium), -largest)
         traction = np.where(repelled, law.traction(gap) + law.stiffness(gap) * step, landing)
         left = np.where(repelled, equilibrium + np.minimum(traction / tangent, limit * equilibrium), moved)
         out[...] = np.where(traction < 0, law.repulsive_gap(np.minimum(traction, 0.0)), left)

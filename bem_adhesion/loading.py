@@ -51,7 +51,9 @@ def typical_wavenumber(height: np.ndarray, grid: Grid) -> float:
 
 
 def reach(law: TractionLaw) -> float:
-    """Gap beyond which the law's tension is less than a thousandth of its peak (m)."""
+    """Gap beyond which the law's tension is less than a thousandth of its peak, or its repulsion ends (m)."""
+    if not law.attracts:
+        return law.equilibrium_distance
     nearer, farther = law.peak_distance, law.peak_distance + max(law.peak_distance, law.length)
     no_tension = NO_TENSION * law.peak_tensile_stress
     while law.traction(np.array(farther)) > no_tension:
@@ -117,7 +119,9 @@ class LoadedContact:
         self._grid = Grid(grid.shape, (grid.size[0] / self._length, grid.size[1] / self._length))
         solid = self.elasticity.scaled(self._length, self.elasticity.contact_modulus)
         typical_stiffness = float(solid.stiffness(typical_wavenumber(self._height, self._grid)))
-        shift = PRECONDITIONER_SHIFT * np.sqrt(self._law.strongest_softening * typical_stiffness)
+        # What does not soften has no tail: the shift then only has to tell points that touch from those that do not.
+        softening = self._law.strongest_softening or self._law.equilibrium_stiffness
+        shift = PRECONDITIONER_SHIFT * np.sqrt(softening * typical_stiffness)
         # As stiff as the solid at its stiffest wave: stiffer would only spread the spectrum of the operator.
         self._spring = float(solid.stiffness_on(self._grid).max()) if control == "gap" else 0.0
         self._contact = MultilevelContact(self._grid, periodic(solid, self._spring, threads), self._law, shift)
@@ -149,7 +153,7 @@ class LoadedContact:
             gap[np.abs(gap) <= TOUCHING * np.abs(self._height).max()] = 0.0
             if gap.min() < 0:
                 raise ValueError("the state to start from has gaps < 0")
-        elif not gap.min() > 0:
+        elif self.law.diverges and not gap.min() > 0:
             raise ValueError("the state to start from has gaps <= 0")
         # Rounding of a displacement that was stored and read is less than this.
         out_of_reach = gap.min() > (1 - 1e-6) * self._reach / self._length

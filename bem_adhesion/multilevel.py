@@ -46,7 +46,9 @@ FEWEST_POINTS = 8
 
 
 def process_zone(contact_modulus: float, law: TractionLaw) -> float:
-    """Length E* Δγ / σ_max² over which the law bridges the edge of a contact (m)."""
+    """Length E* Δγ / σ_max² over which the law bridges the edge of a contact (m), infinite without attraction."""
+    if not law.attracts:
+        return np.inf
     return contact_modulus * law.work_of_adhesion / law.peak_tensile_stress**2
 
 

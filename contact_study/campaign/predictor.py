@@ -156,8 +156,8 @@ def _differences(case: Case, other: Case) -> Iterator[tuple[str, tuple[Any, Any]
             values = getattr(getattr(case, section), name, None), getattr(getattr(other, section), name, None)
             if name not in (*_APART, *_ADHESION) and not same(*values):
                 yield f"{section}.{name}", values
-    if not same(case.work_of_adhesion, other.work_of_adhesion):
-        yield "the work of adhesion", (case.work_of_adhesion, other.work_of_adhesion)
+    if not same(case.law.work_of_adhesion, other.law.work_of_adhesion):
+        yield "the work of adhesion", (case.law.work_of_adhesion, other.law.work_of_adhesion)
     if case.loading.control != other.loading.control:
         yield "loading.control", (case.loading.control, other.loading.control)
 

@@ -149,7 +149,7 @@ def _change(left: float, whole: float) -> str:
 
 def _idle_keys(cases: Sequence[Case]) -> list[str]:
     names = ("work_of_adhesion", "well_depth", "length", "contact_distance")
-    walls = [case.interaction for case in cases if not case.law.attracts]
+    walls = [case.interaction for case in cases if case.law.has_wall and not case.law.attracts]
     idle = [f"interaction.{name}" for name in names if any(getattr(wall, name) is not None for wall in walls)]
     if not idle:
         return []

@@ -20,6 +20,7 @@ from contact_study.problem.errors import InputError
 from contact_study.problem.keys import Key, Kinds, bind, default_of, keys_of, listed
 from contact_study.problem.laws import INTERACTIONS
 from contact_study.problem.surfaces import SURFACES
+from contact_study.problem.tables import with_columns
 from contact_study.problem.units import EXAMPLES
 
 SECTIONS: dict[str, type | Kinds] = {
@@ -118,6 +119,7 @@ def read_study(path: Path | str, overrides: Mapping[str, Any] | None = None) -> 
 def make_study(table: dict[str, Any], directory: Path | str = ".") -> Study:
     """Check a table as TOML would hold it and expand its sweep; errors as :func:`read_study`."""
     _check_structure(table)
+    table = _with_files(table, Path(directory))
     swept, exceptions = table.get("sweep", {}), table.get("override", [])
     points = list(_points(swept))
     merged = _of_own_kind([_apply(table, point, exceptions) for point, _ in points])
@@ -129,6 +131,18 @@ def make_study(table: dict[str, Any], directory: Path | str = ".") -> Study:
     )
     keys = {_last(dotted): _swept_key(dotted, cases, swept) for dotted in swept}
     return Study(table, Path(directory), cases, keys, notes, automatic.choices(merged, cases))
+
+
+def _with_files(table: dict[str, Any], directory: Path) -> dict[str, Any]:
+    """The table with the numbers of files that its sections name, see :func:`with_columns`."""
+    found = dict(table)
+    for section, declared in SECTIONS.items():
+        if isinstance(declared, Kinds) and section in table:
+            kind = declared.declared.get(declared.kind_of(table[section]))
+            columns = getattr(kind, "columns", None)
+            if columns:
+                found[section] = with_columns(table[section], section, columns, directory)
+    return found
 
 
 def all_keys() -> Iterator[tuple[str, str, Key, Any]]:

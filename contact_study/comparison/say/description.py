@@ -11,6 +11,7 @@ from contact_study.comparison.wording import control_unit, length, listed, liste
 from contact_study.plots.units import pressure_unit
 from contact_study.problem.case import Case
 from contact_study.problem.keys import keys_of
+from contact_study.problem.laws import TractionLaw
 from contact_study.problem.units import quantity
 
 
@@ -100,16 +101,25 @@ def _block(cases: Sequence[Case]) -> str:
     )
 
 
+def _without_adhesion(inputs: Inputs, law: type[TractionLaw]) -> str:
+    if law.has_wall:
+        return "Hard wall without adhesion; contact is where the pressure is positive."
+    own = [case for case in inputs.cases if isinstance(case.law, law)]
+    distance = over(own, lambda case: length(case.contact_distance))
+    return f"{law.words[0].upper()}{law.words[1:]} without adhesion; gaps below {distance} count as contact."
+
+
 def _modulus(value: float) -> str:
     unit = pressure_unit(value)
     return f"{number(value / unit.size, 5)} {unit.name}"
 
 
 def _interaction(inputs: Inputs) -> Iterator[str]:
-    hard = [case for case in inputs.cases if not case.law.attracts]
+    hard = [case for case in inputs.cases if case.law.has_wall and not case.law.attracts]
+    soft = [case for case in inputs.cases if not case.law.has_wall and not case.law.attracts]
     adhesive = [case for case in inputs.cases if case.law.attracts]
     if not adhesive:
-        yield "Hard wall without adhesion; contact is where the pressure is positive."
+        yield from (_without_adhesion(inputs, law) for law in inputs.laws)
         return
     users = [entry_of(name).label for name in inputs.models if entry_of(name).feels_law]
     of_pairs = [case for case in adhesive if case.law.of_pairs]
@@ -128,7 +138,7 @@ def _interaction(inputs: Inputs) -> Iterator[str]:
         if law.attracts and not law.of_pairs:
             own = [case for case in adhesive if isinstance(case.law, law)]
             yield f"{law.words}, of length {over(own, lambda case: length(case.law.length))}."
-    yield f"Work of adhesion Δγ = {over(adhesive, lambda case: f'{case.work_of_adhesion:.4g}')} J/m²."
+    yield f"Work of adhesion Δγ = {over(adhesive, lambda case: f'{case.law.work_of_adhesion:.4g}')} J/m²."
     by_distance = [case for case in adhesive if case.contact_distance > 0]
     if by_distance:
         yield f"Gaps below {over(by_distance, lambda case: length(case.contact_distance))} count as contact."
@@ -137,6 +147,9 @@ def _interaction(inputs: Inputs) -> Iterator[str]:
     if hard:
         where = listed_points(_label(inputs, case) for case in hard)
         yield f"At {where} a wall without adhesion, where points under positive pressure count as contact."
+    if soft:
+        where = listed_points(_label(inputs, case) for case in soft)
+        yield f"At {where} a soft repulsion without adhesion."
 
 
 def _label(inputs: Inputs, case: Case) -> str:

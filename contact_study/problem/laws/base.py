@@ -2,7 +2,7 @@
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from typing import ClassVar
 
@@ -50,6 +50,10 @@ class TractionLaw(ABC):
         Whether it follows from the Lennard-Jones pairs that the atoms have.
     counts_as_contact : str
         What makes a point count, see :meth:`in_contact`, in words.
+    diverges : bool
+        Whether repulsion grows without bound as the gap closes, so that no gap is ever zero or less.
+    own_lengths : tuple of str
+        Fields beside ``length`` that are lengths.
     section : type
         Its keys in a study file.
 
@@ -65,6 +69,8 @@ class TractionLaw(ABC):
     words: ClassVar[str]
     of_pairs: ClassVar[bool] = False
     counts_as_contact: ClassVar[str] = "a gap below the contact distance"
+    diverges: ClassVar[bool] = True
+    own_lengths: ClassVar[tuple[str, ...]] = ()
     section: ClassVar[type[InteractionSection]] = SmoothInteraction
 
     work_of_adhesion: float
@@ -76,8 +82,9 @@ class TractionLaw(ABC):
 
     @classmethod
     def of(cls, section: InteractionSection, work_of_adhesion: float) -> "TractionLaw":
-        """The law of a study file; one with keys of its own reads them here."""
-        return cls(work_of_adhesion, section.length or 0.0)
+        """The law of a study file: Δγ, ``length`` and the keys of its section that are fields of the law."""
+        own = {field.name: getattr(section, field.name) for field in fields(cls)[2:]}
+        return cls(work_of_adhesion, section.length or 0.0, **own)
 
     @abstractmethod
     def potential(self, gap: np.ndarray) -> np.ndarray:
@@ -102,14 +109,15 @@ class TractionLaw(ABC):
         high = np.full(traction.shape, self.equilibrium_distance)
         if self.has_wall:
             return high
-        low = 0.5 * high
+        low, below = 0.5 * high, self.length
         while np.any(deeper := self.traction(low) > traction):
-            low = np.where(deeper, 0.5 * low, low)
+            low = np.where(deeper, 0.5 * low if self.diverges else low - below, low)
+            below *= 2
         gap = high.copy()
         for _ in range(_INVERSE_STEPS):
             excess = self.traction(gap) - traction
             low, high = np.where(excess <= 0, gap, low), np.where(excess >= 0, gap, high)
-            if np.all(high - low <= 4 * np.finfo(float).eps * high):
+            if np.all(high - low <= 4 * np.finfo(float).eps * np.abs(high)):
                 break
             newton = gap - excess / self.stiffness(gap)
             gap = np.where((newton > low) & (newton < high), newton, 0.5 * (low + high))
@@ -127,7 +135,7 @@ class TractionLaw(ABC):
     @cached_property
     def peak_distance(self) -> float:
         """Gap of the largest tensile traction (m)."""
-        return self._lowest(lambda gap: -self.traction(gap))
+        return self.lowest(lambda gap: -self.traction(gap))
 
     @cached_property
     def peak_tensile_stress(self) -> float:
@@ -142,9 +150,9 @@ class TractionLaw(ABC):
     @cached_property
     def strongest_softening(self) -> float:
         """Largest −φ'' of the attractive tail (Pa/m)."""
-        return -float(self.stiffness(np.array(self._lowest(self.stiffness))))
+        return -float(self.stiffness(np.array(self.lowest(self.stiffness))))
 
-    def _lowest(self, function: Callable[[np.ndarray], np.ndarray]) -> float:
+    def lowest(self, function: Callable[[np.ndarray], np.ndarray]) -> float:
         """Gap from equilibrium outwards where a function is lowest (m)."""
         gaps = self.equilibrium_distance + self.length * np.concatenate([[0.0], _SAMPLES])
         at = int(np.argmin(function(gaps)))
@@ -171,6 +179,7 @@ class TractionLaw(ABC):
     def scaled(self, length: float, stress: float) -> "TractionLaw":
         """The same law in other units: lengths divided by ``length`` (m), stresses by ``stress`` (Pa).
 
-        A law with lengths of its own scales them, too.
+        A law with lengths of its own names them in ``own_lengths``.
         """
-        return replace(self, work_of_adhesion=self.work_of_adhesion / (length * stress), length=self.length / length)
+        lengths = {name: getattr(self, name) / length for name in ("length", *self.own_lengths)}
+        return replace(self, work_of_adhesion=self.work_of_adhesion / (length * stress), **lengths)

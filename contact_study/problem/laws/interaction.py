@@ -21,8 +21,8 @@ class InteractionSection:
     well_depth_ratio: float = key(quantity("1", positive=True), "multiplies well_depth or work_of_adhesion", 1.0)
     length: float | None = key(
         or_word(quantity("m", positive=True), "auto"),
-        "the law's length: distance of zero stress (10-4 law: r0 of the pairs; 9-3 law: z0), range (exponential wall); "
-        "auto: the longest that leaves contacts JKR-like",
+        "the law's length: distance of zero stress (laws with a core; 10-4: r0 of the pairs, 9-3: z0), range "
+        "(exponential wall), reach (Dugdale); auto: the longest that leaves contacts JKR-like",
         None,
     )
     contact_distance: float | None = key(
@@ -72,3 +72,8 @@ class PlainAdhesion(InteractionSection):
                 "give interaction.work_of_adhesion"
             )
         self._check_adhesion()
+
+
+@dataclass(frozen=True, kw_only=True)
+class PlainSmooth(PlainAdhesion, SmoothInteraction):
+    """A law with a repulsive core whose adhesion is given as Δγ."""

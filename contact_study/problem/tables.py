@@ -1,0 +1,83 @@
+"""Columns of numbers from a text file, such as a measured law, as they go into a study."""
+
+import io
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from contact_study.problem import units
+from contact_study.problem.errors import InputError
+
+
+def read_columns(path: Path, name: str, column_units: Sequence[tuple[str, str]]) -> list[list[float]]:
+    """The columns of a text table, in SI.
+
+    Parameters
+    ----------
+    path : pathlib.Path
+        Numbers separated by blanks, tabs or commas, a row a line; what follows ``#`` is left out.
+    name : str
+        The key that named the file, for messages.
+    column_units : sequence of (str, str)
+        Unit that the numbers of each column are in, and the SI unit of its kind.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read or holds other than that many columns of finite numbers.
+    """
+    try:
+        text = path.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        reason = error.strerror if isinstance(error, OSError) else "is no text"
+        raise InputError(f"{name}: {path} cannot be read ({reason})") from None
+    try:
+        table = np.loadtxt(io.StringIO(text.replace(",", " ")), ndmin=2)
+    except ValueError as error:
+        raise InputError(f"{name}: {path} is no table of numbers ({error})") from None
+    if table.shape[1] != len(column_units) or not np.all(np.isfinite(table)):
+        raise InputError(
+            f"{name}: {path} holds a table of shape {table.shape}; expected {len(column_units)} columns of finite "
+            "numbers"
+        )
+    return [
+        [float(value) * units.quantity(f"1 {given}", si, f"{name}, unit") for value in column]
+        for column, (given, si) in zip(table.T, column_units, strict=True)
+    ]
+
+
+def with_columns(
+    table: Mapping[str, Any], section: str, columns: Mapping[str, tuple[str, str, str]], directory: Path
+) -> dict[str, Any]:
+    """A section of a study with the content of the file that its key ``path`` names in that key's place.
+
+    A study then holds all that decides its numbers, wherever it goes.
+
+    Parameters
+    ----------
+    table : mapping
+        The section as TOML holds it.
+    section : str
+        Its name.
+    columns : mapping
+        For each column's key: the key of its unit, that key's default, the SI unit.
+    directory : pathlib.Path
+        Where a relative path starts.
+
+    Raises
+    ------
+    InputError
+        As :func:`read_columns`; also if columns are given beside the file.
+    """
+    if not isinstance(table.get("path"), str):
+        return dict(table)
+    beside = [name for name in columns if name in table]
+    if beside:
+        raise InputError(f"{section}.path and {section}.{beside[0]}: give the file or its numbers, not both")
+    given = [(str(table.get(key, default)), si) for key, default, si in columns.values()]
+    read = read_columns(directory / table["path"], f"{section}.path", given)
+    left_behind = {"path", *(key for key, _, _ in columns.values())}
+    kept = {name: value for name, value in table.items() if name not in left_behind}
+    return {**kept, **dict(zip(columns, read, strict=True))}

@@ -1,0 +1,98 @@
+"""Every law in the solver and in a study: states checked by what the solver does not use."""
+
+import warnings
+
+import numpy as np
+import pytest
+
+import contact_study
+from bem_adhesion import rough_contact
+from bem_adhesion.law_passes import LawPasses
+from bem_adhesion.wall_passes import passes_of
+from tests.bem_adhesion.paper_system import E_STAR, study_table
+from tests.bem_adhesion.rough_surfaces import self_affine
+from tests.laws_of_all_kinds import EVERY_LAW, KEYS
+
+SOFT = {name: law for name, law in EVERY_LAW.items() if name != "hard_wall"}
+every_law = pytest.mark.parametrize("law", SOFT.values(), ids=SOFT)
+LOADS = {"pressure": (0.2e9, 2e9, 20e9, 1e9), "gap": (6e-10, 2e-10, 0.3e-10, 4e-10)}
+
+
+@every_law
+@pytest.mark.parametrize("control", LOADS)
+def test_states_are_in_balance(law, control):
+    height, grid = self_affine(64)
+    contact = rough_contact(height, grid.size, E_STAR, law, control)
+    state = contact.separated()
+    for load in LOADS[control]:
+        found = contact.step(state, load)
+        state = found.state
+        assert found.converged, found.message
+        elastic = np.fft.irfft2(0.5 * E_STAR * grid.wavenumber * np.fft.rfft2(found.displacement), grid.shape)
+        # The solver's tolerance, and the rounding of the transform.
+        np.testing.assert_allclose(elastic + found.pressure.mean(), found.pressure, atol=2e-8 * E_STAR)
+        reaction = found.pressure + law.traction(found.gap)
+        touching = found.gap == 0 if law.has_wall else np.zeros(grid.shape, bool)
+        assert not touching.any() or reaction[touching].min() > -1e-8 * E_STAR
+        np.testing.assert_allclose(reaction[~touching], 0, atol=1e-12 * E_STAR)
+        prescribed = found.pressure.mean() if control == "pressure" else found.gap.mean() - law.equilibrium_distance
+        # 1e-8 of the modulus, or of the law's length.
+        assert prescribed == pytest.approx(load, abs=1e-8 * (E_STAR if control == "pressure" else law.length), rel=1e-9)
+        assert found.interaction_energy == pytest.approx(law.potential(found.gap).mean(), rel=1e-12, abs=1e-15)
+
+
+@every_law
+def test_states_are_minima(law):
+    height, grid = self_affine(64)
+    found = (contact := rough_contact(height, grid.size, E_STAR, law)).step(contact.separated(), 2e9)
+    rng = np.random.default_rng(0)
+
+    def energy(gap):
+        displacement = height + gap
+        elastic = np.fft.irfft2(0.5 * E_STAR * grid.wavenumber * np.fft.rfft2(displacement), grid.shape)
+        return 0.5 * np.mean(displacement * elastic) + law.potential(gap).mean() + 2e9 * gap.mean()
+
+    lowest = energy(found.gap)
+    for _ in range(4):
+        change = 1e-3 * law.length * rng.standard_normal(grid.shape)
+        moved = found.gap + change if not law.has_wall else np.maximum(found.gap + change, 0)
+        assert energy(moved) > lowest
+
+
+@every_law
+def test_passes_are_the_law(law):
+    passes = passes_of(law)
+    gap = law.equilibrium_distance + law.length * np.linspace(-0.3 if not law.has_wall else 0, 3, 40).reshape(1, -1)
+    traction, stiffness = np.empty_like(gap), np.empty_like(gap)
+    total = passes.evaluate(gap, traction, stiffness)
+    assert total == pytest.approx(law.potential(gap).sum(), rel=1e-12)
+    np.testing.assert_allclose(traction, law.traction(gap), rtol=1e-11, atol=1e-13 * np.abs(traction).max())
+    np.testing.assert_allclose(stiffness, law.stiffness(gap), rtol=1e-7, atol=1e-9 * np.abs(stiffness).max())
+    if not law.has_wall:
+        # A repelled point moves in its traction: a step that relieves it lands where the law carries that.
+        repelled = gap[law.traction(gap) < 0].reshape(1, -1)
+        step = 1e-3 * (law.equilibrium_distance - repelled)
+        out = np.empty_like(repelled)
+        LawPasses(law).advance(repelled, step, 0.4, out)
+        wanted = law.traction(repelled) + law.stiffness(repelled) * step
+        np.testing.assert_allclose(law.traction(out), wanted, rtol=1e-9, atol=1e-9 * np.abs(wanted).max())
+
+
+@pytest.mark.parametrize("control", LOADS)
+@pytest.mark.parametrize("name", KEYS)
+def test_a_whole_study(name, control):
+    """From the keys to the dataset, there and back, both controls; tension where the law has some."""
+    table = study_table(32, size=500e-10, loading={"path": list(LOADS[control]), "control": control, "unload": True})
+    table["interaction"] = {"law": name, **KEYS[name]}
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", message=".*process zone.*")
+        dataset = contact_study.run(table, "continuum")
+    law = EVERY_LAW[name]
+    assert bool(np.all(dataset.converged == 1))
+    assert dataset.work_of_adhesion.item() == pytest.approx(law.work_of_adhesion, rel=1e-12)
+    assert dataset.equilibrium_distance.item() == pytest.approx(law.equilibrium_distance, abs=0, rel=1e-12)
+    assert dataset.peak_tensile_stress.item() == pytest.approx(law.peak_tensile_stress, rel=1e-12)
+    area = dataset.relative_contact_area.values
+    order = np.argsort(dataset.mean_gap.values[:3])
+    assert np.all(np.diff(area[:3][order]) < 0), "closer surfaces touch more"
+    assert 0 < area.min() < area.max() <= 1
