@@ -38,7 +38,8 @@ INNER_ITERATIONS = 15
 class ContactLevel:
     """The contact problem on one grid and, below it, on every second point of that grid.
 
-    Units: rms height for heights and gaps, longest period along the surface, E* rms height / period for pressures.
+    Heights of minus infinity are points without a surface. Units: rms height for heights and gaps, longest period
+    along the surface, E* rms height / period for pressures.
     """
 
     def __init__(self, heights: np.ndarray, grid: Grid, make_operator: MakeOperator):
@@ -53,6 +54,8 @@ class ContactLevel:
         self._residual = np.empty(grid.shape, np.float32)
         self._direction = np.empty(grid.shape, np.float32)
         self._pairs_below = 0.0
+        self._present = np.isfinite(heights)
+        self._largest_height = float(np.abs(heights[self._present]).max())
 
     def equivalent_pairs(self, grid: Grid) -> float:
         """Work done so far on this level and below, see :meth:`Operator.equivalent_pairs`."""
@@ -79,10 +82,12 @@ class ContactLevel:
 
     def start_from_full_contact(self, mean_pressure: float) -> bool:
         """Take the pressure of full contact without its tension; whether there was none, which solves the problem."""
-        self._double.field[...] = self.heights
+        bounded = self._present.all()
+        self._double.field[...] = self.heights if bounded else np.maximum(self.heights, -self._largest_height)
         np.add(self._double.apply(self._double.stiffness), mean_pressure, out=self.pressure)
-        if self.pressure.min() >= 0:
+        if bounded and self.pressure.min() >= 0:
             return True
+        self.pressure[~self._present] = 0
         self.start_from(self.pressure, mean_pressure)
         return False
 
@@ -101,7 +106,7 @@ class ContactLevel:
         """Primal-dual active set from the present pressure; residual, iterations, outcome."""
         heights, contact = self.heights.reshape(-1), self.contact.reshape(-1)
         residual = self._residual.reshape(-1)
-        rounding = 4 * np.finfo(float).eps * np.abs(heights).max()
+        rounding = 4 * np.finfo(float).eps * self._largest_height
         threshold = max(0.3 * tolerance, rounding)
         # A guess is solved on its own contact set first: the gap that goes with a pressure that was interpolated and
         # cut off at zero says little about which points should enter.
@@ -164,8 +169,13 @@ class ContactLevel:
             response = self._single.apply(self._single.compliance).reshape(-1)
             largest = passes.advance(pressure, residual, direction, response, contact, product)
 
+    def surface(self) -> np.ndarray:
+        """Position of the block's surface in the state that :meth:`solve` ended with."""
+        displacement = self._double.field
+        return displacement - np.mean((displacement - self.heights)[self.contact])
+
     def gap(self) -> np.ndarray:
-        """Gap of the state that :meth:`solve` ended with; zero in contact."""
+        """Gap of the state that :meth:`solve` ended with; zero in contact, infinite where there is no surface."""
         gap = self._double.field - self.heights
         gap -= gap[self.contact].mean()
         gap[self.contact] = 0

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from bem_adhesion.free_boundary import Window
 from bem_adhesion.linearised import LinearisedContact
 from bem_adhesion.operator import MakeOperator
 from bem_adhesion.solution import Outcome
@@ -92,6 +93,8 @@ class AdhesiveContact:
         The law of interaction.
     shift : float
         Stiffness of the preconditioner, see :class:`LinearisedContact`.
+    window : Window, optional
+        Where on the grid there is a surface; everywhere without one.
 
     Attributes
     ----------
@@ -99,12 +102,20 @@ class AdhesiveContact:
         φ'' at the last gap that was evaluated.
     """
 
-    def __init__(self, grid: Grid, make_operator: MakeOperator, law: TractionLaw, shift: float):
+    def __init__(
+        self,
+        grid: Grid,
+        make_operator: MakeOperator,
+        law: TractionLaw,
+        shift: float,
+        window: Window | None = None,
+    ):
         self.grid = grid
+        self._window = window or Window(grid.shape)
         self.law = law
         self.solid = make_operator(grid, np.float64)
         self._single = make_operator(grid, np.float32)
-        self._passes = passes_of(law, self.solid.largest)
+        self._passes = passes_of(law, self.solid.largest, window)
         self._linearised = LinearisedContact(self._single, shift)
         self._traction = np.empty(grid.shape)
         self.curvature = np.empty(grid.shape, np.float32)
@@ -141,7 +152,7 @@ class AdhesiveContact:
         The mean gap then has negative curvature and a gradient outwards, and both persist at any larger gap.
         """
         tension = self.solid.mean_stiffness == 0 and state.total < 0
-        return tension and bool(gap.min() > self.law.peak_distance)
+        return tension and bool(self._window.inside(gap).min() > self.law.peak_distance)
 
     def _newton_step(self, fading: float, largest: float) -> tuple[float, bool]:
         """Leave a step in ``_linearised.solution``; returns the fading it took, and if that had to be raised."""

@@ -1,21 +1,30 @@
 """Checks of the arguments that both solvers share."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from contact_study.fields.arguments import check_control
 from contact_study.fields.grid import Grid
 
 
-def check_arguments(height: np.ndarray, grid: Grid, control: str, tolerance: float, max_iterations: int) -> None:
+def check_arguments(
+    height: np.ndarray,
+    grid: Grid,
+    control: str,
+    tolerance: float,
+    max_iterations: int,
+    controls: Sequence[str] = ("pressure", "gap"),
+) -> None:
     """Make sure that a solver can begin.
 
     Raises
     ------
     ValueError
-        If the heights do not fit the grid or are not finite, ``control`` is unknown, or a limit is not positive.
+        If the heights do not fit the grid or are not numbers, ``control`` is unknown, or a limit is not positive.
     """
     if height.shape != grid.shape:
         raise ValueError(f"height has shape {height.shape}, the grid {grid.shape}")
     if not np.all(np.isfinite(height)):
         raise ValueError("height is not finite everywhere")
-    check_control(control, tolerance, max_iterations)
+    check_control(control, tolerance, max_iterations, controls)

@@ -5,6 +5,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from bem_adhesion.free_contact import FreeContact
 from bem_adhesion.hard_wall import HardWallContact
 from bem_adhesion.loading import LoadedContact
 from bem_adhesion.solution import Solution
@@ -32,6 +33,7 @@ def rough_contact(
     tolerance: float | None = None,
     max_iterations: int | None = None,
     threads: int = 1,
+    boundary: str = "periodic",
 ) -> Contact:
     """The contact of a rigid rough surface with an elastic solid, by the solver that its law asks for.
 
@@ -45,12 +47,16 @@ def rough_contact(
         The solid; a number is the contact modulus E* = E / (1 − ν²) of a half-space (Pa).
     law : TractionLaw
         How the surfaces interact.
-    control : {"pressure", "gap"}
-        What a step prescribes: the mean pressure (Pa), or the mean gap less the law's equilibrium distance (m).
+    control : {"pressure", "gap", "approach"}
+        What a step prescribes: the mean pressure (Pa), or the mean gap less the law's equilibrium distance (m), or,
+        with free boundaries, how far the half-space comes beyond the place where it would first touch (m), see
+        :class:`FreeContact`.
     tolerance, max_iterations : optional
         As the solvers' own: :class:`HardWallContact`, :class:`LoadedContact`.
     threads : int, optional
         Threads of the transforms.
+    boundary : {"periodic", "free"}, optional
+        Whether surface and solid go on periodically, or the surface ends with its heights and a half-space goes on.
 
     Raises
     ------
@@ -77,6 +83,10 @@ def rough_contact(
         raise ValueError(
             f"law = {law!r}: must be a law such as LennardJones104(work_of_adhesion, length) or HardWall()"
         )
+    if boundary not in ("periodic", "free"):
+        raise ValueError(f"boundary = {boundary!r}: must be 'periodic' or 'free'")
+    if boundary == "free":
+        return FreeContact(heights, grid, elasticity, law, **options)
     if not law.attracts and law.has_wall:
         return HardWallContact(heights, grid, elasticity, **options)
     return LoadedContact(heights, grid, elasticity, law, **options)

@@ -32,7 +32,8 @@ class HardWallContact:
     Parameters
     ----------
     height : numpy.ndarray, shape grid.shape
-        Heights of the rigid surface, toward the block (m); their mean is of no consequence.
+        Heights of the rigid surface, toward the block (m); their mean is of no consequence. Minus infinity is a point
+        without a surface, see :class:`~bem_adhesion.free_contact.FreeContact`.
     grid : Grid
         The periodic grid; any shape. Shapes that can be halved converge in half the time.
     elasticity : Elasticity or float
@@ -64,17 +65,21 @@ class HardWallContact:
         max_iterations: int = 200,
         threads: int = 1,
     ):
-        check_arguments(height, grid, control, tolerance, max_iterations)
+        check_arguments(np.where(np.isneginf(height), 0.0, height), grid, control, tolerance, max_iterations)
         self.control = control
         self.tolerance = tolerance
         self.max_iterations = max_iterations
         self.elasticity = elasticity_of(elasticity)
         self.grid = grid
         self._height = height
-        mean_free = height - height.mean()
-        self._mean_height = float(height.mean())
-        self._rms_height = float(np.sqrt(np.mean(mean_free**2)))
-        self._flat = self._rms_height <= np.finfo(float).eps * np.abs(height).max()
+        present = height[np.isfinite(height)]
+        self._bounded = present.size == height.size
+        self._mean_height = float(present.mean())
+        mean_free = height - self._mean_height
+        self._rms_height = float(np.sqrt(np.mean((present - self._mean_height) ** 2)))
+        self._flat = self._rms_height <= np.finfo(float).eps * np.abs(present).max()
+        if self._flat and not self._bounded:
+            raise ValueError("height: a flat punch with free boundaries has no height to measure errors by")
         if not self._flat:
             period = max(grid.size)
             modulus = self.elasticity.contact_modulus
@@ -119,10 +124,13 @@ class HardWallContact:
         if self._flat:
             return self._solution(np.full(self.grid.shape, mean_pressure), np.zeros(self.grid.shape))
         if mean_pressure == 0:
-            return self._solution(np.zeros(self.grid.shape), self._height.max() - self._height)
+            flat = np.full(self.grid.shape, self._height.max())
+            return self._solution(
+                np.zeros(self.grid.shape), flat - self._height, surface=None if self._bounded else flat
+            )
         level, load = self._level, mean_pressure / self._pressure_unit
         before = level.equivalent_pairs(level.grid)
-        full_contact = False
+        full_contact, surface = False, None
         if _similar(state, mean_pressure):
             level.start_from(state, load)
         else:
@@ -134,8 +142,11 @@ class HardWallContact:
             residual, iterations, outcome = level.solve(load, self.tolerance, self.max_iterations)
             gap = level.gap()
             gap *= self._rms_height
+            if not self._bounded:
+                surface = level.surface() * self._rms_height + self._mean_height
         pairs = level.equivalent_pairs(level.grid) - before
-        return self._solution(level.pressure * self._pressure_unit, gap, residual, iterations, pairs, outcome)
+        pressure = level.pressure * self._pressure_unit
+        return self._solution(pressure, gap, residual, iterations, pairs, outcome, surface)
 
     def _at_gap(self, state: np.ndarray, mean_gap: float) -> Solution:
         """Found as the pressure that leaves that gap."""
@@ -175,8 +186,9 @@ class HardWallContact:
         iterations: int = 0,
         pairs: float = 0.0,
         outcome: Outcome = Outcome.CONVERGED,
+        surface: np.ndarray | None = None,
     ) -> Solution:
-        displacement = self._height + gap
+        displacement = self._height + gap if surface is None else surface
         work = np.vdot(pressure, displacement) / self.grid.points
         elastic_energy = 0.5 * float(work - pressure.mean() * displacement.mean())
         elastic_energy += self.elasticity.compression_energy(float(pressure.mean()))

@@ -14,6 +14,7 @@ from scipy.optimize import brentq
 
 from bem_adhesion.adhesive import NewtonResult
 from bem_adhesion.arguments import check_arguments
+from bem_adhesion.free_boundary import FreeHalfSpace, Window
 from bem_adhesion.multilevel import MultilevelContact
 from bem_adhesion.operator import periodic
 from bem_adhesion.solution import Outcome, Solution
@@ -77,9 +78,9 @@ class LoadedContact:
         The solid; a number is the contact modulus E* = E / (1 − ν²) of a half-space (Pa).
     law : TractionLaw
         The law of interaction.
-    control : {"pressure", "gap"}
+    control : {"pressure", "gap", "approach"}
         What a step prescribes. A prescribed mean gap is held by a stiff spring whose end is moved until the mean gap
-        is met: the contact itself stays soft and may jump inside.
+        is met: the contact itself stays soft and may jump inside. An approach is that of :class:`FreeContact` alone.
     tolerance : float, optional
         Largest max|K w + φ'(d) + p| / E* of a solution; under gap control also the largest error of the mean gap in
         units of the law's length.
@@ -87,6 +88,8 @@ class LoadedContact:
         Newton iterations of one step before it is flagged.
     threads : int, optional
         Threads of the transforms.
+    window : Window, optional
+        Of free boundaries: where there is a surface. The heights around it have no meaning.
 
     Raises
     ------
@@ -104,8 +107,10 @@ class LoadedContact:
         tolerance: float = 1e-8,
         max_iterations: int = 2000,
         threads: int = 1,
+        window: Window | None = None,
     ):
-        check_arguments(height, grid, control, tolerance, max_iterations)
+        controls = ("pressure", "gap") if window is None else ("pressure", "approach")
+        check_arguments(height, grid, control, tolerance, max_iterations, controls)
         self.height = height
         self.elasticity = elasticity_of(elasticity)
         self.law = law
@@ -117,15 +122,24 @@ class LoadedContact:
         self._law = law.scaled(self._length, self.elasticity.contact_modulus)
         self._height = height / self._length
         self._grid = Grid(grid.shape, (grid.size[0] / self._length, grid.size[1] / self._length))
+        self._window = window or Window(grid.shape)
         solid = self.elasticity.scaled(self._length, self.elasticity.contact_modulus)
-        typical_stiffness = float(solid.stiffness(typical_wavenumber(self._height, self._grid)))
+        typical_stiffness = float(solid.stiffness(self._typical_wavenumber()))
         # What does not soften has no tail: the shift then only has to tell points that touch from those that do not.
         softening = self._law.strongest_softening or self._law.equilibrium_stiffness
         shift = PRECONDITIONER_SHIFT * np.sqrt(softening * typical_stiffness)
-        # As stiff as the solid at its stiffest wave: stiffer would only spread the spectrum of the operator.
-        self._spring = float(solid.stiffness_on(self._grid).max()) if control == "gap" else 0.0
-        self._contact = MultilevelContact(self._grid, periodic(solid, self._spring, threads), self._law, shift)
+        self._spring = 0.0
+        if control == "gap":
+            # As stiff as the solid at its stiffest wave: stiffer would only spread the spectrum of the operator.
+            self._spring = float(solid.stiffness_on(self._grid).max())
+        elif isinstance(solid, FreeHalfSpace) and control == "approach":
+            self._spring = solid.mean_stiffness(self._grid)
+        self._contact = MultilevelContact(self._grid, periodic(solid, self._spring, threads), self._law, shift, window)
         self._flattening = self._contact.finest.elastic_pressure(self._height).copy()
+
+    def _typical_wavenumber(self) -> float:
+        inside, (dy, dx) = self._window.inside(self._height), self._grid.spacing
+        return typical_wavenumber(inside, Grid(inside.shape, (inside.shape[0] * dy, inside.shape[1] * dx)))
 
     def separated(self) -> np.ndarray:
         """Displacement of the flat block just out of reach of the law (m)."""
@@ -139,7 +153,8 @@ class LoadedContact:
         state : numpy.ndarray, shape grid.shape
             ``Solution.state`` of an earlier step, or :meth:`separated`: a displacement (m).
         target : float
-            Mean pressure (Pa) or mean gap above the law's equilibrium distance (m), as ``control`` says.
+            Mean pressure (Pa) or mean gap above the law's equilibrium distance (m), as ``control`` says; of an
+            approach the position of the undeformed surface (m).
 
         Raises
         ------
@@ -148,21 +163,24 @@ class LoadedContact:
         """
         check_step(self.control, target, state, self.height.shape)
         gap = state / self._length - self._height
+        over_surface = self._window.inside(gap)
         if self.law.has_wall:
             # Points that touch, and the rounding of a displacement that was stored and read.
-            gap[np.abs(gap) <= TOUCHING * np.abs(self._height).max()] = 0.0
-            if gap.min() < 0:
+            over_surface[np.abs(over_surface) <= TOUCHING * np.abs(self._height).max()] = 0.0
+            if over_surface.min() < 0:
                 raise ValueError("the state to start from has gaps < 0")
-        elif self.law.diverges and not gap.min() > 0:
+        elif self.law.diverges and not over_surface.min() > 0:
             raise ValueError("the state to start from has gaps <= 0")
         # Rounding of a displacement that was stored and read is less than this.
-        out_of_reach = gap.min() > (1 - 1e-6) * self._reach / self._length
+        out_of_reach = over_surface.min() > (1 - 1e-6) * self._reach / self._length
         before = self._contact.equivalent_pairs(self._grid)
         if self.control == "gap":
             mean_gap = target / self._length + self._law.equilibrium_distance
             if out_of_reach:  # nothing deforms the block on its way
                 gap += max(mean_gap - gap.mean(), 0.0)
             result = self._hold(gap, mean_gap, out_of_reach)
+        elif self.control == "approach":
+            result = self._solve(gap, -self._spring * target / self._length, out_of_reach)
         elif out_of_reach and target <= 0:
             return self._apart(Outcome.APART)
         else:
@@ -219,7 +237,8 @@ class LoadedContact:
         gap = result.gap * self._length
         displacement = self.height + gap
         pressure = np.empty_like(gap)
-        interaction = passes_of(self.law).evaluate(gap, pressure, np.empty(gap.shape, np.float32)) / gap.size
+        passes = passes_of(self.law, window=self._window)
+        interaction = passes.evaluate(gap, pressure, np.empty(gap.shape, np.float32)) / gap.size
         np.negative(pressure, out=pressure)
         pressure += result.reaction * self.elasticity.contact_modulus
         # In equilibrium K w is the interface pressure less its mean: ½<w, K w> without another transform.

@@ -17,6 +17,7 @@ import numpy as np
 from numba import njit
 
 from bem_adhesion.adhesive import AdhesiveContact, NewtonResult
+from bem_adhesion.free_boundary import Window
 from bem_adhesion.operator import MakeOperator
 from bem_adhesion.solution import Outcome
 from contact_study.fields.fourier import interpolate
@@ -66,14 +67,22 @@ class MultilevelContact:
     Parameters as for :class:`AdhesiveContact`.
     """
 
-    def __init__(self, grid: Grid, make_operator: MakeOperator, law: TractionLaw, shift: float):
-        self.finest = AdhesiveContact(grid, make_operator, law, shift)
+    def __init__(
+        self,
+        grid: Grid,
+        make_operator: MakeOperator,
+        law: TractionLaw,
+        shift: float,
+        window: Window | None = None,
+    ):
+        self.finest = AdhesiveContact(grid, make_operator, law, shift, window)
         self.points_per_process_zone = process_zone(1.0, law) / max(grid.spacing)
         self.coarser: MultilevelContact | None = None
         half = grid.with_shape((grid.shape[0] // 2, grid.shape[1] // 2))
         even = grid.shape[0] % 2 == 0 and grid.shape[1] % 2 == 0
         if even and min(half.shape) >= FEWEST_POINTS and self.points_per_process_zone >= 2 * POINTS_FOR_PREDICTION:
-            self.coarser = MultilevelContact(half, make_operator, law, shift)
+            coarse_window = None if window is None else window.halved
+            self.coarser = MultilevelContact(half, make_operator, law, shift, coarse_window)
 
     def equivalent_pairs(self, grid: Grid) -> float:
         """Transform pairs done so far on all grids, as float64 pairs on ``grid``."""

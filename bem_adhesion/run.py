@@ -1,6 +1,7 @@
 """The continuum model as a campaign runs it, and its command ``bem-adhesion``."""
 
 import math
+import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 
@@ -181,18 +182,35 @@ def solve_path(
         solver.tolerance,
         solver.max_iterations,
         max(1, solver.threads),
+        case.elasticity.boundary,
     )
     state = contact.separated() if restart is None else restart["state"]
     for value, _ in case.path[start:]:
         solution = contact.step(state, value)
         state = solution.state
-        yield _state(case, solution)
+        found = _state(case, solution)
+        if case.elasticity.boundary == "free" and _at_rim(found.contact):
+            warnings.warn(
+                'elasticity.boundary = "free": contact reaches the rim of the surface; what would touch beyond it is '
+                "missing: a larger surface.size has it",
+                stacklevel=2,
+            )
+        yield found
+
+
+def _at_rim(contact: np.ndarray) -> bool:
+    """Whether a point of the first or last row or column is in contact."""
+    return bool(contact[[0, -1]].any() or contact[:, [0, -1]].any())
 
 
 def _state(case: Case, solution: Solution) -> InterfaceState:
     gap, pressure = solution.gap, solution.pressure
-    # Nothing slides: all that parts mean gap and separation is the uniform compression of a layer.
-    separation = float(np.mean(gap)) - case.law.equilibrium_distance - case.solid.compression(float(np.mean(pressure)))
+    if solution.plane is None or solution.detached:
+        # Nothing slides: all that parts mean gap and separation is the uniform compression of a layer.
+        separation = float(np.mean(gap)) - case.solid.compression(float(np.mean(pressure)))
+    else:  # heights have no mean
+        separation = solution.plane
+    separation -= case.law.equilibrium_distance
     return InterfaceState(
         gap=gap,
         pressure=pressure,

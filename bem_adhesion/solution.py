@@ -52,6 +52,8 @@ class Solution:
     complementarity_residual : float or None
         Attraction outside a wall: the largest pull that touching points would need of the wall, over E*; where there is
         a gap the wall carries nothing.
+    plane : float or None
+        Free boundaries: where the block's surface would be undeformed, in the coordinate of the heights (m).
     """
 
     state: np.ndarray
@@ -65,6 +67,7 @@ class Solution:
     fft_pairs: float
     outcome: Outcome
     complementarity_residual: float | None = None
+    plane: float | None = None
 
     @property
     def converged(self) -> bool:

@@ -10,7 +10,9 @@ equilibrium of the free points and the sign of the reaction to the tolerance.
 import numpy as np
 from numba import njit
 
+from bem_adhesion.free_boundary import Window
 from bem_adhesion.law_passes import CAUTION, LawPasses, LennardJones104Passes
+from bem_adhesion.window_passes import WindowPasses
 from contact_study.problem.laws.base import TractionLaw
 from contact_study.problem.laws.exponential import Exponential
 from contact_study.problem.laws.lennard_jones_10_4 import LennardJones104
@@ -107,8 +109,23 @@ class ExponentialPasses(WallPasses):
         return float(_exponential(*flat))
 
 
-def passes_of(law: TractionLaw, largest: float = 1.0) -> LawPasses:
-    """The passes of a law, compiled ones where there are any, on a solid of that largest stiffness (Pa/m)."""
+def passes_of(law: TractionLaw, largest: float = 1.0, window: Window | None = None) -> LawPasses:
+    """The passes of a law, compiled ones where there are any.
+
+    Parameters
+    ----------
+    law : TractionLaw
+        The law.
+    largest : float, optional
+        Largest stiffness of the elastic solid (Pa/m).
+    window : Window, optional
+        Where on the grid there is a surface; everywhere without one.
+    """
+    passes = _passes_of(law, largest)
+    return passes if window is None else WindowPasses(passes, window)
+
+
+def _passes_of(law: TractionLaw, largest: float) -> LawPasses:
     if isinstance(law, LennardJones104):
         return LennardJones104Passes(law)
     if isinstance(law, Exponential):

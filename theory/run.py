@@ -57,9 +57,11 @@ def check(case: Case) -> None:
     Raises
     ------
     InputError
-        If the surface is flat, or the analytic spectrum is asked of a surface that has none.
+        If the surface is flat, the boundaries are free, or the analytic spectrum is asked of a surface that has none.
     """
     kind = case.surface.kind
+    if case.elasticity.boundary != "periodic":
+        raise InputError(f'elasticity.boundary = "{case.elasticity.boundary}": theories of roughness know no boundary')
     if not case.surface.rough:
         raise InputError(f'surface.kind = "{kind}": a theory of roughness needs a rough surface')
     if case.surface.target_spectrum is None and "analytic" in case.theory.spectra:

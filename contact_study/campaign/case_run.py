@@ -112,7 +112,8 @@ def _check_height_map(job: Job) -> None:
 def _point(case: Case, number: int) -> str:
     """A point of the path in the unit that the study is written in."""
     name, size = case.loading.unit
-    return f"{'' if case.loading.control == 'pressure' else 'gap '}{case.path[number][0] / size:.6g} {name}"
+    what = "" if case.loading.control == "pressure" else f"{case.loading.control} "
+    return f"{what}{case.path[number][0] / size:.6g} {name}"
 
 
 def _completed(case: Case, number: int, step: Step, seconds: float, started: Mapping[str, Value]) -> Step:

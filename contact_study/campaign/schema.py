@@ -81,6 +81,9 @@ COORDINATES: dict[str, Variable] = {
         "1", "metastable branch on either side of the equilibrium", ("metastable_branch",), kind="text"
     ),
     "applied_pressure": Variable("Pa", "prescribed mean pressure"),
+    "applied_approach": Variable(
+        "m", "prescribed approach of the undeformed surface beyond first touch, at the law's equilibrium distance"
+    ),
     "applied_gap": Variable(
         "m", "prescribed distance less the equilibrium distance: mean gap (atoms: mean separation)"
     ),

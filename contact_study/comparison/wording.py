@@ -59,11 +59,14 @@ def pressure(value: float) -> str:
     return f"{number(value / unit.size, 6)} {unit.name}"
 
 
+PRESCRIBED = {"pressure": "p", "gap": "ū", "approach": "δ"}
+"""Symbol of what a path prescribes."""
+
+
 def control_unit(models: Mapping[str, xr.Dataset], control: str) -> Unit:
     """The unit of what was prescribed, for a whole study."""
-    if control == "gap":
-        return length_unit(max(float(np.abs(dataset["applied_gap"]).max()) for dataset in models.values()))
-    return pressure_unit(max(float(np.abs(dataset["applied_pressure"]).max()) for dataset in models.values()))
+    largest = max(float(np.abs(dataset[f"applied_{control}"]).max()) for dataset in models.values())
+    return pressure_unit(largest) if control == "pressure" else length_unit(largest)
 
 
 def listed(words: Iterable[str], last: str = "and") -> str:

@@ -30,10 +30,12 @@ def positive(name: str, value: object, unit: str) -> float:
     return number
 
 
-def check_control(control: str, tolerance: float, max_iterations: int) -> None:
+def check_control(
+    control: str, tolerance: float, max_iterations: int, controls: Sequence[str] = ("pressure", "gap")
+) -> None:
     """Make sure that a solver knows what it is to hold and when to stop; raises ValueError otherwise."""
-    if control not in ("pressure", "gap"):
-        raise ValueError(f"control = {control!r}: must be 'pressure' or 'gap'")
+    if control not in controls:
+        raise ValueError(f"control = {control!r}: must be {' or '.join(map(repr, controls))}")
     positive("tolerance", tolerance, "units of the scale that the solver names")
     positive("max_iterations", max_iterations, "iterations")
 

@@ -66,6 +66,8 @@ def _ranges(case: Case, scales: SurfaceScales) -> tuple[float, float, float]:
     gap = 1.1 * scales.peak_to_valley + 4 * case.contact_distance
     if case.loading.control == "gap":
         gap += max(case.loading.path)
+    elif case.loading.control == "approach":
+        gap += max(0.0, -min(case.loading.path))
     return tension, compression, gap or 1.0
 
 

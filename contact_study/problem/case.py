@@ -49,6 +49,12 @@ class Case:
                 f"loading.path: {min(self.loading.path):g} Pa cannot be carried by {self.law.words}; "
                 "give positive pressures"
             )
+        free = self.elasticity.boundary == "free"
+        if self.loading.control == ("gap" if free else "approach"):
+            raise InputError(
+                f'loading.control = "{self.loading.control}": elasticity.boundary = "{self.elasticity.boundary}" takes '
+                f'"pressure" or "{"approach" if free else "gap"}"'
+            )
         lowest_gap = min(self.loading.path) + self.law.equilibrium_distance
         # Only a wall can be met everywhere, at a mean gap of zero.
         if self.loading.control == "gap" and (lowest_gap < 0 or (lowest_gap == 0 and not self.law.has_wall)):

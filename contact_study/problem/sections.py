@@ -39,9 +39,10 @@ class LoadingSection:
 
     path: tuple[float, ...] = key(
         sequence((lambda value, name: value, "pressures or gaps")),
-        "pressures (control = pressure, Pa) or mean gaps above equilibrium (control = gap, m), in any order",
+        "pressures (control = pressure, Pa), mean gaps above equilibrium (control = gap, m) or approaches beyond first "
+        "touch (control = approach, m; free boundaries), in any order",
     )
-    control: str = key(choice("pressure", "gap"), "what is prescribed", "pressure")
+    control: str = key(choice("pressure", "gap", "approach"), "what is prescribed", "pressure")
     unload: bool = key(flag(), "go back through the path after its last point", False)
 
     def __post_init__(self):

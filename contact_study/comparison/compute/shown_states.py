@@ -14,7 +14,7 @@ from contact_study.comparison.compute.cases import (
     sweep_points,
 )
 from contact_study.comparison.compute.scales import Scales, common_scales, scales
-from contact_study.comparison.wording import length, number, pressure
+from contact_study.comparison.wording import PRESCRIBED, length, number, pressure
 from contact_study.problem.path_points import PathPoint
 
 # p/E* of figures 1b and 2b of Yang et al., EPL 84, 46004 (2008); their panels a state none.
@@ -102,8 +102,8 @@ def point_label(named: PathPoint, units: Scales, control: str) -> str:
     """A point of the path of one point of the sweep, in the figures' units."""
     if control == "pressure":
         return f"p/E* = {number(_value(named) / units.contact_modulus, 4)}"
-    symbol = "ū/h_rms" if units.rough else "ū/nm"
-    return f"{symbol} = {number(_value(named) / units.rms_height, 3)}"
+    symbol = "h_rms" if units.rough else "nm"
+    return f"{PRESCRIBED[control]}/{symbol} = {number(_value(named) / units.rms_height, 3)}"
 
 
 def common_label(models: Mapping[str, xr.Dataset], named: PathPoint, control: str) -> str:
@@ -111,7 +111,8 @@ def common_label(models: Mapping[str, xr.Dataset], named: PathPoint, control: st
     one_modulus, one_height = common_scales(models)
     if one_modulus if control == "pressure" else one_height:
         return point_label(named, scales(models, sweep_points(models)[0]), control)
-    return f"p = {pressure(_value(named))}" if control == "pressure" else f"ū = {length(_value(named))}"
+    value = _value(named)
+    return f"{PRESCRIBED[control]} = {pressure(value) if control == 'pressure' else length(value)}"
 
 
 def state_label(point: SweepPoint, words: str) -> str:

@@ -98,7 +98,15 @@ def _block(cases: Sequence[Case]) -> str:
         f"Elastic, {solid}E = {over(cases, lambda case: _modulus(case.material.youngs_modulus))}, "
         f"ν = {over(cases, lambda case: f'{case.material.poissons_ratio:g}')}, hence contact modulus "
         f"E* = E/(1 − ν²) = {over(cases, lambda case: _modulus(case.material.contact_modulus))}."
+        + _boundary({case.elasticity.boundary for case in cases})
     )
+
+
+def _boundary(boundaries: set[str]) -> str:
+    if boundaries == {"periodic"}:
+        return ""
+    free = " The surface ends with its cell and the block goes on: free boundaries"
+    return f"{free}." if boundaries == {"free"} else f"{free}, or both are repeated, as `boundary` says."
 
 
 def _without_adhesion(inputs: Inputs, law: type[TractionLaw]) -> str:

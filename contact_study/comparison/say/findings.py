@@ -12,7 +12,7 @@ from contact_study.comparison.compute.scales import Scales, scales
 from contact_study.comparison.models import entry_of, spectrum_of
 from contact_study.comparison.read.datasets import Inputs
 from contact_study.comparison.read.path_points import samples_in, usable
-from contact_study.comparison.wording import listed, number, percent, percent_of
+from contact_study.comparison.wording import PRESCRIBED, listed, number, percent, percent_of
 from contact_study.plots.units import length_unit, pressure_unit
 from contact_study.problem.path_points import PathPoint
 
@@ -83,7 +83,7 @@ def _over_states(dataset: xr.Dataset, name: str, points: list[SweepPoint], scale
             continue
         lead = samples_in(part[name])
         array = part[name].transpose(*lead, "step").values / scale[point.label]
-        path = case_points(part, "pressure" if "applied_pressure" in part.coords else "gap")
+        path = case_points(part, _control(part))
         for index in zip(*np.nonzero(np.isfinite(array)), strict=True):
             seed = "".join(f"{dim.replace('_', ' ')} {part[dim].values[index[0]]}, " for dim in lead)
             label = f"{point.label}, " if point.label else ""
@@ -96,14 +96,19 @@ def _over_states(dataset: xr.Dataset, name: str, points: list[SweepPoint], scale
     return Spread(len(found), float(np.median(np.abs(found))), found[low], found[high], places[low], places[high])
 
 
+def _control(part: xr.Dataset) -> str:
+    """What was prescribed on the path of a dataset."""
+    return next(control for control in PRESCRIBED if f"applied_{control}" in part.coords)
+
+
 def _point_words(part: xr.Dataset, named: PathPoint | None) -> str:
     """A point of the path: its prescribed value, and what tells it from another visit of the same value."""
     assert named is not None
     value, branch, visits = float(named[0]), named[1], named[2]
-    if "applied_pressure" in part.coords:
-        unit, symbol = pressure_unit(float(np.abs(part["applied_pressure"]).max())), "p"
-    else:
-        unit, symbol = length_unit(float(np.abs(part["applied_gap"]).max())), "ū"
+    control = _control(part)
+    largest = float(np.abs(part[f"applied_{control}"]).max())
+    unit = pressure_unit(largest) if control == "pressure" else length_unit(largest)
+    symbol = PRESCRIBED[control]
     again = f", visit {visits + 1}" if visits else ""
     return f"{symbol} = {number(value / unit.size, 5)} {unit.name}{' on unloading' if branch else ''}{again}"
 

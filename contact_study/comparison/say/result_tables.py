@@ -11,7 +11,7 @@ from contact_study.comparison.compute.scales import Scales, scales
 from contact_study.comparison.models import entry_of
 from contact_study.comparison.say.findings import AREA, GAP, Spread, on_shared_states, split_pair, spread
 from contact_study.comparison.say.tables import NOTHING, Table
-from contact_study.comparison.wording import control_unit, fixed, number, percent, percent_of, with_error
+from contact_study.comparison.wording import PRESCRIBED, control_unit, fixed, number, percent, percent_of, with_error
 from contact_study.plots.units import Unit
 from contact_study.problem.path_points import PathPoint
 
@@ -42,7 +42,8 @@ def _union_of_paths(parts: Mapping[str, xr.Dataset], control: str) -> list[PathP
 
 
 def _point_header(control: str, unit: Unit, gaps: str) -> list[str]:
-    return [f"p ({unit.name})", "p/E*"] if control == "pressure" else [f"ū ({unit.name})", f"ū ({gaps})"]
+    symbol = PRESCRIBED[control]
+    return [f"{symbol} ({unit.name})", "p/E*" if control == "pressure" else f"{symbol} ({gaps})"]
 
 
 def _point_cells(named: PathPoint, unit: Unit, scale: Scales, control: str) -> list[str]:

@@ -8,7 +8,8 @@ import numpy as np
 
 from contact_study.fields.arguments import positive
 from contact_study.fields.grid import Grid
-from contact_study.problem.keys import key, text
+from contact_study.problem.errors import InputError
+from contact_study.problem.keys import choice, key, text
 from contact_study.problem.sections import MaterialSection
 
 
@@ -79,11 +80,26 @@ class ElasticitySection(ABC):
     ----------
     words : str
         The solid in a sentence, before its constants; a name in braces is replaced by the values of that key.
+    may_be_free : bool
+        Whether its surface may go on beyond the rigid one instead of being repeated with it.
     """
 
     words: ClassVar[str]
+    may_be_free: ClassVar[bool] = False
 
     kind: str = key(text(), "what solid the block is", "half_space")
+    boundary: str = key(
+        choice("periodic", "free"),
+        "whether surface and block are repeated, or the surface ends with its cell and the block goes on (continuum)",
+        "periodic",
+    )
+
+    def __post_init__(self) -> None:
+        if self.boundary == "free" and not self.may_be_free:
+            raise InputError(
+                f'elasticity.boundary = "free": known of kind = "half_space" only, not of "{self.kind}"; '
+                'use boundary = "periodic"'
+            )
 
     @abstractmethod
     def solid(self, material: MaterialSection) -> Elasticity:

@@ -25,6 +25,7 @@ class HalfSpaceSection(ElasticitySection):
     """The default, which needs no key."""
 
     words = ""
+    may_be_free = True
 
     def solid(self, material: MaterialSection) -> HalfSpace:
         return HalfSpace(material.contact_modulus)

@@ -1,0 +1,155 @@
+"""Contact of a half-space with a rigid surface of finite extent, by the periodic solvers on a padded grid."""
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from scipy.optimize import brentq
+
+from bem_adhesion.free_boundary import FreeHalfSpace, Window, padded_grid
+from bem_adhesion.hard_wall import HardWallContact
+from bem_adhesion.loading import LoadedContact
+from bem_adhesion.solution import Solution
+from contact_study.fields.grid import Grid
+from contact_study.problem.elasticity import Elasticity, elasticity_of
+from contact_study.problem.elasticity.half_space import HalfSpace
+from contact_study.problem.laws.base import TractionLaw
+
+# A force is looked for from this share of E* × the extent on, and not below this share of it.
+_FIRST_PRESSURE, _LEAST_PRESSURE = 1e-3, 1e-15
+
+
+class FreeContact:
+    """One rough surface of finite extent against a half-space, to be solved at any number of loads.
+
+    Parameters
+    ----------
+    height : numpy.ndarray, shape grid.shape
+        Heights of the rigid surface, toward the half-space (m); beyond the grid there is none.
+    grid : Grid
+        Its points; they stand for the cells around them.
+    elasticity : Elasticity or float
+        A half-space, or its contact modulus (Pa).
+    law : TractionLaw
+        The law of interaction.
+    control : {"pressure", "approach"}
+        What a step prescribes: force over the area of the grid (Pa), or how far the half-space has come beyond the
+        place where, undeformed, its surface has the law's equilibrium distance to the highest point (m).
+    **options
+        As the solvers' own: :class:`HardWallContact`, :class:`LoadedContact`.
+
+    Raises
+    ------
+    ValueError
+        If the solid is no half-space or the control is another.
+    """
+
+    def __init__(
+        self,
+        height: np.ndarray,
+        grid: Grid,
+        elasticity: Elasticity | float,
+        law: TractionLaw,
+        control: str = "pressure",
+        **options: Any,
+    ):
+        solid = elasticity_of(elasticity)
+        if type(solid) is not HalfSpace:
+            raise ValueError(f"elasticity = {solid!r}: free boundaries are those of a half-space")
+        if control not in ("pressure", "approach"):
+            raise ValueError(f"control = {control!r}: with free boundaries 'pressure' or 'approach'")
+        self.height = height
+        self.law = law
+        self.control = control
+        self._window = Window(grid.shape)
+        self._grid = padded_grid(grid)
+        self._size = max(grid.size)
+        self._modulus = solid.contact_modulus
+        free = FreeHalfSpace(solid.contact_modulus)
+        self._mean_stiffness = free.mean_stiffness(self._grid)
+        self._share = grid.points / self._grid.points
+        self._closest = float(height.max()) + law.equilibrium_distance
+        self._wall: HardWallContact | None = None
+        if law.has_wall and not law.attracts:
+            self._wall = HardWallContact(self._window.padded(height, self._grid, -np.inf), self._grid, free, **options)
+        else:
+            heights = self._window.padded(height, self._grid, float(height.min()))
+            self._law = LoadedContact(heights, self._grid, free, law, control, window=self._window, **options)
+
+    def separated(self) -> np.ndarray:
+        """The state of surfaces out of reach of each other, on the padded grid."""
+        return self._wall.separated() if self._wall else self._law.separated()
+
+    def step(self, state: np.ndarray, target: float) -> Solution:
+        """The state that follows from one under a new load.
+
+        Parameters
+        ----------
+        state : numpy.ndarray, shape (2 ny, 2 nx)
+            ``Solution.state`` of an earlier step, or :meth:`separated`.
+        target : float
+            Mean pressure (Pa) or approach (m), as ``control`` says.
+
+        Returns
+        -------
+        Solution
+            Fields on the grid of the surface, the state on the padded one; ``plane`` is where the half-space's
+            surface would be undeformed.
+        """
+        if self.control == "pressure":
+            solver = self._wall or self._law
+            return self._cropped(solver.step(state, target * self._share))
+        if self._wall:
+            return self._pressed_to(self._wall, state, target)
+        return self._cropped(self._law.step(state, self._closest - target))
+
+    def _pressed_to(self, wall: HardWallContact, state: np.ndarray, approach: float) -> Solution:
+        """Of a wall the force that brings about an approach, found by its logarithm: it grows steadily with it."""
+        if not np.isfinite(approach):
+            raise ValueError(f"target = {approach:g}: must be finite")
+        if approach <= 0:
+            touching = self._cropped(wall.step(wall.separated(), 0.0))
+            apart = -approach
+            displacement = touching.displacement + apart
+            return replace(touching, displacement=displacement, gap=touching.gap + apart, plane=self._closest + apart)
+        start, pairs = state, 0.0
+
+        def at(log_pressure: float) -> Solution:
+            nonlocal start, pairs
+            found = wall.step(start, float(np.exp(log_pressure)))
+            start, pairs = found.state, pairs + found.fft_pairs
+            return self._cropped(found)
+
+        def excess(log_pressure: float) -> float:
+            found = at(log_pressure)
+            assert found.plane is not None  # of every state with free boundaries
+            difference = self._closest - found.plane - approach
+            return difference if abs(difference) > wall.tolerance * approach else 0.0
+
+        unit = self._modulus * self._share
+        low = high = np.log(max(_FIRST_PRESSURE * approach / self._size, _LEAST_PRESSURE) * unit)
+        while excess(low) > 0:
+            low -= 2.0
+        while excess(high) < 0:
+            high += 2.0
+        root = low if low == high else brentq(excess, low, high, xtol=1e-15, rtol=1e-14)
+        return replace(at(root), fft_pairs=pairs)
+
+    def _cropped(self, found: Solution) -> Solution:
+        inside = self._window.inside
+        gap, pressure, displacement = (
+            np.ascontiguousarray(inside(field)) for field in (found.gap, found.pressure, found.displacement)
+        )
+        mean_pressure = float(pressure.mean())
+        plane = float(found.displacement.mean()) - mean_pressure * self._share / self._mean_stiffness
+        # Half the work of the pressures, each point from the plane to where it is.
+        elastic = 0.5 * float(np.mean(pressure * (displacement - plane)))
+        return replace(
+            found,
+            displacement=displacement,
+            gap=gap,
+            pressure=pressure,
+            elastic_energy=elastic,
+            interaction_energy=found.interaction_energy / self._share,
+            plane=plane,
+        )

@@ -1,0 +1,58 @@
+"""A law that acts in a part of the grid only: around it there is no surface, hence no force and no limit to a step."""
+
+import numpy as np
+
+from bem_adhesion.free_boundary import Window
+from bem_adhesion.law_passes import LawPasses
+
+
+class WindowPasses(LawPasses):
+    """The passes of a law inside a window.
+
+    Parameters
+    ----------
+    inner : LawPasses
+        Those of the law.
+    window : Window
+        Where it acts.
+    """
+
+    def __init__(self, inner: LawPasses, window: Window):
+        super().__init__(inner.law)
+        self.margin = inner.margin
+        self._inner = inner
+        self._window = window
+
+    def evaluate(self, gap, traction, stiffness):
+        inside = np.ascontiguousarray(self._window.inside(gap))
+        own_traction, own_stiffness = np.empty_like(inside), np.empty(inside.shape, stiffness.dtype)
+        total = self._inner.evaluate(inside, own_traction, own_stiffness)
+        traction[...] = 0
+        stiffness[...] = 0
+        self._window.inside(traction)[...] = own_traction
+        self._window.inside(stiffness)[...] = own_stiffness
+        return total
+
+    def gradient(self, elastic, gap, traction, load, right_side, curvature):
+        result = self._inner.gradient(elastic, gap, traction, load, right_side, curvature)
+        # What the pass adds where points are out of balance is of the law; the padding is linear.
+        own_curvature = self._window.inside(curvature).copy()
+        curvature[...] = 0
+        self._window.inside(curvature)[...] = own_curvature
+        return result
+
+    def hold(self, curvature, step):
+        self._inner.hold(curvature, step)
+
+    def reaction(self, elastic, gap, traction, load):
+        return self._inner.reaction(elastic, gap, traction, load)
+
+    def imbalance(self, pressure, traction, gap):
+        return self._inner.imbalance(pressure, traction, gap)
+
+    def advance(self, gap, step, limit, out):
+        np.add(gap, step, out=out)
+        inside, own_step = (np.ascontiguousarray(self._window.inside(field)) for field in (gap, step))
+        moved = np.empty_like(inside)
+        self._inner.advance(inside, own_step, limit, moved)
+        self._window.inside(out)[...] = moved
