@@ -80,7 +80,7 @@ def _unresolved_law(study: Study, scales: Sequence[SurfaceScales]) -> list[str]:
     unresolved = []
     for case, scale in zip(study.cases, scales, strict=True):
         if case.law.attracts:
-            zone = process_zone(case.material.contact_modulus, case.law)
+            zone = process_zone(case.solid.contact_modulus, case.law)
             if scale.pixel * POINTS_PER_PROCESS_ZONE > zone:
                 unresolved.append((scale.pixel / zone, zone, case, scale))
             reach = max(zone, case.law.length)
@@ -139,7 +139,7 @@ def _fast(count: int) -> int:
 
 def constants(case: Case, surface: Surface) -> dict[str, Value]:
     """What does not change along the path."""
-    law, modulus = case.law, case.material.contact_modulus
+    law, modulus = case.law, case.solid.contact_modulus
     known = InterfaceConstants(
         contact_modulus=modulus,
         work_of_adhesion=law.work_of_adhesion,
@@ -188,7 +188,7 @@ def solve_path(
     for value, _ in case.path[start:]:
         solution = contact.step(state, value)
         state = solution.state
-        found = _state(case, solution)
+        found = _state(case, solution, surface.grid.spacing)
         if case.elasticity.boundary == "free" and _at_rim(found.contact):
             warnings.warn(
                 'elasticity.boundary = "free": contact reaches the rim of the surface; what would touch beyond it is '
@@ -203,7 +203,7 @@ def _at_rim(contact: np.ndarray) -> bool:
     return bool(contact[[0, -1]].any() or contact[:, [0, -1]].any())
 
 
-def _state(case: Case, solution: Solution) -> InterfaceState:
+def _state(case: Case, solution: Solution, spacing: tuple[float, float]) -> InterfaceState:
     gap, pressure = solution.gap, solution.pressure
     if solution.plane is None or solution.detached:
         # Nothing slides: all that parts mean gap and separation is the uniform compression of a layer.
@@ -221,6 +221,7 @@ def _state(case: Case, solution: Solution) -> InterfaceState:
         interaction_energy=solution.interaction_energy,
         report=SolverReport.of(solution, complementarity_residual=solution.complementarity_residual),
         restart={"state": solution.state},
+        spacing=spacing,
     )
 
 

@@ -51,14 +51,16 @@ def check(case: Case) -> None:
     Raises
     ------
     InputError
-        If the law is not that of Lennard-Jones atoms, the boundaries are free, the block is incompressible, or the
-        lattice does not fit the cell or the layer.
+        If the law is not that of Lennard-Jones atoms, the solid is another or its boundaries are free, the block is
+        incompressible, or the lattice does not fit the cell or the layer.
     """
     if case.interaction.law != "lennard_jones_10_4":
         raise InputError(
             f'interaction.law = "{case.interaction.law}": the atomistic model has Lennard-Jones pairs; '
             'use "lennard_jones_10_4", the law that follows from them'
         )
+    if case.elasticity.kind not in ("half_space", "layer"):
+        raise InputError(f'elasticity.kind = "{case.elasticity.kind}": the block of atoms is a half-space or a layer')
     if case.elasticity.boundary != "periodic":
         raise InputError(f'elasticity.boundary = "{case.elasticity.boundary}": the block of atoms is periodic')
     if case.material.poissons_ratio > _MOST_INCOMPRESSIBLE:

@@ -54,4 +54,5 @@ def interface_state(case: Case, solution: Solution) -> InterfaceState:
         interaction_energy=solution.interaction_energy,
         report=SolverReport.of(solution, force_evaluations=solution.force_evaluations),
         restart={"state": solution.state},
+        spacing=(case.lattice.constant, case.lattice.constant),
     )

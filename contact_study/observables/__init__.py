@@ -4,9 +4,11 @@ from contact_study.fields.distributions import Bins
 from contact_study.observables.base import InterfaceState, Observable, Value, Variable
 from contact_study.observables.contact_area import CONTACT_AREA
 from contact_study.observables.contact_clusters import CONTACT_CLUSTERS
+from contact_study.observables.contact_edge import CONTACT_EDGE
 from contact_study.observables.distributions import DISTRIBUTIONS
 from contact_study.observables.energies import ENERGIES
 from contact_study.observables.means import MEANS
+from contact_study.observables.percolation import PERCOLATION
 from contact_study.observables.solver_report import SOLVER_REPORT
 
 OBSERVABLES: tuple[Observable, ...] = (
@@ -15,6 +17,8 @@ OBSERVABLES: tuple[Observable, ...] = (
     ENERGIES,
     DISTRIBUTIONS,
     CONTACT_CLUSTERS,
+    CONTACT_EDGE,
+    PERCOLATION,
     SOLVER_REPORT,
 )
 

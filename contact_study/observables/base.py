@@ -100,6 +100,8 @@ class InterfaceState:
         The solver's.
     restart : mapping
         All that the next point of the path starts from, nothing else.
+    spacing : tuple of float or None
+        Distance of points along y and x (m).
     """
 
     gap: np.ndarray
@@ -111,6 +113,7 @@ class InterfaceState:
     interaction_energy: float
     report: SolverReport
     restart: Mapping[str, np.ndarray] = field(default_factory=dict)
+    spacing: tuple[float, float] | None = None
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ import numpy as np
 from contact_study.fields.distributions import Bins
 from contact_study.observables.base import InterfaceState, Observable, Value, Variable
 
-_FLAG = {"flag_values": np.array([-1, 0, 1], np.int8), "flag_meanings": "absent no yes"}
+FLAG = {"flag_values": np.array([-1, 0, 1], np.int8), "flag_meanings": "absent no yes"}
 
 
 def _read(state: InterfaceState, _: Bins) -> dict[str, Value]:
@@ -16,8 +16,8 @@ def _read(state: InterfaceState, _: Bins) -> dict[str, Value]:
 
 SOLVER_REPORT = Observable(
     {
-        "converged": Variable("1", "whether the step met the tolerance", kind="flag", attrs=_FLAG),
-        "detached": Variable("1", "whether no contact survives at this point", kind="flag", attrs=_FLAG),
+        "converged": Variable("1", "whether the step met the tolerance", kind="flag", attrs=FLAG),
+        "detached": Variable("1", "whether no contact survives at this point", kind="flag", attrs=FLAG),
         "residual": Variable(
             "1",
             "error left in the equations of the model, in units of their own scales; see comment",

@@ -44,6 +44,7 @@ class Case:
     directory: Path = Path(".")
 
     def __post_init__(self):
+        _ = self.solid  # raises where no solid has these constants
         if not self.law.attracts and self.loading.control == "pressure" and min(self.loading.path) <= 0:
             raise InputError(
                 f"loading.path: {min(self.loading.path):g} Pa cannot be carried by {self.law.words}; "

@@ -115,12 +115,12 @@ def _peaks(adhesive: list[tuple[Case, SurfaceScales, TractionLaw]]) -> list[str]
     lost = [
         case
         for case, _, law in adhesive
-        if law.peak_tensile_stress < case.solver.tolerance * case.material.contact_modulus
+        if law.peak_tensile_stress < case.solver.tolerance * case.solid.contact_modulus
     ]
     if not lost:
         return []
     case = lost[0]
-    residual = case.solver.tolerance * case.material.contact_modulus
+    residual = case.solver.tolerance * case.solid.contact_modulus
     return [
         f"interaction: the law's peak, {case.law.peak_tensile_stress:.3g} Pa, is below the residual stress that "
         f"solver.tolerance leaves, {residual:.3g} Pa{points(lost, len(adhesive))}: adhesion is not resolved; use a "

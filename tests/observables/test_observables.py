@@ -12,6 +12,7 @@ from contact_study.fields.grid import Grid
 from contact_study.observables import ENTRIES, OBSERVABLES, observed
 from contact_study.observables.base import InterfaceState, SolverReport
 from contact_study.observables.constants import CONSTANTS, InterfaceConstants, heights_on
+from contact_study.observables.contact_edge import OVERCOUNT
 
 BINS = Bins.evenly((-2e9, 4e9, 6), (0.0, 8e-10, 4))
 REPORT = SolverReport(converged=True, detached=False, residual=1e-9, iterations=12, fft_pairs=20.5, message="slow")
@@ -28,6 +29,7 @@ def state(**changes):
         "interaction_energy": -0.4,
         "report": REPORT,
         "restart": {"state": np.arange(3.0)},
+        "spacing": (2e-10, 1e-10),
     }
     return InterfaceState(**{**content, **changes})
 
@@ -45,6 +47,11 @@ def test_observables_of_a_state_made_by_hand():
         "interaction_energy": -0.4,
         "contact_clusters": 1,
         "relative_largest_cluster_area": 3 / 6,
+        # On a torus of 2 × 3 cells two sides along x and four along y part contact from none.
+        "contact_perimeter": pytest.approx(np.pi / 4 * (2 * 1e-10 + 4 * 2e-10) / (6 * 2e-20), rel=1e-12),
+        "corrected_contact_area": pytest.approx(3 / 6 - OVERCOUNT * (2 + 4) / 6),
+        "contact_percolates": True,
+        "gap_percolates": True,
         "converged": True,
         "detached": False,
         "residual": 1e-9,

@@ -4,11 +4,20 @@ import re
 
 import numpy as np
 import pytest
-from scipy.linalg import expm
+from scipy.linalg import expm, schur
 
 from contact_study.fields import fourier
 from contact_study.fields.grid import Grid
-from contact_study.problem.elasticity import HalfSpace, Layer, Tabulated, contact_modulus_of, elasticity_of
+from contact_study.problem.elasticity import (
+    HalfSpace,
+    Layer,
+    Layered,
+    Measured,
+    Tabulated,
+    contact_modulus_of,
+    elasticity_of,
+)
+from contact_study.problem.elasticity.transversely_isotropic import indentation_modulus, stiffnesses
 from contact_study.problem.errors import InputError
 from contact_study.problem.study import make_study
 from contact_study.problem.surface import realise
@@ -92,7 +101,10 @@ def test_nearly_incompressible_layers_tend_to_incompressible_ones():
     assert errors[0] / errors[1] == pytest.approx(2, rel=1e-2)
 
 
-@pytest.mark.parametrize("solid", [HalfSpace(3.0), Layer(3.0, 0.3, 0.2)])
+MEASURED = Measured(3.0, [0.4, 2.0, 50.0], [1.0, 2.0, 80.0])
+
+
+@pytest.mark.parametrize("solid", [HalfSpace(3.0), Layer(3.0, 0.3, 0.2), Layered(3.0, 0.3, 0.2, 7.0, 0.4), MEASURED])
 def test_units_change_nothing(solid):
     wavenumber, length, stress = np.array([0.5, 3.0, 40.0]), 1e-9, 1e9
     scaled = solid.scaled(length, stress)
@@ -259,3 +271,177 @@ def test_stress_of_full_contact_with_a_height_map(tmp_path):
     expected = np.sqrt(np.sum(solid.stiffness_on(grid) ** 2 * power))
     # Bands of an eighth of an octave, in which K is taken at one wavenumber.
     assert scales_of(study)[0].full_contact_stress(solid) == pytest.approx(expected, rel=2e-3)
+
+
+def equations_of(q, c11, c13, c33, c44):
+    """The system of :func:`through_the_thickness` for an axis of symmetry along z."""
+    return np.array(
+        [
+            [0, q, 1 / c44, 0],
+            [-c13 * q / c33, 0, 0, 1 / c33],
+            [(c11 - c13**2 / c33) * q**2, 0, 0, c13 * q / c33],
+            [0, 0, -q, 0],
+        ]
+    )
+
+
+def isotropic(modulus, ratio):
+    """C₁₁, C₁₃, C₃₃ and C₄₄ of E and ν."""
+    lame = modulus * ratio / ((1 + ratio) * (1 - 2 * ratio))
+    shear = modulus / (2 * (1 + ratio))
+    return lame + 2 * shear, lame, lame + 2 * shear, shear
+
+
+def on_half_space(q, base, layer=None, thickness=0.0):
+    """K by integration: what decays into the half-space, carried through the layer, without shear on the surface."""
+    _, vectors, count = schur(equations_of(q, *base), sort=lambda value: value.real > 0)
+    assert count == 2
+    at_surface = expm(equations_of(q, *(layer or base)) * thickness) @ vectors[:, :2]
+    weights = np.linalg.solve(at_surface[2:], [0.0, 1.0])
+    return 1 / (at_surface[1] @ weights)
+
+
+@pytest.mark.parametrize("ratios", [(0.3, 0.3), (0.0, 0.45), (0.49, 0.1), (-0.3, 0.2)])
+@pytest.mark.parametrize("contrast", [1e-3, 0.1, 1.0, 20.0, 1e4])
+def test_layers_on_half_spaces_solve_the_equations_of_elasticity(contrast, ratios):
+    (ratio, base_ratio), thickness, modulus = ratios, 0.7, 3.0
+    solid = Layered(modulus / (1 - ratio**2), ratio, thickness, contrast * modulus / (1 - base_ratio**2), base_ratio)
+    for thickness_in_waves in (0.01, 0.3, 1.0, 3.0):
+        q = thickness_in_waves / thickness
+        expected = on_half_space(q, isotropic(contrast * modulus, base_ratio), isotropic(modulus, ratio), thickness)
+        # Rounding of the integration: contrasts and growing exponentials.
+        lost = max(contrast, 1 / contrast) * np.exp(2 * thickness_in_waves)
+        assert solid.stiffness(q) == pytest.approx(expected, rel=1e-13 * lost + 1e-10)
+
+
+def test_limits_of_a_layer_on_a_half_space():
+    q = np.array([1e-4, 0.5, 2.0, 40.0])
+    solid = Layered(2.0, 0.3, 1.0, 9.0, 0.4)
+    modulus = contact_modulus_of(solid.stiffness(q), q)
+    # Long waves feel the base to first order in qd, short ones the layer.
+    assert modulus[0] == pytest.approx(9.0, rel=1e-3)
+    assert modulus[-1] == pytest.approx(2.0, rel=1e-12)
+    assert np.all(np.diff(modulus) < 0)
+    same = Layered(2.0, 0.3, 1.0, 2.0, 0.3)
+    np.testing.assert_allclose(same.stiffness(q), HalfSpace(2.0).stiffness(q), rtol=1e-14)
+    bonded = Layer(2.0, 0.3, 1.0).stiffness(q[1:])
+    rigid = [np.abs(Layered(2.0, 0.3, 1.0, base, 0.4).stiffness(q[1:]) / bonded - 1).max() for base in (1e6, 2e6)]
+    assert rigid[0] / rigid[1] == pytest.approx(2, rel=1e-2)
+
+
+@pytest.mark.parametrize(
+    ("modulus", "ratio", "axial_modulus", "axial_ratio", "shear"),
+    [
+        (3.0, 0.3, 3.0, 0.3, 3.0 / 2.6),
+        (1.0, 0.2, 10.0, 0.3, 0.8),
+        (10.0, 0.1, 1.0, 0.02, 2.0),
+        (2.0, -0.2, 5.0, 0.4, 0.1),
+    ],
+)
+def test_transversely_isotropic_half_spaces_solve_the_equations_of_elasticity(
+    modulus, ratio, axial_modulus, axial_ratio, shear
+):
+    known = stiffnesses(modulus, ratio, axial_modulus, axial_ratio)
+    # Hooke's law backwards: a pull along one axis leaves no other stress.
+    c11, c13, c33 = known
+    c12 = c11 - modulus / (1 + ratio)
+    law = np.array([[c11, c12, c13], [c12, c11, c13], [c13, c13, c33]])
+    strain = np.linalg.solve(law, [0.0, 0.0, 1.0])
+    assert strain[2] == pytest.approx(1 / axial_modulus)
+    assert strain[0] == pytest.approx(-axial_ratio / axial_modulus)
+    strain = np.linalg.solve(law, [1.0, 0.0, 0.0])
+    assert strain[:2] == pytest.approx([1 / modulus, -ratio / modulus])
+    for q in (0.3, 4.0):
+        expected = on_half_space(q, (*known, shear))
+        assert 0.5 * indentation_modulus(*known, shear) * q == pytest.approx(expected, rel=1e-7)
+    if axial_modulus == modulus:
+        assert indentation_modulus(*known, shear) == pytest.approx(modulus / (1 - ratio**2), rel=1e-14)
+
+
+def test_a_table_of_stiffness_is_met_at_its_points_and_is_a_half_space_beyond():
+    q = np.array([0.4, 2.0, 50.0])
+    np.testing.assert_allclose(MEASURED.stiffness(q), [1.0, 2.0, 80.0], rtol=1e-14)
+    modulus = contact_modulus_of(MEASURED.stiffness(np.array([1e-3, 0.4, 50.0, 1e4])), np.array([1e-3, 0.4, 50.0, 1e4]))
+    np.testing.assert_allclose(modulus, [5.0, 5.0, 3.2, 3.2], rtol=1e-14)
+    layer, fine = Layer(3.0, 0.3, 0.2), np.geomspace(0.1, 100, 61)
+    close = Measured(3.0, fine, layer.stiffness(fine))
+    between = np.sqrt(fine[1:] * fine[:-1])
+    np.testing.assert_allclose(close.stiffness(between), layer.stiffness(between), rtol=2e-3)
+
+
+@pytest.mark.parametrize(
+    ("wavenumbers", "stiffness", "words"),
+    [
+        ([1.0], [1.0], "at least two"),
+        ([1.0, 2.0], [1.0], "as many stiffnesses"),
+        ([2.0, 1.0], [1.0, 1.0], "increasing"),
+        ([0.0, 1.0], [1.0, 1.0], "positive wavenumbers"),
+        ([1.0, 2.0], [1.0, -1.0], "positive stiffnesses"),
+    ],
+)
+def test_bad_tables_of_stiffness_are_named(wavenumbers, stiffness, words):
+    with pytest.raises(ValueError, match=words):
+        Measured(1.0, wavenumbers, stiffness)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "name"),
+    [
+        ((1.0, 0.3, 1.0, 0.0, 0.3), "base_modulus"),
+        ((1.0, 0.3, 1.0, 1.0, 0.6), "base_poissons_ratio"),
+        ((1.0, 0.6, 1.0, 1.0, 0.3), "^poissons_ratio"),
+        ((1.0, 0.3, 0.0, 1.0, 0.3), "thickness"),
+    ],
+)
+def test_impossible_layers_on_half_spaces_are_named(arguments, name):
+    with pytest.raises(ValueError, match=name):
+        Layered(*arguments)
+
+
+KINDS = {
+    "layered": {"thickness": "3 nm", "base_youngs_modulus": "50 GPa", "base_poissons_ratio": 0.2},
+    "transversely_isotropic": {
+        "axial_modulus": "9 GPa",
+        "axial_poissons_ratio": 0.1,
+        "axial_shear_modulus": "3 GPa",
+    },
+    "tabulated": {"path": "k.txt", "wavenumber_unit": "nm^-1", "stiffness_unit": "GPa/nm"},
+}
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_studies_make_every_solid(kind, tmp_path):
+    (tmp_path / "k.txt").write_text("0.01 0.1\n1 5\n")
+    study = make_study({**layered(), "elasticity": {"kind": kind, **KINDS[kind]}}, tmp_path)
+    solid, material = study.cases[0].solid, study.cases[0].material
+    q = np.array([1e8])
+    if kind == "layered":
+        expected = Layered(material.contact_modulus, material.poissons_ratio, 3e-9, 50e9 / 0.96, 0.2).stiffness(q)
+    elif kind == "transversely_isotropic":
+        known = stiffnesses(material.youngs_modulus, material.poissons_ratio, 9e9, 0.1)
+        expected = 0.5 * indentation_modulus(*known, 3e9) * q
+    else:
+        expected = Measured(1.0, [1e7, 1e9], [1e17, 5e18]).stiffness(q)
+        (tmp_path / "k.txt").unlink()
+        assert make_study(study.table, tmp_path).cases[0].solid.stiffness(q) == solid.stiffness(q)
+    assert solid.stiffness(q) == pytest.approx(expected, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("section", "words"),
+    [
+        ({"kind": "layered", "thickness": "3 nm"}, "missing key elasticity.base_youngs_modulus"),
+        ({"kind": "tabulated"}, "missing key elasticity.path"),
+        (
+            {"kind": "tabulated", "wavenumber": ["2 nm^-1", "1 nm^-1"], "stiffness": [1e18, 1e18]},
+            "the table of the stiffness must have positive wavenumbers in increasing order",
+        ),
+        (
+            {"kind": "transversely_isotropic", **KINDS["transversely_isotropic"], "axial_poissons_ratio": 1.9},
+            "elasticity.axial_poissons_ratio = 1.9: no solid has it",
+        ),
+    ],
+)
+def test_solids_that_cannot_be_are_named(section, words):
+    with pytest.raises(InputError, match=re.escape(words)):
+        make_study({**layered(), "elasticity": section})

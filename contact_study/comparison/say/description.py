@@ -94,10 +94,12 @@ def _block(cases: Sequence[Case]) -> str:
         kinds.setdefault(case.elasticity.kind, []).append(case)
     solids = [some[0].elasticity.words.format_map(_Values(some, "elasticity")) for some in kinds.values()]
     solid = "".join(solids) if len(solids) == 1 else " or ".join(words or "a half-space, " for words in solids)
+    moduli = over(cases, lambda case: _modulus(case.solid.contact_modulus))
+    isotropic = all(case.solid.contact_modulus == case.material.contact_modulus for case in cases)
     return (
         f"Elastic, {solid}E = {over(cases, lambda case: _modulus(case.material.youngs_modulus))}, "
         f"ν = {over(cases, lambda case: f'{case.material.poissons_ratio:g}')}, hence contact modulus "
-        f"E* = E/(1 − ν²) = {over(cases, lambda case: _modulus(case.material.contact_modulus))}."
+        f"{'E* = E/(1 − ν²)' if isotropic else 'E*'} = {moduli}."
         + _boundary({case.elasticity.boundary for case in cases})
     )
 

@@ -3,12 +3,34 @@
 from contact_study.problem.elasticity.base import Elasticity, contact_modulus_of
 from contact_study.problem.elasticity.half_space import HalfSpace, HalfSpaceSection
 from contact_study.problem.elasticity.layer import Layer, LayerSection
+from contact_study.problem.elasticity.layered import Layered, LayeredSection
+from contact_study.problem.elasticity.measured import Measured, MeasuredSection
 from contact_study.problem.elasticity.tabulated import Tabulated
+from contact_study.problem.elasticity.transversely_isotropic import TransverselyIsotropicSection
 from contact_study.problem.keys import Kinds
 
-__all__ = ["ELASTICITIES", "Elasticity", "HalfSpace", "Layer", "Tabulated", "contact_modulus_of", "elasticity_of"]
+__all__ = [
+    "ELASTICITIES",
+    "Elasticity",
+    "HalfSpace",
+    "Layer",
+    "Layered",
+    "Measured",
+    "Tabulated",
+    "contact_modulus_of",
+    "elasticity_of",
+]
 
-ELASTICITIES = Kinds("kind", {"half_space": HalfSpaceSection, "layer": LayerSection})
+ELASTICITIES = Kinds(
+    "kind",
+    {
+        "half_space": HalfSpaceSection,
+        "layer": LayerSection,
+        "layered": LayeredSection,
+        "transversely_isotropic": TransverselyIsotropicSection,
+        "tabulated": MeasuredSection,
+    },
+)
 
 
 def elasticity_of(solid: Elasticity | float) -> Elasticity:

@@ -22,6 +22,13 @@ from contact_study.problem.keys import key, quantity
 from contact_study.problem.sections import MaterialSection
 
 
+def check_poissons_ratio(name: str, value: float) -> None:
+    """Raise ValueError unless a number can be Poisson's ratio of an isotropic solid."""
+    finite(name, value, "1")
+    if not -1 < value <= 0.5:
+        raise ValueError(f"{name} = {value:g}: must be above -1 and at most 0.5")
+
+
 @dataclass(frozen=True)
 class Layer(Elasticity):
     """A homogeneous isotropic layer on a rigid base.
@@ -46,9 +53,7 @@ class Layer(Elasticity):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        finite("poissons_ratio", self.poissons_ratio, "1")
-        if not -1 < self.poissons_ratio <= 0.5:
-            raise ValueError(f"poissons_ratio = {self.poissons_ratio:g}: must be above -1 and at most 0.5")
+        check_poissons_ratio("poissons_ratio", self.poissons_ratio)
         positive("thickness", self.thickness, "m")
 
     def stiffness(self, wavenumber: np.ndarray | float) -> np.ndarray:

@@ -1,0 +1,50 @@
+"""The edge of contact: its length, and the area freed of what whole points add along it.
+
+A point counts whole, and the points along the edge whose surroundings are touched in part only make the sum of them too
+large by a share of the edge's length times the spacing, at any resolution. V. A. Yastrebov, G. Anciaux & J.-F.
+Molinari, Tribol. Int. 114, 161 (2017), arXiv:1701.02727, take it off,
+
+    A' = A − (π − 1 + ln 2)/24 · S Δx,
+
+S being the length of the edge along the sides of the points' cells, 4/π of the edge's own length where that has no
+preferred direction. On cells of any proportions S Δx is the number of sides between a point in contact and one that is
+not, times the area of a cell.
+"""
+
+import numpy as np
+
+from contact_study.fields.distributions import Bins
+from contact_study.observables.base import InterfaceState, Observable, Value, Variable
+
+OVERCOUNT = (np.pi - 1 + np.log(2)) / 24
+
+
+def edge_sides(contact: np.ndarray) -> tuple[int, int]:
+    """Sides along x and along y of cells between contact and none, over the edges of the periodic cell too."""
+    along_x = int(np.count_nonzero(contact != np.roll(contact, 1, axis=0)))
+    along_y = int(np.count_nonzero(contact != np.roll(contact, 1, axis=1)))
+    return along_x, along_y
+
+
+def _read(state: InterfaceState, _: Bins) -> dict[str, Value]:
+    along_x, along_y = edge_sides(state.contact)
+    points = state.contact.size
+    area = float(np.mean(state.contact)) - OVERCOUNT * (along_x + along_y) / points
+    values: dict[str, Value] = {"corrected_contact_area": max(area, 0.0)}
+    if state.spacing is not None:
+        dy, dx = state.spacing
+        values["contact_perimeter"] = np.pi / 4 * (along_x * dx + along_y * dy) / (points * dy * dx)
+    return values
+
+
+CONTACT_EDGE = Observable(
+    {
+        "corrected_contact_area": Variable(
+            "1", "contact area over nominal area, without what whole points add along its edge"
+        ),
+        "contact_perimeter": Variable(
+            "m-1", "length of the contact's edge over nominal area, of an edge without preferred direction"
+        ),
+    },
+    _read,
+)

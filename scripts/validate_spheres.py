@@ -1,0 +1,244 @@
+"""Spheres on a free half-space against closed forms: Hertz without adhesion, Maugis from JKR to DMT with it.
+
+`docs/validation.md` explains the columns.
+
+    python scripts/validate_spheres.py hertz
+    python scripts/validate_spheres.py maugis --figure maugis_spheres.png
+    python scripts/validate_spheres.py ramp
+"""
+
+import argparse
+import sys
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from scipy.optimize import brentq, minimize_scalar
+
+from bem_adhesion import Dugdale, HardWall, rough_contact
+from contact_study.campaign.command import Parser, guarded
+
+TABOR_PARAMETERS = (0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 3.0, 5.0)
+FORCES = (2.0, 0.0)  # over πwR, at which radius and approach are compared
+WORK_OF_ADHESION = 0.02  # in units of E* and of the reach of the tension: a scale, without consequence
+RAMP = 0.05
+RAMPS = (0.2, 0.1, 0.05, 0.02, 0.01)
+POINTS_PER_ZONE = 4
+FEWEST_POINTS, MOST_POINTS = 96, 448
+RESOLUTION = 0.0025  # of the pull-off force, over πwR
+HERTZ_POINTS = (32, 64, 128, 256)
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    return guarded("validate_spheres", lambda: _main(arguments), interrupted="nothing is written")
+
+
+def parser() -> Parser:
+    made = Parser(
+        description=__doc__.splitlines()[0], formatter_class=argparse.ArgumentDefaultsHelpFormatter, allow_abbrev=False
+    )
+    made.add_argument("what", choices=("hertz", "maugis", "ramp"), help="table to print")
+    made.add_argument("--tabor", type=float, nargs="+", default=list(TABOR_PARAMETERS), help="Tabor parameters")
+    made.add_argument("--most-points", type=int, default=MOST_POINTS, help="most points along each side")
+    made.add_argument("--figure", type=Path, help="draw pull-off and contact radius, too (maugis)")
+    return made
+
+
+def _main(arguments: Sequence[str] | None) -> int:
+    given = parser().parse_args(arguments)
+    if given.what == "hertz":
+        print_hertz()
+    elif given.what == "maugis":
+        spheres = print_maugis(given.tabor, given.most_points)
+        if given.figure:
+            draw(spheres, given.figure)
+    else:
+        print_ramps()
+    return 0
+
+
+def sphere(points: int, size: float, radius: float) -> tuple[np.ndarray, np.ndarray]:
+    """Heights −r²/2R, zero at the apex in the middle, and r."""
+    axis = (np.arange(points) - points // 2) * size / points
+    r2 = axis[:, None] ** 2 + axis**2
+    return -r2 / (2 * radius), np.sqrt(r2)
+
+
+def hertz_errors(points: int) -> np.ndarray:
+    """Errors of contact radius, approach, peak pressure, rms pressure and elastic energy, in units of Hertz' values."""
+    radius, contact_radius, size = 1.0, 0.1, 0.4
+    force = 4 * contact_radius**3 / (3 * radius)
+    height, r = sphere(points, size, radius)
+    contact = rough_contact(height, size, 1.0, HardWall(), boundary="free")
+    found = contact.step(contact.separated(), force / size**2)
+    peak = 2 * contact_radius / (np.pi * radius)
+    expected = peak * np.sqrt(np.clip(1 - (r / contact_radius) ** 2, 0, None))
+    return np.array(
+        [
+            np.sqrt(np.mean(found.pressure > 0) * size**2 / np.pi) / contact_radius - 1,
+            -found.plane / (contact_radius**2 / radius) - 1,
+            found.pressure.max() / peak - 1,
+            np.sqrt(np.mean((found.pressure - expected) ** 2)) / peak,
+            found.elastic_energy * size**2 / (0.4 * force * contact_radius**2 / radius) - 1,
+        ]
+    )
+
+
+def print_hertz() -> None:
+    print("| points over 4 radii | radius | approach | peak pressure | rms pressure | elastic energy |")
+    print("|---|---|---|---|---|---|")
+    errors = np.array([hertz_errors(points) for points in HERTZ_POINTS])
+    for points, row in zip(HERTZ_POINTS, errors, strict=True):
+        print(f"| {points} | {' | '.join(f'{100 * error:+.3f} %' for error in row)} |")
+    steps = np.log2(HERTZ_POINTS[-1] / HERTZ_POINTS[0])
+    rates = np.log2(np.abs(errors[0] / errors[-1])) / steps
+    print(f"| order | {' | '.join(f'{rate:.1f}' for rate in rates)} |")
+
+
+@dataclass(frozen=True)
+class Maugis:
+    """Maugis' sphere at one λ, in his units: πwR for the force, (3πwR²/4E*)^(1/3) for the contact radius.
+
+    D. Maugis, J. Colloid Interface Sci. 150, 243 (1992); m is the outer over the inner radius of the process zone.
+    """
+
+    parameter: float
+
+    def state(self, log_excess: float) -> tuple[float, float, float]:
+        """Force, contact radius and approach at ln(m − 1)."""
+        m, lam = 1 + np.exp(log_excess), self.parameter
+        root = np.sqrt(m**2 - 1)
+        angle = np.arctan(root)
+        quadratic = lam / 2 * (root + (m**2 - 2) * angle)
+        linear = 4 * lam**2 / 3 * (root * angle - m + 1)
+        a = 2 / (linear + np.sqrt(linear**2 + 4 * quadratic))
+        return a**3 - lam * a**2 * (root + m**2 * angle), a, a**2 - 4 / 3 * lam * a * root
+
+    @property
+    def _at_pull_off(self) -> float:
+        search = {"bounds": (-12, 12), "method": "bounded", "options": {"xatol": 1e-10}}
+        return float(minimize_scalar(lambda x: self.state(x)[0], **search).x)
+
+    @property
+    def pull_off(self) -> float:
+        """Tension at which the sphere lets go under force control."""
+        return -self.state(self._at_pull_off)[0]
+
+    def at_force(self, force: float) -> tuple[float, float]:
+        """Contact radius and approach of the stable state."""
+        x = brentq(lambda x: self.state(x)[0] - force, -30, self._at_pull_off)
+        return self.state(x)[1:]
+
+
+@dataclass(frozen=True)
+class Sphere:
+    """What was found of one sphere, in Maugis' units."""
+
+    tabor: float
+    theory: Maugis
+    points: int
+    points_per_zone: float
+    held: float
+    lost: float
+    states: list[tuple[float, float, float]]
+    pairs: float
+
+
+def solved(tabor: float, ramp: float = RAMP, most_points: int = MOST_POINTS) -> Sphere:
+    """A sphere under Dugdale's law of unit reach, E* = 1: pressed, released, pulled until it lets go."""
+    work = WORK_OF_ADHESION
+    radius = tabor**3 / work**2
+    unit, length = np.pi * work * radius, (3 * np.pi * work * radius**2 / 4) ** (1 / 3)
+    theory = Maugis(2 * work * (9 * radius / (16 * np.pi * work)) ** (1 / 3))
+    # Room for the contact, and for the ring that the tension reaches.
+    size = 3.4 * max(theory.at_force(2.0)[0] * length, np.sqrt(2 * radius))
+    points = int(np.clip(2 * np.ceil(POINTS_PER_ZONE * size * work / 2), FEWEST_POINTS, most_points))
+    height, _ = sphere(points, size, radius)
+    contact = rough_contact(height, size, 1.0, Dugdale(work, 1.0, ramp), boundary="free")
+    state, pairs, states = contact.separated(), 0.0, []
+
+    def at(force: float) -> bool:
+        nonlocal state, pairs
+        found = contact.step(state, force * unit / size**2)
+        pairs += found.fft_pairs
+        if not found.converged:
+            raise RuntimeError(f"Tabor parameter {tabor:g}, force {force:g}: {found.message}")
+        if found.detached:
+            return False
+        state = found.state
+        touching = np.sqrt(np.mean(found.gap == 0) * size**2 / np.pi)
+        states.append((force, touching / length, -found.plane / (length**2 / radius)))
+        return True
+
+    held, lost = 0.9 * theory.pull_off, 1.15 * theory.pull_off
+    for force in (*FORCES, -0.5 * held, -held):
+        if not at(force):
+            raise RuntimeError(f"Tabor parameter {tabor:g}: let go at {force:g} already")
+    while lost - held > RESOLUTION:
+        tried = 0.5 * (held + lost)
+        held, lost = (tried, lost) if at(-tried) else (held, tried)
+    return Sphere(tabor, theory, points, points / (size * work), held, lost, states, pairs)
+
+
+def print_maugis(tabor_parameters: Sequence[float], most_points: int) -> list[Sphere]:
+    compared = " | ".join(f"a at {force:g} | δ at {force:g}" for force in FORCES)
+    print(f"| μ | λ | points | per zone | pull-off | Maugis | difference | {compared} |")
+    print("|---" * (7 + 2 * len(FORCES)) + "|")
+    spheres = []
+    for tabor in tabor_parameters:
+        found = solved(tabor, most_points=most_points)
+        spheres.append(found)
+        pull_off, expected = 0.5 * (found.held + found.lost), found.theory.pull_off
+        cells = []
+        for force, radius, approach in found.states[: len(FORCES)]:
+            own_radius, own_approach = found.theory.at_force(force)
+            cells += [f"{100 * (radius / own_radius - 1):+.1f} %", f"{approach - own_approach:+.3f}"]
+        print(
+            f"| {tabor:g} | {found.theory.parameter:.3g} | {found.points}² | {found.points_per_zone:.2g} | "
+            f"{pull_off:.3f} | {expected:.3f} | {100 * (pull_off / expected - 1):+.1f} % | {' | '.join(cells)} |",
+            flush=True,
+        )
+    return spheres
+
+
+def print_ramps() -> None:
+    print("| ramp | pull-off | Maugis | difference | pairs |\n|---|---|---|---|---|")
+    for ramp in RAMPS:
+        found = solved(0.5, ramp)
+        pull_off, expected = 0.5 * (found.held + found.lost), found.theory.pull_off
+        print(
+            f"| {ramp:g} | {pull_off:.3f} | {expected:.3f} | {100 * (pull_off / expected - 1):+.1f} % | "
+            f"{found.pairs:.0f} |",
+            flush=True,
+        )
+
+
+def draw(spheres: Sequence[Sphere], path: Path) -> None:
+    import matplotlib.pyplot as plt
+
+    figure, (left, right) = plt.subplots(1, 2, figsize=(9, 3.6), layout="constrained")
+    mu = np.geomspace(0.03, 8, 80)
+    ratio = spheres[0].theory.parameter / spheres[0].tabor
+    left.semilogx(mu, [Maugis(ratio * each).pull_off for each in mu], "0.5", label="Maugis")
+    left.semilogx(
+        [each.tabor for each in spheres], [0.5 * (each.held + each.lost) for each in spheres], "o", label="solver"
+    )
+    for limit, name in ((1.5, "JKR"), (2.0, "DMT")):
+        left.axhline(limit, color="k", linestyle=":", linewidth=0.8)
+        left.text(mu[0], limit + 0.01, name)
+    left.set(xlabel="Tabor parameter μ", ylabel="pull-off force / πwR")
+    left.legend()
+    for number, each in enumerate(spheres[::2]):
+        points = np.array([state[:2] for state in each.states])
+        forces = np.linspace(-0.9999 * each.theory.pull_off, 2.0, 200)
+        right.plot(forces, [each.theory.at_force(force)[0] for force in forces], f"C{number}")
+        right.plot(*points.T, f"C{number}o", label=f"μ = {each.tabor:g}")
+    right.set(xlabel="force / πwR", ylabel="contact radius / (3πwR²/4E*)^(1/3)")
+    right.legend(fontsize="small")
+    figure.savefig(path, dpi=120)
+    plt.close(figure)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
