@@ -19,6 +19,7 @@ from scripts import (
     non_adhesive_shelf,
     result_table,
     two_starts,
+    validate_spheres,
 )
 from tests.comparison.synthetic import AREA_FACTOR, GAP_SHIFT, area, gap, write_all
 
@@ -199,3 +200,26 @@ def test_convergence_of_the_edge_flow(capsys):
     assert [row.split(" | ")[1] for row in rows] == ["120 × 40"] * 3
     areas = [float(row.split(" | ")[2]) for row in rows]
     assert areas == sorted(areas)
+
+
+def test_spheres_against_closed_forms(capsys):
+    """Two spheres, coarse: the search leaves 0.1 %, the grid less than 1 %."""
+    assert validate_spheres.main(["maugis", "--tabor", "0.1", "0.5"]) == 0
+    head, rule, *rows = capsys.readouterr().out.splitlines()
+    assert head.count("|") == rule.count("|") == 12
+    for row, (tabor, pull_off) in zip(rows, ((0.1, 1.947), (0.5, 1.693)), strict=True):
+        cells = [cell.strip(" %") for cell in row.split("|")[1:-1]]
+        assert float(cells[0]) == tabor
+        assert abs(float(cells[6])) < 1
+        assert float(cells[5]) == pytest.approx(pull_off, abs=2e-3)
+        assert abs(float(cells[7])) < 2
+        assert abs(float(cells[8])) < 0.02
+
+
+def test_maugis_has_his_limits():
+    assert validate_spheres.Maugis(20.0).pull_off == pytest.approx(1.5, abs=1e-3)
+    assert validate_spheres.Maugis(1e-3).pull_off == pytest.approx(2.0, abs=2e-3)
+    # JKR at no force: a³ = 9πwR²/2E*, six in these units; δ = a²/3R.
+    radius, approach = validate_spheres.Maugis(50.0).at_force(0.0)
+    assert radius**3 == pytest.approx(6, rel=2e-3)
+    assert approach == pytest.approx(radius**2 / 3, rel=2e-3)
