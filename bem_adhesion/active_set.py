@@ -18,7 +18,7 @@ import numpy as np
 
 from bem_adhesion import contact_passes as passes
 from bem_adhesion.extension import Extension
-from bem_adhesion.operator import MakeOperator
+from bem_adhesion.operator import MakeOperator, Operator
 from bem_adhesion.solution import Outcome
 from contact_study.fields.grid import Grid
 
@@ -56,6 +56,11 @@ class ContactLevel:
         self._pairs_below = 0.0
         self._present = np.isfinite(heights)
         self._largest_height = float(np.abs(heights[self._present]).max())
+
+    @property
+    def single(self) -> Operator:
+        """The solid in single precision."""
+        return self._single
 
     def equivalent_pairs(self, grid: Grid) -> float:
         """Work done so far on this level and below, see :meth:`Operator.equivalent_pairs`."""

@@ -18,6 +18,7 @@ from bem_adhesion.free_boundary import Window
 from bem_adhesion.linearised import LinearisedContact
 from bem_adhesion.operator import MakeOperator
 from bem_adhesion.solution import Outcome
+from bem_adhesion.tangent import mean_compliance
 from bem_adhesion.wall_passes import passes_of
 from contact_study.fields.grid import Grid
 from contact_study.problem.laws.base import TractionLaw
@@ -217,6 +218,11 @@ class AdhesiveContact:
                     return beside
             length *= BACKTRACKING
         return None
+
+    def mean_compliance(self, gap: np.ndarray) -> float:
+        """How far the mean gap gives way to a unit pressure at an equilibrium, see :func:`tangent.mean_compliance`."""
+        self._passes.evaluate(gap, self._traction, self.curvature)
+        return mean_compliance(self._linearised, self.curvature, self._passes.pin(self.curvature, gap))
 
     def on_tangent(self, gap: np.ndarray, load: np.ndarray, limit: float) -> np.ndarray:
         """The gap after one Newton step; as it was where some gap would change by more than the fraction ``limit``."""

@@ -23,6 +23,9 @@ class Contact(Protocol):
     def step(self, state: np.ndarray, target: float) -> Solution:
         """The state that follows from one under a new load, a mean pressure (Pa) or a mean gap (m)."""
 
+    def stiffness(self, solution: Solution) -> float:
+        """−dp/dū of a state of this contact (Pa/m), by its linearised equations."""
+
 
 def rough_contact(
     height: np.ndarray,

@@ -103,6 +103,14 @@ class FreeContact:
             return self._pressed_to(self._wall, state, target)
         return self._cropped(self._law.step(state, self._closest - target))
 
+    def stiffness(self, solution: Solution) -> float:
+        """−dp/d(position of the undeformed surface), p the force over the area of the grid (Pa/m)."""
+        inner = (self._wall or self._law).stiffness(solution)
+        if inner == 0:
+            return 0.0
+        # The mean of the padded surface gives way, and beyond it the plane.
+        return 1 / (self._share * (1 / inner + 1 / self._mean_stiffness))
+
     def _pressed_to(self, wall: HardWallContact, state: np.ndarray, approach: float) -> Solution:
         """Of a wall the force that brings about an approach, found by its logarithm: it grows steadily with it."""
         if not np.isfinite(approach):

@@ -11,8 +11,11 @@ from scipy.optimize import brentq
 
 from bem_adhesion.active_set import ContactLevel
 from bem_adhesion.arguments import check_arguments
+from bem_adhesion.linearised import LinearisedContact
 from bem_adhesion.operator import periodic
+from bem_adhesion.roughness import typical_wavenumber
 from bem_adhesion.solution import Outcome, Solution
+from bem_adhesion.tangent import PINNED, mean_compliance
 from contact_study.fields.arguments import check_step
 from contact_study.fields.grid import Grid
 from contact_study.problem.elasticity import Elasticity, elasticity_of
@@ -119,6 +122,24 @@ class HardWallContact:
         if target < 0:
             raise ValueError(f"target = {target:g}: a hard wall without adhesion has no negative mean {self.control}")
         return self._at_pressure(state, target) if self.control == "pressure" else self._at_gap(state, target)
+
+    def stiffness(self, solution: Solution) -> float:
+        """−dp/dū of a state, mean pressure over mean gap (Pa/m): zero without contact, infinite in full contact.
+
+        Parameters
+        ----------
+        solution : Solution
+            A state of this contact.
+        """
+        touching = solution.state > 0
+        if self._flat or touching.all():
+            return np.inf if touching.all() else 0.0
+        single = self._level.single
+        shift = typical_wavenumber(np.where(np.isfinite(self._height), self._height, self._mean_height), self.grid)
+        shift *= 0.5 * max(self.grid.size)  # K of that wave in units of the modulus over the period
+        curvature = np.where(touching, np.float32(PINNED * single.largest), np.float32(0))
+        compliance = mean_compliance(LinearisedContact(single, shift), curvature, touching)
+        return self.elasticity.contact_modulus / (max(self.grid.size) * compliance)
 
     def _at_pressure(self, state: np.ndarray, mean_pressure: float) -> Solution:
         if self._flat:

@@ -90,6 +90,10 @@ class LawPasses:
     def hold(self, curvature: np.ndarray, step: np.ndarray) -> None:
         """Take a wall's points out of a step; without a wall none."""
 
+    def pin(self, curvature: np.ndarray, gap: np.ndarray) -> np.ndarray:
+        """Make points that touch a wall as stiff as those it holds; which they are. Without a wall none."""
+        return np.zeros(gap.shape, bool)
+
     def reaction(
         self, elastic: np.ndarray, gap: np.ndarray, traction: np.ndarray, load: np.ndarray
     ) -> np.ndarray | float:

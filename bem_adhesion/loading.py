@@ -17,9 +17,9 @@ from bem_adhesion.arguments import check_arguments
 from bem_adhesion.free_boundary import FreeHalfSpace, Window
 from bem_adhesion.multilevel import MultilevelContact
 from bem_adhesion.operator import periodic
+from bem_adhesion.roughness import typical_wavenumber
 from bem_adhesion.solution import Outcome, Solution
 from bem_adhesion.wall_passes import passes_of
-from contact_study.fields import fourier
 from contact_study.fields.arguments import check_step
 from contact_study.fields.grid import Grid
 from contact_study.problem.elasticity import Elasticity, elasticity_of
@@ -35,20 +35,6 @@ GAP_CORRECTIONS = 20
 NO_TENSION = 1e-3
 # Gap outside a wall that is none, over the largest height: some roundings of both.
 TOUCHING = 1e-14
-
-
-def typical_wavenumber(height: np.ndarray, grid: Grid) -> float:
-    """Root-mean-square slope over root-mean-square height, at least that of the longest wave (1/m).
-
-    Unlike the size of the cell it does not change when the same roughness is studied on a larger area.
-    """
-    power = grid.multiplicity * np.abs(fourier.transform(height)) ** 2
-    power[0, 0] = 0.0
-    lowest = 2 * np.pi / max(grid.size)
-    variance = power.sum()
-    if variance == 0:
-        return lowest
-    return max(lowest, float(np.sqrt(np.sum(grid.wavenumber**2 * power) / variance)))
 
 
 def reach(law: TractionLaw) -> float:
@@ -189,6 +175,22 @@ class LoadedContact:
         if result.outcome is Outcome.DETACHED:
             return self._apart(Outcome.DETACHED, result.iterations, pairs)
         return self._solution(result, pairs)
+
+    def stiffness(self, solution: Solution) -> float:
+        """−dp/dū of a state, mean pressure over mean gap (Pa/m).
+
+        Parameters
+        ----------
+        solution : Solution
+            A converged state of this contact; of surfaces apart it is zero.
+        """
+        if solution.detached:
+            return 0.0
+        gap = solution.state / self._length - self._height
+        gap[np.abs(gap) <= TOUCHING * np.abs(self._height).max()] = 0.0
+        compliance = self._contact.finest.mean_compliance(gap)
+        # What the spring of the control adds is no contact.
+        return (1 / compliance - self._spring) * self.elasticity.contact_modulus / self._length
 
     def _solve(self, gap: np.ndarray, pressure: float, approach: bool, tolerance: float | None = None) -> NewtonResult:
         load = self._flattening + pressure

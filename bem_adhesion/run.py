@@ -188,7 +188,8 @@ def solve_path(
     for value, _ in case.path[start:]:
         solution = contact.step(state, value)
         state = solution.state
-        found = _state(case, solution, surface.grid.spacing)
+        stiffness = contact.stiffness(solution) if case.output.stiffness and solution.converged else None
+        found = _state(case, solution, surface.grid.spacing, stiffness)
         if case.elasticity.boundary == "free" and _at_rim(found.contact):
             warnings.warn(
                 'elasticity.boundary = "free": contact reaches the rim of the surface; what would touch beyond it is '
@@ -203,7 +204,7 @@ def _at_rim(contact: np.ndarray) -> bool:
     return bool(contact[[0, -1]].any() or contact[:, [0, -1]].any())
 
 
-def _state(case: Case, solution: Solution, spacing: tuple[float, float]) -> InterfaceState:
+def _state(case: Case, solution: Solution, spacing: tuple[float, float], stiffness: float | None) -> InterfaceState:
     gap, pressure = solution.gap, solution.pressure
     if solution.plane is None or solution.detached:
         # Nothing slides: all that parts mean gap and separation is the uniform compression of a layer.
@@ -222,6 +223,7 @@ def _state(case: Case, solution: Solution, spacing: tuple[float, float]) -> Inte
         report=SolverReport.of(solution, complementarity_residual=solution.complementarity_residual),
         restart={"state": solution.state},
         spacing=spacing,
+        contact_stiffness=stiffness,
     )
 
 

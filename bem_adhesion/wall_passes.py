@@ -12,6 +12,7 @@ from numba import njit
 
 from bem_adhesion.free_boundary import Window
 from bem_adhesion.law_passes import CAUTION, LawPasses, LennardJones104Passes
+from bem_adhesion.tangent import PINNED
 from bem_adhesion.window_passes import WindowPasses
 from contact_study.problem.laws.base import TractionLaw
 from contact_study.problem.laws.exponential import Exponential
@@ -88,6 +89,11 @@ class WallPasses(LawPasses):
 
     def hold(self, curvature, step):
         step[curvature == self._held] = 0
+
+    def pin(self, curvature, gap):
+        held = gap == 0
+        curvature[held] = np.float32(PINNED / HELD) * self._held
+        return held
 
     def reaction(self, elastic, gap, traction, load):
         return np.where(gap == 0, elastic + traction + load, 0.0)

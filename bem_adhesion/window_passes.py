@@ -44,6 +44,12 @@ class WindowPasses(LawPasses):
     def hold(self, curvature, step):
         self._inner.hold(curvature, step)
 
+    def pin(self, curvature, gap):
+        held = np.zeros(gap.shape, bool)
+        inside = self._window.inside
+        inside(held)[...] = self._inner.pin(inside(curvature), inside(gap))
+        return held
+
     def reaction(self, elastic, gap, traction, load):
         return self._inner.reaction(elastic, gap, traction, load)
 

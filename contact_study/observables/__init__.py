@@ -5,6 +5,7 @@ from contact_study.observables.base import InterfaceState, Observable, Value, Va
 from contact_study.observables.contact_area import CONTACT_AREA
 from contact_study.observables.contact_clusters import CONTACT_CLUSTERS
 from contact_study.observables.contact_edge import CONTACT_EDGE
+from contact_study.observables.contact_stiffness import CONTACT_STIFFNESS
 from contact_study.observables.distributions import DISTRIBUTIONS
 from contact_study.observables.energies import ENERGIES
 from contact_study.observables.means import MEANS
@@ -19,6 +20,7 @@ OBSERVABLES: tuple[Observable, ...] = (
     CONTACT_CLUSTERS,
     CONTACT_EDGE,
     PERCOLATION,
+    CONTACT_STIFFNESS,
     SOLVER_REPORT,
 )
 

@@ -102,6 +102,8 @@ class InterfaceState:
         All that the next point of the path starts from, nothing else.
     spacing : tuple of float or None
         Distance of points along y and x (m).
+    contact_stiffness : float or None
+        −dp/dū (Pa/m), of a model that was asked for it.
     """
 
     gap: np.ndarray
@@ -114,6 +116,7 @@ class InterfaceState:
     report: SolverReport
     restart: Mapping[str, np.ndarray] = field(default_factory=dict)
     spacing: tuple[float, float] | None = None
+    contact_stiffness: float | None = None
 
 
 @dataclass(frozen=True)

@@ -130,6 +130,7 @@ class OutputSection:
     """What is kept."""
 
     fields: bool = key(flag(), "keep gap and pressure fields of every step", False)
+    stiffness: bool = key(flag(), "contact_stiffness of every step of the continuum, by one linear solve more", False)
     restart: bool = key(
         flag(),
         "keep each case's last state (8 bytes a point, 24 an atom), so that --resume can lengthen its path; without it "
