@@ -10,6 +10,7 @@ from scipy.fft import next_fast_len
 
 from bem_adhesion.contact import rough_contact
 from bem_adhesion.multilevel import POINTS_PER_PROCESS_ZONE, process_zone
+from bem_adhesion.paths import Account, account_of, follow, separation_of
 from bem_adhesion.solution import Solution
 from contact_study.campaign.memory import grid_fits
 from contact_study.campaign.model import Model
@@ -185,11 +186,27 @@ def solve_path(
         case.elasticity.boundary,
     )
     state = contact.separated() if restart is None else restart["state"]
+    account = (
+        _first_account(case, state) if restart is None or "account" not in restart else Account.of(restart["account"])
+    )
     for value, _ in case.path[start:]:
-        solution = contact.step(state, value)
+        if account is None:
+            solution = contact.step(state, value)
+            if case.loading.adaptive and case.law.attracts:
+                account = account_of(solution, value, case.solid)
+        else:
+            least = case.loading.resolution * max(map(abs, case.loading.path))
+            solution, account = follow(contact, state, account, value, least, case.solid)
         state = solution.state
         stiffness = contact.stiffness(solution) if case.output.stiffness and solution.converged else None
         found = _state(case, solution, surface.grid.spacing, stiffness)
+        if account is not None:
+            found = replace(
+                found,
+                dissipated_energy=account.dissipated,
+                detachment_pressure=account.detachment_pressure,
+                restart={**found.restart, "account": account.array},
+            )
         if case.elasticity.boundary == "free" and _at_rim(found.contact):
             warnings.warn(
                 'elasticity.boundary = "free": contact reaches the rim of the surface; what would touch beyond it is '
@@ -199,6 +216,13 @@ def solve_path(
         yield found
 
 
+def _first_account(case: Case, separated: np.ndarray) -> Account | None:
+    """Where a path with steps of its own begins: without load, out of reach; under other control at its first point."""
+    if not (case.loading.adaptive and case.law.attracts and case.loading.control == "pressure"):
+        return None
+    return Account(0.0, 0.0, float(separated.mean()), 0.0, False)
+
+
 def _at_rim(contact: np.ndarray) -> bool:
     """Whether a point of the first or last row or column is in contact."""
     return bool(contact[[0, -1]].any() or contact[:, [0, -1]].any())
@@ -206,12 +230,7 @@ def _at_rim(contact: np.ndarray) -> bool:
 
 def _state(case: Case, solution: Solution, spacing: tuple[float, float], stiffness: float | None) -> InterfaceState:
     gap, pressure = solution.gap, solution.pressure
-    if solution.plane is None or solution.detached:
-        # Nothing slides: all that parts mean gap and separation is the uniform compression of a layer.
-        separation = float(np.mean(gap)) - case.solid.compression(float(np.mean(pressure)))
-    else:  # heights have no mean
-        separation = solution.plane
-    separation -= case.law.equilibrium_distance
+    separation = separation_of(solution, case.solid) - case.law.equilibrium_distance
     return InterfaceState(
         gap=gap,
         pressure=pressure,

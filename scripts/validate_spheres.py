@@ -25,8 +25,8 @@ WORK_OF_ADHESION = 0.02  # in units of E* and of the reach of the tension: a sca
 RAMP = 0.05
 RAMPS = (0.2, 0.1, 0.05, 0.02, 0.01)
 POINTS_PER_ZONE = 8
-FEWEST_POINTS, MOST_POINTS = 96, 448
-RESOLUTION = 0.0025  # of the pull-off force, over πwR
+FEWEST_POINTS, MOST_POINTS = 96, 384
+RESOLUTION = 0.005  # of the pull-off force, over πwR
 HERTZ_POINTS = (32, 64, 128, 256)
 
 

@@ -8,6 +8,7 @@ from contact_study.observables.contact_edge import CONTACT_EDGE
 from contact_study.observables.contact_stiffness import CONTACT_STIFFNESS
 from contact_study.observables.distributions import DISTRIBUTIONS
 from contact_study.observables.energies import ENERGIES
+from contact_study.observables.jumps import JUMPS
 from contact_study.observables.means import MEANS
 from contact_study.observables.percolation import PERCOLATION
 from contact_study.observables.solver_report import SOLVER_REPORT
@@ -21,6 +22,7 @@ OBSERVABLES: tuple[Observable, ...] = (
     CONTACT_EDGE,
     PERCOLATION,
     CONTACT_STIFFNESS,
+    JUMPS,
     SOLVER_REPORT,
 )
 

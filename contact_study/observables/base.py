@@ -104,6 +104,10 @@ class InterfaceState:
         Distance of points along y and x (m).
     contact_stiffness : float or None
         −dp/dū (Pa/m), of a model that was asked for it.
+    dissipated_energy : float or None
+        In jumps of the path so far, per nominal area (J/m²), of a path with steps of its own.
+    detachment_pressure : float or None
+        Lowest mean pressure held before the surfaces came apart on the way to this point (Pa), of the same.
     """
 
     gap: np.ndarray
@@ -117,6 +121,8 @@ class InterfaceState:
     restart: Mapping[str, np.ndarray] = field(default_factory=dict)
     spacing: tuple[float, float] | None = None
     contact_stiffness: float | None = None
+    dissipated_energy: float | None = None
+    detachment_pressure: float | None = None
 
 
 @dataclass(frozen=True)

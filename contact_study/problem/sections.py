@@ -44,6 +44,16 @@ class LoadingSection:
     )
     control: str = key(choice("pressure", "gap", "approach"), "what is prescribed", "pressure")
     unload: bool = key(flag(), "go back through the path after its last point", False)
+    adaptive: bool = key(
+        flag(),
+        "steps of their own between the points, shortened where the state jumps (continuum, with adhesion)",
+        False,
+    )
+    resolution: float = key(
+        quantity("1", positive=True, maximum=1.0),
+        "least step of adaptive, to which jumps and pull-off are located, over the largest value of the path",
+        0.01,
+    )
 
     def __post_init__(self):
         si = "Pa" if self.control == "pressure" else "m"

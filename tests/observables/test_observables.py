@@ -31,6 +31,8 @@ def state(**changes):
         "restart": {"state": np.arange(3.0)},
         "spacing": (2e-10, 1e-10),
         "contact_stiffness": 3e18,
+        "dissipated_energy": 0.02,
+        "detachment_pressure": -1e8,
     }
     return InterfaceState(**{**content, **changes})
 
@@ -52,6 +54,8 @@ def test_observables_of_a_state_made_by_hand():
         "contact_perimeter": pytest.approx(np.pi / 4 * (2 * 1e-10 + 4 * 2e-10) / (6 * 2e-20), rel=1e-12),
         "corrected_contact_area": pytest.approx(3 / 6 - OVERCOUNT * (2 + 4) / 6),
         "contact_stiffness": 3e18,
+        "dissipated_energy": 0.02,
+        "detachment_pressure": -1e8,
         "contact_percolates": True,
         "gap_percolates": True,
         "converged": True,
