@@ -6,9 +6,12 @@ separation; the errors are those of ensemble means at equal pressure.
 python scripts/edge_flow_ensemble.py                          # six surfaces of 128 × 128 points
 python scripts/edge_flow_ensemble.py --surfaces 24 --points 256 --table data/edge_flow_ensemble.csv   # hours
 python scripts/edge_flow_ensemble.py --from data/edge_flow_ensemble.csv
+python scripts/edge_flow_ensemble.py --settings --surfaces 12 --points 256 --table data/edge_flow_settings.csv
+python scripts/edge_flow_ensemble.py --settings --from data/edge_flow_settings.csv   # other spectra and laws, and back
 """
 
 import argparse
+import itertools
 import sys
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -22,6 +25,12 @@ PRESSURES = (0.1, 0.2, 0.5, 1.0, 2.0, 5.0)  # GPa
 WEAK = 2.0  # well depths, in units of ε0, that stand in the first rows
 THEORIES = ("gap_flow", "edge_flow")
 SHOWN = {"relative_contact_area": "A", "mean_gap": "ū"}
+# What other settings change, and their well depths in units of ε0: contact edges want four grid points.
+SETTINGS: dict[str, tuple[dict[str, dict[str, Any]], list[float]]] = {
+    "H = 0.5": ({"surface": {"hurst_exponent": 0.5}}, [1.0, 4.0]),
+    "half the range": ({"interaction": {"length": "1.64 angstrom", "contact_distance": "1.84 angstrom"}}, [0.5, 2.0]),
+    "9-3 attraction": ({"interaction": {"law": "lennard_jones_9_3"}}, [1.0, 4.0]),
+}
 
 
 def parser() -> argparse.ArgumentParser:
@@ -29,14 +38,15 @@ def parser() -> argparse.ArgumentParser:
     made.add_argument("--surfaces", type=int, default=6, help="number of surfaces")
     made.add_argument("--points", type=int, default=128, help="grid points along each side")
     made.add_argument("--ratios", type=float, nargs="+", default=[1.0, 4.0, 8.0], help="well depths in units of ε0")
+    made.add_argument("--settings", action="store_true", help="other spectra and laws, loading and unloading")
     made.add_argument("--table", type=Path, help="CSV to write the ensemble's means to")
     made.add_argument("--from", type=Path, dest="source", help="CSV to read them from, in place of a run")
     return made
 
 
-def study(surfaces: int, points: int, ratios: Sequence[float]) -> dict[str, Any]:
+def study(surfaces: int, points: int, ratios: Sequence[float], setting: str | None = None) -> dict[str, Any]:
     """The study file's content."""
-    return {
+    table: dict[str, Any] = {
         "surface": {
             "kind": "self_affine",
             "size": "1040 angstrom",
@@ -61,6 +71,11 @@ def study(surfaces: int, points: int, ratios: Sequence[float]) -> dict[str, Any]
             "surface.seed": list(range(1, surfaces + 1)),
         },
     }
+    if setting is not None:
+        table["loading"]["unload"] = True
+        for section, keys in SETTINGS[setting][0].items():
+            table[section] |= keys
+    return table
 
 
 def ensemble(surfaces: int, points: int, ratios: Sequence[float]) -> pd.DataFrame:
@@ -79,6 +94,43 @@ def ensemble(surfaces: int, points: int, ratios: Sequence[float]) -> pd.DataFram
                     found.append((model, name, ratio, pressure, float(mean[at]), float(error[at]), count, points))
     columns = ["model", "quantity", "ratio", "pressure_GPa", "mean", "standard_error", "surfaces", "points"]
     return pd.DataFrame(found, columns=columns)
+
+
+def settings_ensemble(surfaces: int, points: int) -> pd.DataFrame:
+    """Mean and standard error of every quantity on the way in and back, in every setting."""
+    found = []
+    for setting, (_, ratios) in SETTINGS.items():
+        table = study(surfaces, points, ratios, setting)
+        truth, theory = contact_study.run(table, "continuum"), contact_study.run(table, "theory")
+        models = (("continuum", truth), *((name, theory.sel(theory=name)) for name in THEORIES))
+        for (model, dataset), (name, back) in itertools.product(models, itertools.product(SHOWN, (False, True))):
+            values = dataset[name].where(dataset["converged"] == 1)
+            mean, error = values.mean("seed"), values.std("seed", ddof=1) / values.count("seed") ** 0.5
+            for (law, ratio), (step, pressure) in itertools.product(enumerate(ratios), enumerate(PRESSURES)):
+                # The way back ends where it began and turns at the last pressure.
+                at = {"work_of_adhesion": law, "step": 2 * len(PRESSURES) - 2 - step if back else step}
+                count = int(values.isel(at).count())
+                branch = "unloading" if back else "loading"
+                found.append((setting, branch, model, name, ratio, pressure, float(mean[at]), float(error[at]), count))
+    columns = ["setting", "branch", "model", "quantity", "ratio", "pressure_GPa", "mean", "standard_error", "surfaces"]
+    return pd.DataFrame(found, columns=columns)
+
+
+def settings_rows(table: pd.DataFrame) -> Iterator[str]:
+    """The table's lines: mean and worst error in per cent from 0.2 GPa on, one setting, law and branch a line."""
+    yield "| setting | well depth | branch | quantity | gap flow | edge flow | standard error | surfaces |"
+    yield "|---|---|---|---|---|---|---|---|"
+    table = table[table["pressure_GPa"] >= 0.2]
+    for (setting, ratio, branch), part in table.groupby(["setting", "ratio", "branch"], sort=False):
+        for name, symbol in SHOWN.items():
+            own = part[part["quantity"] == name]
+            wide = own.pivot_table(index="pressure_GPa", columns="model", values="mean")
+            errors = [100 * (wide[theory] / wide["continuum"] - 1).abs() for theory in THEORIES]
+            truth = own[own["model"] == "continuum"]
+            scatter = 100 * (truth["standard_error"] / truth["mean"]).mean()
+            cells = " | ".join(f"{error.mean():.1f} ({error.max():.1f}) %" for error in errors)
+            head = f"| {setting} | {ratio:g} ε0 | {branch} | {symbol} |"
+            yield f"{head} {cells} | {scatter:.1f} % | {truth['surfaces'].min()} |"
 
 
 def rows(table: pd.DataFrame) -> Iterator[str]:
@@ -104,10 +156,15 @@ def rows(table: pd.DataFrame) -> Iterator[str]:
 def main(arguments: Sequence[str] | None = None) -> int:
     given = parser().parse_args(arguments)
     read = given.source is not None
-    table = pd.read_csv(given.source) if read else ensemble(given.surfaces, given.points, given.ratios)
+    if read:
+        table = pd.read_csv(given.source)
+    elif given.settings:
+        table = settings_ensemble(given.surfaces, given.points)
+    else:
+        table = ensemble(given.surfaces, given.points, given.ratios)
     if given.table:
         table.to_csv(given.table, index=False, float_format="%.6g")
-    for row in rows(table):
+    for row in settings_rows(table) if given.settings else rows(table):
         print(row)
     return 0
 
