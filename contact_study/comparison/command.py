@@ -15,6 +15,7 @@ from contact_study.campaign.files import writable_output
 from contact_study.campaign.schema import CONVENTIONS, SCHEMA_VERSION
 from contact_study.comparison.compute.deviations import MISSING, compute_deviations, pairs_of
 from contact_study.comparison.compute.regime import compute_regime
+from contact_study.comparison.draw.style import FORMATS
 from contact_study.comparison.illustrations import draw
 from contact_study.comparison.read.datasets import Inputs, read_inputs
 from contact_study.comparison.say.report import FIGURE_TITLES, Figures, collected_warnings, render_report
@@ -24,7 +25,7 @@ from contact_study.problem import units
 from contact_study.problem.errors import InputError
 
 COMMAND = "contact-compare"
-FIGURE_FILES = {name: f"figure_{number}_{name}.png" for number, name in enumerate(FIGURE_TITLES, 1)}
+FIGURE_FILES = {name: f"figure_{number}_{name}" for number, name in enumerate(FIGURE_TITLES, 1)}
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -40,9 +41,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _main(arguments: Sequence[str]) -> int:
     given = _parser().parse_args(arguments)
+    formats = list(dict.fromkeys(given.figure_format or ["png"]))
     planned = [given.output, *([given.report] if given.report else [])]
     if given.figures:
-        planned += [given.figures / name for name in FIGURE_FILES.values()]
+        planned += [given.figures / f"{name}.{kind}" for kind in formats for name in FIGURE_FILES.values()]
     _check_outputs(planned, given.datasets, overwrite=given.overwrite)
     wanted = (
         units.quantity(given.reference_pressure, "Pa", "--reference-pressure") if given.reference_pressure else None
@@ -57,13 +59,15 @@ def _main(arguments: Sequence[str]) -> int:
         raise InputError("these datasets have no point of their loading paths in common; run the same study")
     regime = compute_regime(inputs)
     attrs = _attributes(inputs, given.output, arguments)
-    drawn = draw(inputs, wanted) if given.figures or given.report else Figures({}, {})
+    drawn = draw(inputs, wanted, formats) if given.figures or given.report else Figures({}, {})
     tree = comparison_tree(inputs, deviations, regime, attrs)
     outputs: dict[Path, Callable[[Path], Any]] = {
         given.output: lambda path: tree.to_netcdf(path, engine="netcdf4", write_inherited_coords=True)
     }
     if given.figures:
-        outputs |= {given.figures / FIGURE_FILES[name]: _writer(image) for name, image in drawn.images.items()}
+        for kind in formats:
+            files = drawn.files(kind).items()
+            outputs |= {given.figures / f"{FIGURE_FILES[name]}.{kind}": _writer(content) for name, content in files}
     if given.report:
         page = render_report(inputs, deviations, regime, drawn, {**attrs, "file": given.output.name})
         outputs[given.report] = _writer(page.encode())
@@ -88,7 +92,13 @@ def _parser() -> Parser:
         help="datasets of one contact: one to report on, or several to compare, in any order",
     )
     parser.add_argument("-o", "--output", type=Path, required=True, metavar="OUT.nc", help="dataset to write")
-    parser.add_argument("--figures", type=Path, metavar="FOLDER", help="folder for the figures (PNG)")
+    parser.add_argument("--figures", type=Path, metavar="FOLDER", help="folder for the figures")
+    parser.add_argument(
+        "--figure-format",
+        action="append",
+        choices=FORMATS,
+        help="format of the figures in their folder; may be given several times (default: png)",
+    )
     parser.add_argument("--report", type=Path, metavar="REPORT.html", help="report to write, one file with all in it")
     parser.add_argument("--overwrite", action="store_true", help="replace existing files")
     parser.add_argument(

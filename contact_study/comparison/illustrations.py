@@ -1,5 +1,6 @@
 """The figures of one comparison with their captions: what is shown is chosen, read and drawn."""
 
+from collections.abc import Sequence
 from typing import Any
 
 from contact_study.comparison.compute import bands, plotted
@@ -11,13 +12,13 @@ from contact_study.comparison.compute.shown_states import common_label, panel_po
 from contact_study.comparison.draw import figures
 from contact_study.comparison.draw.gap_map import gap_map_figure
 from contact_study.comparison.draw.interface import interface_figure
-from contact_study.comparison.draw.style import png
+from contact_study.comparison.draw.style import png, saved
 from contact_study.comparison.read.datasets import Inputs
 from contact_study.comparison.say.captions import captions
 from contact_study.comparison.say.report import Figures
 
 
-def draw(inputs: Inputs, wanted: float | None = None) -> Figures:
+def draw(inputs: Inputs, wanted: float | None = None, formats: Sequence[str] = ()) -> Figures:
     """Every figure that these datasets allow.
 
     Parameters
@@ -26,6 +27,8 @@ def draw(inputs: Inputs, wanted: float | None = None) -> Figures:
         What is compared.
     wanted : float, optional
         Pressure (Pa) at which the whole sweep is shown; the nearest one of the path is taken.
+    formats : sequence of str
+        Formats besides PNG.
     """
     models, control = inputs.models, inputs.control
     points = sweep_points(models)
@@ -58,7 +61,8 @@ def draw(inputs: Inputs, wanted: float | None = None) -> Figures:
             drawn["interface"] = interface_figure(interface, state)
     banded = dict.fromkeys(band.model for found in (area_bands, logarithmic, linear) for band in found)
     words = captions(inputs, shown, curves, seed, list(banded))
-    return Figures({name: png(figure) for name, figure in drawn.items()}, words)
+    others = {kind: {name: saved(figure, kind) for name, figure in drawn.items()} for kind in formats if kind != "png"}
+    return Figures({name: png(figure) for name, figure in drawn.items()}, words, others)
 
 
 def _first_sample(inputs: Inputs) -> Any:

@@ -284,3 +284,28 @@ def test_unconverged_input_gives_status_two_and_detachment_does_not(files, tmp_p
     assert run(files[0], failed, "-o", tmp_path / "two.nc") == 2
     assert "1 of the inputs' steps did not converge" in capsys.readouterr().err
     assert (tmp_path / "two.nc").exists()
+
+
+def test_figures_in_other_formats(files, tmp_path):
+    """PDF and SVG beside PNG or alone, text as text, equal runs equal bytes; the report keeps its own."""
+    folder, report = tmp_path / "figures", tmp_path / "report.html"
+    arguments = [*files, "-o", tmp_path / "c.nc", "--figures", folder, "--overwrite"]
+    formats = ["--figure-format", "pdf", "--figure-format", "svg"]
+    assert run(*arguments, *formats, "--report", report) == 0
+    names = sorted(path.name for path in folder.iterdir())
+    assert {name.rpartition(".")[2] for name in names} == {"pdf", "svg"}
+    assert len(names) % 2 == 0
+    first = {path.name: path.read_bytes() for path in folder.iterdir()}
+    assert first["figure_3_contact_area.pdf"].startswith(b"%PDF")
+    assert b"Persson" in first["figure_3_contact_area.svg"]
+    assert "data:image/png" in report.read_text()
+    assert run(*arguments, *formats, "--figure-format", "png") == 0
+    assert {name: (folder / name).read_bytes() for name in names} == first
+    assert (folder / "figure_3_contact_area.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_figures_of_another_format_are_not_overwritten(files, tmp_path):
+    (tmp_path / "figure_3_contact_area.svg").write_text("precious")
+    arguments = [*files, "-o", tmp_path / "c.nc", "--figures", tmp_path, "--figure-format", "svg"]
+    assert run(*arguments) == 1
+    assert (tmp_path / "figure_3_contact_area.svg").read_text() == "precious"

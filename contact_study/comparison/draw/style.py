@@ -43,11 +43,25 @@ def look_of(model: str, beside: Iterable[str]) -> Look:
     return Look(line, marker, entry.marker_size, entry.line_width, entry.hollow)
 
 
+# Formats of figures, each with what of a file says when and by what it was made: equal figures give equal bytes.
+FORMATS: dict[str, dict[str, None]] = {
+    "png": {"Software": None},
+    "pdf": {"Creator": None, "Producer": None, "CreationDate": None},
+    "svg": {"Creator": None, "Date": None},
+}
+
+
 def png(figure: Figure) -> bytes:
-    """The figure as a PNG file; equal figures give equal bytes."""
+    """The figure as a PNG file."""
+    return saved(figure, "png")
+
+
+def saved(figure: Figure, kind: str) -> bytes:
+    """The figure as a file of one of :data:`FORMATS`; text stays text where the format has any."""
     stream = io.BytesIO()
-    with matplotlib.rc_context(STYLE):
-        figure.savefig(stream, format="png", dpi=RESOLUTION, metadata={"Software": None})
+    text = {"pdf.fonttype": 42, "svg.fonttype": "none", "svg.hashsalt": "contact"}
+    with matplotlib.rc_context(STYLE | text):
+        figure.savefig(stream, format=kind, dpi=RESOLUTION, metadata=FORMATS[kind])
     return stream.getvalue()
 
 

@@ -3,7 +3,7 @@
 import base64
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import jinja2
@@ -35,10 +35,15 @@ _WIDE = 1000  # pixels: more than one column
 
 @dataclass(frozen=True)
 class Figures:
-    """Figures as PNG files with their captions, by name."""
+    """Figures as PNG files with their captions, by name, and as files of other formats, by format and name."""
 
     images: dict[str, bytes]
     captions: dict[str, str]
+    others: dict[str, dict[str, bytes]] = field(default_factory=dict)
+
+    def files(self, kind: str) -> dict[str, bytes]:
+        """The files of one format."""
+        return self.images if kind == "png" else self.others.get(kind, {})
 
 
 def render_report(
