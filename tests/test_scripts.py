@@ -13,6 +13,7 @@ from contact_study.fields.fourier import RealTransform
 from scripts import (
     benchmark_adhesive,
     benchmark_storage,
+    contact_challenge,
     continuum_against_atoms,
     edge_flow_convergence,
     edge_flow_ensemble,
@@ -226,3 +227,44 @@ def test_maugis_has_his_limits():
     radius, approach = validate_spheres.Maugis(50.0).at_force(0.0)
     assert radius**3 == pytest.approx(6, rel=2e-3)
     assert approach == pytest.approx(radius**2 / 3, rel=2e-3)
+
+
+def test_the_contact_mechanics_challenge(capsys):
+    assert contact_challenge.main(["--size", "2 um", "--points", "48", "96", "--pressures", "1 MPa", "4 MPa"]) == 0
+    said, errors = capsys.readouterr()
+    head, _, names, _, *rows = said.splitlines()
+    assert "rms slope 1.000" in head
+    assert [name.strip() for name in names.split("|")[3:-1]] == ["48²", "96²", "extrapolated", "error of the finest"]
+    split = [[cell.strip() for cell in row.split("|")[1:-1]] for row in rows]
+    cells = {(pressure, name): values for pressure, name, *values in split}
+    for pressure in ("1000", "4000"):
+        coarse, fine, limit = map(float, cells[pressure, "A/A₀"][:3])
+        # First order: as far beyond the finer grid as that is from the coarser one.
+        assert limit == pytest.approx(2 * fine - coarse, abs=2e-3 * fine)  # four digits
+        assert float(cells[pressure, "A/A₀"][3].split()[0]) == pytest.approx(100 * (fine / limit - 1), abs=0.1)
+    assert float(cells["4000", "A/A₀"][1]) > float(cells["1000", "A/A₀"][1])
+    assert float(cells["4000", "ū (µm)"][1]) < float(cells["1000", "ū (µm)"][1])
+    assert re.search(r"48²: \d+ pairs\n96²: \d+ pairs", errors)
+
+
+def test_touching_points_of_the_challenge_carry_the_load(capsys):
+    assert contact_challenge.main(["--size", "2 um", "--points", "64", "--pressures", "1 MPa", "--no-adhesion"]) == 0
+    rows = [row.strip("| ").split(" | ") for row in capsys.readouterr().out.splitlines()[4:]]
+    found = {name: float(value) for _, name, value in rows}
+    assert found["A/A₀"] * found["mean stress in contact (MPa)"] == pytest.approx(1, rel=2e-3)  # four digits
+    assert found["A/A₀ with σ > 1·E*/2"] > found["A/A₀ with σ > 2·E*/2"]
+    # Half-spaces without adhesion: 1.1 to 1.4 times Persson's area at loads this light.
+    assert 1 < found["A/A₀"] / found["A/A₀ of Persson's theory, no adhesion"] < 1.6
+
+
+@pytest.mark.parametrize(("order", "limit"), [(1, 3.0), (2, 3.0)])
+def test_richardson_finds_the_order_of_three_grids(order, limit):
+    spacing = [0.4, 0.2, 0.1]
+    values = [limit + 5 * h**order for h in spacing]
+    assert contact_challenge.extrapolated(values, spacing) == pytest.approx(limit, rel=1e-12)
+    assert contact_challenge.extrapolated([1.0, 1.0, 1.0], spacing) == 1.0
+
+
+def test_grids_of_the_challenge_increase(capsys):
+    assert contact_challenge.main(["--points", "128", "64"]) == 1
+    assert "must increase" in capsys.readouterr().err

@@ -98,17 +98,16 @@ def conduct(
         return _already_done(run, parts, finished, progress)
     engines.check(how.engine, how.scheduler)
     writable_output(output)
-    for note in said:
-        progress.warn(note)
     commit = provenance.git_commit()
     try:
         unfinished = parts.open(resume=how.resume, overwrite=how.overwrite)
         names = run.case_names()
         commits = earlier_commits(unfinished, finished, commit)
-        for note in [*commits, *take_up(run, names, parts, unfinished, finished, commit)]:
-            progress.warn(note)
+        resumed = take_up(run, names, parts, unfinished, finished, commit)
         for line in [*study.choices, *taken(study.cases, scales_of(study))]:
             progress.say(line)
+        for note in [*said, *commits, *resumed]:
+            progress.warn(note)
         notes = run_cases(run, names, parts, how.workers, progress, how.engine, how.scheduler)
         progress.close()
         groups, late = assembled(run, names, parts)

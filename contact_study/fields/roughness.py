@@ -96,12 +96,13 @@ class Roughness:
     def noise(self) -> tuple[float, float]:
         """Of the waves shorter than four points: the power of q in C, and their share in the mean square slope.
 
-        Noise of single pixels is white, power 0; a self-affine surface has −2 to −4.
+        Noise of single pixels is white, power 0; a self-affine surface has −2 to −4. Of less than four octaves, in
+        which short waves may be all that there is, nothing is said: −∞ and 0.
         """
         q, density, waves = self.spectrum.wavevectors, self.spectrum.density, self.spectrum.waves
         slopes = q**2 * density * waves
         last = q > q[-1] / 2
-        if slopes.sum() == 0 or np.any(density[last] <= 0) or last.sum() < 2:
+        if slopes.sum() == 0 or q[-1] < 15.9 * q[0] or np.any(density[last] <= 0) or last.sum() < 2:
             return float("-inf"), 0.0
         power = np.polyfit(np.log(q[last]), np.log(density[last]), 1, w=np.sqrt(waves[last]))[0]
         return float(power), float(slopes[last].sum() / slopes.sum())

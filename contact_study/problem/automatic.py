@@ -74,7 +74,7 @@ def choices(tables: Sequence[Mapping[str, Any]], cases: Sequence[Case]) -> tuple
             )
             why = (
                 f"the longest that keeps the Tabor parameter above {JKR_LIKE:g}"
-                if case.law.length < 0.98 * SHARE_OF_HEIGHT * scales.rms_height
+                if tabor / JKR_LIKE * case.law.length < SHARE_OF_HEIGHT * scales.rms_height
                 else f"{SHARE_OF_HEIGHT:g} of the rms height"
             )
             said.append(f'{LENGTH} = "{AUTO}": {length(case.law.length)}, {why} (it is {tabor:.2g})')

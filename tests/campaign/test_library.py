@@ -141,7 +141,6 @@ def test_the_face_of_the_package():
     assert importlib.metadata.version("bem-adhesion") == contact_study.__version__
 
 
-@pytest.mark.filterwarnings("ignore:.*noise in single points")
 def test_a_height_array_is_a_surface(tmp_path):
     height = 2e-11 * np.random.default_rng(0).standard_normal((16, 24))
     study = {name: keys for name, keys in STUDY.items() if name not in ("surface", "sweep")}

@@ -2,12 +2,14 @@
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 
+import contact_study
 from contact_study.problem.errors import InputError
 from contact_study.problem.measured_surface import length
 from contact_study.problem.study import make_study
 from contact_study.problem.tabor import longest_range, tabor_parameter
-from tests import reference_problems as reference
+from theory import references as reference
 
 MATERIAL = {"youngs_modulus": "2 MPa", "poissons_ratio": 0.5}
 MODULUS = 2e6 / 0.75
@@ -105,3 +107,38 @@ def test_rounding_is_downwards():
         found = longest_range(scale * 1e6, 1e-3, 1e7, 0.1)
         assert 3 <= tabor_parameter(1 / (scale * 1e6), 1e7, 0.1, found) < 3.31
         assert float(f"{found:.2g}") == pytest.approx(found, rel=1e-12)
+
+
+def test_a_shorter_range_changes_little_and_leads_to_johnsons_wave():
+    """A wave of rubber, closed form by Johnson (1995) for a range of zero."""
+    wavelength, amplitude, points = 20e-6, 1e-6, 2048
+    closing = reference.wave_full_contact_pressure(amplitude, wavelength, MODULUS)
+    relative = (0.02, 0.1, 0.2)
+    table = {
+        "surface": {
+            "kind": "wavy",
+            "size": [4 * wavelength / points, wavelength],
+            "shape": [4, points],
+            "amplitude": amplitude,
+            "modes": [0, 1],
+        },
+        "material": MATERIAL,
+        "interaction": {"law": "exponential", "work_of_adhesion": WORK, "length": "auto"},
+        "loading": {"path": [pressure * closing for pressure in relative]},
+    }
+    whole = contact_study.run(table)
+    chosen = float(whole.interaction_length)
+    half = contact_study.run(table | {"interaction": table["interaction"] | {"length": chosen / 2}})
+    assert whole.converged.all()
+    assert half.converged.all()
+    adhesion = reference.wave_adhesion(amplitude, wavelength, MODULUS, WORK)
+    limit = np.array(
+        [brentq(lambda a, p=p: reference.wave_relative_pressure(a, adhesion) - p, 0.2, 0.9) for p in relative]
+    )
+    areas = np.array([whole.relative_contact_area.values, half.relative_contact_area.values])
+    # The page on soft matter says 5 %; what is left is the process zone, 1.3 % of the wavelength on either side, and a
+    # quarter of that.
+    assert np.all(np.abs(areas[1] / areas[0] - 1) < 0.05)
+    errors = limit - areas
+    assert np.all(np.abs(errors[0]) < 2 * 0.013)
+    assert np.all(np.abs(errors[1]) < np.abs(errors[0]))

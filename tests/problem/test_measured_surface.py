@@ -75,6 +75,12 @@ def test_noise_of_single_points(tmp_path, heights):
     assert notes(tmp_path, noisy, lowpass=advice) == []
 
 
+def test_noise_is_told_from_four_octaves_on(tmp_path):
+    noise = 1e-11 * np.random.default_rng(1).standard_normal((64, 64))
+    assert "noise in single points" in notes(tmp_path, noise)[0]
+    assert notes(tmp_path, noise[:16, :16]) == []
+
+
 def test_steep_maps_are_warned_of(tmp_path, heights):
     (line,) = notes(tmp_path, 5 * heights)
     assert "rms slope" in line

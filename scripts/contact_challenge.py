@@ -1,0 +1,176 @@
+"""The contact-mechanics challenge: area against load, gap and stress tails, each with what the grid still changes.
+
+M. H. Müser et al., Meeting the contact-mechanics challenge, Tribol. Lett. 65, 118 (2017): a cell of 100 µm, roughness
+of Hurst exponent 0.8 between a roll-off at 20 µm and a cutoff at 0.1 µm with an rms slope of 1, E* = 25 MPa, attraction
+(Δγ/ρ) exp(−u/ρ) outside a hard wall with Δγ = 50 mJ/m² and ρ = 2.071 nm, 250 kPa. The surface is another sample of that
+recipe, scaled to its slope, not the published one. It has two points to its shortest wave at 2048².
+
+Every load is solved on each grid, on the same surface, and the results are extrapolated to an infinitely fine one: by
+the order of convergence that the last three grids show, or by first order, that of an edge counted in points. A
+smaller cell has the same shortest waves, and so nearly the same error, on fewer points.
+
+    python scripts/contact_challenge.py --points 2048 4096
+    python scripts/contact_challenge.py --size "12.5 um" --points 256 512 1024
+"""
+
+import argparse
+import itertools
+import sys
+from collections.abc import Sequence
+
+import numpy as np
+
+from bem_adhesion import rough_contact
+from bem_adhesion.solution import Solution
+from contact_study.campaign.command import Parser, guarded
+from contact_study.campaign.memory import require_memory
+from contact_study.fields.grid import Grid
+from contact_study.problem.errors import InputError
+from contact_study.problem.laws import Exponential, HardWall
+from contact_study.problem.study import make_study
+from contact_study.problem.surface import Surface, realise
+from contact_study.problem.units import quantity
+from theory.closed_forms import relative_contact_area
+
+CELL, ROLL_OFF, CUTOFF, HURST = 100e-6, 20e-6, 0.1e-6, 0.8
+MODULUS, WORK, RANGE = 25e6, 0.05, 2.071e-9
+PRESSURES = (50e3, 250e3, 1e6, 4e6)
+# Stresses above which the tail is counted, in units of the deviation in full contact, E*/2 at a slope of 1.
+TAILS = (1.0, 2.0, 3.0)
+_ORDERS = (0.3, 3.0)  # of convergence that three grids can show; outside they are not in their asymptotic range
+_BYTES_PER_POINT = 200
+# What a study needs besides its surface.
+_REST: dict[str, dict[str, object]] = {
+    "material": {"youngs_modulus": MODULUS, "poissons_ratio": 0.0},
+    "interaction": {"law": "hard_wall"},
+    "loading": {"path": [1.0]},
+}
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    return guarded("contact_challenge", lambda: _main(arguments), interrupted="nothing is written")
+
+
+def parser() -> Parser:
+    made = Parser(
+        description=__doc__.splitlines()[0], formatter_class=argparse.ArgumentDefaultsHelpFormatter, allow_abbrev=False
+    )
+    made.add_argument("--points", type=int, nargs="+", default=[2048], help="points along each side, increasing")
+    made.add_argument("--size", default="100 um", help="side of the cell")
+    made.add_argument("--pressures", nargs="+", default=[f"{p / 1e3:g} kPa" for p in PRESSURES], help="in this order")
+    made.add_argument("--seed", type=int, default=1, help="sample of the recipe")
+    made.add_argument("--no-adhesion", action="store_true", help="the hard wall alone")
+    made.add_argument("--threads", type=int, default=1, help="threads of the transforms")
+    return made
+
+
+def _main(arguments: Sequence[str] | None) -> int:
+    given = parser().parse_args(arguments)
+    size = quantity(given.size, "m", "--size")
+    pressures = [quantity(p, "Pa", "--pressures") for p in given.pressures]
+    grids = given.points
+    if any(fine <= coarse for coarse, fine in itertools.pairwise(grids)):
+        raise InputError(f"--points {' '.join(map(str, grids))}: must increase")
+    require_memory(grids[-1] ** 2 * _BYTES_PER_POINT, f"--points {grids[-1]}", "fewer points")
+    sample = surface(size, grids[0], given.seed)
+    law = HardWall() if given.no_adhesion else Exponential(WORK, RANGE)
+    found = []
+    for points in grids:
+        found.append([numbers(solution) for solution in path(sample, points, law, pressures, given.threads)])
+        print(f"{points}²: {sum(row['pairs'] for row in found[-1]):.0f} pairs", file=sys.stderr)
+    kind = "no adhesion" if given.no_adhesion else "with adhesion"
+    print(
+        f"Cell {size * 1e6:g} µm, seed {given.seed}, {kind}: rms height {sample.rms_height * 1e6:.3f} µm, rms slope "
+        f"{sample.rms_slope:.3f}, points {size / grids[-1] * 1e9:.3g} nm apart on the finest grid.\n"
+    )
+    spacing = [size / points for points in grids]
+    heads = [f"{points}²" for points in grids] + (["extrapolated", "error of the finest"] if len(grids) > 1 else [])
+    names = {
+        "area": "A/A₀",
+        "gap": "ū (µm)",
+        "stress": "mean stress in contact (MPa)",
+        **{f"tail {k:g}": f"A/A₀ with σ > {k:g}·E*/2" for k in TAILS},
+    }
+    print(f"| p (kPa) | | {' | '.join(heads)} |\n|{'---|' * (2 + len(heads))}")
+    for number, pressure in enumerate(pressures):
+        for name, title in names.items():
+            values = [rows[number][name] for rows in found]
+            cells = [f"{value:.4g}" for value in values]
+            if len(grids) > 1:
+                limit = extrapolated(values, spacing)
+                cells += [f"{limit:.4g}", f"{100 * (values[-1] / limit - 1):+.1f} %" if limit > 0 else "none"]
+            print(f"| {pressure / 1e3:g} | {title} | {' | '.join(cells)} |")
+        theory = float(relative_contact_area(pressure, (MODULUS * sample.rms_slope / 2) ** 2))
+        print(f"| {pressure / 1e3:g} | A/A₀ of Persson's theory, no adhesion | {theory:.4g} |{' |' * (len(heads) - 1)}")
+    failed = sum(not row["converged"] for rows in found for row in rows)
+    if failed:
+        print(f"\n{failed} states did not converge.")
+    return 2 if failed else 0
+
+
+def surface(size: float, points: int, seed: int) -> Surface:
+    """A sample of the challenge's recipe on a cell (m), its rms slope 1."""
+
+    def sample(rms_height: float) -> Surface:
+        keys = {
+            "kind": "self_affine",
+            "size": size,
+            "shape": [points, points],
+            "hurst_exponent": HURST,
+            "rms_height": rms_height,
+            "roll_off_mode": max(1.0, size / ROLL_OFF),
+            "cutoff_mode": size / CUTOFF,
+            "seed": seed,
+        }
+        return realise(make_study({"surface": keys, **_REST}).cases[0])
+
+    return sample(1e-6 / sample(1e-6).rms_slope)
+
+
+def path(
+    sample: Surface, points: int, law: Exponential | HardWall, pressures: Sequence[float], threads: int
+) -> list[Solution]:
+    """The states of a loading path on one grid."""
+    grid = Grid((points, points), sample.size)
+    contact = rough_contact(sample.heights(grid.shape), grid.size, MODULUS, law, threads=threads)
+    state, found = contact.separated(), []
+    for pressure in pressures:
+        found.append(contact.step(state, pressure))
+        state = found[-1].state
+    return found
+
+
+def numbers(solution: Solution) -> dict[str, float]:
+    """What is compared of a state: touching area, mean gap (µm), stress in contact (MPa), tails; pairs it took."""
+    touching = solution.gap <= 0
+    pressure = solution.pressure
+    return {
+        "area": float(np.mean(touching)),
+        "gap": float(np.mean(solution.gap)) * 1e6,
+        "stress": float(np.mean(pressure[touching])) / 1e6 if touching.any() else 0.0,
+        **{f"tail {k:g}": float(np.mean(pressure > k * MODULUS / 2)) for k in TAILS},
+        "pairs": solution.fft_pairs,
+        "converged": solution.converged,
+    }
+
+
+def extrapolated(values: Sequence[float], spacing: Sequence[float]) -> float:
+    """The value at zero spacing, by Richardson.
+
+    Parameters
+    ----------
+    values, spacing : sequence of float
+        On two grids or more, coarse to fine.
+    """
+    ratio = spacing[-2] / spacing[-1]
+    last = values[-2] - values[-1]
+    order = 1.0
+    if len(values) > 2 and last != 0 and np.isclose(spacing[-3] / spacing[-2], ratio):
+        before = (values[-3] - values[-2]) / last
+        if before > 0:
+            order = float(np.clip(np.log(before) / np.log(ratio), *_ORDERS))
+    return values[-1] - last / (ratio**order - 1)
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())
