@@ -40,4 +40,4 @@ def longest_range(rms_curvature: float, rms_height: float, contact_modulus: floa
     longest = tabor_parameter(1 / rms_curvature, contact_modulus, work_of_adhesion, JKR_LIKE)
     longest = min(longest, SHARE_OF_HEIGHT * rms_height)
     digits = 10 ** (np.floor(np.log10(longest)) - 1)
-    return float(np.floor(longest / digits * (1 + 1e-12)) * digits)
+    return float(f"{np.floor(longest / digits * (1 + 1e-12)) * digits:.1e}")

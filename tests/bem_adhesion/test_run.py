@@ -154,6 +154,23 @@ def test_rubber_with_an_atomic_law_is_served():
     assert "quarter of the process zone" in note
 
 
+def test_the_longest_range_of_rubber_is_proposed_with_the_shape_it_needs():
+    soft = {"material": {"youngs_modulus": 2e6, "poissons_ratio": 0.5}, "surface": {"size": 1e-4, "rms_height": 1e-6}}
+    law = {"work_of_adhesion": 0.05, "length": 3e-10, "contact_distance": 1e-7}
+    (note,) = review(64, interaction=law, **soft)
+    proposed = float(re.search(r'Up to interaction\.length = (\S+) m \("auto"\)', note)[1])
+    shape = re.search(r"on surface\.shape = (\[.*\])", note)[1]
+    # What it proposes is taken without a further word, and what the grid at hand would resolve is said to be too long.
+    longer = law | {"length": proposed}
+    assert review(int(re.match(r"\[(\d+)", shape)[1]), interaction=longer, **soft) == []
+    (other,) = review(64, interaction=longer, **soft)
+    assert "auto" not in other
+    resolved = re.search(
+        r"or interaction\.length = \S+ m with the same work of adhesion \(Tabor parameter (\S+)\)", other
+    )
+    assert float(resolved[1]) < 3
+
+
 def layer(thickness, ratio=0.42):
     return {"elasticity": {"kind": "layer", "thickness": thickness}, "material": {"poissons_ratio": ratio}}
 

@@ -73,7 +73,7 @@ class _Value:
 
 
 def _size(case: Case) -> str:
-    size = case.surface.size
+    size = case.surface.stated_cell
     return f"{length(size[0])} × {length(size[1])}" if size else "the size of its height map"
 
 

@@ -62,9 +62,14 @@ class SurfaceSection(ABC):
     def scales(self, directory: Path) -> SurfaceScales:
         """What the study alone says of heights and slopes; parameters and errors as :meth:`realise`."""
 
+    @property
+    def stated_cell(self) -> tuple[float, float] | None:
+        """Periods along y and x (m) as far as the study alone tells them."""
+        return self.size
+
     def cell(self, directory: Path) -> tuple[float, float] | None:
         """Periods along y and x (m), None if they are not known; parameters and errors as :meth:`realise`."""
-        return self.size
+        return self.stated_cell
 
     @property
     def map_path(self) -> str | None:

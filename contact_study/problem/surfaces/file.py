@@ -110,10 +110,13 @@ class MapFile(SurfaceSection):
     def map_path(self) -> str:
         return self.path
 
+    @property
+    def stated_cell(self) -> tuple[float, float] | None:
+        # The file, if it says a size, says the same.
+        return self.size if self.crop is None and self.edges != "mirror" else None
+
     def cell(self, directory: Path) -> tuple[float, float]:
-        if self.size is not None and self.crop is None and self.edges != "mirror":
-            return self.size  # the file, if it says one, says the same
-        return self.measured(directory).grid.size
+        return self.stated_cell or self.measured(directory).grid.size
 
     def realise(self, directory: Path) -> MeasuredSurface:
         found = self.measured(directory)
@@ -210,7 +213,7 @@ class MapFile(SurfaceSection):
         return self.lowpass
 
 
-@lru_cache(maxsize=4)
+@lru_cache(maxsize=2)
 def _measured(section: MapFile, path: Path, state: tuple[int, int] | None) -> MeasuredMap:
     """A study asks for one map several times; ``state`` tells one content of the file from another."""
     return section._prepared(path)
