@@ -37,7 +37,8 @@ MODULUS, WORK, RANGE = 25e6, 0.05, 2.071e-9
 PRESSURES = (50e3, 250e3, 1e6, 4e6)
 # Stresses above which the tail is counted, in units of the deviation in full contact, E*/2 at a slope of 1.
 TAILS = (1.0, 2.0, 3.0)
-_ORDERS = (0.3, 3.0)  # of convergence that three grids can show; outside they are not in their asymptotic range
+# Of convergence, that three grids can show; outside they are too coarse to tell, and first order is taken.
+_ORDERS = (0.5, 2.1)
 _BYTES_PER_POINT = 200
 # What a study needs besides its surface.
 _REST: dict[str, dict[str, object]] = {
@@ -168,7 +169,8 @@ def extrapolated(values: Sequence[float], spacing: Sequence[float]) -> float:
     if len(values) > 2 and last != 0 and np.isclose(spacing[-3] / spacing[-2], ratio):
         before = (values[-3] - values[-2]) / last
         if before > 0:
-            order = float(np.clip(np.log(before) / np.log(ratio), *_ORDERS))
+            shown = float(np.log(before) / np.log(ratio))
+            order = shown if _ORDERS[0] <= shown <= _ORDERS[1] else 1.0
     return values[-1] - last / (ratio**order - 1)
 
 

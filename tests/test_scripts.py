@@ -263,6 +263,8 @@ def test_richardson_finds_the_order_of_three_grids(order, limit):
     values = [limit + 5 * h**order for h in spacing]
     assert contact_challenge.extrapolated(values, spacing) == pytest.approx(limit, rel=1e-12)
     assert contact_challenge.extrapolated([1.0, 1.0, 1.0], spacing) == 1.0
+    for wild in ([3.0, 2.0, 1.99], [3.0, 2.0, 1.2], [1.0, 3.0, 2.0]):  # sixth order, a third, none
+        assert contact_challenge.extrapolated(wild, spacing) == pytest.approx(2 * wild[-1] - wild[-2])
 
 
 def test_grids_of_the_challenge_increase(capsys):

@@ -10,6 +10,7 @@ from contact_study.problem.errors import InputError
 from contact_study.problem.height_map import read_height_map
 from contact_study.problem.study import make_study
 from contact_study.problem.surface import realise
+from contact_study.problem.surface_scales import scales_of
 from tests.problem.test_study import TABLE
 
 SIZE = (6e-6, 8e-6)  # y, x
@@ -270,6 +271,9 @@ def test_resample_and_lowpass(tilted):
     q = np.hypot(np.fft.fftfreq(48, 1e-9)[:, None], np.fft.fftfreq(60, 1e-9)[None, :])
     assert power[q > 1 / 9e-9 * 1.001].max() < 1e-10 * power.max()
     assert power[(q < 1 / 9e-9) & (q > 1 / 10e-9)].max() > 1e-4 * power.max()
+    table = {"surface": {"kind": "file", "path": "map.npy", "lowpass": "9 nm", **keys}, "material": TABLE["material"]}
+    table |= {"interaction": {"law": "hard_wall"}, "loading": TABLE["loading"]}
+    assert scales_of(make_study(table, tilted))[0].shortest_wave == pytest.approx(9e-9)
     assert "surface.lowpass" in refused(tilted, "map.npy", lowpass="25 nm", **keys)
 
 

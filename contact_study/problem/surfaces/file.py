@@ -168,7 +168,7 @@ class MapFile(SurfaceSection):
             )
         if missing == 1:
             raise InputError(f"surface.crop: all heights of {path} in it are missing")
-        if missing or self.detrend != "mean":
+        if self.detrend != "mean":  # the mean is taken at the end, and what fills holes follows any constant
             heights = preparation.detrended(heights, _DEGREES[self.detrend])
         heights = preparation.filled(heights, found.spacing)
         size = found.size
