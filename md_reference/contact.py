@@ -97,9 +97,10 @@ class AtomisticContact:
             found = self._solver.solve(at_mean_gap(self.interface, state, target + self._mean_height))
         else:
             found = self._solver.solve(state, target)
-        return self._solution(found)
+        return self.solution(found)
 
-    def _solution(self, found: Equilibrium) -> Solution:
+    def solution(self, found: Equilibrium) -> Solution:
+        """What a state of the atoms is as one of the contact."""
         nominal_area = self._area_per_atom * self._heights.size
         detached = found.outcome is Outcome.DETACHED
         # Atoms that slide to other heights change their mean gap, not the distance that the load works on.

@@ -6,7 +6,7 @@ import numpy as np
 
 from contact_study.campaign.memory import require_memory
 from contact_study.campaign.model import Model
-from contact_study.observables.base import InterfaceState, Value
+from contact_study.observables.base import Ensemble, InterfaceState, Value
 from contact_study.observables.constants import InterfaceConstants, heights_on
 from contact_study.problem.case import Case
 from contact_study.problem.errors import InputError
@@ -25,7 +25,7 @@ MODEL = Model(
     kind="atomistic",
     module="md_reference.run",
     description="Atomistic reference: a harmonic block of atoms, condensed exactly to its bottom layer, in equilibrium "
-    "at zero temperature on a rigid rough layer of Lennard-Jones sites",
+    "at zero or another temperature on a rigid rough layer of Lennard-Jones sites",
     references="C. Yang, B. N. J. Persson, J. Israelachvili, K. Rosenberg, EPL 84, 46004 (2008)",
     takes_predictor=True,
     ignores=("theory",),
@@ -68,6 +68,7 @@ def check(case: Case) -> None:
             f"material.poissons_ratio = {case.material.poissons_ratio:.12g}: springs cannot make a block "
             f"incompressible; use at most {_MOST_INCOMPRESSIBLE}"
         )
+    _check_temperature(case)
     _ = case.block_layers  # raises where no number of cells makes the layer
     rows, columns = case.lattice.atoms
     require_memory(
@@ -75,6 +76,20 @@ def check(case: Case) -> None:
         f"material.lattice_constant = {case.material.lattice_constant:g} m: a layer of {rows} x {columns} atoms",
         "a larger one or a smaller cell",
     )
+
+
+def _check_temperature(case: Case) -> None:
+    given = case.atomistic
+    if given.method == "quasi_static" and given.temperature > 0:
+        raise InputError(
+            f'atomistic.temperature = {given.temperature:g} K: atomistic.method = "quasi_static" finds equilibria at '
+            'zero temperature; use "sampling"'
+        )
+    if given.method == "sampling" and given.temperature == 0:
+        raise InputError(
+            'atomistic.method = "sampling": needs an atomistic.temperature above 0 K; at zero temperature the atoms '
+            'stand still, use "quasi_static"'
+        )
 
 
 def review(study: Study, scales: Sequence[SurfaceScales]) -> list[str]:
@@ -147,7 +162,7 @@ def solve_path(
     restart: Mapping[str, np.ndarray] | None = None,
     start: int = 0,
     predictor: Predictor | None = None,
-) -> Iterator[InterfaceState]:
+) -> Iterator[InterfaceState | Ensemble]:
     """States along the loading path by the case's method, see :data:`md_reference.methods.base.Method`."""
     return METHODS[case.atomistic.method](case, surface, restart, start, predictor)
 

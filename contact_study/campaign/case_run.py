@@ -9,14 +9,17 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from contact_study.campaign import steps as store
 from contact_study.campaign.engines.base import CampaignError, Report
+from contact_study.campaign.ensemble import Averages, restart_of
 from contact_study.campaign.model import Model
 from contact_study.campaign.record import Step, recorded
 from contact_study.campaign.resume.identity import content_hash
 from contact_study.campaign.schema import quantity_of
 from contact_study.fields.distributions import Bins
-from contact_study.observables.base import Value
+from contact_study.observables.base import Ensemble, InterfaceState, Value
 from contact_study.observables.roughness import roughness_values
 from contact_study.problem.case import Case
 from contact_study.problem.surface import Surface, realise
@@ -26,6 +29,9 @@ if TYPE_CHECKING:
 
 # Below this number of points a second thread of FFTW gains little, and costs much when the other core is busy.
 _POINTS_FOR_THREADS = 1024**2
+
+# Thermal states of half a minute are lost to a kill, and to keep them costs a thousandth of it.
+_SECONDS_BETWEEN_CHECKPOINTS = 30.0
 
 
 @dataclass(frozen=True)
@@ -82,17 +88,42 @@ def run_case(job: Job, threads: int, report: Report) -> None:
         start = finished(job)
         if start == len(case.path):
             return
-        restart = (store.load_state(job.folder, start - 1) or None) if start else None
+        averages, restart = _where_it_stood(job, start)
         predictor = _predictor(job)
         began = time.perf_counter()
         for number, point in enumerate(job.model.solve_path(case, surface, restart, start, predictor), start):
             now = time.perf_counter()
-            step = recorded(point, job.bins, case.output.fields)
+            step = _recorded(job, number, point, averages)
+            averages = None
             keep_warnings()
             started = {} if predictor is None else {"predictor_field": predictor.fingerprint(number)}
             store.save_step(job.folder, number, _completed(case, number, step, now - began, started))
             report(case.label, _point(case, number), dict(_summary(step)), now - began)
             began = time.perf_counter()
+
+
+def _where_it_stood(job: Job, start: int) -> tuple[Averages | None, Mapping[str, np.ndarray] | None]:
+    """What is counted of the point ``start`` so far, if something is, and what the model goes on from."""
+    kept = store.load_partial(job.folder, start)
+    averages = Averages.taken_up(kept, job.bins, job.case.output.fields) if kept else None
+    if averages is not None:
+        return averages, restart_of(kept)
+    return None, (store.load_state(job.folder, start - 1) or None) if start else None
+
+
+def _recorded(job: Job, number: int, point: InterfaceState | Ensemble | Step, averages: Averages | None) -> Step:
+    """What is kept of a point; an ensemble's states go to disk as they come."""
+    fields = job.case.output.fields
+    if not isinstance(point, Ensemble):
+        return recorded(point, job.bins, fields)
+    averages = averages or Averages(job.bins, fields)
+    saved = time.monotonic()
+    for state in point.states:
+        averages.add(state)
+        if time.monotonic() - saved > _SECONDS_BETWEEN_CHECKPOINTS:
+            store.save_partial(job.folder, number, averages.kept)
+            saved = time.monotonic()
+    return averages.step()
 
 
 def _predictor(job: Job) -> "GapFields | None":

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from contact_study.campaign.record import Step
-from contact_study.observables.base import InterfaceState, Value
+from contact_study.observables.base import Ensemble, InterfaceState, Value
 from contact_study.problem.case import Case
 from contact_study.problem.study import Study
 from contact_study.problem.surface import Surface
@@ -78,7 +78,10 @@ class Model:
         restart: Mapping[str, np.ndarray] | None,
         start: int,
         predictor: Predictor | None,
-    ) -> Iterator[InterfaceState | Step]:
-        """Points of the path from number ``start`` on."""
+    ) -> Iterator[InterfaceState | Ensemble | Step]:
+        """Points of the path from number ``start`` on.
+
+        ``restart`` is that of the point before, or of a state of the ensemble ``start`` to go on with.
+        """
         extra: dict[str, Any] = {"predictor": predictor} if self.takes_predictor else {}
         return importlib.import_module(self.module).solve_path(case, surface, restart=restart, start=start, **extra)

@@ -31,6 +31,13 @@ SPECTRUM_MARK = "@"
 LABELS = ("theory", "metastable_branch")
 LABELLED_GROUPS = ("", "", "metastable")
 
+# Group of the series in time, on the dimension of their frames; before the name of a quantity it says so.
+TRAJECTORY = "trajectory"
+FRAME = "frame"
+
+# After the name of a mean over thermal states.
+STANDARD_ERROR = "_standard_error"
+
 # Before the name of a constant whose key is swept: the name itself is that of the dimension, with the values asked for.
 REALISED = "realised_"
 
@@ -101,7 +108,16 @@ def variable_of(name: str) -> Variable:
     if name.startswith(REALISED):
         known = VARIABLES[name.removeprefix(REALISED)]
         return replace(known, long_name=f"{known.long_name}, as the model has it")
+    if name.endswith(STANDARD_ERROR):
+        known = VARIABLES[name.removesuffix(STANDARD_ERROR)]
+        return replace(known, long_name=f"standard error of the mean: {known.long_name}", kind="float", attrs={})
     return COORDINATES[name] if name in COORDINATES else VARIABLES[name]
+
+
+def group_of(key: str) -> str:
+    """The group of a dataset that a quantity stands in as a model names it, "" for the root."""
+    labels, _ = quantity_of(key)
+    return TRAJECTORY if labels == (TRAJECTORY,) else LABELLED_GROUPS[len(labels)]
 
 
 def quantity_of(key: str) -> tuple[tuple[str, ...], str]:

@@ -31,6 +31,18 @@ def save_step(folder: Path, number: int, step: Step) -> None:
     save_state(folder, number, step.restart)
     save_values(folder, number, step)
     _state_file(folder, number - 1).unlink(missing_ok=True)
+    _partial_file(folder, number).unlink(missing_ok=True)
+
+
+def save_partial(folder: Path, number: int, kept: Mapping[str, np.ndarray]) -> None:
+    """Put what is known so far of an unfinished step on disk."""
+    _save(_partial_file(folder, number), kept)
+
+
+def load_partial(folder: Path, number: int) -> dict[str, np.ndarray]:
+    """What is known of an unfinished step; empty if nothing is."""
+    path = _partial_file(folder, number)
+    return _load(path)[0] if path.exists() else {}
 
 
 def save_values(folder: Path, number: int, step: Step) -> None:
@@ -50,9 +62,12 @@ def finished_steps(folder: Path, steps: int) -> int:
 
 
 def drop_steps(folder: Path, first: int) -> None:
-    """Delete the steps from number ``first`` on, with their states; with none left the case's constants, too."""
-    kept = {_step_file(folder, number) for number in range(first)}
-    for path in [*folder.glob("step-*.npz"), *folder.glob("state-*.npz")]:
+    """Delete the steps from number ``first`` on, with their states; with none left the case's constants, too.
+
+    An unfinished step stays if it comes before ``first``.
+    """
+    kept = {file(folder, number) for number in range(first) for file in (_step_file, _partial_file)}
+    for path in [*folder.glob("step-*.npz"), *folder.glob("state-*.npz"), *folder.glob("partial-*.npz")]:
         if path not in kept and path != _state_file(folder, first - 1):
             path.unlink()
     if first == 0:
@@ -137,6 +152,10 @@ def _step_file(folder: Path, number: int) -> Path:
 
 def _state_file(folder: Path, number: int) -> Path:
     return folder / f"state-{number:04d}.npz"
+
+
+def _partial_file(folder: Path, number: int) -> Path:
+    return folder / f"partial-{number:04d}.npz"
 
 
 def _save(path: Path, values: Mapping[str, Any], extra: Mapping[str, Any] | None = None) -> None:

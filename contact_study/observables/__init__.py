@@ -31,6 +31,12 @@ ENTRIES: dict[str, Variable] = {
 }
 
 
+# What an ensemble has a mean of.
+AVERAGED: frozenset[str] = frozenset(
+    name for observable in OBSERVABLES if observable.averaged for name in observable.variables
+)
+
+
 def observed(state: InterfaceState, bins: Bins) -> dict[str, Value]:
     """Every observable of a state by its name in a dataset, distributions on the given bins."""
     return {name: value for observable in OBSERVABLES for name, value in observable.read(state, bins).items()}

@@ -1,6 +1,6 @@
 """What a simulation hands over of a contact, and how a quantity that is read off it stands in a dataset."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any, Protocol
 
@@ -50,6 +50,8 @@ class SolverReport:
         What is to be known of the step; empty if nothing.
     complementarity_residual : float or None
         How far the conditions of a wall are violated, of a solver that knows one beside another law.
+    acceptance_rate : float or None
+        Share of the proposals taken, of a method that proposes states.
     """
 
     converged: bool
@@ -60,6 +62,7 @@ class SolverReport:
     force_evaluations: int | None = None
     message: str = ""
     complementarity_residual: float | None = None
+    acceptance_rate: float | None = None
 
     @classmethod
     def of(cls, solution: Solved, **known: int | float | None) -> "SolverReport":
@@ -126,6 +129,20 @@ class InterfaceState:
 
 
 @dataclass(frozen=True)
+class Ensemble:
+    """Thermal states of one point of the loading path, whose means are the point's numbers.
+
+    Attributes
+    ----------
+    states : iterator of InterfaceState
+        One after the other, as often as they are to count; read once. The ``restart`` of each holds all that the next
+        one follows from, and counts in ``frames`` the states so far; the ``report`` of the last one is the point's.
+    """
+
+    states: Iterator[InterfaceState]
+
+
+@dataclass(frozen=True)
 class Variable:
     """How one quantity stands in a dataset.
 
@@ -181,7 +198,10 @@ class Observable:
         How each stands in a dataset, by its name.
     read : callable
         State and bins of the study -> the quantities by name, all of them or those that the state has.
+    averaged : bool, optional
+        Whether the quantity of an ensemble is the mean over its states, not that of the last one.
     """
 
     variables: Mapping[str, Variable]
     read: Callable[[InterfaceState, Bins], Mapping[str, Value]]
+    averaged: bool = True

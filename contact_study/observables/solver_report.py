@@ -26,7 +26,8 @@ SOLVER_REPORT = Observable(
                 "a wall only what it would have to pull; hard wall without adhesion: largest gap inside or penetration "
                 "outside the contact over rms height; Persson's theory: last change of the detachment stress over "
                 "contact modulus; gap-flow theory: mean traction less pressure over contact modulus, an error of its "
-                "grid; edge flow: last change of a scale's mean response"
+                "grid; edge flow: last change of a scale's mean response; thermal atoms: mean pressure less the applied "
+                "one over contact modulus, an error of sampling"
             },
         ),
         "complementarity_residual": Variable(
@@ -37,7 +38,9 @@ SOLVER_REPORT = Observable(
             "1", "pairs of Fourier transforms, in equivalents of the finest grid in double precision"
         ),
         "force_evaluations": Variable("1", "evaluations of the interface forces", kind="count"),
+        "acceptance_rate": Variable("1", "share of the proposals that thermal sampling took"),
         "message": Variable("1", "what the solver has to say of the step", kind="text"),
     },
     _read,
+    averaged=False,
 )

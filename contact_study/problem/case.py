@@ -37,6 +37,7 @@ class Case:
     loading: sections.LoadingSection
     solver: sections.SolverSection
     atomistic: sections.AtomisticSection
+    sampling: sections.SamplingSection
     theory: sections.TheorySection
     output: sections.OutputSection
     coordinates: dict[str, Any] = field(default_factory=dict)

@@ -96,14 +96,27 @@ class AtomisticSection:
 
     block: str = key(choice("isotropic"), "springs of the block; isotropic is the only kind today", "isotropic")
     method: str = key(
-        choice("quasi_static"),
-        "how the atoms come along the path: equilibria at zero temperature, each from the one before it",
+        choice("quasi_static", "sampling"),
+        "how the atoms come along the path: equilibria at zero temperature, each from the one before it, or thermal "
+        "averages about these",
         "quasi_static",
     )
+    temperature: float = key(quantity("K", minimum=0.0), "temperature of the atoms, for sampling", 0.0)
     cutoff: float = key(
         quantity("1", minimum=2.0, maximum=20.0), "cutoff of the pair potential in units of interaction.length", 4.0
     )
     layers: int = key(integer(minimum=0, maximum=1_000_000), "atomic layers of the block; 0: as thick as wide", 0)
+
+
+@dataclass(frozen=True)
+class SamplingSection:
+    """Thermal averages of the atoms, by Hamiltonian Monte Carlo."""
+
+    trajectories: int = key(integer(minimum=2, maximum=2**31 - 1), "states of each point that count", 300)
+    equilibration: int = key(
+        integer(minimum=10, maximum=2**31 - 1), "trajectories before them, which set the time step and do not count", 50
+    )
+    seed: int = key(integer(minimum=0, maximum=2**63 - 1), "seed of the random numbers", 1)
 
 
 @dataclass(frozen=True)

@@ -32,6 +32,7 @@ SECTIONS: dict[str, type | Kinds] = {
     "loading": sections.LoadingSection,
     "solver": sections.SolverSection,
     "atomistic": sections.AtomisticSection,
+    "sampling": sections.SamplingSection,
     "theory": sections.TheorySection,
     "output": sections.OutputSection,
 }

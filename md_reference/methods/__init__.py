@@ -2,9 +2,10 @@
 
 from collections.abc import Mapping
 
-from md_reference.methods import quasi_static
+from md_reference.methods import quasi_static, sampling
 from md_reference.methods.base import Method
 
 METHODS: Mapping[str, Method] = {
     "quasi_static": quasi_static.solve_path,
+    "sampling": sampling.solve_path,
 }

@@ -10,7 +10,16 @@ from contact_study.campaign import steps as store
 from contact_study.campaign.dataset.file import RESTART
 from contact_study.campaign.resume.folder import Parts
 from contact_study.campaign.resume.identity import Run
-from contact_study.campaign.schema import COORDINATES, LABELLED_GROUPS, LABELS, REALISED, quantity_of, variable_of
+from contact_study.campaign.schema import (
+    COORDINATES,
+    FRAME,
+    LABELS,
+    REALISED,
+    TRAJECTORY,
+    group_of,
+    quantity_of,
+    variable_of,
+)
 from contact_study.fields.distributions import Bins, redistributed
 from contact_study.problem.study import SweptKey
 
@@ -103,14 +112,19 @@ def assemble(
     along: dict[str, dict[str, None]] = {dim: {} for dim in LABELS}
     for key, array in arrays.items():
         labels, name = quantity_of(key)
+        group = group_of(key)
+        labels = () if group == TRAJECTORY else labels
         for dim, label in zip(LABELS, labels, strict=False):
             along[dim][label] = None
-        groups.setdefault(LABELLED_GROUPS[len(labels)], {}).setdefault(name, {})[labels] = array
+        groups.setdefault(group, {}).setdefault(name, {})[labels] = array
     on_step = {
         name: groups[""][name] for name in groups[""] if name in COORDINATES and variable_of(name).dims == ("step",)
     }
     known = {**coordinates, **{dim: np.array([*labels]) for dim, labels in along.items()}}
-    return {group: _dataset({**on_step, **content}, sweep, known, steps) for group, content in groups.items()}
+    return {
+        group: _dataset({**on_step, **content}, sweep, known, steps, (FRAME,) if group == TRAJECTORY else ())
+        for group, content in groups.items()
+    }
 
 
 def restart_group(states: Iterable[Mapping[str, np.ndarray]]) -> xr.Dataset:
@@ -151,12 +165,14 @@ def _dataset(
     sweep: Mapping[str, SweptKey],
     coordinates: Mapping[str, np.ndarray],
     steps: int,
+    beyond: tuple[str, ...] = (),
 ) -> xr.Dataset:
+    """One group; the quantities that are no coordinates have the dimensions ``beyond`` after their own."""
     data: dict[str, xr.Variable] = {}
     coords: dict[str, xr.Variable] = {}
     for name, arrays in content.items():
         array, labels = _side_by_side(arrays, variable_of(name).empty, len(sweep), coordinates)
-        dims = (*sweep, *labels, *variable_of(name).dims)
+        dims = (*sweep, *labels, *variable_of(name).dims, *(() if name in COORDINATES else beyond))
         target = coords if name in COORDINATES else data
         if name in COORDINATES or not variable_of(name).dims or variable_of(name).dims[0] != "step":
             array, dims = _drop_constant_sweep(array, dims, len(sweep))

@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 
 from contact_study.campaign.files import write_aside
-from contact_study.campaign.schema import COORDINATES, LABELS, variable_of
+from contact_study.campaign.schema import COORDINATES, LABELS, TRAJECTORY, variable_of
 from contact_study.problem.study import SweptKey
 
 # Group of the states from which paths can be gone on with; no quantity, and nothing for a reader.
@@ -111,11 +111,12 @@ class Earlier:
                     continue
                 chosen = {dim: i for dim, i in zip(self._sweep, index, strict=True) if dim in variable.dims}
                 dims = [dim for dim in LABELS if dim in variable.dims]
+                above = [TRAJECTORY] if group == TRAJECTORY else []
                 for place in np.ndindex(*(variable.sizes[dim] for dim in dims)):
                     labelled = dict(zip(dims, place, strict=True))
                     # A group inherits the labels that the root has, too.
                     labels = [str(node[dim].values[i]) for dim, i in labelled.items()]
-                    yield "/".join([*labels, str(name)]), variable.isel(chosen | labelled)
+                    yield "/".join([*above, *labels, str(name)]), variable.isel(chosen | labelled)
 
 
 def _encoding(name: str, variable: xr.Variable) -> dict[str, Any]:

@@ -1,0 +1,116 @@
+"""Thermal states of one point of the path, read one after the other: their means, errors and series."""
+
+import warnings
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from contact_study.campaign.record import Step
+from contact_study.campaign.schema import STANDARD_ERROR, TRAJECTORY, VARIABLES
+from contact_study.fields.distributions import Bins
+from contact_study.fields.time_series import statistics_of
+from contact_study.observables import AVERAGED, observed
+from contact_study.observables.base import InterfaceState
+
+# A standard error is known to some 20 % from a series of twenty autocorrelation times, and not at all from a few.
+_SHORTEST = 10
+
+_SERIES, _SUMS, _BINS, _RESTART = "series/", "sum/", "bins", "restart/"
+
+
+class Averages:
+    """The observables of states that come one after the other.
+
+    Parameters
+    ----------
+    bins : Bins
+        Those of the study.
+    fields : bool
+        Whether the mean fields are kept.
+    """
+
+    def __init__(self, bins: Bins, fields: bool):
+        self._bins = bins
+        self._fields = fields
+        self._series: dict[str, list[Any]] = {}
+        self._sums: dict[str, np.ndarray] = {}
+        self._last: InterfaceState | None = None
+
+    @classmethod
+    def taken_up(cls, kept: Mapping[str, np.ndarray], bins: Bins, fields: bool) -> "Averages | None":
+        """What :attr:`kept` was of; None if it is of other bins, or without fields that are now wanted."""
+        has_fields = any(name.startswith(_SUMS) for name in kept)
+        if not np.array_equal(kept[_BINS], np.ravel(bins.spans)) or has_fields != fields:
+            return None
+        averages = cls(bins, fields)
+        averages._series = {
+            name.removeprefix(_SERIES): list(values) for name, values in kept.items() if name.startswith(_SERIES)
+        }
+        averages._sums = {
+            name.removeprefix(_SUMS): values.copy() for name, values in kept.items() if name.startswith(_SUMS)
+        }
+        return averages
+
+    def add(self, state: InterfaceState) -> None:
+        """Count one more state."""
+        self._last = state
+        for name, value in observed(state, self._bins).items():
+            if name in AVERAGED:
+                self._series.setdefault(name, []).append(value)
+        if self._fields:
+            for name, field in (("gap", state.gap), ("pressure", state.pressure)):
+                self._sums[name] = self._sums[name] + field if name in self._sums else field.copy()
+
+    @property
+    def kept(self) -> dict[str, np.ndarray]:
+        """All that the average goes on from, with the restart of the last state; see :meth:`taken_up`."""
+        assert self._last is not None
+        return {
+            _BINS: np.ravel(self._bins.spans),
+            **{f"{_SERIES}{name}": np.array(values) for name, values in self._series.items()},
+            **{f"{_SUMS}{name}": values for name, values in self._sums.items()},
+            **{f"{_RESTART}{name}": values for name, values in self._last.restart.items()},
+        }
+
+    def step(self) -> Step:
+        """Means with their standard errors, and the series of all that is one number.
+
+        Once the surfaces are apart the last state is the answer, of which no mean is taken.
+
+        Warns
+        -----
+        UserWarning
+            If the series is too short for its memory.
+        """
+        last = self._last
+        assert last is not None
+        report = {name: value for name, value in observed(last, self._bins).items() if name not in AVERAGED}
+        series = {name: np.array(values) for name, values in self._series.items()}
+        frames = {f"{TRAJECTORY}/{name}": values for name, values in series.items() if values.ndim == 1}
+        if last.report.detached:
+            fields = {"gap": last.gap, "pressure": last.pressure} if self._fields else {}
+            return Step({**observed(last, self._bins), **frames}, fields, last.restart, self._bins)
+        values: dict[str, Any] = {}
+        longest = (0.0, "")
+        for name, column in series.items():
+            found = statistics_of(column)
+            values[name] = np.rint(found.mean) if VARIABLES[name].kind == "count" else found.mean
+            values[name + STANDARD_ERROR] = found.standard_error
+            if column.ndim == 1:
+                time = float(found.autocorrelation_time) if found.resolved else float(column.size)
+                longest = max(longest, (time, name))
+        count = len(next(iter(series.values())))
+        if count < _SHORTEST * longest[0]:
+            warnings.warn(
+                f"the {count} thermal states of a point are {count / longest[0]:.2g} autocorrelation times of "
+                f"{longest[1]}: standard errors need at least {_SHORTEST}; sample longer",
+                stacklevel=2,
+            )
+        fields = {name: total / count for name, total in self._sums.items()}
+        return Step({**values, **report, **frames}, fields, last.restart, self._bins)
+
+
+def restart_of(kept: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """The restart of the last state that :attr:`Averages.kept` counts."""
+    return {name.removeprefix(_RESTART): value for name, value in kept.items() if name.startswith(_RESTART)}

@@ -1,0 +1,166 @@
+"""Thermal averages: at each point of the path the canonical distribution about its equilibrium at zero temperature."""
+
+import dataclasses
+from collections.abc import Iterator, Mapping
+
+import numpy as np
+
+from contact_study.observables.base import Ensemble, InterfaceState
+from contact_study.problem.case import Case
+from contact_study.problem.surface import Surface
+from md_reference.contact import AtomisticContact
+from md_reference.methods import quasi_static
+from md_reference.methods.base import Predictor
+from md_reference.random_state import generator_of, packed
+from md_reference.solution import Equilibrium, Outcome
+from md_reference.system import build_contact, build_stiffness, interface_state
+from md_reference.thermal_sampler import SamplerState, ThermalSampler
+
+_LOWEST_ACCEPTANCE = 0.1
+
+
+def solve_path(
+    case: Case,
+    surface: Surface,
+    restart: Mapping[str, np.ndarray] | None = None,
+    start: int = 0,
+    predictor: Predictor | None = None,
+) -> Iterator[InterfaceState | Ensemble]:
+    """Thermal states about the quasi-static path, each point with random numbers of its own.
+
+    Parameters
+    ----------
+    case, surface, predictor
+        As :func:`md_reference.methods.quasi_static.solve_path`.
+    restart : mapping, optional
+        Of the point before ``start``, or of a state of the point ``start`` itself.
+    start : int, optional
+        First point of the path to solve.
+
+    Yields
+    ------
+    InterfaceState or Ensemble
+        For each point from ``start`` on; a state where the surfaces are apart.
+    """
+    contact, stiffness = build_contact(case, surface), build_stiffness(case)
+
+    def sampler_at(number: int) -> ThermalSampler:
+        return ThermalSampler(
+            stiffness,
+            contact.interface,
+            case.material.contact_modulus,
+            case.atomistic.temperature,
+            case.path[number][0],
+            contact.control == "gap",
+        )
+
+    if restart is not None and "spectrum" in restart:
+        chain = _Chain.unpacked(restart)
+        yield Ensemble(_states(case, contact, sampler_at(start), chain, case.path[start][0]))
+        restart, start = {"state": chain.equilibrium}, start + 1
+    for number, found in enumerate(quasi_static.solve_path(case, surface, restart, start, predictor), start):
+        if found.report.detached:
+            yield found
+            continue
+        sampler = sampler_at(number)
+        generator = np.random.Generator(np.random.PCG64([case.sampling.seed, number]))
+        state = sampler.equilibrated(sampler.start(found.restart["state"]), case.sampling.equilibration, generator)
+        chain = _Chain(state, generator, found.restart["state"], found.report.converged)
+        yield Ensemble(_states(case, contact, sampler, chain, case.path[number][0]))
+
+
+@dataclasses.dataclass
+class _Chain:
+    """Where the sampling of one point stands.
+
+    Attributes
+    ----------
+    state : SamplerState
+        Of the sampler.
+    generator : numpy.random.Generator
+        Of its random numbers.
+    equilibrium : numpy.ndarray, shape (3, ny, nx)
+        State at zero temperature, which the next point starts from (m).
+    converged : bool
+        Whether that is an equilibrium.
+    pressure_sum : float
+        Of the mean pressures so far (Pa).
+    """
+
+    state: SamplerState
+    generator: np.random.Generator
+    equilibrium: np.ndarray
+    converged: bool
+    pressure_sum: float = 0.0
+
+    @property
+    def packed(self) -> dict[str, np.ndarray]:
+        """All of it as arrays that a file can hold."""
+        state = self.state
+        return {
+            "state": self.equilibrium,
+            "spectrum": state.displacement.view(np.float64),
+            "generator": packed(self.generator),
+            "mass": state.mass,
+            "sampler": np.array([state.time_step, self.pressure_sum]),
+            "counts": np.array([state.trajectories, state.accepted, state.evaluations, int(self.converged)]),
+        }
+
+    @classmethod
+    def unpacked(cls, arrays: Mapping[str, np.ndarray]) -> "_Chain":
+        time_step, pressure_sum = map(float, arrays["sampler"])
+        trajectories, accepted, evaluations, converged = map(int, arrays["counts"])
+        spectrum = np.ascontiguousarray(arrays["spectrum"]).view(np.complex128)
+        state = SamplerState(spectrum, time_step, arrays["mass"], trajectories, accepted, evaluations)
+        return cls(state, generator_of(arrays["generator"]), arrays["state"], bool(converged), pressure_sum)
+
+
+def _states(
+    case: Case, contact: AtomisticContact, sampler: ThermalSampler, chain: _Chain, target: float
+) -> Iterator[InterfaceState]:
+    while chain.state.trajectories < case.sampling.trajectories:
+        chain.state = sampler.next(chain.state, chain.generator)
+        state = _thermal_state(case, contact, sampler, chain, target)
+        yield state
+        if state.report.detached:
+            return
+
+
+def _thermal_state(
+    case: Case, contact: AtomisticContact, sampler: ThermalSampler, chain: _Chain, target: float
+) -> InterfaceState:
+    displacement = sampler.displacement(chain.state)
+    energy = contact.interface.evaluate(displacement, sampler.force)
+    apart = not sampler.force.any()
+    found = contact.solution(
+        Equilibrium(
+            displacement=displacement,
+            force=sampler.force.copy(),
+            residual=np.nan,
+            outcome=Outcome.DETACHED if apart else Outcome.CONVERGED,
+            iterations=chain.state.trajectories,
+            evaluations=chain.state.evaluations,
+            fft_pairs=float(chain.state.evaluations),  # a leapfrog step takes one pair
+            elastic_energy=sampler.elastic_energy(chain.state),
+            interaction_energy=energy,
+        )
+    )
+    chain.pressure_sum += float(np.mean(found.pressure))
+    count, rate = chain.state.trajectories, chain.state.accepted / chain.state.trajectories
+    # In equilibrium the mean force of the interface carries the load at any temperature.
+    error = abs(chain.pressure_sum / count - target) / case.material.contact_modulus
+    state = interface_state(case, found)
+    message = state.report.message
+    if not chain.converged:
+        message = "the equilibrium at zero temperature that the sampling starts from was not reached"
+    elif rate < _LOWEST_ACCEPTANCE:
+        message = f"only {rate:.2g} of the proposals were taken: raise sampling.equilibration"
+    report = dataclasses.replace(
+        state.report,
+        residual=0.0 if apart else error if contact.control == "pressure" else np.nan,
+        converged=apart or (chain.converged and rate >= _LOWEST_ACCEPTANCE),
+        acceptance_rate=rate,
+        message=message,
+    )
+    over = apart or count == case.sampling.trajectories
+    return dataclasses.replace(state, report=report, restart={"state": chain.equilibrium} if over else chain.packed)

@@ -1,0 +1,55 @@
+import numpy as np
+import pytest
+
+from contact_study.fields.time_series import autocovariance, statistics_of
+
+
+def exponential_memory(correlation, count, columns):
+    """Series of unit variance with ρ(t) = correlation^t, whose τ is ½(1 + ρ)/(1 − ρ)."""
+    noise = np.random.default_rng(0).standard_normal((count, columns))
+    series = noise.copy()
+    for i in range(1, count):
+        series[i] = correlation * series[i - 1] + np.sqrt(1 - correlation**2) * noise[i]
+    return series
+
+
+@pytest.mark.parametrize(("correlation", "count"), [(0.0, 300), (0.5, 300), (0.8, 300), (0.8, 3000)])
+def test_error_of_the_mean_is_what_repeated_series_scatter_by(correlation, count):
+    found = statistics_of(exponential_memory(correlation, count, 1000))
+    time = 0.5 * (1 + correlation) / (1 - correlation)
+    # The bias of τ is of the order of the window over the series, 5τ/n; the floor of ½ lifts one of ½ by its noise.
+    bias = (0.1 if correlation == 0 else 0.03) + 5 * time / count
+    assert np.mean(found.autocorrelation_time) == pytest.approx(time, rel=bias)
+    # A thousand means give their scatter to 1/√2000.
+    error = np.sqrt(np.mean(found.standard_error**2))
+    assert error == pytest.approx(np.std(found.mean), rel=3 / np.sqrt(2000) + bias)
+    assert found.resolved.all()
+
+
+def test_autocovariance_is_the_sum_over_pairs():
+    series = np.random.default_rng(1).standard_normal((7, 2)) + 5
+    deviation = series - series.mean(axis=0)
+    for lag in range(7):
+        pairs = deviation[: 7 - lag] * deviation[lag:]
+        np.testing.assert_allclose(autocovariance(series)[lag], pairs.sum(axis=0) / (7 - lag), rtol=0, atol=1e-14)
+
+
+def test_values_that_do_not_change_have_no_error():
+    found = statistics_of(np.full((10, 2), 0.1))
+    assert np.all(found.standard_error == 0)
+    assert np.all(found.autocorrelation_time == 0.5)
+    assert found.resolved.all()
+    assert found.mean == pytest.approx(0.1, rel=1e-15)
+
+
+def test_series_shorter_than_its_memory_is_told():
+    drift = np.linspace(0, 1, 20)
+    assert not statistics_of(drift).resolved
+    assert statistics_of(drift).mean.shape == ()
+
+
+def test_scale_and_offset_of_the_values_decide_nothing():
+    series = exponential_memory(0.5, 200, 3)
+    one, other = statistics_of(series), statistics_of(1e-20 * (series + 3))
+    np.testing.assert_allclose(other.autocorrelation_time, one.autocorrelation_time, rtol=1e-10)
+    np.testing.assert_allclose(other.standard_error, 1e-20 * one.standard_error, rtol=1e-10)

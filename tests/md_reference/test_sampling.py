@@ -1,0 +1,219 @@
+"""Thermal averages as a user meets them: a study in, means with errors and series out, stopped and gone on with."""
+
+import copy
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import contact_study
+from contact_study.campaign import case_run
+from contact_study.campaign.ensemble import Averages
+from contact_study.campaign.schema import STANDARD_ERROR, TRAJECTORY
+from contact_study.fields.time_series import statistics_of
+from contact_study.problem.errors import InputError
+from contact_study.problem.study import make_study
+from md_reference.random_state import generator_of, packed
+from md_reference.run import check
+from md_reference.thermal_sampler import ThermalSampler
+from tests.md_reference.systems import CONTACT_MODULUS, LENGTH, POISSONS_RATIO, WELL_DEPTH, YOUNGS_MODULUS
+from tests.recording import bins_of_case
+
+STUDY = {
+    "surface": {
+        "kind": "self_affine",
+        "size": "62.4 angstrom",
+        "shape": [24, 24],
+        "rms_height": "1 angstrom",
+        "cutoff_mode": 3,
+    },
+    "material": {
+        "youngs_modulus": YOUNGS_MODULUS,
+        "poissons_ratio": POISSONS_RATIO,
+        "lattice_constant": "2.6 angstrom",
+    },
+    "interaction": {
+        "law": "lennard_jones_10_4",
+        "well_depth": WELL_DEPTH,
+        "length": LENGTH,
+        "contact_distance": "3.68 angstrom",
+    },
+    "loading": {"path": ["1 GPa", "3 GPa"]},
+    "atomistic": {"method": "sampling", "temperature": "300 K"},
+    "sampling": {"trajectories": 60, "equilibration": 20},
+    "output": {"fields": True, "pressure_range": ["-10 GPa", "30 GPa"], "gap_range": ["0 nm", "1 nm"]},
+}
+
+
+def changed(**sections):
+    table = copy.deepcopy(STUDY)
+    for section, keys in sections.items():
+        table.setdefault(section, {}).update(keys)
+    return table
+
+
+@pytest.fixture(scope="module")
+def sampled(tmp_path_factory):
+    path = tmp_path_factory.mktemp("sampled") / "md.nc"
+    contact_study.run(STUDY, "atomistic", output=path)
+    return path
+
+
+def groups_of(path):
+    with xr.open_datatree(path) as tree:
+        return {node.path: node.to_dataset(inherit=False).load() for node in tree.subtree}
+
+
+def assert_equal_groups(one, other):
+    assert one.keys() == other.keys()
+    for name, dataset in one.items():
+        again = other[name].drop_vars("wall_time", errors="ignore")
+        xr.testing.assert_equal(dataset.drop_vars("wall_time", errors="ignore"), again)
+
+
+def test_every_mean_has_its_error_and_every_number_its_series(sampled):
+    groups = groups_of(sampled)
+    root, series = groups["/"], groups[f"/{TRAJECTORY}"]
+    means = [name.removesuffix(STANDARD_ERROR) for name in root if name.endswith(STANDARD_ERROR)]
+    assert {"mean_pressure", "mean_gap", "relative_contact_area", "elastic_energy", "gap_pdf"} < set(means)
+    assert series.sizes["frame"] == 60
+    for name in means:
+        value, error = root[name], root[name + STANDARD_ERROR]
+        assert value.dims == error.dims
+        assert value.units == error.units
+        if name in series:
+            for step in range(2):
+                found = statistics_of(series[name].values[step])
+                rounded = 0.5 if name == "contact_clusters" else 0
+                assert value.values[step] == pytest.approx(found.mean, abs=rounded, rel=1e-14)
+                assert error.values[step] == pytest.approx(found.standard_error, rel=1e-12)
+    # A field is the mean of the fields.
+    np.testing.assert_allclose(root.pressure.mean(("y", "x")), root.mean_pressure, rtol=1e-12)
+    np.testing.assert_allclose(root.gap.mean(("y", "x")) - LENGTH, root.mean_gap, rtol=1e-10)
+    # What is left of the balance of forces is an error of sampling.
+    error = np.abs(root.mean_pressure - root.applied_pressure)
+    np.testing.assert_allclose(root.residual, error / CONTACT_MODULUS, rtol=1e-9)
+    assert np.all(error < 5 * root["mean_pressure" + STANDARD_ERROR])
+    assert np.all((root.acceptance_rate > 0.4) & (root.acceptance_rate < 1))
+    assert np.all(root.converged == 1)
+
+
+def test_warm_atoms_differ_from_cold_ones_and_start_from_them(sampled):
+    warm = groups_of(sampled)
+    cold = contact_study.run(changed(atomistic={"method": "quasi_static", "temperature": 0}), "atomistic")
+    assert not [name for name in cold if name.endswith(STANDARD_ERROR)]
+    # Thermal motion opens the contact by more than the errors, and less than half.
+    loss = (cold.relative_contact_area - warm["/"].relative_contact_area) / cold.relative_contact_area
+    assert np.all((loss > 0.01) & (loss < 0.5))
+    again = contact_study.run(changed(atomistic={"temperature": 1e-3}), "atomistic")
+    assert np.all(np.abs(again.relative_contact_area - cold.relative_contact_area) < 2 / 24**2)
+    np.testing.assert_allclose(again.mean_separation, cold.mean_separation, rtol=0, atol=1e-4 * LENGTH)
+
+
+def test_run_stopped_within_a_point_goes_on_to_the_same_bits(sampled, tmp_path, monkeypatch):
+    path = tmp_path / "md.nc"
+    taken = []
+    go_on = ThermalSampler.next
+
+    def stop_at(number):
+        def step(self, state, generator):
+            taken.append(number)
+            if len(taken) == number:
+                raise KeyboardInterrupt
+            return go_on(self, state, generator)
+
+        taken.clear()
+        monkeypatch.setattr(ThermalSampler, "next", step)
+
+    monkeypatch.setattr(case_run, "_SECONDS_BETWEEN_CHECKPOINTS", 0.0)
+    for stop in (25, 60, 10**6):  # in the first point, in the second, not at all
+        stop_at(stop)
+        if stop < 10**6:
+            with pytest.raises(KeyboardInterrupt):
+                contact_study.run(STUDY, "atomistic", output=path, resume=stop > 25)
+        else:
+            contact_study.run(STUDY, "atomistic", output=path, resume=True)
+            assert len(taken) == 120 - 24 - 59
+    assert_equal_groups(groups_of(path), groups_of(sampled))
+
+
+def test_seeds_give_other_states_of_one_distribution(sampled):
+    other = contact_study.run(changed(sampling={"seed": 2}), "atomistic")
+    root = groups_of(sampled)["/"]
+    for name in ("relative_contact_area", "mean_separation"):
+        error = np.hypot(root[name + STANDARD_ERROR], other[name + STANDARD_ERROR])
+        difference = np.abs(root[name] - other[name])
+        assert np.all(difference > 0)
+        assert np.all(difference < 5 * error)
+
+
+def test_finished_points_stand_when_the_path_grows(sampled, tmp_path):
+    path = tmp_path / "md.nc"
+    contact_study.run(changed(loading={"path": ["1 GPa"]}), "atomistic", output=path)
+    contact_study.run(STUDY, "atomistic", output=path, resume=True)
+    assert_equal_groups(groups_of(path), groups_of(sampled))
+
+
+def test_gap_control_holds_the_mean_and_has_no_load_to_err_from(sampled):
+    dataset = contact_study.run(changed(loading={"control": "gap", "path": ["0.5 angstrom"]}), "atomistic")
+    np.testing.assert_allclose(dataset.mean_separation, 0.5e-10, rtol=0, atol=1e-9 * LENGTH)
+    assert np.all(np.isnan(dataset.residual))
+    assert np.all(dataset["mean_pressure" + STANDARD_ERROR] > 0)
+
+
+def test_blocks_apart_are_not_sampled():
+    dataset = contact_study.run(changed(loading={"path": ["1 GPa", "-3 GPa"]}), "atomistic")
+    assert dataset.detached.values.tolist() == [0, 1]
+    assert np.isinf(dataset.mean_gap[1])
+    assert np.isnan(dataset.relative_contact_area_standard_error[1])
+
+
+def test_a_block_that_thermal_motion_tears_off_is_detached():
+    """Of a tension that holds cold atoms; the next point starts from the cold state again."""
+    loading = {"path": ["1 GPa", "-2.3 GPa", "-2 GPa"]}
+    cold = contact_study.run(
+        changed(loading=loading, atomistic={"method": "quasi_static", "temperature": 0}), "atomistic"
+    )
+    warm = contact_study.run(changed(loading=loading, atomistic={"temperature": 600.0}), "atomistic")
+    assert cold.detached.values.tolist() == [0, 0, 0]
+    assert warm.detached.values.tolist() == [0, 1, 0]
+    assert warm.relative_contact_area[1] == 0
+    assert warm.relative_contact_area[2] > 0.3
+
+
+def test_short_series_are_warned_of():
+    with pytest.warns(UserWarning, match="autocorrelation times of .*: standard errors need at least 10"):
+        contact_study.run(changed(sampling={"trajectories": 4}, loading={"path": ["1 GPa"]}), "atomistic")
+
+
+@pytest.mark.parametrize(
+    ("atomistic", "words"),
+    [
+        ({"temperature": "-1 K"}, "atomistic.temperature = '-1 K': must be at least 0"),
+        ({"temperature": 0}, "needs an atomistic.temperature above 0 K"),
+        ({"method": "quasi_static"}, "finds equilibria at zero temperature"),
+    ],
+)
+def test_impossible_temperatures_are_refused(atomistic, words):
+    with pytest.raises(InputError, match=words):
+        check(make_study(changed(atomistic=atomistic)).cases[0])
+
+
+def test_a_generator_goes_on_where_it_stood():
+    generator = np.random.default_rng(7)
+    generator.random(3)
+    generator.integers(10, dtype=np.int32)  # leaves half a word
+    other = generator_of(packed(generator))
+    assert (
+        other.integers(10, size=3, dtype=np.int32).tolist() == generator.integers(10, size=3, dtype=np.int32).tolist()
+    )
+    np.testing.assert_array_equal(other.standard_normal(5), generator.standard_normal(5))
+
+
+def test_counted_states_of_another_binning_are_not_gone_on_from():
+    case = make_study(STUDY).cases[0]
+    bins = bins_of_case(case)
+    kept = {"bins": np.ravel(bins.spans), "series/mean_gap": np.arange(3.0)}
+    assert Averages.taken_up(kept, bins, False) is not None
+    assert Averages.taken_up(kept, bins, True) is None  # fields that were not kept
+    assert Averages.taken_up({**kept, "bins": 2 * kept["bins"]}, bins, False) is None

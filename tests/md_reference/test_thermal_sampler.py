@@ -1,0 +1,221 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy import constants, integrate
+
+from contact_study.fields.grid import Grid
+from contact_study.fields.time_series import statistics_of
+from md_reference.block import SurfaceStiffness
+from md_reference.equilibrium import EquilibriumSolver
+from md_reference.thermal_sampler import ThermalSampler
+from tests.md_reference.systems import (
+    CONTACT_MODULUS,
+    LATTICE_CONSTANT,
+    LENGTH,
+    interface_of,
+    rough_coefficients,
+    stiffness_of,
+    touching,
+)
+
+AREA = LATTICE_CONSTANT**2
+
+
+class NoInterface:
+    length = LENGTH
+
+    def evaluate(self, displacement, force, hessian=None):
+        force[...] = 0
+        if hessian is not None:
+            hessian[...] = 0
+        return 0.0
+
+    def gap(self, displacement):
+        return displacement[2]
+
+
+class Quartic:
+    """Every atom in the same anharmonic well along z: E = ¼ k u⁴."""
+
+    length = LENGTH
+
+    def __init__(self, strength):
+        self.strength = strength
+
+    def evaluate(self, displacement, force, hessian=None):
+        z = displacement[2]
+        force[...] = 0
+        force[2] = -self.strength * z**3
+        if hessian is not None:
+            hessian[...] = 0
+            hessian[2] = 3 * self.strength * z**2
+        return 0.25 * self.strength * float(np.sum(z**4))
+
+    def gap(self, displacement):
+        return displacement[2]
+
+
+def real_stiffness(stiffness):
+    """S(q) as complex 3 × 3 matrices, by the definition in the module ``block``."""
+    xx, yy, zz, xy, xz, yz = stiffness.coefficients.astype(complex)
+    zz = zz.copy()
+    zz[0, 0] = 0
+    return np.moveaxis(np.array([[xx, xy, 1j * xz], [xy, yy, 1j * yz], [-1j * xz, -1j * yz, zz]]), (0, 1), (-2, -1))
+
+
+def chain(sampler, displacement, count, seed=0, equilibration=50):
+    generator = np.random.default_rng(seed)
+    state = sampler.equilibrated(sampler.start(displacement), equilibration, generator)
+    for _ in range(count):
+        state = sampler.next(state, generator)
+        yield state
+
+
+def test_free_surface_moves_as_the_stiffness_says():
+    """⟨u_q u_q†⟩ = k_BT S⁻¹: every mode of every wave, and all three directions together, within their errors."""
+    shape = (8, 12)
+    stiffness = stiffness_of(shape)
+    sampler = ThermalSampler(stiffness, NoInterface(), CONTACT_MODULUS, 300.0, fixed_mean=True)
+    matrices = real_stiffness(stiffness)
+    values, vectors = np.linalg.eigh(matrices)
+    energies = []
+    for state in chain(sampler, np.zeros((3, *shape)), 600):
+        u = np.moveaxis(state.displacement, 0, -1)
+        amplitudes = np.einsum("yxcm,yxc->yxm", vectors.conj(), u)
+        energies.append(values * np.abs(amplitudes) ** 2 / (shape[0] * shape[1]))
+        assert abs(state.displacement[2, 0, 0]) == 0  # the mean is prescribed
+    found = statistics_of(np.array(energies) / (constants.k * 300))
+    # One of the 3 × 8 × 7 modes is the mean that is held; each other has k_BT on its two quadratures together.
+    free = found.standard_error > 0
+    assert np.sum(~free) == 1
+    deviation = (found.mean - 1)[free] / found.standard_error[free]
+    assert np.max(np.abs(deviation)) < 5  # 167 nearly normal numbers, and errors known to a fifth
+    assert np.mean(deviation**2) == pytest.approx(1, abs=0.5)
+    # All at once, 1/√(2 · 285 · n/2τ) is about 0.2 %.
+    assert np.mean(found.mean[free]) == pytest.approx(1, abs=0.01)
+
+
+def test_anharmonic_well_is_sampled_exactly():
+    """Independent atoms, each with exp(−(¼ku⁴ + pa²u)/k_BT): moments against quadrature, ΔH being about k_BT."""
+    shape, temperature, pressure = (4, 4), 300.0, 2e9
+    thermal = constants.k * temperature
+    strength = 4 * thermal / (0.2e-10) ** 4
+    coefficients = np.zeros((6, 4, 3))
+    coefficients[:2] = 10.0  # lateral springs of their own
+    grid = Grid(shape, (4 * LATTICE_CONSTANT,) * 2)
+    stiffness = SurfaceStiffness(grid, LATTICE_CONSTANT, coefficients)
+    sampler = ThermalSampler(stiffness, Quartic(strength), CONTACT_MODULUS, temperature, pressure)
+    generator = np.random.default_rng(3)
+    start = np.zeros((3, *shape))
+    start[2] = -0.3e-10
+    state = replace(sampler.start(start), mass=np.full((3, 4, 3), 40.0), time_step=0.5)
+    moments = []
+    for _ in range(4000):
+        state = sampler.next(state, generator)
+        z = sampler.displacement(state)[2] / 1e-10
+        moments.append([np.mean(z), np.mean(z**2), np.mean(z**4)])
+    found = statistics_of(np.array(moments))
+
+    def weight(z):
+        return np.exp(-(0.25 * strength * (z * 1e-10) ** 4 + pressure * AREA * z * 1e-10) / thermal)
+
+    norm = integrate.quad(weight, -2, 2)[0]
+    exact = [integrate.quad(lambda z, n=n: z**n * weight(z), -2, 2)[0] / norm for n in (1, 2, 4)]
+    # So coarse a step shifts the moments by several per cent where the test is left out: it is the test that is tested.
+    assert 0.3 < state.accepted / state.trajectories < 0.9
+    assert np.all(found.standard_error / np.abs(exact) < 0.015)
+    assert np.all(np.abs(found.mean - exact) < 4 * found.standard_error)
+
+
+@pytest.fixture(scope="module")
+def pressed():
+    """Atoms in equilibrium on a rough substrate."""
+    shape, pressure = (16, 16), 1e9
+    interface = interface_of(shape, rough_coefficients())
+    stiffness = stiffness_of(shape)
+    solver = EquilibriumSolver(stiffness, interface, CONTACT_MODULUS)
+    return stiffness, interface, pressure, solver.solve(touching(interface), pressure).displacement
+
+
+def test_energy_error_falls_with_the_square_of_the_step(pressed):
+    stiffness, interface, pressure, equilibrium = pressed
+    sampler = ThermalSampler(stiffness, interface, CONTACT_MODULUS, 300.0, pressure)
+    generator = np.random.default_rng(0)
+    thermal = sampler.equilibrated(sampler.start(equilibrium), 40, generator)
+    velocities = [sampler.velocities(thermal, generator) for _ in range(6)]
+    errors = []
+    for halvings in range(3):
+        state = replace(thermal, time_step=0.06 / 2**halvings)
+        squares = 0.0
+        for velocity in velocities:
+            _, reached, change = sampler.follow(state, velocity, 40 * 2**halvings)
+            error = change + sampler.kinetic_energy(state, reached) - sampler.kinetic_energy(state, velocity)
+            squares += error**2
+        errors.append(np.sqrt(squares))
+    # The next order is the fourth: what it adds falls by four as well.
+    assert errors[0] / errors[1] == pytest.approx(4, rel=0.12)
+    assert errors[1] / errors[2] == pytest.approx(4, rel=0.03)
+
+
+def test_the_way_back_is_the_way_there(pressed):
+    stiffness, interface, pressure, equilibrium = pressed
+    sampler = ThermalSampler(stiffness, interface, CONTACT_MODULUS, 300.0, pressure)
+    generator = np.random.default_rng(0)
+    state = sampler.equilibrated(sampler.start(equilibrium), 20, generator)
+    velocity = sampler.velocities(state, generator)
+    there, reached, change = sampler.follow(state, velocity, 20)
+    back, again, change_back = sampler.follow(there, -reached, 20)
+    moved = np.max(np.abs(there.displacement - state.displacement))
+    # Rounding grows with the steps and the curvature of the wells: 1e-16 of heights of 1e-9 m a step, tenfold.
+    assert np.max(np.abs(back.displacement - state.displacement)) < 1e-10 * moved
+    np.testing.assert_allclose(again, -velocity, atol=1e-10 * np.max(np.abs(velocity)))
+    assert change_back == pytest.approx(-change, abs=1e-9 * abs(change) + 1e-12 * sampler.thermal_energy)
+
+
+@pytest.mark.parametrize("fixed_mean", [False, True])
+def test_cold_atoms_stand_where_the_minimiser_puts_them(pressed, fixed_mean):
+    stiffness, interface, pressure, equilibrium = pressed
+    temperature, count = 0.01, 150
+    sampler = ThermalSampler(stiffness, interface, CONTACT_MODULUS, temperature, pressure, fixed_mean)
+    lowest = sampler.potential_energy(sampler.start(equilibrium))
+    sampler = ThermalSampler(stiffness, interface, CONTACT_MODULUS, temperature, pressure, fixed_mean)
+    energies, places = [], []
+    for state in chain(sampler, equilibrium, count):
+        energies.append(sampler.potential_energy(state) - lowest)
+        places.append(sampler.displacement(state))
+    freedoms = equilibrium.size - (1 if fixed_mean else 0)
+    found = statistics_of(np.array(energies) / (0.5 * freedoms * sampler.thermal_energy))
+    # All wells are harmonic at 0.01 K: each freedom has ½k_BT.
+    assert abs(found.mean - 1) < 4 * found.standard_error < 0.1
+    # Thermal motion of the softest wave: √(k_BT/2 N/m) = 3e-13 m at 0.01 K.
+    assert np.max(np.abs(np.mean(places, axis=0) - equilibrium)) < 3e-13
+    if fixed_mean:
+        assert np.ptp([np.mean(place[2]) for place in places]) < 1e-12 * LENGTH
+
+
+def test_mean_force_carries_the_load(pressed):
+    """⟨F_z⟩ = p a² at any temperature, an identity of the canonical distribution."""
+    stiffness, interface, pressure, equilibrium = pressed
+    sampler = ThermalSampler(stiffness, interface, CONTACT_MODULUS, 300.0, pressure)
+    means = []
+    for state in chain(sampler, equilibrium, 400):
+        sampler.interaction.evaluate(sampler.displacement(state), sampler.force)
+        means.append(np.mean(sampler.force[2]) / AREA / pressure)
+    found = statistics_of(np.array(means))
+    assert found.standard_error < 0.05
+    assert abs(found.mean - 1) < 4 * found.standard_error
+    # The time step is set for an acceptance of 0.78; ΔH is known to a factor of two from some forty trajectories.
+    assert 0.6 < state.accepted / state.trajectories < 0.95
+
+
+def test_proposals_inside_the_substrate_are_refused(pressed):
+    stiffness, interface, pressure, equilibrium = pressed
+    sampler = ThermalSampler(stiffness, interface, CONTACT_MODULUS, 300.0, pressure)
+    state = replace(sampler.start(equilibrium), time_step=30.0)
+    after = sampler.next(state, np.random.default_rng(0))
+    assert after.accepted == 0
+    assert after.trajectories == 1
+    np.testing.assert_array_equal(after.displacement, state.displacement)
+    finer = sampler.equilibrated(state, 20, np.random.default_rng(0))
+    assert finer.time_step < 3.0
