@@ -66,9 +66,9 @@ def drop_steps(folder: Path, first: int) -> None:
 
     An unfinished step stays if it comes before ``first``.
     """
-    kept = {file(folder, number) for number in range(first) for file in (_step_file, _partial_file)}
+    kept = {file(folder, number) for number in range(first) for file in (_step_file, _state_file, _partial_file)}
     for path in [*folder.glob("step-*.npz"), *folder.glob("state-*.npz"), *folder.glob("partial-*.npz")]:
-        if path not in kept and path != _state_file(folder, first - 1):
+        if path not in kept:
             path.unlink()
     if first == 0:
         (folder / _CONSTANTS).unlink(missing_ok=True)

@@ -202,7 +202,10 @@ def _text(folder: Path, name: str, number: int) -> str | None:
 
 
 def _on_usable_bins(folder: Path, bins: Bins) -> int:
-    """Number of the first step whose distributions cannot be brought onto the bins, or of the first after all."""
+    """Number of the first step whose distributions cannot be brought onto the bins.
+
+    If all can, that of the first after the one that may be unfinished.
+    """
     numbers = store.step_numbers(folder)
     for number in numbers:
         try:
@@ -211,7 +214,7 @@ def _on_usable_bins(folder: Path, bins: Bins) -> int:
             continue  # damaged: dropped later
         if not usable:
             return number
-    return numbers[-1] + 1 if numbers else 0
+    return numbers[-1] + 2 if numbers else 1
 
 
 def unpack(dataset: Earlier, before: Case, found: Match, case: Case, own: Bins, folder: Path) -> str:
