@@ -1,0 +1,213 @@
+"""The block with explicit nodes, coarser by factors of two away from its surface.
+
+Level l is a slab of cells of edge 2^l a with the element of level 0: near the surface every atom, further up what long
+waves need (C. Yang, U. Tartaglino, B. N. J. Persson, Eur. Phys. J. E 19, 47 (2006)). The top plane of a level hangs on
+the lowest plane of the next: its displacements are bilinear in those (the prolongation P), and its forces go back by
+Pᵀ, so that the whole is one symmetric stiffness. The highest plane is rigid.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numba import njit
+
+from md_reference.slab import fill_ghosts, slab_constants, slab_force
+
+# Layers of the finest level and of the coarser ones below the last: E*(q) within 0.2 % of the full lattice's.
+_FINEST_LAYERS = 12
+_LAYERS = 8
+_FEWEST_NODES = 4  # of a level along an axis
+
+_OPTIONS = {"cache": True, "error_model": "numpy", "fastmath": {"contract", "reassoc", "arcp", "nsz"}}
+
+
+def level_layers(atoms: tuple[int, int], layers: int) -> tuple[int, ...]:
+    """Layers of cells of each level, from the surface up, that together are as thick as ``layers`` of atoms.
+
+    Parameters
+    ----------
+    atoms : tuple of int
+        Atoms of the surface along y and x; a level has half as many nodes as the one below, where that is a number.
+    layers : int
+        Thickness of the block over the lattice constant.
+    """
+    counts = [min(layers, _FINEST_LAYERS)]
+    left = layers - counts[0]
+    while left:
+        level = len(counts)
+        size = 2**level
+        possible = all(n % size == 0 and n // size >= _FEWEST_NODES for n in atoms)
+        if not possible or left < size:
+            # What is left goes to the levels that are there, in whole layers, the coarsest first.
+            for lower in reversed(range(level)):
+                counts[lower] += left // 2**lower
+                left %= 2**lower
+        else:
+            counts.append(min(_LAYERS, left // size))
+            left -= counts[-1] * size
+    return tuple(counts)
+
+
+@dataclass(frozen=True)
+class Level:
+    """One slab of a block: its cells' edge over a, and the shape of its nodes with ghosts."""
+
+    size: int
+    shape: tuple[int, int, int, int]
+    constants: tuple[float, float, float]
+
+
+class MultiscaleBlock:
+    """Forces and masses of the explicit block.
+
+    All nodes stand in one vector, level after level; :meth:`levels_of` gives the views of shape (3, planes, ny + 2,
+    nx + 2). Displacements along z are heights: only differences count.
+
+    Parameters
+    ----------
+    atoms : tuple of int
+        Atoms of the surface along y and x.
+    lattice_constant : float
+        a (m).
+    first_lame, shear_modulus : float
+        λ and μ (Pa).
+    layers : sequence of int
+        Layers of cells of each level, see :func:`level_layers`.
+    atom_mass : float
+        Of an atom (kg).
+    """
+
+    def __init__(
+        self,
+        atoms: tuple[int, int],
+        lattice_constant: float,
+        first_lame: float,
+        shear_modulus: float,
+        layers: Sequence[int],
+        atom_mass: float,
+    ):
+        self.atoms = atoms
+        self.lattice_constant = lattice_constant
+        self.levels = [
+            Level(
+                2**number,
+                (3, count + 1, (atoms[0] >> number) + 2, (atoms[1] >> number) + 2),
+                slab_constants(2**number * lattice_constant, first_lame, shear_modulus),
+            )
+            for number, count in enumerate(layers)
+        ]
+        self._ends = np.cumsum([0, *(int(np.prod(level.shape)) for level in self.levels)])
+        self._work = [np.zeros((2, *level.shape[2:])) for level in self.levels]
+        self.mass = self._masses(atom_mass)
+        with np.errstate(divide="ignore"):
+            self.inverse_mass = np.where(self.mass > 0, 1 / self.mass, 0.0)
+        last = self.levels[-1]
+        # Half of the highest layer of cells moves with the rigid plane.
+        self.top_mass = 0.5 * last.size**3 * atom_mass * (last.shape[2] - 2) * (last.shape[3] - 2)
+
+    @property
+    def size(self) -> int:
+        """Length of a vector of all nodes."""
+        return int(self._ends[-1])
+
+    @property
+    def freedoms(self) -> int:
+        """Nodes that move on their own, times three."""
+        return int(np.count_nonzero(self.mass))
+
+    def levels_of(self, vector: np.ndarray) -> list[np.ndarray]:
+        """The nodes of each level in a vector, with ghosts, shape (3, planes, ny + 2, nx + 2)."""
+        pairs = zip(self._ends, self._ends[1:], self.levels, strict=False)
+        return [vector[start:end].reshape(level.shape) for start, end, level in pairs]
+
+    def bottom_of(self, vector: np.ndarray) -> np.ndarray:
+        """The atoms of the surface in a vector, shape (3, ny, nx)."""
+        return self.levels_of(vector)[0][:, 0, 1:-1, 1:-1]
+
+    def top_of(self, vector: np.ndarray) -> np.ndarray:
+        """The rigid plane in a vector, shape (3, ny, nx)."""
+        return self.levels_of(vector)[-1][:, -1, 1:-1, 1:-1]
+
+    def force(self, displacement: np.ndarray, force: np.ndarray) -> None:
+        """Write the block's forces on its nodes (N); those of the rigid plane are what it has to carry.
+
+        Parameters
+        ----------
+        displacement, force : numpy.ndarray, shape (size,)
+            Ghosts and hanging planes of ``displacement`` are filled; those of ``force`` are zero.
+        """
+        u, f = self.levels_of(displacement), self.levels_of(force)
+        for number in reversed(range(len(u))):
+            if number + 1 < len(u):
+                _prolong(u[number + 1][:, 0], u[number][:, -1])
+            fill_ghosts(u[number])
+            slab_force(u[number], f[number], self._work[number], *self.levels[number].constants)
+        for number in range(len(u) - 1):
+            _restrict(f[number][:, -1], f[number + 1][:, 0])
+        for slab in f:
+            for edge in (0, -1):
+                slab[:, :, edge] = 0.0
+                slab[:, :, :, edge] = 0.0
+
+    def elastic_energy(self, displacement: np.ndarray, force: np.ndarray) -> float:
+        """½ u·Ku (J) of a displacement and its forces; the rigid plane's part is exact for any height of the whole."""
+        height = float(np.mean(self.top_of(displacement)[2]))
+        total = 0.0
+        for u, f in zip(self.levels_of(displacement), self.levels_of(force), strict=True):
+            inside = np.s_[:, 1:-1, 1:-1]
+            total -= float(np.sum(u[0][inside] * f[0][inside]) + np.sum(u[1][inside] * f[1][inside]))
+            total -= float(np.sum((u[2][inside] - height) * f[2][inside]))
+        return 0.5 * total
+
+    def _masses(self, atom_mass: float) -> np.ndarray:
+        """Mass of every node for each component (kg); zero for ghosts, hanging nodes and the rigid plane.
+
+        A node stands for its share of the cells above and below; where two levels meet for half a layer of each. An
+        atom of the surface is a whole one.
+        """
+        vector = np.zeros(self.size)
+        for number, (level, nodes) in enumerate(zip(self.levels, self.levels_of(vector), strict=True)):
+            inside = nodes[:, :-1, 1:-1, 1:-1]
+            inside[...] = level.size**3 * atom_mass
+            if number:
+                inside[:, 0] *= 0.75
+        return vector
+
+
+@njit(**_OPTIONS)
+def _prolong(coarse, fine):
+    """Bilinear values of a coarse plane, ghosts filled, on the fine plane."""
+    for c in range(3):
+        for j in range(fine.shape[1] - 2):
+            north = j & 1
+            row = j // 2 + 1
+            for i in range(fine.shape[2] - 2):
+                east = i & 1
+                column = i // 2 + 1
+                fine[c, j + 1, i + 1] = 0.25 * (
+                    coarse[c, row, column]
+                    + coarse[c, row, column + east]
+                    + coarse[c, row + north, column]
+                    + coarse[c, row + north, column + east]
+                )
+
+
+@njit(**_OPTIONS)
+def _restrict(fine, coarse):
+    """Add the transpose of :func:`_prolong` to the coarse plane, and empty the fine one."""
+    rows = coarse.shape[1] - 2
+    columns = coarse.shape[2] - 2
+    for c in range(3):
+        for j in range(fine.shape[1] - 2):
+            row = j // 2 + 1
+            next_row = (row + (j & 1) - 1) % rows + 1
+            for i in range(fine.shape[2] - 2):
+                column = i // 2 + 1
+                next_column = (column + (i & 1) - 1) % columns + 1
+                value = 0.25 * fine[c, j + 1, i + 1]
+                fine[c, j + 1, i + 1] = 0.0
+                coarse[c, row, column] += value
+                coarse[c, row, next_column] += value
+                coarse[c, next_row, column] += value
+                coarse[c, next_row, next_column] += value
