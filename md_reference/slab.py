@@ -1,8 +1,8 @@
 """Forces of a slab of isotropic cells with explicit nodes, both faces free, periodic along x and y.
 
 The springs and the dilatation energy of :func:`md_reference.block.isotropic_element`, gathered node by node: springs
-along edges, springs along face diagonals, and the dilatation of every cell, of which two planes at a time are kept. Arrays of
-nodes have shape (3, planes, ny + 2, nx + 2): a frame of ghosts holds the periodic images.
+along edges, springs along face diagonals, and the dilatation of every cell, of which two planes at a time are kept.
+Arrays of nodes have shape (3, planes, ny + 2, nx + 2): a frame of ghosts holds the periodic images.
 """
 
 import numpy as np

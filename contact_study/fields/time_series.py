@@ -3,7 +3,7 @@
 The error of a mean over n values that remember for τ is that of n/(2τ) independent ones. τ is the integrated
 autocorrelation time, ½ + Σ ρ(t), summed up to a window of five times itself, where what is left is below e⁻⁵ of the sum
 for an exponential memory and noise would only add (A. D. Sokal, in "Functional Integration: Basics and Applications",
-1997; U. Wolff, Comput. Phys. Commun. 156, 143 (2004), who gives the bias that :func:`statistics_of` takes off).
+1997).
 """
 
 from dataclasses import dataclass
@@ -69,8 +69,7 @@ def statistics_of(series: np.ndarray) -> SeriesStatistics:
     enough = window >= _WINDOW * summed
     last = np.where(enough.any(axis=0), np.argmax(enough, axis=0), count - 1)
     time = np.take_along_axis(summed, last[None], axis=0)[0]
-    # Deviations are from the series' own mean: every Γ is too small by the square of the mean's error.
-    time = np.maximum(time * (1 + (2 * last + 1) / count), 0.5)
+    time = np.maximum(time, 0.5)
     error = np.sqrt(covariance[0] * 2 * time / count)
     shape = series.shape[1:]
     return SeriesStatistics(
