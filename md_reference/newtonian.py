@@ -1,0 +1,221 @@
+"""Newtonian motion of the explicit block over the substrate, with or without a thermostat.
+
+Velocity Verlet; with friction the splitting of B. Leimkuhler and C. Matthews (J. Chem. Phys. 138, 174102 (2013)): half
+a kick, half a drift, friction and noise, half a drift, half a kick, which is velocity Verlet without friction and whose
+positions err little at any. The rigid plane that closes the block above moves up and down under the pressure and the
+block's own force.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numba import njit
+from scipy import constants
+
+from md_reference.interface import Interaction
+from md_reference.multiscale_block import MultiscaleBlock
+
+_BRILLOUIN_POINTS = 24  # along each axis, where the fastest wave of the lattice is looked for
+
+
+@dataclass
+class Motion:
+    """Where all nodes are and how fast.
+
+    Attributes
+    ----------
+    displacement, velocity : numpy.ndarray, shape (block.size,)
+        Of every node, along z heights over the substrate (m, m/s).
+    top, top_velocity : float
+        Of the rigid plane (m, m/s).
+    time : float
+        Since the motion began (s).
+    steps : int
+        Done so far.
+    """
+
+    displacement: np.ndarray
+    velocity: np.ndarray
+    top: float
+    top_velocity: float
+    time: float = 0.0
+    steps: int = 0
+
+
+class NewtonianBlock:
+    """The block and the interface in motion, owner of the forces.
+
+    Parameters
+    ----------
+    block : MultiscaleBlock
+        The nodes.
+    interaction : Interaction
+        Of its bottom layer.
+    time_step : float
+        Of velocity Verlet (s).
+    friction : float
+        Rate at which the thermostat takes momentum (1/s); zero for none.
+    temperature : float
+        That the thermostat's noise gives back (K).
+
+    Attributes
+    ----------
+    interface_force : numpy.ndarray, shape (3, ny, nx)
+        Of the substrate on the surface's atoms, after a step (N).
+    interaction_energy : float
+        After a step (J).
+    """
+
+    def __init__(
+        self,
+        block: MultiscaleBlock,
+        interaction: Interaction,
+        time_step: float,
+        friction: float = 0.0,
+        temperature: float = 0.0,
+    ):
+        self.block = block
+        self.interaction = interaction
+        self.time_step = time_step
+        self.interaction_energy = 0.0
+        self.interface_force = np.empty((3, *block.atoms))
+        self._force = np.zeros(block.size)
+        self._top_force = 0.0
+        self._kept = float(np.exp(-friction * time_step))
+        self._noise = constants.k * temperature * (1 - self._kept**2)
+        self._noise_scale = np.sqrt(self._noise * block.inverse_mass)
+        self._random = np.empty(block.size)
+
+    def start(self, displacement: np.ndarray, velocity: float = 0.0) -> Motion:
+        """A block whose planes all have the height of its mean surface, moving as a whole.
+
+        Parameters
+        ----------
+        displacement : numpy.ndarray, shape (3, ny, nx)
+            Of the surface's atoms (m).
+        velocity : float, optional
+            Along z (m/s).
+        """
+        moving = np.zeros(self.block.size)
+        nodes = np.zeros(self.block.size)
+        height = float(np.mean(displacement[2]))
+        for level, speed in zip(self.block.levels_of(nodes), self.block.levels_of(moving), strict=True):
+            level[2] = height
+            speed[2] = velocity
+        moving *= self.block.mass > 0
+        self.block.bottom_of(nodes)[...] = displacement
+        return Motion(nodes, moving, height, velocity)
+
+    def prepare(self, motion: Motion, pressure: float) -> None:
+        """Evaluate the forces that the first step begins with."""
+        self._evaluate(motion, pressure)
+
+    def step(self, motion: Motion, pressure: float, generator: np.random.Generator) -> None:
+        """One time step, in place, under a mean pressure (Pa).
+
+        Raises
+        ------
+        FloatingPointError
+            If an atom came to lie inside the substrate.
+        """
+        half = 0.5 * self.time_step
+        self._kick(motion, half)
+        self._drift(motion, half if self._kept < 1 else self.time_step)
+        if self._kept < 1:
+            self._thermalise(motion, generator)
+            self._drift(motion, half)
+        self._evaluate(motion, pressure)
+        self._kick(motion, half)
+        motion.steps += 1
+        motion.time += self.time_step
+
+    def kinetic_energy(self, motion: Motion) -> float:
+        """Of all nodes and the rigid plane (J)."""
+        nodes = 0.5 * float(np.dot(self.block.mass, motion.velocity**2))
+        return nodes + 0.5 * self.block.top_mass * motion.top_velocity**2
+
+    def elastic_energy(self, motion: Motion) -> float:
+        """Of the block (J)."""
+        force = np.zeros(self.block.size)
+        self.block.force(motion.displacement, force)
+        return self.block.elastic_energy(motion.displacement, force)
+
+    def temperature(self, motion: Motion) -> float:
+        """Twice the kinetic energy of the nodes over k_B and their number of freedoms (K)."""
+        moving = float(np.dot(self.block.mass, motion.velocity**2))
+        return moving / (constants.k * self.block.freedoms)
+
+    def momentum(self, motion: Motion) -> float:
+        """Along z, of everything that moves (kg m/s)."""
+        total = self.block.top_mass * motion.top_velocity
+        pairs = zip(self.block.levels_of(self.block.mass), self.block.levels_of(motion.velocity), strict=True)
+        return total + sum(float(np.sum(mass[2] * velocity[2])) for mass, velocity in pairs)
+
+    def unbalanced(self) -> float:
+        """Largest force left on an atom of the surface after a step (N)."""
+        return float(np.max(np.abs(self.block.bottom_of(self._force))))
+
+    def _evaluate(self, motion: Motion, pressure: float) -> None:
+        block = self.block
+        block.top_of(motion.displacement)[2] = motion.top
+        block.force(motion.displacement, self._force)
+        surface = np.ascontiguousarray(block.bottom_of(motion.displacement))
+        self.interaction_energy = self.interaction.evaluate(surface, self.interface_force, None)
+        if not np.isfinite(self.interaction_energy):
+            raise FloatingPointError("an atom ran into the substrate")
+        block.bottom_of(self._force)[...] += self.interface_force
+        rows, columns = block.atoms
+        load = pressure * rows * columns * block.lattice_constant**2
+        self._top_force = float(np.sum(block.top_of(self._force)[2])) - load
+
+    def _kick(self, motion: Motion, duration: float) -> None:
+        _add_product(motion.velocity, self._force, self.block.inverse_mass, duration)
+        motion.top_velocity += duration * self._top_force / self.block.top_mass
+
+    def _drift(self, motion: Motion, duration: float) -> None:
+        _add_multiple(motion.displacement, motion.velocity, duration)
+        motion.top += duration * motion.top_velocity
+
+    def _thermalise(self, motion: Motion, generator: np.random.Generator) -> None:
+        """Friction and noise of one step, on all nodes and the rigid plane.
+
+        A thermostat of the coarse levels alone would not reach the surface: its fast waves do not run there.
+        """
+        motion.velocity *= self._kept
+        motion.top_velocity *= self._kept
+        if self._noise:
+            generator.standard_normal(out=self._random)
+            _add_product(motion.velocity, self._random, self._noise_scale, 1.0)
+            motion.top_velocity += float(generator.standard_normal()) * np.sqrt(self._noise / self.block.top_mass)
+
+
+def fastest_wave(element: np.ndarray, atom_mass: float) -> float:
+    """Largest angular frequency of the unbounded lattice (1/s), from its element matrix.
+
+    Parameters
+    ----------
+    element : numpy.ndarray, shape (24, 24)
+        Stiffness of a cell (N/m), see :func:`md_reference.block.isotropic_element`.
+    atom_mass : float
+        Of an atom (kg).
+    """
+    corners = np.array([(x, y, z) for z in (0, 1) for y in (0, 1) for x in (0, 1)])
+    # Frequencies are symmetric in every component of the wavevector.
+    phase = np.linspace(0, np.pi, _BRILLOUIN_POINTS + 1)
+    waves = np.stack(np.meshgrid(phase, phase, phase, indexing="ij"), axis=-1).reshape(-1, 3)
+    shift = np.exp(1j * waves @ corners.T)  # (waves, 8)
+    blocks = element.reshape(8, 3, 8, 3)
+    dynamical = np.einsum("wp,pcqd,wq->wcd", shift.conj(), blocks, shift)
+    return float(np.sqrt(np.max(np.linalg.eigvalsh(dynamical)) / atom_mass))
+
+
+@njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})
+def _add_product(to, one, other, factor):
+    for i in range(to.size):
+        to[i] += factor * one[i] * other[i]
+
+
+@njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})
+def _add_multiple(to, one, factor):
+    for i in range(to.size):
+        to[i] += factor * one[i]
