@@ -30,7 +30,7 @@ MODEL = Model(
     module="bem_adhesion.run",
     description="boundary elements: elastic half-space on a rigid rough surface, hard wall or adhesive",
     references="C. Yang, B. N. J. Persson, J. Israelachvili, K. Rosenberg, EPL 84, 46004 (2008)",
-    ignores=("atomistic", "sampling", "theory"),
+    ignores=("atomistic", "sampling", "dynamics", "theory"),
 )
 
 # Grid spacing, in units of the longer of process zone and law's length, beyond which a study is refused: steps stop

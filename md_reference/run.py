@@ -16,7 +16,7 @@ from contact_study.problem.surface import Surface
 from contact_study.problem.surface_scales import SurfaceScales
 from md_reference.interface import INSIDE
 from md_reference.measure import FlatInterface, effective_contact_modulus, measure_interface
-from md_reference.methods import METHODS
+from md_reference.methods import METHODS, dynamics
 from md_reference.methods.base import Predictor
 from md_reference.system import build_stiffness
 
@@ -69,6 +69,8 @@ def check(case: Case) -> None:
             f"incompressible; use at most {_MOST_INCOMPRESSIBLE}"
         )
     _check_temperature(case)
+    if case.atomistic.method == "dynamics":
+        dynamics.check(case)
     _ = case.block_layers  # raises where no number of cells makes the layer
     rows, columns = case.lattice.atoms
     require_memory(

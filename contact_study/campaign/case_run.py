@@ -116,7 +116,7 @@ def _recorded(job: Job, number: int, point: InterfaceState | Ensemble | Step, av
     fields = job.case.output.fields
     if not isinstance(point, Ensemble):
         return recorded(point, job.bins, fields)
-    averages = averages or Averages(job.bins, fields)
+    averages = averages or Averages(job.bins, fields, point.discarded)
     saved = time.monotonic()
     for state in point.states:
         averages.add(state)

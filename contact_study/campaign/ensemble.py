@@ -16,7 +16,10 @@ from contact_study.observables.base import InterfaceState
 # A standard error is known to some 20 % from a series of twenty autocorrelation times, and not at all from a few.
 _SHORTEST = 10
 
-_SERIES, _SUMS, _BINS, _RESTART = "series/", "sum/", "bins", "restart/"
+_SERIES, _SUMS, _BINS, _FIELDS, _RESTART = "series/", "sum/", "bins", "fields", "restart/"
+
+# Has a series, and no mean.
+_TIME = "time"
 
 
 class Averages:
@@ -28,22 +31,24 @@ class Averages:
         Those of the study.
     fields : bool
         Whether the mean fields are kept.
+    discarded : int, optional
+        States before those that count.
     """
 
-    def __init__(self, bins: Bins, fields: bool):
+    def __init__(self, bins: Bins, fields: bool, discarded: int = 0):
         self._bins = bins
         self._fields = fields
+        self._discarded = discarded
         self._series: dict[str, list[Any]] = {}
         self._sums: dict[str, np.ndarray] = {}
         self._last: InterfaceState | None = None
 
     @classmethod
     def taken_up(cls, kept: Mapping[str, np.ndarray], bins: Bins, fields: bool) -> "Averages | None":
-        """What :attr:`kept` was of; None if it is of other bins, or without fields that are now wanted."""
-        has_fields = any(name.startswith(_SUMS) for name in kept)
-        if not np.array_equal(kept[_BINS], np.ravel(bins.spans)) or has_fields != fields:
+        """What :attr:`kept` was of; None if it is of other bins, or of other fields than are now wanted."""
+        if not np.array_equal(kept[_BINS], np.ravel(bins.spans)) or bool(kept[_FIELDS][0]) != fields:
             return None
-        averages = cls(bins, fields)
+        averages = cls(bins, fields, int(kept[_FIELDS][1]))
         averages._series = {
             name.removeprefix(_SERIES): list(values) for name, values in kept.items() if name.startswith(_SERIES)
         }
@@ -56,11 +61,15 @@ class Averages:
         """Count one more state."""
         self._last = state
         for name, value in observed(state, self._bins).items():
-            if name in AVERAGED:
+            if name in AVERAGED or name == _TIME:
                 self._series.setdefault(name, []).append(value)
-        if self._fields:
+        if self._fields and self._count > self._discarded:
             for name, field in (("gap", state.gap), ("pressure", state.pressure)):
                 self._sums[name] = self._sums[name] + field if name in self._sums else field.copy()
+
+    @property
+    def _count(self) -> int:
+        return len(next(iter(self._series.values())))
 
     @property
     def kept(self) -> dict[str, np.ndarray]:
@@ -68,6 +77,7 @@ class Averages:
         assert self._last is not None
         return {
             _BINS: np.ravel(self._bins.spans),
+            _FIELDS: np.array([int(self._fields), self._discarded]),
             **{f"{_SERIES}{name}": np.array(values) for name, values in self._series.items()},
             **{f"{_SUMS}{name}": values for name, values in self._sums.items()},
             **{f"{_RESTART}{name}": values for name, values in self._last.restart.items()},
@@ -93,21 +103,26 @@ class Averages:
             return Step({**observed(last, self._bins), **frames}, fields, last.restart, self._bins)
         values: dict[str, Any] = {}
         longest = (0.0, "")
-        for name, column in series.items():
+        counted = self._count - self._discarded
+        for name, whole in series.items():
+            if name == _TIME:
+                continue
+            column = whole[self._discarded :]
             found = statistics_of(column)
             values[name] = np.rint(found.mean) if VARIABLES[name].kind == "count" else found.mean
+            if counted == 1:  # the last state of a motion without noise
+                continue
             values[name + STANDARD_ERROR] = found.standard_error
             if column.ndim == 1:
                 time = float(found.autocorrelation_time) if found.resolved else float(column.size)
                 longest = max(longest, (time, name))
-        count = len(next(iter(series.values())))
-        if count < _SHORTEST * longest[0]:
+        if counted < _SHORTEST * longest[0]:
             warnings.warn(
-                f"the {count} thermal states of a point are {count / longest[0]:.2g} autocorrelation times of "
+                f"the {counted} thermal states of a point are {counted / longest[0]:.2g} autocorrelation times of "
                 f"{longest[1]}: standard errors need at least {_SHORTEST}; sample longer",
                 stacklevel=2,
             )
-        fields = {name: total / count for name, total in self._sums.items()}
+        fields = {name: total / counted for name, total in self._sums.items()}
         return Step({**values, **report, **frames}, fields, last.restart, self._bins)
 
 

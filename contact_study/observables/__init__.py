@@ -10,6 +10,7 @@ from contact_study.observables.distributions import DISTRIBUTIONS
 from contact_study.observables.energies import ENERGIES
 from contact_study.observables.jumps import JUMPS
 from contact_study.observables.means import MEANS
+from contact_study.observables.motion import MOTION, TIME
 from contact_study.observables.percolation import PERCOLATION
 from contact_study.observables.solver_report import SOLVER_REPORT
 
@@ -23,6 +24,8 @@ OBSERVABLES: tuple[Observable, ...] = (
     PERCOLATION,
     CONTACT_STIFFNESS,
     JUMPS,
+    MOTION,
+    TIME,
     SOLVER_REPORT,
 )
 

@@ -82,6 +82,14 @@ class SolverReport:
 
 
 @dataclass(frozen=True)
+class ThermalMotion:
+    """Of atoms in motion: the time since it began (s), and the temperature of their kinetic energy (K)."""
+
+    time: float
+    temperature: float
+
+
+@dataclass(frozen=True)
 class InterfaceState:
     """One state of a contact, as every simulation yields it for a point of the loading path.
 
@@ -111,6 +119,8 @@ class InterfaceState:
         In jumps of the path so far, per nominal area (J/m²), of a path with steps of its own.
     detachment_pressure : float or None
         Lowest mean pressure held before the surfaces came apart on the way to this point (Pa), of the same.
+    motion : ThermalMotion or None
+        Of atoms in motion.
     """
 
     gap: np.ndarray
@@ -126,6 +136,7 @@ class InterfaceState:
     contact_stiffness: float | None = None
     dissipated_energy: float | None = None
     detachment_pressure: float | None = None
+    motion: ThermalMotion | None = None
 
 
 @dataclass(frozen=True)
@@ -136,10 +147,13 @@ class Ensemble:
     ----------
     states : iterator of InterfaceState
         One after the other, as often as they are to count; read once. The ``restart`` of each holds all that the next
-        one follows from, and counts in ``frames`` the states so far; the ``report`` of the last one is the point's.
+        one follows from; the ``report`` of the last one is the point's.
+    discarded : int, optional
+        How many of them come before those whose mean is taken; the series has all.
     """
 
     states: Iterator[InterfaceState]
+    discarded: int = 0
 
 
 @dataclass(frozen=True)

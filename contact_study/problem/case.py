@@ -38,6 +38,7 @@ class Case:
     solver: sections.SolverSection
     atomistic: sections.AtomisticSection
     sampling: sections.SamplingSection
+    dynamics: sections.DynamicsSection
     theory: sections.TheorySection
     output: sections.OutputSection
     coordinates: dict[str, Any] = field(default_factory=dict)

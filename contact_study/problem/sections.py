@@ -25,7 +25,9 @@ class MaterialSection:
         "lattice constant a of the block; divides surface.size (atoms, well_depth)",
         None,
     )
-    atom_mass: float | None = key(quantity("kg", positive=True), "mass of a block atom; no model uses it today", None)
+    atom_mass: float | None = key(
+        quantity("kg", positive=True), "mass of a block atom, for atomistic.method = dynamics", None
+    )
 
     @property
     def contact_modulus(self) -> float:
@@ -96,12 +98,12 @@ class AtomisticSection:
 
     block: str = key(choice("isotropic"), "springs of the block; isotropic is the only kind today", "isotropic")
     method: str = key(
-        choice("quasi_static", "sampling"),
-        "how the atoms come along the path: equilibria at zero temperature, each from the one before it, or thermal "
-        "averages about these",
+        choice("quasi_static", "sampling", "dynamics"),
+        "how the atoms come along the path: equilibria at zero temperature, each from the one before it, thermal "
+        "averages about these, or the explicit block in motion",
         "quasi_static",
     )
-    temperature: float = key(quantity("K", minimum=0.0), "temperature of the atoms, for sampling", 0.0)
+    temperature: float = key(quantity("K", minimum=0.0), "temperature of the atoms, for sampling and dynamics", 0.0)
     cutoff: float = key(
         quantity("1", minimum=2.0, maximum=20.0), "cutoff of the pair potential in units of interaction.length", 4.0
     )
@@ -117,6 +119,20 @@ class SamplingSection:
         integer(minimum=10, maximum=2**31 - 1), "trajectories before them, which set the time step and do not count", 50
     )
     seed: int = key(integer(minimum=0, maximum=2**63 - 1), "seed of the random numbers", 1)
+
+
+@dataclass(frozen=True)
+class DynamicsSection:
+    """The explicit block of atoms in motion."""
+
+    time_step: float | None = key(
+        quantity("s", positive=True), "of velocity Verlet, default a fifth of the largest stable one", None
+    )
+    duration: float = key(quantity("s", positive=True), "of each point of the path", 1e-10)
+    damping: float = key(quantity("s^-1", minimum=0.0), "rate at which friction takes momentum", 0.0)
+    approach_speed: float = key(quantity("m/s", minimum=0.0), "at which the block first comes down", 0.0)
+    frames: int = key(integer(minimum=2, maximum=2**31 - 1), "states of each point that are looked at", 200)
+    seed: int = key(integer(minimum=0, maximum=2**63 - 1), "seed of the thermostat's noise", 1)
 
 
 @dataclass(frozen=True)

@@ -33,6 +33,7 @@ SECTIONS: dict[str, type | Kinds] = {
     "solver": sections.SolverSection,
     "atomistic": sections.AtomisticSection,
     "sampling": sections.SamplingSection,
+    "dynamics": sections.DynamicsSection,
     "theory": sections.TheorySection,
     "output": sections.OutputSection,
 }

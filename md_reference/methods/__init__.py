@@ -2,10 +2,11 @@
 
 from collections.abc import Mapping
 
-from md_reference.methods import quasi_static, sampling
+from md_reference.methods import dynamics, quasi_static, sampling
 from md_reference.methods.base import Method
 
 METHODS: Mapping[str, Method] = {
     "quasi_static": quasi_static.solve_path,
     "sampling": sampling.solve_path,
+    "dynamics": dynamics.solve_path,
 }

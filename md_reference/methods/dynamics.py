@@ -1,0 +1,248 @@
+"""Atoms in motion: the explicit block comes down under its load by Newton's law, with friction and noise on demand."""
+
+import dataclasses
+import math
+from collections.abc import Iterator, Mapping
+
+import numpy as np
+
+from contact_study.observables.base import Ensemble, InterfaceState, SolverReport, ThermalMotion
+from contact_study.problem.case import Case
+from contact_study.problem.errors import InputError
+from contact_study.problem.surface import Surface
+from md_reference.block import element_matrix, lame_constants
+from md_reference.interface import LennardJonesInterface
+from md_reference.methods.base import Predictor
+from md_reference.multiscale_block import MultiscaleBlock, level_layers
+from md_reference.newtonian import Motion, NewtonianBlock, fastest_wave
+from md_reference.random_state import generator_of, packed
+from md_reference.starts import separated
+from md_reference.system import build_interface
+
+_SAFE_STEP = 0.2  # of the largest stable one, where the study says none: an energy error of a hundredth
+_SLOW = 0.1  # of the speed of sound, above which an approach is an impact
+_AT_REST = 1e-3  # unbalanced stress over E*, below which atoms without noise count as in equilibrium
+
+
+def check(case: Case) -> None:
+    """Make sure that a case can be set in motion.
+
+    Raises
+    ------
+    InputError
+        If the atoms have no mass, the time step is unstable, the approach an impact, or the gap prescribed.
+    """
+    given, mass = case.dynamics, case.material.atom_mass
+    if mass is None:
+        raise InputError('missing key material.atom_mass: atomistic.method = "dynamics" needs the mass of an atom')
+    if case.loading.control != "pressure":
+        raise InputError('loading.control = "gap": atomistic.method = "dynamics" takes "pressure" only')
+    largest = largest_time_step(case)
+    if given.time_step is not None and given.time_step >= largest:
+        raise InputError(
+            f"dynamics.time_step = {given.time_step:g} s: velocity Verlet is unstable from {largest:.3g} s on, "
+            "2/ω of the lattice's fastest wave and a stiff contact; use a fifth of that"
+        )
+    if given.duration < given.frames * time_step(case):
+        raise InputError(
+            f"dynamics.duration = {given.duration:g} s: shorter than dynamics.frames = {given.frames} steps of "
+            f"{time_step(case):.3g} s"
+        )
+    sound = math.sqrt((first_lame(case) + 2 * shear_modulus(case)) * case.lattice.constant**3 / mass)
+    if given.approach_speed > _SLOW * sound:
+        raise InputError(
+            f"dynamics.approach_speed = {given.approach_speed:g} m/s: is an impact; use at most a tenth of the speed "
+            f"of sound, {_SLOW * sound:.3g} m/s"
+        )
+    if case.atomistic.temperature > 0 and given.damping == 0:
+        raise InputError(
+            f"atomistic.temperature = {case.atomistic.temperature:g} K: a thermostat needs dynamics.damping above zero"
+        )
+
+
+def first_lame(case: Case) -> float:
+    """λ of the case's block (Pa)."""
+    return lame_constants(case.material.youngs_modulus, case.material.poissons_ratio)[0]
+
+
+def shear_modulus(case: Case) -> float:
+    """μ of the case's block (Pa)."""
+    return lame_constants(case.material.youngs_modulus, case.material.poissons_ratio)[1]
+
+
+def largest_time_step(case: Case) -> float:
+    """2/ω (s), ω² at most that of the lattice's fastest wave and the contact's stiffness at equilibrium over a mass."""
+    assert case.material.atom_mass is not None
+    constant, material = case.lattice.constant, case.material
+    element = element_matrix(case.atomistic.block, constant, material.youngs_modulus, material.poissons_ratio)
+    law = case.law
+    contact = float(law.stiffness(np.array([law.equilibrium_distance]))[0]) * constant**2
+    return 2 / math.sqrt(fastest_wave(element, case.material.atom_mass) ** 2 + contact / case.material.atom_mass)
+
+
+def time_step(case: Case) -> float:
+    """The time step of a case (s)."""
+    return _SAFE_STEP * largest_time_step(case) if case.dynamics.time_step is None else case.dynamics.time_step
+
+
+def build_block(case: Case) -> MultiscaleBlock:
+    """The explicit block of a case."""
+    assert case.material.atom_mass is not None
+    atoms = case.lattice.atoms
+    return MultiscaleBlock(
+        atoms,
+        case.lattice.constant,
+        first_lame(case),
+        shear_modulus(case),
+        level_layers(atoms, case.block_layers),
+        case.material.atom_mass,
+    )
+
+
+def solve_path(
+    case: Case,
+    surface: Surface,
+    restart: Mapping[str, np.ndarray] | None = None,
+    start: int = 0,
+    predictor: Predictor | None = None,
+) -> Iterator[InterfaceState | Ensemble]:
+    """The motion along the path: at each point its pressure acts for ``dynamics.duration``.
+
+    The block begins just out of reach of the substrate, at the speed of approach. Without noise the last state of a
+    point is its answer; with a thermostat the second half of its states.
+
+    Parameters
+    ----------
+    case, surface, restart, start
+        As :data:`md_reference.methods.base.Method`.
+    predictor : callable, optional
+        Not used: the atoms come down by themselves.
+    """
+    run = _Run(case, build_interface(case, surface))
+    at = run.begin(start) if restart is None else _Place.unpacked(restart)
+    frames = case.dynamics.frames
+    for number in range(start, len(case.path)):
+        if at.point != number:
+            at.point, at.frame = number, 0
+        discarded = frames - 1 if case.atomistic.temperature == 0 else frames // 2
+        yield Ensemble(run.states(at, case.path[number][0], discarded), discarded)
+
+
+@dataclasses.dataclass
+class _Place:
+    """Where a run stands."""
+
+    motion: Motion
+    generator: np.random.Generator
+    point: int
+    frame: int = 0
+    pressure_sum: float = 0.0  # over the states that count
+
+    @property
+    def packed(self) -> dict[str, np.ndarray]:
+        motion = self.motion
+        return {
+            "displacement": motion.displacement.copy(),
+            "velocity": motion.velocity.copy(),
+            "rigid": np.array([motion.top, motion.top_velocity, motion.time, self.pressure_sum]),
+            "counts": np.array([motion.steps, self.point, self.frame]),
+            "generator": packed(self.generator),
+        }
+
+    @classmethod
+    def unpacked(cls, arrays: Mapping[str, np.ndarray]) -> "_Place":
+        top, top_velocity, time, pressure_sum = map(float, arrays["rigid"])
+        steps, point, frame = map(int, arrays["counts"])
+        motion = Motion(arrays["displacement"].copy(), arrays["velocity"].copy(), top, top_velocity, time, steps)
+        return cls(motion, generator_of(arrays["generator"]), point, frame, pressure_sum)
+
+
+class _Run:
+    """The moving block of a case, and what its states look like to the campaign."""
+
+    def __init__(self, case: Case, interface: LennardJonesInterface):
+        self._case = case
+        self._interface = interface
+        self._mean_height = float(np.mean(interface.rest_heights()))
+        block = build_block(case)
+        self._system = NewtonianBlock(
+            block, interface, time_step(case), case.dynamics.damping, case.atomistic.temperature
+        )
+        self._steps = max(1, round(case.dynamics.duration / time_step(case) / case.dynamics.frames))
+        self._thickness = case.block_layers * case.lattice.constant
+        self._modulus = first_lame(case) + 2 * shear_modulus(case)
+
+    def begin(self, point: int) -> _Place:
+        """A block apart, at the speed of approach."""
+        motion = self._system.start(separated(self._interface), -self._case.dynamics.approach_speed)
+        return _Place(motion, np.random.Generator(np.random.PCG64([self._case.dynamics.seed, point])), point)
+
+    def states(self, at: _Place, pressure: float, discarded: int) -> Iterator[InterfaceState]:
+        """The states of a point from where it stands, in place; ends early where the block is torn off."""
+        system = self._system
+        if at.frame == 0:
+            at.pressure_sum = 0.0
+        system.prepare(at.motion, pressure)
+        while at.frame < self._case.dynamics.frames:
+            for _ in range(self._steps):
+                system.step(at.motion, pressure, at.generator)
+            at.frame += 1
+            apart = not system.interface_force.any() and pressure <= 0 and at.motion.top_velocity >= 0
+            state = self._state(at, pressure, discarded, apart)
+            if apart:
+                fresh = self.begin(at.point)
+                at.motion, at.frame = fresh.motion, self._case.dynamics.frames
+                yield dataclasses.replace(state, restart=at.packed)
+                return
+            yield dataclasses.replace(state, restart=at.packed)
+
+    def _state(self, at: _Place, pressure: float, discarded: int, apart: bool) -> InterfaceState:
+        case, system = self._case, self._system
+        area = case.lattice.constant**2
+        displacement = np.ascontiguousarray(system.block.bottom_of(at.motion.displacement))
+        stress = system.interface_force[2] / area
+        mean_pressure = float(np.mean(stress))
+        nominal = area * stress.size
+        gap = np.full(stress.shape, np.inf) if apart else self._interface.gap(displacement)
+        separation = float(np.mean(displacement[2])) - self._mean_height - case.law.equilibrium_distance
+        # A half-space has no uniform compression: the block's own is taken off, a layer's put back by the solid.
+        own = mean_pressure**2 * self._thickness / (2 * self._modulus)
+        elastic = system.elastic_energy(at.motion) / nominal - own + case.solid.compression_energy(mean_pressure)
+        if at.frame > discarded:
+            at.pressure_sum += mean_pressure
+        return InterfaceState(
+            gap=gap,
+            pressure=stress.copy(),
+            contact=case.law.in_contact(gap, stress, case.contact_distance),
+            equilibrium_distance=case.law.equilibrium_distance,
+            mean_separation=np.inf if apart else separation - case.solid.compression(mean_pressure),
+            elastic_energy=0.0 if apart else elastic,
+            interaction_energy=system.interaction_energy / nominal,
+            report=self._report(at, pressure, discarded, apart),
+            motion=ThermalMotion(at.motion.time, system.temperature(at.motion)),
+        )
+
+    def _report(self, at: _Place, pressure: float, discarded: int, apart: bool) -> SolverReport:
+        case = self._case
+        message, converged = "", True
+        if apart:
+            residual, message = 0.0, "detached: the block was torn off and moves away"
+        elif case.atomistic.temperature > 0:
+            counted = max(at.frame - discarded, 1)
+            residual = abs(at.pressure_sum / counted - pressure) / case.material.contact_modulus
+        else:
+            area = case.lattice.constant**2
+            carried = float(np.mean(self._system.interface_force[2])) / area
+            residual = max(self._system.unbalanced() / area, abs(carried - pressure)) / case.material.contact_modulus
+            converged = residual <= _AT_REST
+            if not converged:
+                message = "the atoms still move: raise dynamics.duration or dynamics.damping"
+        return SolverReport(
+            converged=converged,
+            detached=apart,
+            residual=residual,
+            iterations=at.motion.steps,
+            fft_pairs=0.0,
+            force_evaluations=at.motion.steps,
+            message=message,
+        )

@@ -1,0 +1,166 @@
+"""Atoms in motion as a user meets them: an approach, a rest, a thermostat, a stop in the middle."""
+
+import numpy as np
+import pytest
+
+import contact_study
+from contact_study.campaign import case_run
+from contact_study.campaign.schema import STANDARD_ERROR, TRAJECTORY
+from contact_study.problem.errors import InputError
+from contact_study.problem.study import make_study
+from md_reference.methods.dynamics import largest_time_step, time_step
+from md_reference.newtonian import NewtonianBlock
+from md_reference.run import check
+from tests.md_reference.systems import LENGTH
+from tests.md_reference.test_sampling import assert_equal_groups, changed, groups_of
+
+MOVING = {
+    "surface": {"size": "41.6 angstrom", "shape": [16, 16]},
+    "material": {"atom_mass": "197 u"},
+    "atomistic": {"method": "dynamics", "temperature": 0.0},
+    # Friction slows the descent, too: the speed is what brings the block to the substrate within some 10 ps.
+    "dynamics": {"duration": "80 ps", "damping": "0.3 ps^-1", "approach_speed": "300 m/s", "frames": 20},
+    "loading": {"path": ["1 GPa"]},
+}
+
+
+def moving(**sections):
+    merged = {section: {**MOVING.get(section, {}), **sections.get(section, {})} for section in {**MOVING, **sections}}
+    return changed(**merged)
+
+
+@pytest.mark.parametrize("ratio", [1, 4, 8])
+def test_explicit_block_comes_to_rest_where_the_condensed_one_does(ratio):
+    """Two blocks and two algorithms: Newton's law with friction from above, the minimiser with S(q)."""
+    interaction = {"well_depth_ratio": ratio}
+    rest = contact_study.run(moving(interaction=interaction), "atomistic")
+    still = contact_study.run(
+        moving(interaction=interaction, atomistic={"method": "quasi_static"}, dynamics={}), "atomistic"
+    )
+    assert rest.converged.item() == 1
+    assert not [name for name in rest if name.endswith(STANDARD_ERROR)]
+    # 12 layers of atoms and 2 of cells twice as large: E*(q_L) is 0.2 % off, and an atom more or less in contact.
+    area = rest.relative_contact_area.item()
+    assert area == pytest.approx(still.relative_contact_area.item(), abs=0.002 + 1 / 16**2)
+    np.testing.assert_allclose(rest.mean_separation, still.mean_separation, rtol=0, atol=0.003 * LENGTH)
+    np.testing.assert_allclose(rest.interaction_energy, still.interaction_energy, rtol=0.01)
+    np.testing.assert_allclose(rest.elastic_energy, still.elastic_energy, rtol=0.02)
+    np.testing.assert_allclose(rest.mean_pressure, 1e9, rtol=1e-3)
+
+
+def test_series_tells_the_approach(tmp_path):
+    study = moving(dynamics={"duration": "2 ps", "damping": 0.0, "approach_speed": "20 m/s"})
+    with pytest.warns(UserWarning, match="did not converge"):
+        contact_study.run(study, "atomistic", output=tmp_path / "md.nc")
+    groups = groups_of(tmp_path / "md.nc")
+    root, series = groups["/"], groups[f"/{TRAJECTORY}"]
+    assert "still move" in str(root.message.values[0])
+    case = make_study(study).cases[0]
+    time = series.time.values[0]
+    steps = round(2e-12 / 20 / time_step(case))
+    np.testing.assert_allclose(np.diff(time, prepend=0), steps * time_step(case), rtol=1e-9)
+    assert root.time.item() == time[-1]
+    # Out of reach the block falls freely: its mass takes up the pressure, the rest is its own vibration.
+    height, density = series.mean_separation.values[0], case.material.atom_mass / case.lattice.constant**3
+    fallen = 20 * time + 0.5 * 1e9 / (density * 16.25 * case.lattice.constant) * time**2
+    assert fallen[-1] > 0.5e-10
+    assert height[0] - height[-1] == pytest.approx(fallen[-1] - fallen[0], rel=0.2)
+    assert series.temperature.values[0, 0] > 0
+
+
+@pytest.mark.validation
+def test_warm_blocks_explicit_and_condensed_agree():
+    """Langevin dynamics of all nodes against Monte Carlo of the condensed layer, at 300 K within their errors."""
+    options = {"loading": {"path": ["3 GPa"]}}
+    explicit = contact_study.run(
+        moving(
+            atomistic={"temperature": 300.0},
+            dynamics={"duration": "100 ps", "damping": "0.5 ps^-1", "frames": 800},
+            **options,
+        ),
+        "atomistic",
+    )
+    condensed = contact_study.run(
+        changed(surface=MOVING["surface"], sampling={"trajectories": 600}, **options), "atomistic"
+    )
+    for name, allowance in (
+        ("relative_contact_area", 0.002),
+        ("mean_separation", 0.003 * LENGTH),
+        ("mean_pressure", 0),
+    ):
+        error = np.hypot(explicit[name + STANDARD_ERROR].item(), condensed[name + STANDARD_ERROR].item())
+        assert abs(explicit[name].item() - condensed[name].item()) < 4 * error + allowance
+    # Kinetic temperatures of the scheme err by (ω dt)²/4.
+    assert explicit.temperature.item() == pytest.approx(300, abs=4 * explicit.temperature_standard_error.item() + 3)
+
+
+def test_run_stopped_within_a_point_goes_on_to_the_same_bits(tmp_path, monkeypatch):
+    study = moving(
+        atomistic={"temperature": 300.0},
+        dynamics={"duration": "1 ps", "frames": 20},
+        loading={"path": ["1 GPa", "2 GPa"]},
+        output={"fields": False},
+    )
+    with pytest.warns(UserWarning, match="autocorrelation times"):
+        contact_study.run(study, "atomistic", output=tmp_path / "whole.nc")
+    go_on, taken = NewtonianBlock.step, []
+
+    def stop_at(number):
+        def step(*arguments):
+            taken.append(number)
+            if len(taken) == number:
+                raise KeyboardInterrupt
+            return go_on(*arguments)
+
+        taken.clear()
+        monkeypatch.setattr(NewtonianBlock, "step", step)
+
+    monkeypatch.setattr(case_run, "_SECONDS_BETWEEN_CHECKPOINTS", 0.0)
+    whole = int(groups_of(tmp_path / "whole.nc")["/"].iterations[-1])
+    for stop in (whole // 4, whole // 2):
+        stop_at(stop)
+        with pytest.raises(KeyboardInterrupt):
+            contact_study.run(study, "atomistic", output=tmp_path / "md.nc", resume=stop == whole // 2)
+    stop_at(10**9)
+    with pytest.warns(UserWarning, match="autocorrelation times"):
+        contact_study.run(study, "atomistic", output=tmp_path / "md.nc", resume=True)
+    assert len(taken) < 0.5 * whole
+    assert_equal_groups(groups_of(tmp_path / "md.nc"), groups_of(tmp_path / "whole.nc"))
+
+
+def test_a_torn_off_block_comes_down_again():
+    study = moving(loading={"path": ["1 GPa", "-3.5 GPa", "1 GPa"]})
+    dataset = contact_study.run(study, "atomistic")
+    assert dataset.detached.values.tolist() == [0, 1, 0]
+    assert np.isinf(dataset.mean_gap[1])
+    assert dataset.relative_contact_area[2] > 0.5
+    assert dataset.relative_contact_area[2] == pytest.approx(dataset.relative_contact_area[0].item(), abs=0.01)
+
+
+@pytest.mark.parametrize(
+    ("sections", "words"),
+    [
+        ({"material": {"atom_mass": 0}}, "material.atom_mass = 0: must be positive"),
+        ({"dynamics": {"time_step": "1 ps"}}, r"dynamics.time_step = 1e-12 s: .* unstable from .*e-14 s on"),
+        ({"dynamics": {"approach_speed": "400 m/s"}}, r"dynamics.approach_speed = 400 m/s: .*sound, 32\d m/s"),
+        ({"dynamics": {"duration": "10 fs"}}, "dynamics.duration = 1e-14 s: shorter than dynamics.frames = 20 steps"),
+        ({"atomistic": {"temperature": 300}, "dynamics": {"damping": 0}}, "needs dynamics.damping above zero"),
+        ({"loading": {"control": "gap", "path": ["1 nm"]}}, 'takes "pressure" only'),
+    ],
+)
+def test_impossible_motion_is_refused(sections, words):
+    with pytest.raises(InputError, match=words):
+        check(make_study(moving(**sections)).cases[0])
+
+
+def test_atoms_without_mass_do_not_move():
+    study = moving()
+    del study["material"]["atom_mass"]
+    with pytest.raises(InputError, match=r"missing key material\.atom_mass"):
+        check(make_study(study).cases[0])
+
+
+def test_time_step_is_the_one_asked_for():
+    case = make_study(moving()).cases[0]
+    assert time_step(case) == 0.2 * largest_time_step(case)
+    assert time_step(make_study(moving(dynamics={"time_step": "3 fs"})).cases[0]) == pytest.approx(3e-15)
