@@ -1,6 +1,8 @@
 """What temperature does to the contact: area and mean gap of the atoms at rest and in thermal motion.
 
-python scripts/temperature.py data/yang2008_quick.toml --pressures "1 GPa" --temperature "300 K"
+`docs/temperature.md` shows the table.
+
+    python scripts/temperature.py data/yang2008.toml --fraction 0.25 --pressures "1 GPa" --temperature "300 K"
 """
 
 import argparse
@@ -16,7 +18,7 @@ import xarray as xr
 import contact_study
 from contact_study.campaign.command import Parser, guarded
 from contact_study.problem.errors import InputError
-from contact_study.problem.study import read_study
+from contact_study.problem.study import Study, read_study
 
 OBSERVABLES = {"relative_contact_area": ("A", 1.0), "mean_gap": ("ū (Å)", 1e-10)}
 
@@ -33,12 +35,13 @@ def parser() -> Parser:
     made.add_argument("--pressures", nargs="+", default=["1 GPa"], help="points of the path, from separation")
     made.add_argument("--temperature", default="300 K", help="of the atoms that move")
     made.add_argument("--trajectories", type=int, default=150, help="thermal states of each point")
+    made.add_argument("--fraction", type=float, default=1.0, help="of the study's lengths: its cell and rms height")
     return made
 
 
 def _main(arguments: Sequence[str] | None) -> int:
     given = parser().parse_args(arguments)
-    table = dict(read_study(given.study).table)
+    table = shrunk(read_study(given.study), given.fraction)
     if "interaction.well_depth_ratio" not in table.get("sweep", {}):
         raise InputError(f"{given.study}: sweeps no interaction.well_depth_ratio")
     cold = contact_study.run(at_rest(table, given.pressures), "atomistic")
@@ -54,6 +57,21 @@ def _main(arguments: Sequence[str] | None) -> int:
                 print(f"| {pressure / 1e9:g} | {symbol}, {temperature} | " + " | ".join(row) + " |")
             print(f"| {pressure / 1e9:g} | change | " + " | ".join(changes(cold, warm, name, unit, step)) + " |")
     return 0
+
+
+def shrunk(study: Study, fraction: float) -> dict[str, Any]:
+    """The study with its cell, its grid and its roughness at a fraction of their lengths: its slopes stay."""
+    case, table = study.cases[0], copy.deepcopy(dict(study.table))
+    if fraction != 1.0:
+        surface = case.surface
+        if surface.kind != "self_affine":
+            raise InputError(f'surface.kind = "{surface.kind}": --fraction is for self-affine surfaces')
+        table["surface"] |= {
+            "size": [fraction * length for length in surface.size],
+            "shape": [round(fraction * points) for points in surface.shape],
+            "rms_height": fraction * surface.rms_height,
+        }
+    return table
 
 
 def at_rest(table: Mapping[str, Any], pressures: Sequence[str]) -> dict[str, Any]:

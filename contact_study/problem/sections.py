@@ -108,6 +108,7 @@ class AtomisticSection:
         quantity("1", minimum=2.0, maximum=20.0), "cutoff of the pair potential in units of interaction.length", 4.0
     )
     layers: int = key(integer(minimum=0, maximum=1_000_000), "atomic layers of the block; 0: as thick as wide", 0)
+    random_seed: int = key(integer(minimum=0, maximum=2**63 - 1), "seed of thermal motion", 1)
 
 
 @dataclass(frozen=True)
@@ -118,7 +119,6 @@ class SamplingSection:
     equilibration: int = key(
         integer(minimum=10, maximum=2**31 - 1), "trajectories before them, which set the time step and do not count", 50
     )
-    seed: int = key(integer(minimum=0, maximum=2**63 - 1), "seed of the random numbers", 1)
 
 
 @dataclass(frozen=True)
@@ -132,7 +132,6 @@ class DynamicsSection:
     damping: float = key(quantity("s^-1", minimum=0.0), "rate at which friction takes momentum", 0.0)
     approach_speed: float = key(quantity("m/s", minimum=0.0), "at which the block first comes down", 0.0)
     frames: int = key(integer(minimum=2, maximum=2**31 - 1), "states of each point that are looked at", 200)
-    seed: int = key(integer(minimum=0, maximum=2**63 - 1), "seed of the thermostat's noise", 1)
 
 
 @dataclass(frozen=True)

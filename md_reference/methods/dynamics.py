@@ -175,7 +175,7 @@ class _Run:
     def begin(self, point: int) -> _Place:
         """A block apart, at the speed of approach."""
         motion = self._system.start(separated(self._interface), -self._case.dynamics.approach_speed)
-        return _Place(motion, np.random.Generator(np.random.PCG64([self._case.dynamics.seed, point])), point)
+        return _Place(motion, np.random.Generator(np.random.PCG64([self._case.atomistic.random_seed, point])), point)
 
     def states(self, at: _Place, pressure: float, discarded: int) -> Iterator[InterfaceState]:
         """The states of a point from where it stands, in place; ends early where the block is torn off."""

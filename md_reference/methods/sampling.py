@@ -63,7 +63,7 @@ def solve_path(
             yield found
             continue
         sampler = sampler_at(number)
-        generator = np.random.Generator(np.random.PCG64([case.sampling.seed, number]))
+        generator = np.random.Generator(np.random.PCG64([case.atomistic.random_seed, number]))
         state = sampler.equilibrated(sampler.start(found.restart["state"]), case.sampling.equilibration, generator)
         chain = _Chain(state, generator, found.restart["state"], found.report.converged)
         yield Ensemble(_states(case, contact, sampler, chain, case.path[number][0]))

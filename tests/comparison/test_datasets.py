@@ -197,7 +197,7 @@ def test_joined_datasets_of_other_bins_are_refused(files, tmp_path):
         (lambda d: d.isel(step=slice(2)), "loading path at well_depth_ratio = 1.0 is not that of the study"),
         (lambda d: d.assign_coords(branch=1 - d["branch"]), "loading path"),
         (lambda d: d.sel(well_depth_ratio=8), "lacks the dimension well_depth_ratio"),
-        (lambda d: d.expand_dims(temperature=[300.0]), "its dimension temperature is no key"),
+        (lambda d: d.expand_dims(humidity=[0.5]), "its dimension humidity is no key"),
         (lambda d: d.assign_coords(well_depth_ratio=[1.0, -8.0]), "its study is not one this version can read"),
     ],
 )

@@ -138,7 +138,7 @@ def test_run_stopped_within_a_point_goes_on_to_the_same_bits(sampled, tmp_path, 
 
 
 def test_seeds_give_other_states_of_one_distribution(sampled):
-    other = contact_study.run(changed(sampling={"seed": 2}), "atomistic")
+    other = contact_study.run(changed(atomistic={"random_seed": 2}), "atomistic")
     root = groups_of(sampled)["/"]
     for name in ("relative_contact_area", "mean_separation"):
         error = np.hypot(root[name + STANDARD_ERROR], other[name + STANDARD_ERROR])
@@ -213,7 +213,7 @@ def test_a_generator_goes_on_where_it_stood():
 def test_counted_states_of_another_binning_are_not_gone_on_from():
     case = make_study(STUDY).cases[0]
     bins = bins_of_case(case)
-    kept = {"bins": np.ravel(bins.spans), "series/mean_gap": np.arange(3.0)}
+    kept = {"bins": np.ravel(bins.spans), "fields": np.array([0, 0]), "series/mean_gap": np.arange(3.0)}
     assert Averages.taken_up(kept, bins, False) is not None
     assert Averages.taken_up(kept, bins, True) is None  # fields that were not kept
     assert Averages.taken_up({**kept, "bins": 2 * kept["bins"]}, bins, False) is None

@@ -10,7 +10,7 @@ from contact_study.campaign.schema import VARIABLES
 from contact_study.fields.distributions import Bins
 from contact_study.fields.grid import Grid
 from contact_study.observables import ENTRIES, OBSERVABLES, observed
-from contact_study.observables.base import InterfaceState, SolverReport
+from contact_study.observables.base import InterfaceState, SolverReport, ThermalMotion
 from contact_study.observables.constants import CONSTANTS, InterfaceConstants, heights_on
 from contact_study.observables.contact_edge import OVERCOUNT
 
@@ -75,10 +75,16 @@ def test_force_evaluations_are_of_models_that_count_them():
     assert observed(state(report=report), BINS)["force_evaluations"] == 7
 
 
+def test_time_and_temperature_are_of_states_in_motion():
+    found = observed(state(motion=ThermalMotion(time=2e-12, temperature=300.0)), BINS)
+    assert (found["time"], found["temperature"]) == (2e-12, 300.0)
+
+
 def test_names_are_spelt_once_and_have_entries():
     names = [name for observable in OBSERVABLES for name in observable.variables]
     assert len(names) == len(set(names))
-    found = observed(state(report=SolverReport(True, False, 0.0, 1, 0.0, 1, complementarity_residual=0.0)), BINS)
+    report = SolverReport(True, False, 0.0, 1, 0.0, 1, complementarity_residual=0.0, acceptance_rate=0.8)
+    found = observed(state(report=report, motion=ThermalMotion(1e-12, 300.0)), BINS)
     assert set(found) == set(names) == set(ENTRIES)
     for name, value in found.items():
         assert VARIABLES[name].dims[0] == "step", name
