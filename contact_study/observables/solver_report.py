@@ -26,8 +26,8 @@ SOLVER_REPORT = Observable(
                 "a wall only what it would have to pull; hard wall without adhesion: largest gap inside or penetration "
                 "outside the contact over rms height; Persson's theory: last change of the detachment stress over "
                 "contact modulus; gap-flow theory: mean traction less pressure over contact modulus, an error of its "
-                "grid; edge flow: last change of a scale's mean response; thermal atoms: mean pressure less the applied "
-                "one over contact modulus, an error of sampling"
+                "grid; edge flow: last change of a scale's mean response; thermal atoms: mean pressure less the "
+                "applied one over contact modulus, an error of sampling"
             },
         ),
         "complementarity_residual": Variable(
