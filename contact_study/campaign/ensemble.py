@@ -109,7 +109,8 @@ class Averages:
                 continue
             column = whole[self._discarded :]
             found = statistics_of(column)
-            values[name] = np.rint(found.mean) if VARIABLES[name].kind == "count" else found.mean
+            # Of a count or a flag the value that is nearest to the mean.
+            values[name] = found.mean if VARIABLES[name].kind == "float" else np.rint(found.mean)
             if counted == 1:  # the last state of a motion without noise
                 continue
             values[name + STANDARD_ERROR] = found.standard_error

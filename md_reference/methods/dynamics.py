@@ -219,6 +219,7 @@ class _Run:
             elastic_energy=0.0 if apart else elastic,
             interaction_energy=system.interaction_energy / nominal,
             report=self._report(at, pressure, discarded, apart),
+            spacing=(case.lattice.constant, case.lattice.constant),
             motion=ThermalMotion(at.motion.time, system.temperature(at.motion)),
         )
 
