@@ -18,12 +18,13 @@ from scripts import (
     edge_flow_convergence,
     edge_flow_ensemble,
     non_adhesive_shelf,
+    reproduce_yang2008,
     result_table,
     two_starts,
     validate_spheres,
 )
-from tests import reference_problems as reference
 from tests.comparison.synthetic import AREA_FACTOR, GAP_SHIFT, area, gap, write_all
+from theory import references as reference
 
 
 def test_benchmark_of_the_adhesive_solver(capsys):
@@ -47,6 +48,18 @@ def test_worst_and_median_of_the_benchmark():
     ]
     found = benchmark_adhesive.line(64, 3, {4.0: costs}, times=True)
     assert found == "| 64² (1–3) | 20 40 | 90 (not converged) | 50 % | 1.000 |"
+
+
+@pytest.mark.parametrize("predictor", [False, True])
+def test_the_paper_s_atoms_go_their_own_path_unless_told_otherwise(predictor, tmp_path, monkeypatch, capsys):
+    commands = {}
+    monkeypatch.setattr(reproduce_yang2008, "run", lambda command: commands.setdefault(command[0], command) and 0)
+    options = ["--predictor"] if predictor else []
+    monkeypatch.setattr("sys.argv", ["reproduce_yang2008", "--output", str(tmp_path), *options])
+    assert reproduce_yang2008.main() == 0
+    expected = ["--predictor", str(tmp_path / "bem.nc")] if predictor else []
+    assert commands["md-reference"][4:-1] == expected
+    assert commands["md-reference"][-1] == "--resume"
 
 
 def test_surfaces_are_given_for_every_grid(capsys):
