@@ -1,13 +1,14 @@
 """Theories of rough adhesive contact: Persson's, as Yang et al. 2008 used it, the gap flow and the edge flow.
 
-A spectrum, a target or that of a height array (:func:`spectrum_of`), a solid and a law or work of adhesion make a
-theory; each gives states at a pressure: :class:`PerssonTheory`, :func:`gap_flow`, :func:`edge_flow`, and without
+A spectrum, a target, a table or that of a height array (:func:`spectrum_of`), a solid and a law or work of adhesion
+make a theory; each gives states at a pressure: :class:`PerssonTheory`, :func:`gap_flow`, :func:`edge_flow`, and without
 adhesion :class:`NonAdhesiveTheory`. Contacts with analytic solutions are in :mod:`theory.references`. Whole studies are
 run by :func:`contact_study.run` or the command ``persson-theory``.
 """
 
 from contact_study import __version__
 from contact_study.fields.spectrum import RadialSpectrum, RoughnessSpectrum, SelfAffineSpectrum, spectrum_of
+from contact_study.fields.tabulated_spectrum import TabulatedSpectrum
 from contact_study.problem.elasticity import Elasticity, HalfSpace, Layer
 from contact_study.problem.laws import LennardJones93, LennardJones104, TractionLaw
 from theory.edge_flow import EdgeFlow, edge_flow
@@ -35,6 +36,7 @@ __all__ = [
     "RoughnessSpectrum",
     "SelfAffineSpectrum",
     "SeparationCurve",
+    "TabulatedSpectrum",
     "TractionLaw",
     "__version__",
     "edge_flow",

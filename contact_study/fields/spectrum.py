@@ -177,8 +177,8 @@ class SelfAffineSpectrum(RoughnessSpectrum):
     def _shape_moment(self, order: float, a: float, b: float | np.ndarray) -> np.ndarray:
         """∫ qⁿ C/C₀ dq from a to b, exact in each of the two power laws."""
         q0, decay = self.roll_off, 2 * (1 + self.hurst_exponent)
-        flat = _power_integral(order, min(a, q0), np.minimum(b, q0))
-        falling = _power_integral(order - decay, max(a, q0), np.maximum(b, q0)) * q0**decay
+        flat = power_integral(order, min(a, q0), np.minimum(b, q0))
+        falling = power_integral(order - decay, max(a, q0), np.maximum(b, q0)) * q0**decay
         return flat + falling
 
     def band_edges(self, count: int) -> np.ndarray:
@@ -189,7 +189,7 @@ class SelfAffineSpectrum(RoughnessSpectrum):
         return edges
 
 
-def _power_integral(power: float, a: float, b: float | np.ndarray) -> np.ndarray:
+def power_integral(power: float | np.ndarray, a: float, b: float | np.ndarray) -> np.ndarray:
     """∫ q^power dq from a to b, without cancellation when power nears −1."""
     exponent = power + 1
     octaves = np.log(np.asarray(b) / a)
