@@ -127,14 +127,16 @@ def case_theories(case: Case, surface: Surface) -> tuple[CaseTheories, ...]:
     return _kept(_Asked(case, surface))
 
 
-def roughness(surface: Surface, kind: str) -> RoughnessSpectrum:
-    """The spectrum that a case asks for.
+def roughness(case: Case, surface: Surface, kind: str) -> RoughnessSpectrum:
+    """One of the spectra that a case asks for.
 
     Raises
     ------
     InputError
         If a height map is flat.
     """
+    if kind == "table":
+        return case.theory.table()
     if kind == "analytic" and surface.spectrum is not None:
         return surface.spectrum
     try:
@@ -161,6 +163,6 @@ class _Asked:
 def _kept(asked: _Asked) -> tuple[CaseTheories, ...]:
     kinds = asked.case.theory.spectra
     return tuple(
-        CaseTheories(asked.case, roughness(asked.surface, kind), kind if number else "")
+        CaseTheories(asked.case, roughness(asked.case, asked.surface, kind), kind if number else "")
         for number, kind in enumerate(kinds)
     )

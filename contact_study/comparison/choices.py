@@ -55,7 +55,7 @@ def atoms(cases: Sequence[Case]) -> str:
 
 def theories(cases: Sequence[Case]) -> str:
     """Spectrum, and the factors of Persson's theory."""
-    words = {"analytic": "the target spectrum", "surface": "the spectrum of the very surface"}
+    words = {"analytic": "the target spectrum", "surface": "the spectrum of the very surface", "table": "a table"}
 
     def spectra(case: Case) -> str:
         return " and ".join(words[name] for name in case.theory.spectra)

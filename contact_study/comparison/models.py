@@ -20,6 +20,7 @@ _OF = ":"
 _SPECTRA = {
     "surface": ("own spectrum", "with the surface's own spectrum", "own"),
     "analytic": ("target spectrum", "with the target spectrum", "target"),
+    "table": ("tabulated spectrum", "with the tabulated spectrum", "table"),
 }
 
 

@@ -2,6 +2,9 @@
 
 from dataclasses import dataclass
 
+import numpy as np
+
+from contact_study.fields.tabulated_spectrum import TabulatedSpectrum
 from contact_study.problem.errors import InputError
 from contact_study.problem.keys import choice, choices, flag, integer, key, pair, quantity, sequence, text
 from contact_study.problem.units import unit_of
@@ -139,9 +142,15 @@ class TheorySection:
     """Choices inside Persson's theory with adhesion (root of the dataset) and what both theories are fed."""
 
     spectrum: str | tuple[str, ...] = key(
-        choices("analytic", "surface"),
-        "roughness spectrum: the target, that of the very surface, or both side by side",
+        choices("analytic", "surface", "table"),
+        "roughness spectrum: the target, that of the very surface, the table below, or several side by side",
         "analytic",
+    )
+    wavevectors: tuple[float, ...] | None = key(
+        sequence(quantity("m^-1", positive=True)), 'spectrum "table": rising wavevectors q', None
+    )
+    density: tuple[float, ...] | None = key(
+        sequence(quantity("m^4", positive=True)), 'spectrum "table": C(q) at each, a power law between two', None
     )
     energy_weight: str = key(
         choice("paper", "wang_mueser", "area"),
@@ -156,6 +165,26 @@ class TheorySection:
     )
     alpha: float = key(quantity("1", positive=True), "α in σ_a² = α E* q γ_eff", 1.0)
     cap_detachment_stress: bool = key(flag(), "limit σ_a to the law's largest tensile stress", False)
+
+    def __post_init__(self):
+        if "table" in self.spectra:
+            for name in ("wavevectors", "density"):
+                if getattr(self, name) is None:
+                    raise InputError(f'missing key theory.{name}: theory.spectrum = "table" needs it')
+            self.table()
+
+    def table(self) -> TabulatedSpectrum:
+        """The spectrum of the table.
+
+        Raises
+        ------
+        InputError
+            If it is none.
+        """
+        try:
+            return TabulatedSpectrum(np.array(self.wavevectors), np.array(self.density))
+        except ValueError as error:
+            raise InputError(f"theory.{error}") from None
 
     @property
     def spectra(self) -> tuple[str, ...]:

@@ -287,13 +287,39 @@ def test_two_spectra_stand_side_by_side_and_are_those_of_one_alone(case, steps):
 
 
 def test_a_list_of_spectra_is_checked():
-    for given, said in (([], "empty"), (["surface", "surface"], "twice"), (["surface", "file"], "expected one of")):
+    for given, said in (([], "empty"), (["surface", "surface"], "twice"), (["surface", "target"], "expected one of")):
         with pytest.raises(InputError, match=rf"theory\.spectrum.*{said}"):
             case_of(theory={"spectrum": given})
     assert case_of(theory={"spectrum": ["surface"]}).theory.spectra == ("surface",)
     assert case_of(theory={"spectrum": "analytic, surface"}).theory.spectra == ("analytic", "surface")
     with pytest.raises(InputError, match="analytic"):
         run.check(case_of(surface={"kind": "wavy", "amplitude": "1 nm"}, theory={"spectrum": ["surface", "analytic"]}))
+
+
+def test_a_table_of_the_target_is_the_target(case, steps):
+    target = realise(case).spectrum
+    corners = np.array([target.low, target.roll_off, target.cutoff])
+    table = {"spectrum": "table", "wavevectors": [f"{q * 1e-10:.15g} angstrom^-1" for q in corners]}
+    table["density"] = [f"{c * 1e40:.15g} angstrom^4" for c in target.density(corners)]
+    (step,) = steps_of(case_of(theory=table, loading={"path": ["1 GPa"], "unload": False}))
+    for theory in ("persson", "gap_flow", "edge_flow"):
+        for name in ("relative_contact_area", "mean_gap"):
+            # Bands that do not hold the corner; resolution of the theories, and a shorter curve of the edge flow.
+            expected = pytest.approx(steps[0].values[f"{theory}/{name}"], rel=1e-3)
+            assert step.values[f"{theory}/{name}"] == expected, (theory, name)
+
+
+def test_what_is_no_table_of_a_spectrum_is_named():
+    for keys, said in (
+        ({}, "theory.wavevectors"),
+        ({"wavevectors": [1e8, 2e8]}, "theory.density"),
+        ({"wavevectors": [2e8, 1e8], "density": [1e-34, 1e-34]}, "theory.wavevectors: must rise"),
+        ({"wavevectors": [1e8, 2e8], "density": [1e-34]}, "theory.density"),
+        ({"wavevectors": [1e8, 2e8], "density": [1e-34, -1e-34]}, "theory.density"),
+        ({"wavevectors": ["1 nm", "2 nm"], "density": [1e-34, 1e-34]}, "theory.wavevectors"),
+    ):
+        with pytest.raises(InputError, match=said):
+            case_of(theory={"spectrum": "table", **keys})
 
 
 def test_pull_off_of_every_theory_is_a_constant(case):
