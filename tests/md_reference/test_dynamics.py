@@ -29,7 +29,7 @@ def moving(**sections):
     return changed(**merged)
 
 
-@pytest.mark.parametrize("ratio", [1, 4, 8])
+@pytest.mark.parametrize("ratio", [1, pytest.param(4, marks=pytest.mark.validation), 8])
 def test_explicit_block_comes_to_rest_where_the_condensed_one_does(ratio):
     """Two blocks and two algorithms: Newton's law with friction from above, the minimiser with S(q)."""
     interaction = {"well_depth_ratio": ratio}
