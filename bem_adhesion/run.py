@@ -114,10 +114,11 @@ def _unresolved_law(study: Study, scales: Sequence[SurfaceScales]) -> list[str]:
 
 def _jkr_like(case: Case, scale: SurfaceScales, resolved: float) -> str:
     """Where a range that the grid resolves is too long, or may be longer: the longest that leaves JKR's contacts."""
-    if not scale.rms_curvature > 0:
-        return ""
     modulus, work = case.material.contact_modulus, case.law.work_of_adhesion
-    longest = longest_range(scale.rms_curvature, scale.rms_height, modulus, work)
+    try:
+        longest = longest_range(scale.rms_curvature, scale.rms_height, modulus, work)
+    except ValueError:  # flat, or not soft
+        return ""
     if longest <= case.law.length:
         return ""
     needed = _resolving(scale.size, process_zone(modulus, replace(case.law, length=longest)))

@@ -23,8 +23,7 @@ from contact_study.problem.laws import make_law
 from contact_study.problem.measured_surface import length
 from contact_study.problem.study import read_study
 from contact_study.problem.surface import realise
-
-ATOMIC = 0.3e-9
+from contact_study.problem.tabor import ATOMIC
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

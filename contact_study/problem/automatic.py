@@ -51,7 +51,7 @@ def with_length(interaction: Mapping[str, Any], bound: Mapping[str, Any], direct
             scales.rms_curvature, scales.rms_height, bound["material"].contact_modulus, work * ratio
         )
     except ValueError as error:
-        raise InputError(f'{LENGTH} = "{AUTO}": {error}; give a length') from None
+        raise InputError(f'{LENGTH} = "{AUTO}": {error}; give the length of the interaction') from None
     return given
 
 

@@ -9,6 +9,8 @@ import numpy as np
 
 # Pull-off of a sphere is then within 1 % of JKR's.
 JKR_LIKE = 3.0
+# No attraction between solids is shorter: below it the body is not soft, and the interaction's own range decides.
+ATOMIC = 0.3e-9
 # A range above this part of the rms height would blur the roughness itself, and not only the edges of contact.
 SHARE_OF_HEIGHT = 0.1
 
@@ -33,11 +35,16 @@ def longest_range(rms_curvature: float, rms_height: float, contact_modulus: floa
     Raises
     ------
     ValueError
-        If the surface is flat.
+        If the surface is flat, or the range is shorter than that of any interaction.
     """
     if not rms_curvature > 0:
         raise ValueError("a flat surface has no curvature to compare a range with")
     longest = tabor_parameter(1 / rms_curvature, contact_modulus, work_of_adhesion, JKR_LIKE)
     longest = min(longest, SHARE_OF_HEIGHT * rms_height)
+    if longest < ATOMIC:
+        raise ValueError(
+            f"this body is not soft: a range that leaves its contacts JKR-like, {longest:.2g} m, is below atomic "
+            "distances"
+        )
     digits = 10 ** (np.floor(np.log10(longest)) - 1)
     return float(f"{np.floor(longest / digits * (1 + 1e-12)) * digits:.1e}")

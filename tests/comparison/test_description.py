@@ -72,6 +72,22 @@ def test_many_values_are_named_by_their_ends():
     assert "Hurst exponent 0.5 to 0.69 (20 values) between" in described(text)["Surface"]
 
 
+@pytest.mark.parametrize(
+    ("keys", "words"),
+    [
+        ("", "Rigid, periodic, height map map.npy less its mean, edges as they are, 1 µm × 2 µm."),
+        ('detrend = "tilt"\nedges = "window"', "less its mean plane, edges faded to the mean, 1 µm × 2 µm."),
+        ('edges = "mirror"', "edges joined to mirror images, its size from the file."),
+    ],
+)
+def test_a_measured_surface_is_told_with_what_was_done_to_it(keys, words):
+    # A file that is no longer there: what is known is in the study.
+    surface = f'[surface]\nkind = "file"\npath = "map.npy"\nsize = ["1 um", "2 um"]\n{keys}\n'
+    law = '[interaction]\nlaw = "hard_wall"\n[loading]\npath = ["1 MPa"]\n'
+    text = f'{surface}[material]\nyoungs_modulus = "1 GPa"\npoissons_ratio = 0.3\n{law}'
+    assert words in described(text, names=("continuum",))["Surface"]
+
+
 def test_kinds_of_surfaces_side_by_side():
     text = SINGLE.replace('kind = "self_affine"', 'radius = "20 nm"\namplitude = "1 nm"\npath = "map.npy"')
     text += '[sweep]\n"surface.kind" = ["self_affine", "sphere", "wavy", "flat", "file"]\n'

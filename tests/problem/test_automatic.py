@@ -102,6 +102,13 @@ def test_pairs_of_atoms_and_sweeps_have_no_automatic_length():
         make_study(table | {"interaction": interaction, "sweep": {"interaction.length": ["auto", 1e-9]}})
 
 
+def test_stiff_bodies_have_the_range_of_their_interaction():
+    table = {"surface": WAVE, "material": {"youngs_modulus": "70 GPa", "poissons_ratio": 0.3}}
+    table |= {"interaction": {"work_of_adhesion": WORK, "length": "auto"}, "loading": {"path": [1e6]}}
+    with pytest.raises(InputError, match=r"not soft.*below atomic distances.*give the length of the interaction"):
+        make_study(table)
+
+
 def test_rounding_is_downwards():
     for scale in np.geomspace(1, 10, 23):
         found = longest_range(scale * 1e6, 1e-3, 1e7, 0.1)

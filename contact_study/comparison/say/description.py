@@ -74,7 +74,7 @@ class _Value:
 
 def _size(case: Case) -> str:
     size = case.surface.stated_cell
-    return f"{length(size[0])} × {length(size[1])}" if size else "the size of its height map"
+    return f"{length(size[0])} × {length(size[1])}" if size else "its size from the file"
 
 
 def _realisations(inputs: Inputs, cases: Sequence[Case]) -> str:

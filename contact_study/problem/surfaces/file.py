@@ -65,7 +65,14 @@ class MeasuredSurface(BandLimitedSurface):
 class MapFile(SurfaceSection):
     """The trigonometric polynomial through the heights of a map, less their mean."""
 
-    words = "rigid, periodic, height map {path}, {size}"
+    words = "rigid, periodic, height map {path} less its {detrend}, edges {edges}, {size}"
+    phrases = {  # noqa: RUF012
+        "tilt": "mean plane",
+        "curvature": "surface of second order",
+        "periodic": "as they are",
+        "mirror": "joined to mirror images",
+        "window": "faded to the mean",
+    }
     height_key = "surface.height_unit"
 
     path: str = key(
