@@ -108,17 +108,18 @@ def _netcdf(path: Path, channel: Channel) -> RawMap:
         axes = {_axis(dataset, str(dimension)): str(dimension) for dimension in heights.dims}
         if set(axes) == {"y", "x"}:
             heights = heights.transpose(axes["y"], axes["x"])
-        size = []
+        size, units = [], []
         for dimension in map(str, heights.dims):
             if dimension not in dataset.coords or dataset[dimension].size < 2:
                 continue
             step = step_of(path, dimension, dataset[dimension].values.astype(float))
             if step < 0:
                 heights = heights.isel({dimension: slice(None, None, -1)})
-            unit = str(dataset[dimension].attrs.get("units", "m"))
-            size.append(abs(step) * quantity(f"1 {unit}", "m", f"units of {dimension}") * dataset[dimension].size)
+            units.append(dataset[dimension].attrs.get("units"))
+            factor = quantity(f"1 {units[-1] or 'm'}", "m", f"units of {dimension}")
+            size.append(abs(step) * factor * dataset[dimension].size)
         own = (size[0], size[1]) if len(size) == 2 else None
-        return RawMap(heights.values, own, heights.attrs.get("units"), "m")
+        return RawMap(heights.values, own, heights.attrs.get("units"), "m" if any(units) else None)
 
 
 def _axis(dataset: Any, dimension: str) -> str:
@@ -130,7 +131,7 @@ def _axis(dataset: Any, dimension: str) -> str:
 def _text(path: Path, channel: Channel) -> RawMap:
     """A table of heights, or what its first lines say it is."""
     _only(path, channel)
-    lines = path.read_text(encoding="utf-8", errors="replace").splitlines()
+    lines = _lines(path)
     head = "\n".join(lines[:30])
     if head.startswith("WSxM") and "ASCII XYZ" in head:
         return _points(path, lines)
@@ -172,7 +173,16 @@ def _points(path: Path, lines: Sequence[str]) -> RawMap:
 
 def _xyz(path: Path, channel: Channel) -> RawMap:
     _only(path, channel)
-    return _points(path, path.read_text(encoding="utf-8", errors="replace").splitlines())
+    return _points(path, _lines(path))
+
+
+def _lines(path: Path) -> list[str]:
+    """The lines of a text; instruments still write the micro sign in Latin-1."""
+    content = path.read_bytes()
+    try:
+        return content.decode("utf-8").splitlines()
+    except UnicodeDecodeError:
+        return content.decode("latin-1").splitlines()
 
 
 def _esri(path: Path, lines: Sequence[str]) -> RawMap:

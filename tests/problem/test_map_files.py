@@ -127,6 +127,22 @@ def test_bare_tables_are_told_their_size_and_unit(tmp_path, heights, name):
     assert "surface.lateral_unit" in refused(tmp_path, name, size="6 um", lateral_unit="um")
 
 
+def test_coordinates_without_a_unit(tmp_path, heights):
+    coordinates = {"x": ("x", np.arange(8.0)), "y": ("y", np.arange(6.0))}
+    xr.Dataset({"height": (("y", "x"), heights, {"units": "nm"})}, coordinates).to_netcdf(tmp_path / "map.nc")
+    taken(surface(tmp_path, "map.nc", lateral_unit="um"), 1e-9 * heights)
+    taken(surface(tmp_path, "map.nc"), 1e-9 * heights, (6.0, 8.0))  # metres, if nobody says otherwise
+    netcdf(tmp_path / "other.nc", heights)
+    assert 'surface.lateral_unit = "nm"' in refused(tmp_path, "other.nc", lateral_unit="nm")
+
+
+def test_the_micro_sign_of_old_files(tmp_path, heights):
+    wsxm_matrix(tmp_path / "map.txt", heights)
+    text = (tmp_path / "map.txt").read_text(encoding="utf-8")
+    (tmp_path / "map.txt").write_bytes(text.encode("latin-1"))
+    taken(surface(tmp_path, "map.txt"), 1e-9 * heights)
+
+
 def test_esri_grid_and_its_missing_heights(tmp_path, heights):
     torn = heights.copy()
     torn[2, 3] = -9999
