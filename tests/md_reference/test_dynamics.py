@@ -163,4 +163,6 @@ def test_atoms_without_mass_do_not_move():
 def test_time_step_is_the_one_asked_for():
     case = make_study(moving()).cases[0]
     assert time_step(case) == 0.2 * largest_time_step(case)
-    assert time_step(make_study(moving(dynamics={"time_step": "3 fs"})).cases[0]) == pytest.approx(3e-15, rel=1e-12, abs=0)
+    assert time_step(make_study(moving(dynamics={"time_step": "3 fs"})).cases[0]) == pytest.approx(
+        3e-15, rel=1e-12, abs=0
+    )
