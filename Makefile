@@ -41,6 +41,7 @@ lint: env
 benchmark: env
 	$(BIN)/python scripts/benchmark_hard_wall.py
 	$(BIN)/python scripts/benchmark_adhesive.py
+	$(BIN)/python scripts/benchmark_atoms.py
 	$(BIN)/python scripts/benchmark_storage.py data/yang2008.toml
 	$(BIN)/python scripts/benchmark_threads.py
 

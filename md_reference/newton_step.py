@@ -6,7 +6,7 @@ apart, and
 
     z = (1 − β²)/(k + ½ S_max) n nᵀ r + B (S + c)⁻¹ B r
 
-inverts D in the core and S in the tail. It takes two transform pairs an iteration and a fifth of the iterations of
+inverts D in the core and S in the tail. It takes two transform pairs an iteration, and far fewer iterations than
 (S + c)⁻¹ alone, which takes one. The arithmetic is single precision on a right-hand side scaled to one: the step only
 has to be good to the forcing term of the truncated Newton method, whose residual is evaluated in double precision.
 """

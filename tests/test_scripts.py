@@ -1,6 +1,7 @@
 """The scripts that write the documentation's tables print what they compute."""
 
 import re
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -12,6 +13,7 @@ from contact_study.comparison.command import main as compare
 from contact_study.fields.fourier import RealTransform
 from scripts import (
     benchmark_adhesive,
+    benchmark_atoms,
     benchmark_storage,
     contact_challenge,
     continuum_against_atoms,
@@ -66,6 +68,33 @@ def test_surfaces_are_given_for_every_grid(capsys):
     with pytest.raises(SystemExit):
         benchmark_adhesive.main(["--points", "32", "40", "64", "--surfaces", "2", "1"])
     assert "2 numbers for 3 grids" in capsys.readouterr().err
+
+
+def test_benchmark_of_the_atoms(capsys):
+    options = ["--pressures", "1 GPa", "2 GPa", "--ratios", "1"]
+    assert benchmark_atoms.main(["--atoms", "40", "48", *options]) == 0
+    head, rule, *rows = capsys.readouterr().out.splitlines()
+    assert head.count("|") == rule.count("|") == rows[0].count("|") == 5
+    assert [row.split(" | ")[0] for row in rows] == ["| 40²", "| 48²"]
+    for row in rows:
+        evaluations, pairs = (np.array(cell.split(), dtype=float) for cell in row.strip("| ").split(" | ")[2:])
+        assert evaluations.shape == pairs.shape == (2,)
+        # A step has an evaluation or more, each but the first from a linear solve and S u.
+        assert np.all(pairs > evaluations)
+    assert benchmark_atoms.main(["--atoms", "40", "--times", *options]) == 0
+    *_, evaluation, pair, memory = re.findall(r"[\d.]+", capsys.readouterr().out.splitlines()[2])
+    assert float(evaluation) > 0
+    assert float(pair) > 0
+    assert float(memory) >= 0
+
+
+def test_the_atoms_of_the_benchmark_keep_the_slopes():
+    from contact_study.problem.surface import realise
+
+    small, large = (realise(benchmark_atoms.case_of(Path("data/yang2008.toml"), n, 4.0)) for n in (40, 80))
+    assert large.rms_slope == pytest.approx(small.rms_slope, rel=1e-9)
+    assert large.rms_height == pytest.approx(2 * small.rms_height, rel=1e-9)
+    assert benchmark_atoms.case_of(Path("data/yang2008.toml"), 80, 4.0).lattice.atoms == (80, 80)
 
 
 def test_benchmark_of_the_storage(capsys, monkeypatch):
