@@ -154,7 +154,7 @@ def test_esri_grid_and_its_missing_heights(tmp_path, heights):
     torn[2, 3] = np.mean([torn[1, 3], torn[3, 3], torn[2, 2], torn[2, 4]])
     # The mean is taken before filling, of the heights that are there, and once more after it.
     taken(found, 1e-9 * torn)
-    assert found.filled == pytest.approx(1 / 48)
+    assert found.filled == pytest.approx(1 / 48, abs=0, rel=1e-9)
     (tmp_path / "map.asc").write_text(head.replace("nrows 6", "nrows 5") + rows(torn))
     assert "header says 5 x 8" in refused(tmp_path, "map.asc", **keys)
 
@@ -170,7 +170,7 @@ def test_points_in_any_order_with_whole_lines_missing(tmp_path, heights):
     np.savetxt(tmp_path / "map.xyz", left, fmt="%.4f")
     found = surface(tmp_path, "map.xyz", **keys)
     assert found.shape == (6, 8)
-    assert found.filled == pytest.approx(1 / 8)
+    assert found.filled == pytest.approx(1 / 8, abs=0, rel=1e-9)
     np.savetxt(tmp_path / "map.xyz", np.vstack([points, points[:1]]))
     assert "two heights for one place" in refused(tmp_path, "map.xyz", **keys)
     points[:, 0] += np.random.default_rng(1).uniform(-0.03, 0.03, 48)
@@ -251,7 +251,7 @@ def test_detrending(tilted):
     left = [surface(tilted, "map.npy", detrend=how, **KEYS).rms_height for how in ("mean", "tilt", "curvature")]
     assert left[0] > 1.5 * left[1] > 3 * left[2]
     # The waves that are left correlate a little with a plane and a bowl.
-    assert left[2] == pytest.approx(1e-9, rel=0.2)
+    assert left[2] == pytest.approx(1e-9, abs=0, rel=0.2)
 
 
 def test_crop_takes_the_part_and_its_size(tilted):
@@ -267,10 +267,10 @@ def test_edges(tilted):
     assert torn.edge_ratio > 10
     mirror = surface(tilted, "map.npy", edges="mirror", **KEYS)
     assert mirror.shape == (48, 60)
-    assert mirror.size == pytest.approx((48e-9, 60e-9))
+    assert mirror.size == pytest.approx((48e-9, 60e-9), abs=0, rel=1e-9)
     assert mirror.roughness.edge_ratio == 0
     window = surface(tilted, "map.npy", edges="window", window_share=0.4, **KEYS)
-    assert window.size == pytest.approx((24e-9, 30e-9))
+    assert window.size == pytest.approx((24e-9, 30e-9), abs=0, rel=1e-9)
     assert window.roughness.edge_ratio < 2
     assert window.rms_height < torn.rms_height
     # A wider window leaves less.
@@ -289,7 +289,7 @@ def test_resample_and_lowpass(tilted):
     assert power[(q < 1 / 9e-9) & (q > 1 / 10e-9)].max() > 1e-4 * power.max()
     table = {"surface": {"kind": "file", "path": "map.npy", "lowpass": "9 nm", **keys}, "material": TABLE["material"]}
     table |= {"interaction": {"law": "hard_wall"}, "loading": TABLE["loading"]}
-    assert scales_of(make_study(table, tilted))[0].shortest_wave == pytest.approx(9e-9)
+    assert scales_of(make_study(table, tilted))[0].shortest_wave == pytest.approx(9e-9, abs=0, rel=1e-9)
     assert "surface.lowpass" in refused(tilted, "map.npy", lowpass="25 nm", **keys)
 
 
@@ -319,7 +319,7 @@ def test_a_plane_is_fitted_to_what_was_measured(tilted):
 def test_a_changed_file_is_read_again(tilted):
     before = surface(tilted, "map.npy", **KEYS).rms_height
     np.save(tilted / "map.npy", 2 * np.load(tilted / "map.npy").astype(np.longdouble))
-    assert surface(tilted, "map.npy", **KEYS).rms_height == pytest.approx(2 * before)
+    assert surface(tilted, "map.npy", **KEYS).rms_height == pytest.approx(2 * before, abs=0, rel=1e-9)
 
 
 def test_atoms_stand_on_the_cell_that_is_left(tmp_path):
