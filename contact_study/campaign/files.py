@@ -6,6 +6,7 @@ import socket
 from pathlib import Path
 from typing import Any
 
+from contact_study.campaign.dataset.formats import check_format, is_zarr
 from contact_study.problem.errors import InputError
 
 
@@ -15,11 +16,12 @@ def writable_output(path: Path) -> None:
     Raises
     ------
     InputError
-        If the folder cannot be made or written.
+        If the folder cannot be made or written, or what writes the format is missing.
     """
-    if path.is_dir():
+    check_format(path)
+    if path.is_dir() and not is_zarr(path):
         raise InputError(f"{path}: is a folder; name a file")
-    if path.exists() and not path.is_file():
+    if path.exists() and not path.is_file() and not is_zarr(path):
         raise InputError(f"{path}: is a device, not a file; choose another output")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from contact_study.campaign.dataset.formats import is_dataset
 from contact_study.problem.case import Case
 from contact_study.problem.errors import InputError
 from contact_study.problem.keys import keys_of, shown
@@ -48,7 +49,7 @@ def check_predictor(path: Path, study: Study, height_maps: Mapping[str, str]) ->
     InputError
         If it cannot be read, holds no gap fields, or is of another surface or control.
     """
-    if not path.is_file():
+    if not is_dataset(path):
         raise InputError(f"--predictor: {path} does not exist")
     try:
         with xr.open_dataset(path) as dataset:

@@ -10,6 +10,7 @@ from typing import Any
 
 import contact_study
 from contact_study.campaign.command import DONE, NOT_CONVERGED, Parser, guarded
+from contact_study.campaign.dataset.formats import is_zarr
 from contact_study.campaign.dataset.provenance import git_commit
 from contact_study.campaign.files import writable_output
 from contact_study.campaign.schema import CONVENTIONS, SCHEMA_VERSION
@@ -119,6 +120,8 @@ def _parser() -> Parser:
 def _check_outputs(planned: Sequence[Path], datasets: Sequence[Path], *, overwrite: bool) -> None:
     sources = {path.resolve() for path in datasets}
     seen: set[Path] = set()
+    if is_zarr(planned[0]):
+        raise InputError(f"{planned[0]}: a comparison is written as NetCDF; name a file that ends otherwise")
     for path in planned:
         if path.resolve() in sources:
             raise InputError(f"{path}: is one of the datasets to compare; choose another output")

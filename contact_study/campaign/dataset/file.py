@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from contact_study.campaign.dataset.formats import engine_of, is_zarr
 from contact_study.campaign.files import write_aside
 from contact_study.campaign.schema import COORDINATES, LABELS, TRAJECTORY, variable_of
 from contact_study.problem.study import SweptKey
@@ -18,7 +19,10 @@ _CHUNK_POINTS = 2**19
 
 
 def write_dataset(path: Path, groups: Mapping[str, xr.Dataset]) -> None:
-    """Write the groups of one dataset, by rename."""
+    """Write the groups of one dataset; a file by rename, a folder of Zarr as it is."""
+    if is_zarr(path):
+        _write_zarr(path, groups)
+        return
 
     def write(partial: Path) -> None:
         for group, dataset in groups.items():
@@ -32,6 +36,26 @@ def write_dataset(path: Path, groups: Mapping[str, xr.Dataset]) -> None:
             )
 
     write_aside(path, write)
+
+
+def _write_zarr(path: Path, groups: Mapping[str, xr.Dataset]) -> None:
+    import zarr  # an extra
+
+    for group, dataset in groups.items():
+        encoding = (
+            {} if group == RESTART else {str(name): _of_zarr(str(name), v) for name, v in dataset.variables.items()}
+        )
+        # Format 2 is the one that says how text is kept; an index of all groups is made at the end.
+        mode: Any = "a" if group else "w"
+        dataset.to_zarr(path, mode=mode, group=group or None, encoding=encoding, zarr_format=2, consolidated=False)
+    zarr.consolidate_metadata(str(path), zarr_format=2)
+
+
+def _of_zarr(name: str, variable: xr.Variable) -> dict[str, Any]:
+    """The encoding in the words of Zarr, which compresses of itself."""
+    known = _encoding(name, variable)
+    kept = {key: value for key, value in known.items() if key in ("_FillValue", "dtype")}
+    return {**kept, "chunks": known["chunksizes"]} if "chunksizes" in known else kept
 
 
 class Earlier:
@@ -52,7 +76,7 @@ class Earlier:
 
     def __init__(self, path: Path, sweep: Mapping[str, SweptKey]):
         self._sweep = sweep
-        self._tree = xr.open_datatree(path, engine="netcdf4", mask_and_scale=False, decode_timedelta=False)
+        self._tree = xr.open_datatree(path, engine=engine_of(path), mask_and_scale=False, decode_timedelta=False)
 
     def __enter__(self) -> "Earlier":
         return self

@@ -8,6 +8,7 @@ from typing import Any
 
 import xarray as xr
 
+from contact_study.campaign.dataset.formats import is_dataset
 from contact_study.campaign.model import MODULES, Model, model_of
 from contact_study.campaign.resume.identity import Cases, recorded_height_maps
 from contact_study.problem.errors import InputError
@@ -67,8 +68,8 @@ def read_sources(paths: Sequence[Path]) -> list[Source]:
 
 
 def _source(path: Path) -> Source:
-    if not path.is_file():
-        raise InputError(f"{path}: {'is a folder' if path.is_dir() else 'does not exist'}; expected a dataset (NetCDF)")
+    if not is_dataset(path):
+        raise InputError(f"{path}: {'is a folder' if path.is_dir() else 'does not exist'}; expected a dataset")
     try:
         with xr.open_dataset(path, decode_timedelta=False) as dataset:
             attributes, sizes = dict(dataset.attrs), dict(dataset.sizes)

@@ -13,6 +13,7 @@ import xarray as xr
 from filelock import FileLock, Timeout
 
 from contact_study.campaign.dataset.file import write_dataset
+from contact_study.campaign.dataset.formats import put
 from contact_study.campaign.files import load_json, save_json
 from contact_study.campaign.steps import drop_damaged
 from contact_study.problem.errors import InputError
@@ -91,9 +92,9 @@ class Parts:
 
     def finish(self, groups: Mapping[str, xr.Dataset]) -> None:
         """Write the dataset, inside the folder first, then rename it to the output and drop the folder."""
-        dataset = self.folder / "dataset.nc"
+        dataset = self.folder / f"dataset{self.output.suffix}"
         write_dataset(dataset, groups)
-        dataset.replace(self.output)
+        put(dataset, self.output)
         self.remove()
 
     def remove(self) -> None:
