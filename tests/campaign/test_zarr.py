@@ -11,6 +11,7 @@ from contact_study.campaign import library
 from contact_study.campaign.command import main
 from contact_study.campaign.merge.command import main as merge
 from contact_study.campaign.model import MODULES
+from contact_study.campaign.resume.identity import content_hash
 from contact_study.comparison.command import main as compare
 from tests.campaign.test_merge import WHOLE
 from tests.campaign.test_resume import changed
@@ -74,6 +75,7 @@ def test_it_is_resumed_replaced_and_kept(run, tmp_path, capsys):
     assert sorted(path.name for path in tmp_path.iterdir()) == ["bem.zarr", "study.toml", "whole.nc"]
 
 
+@pytest.mark.validation
 def test_parts_of_either_format_are_joined(run, tmp_path):
     for seed, name in ((1, "one.zarr"), (2, "two.nc"), (3, "three.zarr")):
         run(WHOLE, name, "--surface.seed", str(seed))
@@ -83,6 +85,7 @@ def test_parts_of_either_format_are_joined(run, tmp_path):
     assert_same(tmp_path / "all.zarr", tmp_path / "whole.nc")
 
 
+@pytest.mark.validation
 def test_it_is_a_predictor(run, tmp_path, capsys):
     run(WHOLE, "bem.nc")
     run(WHOLE, "bem.zarr")
@@ -91,9 +94,16 @@ def test_it_is_a_predictor(run, tmp_path, capsys):
         assert run(WHOLE, f"md-{kind}.nc", *start, model=TOY_ATOMS) == 0
     with xr.open_dataset(tmp_path / "md-nc.nc") as one, xr.open_dataset(tmp_path / "md-zarr.nc") as two:
         xr.testing.assert_equal(one.drop_vars("wall_time"), two.drop_vars("wall_time"))
-        assert two.attrs["predictor"].startswith("bem.zarr sha256:")
+        assert two.attrs["predictor"] == f"bem.zarr sha256:{content_hash(tmp_path / 'bem.zarr')}"
+    before = content_hash(tmp_path / "bem.zarr")
+    chunk = next((tmp_path / "bem.zarr" / "gap").glob("[0-9]*"))
+    chunk.write_bytes(chunk.read_bytes()[:-1] + b"x")
+    changed_content = content_hash(tmp_path / "bem.zarr")
+    chunk.rename(chunk.with_name("9.9.9.9.9"))
+    assert len({before, changed_content, content_hash(tmp_path / "bem.zarr")}) == 3
 
 
+@pytest.mark.validation
 @pytest.mark.filterwarnings("ignore:the grid spacing")
 def test_comparison_reads_it_and_writes_none(tmp_path, capsys, monkeypatch):
     monkeypatch.setitem(MODULES, "continuum", "bem_adhesion.run")

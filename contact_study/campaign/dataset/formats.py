@@ -1,7 +1,6 @@
 """Formats of a dataset, told by the end of its name: ``.zarr`` is a folder of Zarr, all else a file of NetCDF."""
 
 import importlib.util
-import shutil
 from pathlib import Path
 
 from contact_study.problem.errors import InputError
@@ -46,7 +45,7 @@ def check_format(path: Path) -> None:
 
 
 def put(dataset: Path, path: Path) -> None:
-    """Rename a dataset to its place, over an earlier one."""
+    """Rename a dataset to its place, over an earlier one; of Zarr that goes beside where the dataset was."""
     if not path.is_dir():
         dataset.replace(path)
         return
@@ -54,4 +53,3 @@ def put(dataset: Path, path: Path) -> None:
     earlier = dataset.with_name(f"earlier-{path.name}")
     path.rename(earlier)
     dataset.rename(path)
-    shutil.rmtree(earlier, ignore_errors=True)
