@@ -222,6 +222,35 @@ def test_ensemble_of_small_surfaces():
     assert (areas.diff().iloc[1:] > 0).all().all()
 
 
+def test_settings_tell_the_way_in_from_the_way_back():
+    columns = ["setting", "branch", "model", "quantity", "ratio", "pressure_GPa", "mean", "standard_error", "surfaces"]
+    found = [
+        ("H = 0.5", branch, model, quantity, 1.0, pressure, mean, 0.1 * mean, 4)
+        for branch, truth in (("loading", 1.0), ("unloading", 2.0))
+        for quantity in ("relative_contact_area", "mean_gap")
+        for pressure in (0.1, 0.2, 1.0)
+        for model, mean in (("continuum", truth), ("gap_flow", 1.5), ("edge_flow", 1.0 if pressure < 1 else 1.1))
+    ]
+    _, _, *rows = edge_flow_ensemble.settings_rows(pd.DataFrame(found, columns=columns))
+    assert rows[0] == "| H = 0.5 | 1 ε0 | loading | A | 50.0 (50.0) % | 5.0 (10.0) % | 10.0 % | 4 |"
+    assert rows[3] == "| H = 0.5 | 1 ε0 | unloading | ū | 25.0 (25.0) % | 47.5 (50.0) % | 10.0 % | 4 |"
+    assert len(rows) == 4
+
+
+@pytest.mark.filterwarnings("ignore")  # coarse grids are quick; what they miss is not the point
+def test_every_setting_goes_in_and_back(monkeypatch):
+    monkeypatch.setattr(edge_flow_ensemble, "PRESSURES", (0.5, 5.0))
+    table = edge_flow_ensemble.settings_ensemble(2, 32)
+    assert set(table["setting"]) == set(edge_flow_ensemble.SETTINGS)
+    assert (table["surfaces"] == 2).all()
+    chosen = table[(table["model"] == "continuum") & (table["quantity"] == "relative_contact_area")]
+    at = chosen.pivot_table(index=["setting", "ratio", "pressure_GPa"], columns="branch", values="mean")
+    # The turning point is one state; contact is left no earlier than it is made.
+    assert (at.xs(5.0, level="pressure_GPa")["loading"] == at.xs(5.0, level="pressure_GPa")["unloading"]).all()
+    light = at.xs(0.5, level="pressure_GPa")
+    assert (light["unloading"] >= 0.99 * light["loading"]).all()
+
+
 def test_shelf_of_theories_without_adhesion_on_small_surfaces(capsys, tmp_path):
     csv = tmp_path / "shelf.csv"
     assert non_adhesive_shelf.main(["--surfaces", "2", "--points", "64", "--table", str(csv)]) == 0
