@@ -39,4 +39,4 @@ def mean_compliance(linearised: LinearisedContact, curvature: np.ndarray, held: 
     result = linearised.solve(right_side, curvature, 1.0, REDUCTION, ITERATIONS)
     if result.negative_curvature or result.iterations == ITERATIONS:
         return np.nan
-    return float(np.mean(np.where(held, 0.0, linearised.solution), dtype=float))
+    return float(np.mean(linearised.solution, dtype=float))

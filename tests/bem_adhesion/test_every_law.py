@@ -78,6 +78,14 @@ def test_passes_are_the_law(law):
         np.testing.assert_allclose(law.traction(out), wanted, rtol=1e-9, atol=1e-9 * np.abs(wanted).max())
 
 
+def test_points_enter_a_repulsion_without_a_peak_on_its_tangent():
+    """With no force there the descent would leave them at the onset, where nothing stiff tells it of them."""
+    law = EVERY_LAW["repulsive"]
+    gap, out = np.full((1, 1), 1.05 * law.length), np.empty((1, 1))
+    LawPasses(law).advance(gap, np.full((1, 1), -0.1 * law.length), 0.4, out)
+    assert law.traction(out).item() == pytest.approx(-0.05 * law.length * law.equilibrium_stiffness, rel=1e-9)
+
+
 @pytest.mark.parametrize("control", LOADS)
 @pytest.mark.parametrize("name", KEYS)
 def test_a_whole_study(name, control):
