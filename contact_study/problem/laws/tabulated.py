@@ -1,9 +1,9 @@
 """A law measured or computed elsewhere, by its traction at a number of gaps.
 
-Between the points the traction is monotone and its stiffness continuous (F. N. Fritsch & R. E. Carlson, SIAM J. Numer.
-Anal. 17, 238 (1980), as SciPy's ``PchipInterpolator``): no peak is higher than the table's, and there is no gap of zero
-stress that is not in it. Below the first gap the repulsion goes on as the power of the gap that has the value and slope
-there, beyond the last one a tension that is left fades exponentially. Energy follows by exact integration.
+Between the points the traction is monotone and its stiffness continuous (SciPy's ``PchipInterpolator``): no peak is
+higher than the table's, and there is no gap of zero stress that is not in it. Below the first gap the repulsion goes
+on as the power of the gap that has the value and slope there, beyond the last one a tension that is left fades
+exponentially. Energy follows by exact integration.
 """
 
 from collections.abc import Sequence
