@@ -94,7 +94,8 @@ def test_names_are_spelt_once_and_have_entries():
 
 def test_constants_have_an_entry_each_and_are_left_out_where_there_is_none():
     names = [field.name for field in dataclasses.fields(InterfaceConstants)]
-    assert {*names, "height"} == set(CONSTANTS)
+    # The campaign itself knows the law's length of every case.
+    assert {*names, "height", "interaction_length"} == set(CONSTANTS)
     every = InterfaceConstants(*(float(number) for number in range(len(names))))
     assert every.values == {name: float(number) for number, name in enumerate(names)}
     assert set(dataclasses.replace(every, peak_distance=None).values) == set(names) - {"peak_distance"}
