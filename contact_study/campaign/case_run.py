@@ -117,12 +117,14 @@ def _recorded(job: Job, number: int, point: InterfaceState | Ensemble | Step, av
     if not isinstance(point, Ensemble):
         return recorded(point, job.bins, fields)
     averages = averages or Averages(job.bins, fields, point.discarded)
-    saved = time.monotonic()
+    saved, counted = time.monotonic(), False
     for state in point.states:
-        averages.add(state)
-        if time.monotonic() - saved > _SECONDS_BETWEEN_CHECKPOINTS:
+        # Before the next one counts: after the last there is nothing to go on with.
+        if counted and time.monotonic() - saved > _SECONDS_BETWEEN_CHECKPOINTS:
             store.save_partial(job.folder, number, averages.kept)
             saved = time.monotonic()
+        averages.add(state)
+        counted = True
     return averages.step()
 
 

@@ -133,8 +133,22 @@ def test_run_stopped_within_a_point_goes_on_to_the_same_bits(sampled, tmp_path, 
                 contact_study.run(STUDY, "atomistic", output=path, resume=stop > 25)
         else:
             contact_study.run(STUDY, "atomistic", output=path, resume=True)
-            assert len(taken) == 120 - 24 - 59
+            assert len(taken) == 120 - 23 - 58  # the state at hand when it stops is drawn again
     assert_equal_groups(groups_of(path), groups_of(sampled))
+
+
+def test_run_stopped_after_the_last_state_of_a_point_counts_none_twice(sampled, tmp_path, monkeypatch):
+    def killed(self):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(case_run, "_SECONDS_BETWEEN_CHECKPOINTS", 0.0)
+    step = Averages.step
+    monkeypatch.setattr(Averages, "step", killed)
+    with pytest.raises(KeyboardInterrupt):
+        contact_study.run(STUDY, "atomistic", output=tmp_path / "md.nc")
+    monkeypatch.setattr(Averages, "step", step)
+    contact_study.run(STUDY, "atomistic", output=tmp_path / "md.nc", resume=True)
+    assert_equal_groups(groups_of(tmp_path / "md.nc"), groups_of(sampled))
 
 
 def test_seeds_give_other_states_of_one_distribution(sampled):
