@@ -107,6 +107,25 @@ def test_distribution_carries_area_and_pressure(paper, correction):
     assert dataset.theory == correction
 
 
+@pytest.mark.parametrize("correction", CORRECTIONS)
+def test_energy_is_that_of_the_stress_in_contact(paper, correction):
+    """U = ∫ A dV_p/2K over the magnification, the trapezoidal rule."""
+    contact = theory_of(paper, correction).at_pressure(2e9)
+    low, cutoff = paper.spectrum.limits
+    q = low * (cutoff / low) ** (np.linspace(0, 1, 6001) ** 3)  # A falls from one at once
+    variance, area = contact.stress_variance_at(q), contact.relative_contact_area_at(q)
+    middle = 0.5 * (area[1:] + area[:-1])
+    energy = np.sum(middle * np.diff(variance) / (paper.contact_modulus * 0.5 * (q[1:] + q[:-1])))
+    assert contact.elastic_energy == pytest.approx(energy, rel=1e-4)
+
+
+@pytest.mark.parametrize("correction", CORRECTIONS)
+def test_the_lightest_loads_follow_a_logarithm(paper, correction):
+    gaps = [theory_of(paper, correction).at_pressure(pressure).mean_gap for pressure in (1e-2, 1.0, 1e4, 1e6)]
+    # The same for every two decades, also beyond the last node, which 1e4 Pa are before.
+    assert gaps[0] - gaps[1] == pytest.approx(gaps[2] - gaps[3], rel=1e-3)
+
+
 def test_what_cannot_be_is_named(paper):
     for choices in ({"correction": "better"}, {"correction": "xu", "gamma": 1.5}, {"correction": "xu", "gamma": 0.0}):
         with pytest.raises(ValueError, match="better" if "gamma" not in choices else "gamma"):

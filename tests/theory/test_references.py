@@ -78,7 +78,10 @@ def test_dmt_is_hertz_under_more_load():
     [
         (lambda: reference.hertz_contact_radius(-1e-9, 1e-6, 1e9), "force"),
         (lambda: reference.hertz_contact_radius(1e-9, 0.0, 1e9), "radius"),
-        (lambda: reference.jkr_contact_radius(-1.0, 1e-6, 1e9, 0.05), "force"),
+        (
+            lambda: reference.jkr_contact_radius(1.001 * reference.jkr_pull_off_force(1e-6, 0.05), 1e-6, 1e9, 0.05),
+            "force",
+        ),
         (lambda: reference.jkr_contact_radius(0.0, 1e-6, 1e9, -0.05), "work_of_adhesion"),
         (lambda: reference.tabor_parameter(1e-6, np.nan, 0.05, 3e-10), "contact_modulus"),
         (lambda: reference.maugis_dugdale_contact(0.0, 1.0), "maugis_parameter"),
