@@ -5,11 +5,11 @@ import tomllib
 import pytest
 import xarray as xr
 
-from contact_study.comparison.read.datasets import Inputs
+from contact_study.comparison.read.datasets import Inputs, read_inputs
 from contact_study.comparison.say.description import study_paragraphs
 from contact_study.comparison.say.findings import sample_notes
 from contact_study.problem.study import make_study
-from tests.comparison.synthetic import STUDY
+from tests.comparison.synthetic import STUDY, write
 
 SINGLE = STUDY[: STUDY.index("[sweep]")]
 
@@ -168,3 +168,10 @@ def test_the_block_says_what_solid_it_is():
         (swept, "Elastic, a layer of thickness 52 Å and 104 Å bonded to a rigid base, E = "),
     ):
         assert described(text)["Block"].startswith(words)
+
+
+def test_predictors_of_joined_parts_are_all_named(tmp_path):
+    predictor = f"bem-1.nc sha256:{'0' * 64}\nbem-2.nc sha256:{'1' * 64}"
+    path = write(tmp_path / "md.nc", "atomistic", SINGLE, predictor=predictor)
+    loading = dict(study_paragraphs(read_inputs([path])))["Loading"]
+    assert "the continuum's gap field (bem-1.nc and bem-2.nc)" in loading

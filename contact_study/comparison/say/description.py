@@ -191,7 +191,9 @@ def _loading(inputs: Inputs) -> str:
 def _starts(inputs: Inputs) -> str:
     """Where the states of the simulations start: adhesion leaves several, and the start chooses among them."""
     simulations = {name: entry_of(name) for name in inputs.models if entry_of(name).simulation}
-    fields = {name: str(inputs.models[name].attrs.get("predictor", "")).partition(" ")[0] for name in simulations}
+    # A dataset joined of parts names the predictor of each, a line each.
+    lines = {name: str(inputs.models[name].attrs.get("predictor", "")).splitlines() for name in simulations}
+    fields = {name: listed(line.partition(" ")[0] for line in own) if own else "" for name, own in lines.items()}
     if len(simulations) > 1 and not any(fields.values()):
         return " The simulations start from separated surfaces and follow the path."
     ways = [
