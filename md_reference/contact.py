@@ -16,6 +16,8 @@ from md_reference.substrate import sample_substrate
 
 # Error allowed to the interpolated height of the surface, in units of r0; the contact area does not notice 1e-4.
 HEIGHT_TOLERANCE = 1e-4
+# In units of r0: as atomistic.cutoff of a study.
+_SHORTEST_CUTOFF = 2.0
 
 
 class AtomisticContact:
@@ -210,6 +212,11 @@ def rough_contact(
         ("cutoff", cutoff, "units of length"),
     ):
         positive(name, value, unit)
+    if cutoff < _SHORTEST_CUTOFF:
+        raise ValueError(
+            f"cutoff = {cutoff:g}: must be at least {_SHORTEST_CUTOFF:g} lengths; attraction is largest at 1.14, "
+            "and the switch to zero must lie well beyond"
+        )
     if not -1 < finite("poissons_ratio", poissons_ratio, "1") < 0.5:
         raise ValueError(f"poissons_ratio = {poissons_ratio!r}: must be above -1 and below 0.5, which springs are not")
     heights = field("height", height)

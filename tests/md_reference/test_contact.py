@@ -65,6 +65,7 @@ def test_states_are_told_apart():
         ({"size": 12.3 * LATTICE_CONSTANT}, "lattice_constant"),
         ({"well_depth": -1.0}, "well_depth"),
         ({"length": "3.28 angstrom"}, "length"),
+        ({"cutoff": 1.1}, r"cutoff = 1\.1: must be at least 2 lengths"),
         ({"poissons_ratio": 0.5}, "poissons_ratio"),
         ({"poissons_ratio": None}, "poissons_ratio"),
         ({"control": "force"}, "control"),
