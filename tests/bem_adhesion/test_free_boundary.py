@@ -12,8 +12,8 @@ from bem_adhesion.free_boundary import FreeHalfSpace, Window, padded_grid
 from contact_study.fields.grid import Grid
 from contact_study.problem.errors import InputError
 from contact_study.problem.study import make_study
-from tests import reference_problems as reference
 from tests.problem.test_study import changed
+from theory import references as reference
 
 
 def displacement_by_sums(pressure, grid, modulus):
