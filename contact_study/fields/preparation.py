@@ -5,7 +5,6 @@ Heights are (y, x) with rows and columns evenly spaced; NaN stands where nothing
 
 import numpy as np
 from scipy import sparse
-from scipy.signal.windows import tukey
 from scipy.sparse.linalg import spsolve
 
 from contact_study.fields import fourier
@@ -95,6 +94,8 @@ def windowed(heights: np.ndarray, share: float) -> np.ndarray:
     share : float
         Share of each side over which they fade, both ends together.
     """
+    from scipy.signal.windows import tukey  # takes longer to import than most commands do to start
+
     rows, columns = (tukey(n, share, sym=False) for n in heights.shape)
     mean = heights.mean()
     return mean + (heights - mean) * rows[:, None] * columns[None, :]
