@@ -54,8 +54,9 @@ class ContactLevel:
         self._residual = np.empty(grid.shape, np.float32)
         self._direction = np.empty(grid.shape, np.float32)
         self._pairs_below = 0.0
-        self._present = np.isfinite(heights)
-        self._largest_height = float(np.abs(heights[self._present]).max())
+        present = np.isfinite(heights)
+        self._absent = None if present.all() else ~present  # a periodic surface pays no memory for it
+        self._largest_height = float(np.abs(heights[present]).max())
 
     @property
     def single(self) -> Operator:
@@ -87,12 +88,13 @@ class ContactLevel:
 
     def start_from_full_contact(self, mean_pressure: float) -> bool:
         """Take the pressure of full contact without its tension; whether there was none, which solves the problem."""
-        bounded = self._present.all()
-        self._double.field[...] = self.heights if bounded else np.maximum(self.heights, -self._largest_height)
+        whole = self._absent is None
+        self._double.field[...] = self.heights if whole else np.maximum(self.heights, -self._largest_height)
         np.add(self._double.apply(self._double.stiffness), mean_pressure, out=self.pressure)
-        if bounded and self.pressure.min() >= 0:
+        if self._absent is not None:
+            self.pressure[self._absent] = 0
+        elif self.pressure.min() >= 0:
             return True
-        self.pressure[~self._present] = 0
         self.start_from(self.pressure, mean_pressure)
         return False
 

@@ -139,11 +139,12 @@ def test_killed_worker_is_replaced_and_its_cases_resume(study, tmp_path, capsys)
 
 @pytest.mark.validation
 def test_a_case_that_kills_its_workers_is_given_up():
-    with (
-        distributed.LocalCluster(n_workers=1, threads_per_worker=1, dashboard_address=None, silence_logs=50) as local,
-        pytest.raises(CampaignError, match="has lost its worker again and again"),
-    ):
-        on(local, [die])
+    with distributed.LocalCluster(n_workers=1, threads_per_worker=1, dashboard_address=None, silence_logs=50) as local:
+        with pytest.raises(CampaignError, match="has lost its worker again and again"):
+            on(local, [die])
+        # A cluster that is closed while it replaces a worker fails by itself.
+        with distributed.Client(local) as client:
+            client.wait_for_workers(1, timeout=60)
 
 
 # --- Schedulers and workers that are not what they should be --------------------------------------------------------
