@@ -18,6 +18,9 @@ _KEPT = 1e-6
 # Area of a node below which default bins need not reach it.
 _SEEN = 1e-9
 
+# Pieces of a node's interval over which the distribution of stress is summed.
+_PIECES = 32
+
 
 @dataclass(frozen=True)
 class GapState:
@@ -115,8 +118,9 @@ class GapState:
     def pressure_density(self, edges: np.ndarray) -> np.ndarray:
         """Mean of P(σ), σ = −φ'(u), in bins (1/Pa), shape (n,) for n + 1 edges (Pa); includes non-contact."""
         bins = np.asarray(edges) / self.contact_modulus
-        # Four pieces to a node follow the steep repulsion; in each the area is spread evenly over its stresses.
-        fine = np.interp(np.arange(4 * self.gaps.size + 1) / 4, np.arange(self.gaps.size + 1), self._edges)
+        # In each piece the area is spread evenly over its stresses, of which the steep repulsion holds many.
+        nodes = self.gaps.size
+        fine = np.interp(np.arange(_PIECES * nodes + 1) / _PIECES, np.arange(nodes + 1), self._edges)
         mass = np.diff(self._cumulative(fine))
         stress = -self.law.traction(fine)
         low, high = np.minimum(stress[1:], stress[:-1]), np.maximum(stress[1:], stress[:-1])
