@@ -18,6 +18,7 @@ from scipy.optimize import brentq, minimize_scalar
 
 from bem_adhesion import Dugdale, HardWall, rough_contact
 from contact_study.campaign.command import Parser, guarded
+from theory.references import maugis_dugdale_contact
 
 TABOR_PARAMETERS = (0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 3.0, 5.0)
 FORCES = (2.0, 0.0)  # over πwR, at which radius and approach are compared
@@ -107,13 +108,9 @@ class Maugis:
 
     def state(self, log_excess: float) -> tuple[float, float, float]:
         """Force, contact radius and approach at ln(m − 1)."""
-        m, lam = 1 + np.exp(log_excess), self.parameter
-        root = np.sqrt(m**2 - 1)
-        angle = np.arctan(root)
-        quadratic = lam / 2 * (root + (m**2 - 2) * angle)
-        linear = 4 * lam**2 / 3 * (root * angle - m + 1)
-        a = 2 / (linear + np.sqrt(linear**2 + 4 * quadratic))
-        return a**3 - lam * a**2 * (root + m**2 * angle), a, a**2 - 4 / 3 * lam * a * root
+        zone = np.exp(log_excess)
+        force, a = map(float, maugis_dugdale_contact(self.parameter, zone))
+        return force, a, a**2 - 4 / 3 * self.parameter * a * float(np.sqrt(zone * (zone + 2)))
 
     @property
     def _at_pull_off(self) -> float:
