@@ -42,6 +42,9 @@ def parser() -> Parser:
     made.add_argument("what", choices=("hertz", "maugis", "ramp"), help="table to print")
     made.add_argument("--tabor", type=float, nargs="+", default=list(TABOR_PARAMETERS), help="Tabor parameters")
     made.add_argument("--most-points", type=int, default=MOST_POINTS, help="most points along each side")
+    made.add_argument(
+        "--points-per-zone", type=float, default=POINTS_PER_ZONE, help="points to the process zone, as far as these go"
+    )
     made.add_argument("--figure", type=Path, help="draw pull-off and contact radius, too (maugis)")
     return made
 
@@ -51,7 +54,7 @@ def _main(arguments: Sequence[str] | None) -> int:
     if given.what == "hertz":
         print_hertz()
     elif given.what == "maugis":
-        spheres = print_maugis(given.tabor, given.most_points)
+        spheres = print_maugis(given.tabor, given.most_points, given.points_per_zone)
         if given.figure:
             draw(spheres, given.figure)
     else:
@@ -142,7 +145,9 @@ class Sphere:
     pairs: float
 
 
-def solved(tabor: float, ramp: float = RAMP, most_points: int = MOST_POINTS) -> Sphere:
+def solved(
+    tabor: float, ramp: float = RAMP, most_points: int = MOST_POINTS, points_per_zone: float = POINTS_PER_ZONE
+) -> Sphere:
     """A sphere under Dugdale's law of unit reach, E* = 1: pressed, released, pulled until it lets go."""
     work = WORK_OF_ADHESION
     radius = tabor**3 / work**2
@@ -150,7 +155,7 @@ def solved(tabor: float, ramp: float = RAMP, most_points: int = MOST_POINTS) -> 
     theory = Maugis(2 * work * (9 * radius / (16 * np.pi * work)) ** (1 / 3))
     # Room for the contact, and for the ring that the tension reaches.
     size = 3.4 * max(theory.at_force(2.0)[0] * length, np.sqrt(2 * radius))
-    points = int(np.clip(2 * np.ceil(POINTS_PER_ZONE * size * work / 2), FEWEST_POINTS, most_points))
+    points = int(np.clip(2 * np.ceil(points_per_zone * size * work / 2), FEWEST_POINTS, most_points))
     height, _ = sphere(points, size, radius)
     contact = rough_contact(height, size, 1.0, Dugdale(work, 1.0, ramp), boundary="free")
     state, pairs, states = contact.separated(), 0.0, []
@@ -179,13 +184,13 @@ def solved(tabor: float, ramp: float = RAMP, most_points: int = MOST_POINTS) -> 
     return Sphere(tabor, theory, points, points / (size * work), held, lost, states, pairs)
 
 
-def print_maugis(tabor_parameters: Sequence[float], most_points: int) -> list[Sphere]:
+def print_maugis(tabor_parameters: Sequence[float], most_points: int, points_per_zone: float) -> list[Sphere]:
     compared = " | ".join(f"a at {force:g} | δ at {force:g}" for force in FORCES)
     print(f"| μ | λ | points | per zone | pull-off | Maugis | difference | {compared} |")
     print("|---" * (7 + 2 * len(FORCES)) + "|")
     spheres = []
     for tabor in tabor_parameters:
-        found = solved(tabor, most_points=most_points)
+        found = solved(tabor, most_points=most_points, points_per_zone=points_per_zone)
         spheres.append(found)
         pull_off, expected = 0.5 * (found.held + found.lost), found.theory.pull_off
         cells = []
