@@ -54,9 +54,9 @@ class AtomisticContact:
     ):
         check_control(control, tolerance, max_iterations)
         positive("contact_modulus", contact_modulus, "Pa")
+        self.block = stiffness
         self.interface = interface
         self.control = control
-        self._area_per_atom = stiffness.area_per_atom
         self._solver = EquilibriumSolver(
             stiffness, interface, contact_modulus, control, tolerance, max_iterations, threads
         )
@@ -103,7 +103,7 @@ class AtomisticContact:
 
     def solution(self, found: Equilibrium) -> Solution:
         """What a state of the atoms is as one of the contact."""
-        nominal_area = self._area_per_atom * self._heights.size
+        nominal_area = self.block.area_per_atom * self._heights.size
         detached = found.outcome is Outcome.DETACHED
         # Atoms that slide to other heights change their mean gap, not the distance that the load works on.
         separation = float(np.mean(found.displacement[2])) - self._mean_height - self.interface.length
@@ -113,7 +113,7 @@ class AtomisticContact:
             state=self.separated() if detached else found.displacement,
             displacement=found.displacement,
             gap=gap,
-            pressure=found.force[2] / self._area_per_atom,
+            pressure=found.force[2] / self.block.area_per_atom,
             mean_separation=np.inf if detached else separation,
             elastic_energy=0.0 if detached else found.elastic_energy / nominal_area,
             interaction_energy=found.interaction_energy / nominal_area,

@@ -8,6 +8,7 @@ import numpy as np
 from contact_study.observables.base import InterfaceState
 from contact_study.problem.case import Case
 from contact_study.problem.surface import Surface
+from md_reference.contact import AtomisticContact
 from md_reference.methods.base import Predictor
 from md_reference.system import build_contact, interface_state
 
@@ -33,12 +34,22 @@ def solve_path(
         Point number -> gap field (y, x) of a continuum solution on any grid (m): the atoms start at their lateral
         rest positions, at the surface's height plus that gap. Where it has none (None) a warning names the point.
 
-    Yields
-    ------
-    InterfaceState
+    Returns
+    -------
+    iterator of InterfaceState
         For each point from ``start`` on.
     """
-    contact = build_contact(case, surface)
+    return states(case, build_contact(case, surface), restart, start, predictor)
+
+
+def states(
+    case: Case,
+    contact: AtomisticContact,
+    restart: Mapping[str, np.ndarray] | None = None,
+    start: int = 0,
+    predictor: Predictor | None = None,
+) -> Iterator[InterfaceState]:
+    """The same of a contact that is there already."""
     state = contact.separated() if restart is None else restart["state"]
     for number in range(start, len(case.path)):
         value, branch = case.path[number]

@@ -13,7 +13,7 @@ from md_reference.methods import quasi_static
 from md_reference.methods.base import Predictor
 from md_reference.random_state import generator_of, packed
 from md_reference.solution import Equilibrium, Outcome
-from md_reference.system import build_contact, build_stiffness, interface_state
+from md_reference.system import build_contact, interface_state
 from md_reference.thermal_sampler import SamplerState, ThermalSampler
 
 _LOWEST_ACCEPTANCE = 0.1
@@ -42,11 +42,11 @@ def solve_path(
     InterfaceState or Ensemble
         For each point from ``start`` on; a state where the surfaces are apart.
     """
-    contact, stiffness = build_contact(case, surface), build_stiffness(case)
+    contact = build_contact(case, surface)
 
     def sampler_at(number: int) -> ThermalSampler:
         return ThermalSampler(
-            stiffness,
+            contact.block,
             contact.interface,
             case.material.contact_modulus,
             case.atomistic.temperature,
@@ -58,7 +58,7 @@ def solve_path(
         chain = _Chain.unpacked(restart)
         yield Ensemble(_states(case, contact, sampler_at(start), chain, case.path[start][0]))
         restart, start = {"state": chain.equilibrium}, start + 1
-    for number, found in enumerate(quasi_static.solve_path(case, surface, restart, start, predictor), start):
+    for number, found in enumerate(quasi_static.states(case, contact, restart, start, predictor), start):
         if found.report.detached:
             yield found
             continue
