@@ -37,18 +37,18 @@ def check(case: Case) -> None:
         raise InputError('missing key material.atom_mass: atomistic.method = "dynamics" needs the mass of an atom')
     if case.loading.control != "pressure":
         raise InputError('loading.control = "gap": atomistic.method = "dynamics" takes "pressure" only')
-    largest = largest_time_step(case)
-    if given.time_step is not None and given.time_step >= largest:
+    if given.time_step is not None and given.time_step >= (largest := largest_time_step(case)):
         raise InputError(
             f"dynamics.time_step = {given.time_step:g} s: velocity Verlet is unstable from {largest:.3g} s on, "
             "2/ω of the lattice's fastest wave and a stiff contact; use a fifth of that"
         )
-    if given.duration < given.frames * time_step(case):
+    step = time_step(case)
+    if given.duration < given.frames * step:
         raise InputError(
             f"dynamics.duration = {given.duration:g} s: shorter than dynamics.frames = {given.frames} steps of "
-            f"{time_step(case):.3g} s"
+            f"{step:.3g} s"
         )
-    sound = math.sqrt((first_lame(case) + 2 * shear_modulus(case)) * case.lattice.constant**3 / mass)
+    sound = math.sqrt(longitudinal_modulus(case) * case.lattice.constant**3 / mass)
     if given.approach_speed > _SLOW * sound:
         raise InputError(
             f"dynamics.approach_speed = {given.approach_speed:g} m/s: is an impact; use at most a tenth of the speed "
@@ -60,14 +60,15 @@ def check(case: Case) -> None:
         )
 
 
-def first_lame(case: Case) -> float:
-    """λ of the case's block (Pa)."""
-    return lame_constants(case.material.youngs_modulus, case.material.poissons_ratio)[0]
+def lame(case: Case) -> tuple[float, float]:
+    """λ and μ of the case's block (Pa)."""
+    return lame_constants(case.material.youngs_modulus, case.material.poissons_ratio)
 
 
-def shear_modulus(case: Case) -> float:
-    """μ of the case's block (Pa)."""
-    return lame_constants(case.material.youngs_modulus, case.material.poissons_ratio)[1]
+def longitudinal_modulus(case: Case) -> float:
+    """λ + 2μ: of compression without lateral strain, and of the faster sound (Pa)."""
+    first, shear = lame(case)
+    return first + 2 * shear
 
 
 def largest_time_step(case: Case) -> float:
@@ -92,8 +93,7 @@ def build_block(case: Case) -> MultiscaleBlock:
     return MultiscaleBlock(
         atoms,
         case.lattice.constant,
-        first_lame(case),
-        shear_modulus(case),
+        *lame(case),
         level_layers(atoms, case.block_layers),
         case.material.atom_mass,
     )
@@ -164,13 +164,13 @@ class _Run:
         self._case = case
         self._interface = interface
         self._mean_height = float(np.mean(interface.rest_heights()))
-        block = build_block(case)
+        step = time_step(case)
         self._system = NewtonianBlock(
-            block, interface, time_step(case), case.dynamics.damping, case.atomistic.temperature
+            build_block(case), interface, step, case.dynamics.damping, case.atomistic.temperature
         )
-        self._steps = max(1, round(case.dynamics.duration / time_step(case) / case.dynamics.frames))
+        self._steps = max(1, round(case.dynamics.duration / step / case.dynamics.frames))
         self._thickness = case.block_layers * case.lattice.constant
-        self._modulus = first_lame(case) + 2 * shear_modulus(case)
+        self._modulus = longitudinal_modulus(case)
 
     def begin(self, point: int) -> _Place:
         """A block apart, at the speed of approach."""
