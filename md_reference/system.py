@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from contact_study.fields.fourier import POINTS_FOR_THREADS
 from contact_study.observables.base import InterfaceState, SolverReport
 from contact_study.problem.case import Case
 from contact_study.problem.surface import Surface
@@ -9,9 +10,6 @@ from md_reference.block import SurfaceStiffness, element_matrix, surface_stiffne
 from md_reference.contact import AtomisticContact, interface_of
 from md_reference.interface import LennardJonesInterface
 from md_reference.solution import Solution
-
-# Below 1024² atoms a second thread of FFTW gains nothing, and loses much when the other core is busy.
-_POINTS_FOR_THREADS = 1024**2
 
 
 def build_stiffness(case: Case) -> SurfaceStiffness:
@@ -36,7 +34,7 @@ def build_contact(case: Case, surface: Surface) -> AtomisticContact:
         case.loading.control,
         solver.tolerance,
         solver.max_iterations,
-        max(solver.threads, 1) if stiffness.grid.points >= _POINTS_FOR_THREADS else 1,
+        max(solver.threads, 1) if stiffness.grid.points >= POINTS_FOR_THREADS else 1,
     )
 
 

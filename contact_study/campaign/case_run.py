@@ -19,6 +19,7 @@ from contact_study.campaign.record import Step, recorded
 from contact_study.campaign.resume.identity import content_hash
 from contact_study.campaign.schema import quantity_of
 from contact_study.fields.distributions import Bins
+from contact_study.fields.fourier import POINTS_FOR_THREADS
 from contact_study.observables.base import Ensemble, InterfaceState, Value
 from contact_study.observables.roughness import roughness_values
 from contact_study.problem.case import Case
@@ -26,9 +27,6 @@ from contact_study.problem.surface import Surface, realise
 
 if TYPE_CHECKING:
     from contact_study.campaign.predictor import GapFields
-
-# Below this number of points a second thread of FFTW gains little, and costs much when the other core is busy.
-_POINTS_FOR_THREADS = 1024**2
 
 # Thermal states of half a minute are lost to a kill, and to keep them costs a thousandth of it.
 _SECONDS_BETWEEN_CHECKPOINTS = 30.0
@@ -173,7 +171,7 @@ def _summary(step: Step) -> Mapping[str, Any]:
 
 def _with_threads(case: Case, surface: Surface, threads: int) -> Case:
     """The case with the threads that are at hand, where the grid is large enough to gain from them."""
-    chosen = threads if surface.grid.points >= _POINTS_FOR_THREADS else 1
+    chosen = threads if surface.grid.points >= POINTS_FOR_THREADS else 1
     return replace(case, solver=replace(case.solver, threads=chosen))
 
 

@@ -18,6 +18,9 @@ from filelock import FileLock
 os.environ.setdefault("OMP_WAIT_POLICY", "passive")
 import pyfftw
 
+# Below it a second thread of FFTW gains little or nothing, and costs much when the other core is busy.
+POINTS_FOR_THREADS = 1024**2
+
 
 def _wisdom_file() -> Path:
     directory = os.environ.get("BEM_ADHESION_CACHE") or platformdirs.user_cache_dir("bem-adhesion")
