@@ -6,8 +6,9 @@ raised by a spring that ends at its goal, and a step is taken atom by atom in th
 linear: distance where the atom is attracted, force where it is repelled. No single atom then shortens the step of all.
 """
 
-import numpy as np
 from numba import njit
+
+from md_reference.symmetric import lowest_eigenvalue
 
 # A raised atom has at least the curvature |g| / distance of a spring that ends at contact where the force out of
 # balance g draws it there, and at twice its gap where g draws it away. It vanishes with g: Newton's convergence stays.
@@ -50,7 +51,7 @@ def raised_curvature(hessian, gradient, gap, cosine, fading, length, diagonal):
             yz = hessian[5, j, i]
             lift = 0.0
             if zz < 0.0 or fading > 0.0:
-                lowest = _lowest_eigenvalue(xx, yy, zz, xy, xz, yz)
+                lowest = lowest_eigenvalue(xx, yy, zz, xy, xz, yz)
                 if zz < 0.0:
                     g = gradient[2, j, i]
                     height = gap[j, i]
@@ -121,22 +122,3 @@ def repulsive_root(force):
         s10 = s5 * s5
         s -= (s10 * s - s5 - force) / (11.0 * s10 - 5.0 * s5 / s)
     return s
-
-
-@njit(**_OPTIONS)
-def _lowest_eigenvalue(xx, yy, zz, xy, xz, yz):
-    """Of a symmetric 3×3 matrix, by the trigonometric solution of its characteristic equation."""
-    mean = (xx + yy + zz) / 3.0
-    off = xy * xy + xz * xz + yz * yz
-    spread = (xx - mean) ** 2 + (yy - mean) ** 2 + (zz - mean) ** 2 + 2.0 * off
-    if spread == 0.0:
-        return mean
-    p = np.sqrt(spread / 6.0)
-    a = (xx - mean) / p
-    b = (yy - mean) / p
-    c = (zz - mean) / p
-    d = xy / p
-    e = xz / p
-    f = yz / p
-    r = 0.5 * (a * (b * c - f * f) - d * (d * c - f * e) + e * (d * f - b * e))
-    return mean + 2.0 * p * np.cos(np.arccos(min(1.0, max(-1.0, r))) / 3.0 + 2.0 * np.pi / 3.0)

@@ -3,6 +3,8 @@
 import numpy as np
 from numba import njit
 
+from md_reference.symmetric import stiffest
+
 
 @njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "arcp", "nsz"})
 def split(diagonal, shift, half_grid, normal, removed, core):
@@ -27,7 +29,7 @@ def split(diagonal, shift, half_grid, normal, removed, core):
             xy = float(diagonal[3, j, i])
             xz = float(diagonal[4, j, i])
             yz = float(diagonal[5, j, i])
-            stiffness, x, y, z = _stiffest(xx, yy, zz, xy, xz, yz)
+            stiffness, x, y, z = stiffest(xx, yy, zz, xy, xz, yz)
             normal[0, j, i] = x
             normal[1, j, i] = y
             normal[2, j, i] = z
@@ -35,39 +37,3 @@ def split(diagonal, shift, half_grid, normal, removed, core):
             squared = shift / (stiffness + shift)
             removed[j, i] = 1.0 - np.sqrt(squared)
             core[j, i] = (1.0 - squared) / (stiffness + half_grid)
-
-
-@njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "arcp", "nsz"})
-def _stiffest(xx, yy, zz, xy, xz, yz):
-    """Largest eigenvalue of a symmetric 3×3 matrix and its unit eigenvector; z where there is no one direction."""
-    mean = (xx + yy + zz) / 3.0
-    spread = (xx - mean) ** 2 + (yy - mean) ** 2 + (zz - mean) ** 2 + 2.0 * (xy * xy + xz * xz + yz * yz)
-    if not spread > 1e-20 * mean * mean:
-        return mean, 0.0, 0.0, 1.0
-    p = np.sqrt(spread / 6.0)
-    a = (xx - mean) / p
-    b = (yy - mean) / p
-    c = (zz - mean) / p
-    d = xy / p
-    e = xz / p
-    f = yz / p
-    r = 0.5 * (a * (b * c - f * f) - d * (d * c - f * e) + e * (d * f - b * e))
-    top = 2.0 * np.cos(np.arccos(min(1.0, max(-1.0, r))) / 3.0)
-    # Rows of the shifted matrix are normal to the eigenvector: the largest of their products points along it.
-    a -= top
-    b -= top
-    c -= top
-    x1, y1, z1 = d * f - e * b, e * d - a * f, a * b - d * d
-    x2, y2, z2 = d * c - e * f, e * e - a * c, a * f - d * e
-    x3, y3, z3 = b * c - f * f, f * e - d * c, d * f - b * e
-    n1 = x1 * x1 + y1 * y1 + z1 * z1
-    n2 = x2 * x2 + y2 * y2 + z2 * z2
-    n3 = x3 * x3 + y3 * y3 + z3 * z3
-    if n2 > n1 and n2 >= n3:
-        x1, y1, z1, n1 = x2, y2, z2, n2
-    elif n3 > n1:
-        x1, y1, z1, n1 = x3, y3, z3, n3
-    if not n1 > 1e-24:
-        return mean + p * top, 0.0, 0.0, 1.0
-    size = np.sqrt(n1)
-    return mean + p * top, x1 / size, y1 / size, z1 / size
