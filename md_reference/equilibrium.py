@@ -10,7 +10,6 @@ once, and the descent then follows a slow gradient flow.
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 
 from contact_study.fields.fourier import RealTransform
 from md_reference.block import SurfaceStiffness
@@ -18,6 +17,7 @@ from md_reference.interface import Interaction
 from md_reference.newton_step import NewtonSolver
 from md_reference.snap_in import land, raised_curvature
 from md_reference.solution import Equilibrium, Outcome
+from md_reference.stiffness_pass import multiply
 
 # Lengths in units of the interaction's length r0, stresses in units of the contact modulus.
 _LARGEST_STEP = 10.0
@@ -114,6 +114,7 @@ class EquilibriumSolver:
         self._transform = RealTransform(shape, np.float64, threads)
         self._coefficients = stiffness.coefficients / self._transform.points
         self._coefficients[2, 0, 0] = 0.0
+        self._multiplicity = stiffness.grid.multiplicity[0]
         self._force = np.empty(shape)
         self._trial_force = np.empty(shape)
         self._hessian = np.empty((6, *shape[1:]))
@@ -319,7 +320,7 @@ class EquilibriumSolver:
     def _apply_stiffness(self, u: np.ndarray) -> np.ndarray:
         """S u, in the transform's own buffer."""
         self._transform.field[...] = u
-        _multiply(self._transform.forward().view(np.float64), self._coefficients)
+        multiply(self._transform.forward().view(np.float64), self._coefficients, self._multiplicity, 1.0)
         return self._transform.backward()
 
     def _set_curvature(self, at: _Iterate, gradient: np.ndarray, fading: float) -> None:
@@ -334,28 +335,3 @@ class EquilibriumSolver:
         height = float(np.std(gap))
         slope = float(np.sqrt(np.mean(1 / cosine**2 - 1)))
         return max(slope / height, longest) if height > 0 else longest
-
-
-@njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "arcp", "nsz"})
-def _multiply(spectrum, coefficients):
-    """Spectrum of S u in place; see the module ``block`` for the real form of S."""
-    for j in range(coefficients.shape[1]):
-        for i in range(coefficients.shape[2]):
-            xx = coefficients[0, j, i]
-            yy = coefficients[1, j, i]
-            zz = coefficients[2, j, i]
-            xy = coefficients[3, j, i]
-            xz = coefficients[4, j, i]
-            yz = coefficients[5, j, i]
-            x_re = spectrum[0, j, 2 * i]
-            x_im = spectrum[0, j, 2 * i + 1]
-            y_re = spectrum[1, j, 2 * i]
-            y_im = spectrum[1, j, 2 * i + 1]
-            z_re = -spectrum[2, j, 2 * i + 1]
-            z_im = spectrum[2, j, 2 * i]
-            spectrum[0, j, 2 * i] = xx * x_re + xy * y_re + xz * z_re
-            spectrum[0, j, 2 * i + 1] = xx * x_im + xy * y_im + xz * z_im
-            spectrum[1, j, 2 * i] = xy * x_re + yy * y_re + yz * z_re
-            spectrum[1, j, 2 * i + 1] = xy * x_im + yy * y_im + yz * z_im
-            spectrum[2, j, 2 * i] = xz * x_im + yz * y_im + zz * z_im
-            spectrum[2, j, 2 * i + 1] = -(xz * x_re + yz * y_re + zz * z_re)

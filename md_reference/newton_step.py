@@ -19,6 +19,7 @@ from numba import njit
 from contact_study.fields.fourier import RealTransform
 from md_reference.block import SurfaceStiffness
 from md_reference.split import split
+from md_reference.stiffness_pass import multiply
 
 _OPTIONS = {"cache": True, "error_model": "numpy", "fastmath": {"contract", "reassoc", "arcp", "nsz"}}
 
@@ -123,7 +124,7 @@ class NewtonSolver:
                 local -= self._take_mean_out()
             previous = product
             transform.forward()
-            curvature = local + _multiply(spectrum, *waves, normalisation)
+            curvature = local + multiply(spectrum, *waves, normalisation)
             if curvature <= _CURVATURE_ROUNDING * self._shift * length:
                 indefinite = True
                 break
@@ -224,49 +225,6 @@ def _invert(spectrum, stiffness, multiplicity, shift, normalisation, fixed_mean)
         total -= mean * mean * shift / normalisation
         spectrum[2, 0, 0] = np.float32(0.0)
         spectrum[2, 0, 1] = np.float32(0.0)
-    return total
-
-
-@njit(**_OPTIONS)
-def _multiply(spectrum, stiffness, multiplicity, normalisation):
-    """Replace the spectrum of s by that of S s, normalised for the way back; returns s·S s."""
-    rows, columns = stiffness.shape[1:]
-    norm = np.float32(normalisation)
-    total = 0.0
-    for j in range(rows):
-        xx = stiffness[0, j]
-        yy = stiffness[1, j]
-        zz = stiffness[2, j]
-        xy = stiffness[3, j]
-        xz = stiffness[4, j]
-        yz = stiffness[5, j]
-        s_x = spectrum[0, j]
-        s_y = spectrum[1, j]
-        s_z = spectrum[2, j]
-        row = np.float32(0.0)
-        for i in range(np.uint64(columns)):
-            re = np.uint64(2) * np.uint64(i)
-            im = re + np.uint64(1)
-            x_re = s_x[re]
-            x_im = s_x[im]
-            y_re = s_y[re]
-            y_im = s_y[im]
-            z_re = -s_z[im]
-            z_im = s_z[re]
-            o_re = norm * (xx[i] * x_re + xy[i] * y_re + xz[i] * z_re)
-            o_im = norm * (xx[i] * x_im + xy[i] * y_im + xz[i] * z_im)
-            p_re = norm * (xy[i] * x_re + yy[i] * y_re + yz[i] * z_re)
-            p_im = norm * (xy[i] * x_im + yy[i] * y_im + yz[i] * z_im)
-            q_re = norm * (xz[i] * x_re + yz[i] * y_re + zz[i] * z_re)
-            q_im = norm * (xz[i] * x_im + yz[i] * y_im + zz[i] * z_im)
-            s_x[re] = o_re
-            s_x[im] = o_im
-            s_y[re] = p_re
-            s_y[im] = p_im
-            s_z[re] = q_im
-            s_z[im] = -q_re
-            row += multiplicity[i] * (x_re * o_re + x_im * o_im + y_re * p_re + y_im * p_im + z_re * q_re + z_im * q_im)
-        total += float(row)
     return total
 
 
