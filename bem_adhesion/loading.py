@@ -109,6 +109,7 @@ class LoadedContact:
         self._height = height / self._length
         self._grid = Grid(grid.shape, (grid.size[0] / self._length, grid.size[1] / self._length))
         self._window = window or Window(grid.shape)
+        self._passes = passes_of(law, window=window)
         solid = self.elasticity.scaled(self._length, self.elasticity.contact_modulus)
         typical_stiffness = float(solid.stiffness(self._typical_wavenumber()))
         # What does not soften has no tail: the shift then only has to tell points that touch from those that do not.
@@ -239,8 +240,7 @@ class LoadedContact:
         gap = result.gap * self._length
         displacement = self.height + gap
         pressure = np.empty_like(gap)
-        passes = passes_of(self.law, window=self._window)
-        interaction = passes.evaluate(gap, pressure, np.empty(gap.shape, np.float32)) / gap.size
+        interaction = self._passes.evaluate(gap, pressure, np.empty(gap.shape, np.float32)) / gap.size
         np.negative(pressure, out=pressure)
         pressure += result.reaction * self.elasticity.contact_modulus
         # In equilibrium K w is the interface pressure less its mean: ½<w, K w> without another transform.
