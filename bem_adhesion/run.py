@@ -99,7 +99,7 @@ def _unresolved_law(study: Study, scales: Sequence[SurfaceScales]) -> list[str]:
     longer = case.law.length * math.sqrt(POINTS_PER_PROCESS_ZONE * ratio)
     known = ""
     if scale.rms_curvature > 0:
-        tabor = tabor_parameter(1 / scale.rms_curvature, case.material.contact_modulus, case.work_of_adhesion, longer)
+        tabor = tabor_parameter(1 / scale.rms_curvature, case.solid.contact_modulus, case.work_of_adhesion, longer)
         known = f" (Tabor parameter {tabor:.2g})"
     ways = [f"interaction.length = {longer:.2g} m with the same work of adhesion{known}"]
     if grid_fits((refined[0], refined[1])):
@@ -114,7 +114,7 @@ def _unresolved_law(study: Study, scales: Sequence[SurfaceScales]) -> list[str]:
 
 def _jkr_like(case: Case, scale: SurfaceScales, resolved: float) -> str:
     """Where a range that the grid resolves is too long, or may be longer: the longest that leaves JKR's contacts."""
-    modulus, work = case.material.contact_modulus, case.law.work_of_adhesion
+    modulus, work = case.solid.contact_modulus, case.law.work_of_adhesion
     try:
         longest = longest_range(scale.rms_curvature, scale.rms_height, modulus, work)
     except ValueError:  # flat, or not soft

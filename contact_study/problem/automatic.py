@@ -22,7 +22,7 @@ def with_length(interaction: Mapping[str, Any], bound: Mapping[str, Any], direct
     interaction : mapping
         The section as the file has it.
     bound : mapping
-        The sections before it, bound: surface and material among them.
+        The sections before it, bound: surface, material and elasticity among them.
     directory : pathlib.Path
         Where relative paths of the study start.
 
@@ -46,10 +46,9 @@ def with_length(interaction: Mapping[str, Any], bound: Mapping[str, Any], direct
         for name in ("work_of_adhesion", "well_depth_ratio")
     )
     scales = bound["surface"].scales(directory)
+    solid = bound["elasticity"].solid(bound["material"])
     try:
-        given["length"] = longest_range(
-            scales.rms_curvature, scales.rms_height, bound["material"].contact_modulus, work * ratio
-        )
+        given["length"] = longest_range(scales.rms_curvature, scales.rms_height, solid.contact_modulus, work * ratio)
     except ValueError as error:
         raise InputError(f'{LENGTH} = "{AUTO}": {error}; give the length of the interaction') from None
     return given
@@ -70,7 +69,7 @@ def choices(tables: Sequence[Mapping[str, Any]], cases: Sequence[Case]) -> tuple
         if table["interaction"].get("length") == AUTO:
             scales = case.surface.scales(case.directory)
             tabor = tabor_parameter(
-                1 / scales.rms_curvature, case.material.contact_modulus, case.work_of_adhesion, case.law.length
+                1 / scales.rms_curvature, case.solid.contact_modulus, case.work_of_adhesion, case.law.length
             )
             why = (
                 f"the longest that keeps the Tabor parameter above {JKR_LIKE:g}"

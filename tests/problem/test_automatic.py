@@ -18,14 +18,15 @@ SPHERE = {"kind": "sphere", "size": "400 um", "shape": [64, 64], "radius": "100 
 WAVE = {"kind": "wavy", "size": "20 um", "shape": [64, 64], "amplitude": "1 um", "modes": [1, 2]}
 
 
-def case(surface=SPHERE, sweep=None, **interaction):
+def case(surface=SPHERE, sweep=None, elasticity=None, **interaction):
     table = {
         "surface": surface,
         "material": MATERIAL,
         "interaction": {"law": "exponential", "work_of_adhesion": WORK, "length": "auto", **interaction},
         "loading": {"path": ["1 kPa"]},
     }
-    study = make_study(table | ({} if sweep is None else {"sweep": sweep}))
+    optional = {"sweep": sweep, "elasticity": elasticity}
+    study = make_study(table | {name: given for name, given in optional.items() if given is not None})
     return study, study.cases
 
 
@@ -59,6 +60,15 @@ def test_each_point_of_a_sweep_has_its_own():
     lengths = np.array([one.law.length for one in cases])
     np.testing.assert_allclose(lengths / lengths[0], [1, 2, 4, 8], rtol=0.1)
     assert len(study.choices) == 4
+
+
+def test_a_solid_stiffer_along_its_normal_has_a_shorter_one():
+    along = {"kind": "transversely_isotropic", "axial_modulus": "16 MPa", "axial_poissons_ratio": 0.5}
+    study, (one,) = case(elasticity=along | {"axial_shear_modulus": "5 MPa"})
+    assert one.solid.contact_modulus > 2 * MODULUS
+    tabor = reference.tabor_parameter(100e-6, one.solid.contact_modulus, WORK, one.law.length)
+    assert 3 <= tabor < 3.3  # two digits, rounded down
+    assert study.choices[0].endswith(f"(it is {tabor:.2g})")
 
 
 def test_an_override_may_ask_for_it():
