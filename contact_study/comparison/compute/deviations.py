@@ -6,6 +6,7 @@ import numpy as np
 import xarray as xr
 
 from contact_study.campaign.schema import COORDINATES, VARIABLES
+from contact_study.comparison.compute.ensemble import standard_error
 from contact_study.comparison.models import entry_of, kind_of
 from contact_study.comparison.read.path_points import averaged, on_common_path, swept_dims, usable
 
@@ -86,12 +87,10 @@ def _flagged(dataset: xr.Dataset, name: str, value: int) -> xr.DataArray | bool:
 
 def _with_statistics(table: xr.Dataset, average: str) -> xr.Dataset:
     """Add means and standard errors over samples; the differences are paired, each of two models on one surface."""
-    count = (table["state"] == COMPARED).sum(average)
     added = {}
     for name in [str(name) for name in table.data_vars if str(name).endswith("deviation")]:
         added[f"{name}_mean"] = table[name].mean(average)
-        # One surface tells nothing of the scatter: NaN, not zero.
-        added[f"{name}_standard_error"] = table[name].std(average, ddof=1).where(count > 1) / np.sqrt(count)
+        added[f"{name}_standard_error"] = standard_error(table[name], average)
     return table.assign(added)
 
 

@@ -1,6 +1,6 @@
 """Means and standard errors of each model over seeds, or over what else is averaged."""
 
-from collections.abc import Mapping
+from collections.abc import Hashable, Iterable, Mapping
 
 import numpy as np
 import xarray as xr
@@ -10,6 +10,15 @@ from contact_study.comparison.read.path_points import averaged, usable
 
 # What says how a step was found, not what came out.
 _OF_THE_WORK = ("residual", "complementarity_residual", "wall_time", "fft_pairs", "iterations", "force_evaluations")
+
+
+def standard_error(values: xr.DataArray, over: str | Iterable[Hashable]) -> xr.DataArray:
+    """Standard error of the mean over some dimensions, NaN values left out: standard deviation (of n − 1) over √n.
+
+    One sample tells nothing of the scatter: NaN, not zero.
+    """
+    count = values.notnull().sum(over)
+    return values.std(over, ddof=1).where(count > 1) / np.sqrt(count)
 
 
 def ensemble_statistics(models: Mapping[str, xr.Dataset]) -> dict[str, xr.Dataset]:
@@ -42,12 +51,9 @@ def _statistics(dataset: xr.Dataset, over: str) -> xr.Dataset:
     found = {"samples": samples.assign_attrs(units="1", long_name=f"values of {words} that converged in contact")}
     for name in [str(name) for name, variable in dataset.data_vars.items() if _has_a_mean(str(name), variable, over)]:
         values, known = dataset[name].where(fit), VARIABLES[name]
-        count = values.notnull().sum(over)
-        # One sample tells nothing of the scatter: NaN, not zero.
-        error = values.std(over, ddof=1).where(count > 1) / np.sqrt(count)
         attrs = {"units": known.units, "ancillary_variables": f"{name}_standard_error samples"}
         found[name] = values.mean(over).assign_attrs(attrs, long_name=f"{known.long_name}, mean over {words}")
-        found[f"{name}_standard_error"] = error.assign_attrs(
+        found[f"{name}_standard_error"] = standard_error(values, over).assign_attrs(
             units=known.units, long_name=f"{known.long_name}, standard error of the mean over {words}"
         )
     return xr.Dataset(found, attrs={"averaged_over": over})

@@ -7,6 +7,7 @@ import numpy as np
 import xarray as xr
 
 from contact_study.comparison.compute.cases import SweepPoint, case_points, select, series, sweep_points
+from contact_study.comparison.compute.ensemble import standard_error
 from contact_study.comparison.compute.scales import Scales, mean_pressure_unit, scales
 from contact_study.comparison.compute.shown_states import PanelPoints, point_label
 from contact_study.comparison.models import entry_of
@@ -333,8 +334,7 @@ def density_at(
     dims = samples_in(density)
     if not dims:
         return density.values, np.full(density.shape, np.nan)
-    count = density.notnull().sum(dims)
-    return density.mean(dims).values, (density.std(dims, ddof=1).where(count > 1) / np.sqrt(count)).values
+    return density.mean(dims).values, standard_error(density, dims).values
 
 
 def smallest_resolved(curves: list[Curve]) -> float:
