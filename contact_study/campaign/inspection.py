@@ -5,13 +5,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import xarray as xr
 
 from contact_study.campaign.files import write_aside
 from contact_study.fields.roughness import Roughness
 from contact_study.problem.case import Case
 from contact_study.problem.errors import InputError
 from contact_study.problem.keys import bind
-from contact_study.problem.measured_surface import described, doubts, length
+from contact_study.problem.measured_surface import described, doubts
 from contact_study.problem.study import read_study
 from contact_study.problem.surfaces import SURFACES
 from contact_study.problem.surfaces.base import SurfaceSection
@@ -47,6 +48,8 @@ def inspect(path: Path, overrides: Mapping[str, Any], picture: Path | None = Non
     """
     from matplotlib.figure import Figure  # slow to import, and needed here only
 
+    from contact_study.plots.style import DOUBLE, RESOLUTION
+
     section, directory, words = _surface(path, overrides)
     scales = section.scales(directory)
     surface = section.realise(directory)
@@ -55,7 +58,7 @@ def inspect(path: Path, overrides: Mapping[str, Any], picture: Path | None = Non
     if surface.roughness.rms_slope > 1:
         lines.append("warning: surface: an rms slope above 1; linear elasticity of a half-space is meant for far less")
     figure = picture or path.with_name(f"{path.stem}.inspect.png")
-    drawn = Figure(figsize=(9.5, 4), layout="constrained")
+    drawn = Figure(figsize=(DOUBLE, 2.8), layout="constrained")
     known = drawn.canvas.get_supported_filetypes()
     kind = figure.suffix.lower().lstrip(".")
     if kind not in known:
@@ -63,8 +66,8 @@ def inspect(path: Path, overrides: Mapping[str, Any], picture: Path | None = Non
     table = figure.with_suffix(".csv")
     grid = surface.roughness.grid
     heights = surface.heights(grid.shape)
-    _draw(drawn, heights, surface.roughness)
-    write_aside(figure, lambda partial: drawn.savefig(partial, dpi=150, format=kind))
+    _picture(drawn, heights, surface.roughness)
+    write_aside(figure, lambda partial: drawn.savefig(partial, dpi=RESOLUTION, format=kind))
     write_aside(table, lambda partial: _tabulate(partial, surface.roughness))
     return [*lines, f"{figure} (map and spectrum), {table} (spectrum)"]
 
@@ -84,29 +87,24 @@ def _surface(path: Path, overrides: Mapping[str, Any]) -> tuple[SurfaceSection, 
     return section, path.parent, f"{path}: heights in {section.measured(path.parent).unit}"
 
 
-def _draw(figure: "Figure", heights: np.ndarray, roughness: Roughness) -> None:
-    grid, spectrum, fit = roughness.grid, roughness.spectrum, roughness.fit
-    lateral, vertical = (_unit(value) for value in (max(grid.size), float(np.abs(heights).max())))
-    left, right = figure.subplots(1, 2)
+def _picture(figure: "Figure", heights: np.ndarray, roughness: Roughness) -> None:
+    """Draw the map, with every so many of a large one's points, and the spectrum."""
+    from matplotlib import rc_context
+
+    from contact_study import plots
+    from contact_study.plots.style import STYLE
+
+    grid = roughness.grid
+    y, x = grid.coordinates
+    surface = xr.Dataset({"height": (("y", "x"), heights)}, coords={"y": y, "x": x})
+    with rc_context(STYLE):
+        left, right = figure.subplots(1, 2)
     every = max(1, max(grid.shape) // _PICTURE)
-    extent = (0, grid.size[1] / lateral[0], 0, grid.size[0] / lateral[0])
-    image = left.imshow(heights[::every, ::every] / vertical[0], extent=extent, origin="lower", cmap="viridis")
-    figure.colorbar(image, label=f"height ({vertical[1]})")
-    left.set(xlabel=f"x ({lateral[1]})", ylabel=f"y ({lateral[1]})")
-    there = spectrum.density > 1e-20 * max(spectrum.density.max(initial=0.0), 1e-300)
-    right.loglog(spectrum.wavevectors[there], spectrum.density[there], ".", label="surface")
-    if fit is not None:
-        q = np.geomspace(spectrum.wavevectors[0], fit.cutoff, 100)
-        law = fit.density * np.maximum(q / fit.roll_off, 1) ** (-2 - 2 * fit.hurst_exponent)
-        right.loglog(q, law, label=f"H = {fit.hurst_exponent:.2f}, down to {length(2 * np.pi / fit.cutoff)}")
-    right.set(xlabel="wavevector q (1/m)", ylabel="C (m⁴)", title=f"h_rms {length(roughness.rms_height)}")
-    right.legend()
-
-
-def _unit(largest: float) -> tuple[float, str]:
-    """Size in metres, and name, of the unit that suits a length."""
-    name = length(largest or 1.0).rpartition(" ")[2]
-    return {"m": 1.0, "mm": 1e-3, "µm": 1e-6, "nm": 1e-9, "pm": 1e-12}[name], name
+    plots.height_map(surface.isel(y=slice(None, None, every), x=slice(None, None, every)), left)
+    if roughness.rms_height > 0:
+        plots.surface_spectrum(surface, right)
+    else:
+        right.set_axis_off()
 
 
 def _tabulate(path: Path, roughness: Roughness) -> None:

@@ -7,7 +7,7 @@ pyplot's state or any setting.
 from contact_study.plots.curves import contact_area, hysteresis_loop, mean_gap
 from contact_study.plots.densities import gap_distribution, stress_distribution, surface_spectrum
 from contact_study.plots.deviations import deviations
-from contact_study.plots.maps import contact_map, gap_map, pressure_map
+from contact_study.plots.maps import contact_map, gap_map, height_map, pressure_map
 from contact_study.plots.section import section
 
 __all__ = [
@@ -16,6 +16,7 @@ __all__ = [
     "deviations",
     "gap_distribution",
     "gap_map",
+    "height_map",
     "hysteresis_loop",
     "mean_gap",
     "pressure_map",

@@ -11,6 +11,7 @@ from contact_study.fields.roughness import roughness_of
 from contact_study.plots.selection import extent, lines, one_state, require
 from contact_study.plots.style import COLOURS, axes_of, readable_decades, styled
 from contact_study.plots.units import Unit, length_unit, pressure_unit
+from contact_study.problem.measured_surface import length
 
 _ROUNDING = 1e-20  # of the largest C: what a transform leaves of waves that a surface does not have
 _LEAST = 1e-8  # of the largest density: theories' tails go on for ever
@@ -47,6 +48,8 @@ def gap_distribution(dataset: xr.Dataset, axes: Axes | None = None) -> Axes:
 def surface_spectrum(dataset: xr.Dataset, axes: Axes | None = None) -> Axes:
     """Power spectrum C(q) of the surface, averaged over directions and bands of an eighth of an octave.
 
+    Beside it the self-affine spectrum that fits best, where one fits.
+
     Convention: h_rms² = 2π ∫ q C dq.
 
     Parameters
@@ -63,12 +66,19 @@ def surface_spectrum(dataset: xr.Dataset, axes: Axes | None = None) -> Axes:
     """
     surface = one_state(dataset, "height")
     grid = Grid(surface["height"].shape, extent(surface))
-    spectrum = roughness_of(surface["height"].values, grid).spectrum
+    roughness = roughness_of(surface["height"].values, grid)
+    spectrum, fit = roughness.spectrum, roughness.fit
     if not spectrum.density.any():
         raise ValueError("the surface is flat: it has no spectrum")
     shown = spectrum.density > _ROUNDING * spectrum.density.max()
     axes = axes_of(axes)
     axes.loglog(spectrum.wavevectors[shown], spectrum.density[shown], ".-", color=COLOURS[0], ms=3, lw=0.8)
+    if fit is not None:
+        q = np.geomspace(spectrum.wavevectors[0], fit.cutoff, 100)
+        law = fit.density * np.maximum(q / fit.roll_off, 1) ** (-2 - 2 * fit.hurst_exponent)
+        words = f"H = {fit.hurst_exponent:.2f}, down to {length(2 * np.pi / fit.cutoff)}"
+        axes.loglog(q, law, color=COLOURS[1], lw=1.0, label=words)
+        axes.legend()
     readable_decades(axes.xaxis)
     axes.set(xlabel=r"wavevector $q$ (m$^{-1}$)", ylabel=r"power spectrum $C(q)$ (m$^4$)")
     return axes

@@ -1,4 +1,4 @@
-"""Maps of one state: gap, pressure, contact."""
+"""Maps of a surface and of one state: height, gap, pressure, contact."""
 
 from typing import Any
 
@@ -14,6 +14,28 @@ from contact_study.plots.style import COLOURS, axes_of, styled
 from contact_study.plots.units import Unit, length_unit, pressure_unit
 
 _NONE, _OTHERS = "#ffffff", "#9a9a9a"
+
+
+@styled
+def height_map(dataset: xr.Dataset, axes: Axes | None = None) -> Axes:
+    """Heights of the surface.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        One surface: of a simulation with its fields, or any ``height`` over ``y`` and ``x`` (m).
+    axes : matplotlib.axes.Axes, optional
+        Where to draw.
+
+    Raises
+    ------
+    ValueError
+        If the heights were not kept, or there is more than one surface.
+    """
+    surface = one_state(dataset, "height")
+    height = surface["height"].values
+    unit = length_unit(float(np.abs(height).max()))
+    return _map(surface, height / unit.size, axes, f"height ({unit.name})", cmap="viridis")
 
 
 @styled

@@ -72,6 +72,15 @@ def test_the_surface_of_a_study_is_looked_at(folder, study, capsys):  # noqa: F8
     assert "64 x 128 points" in capsys.readouterr().out
 
 
+def test_a_flat_surface_is_looked_at_too(folder, capsys):
+    table = MAP.split("[material]")
+    flat = '[surface]\nkind = "flat"\nsize = "8 nm"\nshape = [8, 8]\n[material]'
+    (folder / "flat.toml").write_text(flat + table[1])
+    assert run("--inspect", "flat.toml") == 0
+    assert "h_rms 0 pm" in capsys.readouterr().out
+    assert (folder / "flat.inspect.png").exists()
+
+
 @pytest.mark.parametrize(
     ("arguments", "culprit"),
     [

@@ -12,6 +12,8 @@ from contact_study import plots
 from contact_study.plots.curves import dissipated_energy
 from contact_study.plots.style import COLOURS
 from contact_study.plots.units import length_unit, pressure_unit
+from contact_study.problem.study import make_study
+from contact_study.problem.surface import realise
 
 SIDE, SPACING = 16, 1e-9
 
@@ -195,6 +197,27 @@ def test_spectrum_is_that_of_the_waves_and_keeps_the_variance():
     white = heights.var() * SPACING**2 / (2 * np.pi) ** 2
     # The bands hold unequal numbers of waves: those of the upper octave are the many.
     assert np.mean(line.get_ydata()[-8:]) == pytest.approx(white, rel=0.2)
+
+
+def test_spectrum_has_the_fit_of_a_self_affine_surface_beside_it():
+    keys = {**STUDY["surface"], "shape": [128, 128], "cutoff_mode": 40, "hurst_exponent": 0.7}
+    surface = realise(make_study({**STUDY, "surface": keys}).cases[0])
+    y, x = surface.grid.coordinates
+    axes = plots.surface_spectrum(xr.Dataset({"height": (("y", "x"), surface.sampled)}, {"y": y, "x": x}))
+    measured, fitted = axes.lines
+    assert np.polyfit(*np.log(fitted.get_data()), 1)[0] == pytest.approx(-3.4, abs=0.1)  # scatter of the surface
+    assert fitted.get_xdata()[-1] == pytest.approx(40 * 2 * np.pi / 8.32e-9, rel=0.1)  # a band is 9 % wide
+    # The line goes through the points, within the scatter of bands with few waves.
+    level = np.interp(measured.get_xdata(), *fitted.get_data())
+    assert np.median(measured.get_ydata() / level) == pytest.approx(1, abs=0.2)
+    assert axes.get_legend_handles_labels()[1][0].startswith("H = 0.")
+
+
+def test_height_map_shows_the_heights():
+    axes = plots.height_map(state())
+    (image,) = axes.images
+    assert image.get_array()[2, 1] == pytest.approx(10 * np.cos(2 * np.pi * (1 - 2 * 2) / SIDE))  # ångströms
+    assert image.colorbar.ax.get_ylabel() == "height (Å)"
 
 
 def test_a_flat_surface_has_no_spectrum():
