@@ -11,8 +11,7 @@ def typical_wavenumber(height: np.ndarray, grid: Grid) -> float:
 
     Unlike the size of the cell it does not change when the same roughness is studied on a larger area.
     """
-    power = grid.multiplicity * np.abs(fourier.transform(height)) ** 2
-    power[0, 0] = 0.0
+    power = grid.variances(fourier.transform(height))
     lowest = 2 * np.pi / max(grid.size)
     variance = power.sum()
     if variance == 0:

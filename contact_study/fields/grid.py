@@ -70,6 +70,23 @@ class Grid:
             weight[-1] = 1.0
         return weight[None, :]
 
+    def variances(self, coefficients: np.ndarray) -> np.ndarray:
+        """Mean square of each wave of a real field from its normalised half spectrum; the field's mean has none.
+
+        Parameters
+        ----------
+        coefficients : numpy.ndarray, shape ``spectrum_shape``
+            As :func:`contact_study.fields.fourier.transform` gives them.
+
+        Returns
+        -------
+        numpy.ndarray, shape ``spectrum_shape``
+            Their sum is the variance of the field (Parseval).
+        """
+        variances = self.multiplicity * np.abs(coefficients) ** 2
+        variances[0, 0] = 0.0
+        return variances
+
     def with_shape(self, shape: tuple[int, int]) -> "Grid":
         """The same rectangle with another number of points."""
         return Grid(shape, self.size)

@@ -110,8 +110,7 @@ class Roughness:
 
 def roughness_of(heights: np.ndarray, grid: Grid) -> Roughness:
     """Describe heights (m) on a periodic grid."""
-    power = grid.multiplicity * np.abs(fourier.transform(heights)) ** 2
-    power[0, 0] = 0.0
+    power = grid.variances(fourier.transform(heights))
     q = grid.wavenumber
     jumps, inside = [], []
     for axis in range(2):

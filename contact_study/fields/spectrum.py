@@ -281,15 +281,14 @@ def radial_spectrum(heights: np.ndarray, grid: Grid) -> RadialSpectrum:
     ValueError
         If the surface is flat.
     """
-    power = grid.multiplicity * np.abs(fourier.transform(heights)) ** 2
+    power = grid.variances(fourier.transform(heights))
     q = np.broadcast_to(grid.wavenumber, power.shape).ravel()
     unit = 2 * np.pi / max(grid.size)
     # Modes of one shell differ in |q| by rounding only; nine digits tell neighbouring shells apart.
     _, first, index = np.unique(np.round(q / unit, 9), return_index=True, return_inverse=True)
     variances = np.bincount(index.ravel(), weights=power.ravel())
     # Modes that a band-limited surface does not have hold the transform's rounding, some 1e-16 of the heights each.
-    present = variances > 1e-26 * variances.sum()
-    present[0] = False  # the mean
+    present = variances > 1e-26 * np.mean(np.square(heights))
     if not present.any():
         raise ValueError("heights: the surface is flat and has no spectrum")
     return RadialSpectrum(q[first[present]], variances[present])

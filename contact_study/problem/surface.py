@@ -61,7 +61,7 @@ class Surface(ABC):
     @property
     def rms_slope(self) -> float:
         """√<|∇h|²> of the trigonometric interpolant on the continuum grid."""
-        power = self.grid.multiplicity * np.abs(fourier.transform(self.sampled)) ** 2
+        power = self.grid.variances(fourier.transform(self.sampled))
         return float(np.sqrt(np.sum(self.grid.wavenumber**2 * power)))
 
     @cached_property

@@ -27,11 +27,11 @@ def test_transform_and_back(shape):
 
 
 @pytest.mark.parametrize("shape", SHAPES)
-def test_parseval_with_multiplicity(shape):
-    field = random_field(shape)
-    grid = Grid(shape, (1.0, 2.0))
-    power = np.sum(grid.multiplicity * np.abs(fourier.transform(field)) ** 2)
-    assert power == pytest.approx(np.mean(field**2), rel=1e-13)  # rounding of a sum of 100 terms
+def test_variances_of_the_waves_add_up_to_that_of_the_field(shape):
+    field = random_field(shape) + 3.0
+    variances = Grid(shape, (1.0, 2.0)).variances(fourier.transform(field))
+    assert variances[0, 0] == 0.0
+    assert np.sum(variances) == pytest.approx(np.var(field), rel=1e-13)  # rounding of a sum of 100 terms
 
 
 @pytest.mark.parametrize("shape", SHAPES)

@@ -254,7 +254,7 @@ def test_stress_of_full_contact_is_that_of_the_surface(kind, elasticity):
     found = scales.full_contact_stress(case.solid)
     if isinstance(case.solid, HalfSpace):
         assert found == pytest.approx(0.5 * case.solid.contact_modulus * scales.rms_slope, rel=1e-12)
-    power = surface.grid.multiplicity * np.abs(fourier.transform(surface.heights(surface.shape))) ** 2
+    power = surface.grid.variances(fourier.transform(surface.heights(surface.shape)))
     expected = np.sqrt(np.sum(case.solid.stiffness_on(surface.grid) ** 2 * power))
     # One sample of the ensemble; of the sphere waves beyond the grid are missing.
     assert found == pytest.approx(expected, rel={"self_affine": 0.1, "sphere": 0.01}.get(kind, 1e-9))
@@ -267,7 +267,7 @@ def test_stress_of_full_contact_with_a_height_map(tmp_path):
     own = {"kind": "file", "path": "map.npy", "size": list(grid.size)}
     study = make_study({**layered(), "surface": own}, tmp_path)
     solid = study.cases[0].solid
-    power = grid.multiplicity * np.abs(fourier.transform(heights)) ** 2
+    power = grid.variances(fourier.transform(heights))
     expected = np.sqrt(np.sum(solid.stiffness_on(grid) ** 2 * power))
     # Bands of an eighth of an octave, in which K is taken at one wavenumber.
     assert scales_of(study)[0].full_contact_stress(solid) == pytest.approx(expected, rel=2e-3)

@@ -60,7 +60,7 @@ def roughness(heights: np.ndarray, size: tuple[float, float], solid: Elasticity)
     grid = Grid(heights.shape, size)
     stiffness_q = solid.stiffness_on(grid) / solid.contact_modulus
     spectrum_q = fourier.transform(heights - heights.mean())
-    power_q = grid.multiplicity * np.abs(spectrum_q) ** 2
+    power_q = grid.variances(spectrum_q)
     q = grid.wavenumber
     slope_y, slope_x = (fourier.synthesise(1j * axis * spectrum_q, heights.shape) for axis in grid.wavevectors)
     return Roughness(

@@ -140,8 +140,8 @@ class MapFile(SurfaceSection):
         if shape is not None and (shape[0] < grid.shape[0] or shape[1] < grid.shape[1]):
             lost = _moments(fourier.resize_spectrum(coefficients, grid.shape, shape), Grid(shape, grid.size))
         height, slope = _moments(coefficients, grid)
-        power = (grid.multiplicity * np.abs(coefficients) ** 2).reshape(-1)[1:]
-        spectrum = spectrum_of_waves(grid.wavenumber.reshape(-1)[1:], power)
+        power = grid.variances(coefficients)
+        spectrum = spectrum_of_waves(grid.wavenumber.reshape(-1)[1:], power.reshape(-1)[1:])
         return SurfaceScales(
             grid.size,
             shape or grid.shape,
@@ -228,6 +228,5 @@ def _measured(section: MapFile, path: Path, state: tuple[int, int] | None) -> Me
 
 def _moments(coefficients: np.ndarray, grid: Grid) -> tuple[float, float]:
     """Rms height (m) and rms slope of a trigonometric polynomial, its mean apart."""
-    power = grid.multiplicity * np.abs(coefficients) ** 2
-    power[0, 0] = 0.0
+    power = grid.variances(coefficients)
     return float(np.sqrt(power.sum())), float(np.sqrt(np.sum(grid.wavenumber**2 * power)))
