@@ -6,25 +6,34 @@ of one machine therefore runs the same plan, and a resumed run repeats the arith
 
 import os
 import pickle
+import sys
 from functools import cache
 from pathlib import Path
 
 import numpy as np
-import platformdirs
 from filelock import FileLock
+
+from contact_study.fields.cache import cache_folder
 
 # OpenMP's threads spin while they wait for one another. Where another process holds a core they then wait for the
 # scheduler at every barrier, and two threads take up to a hundred times as long as one. Read when FFTW is loaded.
 os.environ.setdefault("OMP_WAIT_POLICY", "passive")
-import pyfftw
+if "dask" in sys.modules:
+    import pyfftw
+else:
+    # Where Dask is installed, pyFFTW takes it up for its own face of dask.array: half of the start of every command.
+    sys.modules["dask"] = None  # type: ignore[assignment]
+    try:
+        import pyfftw
+    finally:
+        del sys.modules["dask"]
 
 # Below it a second thread of FFTW gains little or nothing, and costs much when the other core is busy.
 POINTS_FOR_THREADS = 1024**2
 
 
 def _wisdom_file() -> Path:
-    directory = os.environ.get("BEM_ADHESION_CACHE") or platformdirs.user_cache_dir("bem-adhesion")
-    return Path(directory) / "fftw-wisdom.pickle"
+    return cache_folder() / "fftw-wisdom.pickle"
 
 
 def _load_wisdom(path: Path) -> None:

@@ -5,6 +5,7 @@ import re
 from functools import cache
 from typing import Any
 
+from contact_study.fields.cache import cache_folder
 from contact_study.problem.errors import InputError
 
 # Moments take the fifth power of a wavevector: within these limits no product over- or underflows.
@@ -23,7 +24,10 @@ _QUANTITY = re.compile(
 def _registry() -> Any:
     import pint  # takes a noticeable fraction of a second: only where input is parsed
 
-    return pint.UnitRegistry()
+    try:
+        return pint.UnitRegistry(cache_folder=cache_folder() / "units")  # the units' definitions, parsed
+    except Exception:  # a damaged or forbidden folder raises many types
+        return pint.UnitRegistry()
 
 
 def quantity(value: Any, unit: str, name: str) -> float:
