@@ -17,7 +17,7 @@ def dataset_of(
     quantities: Mapping[str, Any],
     edges: Mapping[str, np.ndarray | None],
     ranges: Mapping[str, tuple[float, float]],
-    wavevectors: np.ndarray | None = None,
+    further: Mapping[str, np.ndarray] | None = None,
 ) -> xr.Dataset:
     """The dataset of one state.
 
@@ -31,13 +31,12 @@ def dataset_of(
         Edges of the bins by the name of the distribution; None for as many even ones as there are by default.
     ranges : mapping
         Lowest and highest edge of those.
-    wavevectors : numpy.ndarray, optional
-        Where quantities on the dimension ``wavevector`` stand (1/m).
+    further : mapping, optional
+        Coordinates of dimensions that are not bins, such as ``wavevector`` (1/m).
     """
     coordinates: dict[str, Any] = dict(zip(LABELS, labels, strict=False))
     content = {}
-    if wavevectors is not None:
-        coordinates["wavevector"] = wavevectors
+    coordinates |= further or {}
     for name, value in quantities.items():
         known = variable_of(name)
         dims = tuple(dim for dim in known.dims if dim != "step")
@@ -46,7 +45,7 @@ def dataset_of(
             asked = np.linspace(*ranges[name], _BINS + 1) if given is None else np.asarray(given, dtype=float)
             if asked.ndim != 1 or asked.size < 2 or not np.all(np.diff(asked) > 0):
                 raise ValueError(f"{name.removesuffix('pdf')}edges: must be rising numbers, two at least")
-            coordinates[dims[0]] = 0.5 * (asked[1:] + asked[:-1])
+            coordinates[dims[-1]] = 0.5 * (asked[1:] + asked[:-1])
             value = value(asked)
         attributes = {"units": known.units, "long_name": known.long_name, **known.attrs}
         content[name] = xr.Variable(dims, np.asarray(value, dtype=known.dtype), attributes)

@@ -13,6 +13,9 @@ if TYPE_CHECKING:
 
     from theory.persson import PerssonTheory
 
+# By which the last wavevector may be missed where it is written as a product.
+_ROUNDING = 1e-9
+
 
 @dataclass(frozen=True)
 class PerssonContact:
@@ -111,7 +114,7 @@ class PerssonContact:
         edges : numpy.ndarray, shape (n + 1,)
             Edges of the bins (Pa).
         wavevector : float
-            q between the first and the last magnification (1/m); roughness up to the nearest one counts.
+            q above the first magnification, up to the last (1/m).
 
         Raises
         ------
@@ -120,11 +123,17 @@ class PerssonContact:
         """
         theory, scale = self.theory, self.theory.stress_scale
         first, last = theory.wavevectors[[0, -1]]
-        if not first <= finite("wavevector", wavevector, "1/m") <= last:
-            raise ValueError(f"wavevector = {wavevector:g} 1/m: the magnifications go from {first:.6g} to {last:.6g}")
-        node = max(int(np.argmin(np.abs(np.log(theory.wavevectors / wavevector)))), 1)
-        variance = theory.stress_variance[: node + 1] / scale**2
-        boundary = self.detachment_stress[: node + 1] if theory.work_of_adhesion else np.zeros(node + 1)
+        if not first < finite("wavevector", wavevector, "1/m") <= last * (1 + _ROUNDING):
+            raise ValueError(
+                f"wavevector = {wavevector:g} 1/m: the magnifications go from above {first:.6g} to {last:.6g}"
+            )
+        at = min(wavevector, last)
+        end = theory.spectrum.full_contact_stress_variance(theory.solid.stiffness, np.array([at]))[0]
+        # As the scheme has it, σ_a is linear in the variance between two nodes.
+        below = theory.stress_variance[theory.wavevectors < at]
+        variance = np.append(below[below < end], end) / scale**2
+        stress = self.detachment_stress if theory.work_of_adhesion else np.zeros_like(self.detachment_stress)
+        boundary = np.interp(variance * scale**2, theory.stress_variance, stress)
         # The cells are graded for a last variance of one.
         unit = np.sqrt(variance[-1])
         part = diffuse(self.pressure / scale / unit, variance / unit**2, boundary / scale / unit, theory.cells)
@@ -152,7 +161,9 @@ class PerssonContact:
             "iterations": self.iterations,
         }
 
-    def to_dataset(self, pressure_edges: np.ndarray | None = None) -> "xr.Dataset":
+    def to_dataset(
+        self, pressure_edges: np.ndarray | None = None, magnifications: np.ndarray | None = None
+    ) -> "xr.Dataset":
         """The state in the schema of ``theory.nc``, without the dimension of a path.
 
         Its mean gap rests on the states at all higher pressures, which are solved for it: some forty more.
@@ -161,13 +172,16 @@ class PerssonContact:
         ----------
         pressure_edges : numpy.ndarray, optional
             Edges of the bins of P(σ) (Pa); by default even ones over the whole distribution.
+        magnifications : numpy.ndarray, optional
+            ζ = q/q_L, above one, at which P(σ, ζ) is given too, as ``pressure_pdf_at``.
 
         Raises
         ------
         ValueError
-            If edges do not rise.
+            If edges do not rise, or a magnification is not one of the spectrum.
         """
         from theory.datasets import dataset_of  # xarray is slow to import, and only needed here
+        from theory.magnification import stress_densities
         from theory.separation import separation_curve
 
         gap = np.nan
@@ -175,10 +189,16 @@ class PerssonContact:
             lowest = min(self.pressure, self.theory.stress_scale)
             gap = float(separation_curve(self.theory, lowest).mean_gap(self.pressure))
         ends = self.distribution.edges[[0, -1]] * self.theory.stress_scale
+        quantities = {**self.quantities(), "mean_gap": gap}
+        coordinates = {"wavevector": self.theory.wavevectors}
+        if magnifications is not None:
+            coordinates["magnification"] = np.asarray(magnifications, dtype=float)
+            quantities["pressure_pdf_at"] = stress_densities(self, coordinates["magnification"])
+        names = ("pressure_pdf", "pressure_pdf_at")
         return dataset_of(
             ("persson",),
-            {**self.quantities(), "mean_gap": gap},
-            {"pressure_pdf": pressure_edges},
-            {"pressure_pdf": (float(ends[0]), float(ends[1]))},
-            self.theory.wavevectors,
+            quantities,
+            dict.fromkeys(names, pressure_edges),
+            dict.fromkeys(names, (float(ends[0]), float(ends[1]))),
+            coordinates,
         )

@@ -9,6 +9,7 @@ from scipy.optimize import brentq
 
 from theory.case_theories import CaseTheories
 from theory.gap_paths import DETACHED, nowhere
+from theory.magnification import magnifications, stress_densities
 from theory.persson import PerssonTheory, solve
 from theory.persson_contact import PerssonContact
 from theory.separation import NegativeSeparation, SeparationCurve, separation_curve
@@ -20,7 +21,7 @@ _STORED_WAVEVECTORS = 129
 _RESOLVED = ("relative_contact_area_at", "detachment_stress", "effective_work_of_adhesion")
 
 # Quantities that no other theory has.
-PERSSONS_OWN = (*_RESOLVED, "contact_stress", "edge_stress")
+PERSSONS_OWN = (*_RESOLVED, "contact_stress", "edge_stress", "pressure_pdf_at")
 
 # Below this pressure, in units of the full-contact stress, a mean gap is not sought.
 _LOWEST_PRESSURE = 1e-9
@@ -36,6 +37,7 @@ def persson_path(
     case, theory = theories.case, theories.persson
     curve = _separation(theories)
     by_pressure = case.loading.control == "pressure"
+    asked = 0 if theories.other else case.theory.magnifications
     pressures = [value if by_pressure else _pressure_at(curve, value) for value, _ in case.path]
     gaps = curve.mean_gap(np.array(pressures))
     for number in range(start, len(case.path)):
@@ -47,6 +49,9 @@ def persson_path(
             values = _persson_values(contact) | {"mean_gap": float(gaps[number])}
             if np.isfinite(gaps[number]) and not curve.converged_above(pressures[number]):
                 values |= {"converged": False, "message": _UNSOUND_GAP}
+        if asked:
+            known = None if np.isnan(pressures[number]) else contact
+            values["pressure_pdf_at"] = stress_densities(known, magnifications(theory, asked))
         yield values, stress
 
 

@@ -24,6 +24,7 @@ from contact_study.problem.surface import Surface
 from contact_study.problem.surface_scales import SurfaceScales
 from theory.case_theories import CaseTheories, case_theories
 from theory.gap_paths import edge_flow_paths, flow_name, gap_flow_paths
+from theory.magnification import magnifications
 from theory.persson import PerssonTheory
 from theory.persson_paths import PERSSONS_OWN, persson_path, stored_wavevectors
 from theory.separation import energy_defect, pull_off_pressure
@@ -123,6 +124,8 @@ def constants(case: Case, surface: Surface) -> dict[str, Value]:
         "energy_defect": energy_defect(theory, tolerance, max_iterations),
         "wavevector": stored_wavevectors(theory),
     }
+    if case.theory.magnifications:
+        values["magnification"] = magnifications(theory, case.theory.magnifications)
     for theories in every:
         tolerance, max_iterations = theories.effort
         pull = pull_off_pressure(theories.persson, tolerance=tolerance, max_iterations=max_iterations)
@@ -168,7 +171,7 @@ def solve_path(
             shared = {name: value for name, value in own.items() if name not in PERSSONS_OWN}
             values |= {theories.named(f"persson/{name}"): value for name, value in shared.items()}
             if not theories.other:
-                values |= {name: own[name] for name in PERSSONS_OWN}
+                values |= {name: own[name] for name in PERSSONS_OWN if name in own}
         for theories, found in flows:
             for path in found:
                 values |= {theories.named(name): value for name, value in path[number].items()}

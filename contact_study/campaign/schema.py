@@ -59,6 +59,11 @@ VARIABLES: dict[str, Variable] = {
     "effective_work_of_adhesion": Variable(
         "J m-2", "work of adhesion at a magnification, Persson's theory", ("step", "wavevector")
     ),
+    "pressure_pdf_at": Variable(
+        "Pa-1",
+        "probability density of the interfacial pressure at a magnification, Persson's theory",
+        ("step", "magnification", "pressure_bin"),
+    ),
     "contact_stress": Variable("Pa", "mean stress carried inside the contact, compression positive, Persson's theory"),
     "edge_stress": Variable("Pa", "mean stress carried at detached edges, compression positive, Persson's theory"),
     "local_mean_pressure": Variable(
@@ -79,6 +84,9 @@ COORDINATES: dict[str, Variable] = {
     "pressure_bin": Variable("Pa", "interfacial pressure, compression positive (bin centre)", ("pressure_bin",)),
     "gap_bin": Variable("m", "local gap (bin centre)", ("gap_bin",)),
     "wavevector": Variable("m-1", "roughness wavevector", ("wavevector",)),
+    "magnification": Variable(
+        "1", "magnification: wavevector up to which roughness counts over the smallest one", ("magnification",)
+    ),
     "spectrum_wavevector": SPECTRUM_WAVEVECTOR,
     "y": Variable("m", "position along y", ("y",)),
     "x": Variable("m", "position along x", ("x",)),

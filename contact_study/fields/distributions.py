@@ -32,17 +32,19 @@ def redistributed(density: np.ndarray, edges: np.ndarray, new_edges: np.ndarray)
 
     Parameters
     ----------
-    density : numpy.ndarray, shape (n,)
+    density : numpy.ndarray, shape (..., n)
         Means over the old bins, zero outside them.
     edges, new_edges : numpy.ndarray, shapes (n + 1,), (m + 1,)
         Increasing edges of the old and new bins.
 
     Returns
     -------
-    numpy.ndarray, shape (m,)
+    numpy.ndarray, shape (..., m)
     """
-    cumulative = np.concatenate([[0.0], np.cumsum(density * np.diff(edges))])
-    return np.diff(np.interp(new_edges, edges, cumulative)) / np.diff(new_edges)
+    cumulative = np.cumsum(density * np.diff(edges), axis=-1)
+    cumulative = np.concatenate([np.zeros((*cumulative.shape[:-1], 1)), cumulative], axis=-1)
+    on_new = np.apply_along_axis(lambda row: np.interp(new_edges, edges, row), -1, cumulative)
+    return np.diff(on_new, axis=-1) / np.diff(new_edges)
 
 
 # Relative difference of widths and edges that rounding makes.
@@ -77,7 +79,11 @@ class Bins:
     @property
     def edges_of(self) -> dict[str, np.ndarray]:
         """Edges by the name of the distribution that is counted in them."""
-        return {"pressure_pdf": self.pressure_edges, "gap_pdf": self.gap_edges}
+        return {
+            "pressure_pdf": self.pressure_edges,
+            "pressure_pdf_at": self.pressure_edges,
+            "gap_pdf": self.gap_edges,
+        }
 
     @property
     def spans(self) -> tuple[list[float], list[float]]:

@@ -7,13 +7,22 @@ pyplot's state or any setting.
 from contact_study.plots.curves import contact_area, hysteresis_loop, mean_gap
 from contact_study.plots.densities import gap_distribution, stress_distribution, surface_spectrum
 from contact_study.plots.deviations import deviations
+from contact_study.plots.magnification import (
+    area_by_magnification,
+    detachment_stress,
+    effective_work_of_adhesion,
+    stress_by_magnification,
+)
 from contact_study.plots.maps import contact_map, gap_map, height_map, pressure_map
 from contact_study.plots.section import section
 
 __all__ = [
+    "area_by_magnification",
     "contact_area",
     "contact_map",
+    "detachment_stress",
     "deviations",
+    "effective_work_of_adhesion",
     "gap_distribution",
     "gap_map",
     "height_map",
@@ -21,6 +30,7 @@ __all__ = [
     "mean_gap",
     "pressure_map",
     "section",
+    "stress_by_magnification",
     "stress_distribution",
     "surface_spectrum",
 ]

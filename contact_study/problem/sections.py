@@ -165,6 +165,11 @@ class TheorySection:
     )
     alpha: float = key(quantity("1", positive=True), "α in σ_a² = α E* q γ_eff", 1.0)
     cap_detachment_stress: bool = key(flag(), "limit σ_a to the law's largest tensile stress", False)
+    magnifications: int = key(
+        integer(minimum=0, maximum=10_000),
+        "magnifications ζ at which P(σ, ζ) of Persson's theory is kept, evenly in ln ζ; 0: none",
+        0,
+    )
 
     def __post_init__(self):
         if "table" in self.spectra:

@@ -10,9 +10,12 @@ import xarray as xr
 from contact_study.comparison.command import main
 from contact_study.comparison.compute.cases import sweep_points
 from contact_study.comparison.compute.deviations import pairs_of
+from contact_study.comparison.compute.magnification import read_magnification
 from contact_study.comparison.compute.plotted import Curve
 from contact_study.comparison.compute.scales import scales
+from contact_study.comparison.compute.shown_states import panel_points
 from contact_study.comparison.draw.figures import contact_area_figure
+from contact_study.comparison.draw.magnification import magnification_figure
 from contact_study.comparison.draw.style import look_of
 from contact_study.comparison.read.datasets import read_inputs
 from contact_study.problem.errors import InputError
@@ -62,6 +65,39 @@ def test_extents_are_of_converged_states_in_contact(tmp_path):
     assert "(ε = 8 ε₀, p = 5.8725 GPa)" not in text.partition("What was run")[0]
     largest = gap(1, 0.7799e9) / 1e-9
     assert f"to {largest:.3g} hrms (ε = ε₀, p = 0.7799 GPa)" in text
+
+
+def test_the_theories_alone_are_shown_against_magnification(tmp_path):
+    """Every point of the sweep at the common pressure, the map where there is one."""
+    path = write(tmp_path / "plain.nc", "theory")
+    with xr.open_datatree(path, decode_timedelta=False) as opened:
+        tree = opened.load()
+    wavevector, zeta = 3e7 * np.array([1.0, 2.0, 4.0]), np.array([2.0, 4.0])
+    ratio, step = tree["well_depth_ratio"].values, np.arange(tree.sizes["step"])
+    values = ratio[:, None, None] + 100 * step[:, None] + np.arange(3)
+    names = ("relative_contact_area_at", "detachment_stress", "effective_work_of_adhesion")
+    curves = dict.fromkeys(names, (("well_depth_ratio", "step", "wavevector"), values))
+    stress = ("well_depth_ratio", "step", "magnification", "pressure_bin")
+    density = np.ones((2, step.size, 2, tree.sizes["pressure_bin"]))
+    kept = {"pressure_pdf_at": (stress, density)}
+    for file, variables in (("curves", curves), ("map", curves | kept)):
+        tree.dataset = tree.to_dataset().assign(variables).assign_coords(wavevector=wavevector, magnification=zeta)
+        tree.to_netcdf(tmp_path / f"{file}.nc")
+        inputs = read_inputs([tmp_path / f"{file}.nc"])
+        shown = panel_points(inputs.models, inputs.control)
+        joined, mapped = read_magnification(inputs, shown, None)
+        # p/E* = 0.00832 is the second point of the one path and the third of the other.
+        assert list(joined["detachment_stress"].values[:, 0]) == [101, 208]
+        figure = magnification_figure(joined, mapped, "at p", "one")
+        assert [line.get_ydata()[0] for line in figure.axes[1].lines] == [101, 208]
+        assert len(figure.axes) == (5 if file == "map" else 3), "with its bar of colours"
+        assert [text.get_text() for text in figure.axes[0].get_legend().get_texts()] == ["ε = ε₀", "ε = 8 ε₀"]
+        (tmp_path / file).mkdir()
+        text = reported(tmp_path / file, tmp_path / f"{file}.nc")[1]
+        assert ("(d) distribution of the stress at ε = 8 ε₀" in text) == (file == "map")
+    continuum = write(tmp_path / "c.nc", "continuum")
+    both = read_inputs([continuum, tmp_path / "map.nc"])
+    assert read_magnification(both, panel_points(both.models, both.control), None) is None
 
 
 def test_one_theory_of_a_file(tmp_path):

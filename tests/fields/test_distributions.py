@@ -57,3 +57,10 @@ def test_spans_say_all_of_the_bins(bins):
 def test_which_bins_can_be_had_from_which(bins, other, equal, held):
     assert bins.equal(Bins.evenly(*other)) == equal
     assert bins.hold(Bins.evenly(*other)) == held
+
+
+def test_rows_are_redistributed_each_for_itself():
+    old, new = np.linspace(0, 1, 9), np.linspace(0, 1, 6)
+    rows = np.arange(16.0).reshape(2, 8)
+    expected = [redistributed(row, old, new) for row in rows]
+    np.testing.assert_array_equal(redistributed(rows, old, new), expected)

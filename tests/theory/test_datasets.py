@@ -88,6 +88,11 @@ def test_stress_at_a_magnification_is_the_diffusion_stopped_there(paper, work):
     contact = paper.theory(work).at_pressure(1e9)
     wavevectors = contact.theory.wavevectors
     edges = contact.theory.stress_scale * np.linspace(-7, 8, 1501)
+    between = float(np.sqrt(wavevectors[40] * wavevectors[41]))
+    whole = np.sum(contact.stress_density(edges, between)) * (edges[1] - edges[0])
+    # Between two nodes the area is between theirs, not that of one of them.
+    share = (whole - contact.contact[41]) / (contact.contact[40] - contact.contact[41])
+    assert 0.3 < share < 0.7
     for node in (40, 100, wavevectors.size - 1):
         density = contact.stress_density(edges, wavevectors[node])
         # Its area is the apparent contact at that magnification; cells of another grading, second order.
@@ -104,3 +109,15 @@ def test_stress_at_a_magnification_is_the_diffusion_stopped_there(paper, work):
         assert np.abs(density - expected).max() < 0.02 * expected.max()
     with pytest.raises(ValueError, match="wavevector"):
         contact.stress_density(edges, 2 * wavevectors[-1])
+
+
+def test_a_state_gives_its_stress_at_magnifications(states):
+    edges = np.linspace(-5e9, 4e10, 91)
+    dataset = states["persson"].to_dataset(edges, magnifications=[2.0, 12.0])
+    assert dataset.pressure_pdf_at.dims == ("magnification", "pressure_bin")
+    assert list(dataset.magnification) == [2.0, 12.0]
+    assert dataset.magnification.attrs["units"] == "1"
+    first = states["persson"].theory.wavevectors[0]
+    np.testing.assert_array_equal(dataset.pressure_pdf_at[0], states["persson"].stress_density(edges, 2 * first))
+    with pytest.raises(ValueError, match="magnifications go from above"):
+        states["persson"].to_dataset(magnifications=[1.0])

@@ -114,7 +114,8 @@ def test_values_are_consistent(case, steps):
         assert values["edge_flow/mean_pressure"] == pytest.approx(applied, rel=1e-3)
         assert values["edge_flow/converged"]
         for theory in ("gap_flow", "edge_flow"):
-            for name, edges in bins_of_case(case).edges_of.items():
+            for name in ("pressure_pdf", "gap_pdf"):
+                edges = bins_of_case(case).edges_of[name]
                 assert np.sum(values[f"{theory}/{name}"] * np.diff(edges)) == pytest.approx(1, abs=2e-3)
 
 
@@ -461,3 +462,32 @@ def test_a_layer_is_held_by_its_base():
     stored = solve(theory, pressure).elastic_energy
     total = values[found[0].replace("mean_separation", "elastic_energy")]
     assert total == pytest.approx(stored + 0.5 * compliance * pressure**2, rel=1e-6)
+
+
+def test_stress_is_kept_at_as_many_magnifications_as_asked():
+    theory = {"magnifications": 5, "spectrum": ["analytic", "surface"]}
+    case = case_of(theory=theory, loading={"path": ["1 GPa", "-8 GPa"], "unload": False})
+    held, lost = steps_of(case)
+    zeta = run.constants(case, realise(case))["magnification"]
+    np.testing.assert_allclose(zeta, 12 ** np.linspace(0.2, 1, 5), rtol=1e-9)
+    edges = bins_of_case(case).pressure_edges
+    found = held.values["pressure_pdf_at"]
+    assert found.shape == (5, edges.size - 1)
+    # What the bins leave out is tension that only an uncapped detachment stress reaches.
+    wavevectors = np.geomspace(1, 12, held.values["relative_contact_area_at"].size)
+    areas = np.interp(np.log(zeta), np.log(wavevectors), held.values["relative_contact_area_at"])
+    assert np.sum(found, axis=1) * (edges[1] - edges[0]) == pytest.approx(areas, rel=0.01)
+    # On cells of another grading: second order.
+    assert np.abs(found[-1] - held.values["persson/pressure_pdf"]).max() < 5e-3 * found[-1].max()
+    # The mean stress is the load but for what edges have taken; before contact is lost anywhere it is the load.
+    centres = 0.5 * (edges[1:] + edges[:-1])
+    assert np.sum(found[0] * centres) * (edges[1] - edges[0]) == pytest.approx(1e9, rel=0.01)
+    assert not lost.values["pressure_pdf_at"].any()
+    assert "pressure_pdf_at" not in steps_of(case_of())[0].values
+
+
+def test_stress_at_a_magnification_without_a_state_is_not_known():
+    case = case_of(theory={"magnifications": 3}, loading={"control": "gap", "path": ["-0.05 nm"], "unload": False})
+    (step,) = steps_of(case)
+    assert np.isnan(step.values["pressure_pdf_at"]).all()
+    assert step.values["pressure_pdf_at"].shape[0] == 3

@@ -6,6 +6,7 @@ import numpy as np
 import xarray as xr
 
 from contact_study.comparison.compute.cases import SweepPoint, case_points, select, sweep_points
+from contact_study.comparison.compute.magnification import resolving
 from contact_study.comparison.compute.plotted import Curve, PathCurves, density_at, in_compression, mean_gap_panels
 from contact_study.comparison.compute.scales import scales
 from contact_study.comparison.compute.shown_states import PanelPoints, common_label, point_label, state_label
@@ -60,7 +61,26 @@ def captions(
         "interface": f"Interface of {_simulations(inputs)} at {state}{whose}. (a) Local pressure, compression red, "
         f"tension blue; (b) clusters of contact, {_contact(own)}, the six largest in colour; (c) section along x "
         "through the highest point of the surface.",
+        "magnification": _magnification(inputs, shown),
     }
+
+
+def _magnification(inputs: Inputs, shown: PanelPoints) -> str:
+    """Caption of the figure over the magnification, whose map is there where it was kept."""
+    name = resolving(inputs)
+    if name is None:
+        return ""
+    who = entry_of(name).words
+    every, one = (", each point of the sweep", f" at {shown.case.label}") if shown.case.label else ("", "")
+    words = (
+        f"{who[0].upper()}{who[1:]} at {common_label(inputs.models, shown.common, inputs.control)}{every}, against the "
+        "magnification ζ = q/q_L, the wavevector up to which roughness counts over the smallest one: (a) apparent "
+        "contact area; (b) largest tensile stress, at which contact is lost; (c) effective work of adhesion, negative "
+        "where roughness stores more energy than adhesion gains"
+    )
+    if any("pressure_pdf_at" in dataset for dataset in inputs.models.values()):
+        return f"{words}; (d) distribution of the stress{one}, compression positive."
+    return f"{words}."
 
 
 def _panels(inputs: Inputs, shown: PanelPoints, seed: int | None) -> str:

@@ -23,6 +23,7 @@ FIGURE_TITLES = {
     "mean_gap": "Mean gap",
     "gap_map": "Gap fields",
     "interface": "Interface",
+    "magnification": "Magnification",
 }
 
 # Symbols whose subscripts are set as such; study text is full of underscores that are none.

@@ -1,0 +1,153 @@
+"""Persson's theory against magnification: area, detachment stress, work of adhesion, and the stress distribution."""
+
+from collections.abc import Callable
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.colors import LogNorm
+from matplotlib.ticker import LogLocator, NullFormatter
+
+from contact_study.plots.selection import lines, require
+from contact_study.plots.style import COLOURS, axes_of, styled
+from contact_study.plots.units import pressure_unit
+
+_DECADES = 4  # of the density that colours tell apart
+
+_FEW = 100.0  # magnifications up to which 2 and 5 are written beside the powers of ten
+
+_ZETA = r"magnification $\zeta$"
+
+
+@styled
+def area_by_magnification(dataset: xr.Dataset, axes: Axes | None = None) -> Axes:
+    """Apparent relative contact area A(ζ), a line for each state: select those to be shown.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        Of Persson's theory.
+    axes : matplotlib.axes.Axes, optional
+        Where to draw.
+
+    Raises
+    ------
+    ValueError
+        If the dataset has no such quantity.
+    """
+    words = r"contact area $A(\zeta)/A_0$"
+    axes = _curves(dataset, "relative_contact_area_at", lambda largest: ("", 1.0), words, axes)
+    axes.set_ylim(0, None)
+    return axes
+
+
+@styled
+def detachment_stress(dataset: xr.Dataset, axes: Axes | None = None) -> Axes:
+    """Detachment stress σ_a(ζ); parameters and errors as :func:`area_by_magnification`."""
+
+    def unit(largest: float) -> tuple[str, float]:
+        found = pressure_unit(largest)
+        return found.name, found.size
+
+    return _curves(dataset, "detachment_stress", unit, r"detachment stress $\sigma_\mathrm{a}$", axes)
+
+
+@styled
+def effective_work_of_adhesion(dataset: xr.Dataset, axes: Axes | None = None) -> Axes:
+    """Effective work of adhesion γ_eff(ζ); parameters and errors as :func:`area_by_magnification`."""
+    axes = _curves(
+        dataset,
+        "effective_work_of_adhesion",
+        lambda largest: ("J/m²", 1.0) if largest >= 0.1 else ("mJ/m²", 1e-3),
+        r"work of adhesion $\gamma_\mathrm{eff}$",
+        axes,
+    )
+    low, high = axes.get_ylim()
+    if low < 0 < high:
+        axes.axhline(0, color="#909090", lw=0.7, zorder=1)
+    return axes
+
+
+@styled
+def stress_by_magnification(dataset: xr.Dataset, axes: Axes | None = None) -> Axes:
+    """Map of P(σ, ζ): how the stress distribution of one state spreads while the magnification grows.
+
+    At ζ = 1 all stress is the mean pressure. Colours tell four decades apart; what is less stays white.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        One state of Persson's theory, of a study with ``theory.magnifications``, such as ``dataset.sel(step=3)``.
+    axes : matplotlib.axes.Axes, optional
+        Where to draw.
+
+    Raises
+    ------
+    ValueError
+        If P(σ, ζ) was not kept, or there is more than one state, or none in contact.
+    """
+    if "pressure_pdf_at" not in dataset:
+        raise ValueError("the dataset has no variable 'pressure_pdf_at'; it is kept with theory.magnifications = 48")
+    state = dataset.squeeze()
+    others = [dim for dim in state["pressure_pdf_at"].dims if dim not in ("pressure_bin", *_along(state))]
+    if others:
+        raise ValueError(f"the dataset has more than one state: select one along {others[0]!r} first")
+    stress, zeta = state["pressure_bin"].values, state["magnification"].values
+    there = np.isfinite(zeta)  # states of fewer magnifications are padded
+    density, zeta = state["pressure_pdf_at"].transpose("pressure_bin", ...).values[:, there], zeta[there]
+    peak = np.nanmax(density, initial=0.0)
+    if not peak > 0:
+        raise ValueError("the state has no stress distribution: nothing is in contact")
+    shown = np.flatnonzero((density > 10.0**-_DECADES * peak).any(axis=1))
+    stress, density = stress[shown[0] : shown[-1] + 1], density[shown[0] : shown[-1] + 1]
+    unit = pressure_unit(float(np.abs(stress).max()))
+    axes = axes_of(axes)
+    middles = np.sqrt(zeta[1:] * zeta[:-1])
+    edges = np.concatenate([[zeta[0] ** 2 / middles[0]], middles, [zeta[-1]]]) if zeta.size > 1 else [1.0, zeta[0]]
+    half = 0.5 * (stress[1] - stress[0])
+    mesh = axes.pcolormesh(
+        edges,
+        np.append(stress - half, stress[-1] + half) / unit.size,
+        np.ma.masked_less_equal(density * unit.size, 10.0**-_DECADES * peak * unit.size),
+        norm=LogNorm(10.0**-_DECADES * peak * unit.size, peak * unit.size),
+        cmap="viridis",
+        rasterized=True,
+    )
+    axes.set_ylabel(rf"stress $\sigma$ ({unit.name})")
+    _scale_magnification(axes)
+    axes.grid(False)
+    axes.figure.colorbar(mesh, ax=axes, label=rf"$P(\sigma, \zeta)$ (1/{unit.name})")
+    return axes
+
+
+def _scale_magnification(axes: Axes) -> None:
+    """Logarithmic, in plain numbers: one to a few thousand is what surfaces have."""
+    axes.set(xscale="log", xlabel=_ZETA)
+    low, high = axes.get_xlim()
+    axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if high < _FEW * low else (1.0,)))
+    axes.xaxis.set_major_formatter("{x:g}")
+    axes.xaxis.set_minor_formatter(NullFormatter())
+
+
+def _along(state: xr.Dataset) -> tuple[str, ...]:
+    """Dimension of the magnifications: their own, or where these differ over a sweep that of their numbers."""
+    return "magnification", "magnification_index"
+
+
+def _curves(
+    dataset: xr.Dataset, name: str, unit_of: Callable[[float], tuple[str, float]], words: str, axes: Axes | None
+) -> Axes:
+    require(dataset, name)
+    axes = axes_of(axes)
+    squeezed = dataset.squeeze()
+    values = squeezed[name].values
+    unit, size = unit_of(float(np.abs(values[np.isfinite(values)]).max(initial=0.0)))
+    for number, (label, part) in enumerate(lines(squeezed, name, "wavevector", "wavevector_index")):
+        q, y = part["wavevector"].values, part[name].values
+        there = np.isfinite(q)
+        axes.plot(q[there] / q[0], y[there] / size, color=COLOURS[number % len(COLOURS)], lw=1.1, label=label or None)
+    axes.set_ylabel(f"{words} ({unit})" if unit else words)
+    _scale_magnification(axes)
+    if axes.get_legend_handles_labels()[1]:
+        axes.legend()
+    return axes
