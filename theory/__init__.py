@@ -1,9 +1,9 @@
 """Theories of rough adhesive contact: Persson's, as Yang et al. 2008 used it, the gap flow and the edge flow.
 
-A spectrum, a target, a table or that of a height array (:func:`spectrum_of`), a solid and a law or work of adhesion
-make a theory; each gives states at a pressure: :class:`PerssonTheory`, :func:`gap_flow`, :func:`edge_flow`, and without
-adhesion :class:`NonAdhesiveTheory`. Contacts with analytic solutions are in :mod:`theory.references`. Whole studies are
-run by :func:`contact_study.run` or the command ``persson-theory``.
+A spectrum, a target, a table, a file (:func:`read_spectrum`) or that of a height array (:func:`spectrum_of`), a solid
+and a law or work of adhesion make a theory; each gives states at a pressure: :class:`PerssonTheory`, :func:`gap_flow`,
+:func:`edge_flow`, and without adhesion :class:`NonAdhesiveTheory`. Contacts with analytic solutions are in
+:mod:`theory.references`. Whole studies are run by :func:`contact_study.run` or the command ``persson-theory``.
 """
 
 from contact_study import __version__
@@ -11,6 +11,7 @@ from contact_study.fields.spectrum import RadialSpectrum, RoughnessSpectrum, Sel
 from contact_study.fields.tabulated_spectrum import TabulatedSpectrum
 from contact_study.problem.elasticity import Elasticity, HalfSpace, Layer
 from contact_study.problem.laws import LennardJones93, LennardJones104, TractionLaw
+from contact_study.problem.spectrum_file import read_spectrum
 from theory.edge_flow import EdgeFlow, edge_flow
 from theory.gap_flow import GapFlow, gap_flow
 from theory.gap_state import GapState
@@ -43,6 +44,7 @@ __all__ = [
     "energy_defect",
     "gap_flow",
     "pull_off_pressure",
+    "read_spectrum",
     "separation_curve",
     "spectrum_of",
 ]

@@ -142,8 +142,9 @@ class TheorySection:
     """Choices inside Persson's theory with adhesion (root of the dataset) and what both theories are fed."""
 
     spectrum: str | tuple[str, ...] = key(
-        choices("analytic", "surface", "table"),
-        "roughness spectrum: the target, that of the very surface, the table below, or several side by side",
+        choices("analytic", "surface", "table", "file"),
+        "roughness spectrum: the target, that of the very surface, the table below or that of a file, or several side "
+        "by side",
         "analytic",
     )
     wavevectors: tuple[float, ...] | None = key(
@@ -152,6 +153,11 @@ class TheorySection:
     density: tuple[float, ...] | None = key(
         sequence(quantity("m^4", positive=True)), 'spectrum "table": C(q) at each, a power law between two', None
     )
+    spectrum_path: str | None = key(
+        text(), 'spectrum "file": text with q and C(q) a row, or NetCDF; the study then holds its numbers', None
+    )
+    wavevector_unit: str | None = key(text(), "unit of its q, where the file does not say it", None)
+    density_unit: str | None = key(text(), "unit of its C(q), where the file does not say it", None)
     energy_weight: str = key(
         choice("paper", "wang_mueser", "area"),
         "weight W of the elastic energy in incomplete contact",
@@ -172,6 +178,13 @@ class TheorySection:
     )
 
     def __post_init__(self):
+        if "file" in self.spectra:
+            raise InputError(
+                'missing key theory.spectrum_path: theory.spectrum = "file" needs it, the same at all points'
+            )
+        for name in ("spectrum_path", "wavevector_unit", "density_unit"):
+            if getattr(self, name) is not None:
+                raise InputError(f'theory.{name}: belongs to theory.spectrum = "file"')
         if "table" in self.spectra:
             for name in ("wavevectors", "density"):
                 if getattr(self, name) is None:

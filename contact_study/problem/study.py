@@ -19,6 +19,7 @@ from contact_study.problem.elasticity import ELASTICITIES
 from contact_study.problem.errors import InputError
 from contact_study.problem.keys import Key, Kinds, bind, default_of, keys_of, listed
 from contact_study.problem.laws import INTERACTIONS
+from contact_study.problem.spectrum_file import with_spectrum
 from contact_study.problem.surfaces import SURFACES
 from contact_study.problem.tables import with_columns
 from contact_study.problem.units import EXAMPLES
@@ -136,8 +137,8 @@ def make_study(table: dict[str, Any], directory: Path | str = ".") -> Study:
 
 
 def _with_files(table: dict[str, Any], directory: Path) -> dict[str, Any]:
-    """The table with the numbers of files that its sections name, see :func:`with_columns`."""
-    found = dict(table)
+    """The table with the numbers of files that its sections name, see :func:`with_columns`, :func:`with_spectrum`."""
+    found = with_spectrum(table, directory)
     for section, declared in SECTIONS.items():
         if isinstance(declared, Kinds) and section in table:
             kind = declared.declared.get(declared.kind_of(table[section]))

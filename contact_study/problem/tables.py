@@ -29,12 +29,7 @@ def read_columns(path: Path, name: str, column_units: Sequence[tuple[str, str]])
         If the file cannot be read or holds other than that many columns of finite numbers.
     """
     try:
-        text = path.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        reason = error.strerror if isinstance(error, OSError) else "is no text"
-        raise InputError(f"{name}: {path} cannot be read ({reason})") from None
-    try:
-        table = np.loadtxt(io.StringIO(text.replace(",", " ")), ndmin=2)
+        table = np.loadtxt(io.StringIO(text_of(path, name).replace(",", " ")), ndmin=2)
     except ValueError as error:
         raise InputError(f"{name}: {path} is no table of numbers ({error})") from None
     if table.shape[1] != len(column_units) or not np.all(np.isfinite(table)):
@@ -46,6 +41,28 @@ def read_columns(path: Path, name: str, column_units: Sequence[tuple[str, str]])
         [float(value) * units.quantity(f"1 {given}", si, f"{name}, unit") for value in column]
         for column, (given, si) in zip(table.T, column_units, strict=True)
     ]
+
+
+def text_of(path: Path, name: str) -> str:
+    """The text of a file.
+
+    Parameters
+    ----------
+    path : pathlib.Path
+        The file.
+    name : str
+        The key that named it, for the message.
+
+    Raises
+    ------
+    InputError
+        If it cannot be read.
+    """
+    try:
+        return path.read_text(encoding="utf-8-sig")
+    except (OSError, UnicodeDecodeError) as error:
+        reason = error.strerror if isinstance(error, OSError) else "is no text"
+        raise InputError(f"{name}: {path} cannot be read ({reason})") from None
 
 
 def with_columns(
