@@ -13,7 +13,8 @@ from contact_study.problem.errors import InputError
 from contact_study.problem.surface import Surface
 from theory.edge_flow import EdgeFlow, edge_flow
 from theory.gap_flow import BRANCHES, GapFlow, gap_flow
-from theory.persson import TOLERANCE, PerssonTheory
+from theory.persson import PerssonTheory
+from theory.persson_solver import TOLERANCE
 from theory.separation import NotConverged
 
 # Change of the detachment stress, in units of the full-contact stress, that rounding still lets the iteration reach.

@@ -5,9 +5,6 @@ from collections.abc import Callable
 import numpy as np
 from numba import njit
 
-# States that are remembered, and the share of the residual that is taken.
-_MEMORY, _MIXING = 10, 0.5
-
 # Added to the normal equations of the least squares, relative to their trace: differences may be parallel.
 _REGULARISATION = 1e-12
 
@@ -21,6 +18,8 @@ def accelerated(
     bounds: tuple[float, float],
     tolerance: float,
     iterations: int,
+    mixing: float = 0.5,
+    memory: int = 10,
 ) -> tuple[np.ndarray, float, int]:
     """Iterate until the change that ``update`` reports is within the tolerance.
 
@@ -37,6 +36,10 @@ def accelerated(
         Largest change of the last iteration.
     iterations : int
         Updates at most.
+    mixing : float, optional
+        Share of the residual that a step takes in directions which are not remembered.
+    memory : int, optional
+        States that are remembered.
 
     Returns
     -------
@@ -49,23 +52,23 @@ def accelerated(
     """
     residual, weight, change = update(values)
     count = 1
-    moves, turns = np.empty((2, _MEMORY, values.size))
-    normal, right = np.empty((_MEMORY, _MEMORY)), np.empty(_MEMORY)
+    moves, turns = np.empty((2, memory, values.size))
+    normal, right = np.empty((memory, memory)), np.empty(memory)
     while tolerance < change < np.inf and count < iterations:
-        held = min(count - 1, _MEMORY)
+        held = min(count - 1, memory)
         shares = np.zeros(held)
         if held:
             _normal_equations(turns[:held], weight.ravel(), residual.ravel(), normal, right)
             own = normal[:held, :held] + _REGULARISATION * np.trace(normal[:held, :held]) * np.eye(held)
             shares = np.linalg.solve(own, right[:held])
         step = np.empty_like(values)
-        _step(shares, moves[:held], turns[:held], residual.ravel(), step.ravel())
+        _step(shares, mixing, moves[:held], turns[:held], residual.ravel(), step.ravel())
         before, moved = residual, np.clip(values + step, *bounds)
         residual, weight, change = update(moved)
         if not np.isfinite(change):  # what the caller keeps of the last update is to be numbers
             update(values)
             return values, np.inf, count + 2
-        oldest = (count - 1) % _MEMORY
+        oldest = (count - 1) % memory
         moves[oldest], turns[oldest] = (moved - values).ravel(), (residual - before).ravel()
         values = moved
         count += 1
@@ -106,13 +109,13 @@ def _normal_equations(turns, weight, residual, normal, right):
 
 
 @njit(cache=True, error_model="numpy", fastmath={"contract", "arcp", "nsz"})
-def _step(shares, moves, turns, residual, step):
+def _step(shares, mixing, moves, turns, residual, step):
     """Fill the step from the residual and the shares of the remembered states."""
     held, size = moves.shape
     for first in range(0, size, _BLOCK):
         last = min(first + _BLOCK, size)
         for k in range(first, last):
-            step[k] = _MIXING * residual[k]
+            step[k] = mixing * residual[k]
         for j in range(held):
             for k in range(first, last):
-                step[k] -= shares[j] * (moves[j, k] + _MIXING * turns[j, k])
+                step[k] -= shares[j] * (moves[j, k] + mixing * turns[j, k])

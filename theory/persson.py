@@ -15,10 +15,9 @@ The paper has a half-space, K = E* q/2: then σ_a² = α E* q γ_eff and U_el = 
 enters by its stiffness K(q) of a wave, and by the stress variance 2π ∫ K² q C dq of full contact. For a bed of springs
 the crack condition is then exact: the energy σ²/2K of a spring is released.
 
-A(q) and σ_a(q) depend on each other at all magnifications and are found by a damped fixed point.
+A(q) and σ_a(q) depend on each other at all magnifications: :mod:`theory.persson_solver` finds them.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -29,18 +28,10 @@ from contact_study.fields.arguments import finite, positive
 from contact_study.fields.spectrum import RoughnessSpectrum
 from contact_study.problem.elasticity import Elasticity, elasticity_of
 from theory.persson_contact import PerssonContact
-from theory.stress_diffusion import StressDistribution, diffuse
+from theory.persson_solver import MAX_ITERATIONS, TOLERANCE, solve
 
 ENERGY_WEIGHTS = ("paper", "wang_mueser", "area")
 TRUE_AREAS = ("persson", "none", "lattice")
-
-# Largest change of σ_a over the stress scale at which the iteration ends: four digits below the error of the nodes.
-TOLERANCE = 1e-7
-MAX_ITERATIONS = 400
-
-# Iterations in which the smallest change so far must halve: at a slower pace a state takes over four thousand. States
-# near the sticking threshold with an α several times the paper's circle without end.
-_PATIENCE = 200
 
 # Share of the nodes that resolves the start of the diffusion; the others are logarithmic in q.
 _EARLY_SHARE = 0.4
@@ -136,6 +127,11 @@ class PerssonTheory:
         return np.interp(np.linspace(0, measure[-1], self.nodes + 1), measure, fine)
 
     @cached_property
+    def _stiffness(self) -> np.ndarray:
+        """K at the magnifications (Pa/m)."""
+        return self.solid.stiffness(self.wavevectors)
+
+    @cached_property
     def stress_variance(self) -> np.ndarray:
         """s(q) at the magnifications (Pa²)."""
         return self.spectrum.full_contact_stress_variance(self.solid.stiffness, self.wavevectors)
@@ -165,7 +161,7 @@ class PerssonTheory:
         tolerance: float = TOLERANCE,
         max_iterations: int = MAX_ITERATIONS,
     ) -> PerssonContact:
-        """The contact at a mean pressure; see :func:`solve`."""
+        """The contact at a mean pressure; see :func:`theory.persson_solver.solve`."""
         return solve(self, pressure, start, tolerance, max_iterations)
 
     @property
@@ -187,102 +183,15 @@ class PerssonTheory:
 
     def detachment_stress(self, effective_work: np.ndarray) -> np.ndarray:
         """σ_a(q) from γ_eff(q) (Pa)."""
-        stiffness = self.solid.stiffness(self.wavevectors)
-        stress = np.sqrt(2 * self.alpha * stiffness * np.maximum(effective_work, 0.0))
-        return np.minimum(stress, self.stress_cap)
+        return self.stress_of_square(self.stress_square(effective_work))
 
+    def stress_square(self, effective_work: np.ndarray) -> np.ndarray:
+        """2α K γ_eff, the square of σ_a where nothing caps it; negative where γ_eff is (Pa²)."""
+        return 2 * self.alpha * self._stiffness * effective_work
 
-def solve(
-    theory: PerssonTheory,
-    pressure: float,
-    start: np.ndarray | str = "adhered",
-    tolerance: float = TOLERANCE,
-    max_iterations: int = MAX_ITERATIONS,
-) -> PerssonContact:
-    """Contact at one pressure, on the branch that ``start`` leads to.
-
-    Parameters
-    ----------
-    theory : PerssonTheory
-        Interface and choices.
-    pressure : float
-        p, compression positive (Pa).
-    start : numpy.ndarray or str, optional
-        First σ_a at the magnifications (Pa), such as that of a neighbouring pressure; or ``"adhered"``, σ_a of
-        conformal contact √(2α K Δγ); or ``"detached"``, zero. They differ where both states are stable.
-    tolerance : float, optional
-        Largest change of σ_a over the stress scale at which the iteration ends.
-    max_iterations : int, optional
-        Diffusions after which it ends unconverged; it does so earlier where the change no longer falls.
-
-    Raises
-    ------
-    ValueError
-        If the pressure is not finite.
-    FloatingPointError
-        If the contact area or the detachment stress is not a finite number.
-    """
-    finite("pressure", pressure, "Pa")
-    scale = theory.stress_scale
-    variance = theory.stress_variance / scale**2
-    stress = _first_detachment_stress(theory, start)
-
-    def diffused(stress: np.ndarray) -> StressDistribution:
-        return diffuse(pressure / scale, variance, stress / scale, theory.cells)
-
-    if theory.work_of_adhesion == 0:
-        return PerssonContact(theory, pressure, stress, diffused(np.zeros_like(stress)), True, False, 0.0, 1)
-
-    def updated(stress: np.ndarray) -> tuple[np.ndarray, StressDistribution]:
-        distribution = diffused(stress)
-        return theory.detachment_stress(theory.effective_work_of_adhesion(distribution.contact)), distribution
-
-    return _damped_fixed_point(theory, pressure, updated, stress, tolerance * scale, max_iterations)
-
-
-def _first_detachment_stress(theory: PerssonTheory, start: np.ndarray | str) -> np.ndarray:
-    if isinstance(start, np.ndarray):
-        return start.copy()
-    if start == "adhered":
-        return theory.detachment_stress(np.full(theory.nodes + 1, theory.work_of_adhesion))
-    if start == "detached":
-        return np.zeros(theory.nodes + 1)
-    raise ValueError(f"start = {start!r}: expected an array, 'adhered' or 'detached'")
-
-
-def _damped_fixed_point(
-    theory: PerssonTheory,
-    pressure: float,
-    updated: Callable[[np.ndarray], tuple[np.ndarray, StressDistribution]],
-    stress: np.ndarray,
-    tolerance: float,
-    max_iterations: int,
-) -> PerssonContact:
-    """Iterate σ_a with a relaxation of 0.8, less at magnifications where the change alternates.
-
-    Where γ_eff passes through zero σ_a, its square root, answers without bound: a node there must be damped more than
-    the others, and each by what it needs.
-    """
-    relaxation, previous, iterations = np.full(stress.size, 0.8), np.zeros(stress.size), 0
-    best, since = np.inf, 0
-    while True:
-        target, distribution = updated(stress)
-        iterations += 1
-        difference = target - stress
-        change = float(np.max(np.abs(difference)))
-        if not np.isfinite(change):
-            raise FloatingPointError(f"p = {pressure:g} Pa: σ_a is not finite after {iterations} diffusions")
-        if change < 0.5 * best:
-            best, since = change, iterations
-        converged = change <= tolerance
-        stalled = not converged and iterations - since == _PATIENCE
-        if converged or stalled or iterations == max_iterations:
-            break
-        alternates = difference * previous < 0
-        relaxation = np.where(alternates, 0.7 * relaxation, np.minimum(1.1 * relaxation, 0.8))
-        stress, previous = stress + relaxation * difference, difference
-    residual = change / theory.stress_scale
-    return PerssonContact(theory, pressure, stress, distribution, converged, stalled, residual, iterations)
+    def stress_of_square(self, square: np.ndarray) -> np.ndarray:
+        """σ_a (Pa) from :meth:`stress_square`."""
+        return np.minimum(np.sqrt(np.maximum(square, 0.0)), self.stress_cap)
 
 
 def energy_weight(contact: np.ndarray, kind: str, beta: float) -> np.ndarray:

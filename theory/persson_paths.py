@@ -10,8 +10,9 @@ from scipy.optimize import brentq
 from theory.case_theories import CaseTheories
 from theory.gap_paths import DETACHED, nowhere
 from theory.magnification import magnifications, stress_densities
-from theory.persson import PerssonTheory, solve
+from theory.persson import PerssonTheory
 from theory.persson_contact import PerssonContact
+from theory.persson_solver import solve
 from theory.separation import NegativeSeparation, SeparationCurve, separation_curve
 
 _UNSOUND_GAP = "states at higher pressures that the mean gap rests on did not converge"
@@ -23,6 +24,9 @@ _RESOLVED = ("relative_contact_area_at", "detachment_stress", "effective_work_of
 # Quantities that no other theory has.
 PERSSONS_OWN = (*_RESOLVED, "contact_stress", "edge_stress", "pressure_pdf_at")
 
+# Difference of the detachment stress, over the full-contact stress, up to which a state is of the curve's branch.
+_SAME_BRANCH = 1e-2
+
 # Below this pressure, in units of the full-contact stress, a mean gap is not sought.
 _LOWEST_PRESSURE = 1e-9
 
@@ -32,7 +36,8 @@ def persson_path(
 ) -> Iterator[tuple[dict[str, Any], np.ndarray | str]]:
     """Values and detachment stress at each path point from number ``start`` on.
 
-    Each state starts from the one before, since under tension the branch matters; the first from ``stress``.
+    Each state starts from the one before, since under tension the branch matters; the first from ``stress``. Under
+    compression the separation curve, which follows the adhered branch, knows better where to start.
     """
     case, theory = theories.case, theories.persson
     curve = _separation(theories)
@@ -44,7 +49,10 @@ def persson_path(
         if np.isnan(pressures[number]):
             values = _unreachable(case.path[number][0])
         else:
-            contact = solve(theory, pressures[number], stress, *theories.effort)
+            before = pressures[number - 1] if number else np.nan
+            contact = solve(
+                theory, pressures[number], _first(curve, pressures[number], before, stress), *theories.effort
+            )
             stress = contact.detachment_stress
             values = _persson_values(contact) | {"mean_gap": float(gaps[number])}
             if np.isfinite(gaps[number]) and not curve.converged_above(pressures[number]):
@@ -53,6 +61,17 @@ def persson_path(
             known = None if np.isnan(pressures[number]) else contact
             values["pressure_pdf_at"] = stress_densities(known, magnifications(theory, asked))
         yield values, stress
+
+
+def _first(curve: SeparationCurve, pressure: float, before: float, stress: np.ndarray | str) -> np.ndarray | str:
+    """Detachment stress to start from: the curve's, unless the state before, at another pressure, was none of it."""
+    if pressure <= 0:
+        return stress
+    if isinstance(stress, np.ndarray):
+        scale = curve.contacts[0].theory.stress_scale
+        if not before > 0 or np.max(np.abs(stress - curve.detachment_stress_at(before))) > _SAME_BRANCH * scale:
+            return stress
+    return curve.detachment_stress_at(pressure)
 
 
 def _separation(theories: CaseTheories) -> SeparationCurve:

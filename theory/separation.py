@@ -14,8 +14,9 @@ from functools import cached_property
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from theory.persson import MAX_ITERATIONS, TOLERANCE, PerssonTheory, solve
+from theory.persson import PerssonTheory
 from theory.persson_contact import PerssonContact
+from theory.persson_solver import MAX_ITERATIONS, TOLERANCE, solve
 
 # Pressure beyond which contact is full to 1e-12, in standard deviations of the full-contact stress.
 _FULL_CONTACT = 7.0
@@ -84,6 +85,20 @@ class SeparationCurve:
         """U over x = ln p."""
         return CubicSpline(np.log(self.pressure), self.energy)
 
+    def detachment_stress_at(self, pressure: float) -> np.ndarray:
+        """σ_a at a pressure of the sweep, between its states by a spline of γ_eff: an estimate to start from (Pa).
+
+        Beyond the sweep it is that of the nearest end.
+        """
+        x = np.log(np.clip(pressure, *self.pressure[[0, -1]]))
+        return self.contacts[0].theory.detachment_stress(self._effective_work(x))
+
+    @cached_property
+    def _effective_work(self) -> CubicSpline:
+        """γ_eff at all magnifications over x = ln p."""
+        works = [contact.effective_work_of_adhesion for contact in self.contacts]
+        return CubicSpline(np.log(self.pressure), works)
+
     def _integral(self, start: np.ndarray, end: np.ndarray) -> np.ndarray:
         """∫ (dU/dx) e^(−x) dx between points of one interval of the spline, by Gauss's rule."""
         points, weights = np.polynomial.legendre.leggauss(6)
@@ -124,7 +139,7 @@ def separation_curve(
     per_decade : int, optional
         Pressures per decade.
     tolerance, max_iterations : optional
-        Of each state, see :func:`theory.persson.solve`.
+        Of each state, see :func:`theory.persson_solver.solve`.
 
     Raises
     ------
@@ -143,11 +158,20 @@ def separation_curve(
     pressure = np.geomspace(highest, lowest, count + 1)
     contacts: list[PerssonContact] = []
     for p in pressure:
-        start = contacts[-1].detachment_stress if contacts else "adhered"
-        contacts.append(solve(theory, float(p), start, tolerance, max_iterations))
+        contacts.append(solve(theory, float(p), _extrapolated(contacts[-3:]), tolerance, max_iterations))
     curve = SeparationCurve(pressure[::-1], tuple(reversed(contacts)))
     _warn_of_unconverged("mean gap", contacts)
     return curve
+
+
+def _extrapolated(contacts: Sequence[PerssonContact]) -> np.ndarray | str:
+    """First σ_a of the next state of a sweep, from up to three before: γ_eff as a polynomial of ln p."""
+    if not contacts:
+        return "adhered"
+    coefficients = {1: (1,), 2: (-1, 2), 3: (1, -3, 3)}[len(contacts)]
+    works = [contact.effective_work_of_adhesion for contact in contacts]
+    work = sum(share * each for share, each in zip(coefficients, works, strict=True))
+    return contacts[-1].theory.detachment_stress(np.asarray(work))
 
 
 def _warn_of_unconverged(quantity: str, contacts: Sequence[PerssonContact]) -> None:
@@ -169,7 +193,7 @@ def energy_defect(theory: PerssonTheory, tolerance: float = TOLERANCE, max_itera
     theory : PerssonTheory
         Interface and choices.
     tolerance, max_iterations : optional
-        Of each state, see :func:`theory.persson.solve`.
+        Of each state, see :func:`theory.persson_solver.solve`.
 
     Warns
     -----
@@ -208,7 +232,7 @@ def pull_off_pressure(
     accuracy : float, optional
         Accuracy over the stress scale, or over the pull-off pressure where that is larger.
     tolerance, max_iterations : optional
-        Of each state, see :func:`theory.persson.solve`. A state that does not converge counts as lost.
+        Of each state, see :func:`theory.persson_solver.solve`. A state that does not converge counts as lost.
 
     Warns
     -----

@@ -7,8 +7,9 @@ from hypothesis import strategies as st
 from scipy.integrate import quad
 
 from contact_study.fields.spectrum import RadialSpectrum, SelfAffineSpectrum
-from theory import closed_forms
+from theory import closed_forms, persson_solver
 from theory.persson import PerssonTheory, energy_weight, mean_cosine, solve, true_area_factor
+from theory.separation import separation_curve
 
 PRESSURES = (0.1, 0.2, 0.5, 1, 2, 5, 10)  # GPa
 # Relative contact area, two independent schemes within 0.2 % of each other (q₁ = 12 q_L, β = 0.4, α = 1).
@@ -147,6 +148,34 @@ def test_converges_near_the_sticking_threshold(paper, work_of_adhesion, pressure
     early = solve(paper.theory(work_of_adhesion), pressure * 1e9, max_iterations=3)
     assert not early.converged
     assert early.residual > 1e-7
+
+
+@pytest.mark.parametrize("work_of_adhesion", [0.69, 2.76, 5.52])
+@pytest.mark.parametrize("pressure", [1e8, 1e9, 1e10])
+def test_accelerated_iteration_finds_the_state_of_the_damped_one(paper, monkeypatch, work_of_adhesion, pressure):
+    theory = paper.theory(work_of_adhesion, nodes=80, cells=150)
+    fast = solve(theory, pressure)
+    monkeypatch.setattr(persson_solver, "_ACCELERATED", 0)
+    slow = solve(theory, pressure)
+    assert fast.converged
+    assert slow.converged
+    assert fast.iterations < slow.iterations
+    # The tolerance of σ_a, 1e-7 of its scale, which the damped iteration meets with an error of some times its change.
+    assert fast.contact == pytest.approx(slow.contact, abs=2e-6)
+    assert fast.detachment_stress == pytest.approx(slow.detachment_stress, abs=1e-5 * theory.stress_scale)
+
+
+def test_neighbours_tell_where_to_start(paper):
+    theory = paper.theory(2.76)
+    curve = separation_curve(theory, 1e8)
+    # From afar up to 12; from three states before half as many.
+    assert np.mean([contact.iterations for contact in curve.contacts]) < 6
+    between = np.sqrt(curve.pressure[10] * curve.pressure[11])
+    start = curve.detachment_stress_at(between)
+    found = solve(theory, between, start)
+    assert found.iterations <= 6
+    assert start == pytest.approx(found.detachment_stress, abs=1e-2 * theory.stress_scale)
+    assert curve.detachment_stress_at(1e7) == pytest.approx(curve.contacts[0].detachment_stress, abs=1e-6 * 1e9)
 
 
 def test_state_that_circles_is_given_up(paper):
