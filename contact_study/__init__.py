@@ -8,12 +8,13 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from contact_study.campaign.dataset.vtk import to_vtk
+    from contact_study.campaign.dataset.xyz import to_xyz
     from contact_study.campaign.library import run
     from contact_study.problem.errors import InputError
     from contact_study.problem.study import make_study, read_study
     from contact_study.problem.surface import realise
 
-__all__ = ["InputError", "__version__", "make_study", "read_study", "realise", "run", "to_vtk"]
+__all__ = ["InputError", "__version__", "make_study", "read_study", "realise", "run", "to_vtk", "to_xyz"]
 
 __version__ = "0.1.0"
 
@@ -24,6 +25,7 @@ _MODULES = {
     "realise": "problem.surface",
     "run": "campaign.library",
     "to_vtk": "campaign.dataset.vtk",
+    "to_xyz": "campaign.dataset.xyz",
 }
 
 

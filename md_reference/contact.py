@@ -114,6 +114,7 @@ class AtomisticContact:
             displacement=found.displacement,
             gap=gap,
             pressure=found.force[2] / self.block.area_per_atom,
+            shear_stress=found.force[:2] / self.block.area_per_atom,
             mean_separation=np.inf if detached else separation,
             elastic_energy=0.0 if detached else found.elastic_energy / nominal_area,
             interaction_energy=found.interaction_energy / nominal_area,

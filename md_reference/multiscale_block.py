@@ -129,6 +129,34 @@ class MultiscaleBlock:
         """The rigid plane in a vector, shape (3, ny, nx)."""
         return self.levels_of(vector)[-1][:, -1, 1:-1, 1:-1]
 
+    def nodes_of(self, vector: np.ndarray) -> np.ndarray:
+        """All nodes of a vector without ghosts and hanging planes, shape (3, nodes): the atoms of the surface first."""
+        *lower, last = self.levels_of(vector)
+        own = [*(nodes[:, :-1] for nodes in lower), last]
+        return np.concatenate([nodes[:, :, 1:-1, 1:-1].reshape(3, -1) for nodes in own], axis=1)
+
+    @property
+    def node_levels(self) -> np.ndarray:
+        """Level of each node of :meth:`nodes_of`, shape (nodes,)."""
+        vector = np.zeros(self.size)
+        for number, nodes in enumerate(self.levels_of(vector)):
+            nodes[...] = number
+        return self.nodes_of(vector)[0].astype(np.int32)
+
+    @property
+    def rest_positions(self) -> np.ndarray:
+        """Where the nodes of :meth:`nodes_of` stand over a surface at height zero, shape (3, nodes) (m)."""
+        vector = np.zeros(self.size)
+        floor = 0.0
+        for level, nodes in zip(self.levels, self.levels_of(vector), strict=True):
+            edge = level.size * self.lattice_constant
+            _, planes, rows, columns = level.shape
+            nodes[0] = edge * (np.arange(columns) - 1)
+            nodes[1] = edge * (np.arange(rows) - 1)[:, None]
+            nodes[2] = floor + edge * np.arange(planes)[:, None, None]
+            floor += edge * (planes - 1)
+        return self.nodes_of(vector)
+
     def force(self, displacement: np.ndarray, force: np.ndarray) -> None:
         """Write the block's forces on its nodes (N); those of the rigid plane are what it has to carry.
 

@@ -6,6 +6,7 @@ import numpy as np
 
 from contact_study.campaign.memory import require_memory
 from contact_study.campaign.model import Model
+from contact_study.observables.atoms import substrate_sites
 from contact_study.observables.base import Ensemble, InterfaceState, Value
 from contact_study.observables.constants import InterfaceConstants, heights_on
 from contact_study.problem.case import Case
@@ -29,6 +30,7 @@ MODEL = Model(
     references="C. Yang, B. N. J. Persson, J. Israelachvili, K. Rosenberg, EPL 84, 46004 (2008)",
     takes_predictor=True,
     ignores=("theory",),
+    keeps=("fields", "atoms"),
 )
 
 # Displacements, forces, Hessians, stiffness, transforms and substrate of one atom, as scripts/benchmark_atoms.py finds.
@@ -69,6 +71,11 @@ def check(case: Case) -> None:
             f"incompressible; use at most {_MOST_INCOMPRESSIBLE}"
         )
     _check_temperature(case)
+    if case.output.atoms == "block" and case.atomistic.method != "dynamics":
+        raise InputError(
+            f'output.atoms = "block": the nodes of the block are explicit in atomistic.method = "dynamics" only; '
+            'use "surface"'
+        )
     if case.atomistic.method == "dynamics":
         dynamics.check(case)
     _ = case.block_layers  # raises where no number of cells makes the layer
@@ -153,9 +160,18 @@ def constants(case: Case, surface: Surface) -> Mapping[str, Value]:
     return {
         **known.values,
         **heights_on(stiffness.grid, heights),
+        **_surroundings(case, surface),
         "wavevector": stiffness.grid.wavenumber[0, 1:],
         "contact_modulus_at": stiffness.contact_modulus[0, 1:],
     }
+
+
+def _surroundings(case: Case, surface: Surface) -> Mapping[str, Value]:
+    """What stands about the atoms that are kept one by one."""
+    if case.output.atoms == "none":
+        return {}
+    sites = substrate_sites(surface.heights(case.lattice.substrate_sites), case.lattice.size)
+    return {**sites, "node_level": dynamics.build_block(case).node_levels} if case.output.atoms == "block" else sites
 
 
 def solve_path(

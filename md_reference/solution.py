@@ -70,6 +70,8 @@ class Solution:
         Height of each atom above the surface at its lateral position (m); infinite when detached.
     pressure : numpy.ndarray, shape (ny, nx)
         Normal force on each atom per its area, positive in compression (Pa).
+    shear_stress : numpy.ndarray, shape (2, ny, nx)
+        Force on each atom along x and y per its area (Pa).
     mean_separation : float
         Distance of the mean planes less r0 (m): what the load works on.
     elastic_energy, interaction_energy : float
@@ -88,6 +90,7 @@ class Solution:
     displacement: np.ndarray
     gap: np.ndarray
     pressure: np.ndarray
+    shear_stress: np.ndarray
     mean_separation: float
     elastic_energy: float
     interaction_energy: float

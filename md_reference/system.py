@@ -3,6 +3,7 @@
 import numpy as np
 
 from contact_study.fields.fourier import POINTS_FOR_THREADS
+from contact_study.observables.atoms import surface_atoms
 from contact_study.observables.base import InterfaceState, SolverReport
 from contact_study.problem.case import Case
 from contact_study.problem.surface import Surface
@@ -41,6 +42,7 @@ def build_contact(case: Case, surface: Surface) -> AtomisticContact:
 def interface_state(case: Case, solution: Solution) -> InterfaceState:
     """A solution as the campaign takes it: under the block's uniform compression, contact told."""
     mean_pressure = float(np.mean(solution.pressure))
+    stress = (*solution.shear_stress, solution.pressure)
     return InterfaceState(
         gap=solution.gap,
         pressure=solution.pressure,
@@ -53,4 +55,5 @@ def interface_state(case: Case, solution: Solution) -> InterfaceState:
         report=SolverReport.of(solution, force_evaluations=solution.force_evaluations),
         restart={"state": solution.state},
         spacing=(case.lattice.constant, case.lattice.constant),
+        atoms={} if case.output.atoms == "none" else surface_atoms(solution.displacement, np.stack(stress)),
     )

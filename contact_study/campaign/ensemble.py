@@ -86,7 +86,8 @@ class Averages:
     def step(self) -> Step:
         """Means with their standard errors, and the series of all that is one number.
 
-        Once the surfaces are apart the last state is the answer, of which no mean is taken.
+        Once the surfaces are apart the last state is the answer, of which no mean is taken. Atoms one by one are those
+        of the last state always: a mean of positions is no state.
 
         Warns
         -----
@@ -100,7 +101,7 @@ class Averages:
         frames = {f"{TRAJECTORY}/{name}": values for name, values in series.items() if values.ndim == 1}
         if last.report.detached:
             fields = {"gap": last.gap, "pressure": last.pressure} if self._fields else {}
-            return Step({**observed(last, self._bins), **frames}, fields, last.restart, self._bins)
+            return Step({**observed(last, self._bins), **frames}, {**fields, **last.atoms}, last.restart, self._bins)
         values: dict[str, Any] = {}
         longest = (0.0, "")
         counted = self._count - self._discarded
@@ -124,7 +125,7 @@ class Averages:
                 stacklevel=2,
             )
         fields = {name: total / counted for name, total in self._sums.items()}
-        return Step({**values, **report, **frames}, fields, last.restart, self._bins)
+        return Step({**values, **report, **frames}, {**fields, **last.atoms}, last.restart, self._bins)
 
 
 def restart_of(kept: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:

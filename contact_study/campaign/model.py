@@ -46,6 +46,8 @@ class Model:
         Whether each step may start from the gap field of another dataset.
     ignores : tuple of str
         Sections of the study file that the model does not read.
+    keeps : tuple of str
+        Keys of [output] that say what a step keeps beyond its numbers.
     whole_path : bool
         Whether the numbers of a step follow from the whole path, not only from its points so far.
     """
@@ -57,6 +59,7 @@ class Model:
     references: str
     takes_predictor: bool = False
     ignores: tuple[str, ...] = ()
+    keeps: tuple[str, ...] = ("fields",)
     whole_path: bool = False
 
     def check(self, case: Case) -> None:

@@ -22,7 +22,7 @@ class Step:
         Quantities under the names of the schema; labels before a name, ``"label/name"``, put theories side by side. A
         theory gives its distributions as functions, from the edges of bins, shape (n + 1,), to the means in them.
     fields : mapping
-        Fields over the lateral plane (y, x), only where the study asks for them.
+        Fields over the lateral plane (y, x), and atoms, only where the study asks for them.
     restart : mapping
         All that the next step needs, nothing else.
     bins : Bins or None
@@ -45,11 +45,11 @@ def recorded(point: InterfaceState | Step, bins: Bins, fields: bool = False) -> 
     bins : Bins
         Those of the study.
     fields : bool, optional
-        Whether the fields of a state are kept.
+        Whether the fields of a state are kept; its atoms are if it has them.
     """
     if isinstance(point, InterfaceState):
         kept = {"gap": point.gap, "pressure": point.pressure} if fields else {}
-        return Step(observed(point, bins), kept, point.restart, bins)
+        return Step(observed(point, bins), {**kept, **point.atoms}, point.restart, bins)
     edges = bins.edges_of
     values = {
         key: value(edges[quantity_of(key)[1]]) if callable(value) else value for key, value in point.values.items()

@@ -17,6 +17,7 @@ from dataclasses import replace
 import numpy as np
 
 from contact_study.observables import ENTRIES
+from contact_study.observables.atoms import ATOMS, SITES, SURROUNDINGS
 from contact_study.observables.base import Variable
 from contact_study.observables.constants import CONSTANTS
 from contact_study.observables.roughness import ROUGHNESS, SPECTRUM_WAVEVECTOR
@@ -76,7 +77,9 @@ VARIABLES: dict[str, Variable] = {
     ),
     "pull_off_pressure": Variable("Pa", "lowest pressure that an adhered state carries", ()),
     "contact_modulus_at": Variable("Pa", "contact modulus of a wave of the surface", ("wavevector",)),
+    **ATOMS,
     **CONSTANTS,
+    **SURROUNDINGS,
     **ROUGHNESS,
 }
 
@@ -90,6 +93,7 @@ COORDINATES: dict[str, Variable] = {
     "spectrum_wavevector": SPECTRUM_WAVEVECTOR,
     "y": Variable("m", "position along y", ("y",)),
     "x": Variable("m", "position along x", ("x",)),
+    **SITES,
     "step": Variable("1", "point of the loading path", ("step",), kind="count"),
     "theory": Variable("1", "theory", ("theory",), kind="text"),
     "metastable_branch": Variable(

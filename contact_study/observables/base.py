@@ -121,6 +121,8 @@ class InterfaceState:
         Lowest mean pressure held before the surfaces came apart on the way to this point (Pa), of the same.
     motion : ThermalMotion or None
         Of atoms in motion.
+    atoms : mapping
+        The atoms one by one, as :mod:`contact_study.observables.atoms` names them, where the study asks for them.
     """
 
     gap: np.ndarray
@@ -137,6 +139,7 @@ class InterfaceState:
     dissipated_energy: float | None = None
     detachment_pressure: float | None = None
     motion: ThermalMotion | None = None
+    atoms: Mapping[str, np.ndarray] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
+from contact_study.observables.atoms import block_nodes, surface_atoms
 from contact_study.observables.base import Ensemble, InterfaceState, SolverReport, ThermalMotion
 from contact_study.problem.case import Case
 from contact_study.problem.errors import InputError
@@ -221,7 +222,21 @@ class _Run:
             report=self._report(at, pressure, discarded, apart),
             spacing=(case.lattice.constant, case.lattice.constant),
             motion=ThermalMotion(at.motion.time, system.temperature(at.motion)),
+            atoms=self._atoms(at.motion) if apart or at.frame == case.dynamics.frames else {},
         )
+
+    def _atoms(self, motion: Motion) -> dict[str, np.ndarray]:
+        """The atoms one by one, as far as the study asks for them."""
+        case, block = self._case, self._system.block
+        if case.output.atoms == "none":
+            return {}
+        stress = self._system.interface_force / case.lattice.constant**2
+        found = surface_atoms(block.bottom_of(motion.displacement), stress, block.bottom_of(motion.velocity))
+        if case.output.atoms == "block":
+            velocity = motion.velocity.copy()
+            block.top_of(velocity)[2] = motion.top_velocity
+            found |= block_nodes(block.rest_positions + block.nodes_of(motion.displacement), block.nodes_of(velocity))
+        return found
 
     def _report(self, at: _Place, pressure: float, discarded: int, apart: bool) -> SolverReport:
         case = self._case

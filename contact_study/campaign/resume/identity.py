@@ -25,6 +25,9 @@ from contact_study.problem.study import SECTIONS, WHOLE_STUDY, Study, make_study
 # Keys of a case that decide none of its numbers, or decide them in a way of their own.
 _APART = ("loading.path", "loading.unload", "solver.threads")
 
+# What a step keeps on demand, in rising order, by the key of [output].
+_KEPT: Mapping[str, tuple[Any, ...]] = {"fields": (False, True), "atoms": ("none", "surface", "block")}
+
 _SHOWN = 3  # differing keys that a message names
 
 
@@ -227,8 +230,14 @@ def differing_keys(values: dict[str, Any], other: dict[str, Any]) -> Iterator[tu
 def _match(number: int, case: Case, other: Case, run: Run) -> Match:
     """How much of a case stands in another that differs in nothing but its path and what is kept."""
     where = f" at {case.label}" if case.label else ""
-    if case.output.fields and not other.output.fields:
-        raise InputError("output.fields is true there and false here: the fields there would be lost")
+    more = []
+    for name in run.model.keeps:
+        there, here = getattr(case.output, name), getattr(other.output, name)
+        if (change := _KEPT[name].index(here) - _KEPT[name].index(there)) < 0:
+            raise InputError(
+                f"output.{name} is {_word(there)} there and {_word(here)} here: the {name} there would be lost"
+            )
+        more += [name] * (change > 0)
     if case.loading.unload and not other.loading.unload:
         raise InputError(f"loading.unload is true there and false here{where}")
     before, after = (path_points_of(one) for one in (case, other))
@@ -236,8 +245,9 @@ def _match(number: int, case: Case, other: Case, run: Run) -> Match:
     if after[:length] != before[:length]:
         raise InputError(f"loading.path{where} does not begin with the {length} points that are there")
     same = next((i for i, pair in enumerate(zip(before, after, strict=False)) if pair[0] != pair[1]), len(before))
-    if other.output.fields and not case.output.fields:
-        return Match(number, 0, "output.fields = true: fields that were not kept cannot be made from nothing")
+    for name in more:
+        asked = _word(getattr(other.output, name))
+        return Match(number, 0, f"output.{name} = {asked}: {name} that were not kept cannot be made from nothing")
     if run.model.whole_path and before != after:
         return Match(number, 0, "the path has changed, and what its points share is computed from all of them")
     if not _ranges_hold(case, run.bins):
@@ -245,6 +255,11 @@ def _match(number: int, case: Case, other: Case, run: Run) -> Match:
     if same < len(before):
         return Match(number, same, "unloading starts from another point")
     return Match(number, same)
+
+
+def _word(value: bool | str) -> str:
+    """A flag or a choice as a study file has it."""
+    return value if isinstance(value, str) else str(value).lower()
 
 
 def _ranges_hold(case: Case, bins: Bins) -> bool:

@@ -14,9 +14,10 @@ from contact_study.campaign.dataset.formats import engine_of, is_dataset, is_zar
 from contact_study.campaign.schema import LABELLED_GROUPS, LABELS, SCHEMA_VERSION, VARIABLES, variable_of
 from contact_study.comparison.models import file_kinds, known, of_file
 from contact_study.comparison.read.path_points import positions, swept_dims
+from contact_study.observables.atoms import ATOMS, SITES, SURROUNDINGS
 from contact_study.problem.errors import InputError
 
-_FIELDS = ("gap", "pressure")
+_FIELDS = ("gap", "pressure", *ATOMS, *SURROUNDINGS)
 _THEORY, _SIDE = LABELS
 _METASTABLE = LABELLED_GROUPS[2]
 # Groups of a file that are read, "" for the root; a file may hold others, such as states to go on from.
@@ -119,19 +120,19 @@ def _in_memory(node: xr.DataTree) -> xr.Dataset:
     """The group without its fields, and without the plane where only they stood on it."""
     dataset = node.to_dataset().drop_vars(_FIELDS, errors="ignore")
     used = {dim for variable in dataset.data_vars.values() for dim in variable.dims}
-    unused = [dim for dim in ("y", "x") if dim in dataset.dims and dim not in used]
+    unused = [dim for dim in ("y", "x", *SITES, "node") if dim in dataset.dims and dim not in used]
     return dataset.drop_dims(unused).load()
 
 
 def field_at(path: Path, name: str, selection: Mapping[str, Any], step: int) -> np.ndarray | None:
-    """One field (y, x) of a file, or None where the file keeps no fields.
+    """One field of a file, or None where the file does not keep it.
 
     Parameters
     ----------
     path : pathlib.Path
         Dataset of a simulation.
     name : str
-        ``"gap"`` or ``"pressure"``.
+        ``"gap"``, ``"pressure"``, or one of the atoms'.
     selection : mapping
         Swept coordinates.
     step : int
@@ -141,4 +142,4 @@ def field_at(path: Path, name: str, selection: Mapping[str, Any], step: int) -> 
         if name not in dataset:
             return None
         chosen = positions({dim: dataset[dim].values for dim in swept_dims(dataset)}, selection)
-        return dataset[name].isel(chosen).isel(step=step).values
+        return dataset[name].isel(chosen).isel({"step": step}, missing_dims="ignore").values

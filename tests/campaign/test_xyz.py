@@ -1,0 +1,157 @@
+"""Atoms one by one in a dataset, and as extended XYZ read back by ASE."""
+
+import re
+import warnings
+
+import numpy as np
+import pytest
+from scipy import constants
+
+import contact_study
+from contact_study.campaign.dataset.xyz import to_xyz
+from contact_study.problem.study import make_study
+from md_reference.methods.dynamics import build_block
+from md_reference.run import check
+from tests.md_reference.systems import LATTICE_CONSTANT, LENGTH, WELL_DEPTH
+from tests.md_reference.test_dynamics import moving
+
+ANGSTROM = 1e-10
+DIGITS = 1e-8  # of every number, as ASE writes it
+PATH = {"path": ["1 GPa", "0.5 GPa", "-3.5 GPa"]}  # the last one tears the block off
+
+
+def still(**sections):
+    atomistic = {"method": "quasi_static"}
+    return moving(atomistic=atomistic, loading=PATH, dynamics={}, output={"atoms": "surface"}, **sections)
+
+
+@pytest.fixture(scope="module")
+def dataset():
+    return contact_study.run(still(), "atomistic")
+
+
+@pytest.fixture(scope="module")
+def moved():
+    study = moving(output={"atoms": "block"}, dynamics={"duration": "1 ps", "frames": 4})
+    with pytest.warns(UserWarning, match="converge"):
+        return contact_study.run(study, "atomistic")
+
+
+def pair_force(offsets):
+    """Force (N) of sites at ``offsets`` (m) from them to one atom: Lennard-Jones with the switch from 0.9 to 1 r_c."""
+    s = np.sum(offsets**2, axis=-1) / LENGTH**2
+    cutoff2 = 16.0
+    u = np.clip((s - 0.81 * cutoff2) / (0.19 * cutoff2), 0, 1)
+    switch, slope = (1 - u) ** 3 * (1 + 3 * u + 6 * u**2), -30 * u**2 * (1 - u) ** 2 / (0.19 * cutoff2)
+    energy_slope = (3 * s**-4 - 6 * s**-7) * switch + (s**-6 - s**-3) * slope
+    return np.sum(-8 * WELL_DEPTH * energy_slope[:, None] * offsets / LENGTH**2, axis=0)
+
+
+def test_stresses_follow_from_the_positions(dataset, tmp_path):
+    """The file alone, positions of atoms and sites, gives the stresses that stand beside them."""
+    ase_io = pytest.importorskip("ase.io", reason="extra xyz")
+    (path,) = to_xyz(dataset, tmp_path / "atoms.xyz")
+    frames = ase_io.read(path, index=":")
+    assert [frame.info["step"] for frame in frames] == [0, 1, 2]
+    frame = frames[0]
+    block, sites = frame[frame.symbols == "B"], frame[frame.symbols == "S"]
+    assert (len(block), len(sites)) == (16 * 16, 26 * 26)
+    assert frame.pbc.tolist() == [True, True, False]
+    period = frame.cell.lengths()[:2]
+    np.testing.assert_allclose(period, 41.6, rtol=1e-12)
+    strongest = np.argsort(-np.abs(block.arrays["shear_stress"]).max(axis=1))[:5]
+    for number in strongest:
+        offset = block.positions[number] - sites.positions
+        offset[:, :2] -= period * np.round(offset[:, :2] / period)
+        force = pair_force(offset * ANGSTROM)
+        told = [*block.arrays["shear_stress"][number], block.arrays["normal_stress"][number]]
+        # Digits of the positions times the stiffest pairs, 100 GPa/Å.
+        np.testing.assert_allclose(force / LATTICE_CONSTANT**2 / 1e9, told, atol=1e-5)
+    assert np.all(sites.arrays["normal_stress"] == 0)
+    assert np.all(frame.arrays["level"] == np.where(frame.symbols == "B", 0, -1))
+    assert np.all(frames[2].arrays["normal_stress"] == 0)  # torn off
+
+
+def test_atoms_are_those_of_the_state(dataset):
+    at = dataset.isel(step=0)
+    assert at.normal_stress.mean().item() == pytest.approx(1e9, rel=1e-6)  # the solver's tolerance over 1 GPa
+    # The surface is a sum of few waves: its spectrum on any grid gives its height at any position.
+    spectrum = np.fft.fft2(dataset.height.values) / dataset.height.size
+    modes = 2j * np.pi * np.fft.fftfreq(16) * 16 / 41.6e-10
+    moved_x = (dataset.x + at.lateral_displacement_x).transpose("y", "x").values
+    moved_y = (dataset.y + at.lateral_displacement_y).transpose("y", "x").values
+    below = np.einsum(
+        "jk,yxj,yxk->yx", spectrum, np.exp(modes * moved_y[..., None]), np.exp(modes * moved_x[..., None])
+    ).real
+    area = np.mean(at.atom_height.values - below <= dataset.contact_distance.item())
+    assert area == at.relative_contact_area.item()
+    assert np.abs(at.lateral_displacement_x).max() > 0.01 * LATTICE_CONSTANT
+
+
+def test_explicit_block_has_its_levels_and_velocities(moved, tmp_path):
+    ase_io = pytest.importorskip("ase.io", reason="extra xyz")
+    case = make_study(moving()).cases[0]
+    block = build_block(case)
+    assert len(block.levels) > 1
+    (path,) = to_xyz(moved, tmp_path / "block.*.xyz")
+    assert path.name == "block.0000.xyz"
+    frame = ase_io.read(path)
+    nodes = frame[frame.symbols == "B"]
+    level = nodes.arrays["level"]
+    counts = [shape[1] - (number + 1 < len(block.levels)) for number, shape in enumerate(b.shape for b in block.levels)]
+    assert np.bincount(level).tolist() == [planes * (16 >> n) ** 2 for n, planes in enumerate(counts)]
+    # Layers stand one above the other, each a cell of its level over the one below; the block is hardly deformed yet.
+    for number, edge in enumerate(2.6 * 2.0 ** np.arange(len(counts))):
+        own = nodes.positions[level == number].reshape(counts[number], 16 >> number, 16 >> number, 3)
+        for axis, along in ((0, 2), (1, 1), (2, 0)):
+            np.testing.assert_allclose(np.diff(own[..., along], axis=axis), edge, atol=0.2)
+    top_of_first = nodes.positions[level == 0, 2].max()
+    assert nodes.positions[level == 1, 2].min() == pytest.approx(top_of_first + 2.6, abs=0.2)
+    surface = moved.isel(step=0)
+    np.testing.assert_allclose(nodes.positions[:256, 2] * ANGSTROM, surface.atom_height.values.ravel(), atol=DIGITS)
+    np.testing.assert_allclose(nodes.arrays["velo"][:256, 0] * 100, surface.velocity_x.values.ravel(), atol=100 * DIGITS)
+    # The kinetic energy of the columns is that of the temperature; the plane on top has none of it.
+    mass = block.nodes_of(block.mass)[0]
+    kinetic = np.sum(mass[:, None] * (100 * nodes.arrays["velo"]) ** 2)
+    assert kinetic / (constants.k * block.freedoms) == pytest.approx(surface.temperature.item(), rel=1e-6)
+    np.testing.assert_allclose(nodes.arrays["velo"][mass == 0, 2], nodes.arrays["velo"][-1, 2])
+    assert nodes.arrays["velo"][-1, 2] < -1.0  # still coming down, Å/ps
+
+
+def test_atoms_are_kept_only_on_demand_and_widen_a_run(tmp_path):
+    study, kept = still(), tmp_path / "md.nc"
+    without = {**study, "output": {}, "loading": {"path": ["1 GPa"]}}
+    assert "atom_height" not in contact_study.run(without, "atomistic", output=kept)
+    with_atoms = {**without, "output": {"atoms": "surface"}}
+    with pytest.warns(UserWarning, match=r"output\.atoms = surface: atoms that were not kept"):
+        assert "substrate_height" in contact_study.run(with_atoms, "atomistic", output=kept, resume=True)
+    with pytest.raises(ValueError, match=r"output\.atoms is surface there and none here: the atoms there would be lost"):
+        contact_study.run(without, "atomistic", output=kept, resume=True)
+
+
+def test_continuum_knows_no_atoms(tmp_path):
+    """One study for all models: what the atoms keep starts no continuum anew."""
+    study = {**still(), "loading": {"path": ["1 GPa"]}}
+    contact_study.run({**study, "output": {}}, "continuum", output=tmp_path / "bem.nc")
+    with warnings.catch_warnings():  # of what is computed anew
+        warnings.simplefilter("error")
+        contact_study.run({**study, "output": {"atoms": "surface"}}, "continuum", output=tmp_path / "bem.nc", resume=True)
+
+
+def test_what_cannot_be_written(dataset, tmp_path, monkeypatch):
+    for given, culprit in (
+        (dataset.expand_dims({"seed": [1, 2]}), r"dataset\.isel\(seed=0\)"),
+        (dataset.drop_vars("atom_height"), r"output\.atoms"),
+    ):
+        with pytest.raises(ValueError, match=culprit):
+            to_xyz(given, tmp_path / "atoms.xyz")
+    monkeypatch.setitem(__import__("sys").modules, "ase.io", None)
+    with pytest.raises(ValueError, match=re.escape("bem-adhesion[xyz]")):
+        to_xyz(dataset, tmp_path / "atoms.xyz")
+    assert not list(tmp_path.iterdir())
+
+
+def test_nodes_need_an_explicit_block():
+    study = {**still(), "output": {"atoms": "block"}, "loading": {"path": ["1 GPa"]}}
+    with pytest.raises(ValueError, match=r'output\.atoms = "block".*use "surface"'):
+        check(make_study(study).cases[0])
