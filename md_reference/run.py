@@ -73,7 +73,7 @@ def check(case: Case) -> None:
     _check_temperature(case)
     if case.output.atoms == "block" and case.atomistic.method != "dynamics":
         raise InputError(
-            f'output.atoms = "block": the nodes of the block are explicit in atomistic.method = "dynamics" only; '
+            'output.atoms = "block": the nodes of the block are explicit in atomistic.method = "dynamics" only; '
             'use "surface"'
         )
     if case.atomistic.method == "dynamics":

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from contact_study.comparison.compute import bands, plotted
+from contact_study.comparison.compute.atom_state import read_atoms
 from contact_study.comparison.compute.cases import sweep_points
 from contact_study.comparison.compute.gap_maps import read_gap_maps
 from contact_study.comparison.compute.interface_state import read_interface_state
@@ -11,6 +12,7 @@ from contact_study.comparison.compute.magnification import read_magnification
 from contact_study.comparison.compute.scales import mean_pressure_unit, scales
 from contact_study.comparison.compute.shown_states import common_label, panel_points, point_label, state_label
 from contact_study.comparison.draw import figures
+from contact_study.comparison.draw.atoms import atoms_figure
 from contact_study.comparison.draw.gap_map import gap_map_figure
 from contact_study.comparison.draw.interface import interface_figure
 from contact_study.comparison.draw.magnification import magnification_figure
@@ -64,6 +66,9 @@ def draw(inputs: Inputs, wanted: float | None = None, formats: Sequence[str] = (
     zoomed = read_magnification(inputs, shown, seed)
     if zoomed is not None:
         drawn["magnification"] = magnification_figure(*zoomed, *states)
+    atoms = read_atoms(inputs, shown, seed)
+    if atoms is not None:
+        drawn["atoms"] = atoms_figure(atoms, state_label(shown.case, point_label(shown.common, scale, control)))
     banded = dict.fromkeys(band.model for found in (area_bands, logarithmic, linear) for band in found)
     words = captions(inputs, shown, curves, seed, list(banded))
     others = {kind: {name: saved(figure, kind) for name, figure in drawn.items()} for kind in formats if kind != "png"}

@@ -4,6 +4,7 @@ Each function draws on the axes it is given, or on those of a new figure, which 
 pyplot's state or any setting.
 """
 
+from contact_study.plots.atoms import atoms
 from contact_study.plots.curves import contact_area, hysteresis_loop, mean_gap
 from contact_study.plots.densities import gap_distribution, stress_distribution, surface_spectrum
 from contact_study.plots.deviations import deviations
@@ -18,6 +19,7 @@ from contact_study.plots.section import section
 
 __all__ = [
     "area_by_magnification",
+    "atoms",
     "contact_area",
     "contact_map",
     "detachment_stress",

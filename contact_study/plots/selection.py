@@ -6,6 +6,8 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 import xarray as xr
 
+from contact_study.observables.atoms import ATOMS, SURROUNDINGS
+
 LOADING, UNLOADING = 0, 1
 
 
@@ -20,6 +22,7 @@ def require(dataset: xr.Dataset, *names: str) -> None:
     for name in names:
         if name not in dataset:
             hint = "; fields are kept with output.fields = true" if name in ("gap", "pressure", "height") else ""
+            hint = '; atoms are kept with output.atoms = "surface"' if name in (*ATOMS, *SURROUNDINGS) else hint
             raise ValueError(f"the dataset has no variable {name!r}{hint}")
 
 

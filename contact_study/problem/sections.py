@@ -217,8 +217,8 @@ class OutputSection:
     fields: bool = key(flag(), "keep gap and pressure fields of every step", False)
     atoms: str = key(
         choice("none", "surface", "block"),
-        "of the atoms one by one at every step keep nothing, positions, stresses and velocities of the bottom layer, or "
-        "the nodes of the explicit block (dynamics), too",
+        "of the atoms one by one keep, at every step, nothing; positions, stresses and velocities of the bottom layer; "
+        "or the nodes of the explicit block (dynamics), too",
         "none",
     )
     stiffness: bool = key(flag(), "contact_stiffness of every step of the continuum, by one linear solve more", False)

@@ -1,5 +1,6 @@
 """Atoms one by one in a dataset, and as extended XYZ read back by ASE."""
 
+import pathlib
 import re
 import warnings
 
@@ -8,7 +9,13 @@ import pytest
 from scipy import constants
 
 import contact_study
+from contact_study import plots
 from contact_study.campaign.dataset.xyz import to_xyz
+from contact_study.comparison import command
+from contact_study.comparison.compute.atom_state import read_atoms
+from contact_study.comparison.compute.shown_states import panel_points
+from contact_study.comparison.read.datasets import read_inputs
+from contact_study.plots.atoms import NEEDED
 from contact_study.problem.study import make_study
 from md_reference.methods.dynamics import build_block
 from md_reference.run import check
@@ -26,8 +33,8 @@ def still(**sections):
 
 
 @pytest.fixture(scope="module")
-def dataset():
-    return contact_study.run(still(), "atomistic")
+def dataset(tmp_path_factory):
+    return contact_study.run(still(), "atomistic", output=tmp_path_factory.mktemp("atoms") / "md.nc")
 
 
 @pytest.fixture(scope="module")
@@ -109,7 +116,9 @@ def test_explicit_block_has_its_levels_and_velocities(moved, tmp_path):
     assert nodes.positions[level == 1, 2].min() == pytest.approx(top_of_first + 2.6, abs=0.2)
     surface = moved.isel(step=0)
     np.testing.assert_allclose(nodes.positions[:256, 2] * ANGSTROM, surface.atom_height.values.ravel(), atol=DIGITS)
-    np.testing.assert_allclose(nodes.arrays["velo"][:256, 0] * 100, surface.velocity_x.values.ravel(), atol=100 * DIGITS)
+    np.testing.assert_allclose(
+        nodes.arrays["velo"][:256, 0] * 100, surface.velocity_x.values.ravel(), atol=100 * DIGITS
+    )
     # The kinetic energy of the columns is that of the temperature; the plane on top has none of it.
     mass = block.nodes_of(block.mass)[0]
     kinetic = np.sum(mass[:, None] * (100 * nodes.arrays["velo"]) ** 2)
@@ -125,7 +134,7 @@ def test_atoms_are_kept_only_on_demand_and_widen_a_run(tmp_path):
     with_atoms = {**without, "output": {"atoms": "surface"}}
     with pytest.warns(UserWarning, match=r"output\.atoms = surface: atoms that were not kept"):
         assert "substrate_height" in contact_study.run(with_atoms, "atomistic", output=kept, resume=True)
-    with pytest.raises(ValueError, match=r"output\.atoms is surface there and none here: the atoms there would be lost"):
+    with pytest.raises(ValueError, match=r"output\.atoms is surface there and none here: the atoms"):
         contact_study.run(without, "atomistic", output=kept, resume=True)
 
 
@@ -135,7 +144,9 @@ def test_continuum_knows_no_atoms(tmp_path):
     contact_study.run({**study, "output": {}}, "continuum", output=tmp_path / "bem.nc")
     with warnings.catch_warnings():  # of what is computed anew
         warnings.simplefilter("error")
-        contact_study.run({**study, "output": {"atoms": "surface"}}, "continuum", output=tmp_path / "bem.nc", resume=True)
+        contact_study.run(
+            {**study, "output": {"atoms": "surface"}}, "continuum", output=tmp_path / "bem.nc", resume=True
+        )
 
 
 def test_what_cannot_be_written(dataset, tmp_path, monkeypatch):
@@ -149,6 +160,43 @@ def test_what_cannot_be_written(dataset, tmp_path, monkeypatch):
     with pytest.raises(ValueError, match=re.escape("bem-adhesion[xyz]")):
         to_xyz(dataset, tmp_path / "atoms.xyz")
     assert not list(tmp_path.iterdir())
+
+
+def test_picture_shows_the_row_under_the_largest_tension(dataset):
+    state = dataset.isel(step=0)
+    row, column = np.unravel_index(state.normal_stress.values.argmin(), (16, 16))
+    axes = plots.atoms(state)
+    sites, atoms = axes.collections
+    np.testing.assert_allclose(np.sort(atoms.get_array()), np.sort(state.normal_stress[row] / 1e9), rtol=1e-12)
+    middle = atoms.get_offsets()[np.argmin(atoms.get_array())]
+    at = state.isel(y=row, x=column)
+    told = [at.x + at.lateral_displacement_x, at.atom_height]
+    np.testing.assert_allclose(middle * ANGSTROM, [float(value) for value in told], rtol=1e-9)
+    y = float(at.y + state.lateral_displacement_y[row].mean())
+    below = state.substrate_height.sel(site_y=y, method="nearest")
+    np.testing.assert_allclose(np.sort(sites.get_offsets()[:, 1]) * ANGSTROM, np.sort(below), rtol=1e-9)
+    given = plots.atoms(state, centre=(float(state.y[3]), 0.0))
+    np.testing.assert_allclose(np.sort(given.collections[1].get_array()), np.sort(state.normal_stress[3] / 1e9))
+    with pytest.raises(ValueError, match=r"atoms are kept with output\.atoms"):
+        plots.atoms(state.drop_vars("normal_stress"))
+
+
+def test_comparison_reads_the_atoms_of_its_state(dataset):
+    inputs = read_inputs([pathlib.Path(dataset.encoding["source"])])
+    assert "normal_stress" not in inputs.models["atomistic"]  # fields stay in the file
+    found = read_atoms(inputs, panel_points(inputs.models, inputs.control, 0.5e9), None)
+    assert set(NEEDED) <= set(found.variables)
+    for name in NEEDED:
+        np.testing.assert_array_equal(found[name], dataset[name].isel(step=1, missing_dims="ignore"))
+    assert read_atoms(inputs, panel_points(inputs.models, inputs.control, -3.5e9), None) is None  # torn off
+
+
+@pytest.mark.validation
+def test_report_has_the_picture(dataset, tmp_path):
+    made = [str(dataset.encoding["source"]), "-o", str(tmp_path / "out.nc"), "--figures", str(tmp_path / "figures")]
+    assert command.main([*made, "--report", str(tmp_path / "report.html")]) == 0
+    assert list((tmp_path / "figures").glob("*_atoms.png"))
+    assert "Bottom layer of the block over the sites" in (tmp_path / "report.html").read_text()
 
 
 def test_nodes_need_an_explicit_block():

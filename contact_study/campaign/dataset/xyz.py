@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray as xr
 
-from contact_study.campaign.files import write_aside, writable_output
+from contact_study.campaign.files import writable_output, write_aside
 from contact_study.problem.errors import InputError
 
 if TYPE_CHECKING:

@@ -142,4 +142,4 @@ def field_at(path: Path, name: str, selection: Mapping[str, Any], step: int) -> 
         if name not in dataset:
             return None
         chosen = positions({dim: dataset[dim].values for dim in swept_dims(dataset)}, selection)
-        return dataset[name].isel(chosen).isel({"step": step}, missing_dims="ignore").values
+        return dataset[name].isel({**chosen, "step": step}, missing_dims="ignore").values

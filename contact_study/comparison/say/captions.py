@@ -62,6 +62,8 @@ def captions(
         f"tension blue; (b) clusters of contact, {_contact(own)}, the six largest in colour; (c) section along x "
         "through the highest point of the surface.",
         "magnification": _magnification(inputs, shown),
+        "atoms": f"Bottom layer of the block over the sites of the substrate at {state}{whose}, at true proportions: "
+        "one row along x through the atom under the largest tension, compression red, tension blue.",
     }
 
 

@@ -24,6 +24,7 @@ FIGURE_TITLES = {
     "gap_map": "Gap fields",
     "interface": "Interface",
     "magnification": "Magnification",
+    "atoms": "Atoms",
 }
 
 # Symbols whose subscripts are set as such; study text is full of underscores that are none.
