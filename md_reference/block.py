@@ -66,15 +66,17 @@ def isotropic_element(lattice_constant: float, youngs_modulus: float, poissons_r
 
 
 def element_matrix(model: str, lattice_constant: float, youngs_modulus: float, poissons_ratio: float) -> np.ndarray:
-    """Element matrix of the named block model, see :func:`isotropic_element`.
+    """Element matrix of the named block model at small strains, see :func:`isotropic_element`.
 
     Raises
     ------
     ValueError
         If there is no block model of that name.
     """
-    if model != "isotropic":
-        raise ValueError(f"atomistic.block: {model!r} is not available; the block models are: 'isotropic'")
+    if model not in ("isotropic", "nonlinear_springs"):  # the same to first order
+        raise ValueError(
+            f"atomistic.block: {model!r} is not available; the block models are: 'isotropic', 'nonlinear_springs'"
+        )
     return isotropic_element(lattice_constant, youngs_modulus, poissons_ratio)
 
 

@@ -89,6 +89,8 @@ class MultiscaleBlock:
     ):
         self.atoms = atoms
         self.lattice_constant = lattice_constant
+        self.lame = first_lame, shear_modulus
+        self.thickness = lattice_constant * sum(count * 2**number for number, count in enumerate(layers))
         self.levels = [
             Level(
                 2**number,
@@ -170,7 +172,7 @@ class MultiscaleBlock:
             if number + 1 < len(u):
                 _prolong(u[number + 1][:, 0], u[number][:, -1])
             fill_ghosts(u[number])
-            slab_force(u[number], f[number], self._work[number], *self.levels[number].constants)
+            self._slab_force(number, u[number], f[number])
         for number in range(len(u) - 1):
             _restrict(f[number][:, -1], f[number + 1][:, 0])
         for slab in f:
@@ -187,6 +189,15 @@ class MultiscaleBlock:
             total -= float(np.sum(u[0][inside] * f[0][inside]) + np.sum(u[1][inside] * f[1][inside]))
             total -= float(np.sum((u[2][inside] - height) * f[2][inside]))
         return 0.5 * total
+
+    def compression_energy(self, pressure: float) -> float:
+        """Energy of the flat block under a mean pressure (Pa), per area (J/m²)."""
+        first, shear = self.lame
+        return pressure**2 * self.thickness / (2 * (first + 2 * shear))
+
+    def _slab_force(self, number: int, displacement: np.ndarray, force: np.ndarray) -> None:
+        """Write the forces of one level's cells on its nodes, ghosts filled."""
+        slab_force(displacement, force, self._work[number], *self.levels[number].constants)
 
     def _masses(self, atom_mass: float) -> np.ndarray:
         """Mass of every node for each component (kg); zero for ghosts, hanging nodes and the rigid plane.

@@ -71,6 +71,11 @@ def check(case: Case) -> None:
             f"incompressible; use at most {_MOST_INCOMPRESSIBLE}"
         )
     _check_temperature(case)
+    if case.atomistic.block == "nonlinear_springs" and case.atomistic.method != "dynamics":
+        raise InputError(
+            'atomistic.block = "nonlinear_springs": only a linear block can be condensed to its bottom layer; '
+            'use atomistic.method = "dynamics"'
+        )
     if case.output.atoms == "block" and case.atomistic.method != "dynamics":
         raise InputError(
             'output.atoms = "block": the nodes of the block are explicit in atomistic.method = "dynamics" only; '

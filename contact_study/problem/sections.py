@@ -99,7 +99,11 @@ class SolverSection:
 class AtomisticSection:
     """The block of atoms."""
 
-    block: str = key(choice("isotropic"), "springs of the block; isotropic is the only kind today", "isotropic")
+    block: str = key(
+        choice("isotropic", "nonlinear_springs"),
+        "springs of the block: linear and elastically isotropic, or the same turning with their atoms (dynamics)",
+        "isotropic",
+    )
     method: str = key(
         choice("quasi_static", "sampling", "dynamics"),
         "how the atoms come along the path: equilibria at zero temperature, each from the one before it, thermal "

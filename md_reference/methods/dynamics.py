@@ -17,6 +17,7 @@ from md_reference.methods.base import Predictor
 from md_reference.multiscale_block import MultiscaleBlock, level_layers
 from md_reference.newtonian import Motion, NewtonianBlock, fastest_wave
 from md_reference.random_state import generator_of, packed
+from md_reference.rotating_block import RotatingBlock
 from md_reference.starts import separated
 from md_reference.system import build_interface
 
@@ -91,7 +92,8 @@ def build_block(case: Case) -> MultiscaleBlock:
     """The explicit block of a case."""
     assert case.material.atom_mass is not None
     atoms = case.lattice.atoms
-    return MultiscaleBlock(
+    kind = RotatingBlock if case.atomistic.block == "nonlinear_springs" else MultiscaleBlock
+    return kind(
         atoms,
         case.lattice.constant,
         *lame(case),
@@ -170,8 +172,6 @@ class _Run:
             build_block(case), interface, step, case.dynamics.damping, case.atomistic.temperature
         )
         self._steps = max(1, round(case.dynamics.duration / step / case.dynamics.frames))
-        self._thickness = case.block_layers * case.lattice.constant
-        self._modulus = longitudinal_modulus(case)
 
     def begin(self, point: int) -> _Place:
         """A block apart, at the speed of approach."""
@@ -207,7 +207,7 @@ class _Run:
         gap = np.full(stress.shape, np.inf) if apart else self._interface.gap(displacement)
         separation = float(np.mean(displacement[2])) - self._mean_height - case.law.equilibrium_distance
         # A half-space has no uniform compression: the block's own is taken off, a layer's put back by the solid.
-        own = mean_pressure**2 * self._thickness / (2 * self._modulus)
+        own = system.block.compression_energy(mean_pressure)
         elastic = system.elastic_energy(at.motion) / nominal - own + case.solid.compression_energy(mean_pressure)
         if at.frame > discarded:
             at.pressure_sum += mean_pressure

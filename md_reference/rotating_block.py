@@ -1,0 +1,47 @@
+"""The explicit block with springs that turn with their atoms: what the linear block is the first order of."""
+
+import math
+
+import numpy as np
+from scipy import optimize
+
+from md_reference.multiscale_block import Level, MultiscaleBlock
+from md_reference.rotating_slab import rotating_slab_force
+
+
+class RotatingBlock(MultiscaleBlock):
+    """As :class:`MultiscaleBlock`, of central springs and cell volumes at any displacement.
+
+    The levels, their masses and how they hang together are those of the linear block: a plane's bilinear values are
+    exact for what is turned as a whole.
+    """
+
+    def elastic_energy(self, displacement: np.ndarray, force: np.ndarray) -> float:
+        """Elastic energy (J) of a displacement; ``force`` is not needed, see the base class."""
+        scratch = np.zeros(self.size)
+        pairs = zip(self.levels, self.levels_of(displacement), self.levels_of(scratch), strict=True)
+        return sum(self._rotating_force(level, u, f) for level, u, f in pairs)
+
+    def compression_energy(self, pressure: float) -> float:
+        """Energy of the flat block under a mean pressure (Pa), per area (J/m²)."""
+        first, shear = self.lame
+        diagonal = math.sqrt(2)
+
+        def energy(strain: float) -> float:  # of all springs and the volume, over μ and λ − μ, per volume
+            longer = math.hypot(1, 1 + strain) - diagonal
+            return 0.5 * first * strain**2 + 2 * shear * longer**2
+
+        def excess(strain: float) -> float:
+            length = math.hypot(1, 1 + strain)
+            return first * strain + 4 * shear * (length - diagonal) * (1 + strain) / length + pressure
+
+        modulus = first + 2 * shear
+        reach = 4 * abs(pressure) / modulus
+        return self.thickness * energy(float(optimize.brentq(excess, -reach, reach))) if pressure else 0.0
+
+    def _slab_force(self, number: int, displacement: np.ndarray, force: np.ndarray) -> None:
+        self._rotating_force(self.levels[number], displacement, force)
+
+    def _rotating_force(self, level: Level, displacement: np.ndarray, force: np.ndarray) -> float:
+        first, shear = self.lame
+        return rotating_slab_force(displacement, force, level.size * self.lattice_constant, shear, first - shear)
