@@ -1,9 +1,9 @@
 """Forces and energy of a slab of cells whose springs turn with their atoms, both faces free, periodic along x and y.
 
-The cell of :func:`md_reference.block.isotropic_element` at any displacement: springs along edges and face diagonals pull
-along the line between their atoms, ½k(|r| − r₀)², and the volume costs ½(λ − μ)a³(det F − 1)², F the mean of the
-deformation gradient over the cell's corners. A turn of the whole costs nothing; to first order both are the linear cell.
-Arrays of nodes have shape (3, planes, ny + 2, nx + 2): a frame of ghosts holds the periodic images.
+The cell of :func:`md_reference.block.isotropic_element` at any displacement: springs along edges and face diagonals
+pull along the line between their atoms, ½k(|r| − r₀)², and the volume costs ½(λ − μ)a³(det F − 1)², F the mean of the
+deformation gradient over the cell's corners. A turn of the whole costs nothing; to first order both are the linear
+cell. Arrays of nodes have shape (3, planes, ny + 2, nx + 2): a frame of ghosts holds the periodic images.
 """
 
 import numpy as np

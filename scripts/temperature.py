@@ -1,8 +1,10 @@
-"""What temperature does to the contact: area and mean gap of the atoms at rest and in thermal motion.
+"""What temperature does to the contact, or springs that turn: area and mean gap of two kinds of atoms side by side.
 
-`docs/temperature.md` shows the table.
+Atoms at rest and in thermal motion; with ``--turning`` the linear explicit block and that of springs that turn with their
+atoms, both coming down at one speed and brought to rest by friction. `docs/temperature.md` shows the tables.
 
     python scripts/temperature.py data/yang2008.toml --fraction 0.25 --pressures "1 GPa" --temperature "300 K"
+    python scripts/temperature.py data/yang2008.toml --fraction 0.12 --pressures "1 GPa" "10 GPa" --turning
 """
 
 import argparse
@@ -20,6 +22,9 @@ from contact_study.campaign.command import Parser, guarded
 from contact_study.problem.errors import InputError
 from contact_study.problem.study import Study, read_study
 
+# Of atoms that come to rest: what the residual at the end of a point needs to be below 10⁻³ E* at the sizes in use.
+AT_REST = {"duration": "50 ps", "damping": "0.3 ps^-1", "approach_speed": "300 m/s", "frames": 4}
+
 OBSERVABLES = {"relative_contact_area": ("A", 1.0), "mean_gap": ("ū (Å)", 1e-10)}
 
 
@@ -36,6 +41,7 @@ def parser() -> Parser:
     made.add_argument("--temperature", default="300 K", help="of the atoms that move")
     made.add_argument("--trajectories", type=int, default=150, help="thermal states of each point")
     made.add_argument("--fraction", type=float, default=1.0, help="of the study's lengths: its cell and rms height")
+    made.add_argument("--turning", action="store_true", help="compare blocks, at zero temperature")
     return made
 
 
@@ -44,19 +50,49 @@ def _main(arguments: Sequence[str] | None) -> int:
     table = shrunk(read_study(given.study), given.fraction)
     if "interaction.well_depth_ratio" not in table.get("sweep", {}):
         raise InputError(f"{given.study}: sweeps no interaction.well_depth_ratio")
-    cold = contact_study.run(at_rest(table, given.pressures), "atomistic")
-    warm = contact_study.run(
-        in_motion(at_rest(table, given.pressures), given.temperature, given.trajectories), "atomistic"
-    )
-    ratios = [f"{ratio:g} ε₀" for ratio in cold.well_depth_ratio.values]
+    variants = blocks(table, given.pressures) if given.turning else temperatures(table, given)
+    before, after = variants.values()
+    ratios = [f"{ratio:g} ε₀" for ratio in before.well_depth_ratio.values]
     print("| p (GPa) | | " + " | ".join(ratios) + " |\n" + "|---" * (2 + len(ratios)) + "|")
-    for step, pressure in enumerate(cold.applied_pressure.values):
+    for step, pressure in enumerate(before.applied_pressure.values):
+        rows = {}
         for name, (symbol, unit) in OBSERVABLES.items():
-            rows = {"0 K": cells(cold, name, unit, step), given.temperature: cells(warm, name, unit, step)}
-            for temperature, row in rows.items():
-                print(f"| {pressure / 1e9:g} | {symbol}, {temperature} | " + " | ".join(row) + " |")
-            print(f"| {pressure / 1e9:g} | change | " + " | ".join(changes(cold, warm, name, unit, step)) + " |")
+            rows |= {f"{symbol}, {word}": cells(dataset, name, unit, step) for word, dataset in variants.items()}
+            rows[f"change of {symbol}"] = changes(before, after, name, unit, step)
+        if given.turning:
+            rows["largest lateral move (Å)"] = [f"{1e10 * move:.2f}" for move in largest_move(after.isel(step=step))]
+            worst = np.maximum(*(dataset.residual.isel(step=step).values for dataset in variants.values()))
+            rows["force left over a²E*"] = [f"{residual:.0e}" for residual in worst]
+        for words, row in rows.items():
+            print(f"| {pressure / 1e9:g} | {words} | " + " | ".join(row) + " |")
     return 0
+
+
+def temperatures(table: Mapping[str, Any], given: argparse.Namespace) -> dict[str, xr.Dataset]:
+    """Atoms at rest, and at a temperature."""
+    still = at_rest(table, given.pressures)
+    cold = contact_study.run(still, "atomistic")
+    return {
+        "0 K": cold,
+        given.temperature: contact_study.run(in_motion(still, given.temperature, given.trajectories), "atomistic"),
+    }
+
+
+def blocks(table: Mapping[str, Any], pressures: Sequence[str]) -> dict[str, xr.Dataset]:
+    """The linear explicit block, and that of turning springs."""
+    still = {**at_rest(table, pressures), "dynamics": AT_REST, "output": {"atoms": "surface"}}
+    found = {}
+    for word, block in (("linear", "isotropic"), ("turning", "nonlinear_springs")):
+        atomistic = {**table.get("atomistic", {}), "method": "dynamics", "block": block}
+        found[word] = contact_study.run({**still, "atomistic": atomistic}, "atomistic", workers=1)
+    return found
+
+
+def largest_move(states: xr.Dataset) -> np.ndarray:
+    """Largest lateral displacement of an atom of each case, against the mean of all (m)."""
+    moves = [states[f"lateral_displacement_{axis}"] for axis in "xy"]
+    squares = sum((move - move.mean(["y", "x"])) ** 2 for move in moves)
+    return np.sqrt(squares.max(["y", "x"])).values
 
 
 def shrunk(study: Study, fraction: float) -> dict[str, Any]:
