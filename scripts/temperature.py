@@ -1,7 +1,7 @@
 """What temperature does to the contact, or springs that turn: area and mean gap of two kinds of atoms side by side.
 
-Atoms at rest and in thermal motion; with ``--turning`` the linear explicit block and that of springs that turn with their
-atoms, both coming down at one speed and brought to rest by friction. `docs/temperature.md` shows the tables.
+Atoms at rest and in thermal motion; with ``--turning`` the linear explicit block and that of springs that turn with
+their atoms, both coming down at one speed and brought to rest by friction. `docs/temperature.md` shows the tables.
 
     python scripts/temperature.py data/yang2008.toml --fraction 0.25 --pressures "1 GPa" --temperature "300 K"
     python scripts/temperature.py data/yang2008.toml --fraction 0.12 --pressures "1 GPa" "10 GPa" --turning
@@ -55,15 +55,16 @@ def _main(arguments: Sequence[str] | None) -> int:
     ratios = [f"{ratio:g} ε₀" for ratio in before.well_depth_ratio.values]
     print("| p (GPa) | | " + " | ".join(ratios) + " |\n" + "|---" * (2 + len(ratios)) + "|")
     for step, pressure in enumerate(before.applied_pressure.values):
-        rows = {}
+        rows = []
         for name, (symbol, unit) in OBSERVABLES.items():
-            rows |= {f"{symbol}, {word}": cells(dataset, name, unit, step) for word, dataset in variants.items()}
-            rows[f"change of {symbol}"] = changes(before, after, name, unit, step)
+            rows += [(f"{symbol}, {word}", cells(dataset, name, unit, step)) for word, dataset in variants.items()]
+            rows.append(("change", changes(before, after, name, unit, step)))
         if given.turning:
-            rows["largest lateral move (Å)"] = [f"{1e10 * move:.2f}" for move in largest_move(after.isel(step=step))]
+            moves = largest_move(after.isel(step=step))
+            rows.append(("largest lateral move (Å)", [f"{1e10 * move:.2f}" for move in moves]))
             worst = np.maximum(*(dataset.residual.isel(step=step).values for dataset in variants.values()))
-            rows["force left over a²E*"] = [f"{residual:.0e}" for residual in worst]
-        for words, row in rows.items():
+            rows.append(("force left over a²E*", [f"{residual:.0e}" for residual in worst]))
+        for words, row in rows:
             print(f"| {pressure / 1e9:g} | {words} | " + " | ".join(row) + " |")
     return 0
 
