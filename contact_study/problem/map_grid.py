@@ -77,7 +77,7 @@ def _places(path: Path, name: str, values: np.ndarray) -> tuple[np.ndarray, floa
     if gaps.size == 0:
         raise InputError(f"surface.path: the points of {path} have one {name} only; expected at least 4")
     gaps = gaps[gaps > 0.1 * np.median(gaps[gaps >= 0.5 * gaps.max()])]  # smaller ones are one place, rounded
-    steps = max(round(reach / float(np.median(gaps))), 1)
+    steps = round(reach / float(np.median(gaps)))
     if np.all(gaps < 1.5 * np.median(gaps)):  # no line is missing as a whole: their number is exact
         steps = gaps.size
     spacing = reach / steps

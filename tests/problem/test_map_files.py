@@ -8,6 +8,7 @@ import xarray as xr
 
 from contact_study.problem.errors import InputError
 from contact_study.problem.height_map import read_height_map
+from contact_study.problem.map_grid import gridded
 from contact_study.problem.study import make_study
 from contact_study.problem.surface import realise
 from contact_study.problem.surface_scales import scales_of
@@ -252,6 +253,24 @@ def test_detrending(tilted):
     assert left[0] > 1.5 * left[1] > 3 * left[2]
     # The waves that are left correlate a little with a plane and a bowl.
     assert left[2] == pytest.approx(1e-9, abs=0, rel=0.2)
+
+
+def test_detrending_leaves_what_is_of_a_higher_degree(tmp_path):
+    y = np.linspace(-1, 1, 64)[:, None]
+    np.save(tmp_path / "map.npy", 1e-9 * (y**3 + 0.5 * y**2) + np.zeros((64, 32)))
+    left = surface(tmp_path, "map.npy", detrend="curvature", size=["64 nm", "32 nm"]).rms_height
+    # (2/5) P₃ is what a fit of the second degree leaves of y³, √(4/175) of its amplitude but for sums over points.
+    assert left == pytest.approx(1e-9 * np.sqrt(4 / 175), abs=0, rel=0.05)
+
+
+def test_many_lines_with_rounded_places_are_counted(tmp_path):
+    """The median step is a thousandth too short, which over two thousand lines is two lines too many."""
+    places = np.round(np.arange(2001) / 3, 3)
+    points = np.array([[x, y, np.sin(x) + y] for y in (0.0, 1 / 3) for x in places])
+    heights, size = gridded(tmp_path / "map.xyz", points)
+    assert heights.shape == (2, 2001)
+    assert np.all(np.isfinite(heights))
+    assert size == pytest.approx((2 / 3, 2001 / 3), rel=1e-3)
 
 
 def test_crop_takes_the_part_and_its_size(tilted):
