@@ -3,7 +3,8 @@
 A spectrum, a target, a table, a file (:func:`read_spectrum`) or that of a height array (:func:`spectrum_of`), a solid
 and a law or work of adhesion make a theory; each gives states at a pressure: :class:`PerssonTheory`, :func:`gap_flow`,
 :func:`edge_flow`, and without adhesion :class:`NonAdhesiveTheory`. Contacts with analytic solutions are in
-:mod:`theory.references`. Whole studies are run by :func:`contact_study.run` or the command ``persson-theory``.
+:mod:`theory.references`, criteria of sticking in :mod:`theory.criteria` (:func:`stickiness`). Whole studies are run by
+:func:`contact_study.run` or the command ``persson-theory``.
 """
 
 from contact_study import __version__
@@ -12,6 +13,7 @@ from contact_study.fields.tabulated_spectrum import TabulatedSpectrum
 from contact_study.problem.elasticity import Elasticity, HalfSpace, Layer
 from contact_study.problem.laws import LennardJones93, LennardJones104, TractionLaw
 from contact_study.problem.spectrum_file import read_spectrum
+from theory.criteria import StickinessCriteria, stickiness
 from theory.edge_flow import EdgeFlow, edge_flow
 from theory.gap_flow import GapFlow, gap_flow
 from theory.gap_state import GapState
@@ -37,6 +39,7 @@ __all__ = [
     "RoughnessSpectrum",
     "SelfAffineSpectrum",
     "SeparationCurve",
+    "StickinessCriteria",
     "TabulatedSpectrum",
     "TractionLaw",
     "__version__",
@@ -47,4 +50,5 @@ __all__ = [
     "read_spectrum",
     "separation_curve",
     "spectrum_of",
+    "stickiness",
 ]

@@ -23,6 +23,7 @@ from contact_study.problem.study import Study
 from contact_study.problem.surface import Surface
 from contact_study.problem.surface_scales import SurfaceScales
 from theory.case_theories import CaseTheories, case_theories
+from theory.criteria import local_tabor_number, range_of, stickiness
 from theory.gap_paths import edge_flow_paths, flow_name, gap_flow_paths
 from theory.magnification import magnifications
 from theory.persson import PerssonTheory
@@ -126,6 +127,11 @@ def constants(case: Case, surface: Surface) -> dict[str, Value]:
     }
     if case.theory.magnifications:
         values["magnification"] = magnifications(theory, case.theory.magnifications)
+    if law.attracts:
+        values |= stickiness(spectrum, case.solid, law).quantities()
+        values["local_tabor_number"] = local_tabor_number(
+            stored_wavevectors(theory), spectrum, case.solid, law.work_of_adhesion, range_of(law)
+        )
     for theories in every:
         tolerance, max_iterations = theories.effort
         pull = pull_off_pressure(theories.persson, tolerance=tolerance, max_iterations=max_iterations)

@@ -76,6 +76,18 @@ VARIABLES: dict[str, Variable] = {
         "m", "derivative of the interfacial energy by pressure at zero pressure, Persson's theory", ()
     ),
     "pull_off_pressure": Variable("Pa", "lowest pressure that an adhered state carries", ()),
+    "finest_tabor_number": Variable("1", "Tabor number of the whole roughness, of radius 2 / rms Laplacian", ()),
+    "local_tabor_number": Variable("1", "Tabor number of the roughness up to a wavevector", ("wavevector",)),
+    "persson_tosatti_ratio": Variable(
+        "1", "work of adhesion on the true area over the elastic energy of full contact (Persson and Tosatti)", ()
+    ),
+    "pastewka_robbins_ratio": Variable(
+        "1", "work of adhesion over that at which light contact sticks (Pastewka and Robbins)", ()
+    ),
+    "bearing_area_ratio": Variable(
+        "1", "work of adhesion over that at which the bearing-area model pulls (Ciavarella)", ()
+    ),
+    "bearing_area_pull_off": Variable("Pa", "lowest pressure of the bearing-area model (Ciavarella)", ()),
     "contact_modulus_at": Variable("Pa", "contact modulus of a wave of the surface", ("wavevector",)),
     **ATOMS,
     **CONSTANTS,

@@ -5,6 +5,7 @@ pyplot's state or any setting.
 """
 
 from contact_study.plots.atoms import atoms
+from contact_study.plots.criteria import criteria_map
 from contact_study.plots.curves import contact_area, hysteresis_loop, mean_gap
 from contact_study.plots.densities import gap_distribution, stress_distribution, surface_spectrum
 from contact_study.plots.deviations import deviations
@@ -22,6 +23,7 @@ __all__ = [
     "atoms",
     "contact_area",
     "contact_map",
+    "criteria_map",
     "detachment_stress",
     "deviations",
     "effective_work_of_adhesion",

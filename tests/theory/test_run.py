@@ -15,6 +15,7 @@ from contact_study.problem.surface_scales import scales_of
 from tests.problem.test_study import of_another_kind
 from tests.recording import bins_of_case, recorded_path
 from theory import case_theories, closed_forms, gap_paths, run
+from theory.criteria import stickiness
 from theory.edge_flow import edge_flow
 from theory.gap_flow import gap_flow
 from theory.persson import solve, true_area_factor
@@ -321,6 +322,16 @@ def test_what_is_no_table_of_a_spectrum_is_named():
     ):
         with pytest.raises(InputError, match=said):
             case_of(theory={"spectrum": "table", **keys})
+
+
+def test_criteria_of_sticking_are_constants_of_the_case(case):
+    found = run.constants(case, realise(case))
+    expected = stickiness(realise(case).spectrum, case.solid, case.law)
+    assert found["bearing_area_ratio"] == expected.bearing_area
+    assert found["local_tabor_number"].shape == found["wavevector"].shape
+    assert found["local_tabor_number"][-1] == pytest.approx(found["finest_tabor_number"], rel=1e-12)
+    wall = case_of(interaction={"law": "hard_wall"})
+    assert "bearing_area_ratio" not in run.constants(wall, realise(wall))
 
 
 def test_pull_off_of_every_theory_is_a_constant(case):

@@ -1,0 +1,104 @@
+"""Where a contact stands among the criteria of sticking."""
+
+import itertools
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.ticker import LogLocator, NullFormatter
+
+from contact_study.plots.selection import label, require
+from contact_study.plots.style import COLOURS, DOUBLE, axes_of, styled
+
+# Of a criterion: its variable, its name, its marker, and whether it was made for large Tabor numbers.
+_CRITERIA = (
+    ("persson_tosatti_ratio", "Persson and Tosatti", "s", True),
+    ("pastewka_robbins_ratio", "Pastewka and Robbins", "^", False),
+    ("bearing_area_ratio", "bearing-area model", "o", False),
+)
+_DMT, _JKR = 0.1, 5.0  # Tabor numbers below and above which a sphere is within some per cent of these limits
+
+
+_BESIDE: dict[str, Any] = {"textcoords": "offset points", "ha": "right", "fontsize": 6.5, "color": "#606060"}
+
+
+@styled
+def criteria_map(dataset: xr.Dataset, axes: Axes | None = None, name: str = "") -> Axes:
+    """Work of adhesion over that which each criterion of sticking asks for, against the Tabor number.
+
+    Above the line a contact sticks by the criterion. A marker is filled where the criterion was made for such a Tabor
+    number, Persson and Tosatti's above one, the others below. Several datasets go onto one map by one call each.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        Of the theories: every point of its sweep is a column. So is what ``theory.stickiness(...).to_dataset()`` gives.
+    axes : matplotlib.axes.Axes, optional
+        Where to draw.
+    name : str, optional
+        What the columns are called, before the point of the sweep.
+
+    Raises
+    ------
+    ValueError
+        If the dataset has no such numbers, its law not attracting.
+    """
+    require(dataset, "finest_tabor_number", *(variable for variable, *_ in _CRITERIA))
+    first = axes is None or not axes.has_data()
+    axes = axes_of(axes, DOUBLE * 0.7, 3.4)
+    if first:
+        _draw_regions(axes)
+    numbers = xr.broadcast(*(dataset[known] for known in ("finest_tabor_number", *(c[0] for c in _CRITERIA))))
+    dims = [str(dim) for dim in numbers[0].dims]
+    for place in itertools.product(*(range(numbers[0].sizes[dim]) for dim in dims)):
+        at = dict(zip(dims, place, strict=True))
+        tabor, *ratios = (float(values.isel(at)) for values in numbers)
+        if not np.isfinite(tabor):
+            continue
+        axes.plot([tabor, tabor], [min(ratios), max(ratios)], "-", color="#909090", lw=0.8, zorder=2)
+        for number, (ratio, (_, _, marker, large)) in enumerate(zip(ratios, _CRITERIA, strict=True)):
+            colour = COLOURS[number]
+            fits = (tabor > 1) == large
+            axes.plot(tabor, ratio, marker, color=colour, mfc=colour if fits else "white", ms=5.5, mew=1.1, zorder=3)
+        words = [label(dataset[dim], dataset[dim].values[k]) for dim, k in at.items() if dim in dataset.coords]
+        axes.annotate(
+            "\n".join(filter(None, (name, *words))),
+            (tabor, max(ratios)),
+            xytext=(0, 6),
+            textcoords="offset points",
+            ha="center",
+            fontsize=6.5,
+        )
+    _fit(axes)
+    return axes
+
+
+def _draw_regions(axes: Axes) -> None:
+    axes.set(
+        xscale="log",
+        yscale="log",
+        xlabel=r"Tabor number of the finest roughness $\mu$",
+        ylabel=r"$\Delta\gamma$ over that which sticks",
+    )
+    axes.axhline(1, color="#404040", lw=0.9, zorder=1)
+    axes.axvspan(1e-12, _DMT, color="#f2f2f2", lw=0, zorder=0, gid="limit")
+    axes.axvspan(_JKR, 1e12, color="#f2f2f2", lw=0, zorder=0, gid="limit")
+    for words, x, side in (("DMT-like", 0.02, "left"), ("JKR-like", 0.98, "right")):
+        axes.text(x, 0.97, words, transform=axes.transAxes, ha=side, va="top", fontsize=6.5, color="#606060")
+    axes.annotate("sticks", (0.99, 1), xycoords=("axes fraction", "data"), xytext=(0, 3), **_BESIDE)
+    for number, (_, words, marker, _) in enumerate(_CRITERIA):
+        axes.plot([], [], marker, color=COLOURS[number], ms=5.5, label=words)
+    axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))
+
+
+def _fit(axes: Axes) -> None:
+    """Limits with a margin about every column, one at least of each limit's region in view."""
+    points = np.concatenate([line.get_xydata() for line in axes.lines if line.get_linestyle() == "-"][1:])
+    low, high = points.min(axis=0), points.max(axis=0)
+    axes.set_xlim(min(0.5 * low[0], 0.5 * _DMT), max(2 * high[0], 2 * _JKR))
+    axes.set_ylim(min(0.5 * low[1], 0.5), max(6 * high[1], 2))
+    for axis in (axes.xaxis, axes.yaxis):
+        axis.set_major_locator(LogLocator())
+        axis.set_major_formatter("{x:g}")
+        axis.set_minor_formatter(NullFormatter())

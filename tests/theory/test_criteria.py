@@ -1,0 +1,123 @@
+"""Criteria of sticking: each against what it says, computed in another way, and in its limits."""
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+
+from contact_study.problem.laws import HardWall
+from theory import LennardJones104, SelfAffineSpectrum, closed_forms, criteria, references, spectrum_of, stickiness
+
+E_STAR, WORK, LENGTH = 93.7348e9, 0.6924, 3.28e-10
+Q = 6.0415e7
+SPECTRUM = SelfAffineSpectrum(0.8, 1e-9, Q, 3 * Q, 12 * Q)
+LAW = LennardJones104(WORK, LENGTH)
+RANGE = WORK / LAW.peak_tensile_stress
+
+
+def heights_of(points, cutoff):
+    """A periodic surface of few waves on a fine grid (m), and its period."""
+    size, generator = 1e-7, np.random.default_rng(3)
+    y, x = size / points * np.mgrid[:points, :points]
+    heights = np.zeros((points, points))
+    for m in range(cutoff + 1):
+        for n in range(-cutoff, cutoff + 1):
+            if (m, n) > (0, 0) and m * m + n * n <= cutoff**2:
+                phase = 2 * np.pi * ((m * y + n * x) / size + generator.random())
+                heights += np.cos(phase) / (m * m + n * n)
+    return 1e-9 * heights / heights.std(), size
+
+
+def test_persson_tosatti_is_the_energy_of_the_surface_itself():
+    heights, size = heights_of(64, 4)
+    ratio = criteria.persson_tosatti_ratio(spectrum_of(heights, size), E_STAR, WORK, true_area=False)
+    # ½ <h (K ∗ h)> by the transform of the heights: the energy of a half-space whose surface has been given this shape.
+    mode = np.fft.fftfreq(64, size / 64) * 2 * np.pi
+    stiffness = 0.5 * E_STAR * np.hypot(mode[:, None], mode[None, :])
+    stress = np.fft.ifft2(stiffness * np.fft.fft2(heights)).real
+    assert ratio == pytest.approx(WORK / (0.5 * np.mean(heights * stress)), rel=1e-9)
+
+
+def test_persson_tosatti_counts_the_true_area():
+    plain = criteria.persson_tosatti_ratio(SPECTRUM, E_STAR, WORK, true_area=False)
+    # U_full = 5.3532 J/m² and S = 1.03336, computed for this spectrum with two independent programs.
+    assert plain == pytest.approx(WORK / 5.3532, rel=2e-4)
+    assert criteria.persson_tosatti_ratio(SPECTRUM, E_STAR, WORK) == pytest.approx(1.03336 * plain, rel=1e-5)
+
+
+def test_pastewka_robbins_is_the_balance_at_the_edge_of_a_patch():
+    """At a ratio of one the ring that a patch attracts pulls as hard as light contact pushes."""
+    short = 1e-5 * RANGE
+    ratio = criteria.pastewka_robbins_ratio(SPECTRUM, E_STAR, WORK, short)
+    slope, curvature = SPECTRUM.rms_slope, SPECTRUM.rms_laplacian / 2
+    diameter = 4 * slope / curvature
+
+    def gap(rho):
+        """Outside a Hertzian line contact of half-width a = d/2, whose edge has the slope h', at ρ a from its axis."""
+        return 0.5 * slope * diameter / 2 * (rho * np.sqrt(rho**2 - 1) - np.arccosh(rho))
+
+    width = (brentq(lambda rho: gap(rho) - short, 1, 2, xtol=1e-15) - 1) * diameter / 2
+    pull = WORK / short * np.pi * width / diameter  # tension on a ring of perimeter π A/d, over the area in contact
+    push = slope * E_STAR / 2
+    # The gap's next term is smaller by the width over the radius, 4e-4 here.
+    assert width / diameter < 1e-3
+    assert ratio == pytest.approx(pull / push, rel=1e-3)
+
+
+def test_attracted_area_is_what_a_surface_has_within_the_range():
+    generator = np.random.default_rng(5)
+    heights = 1e-9 * generator.standard_normal(2_000_000)
+    for mean_gap in (0.0, 1e-9, 2.5e-9):
+        gaps = mean_gap - heights
+        counted = np.mean((gaps > 0) & (gaps < 3e-10))
+        # Three standard errors of a share of two million points.
+        assert criteria.attracted_area(mean_gap, 1e-9, 3e-10) == pytest.approx(counted, abs=3 * np.sqrt(counted / 2e6))
+
+
+def test_bearing_area_model_in_its_limits():
+    arguments = SPECTRUM, E_STAR
+    decay, prefactor = closed_forms.low_pressure_asymptote(*arguments)
+    gaps = 1e-9 * np.linspace(0, 4, 9)
+    bare = criteria.bearing_area_pressure(gaps, *arguments, 0.0, RANGE)
+    np.testing.assert_allclose(bare, prefactor * np.exp(-gaps / decay), rtol=1e-12)
+    pulled = bare - criteria.bearing_area_pressure(gaps, *arguments, WORK, RANGE)
+    # A short range attracts as deep a slice of the heights as it is long: the work of adhesion times their density.
+    density = np.exp(-0.5 * (gaps / 1e-9) ** 2) / np.sqrt(2 * np.pi) / 1e-9
+    short = bare - criteria.bearing_area_pressure(gaps, *arguments, WORK, 1e-4 * RANGE)
+    np.testing.assert_allclose(short, WORK * density, rtol=1e-3)
+    assert (pulled > short)[1:].all(), "a longer range reaches the next, fuller slices"
+
+
+def test_bearing_area_model_pulls_from_its_threshold_on():
+    ratio = criteria.bearing_area_ratio(SPECTRUM, E_STAR, WORK, RANGE)
+    threshold = WORK / ratio
+    # At a fixed range the tension grows with the work of adhesion.
+    assert criteria.bearing_area_pull_off(SPECTRUM, E_STAR, 0.999 * threshold, RANGE) == 0
+    assert -1e7 < criteria.bearing_area_pull_off(SPECTRUM, E_STAR, 1.001 * threshold, RANGE) < 0
+    stronger = criteria.bearing_area_pull_off(SPECTRUM, E_STAR, 4 * threshold, RANGE)
+    gaps = 1e-9 * np.linspace(0, 6, 20001)
+    brute = criteria.bearing_area_pressure(gaps, SPECTRUM, E_STAR, 4 * threshold, RANGE).min()
+    assert stronger == pytest.approx(brute, rel=1e-6)
+
+
+def test_tabor_number_of_all_scales_is_that_of_the_surface():
+    # 0.30, 0.76 and 1.21 are those of the three systems of the paper.
+    for depth, expected in ((1, 0.30), (4, 0.76), (8, 1.21)):
+        found = criteria.local_tabor_number(12 * Q, SPECTRUM, E_STAR, depth * WORK, LENGTH)
+        assert found == pytest.approx(expected, abs=0.006)
+        radius = 2 / SPECTRUM.rms_laplacian
+        assert found == pytest.approx(references.tabor_parameter(radius, E_STAR, depth * WORK, LENGTH), rel=1e-12)
+    along = criteria.local_tabor_number(Q * np.array([1, 2, 4, 8, 12]), SPECTRUM, E_STAR, WORK, LENGTH)
+    assert np.isnan(along[0]), "no roughness yet"
+    assert (np.diff(along[1:]) < 0).all(), "finer roughness is sharper: towards DMT"
+
+
+def test_a_law_has_the_criteria_of_its_own_work_and_range():
+    found = stickiness(SPECTRUM, E_STAR, LAW)
+    assert found.pastewka_robbins == criteria.pastewka_robbins_ratio(SPECTRUM, E_STAR, WORK, RANGE)
+    assert found.bearing_area == criteria.bearing_area_ratio(SPECTRUM, E_STAR, WORK, RANGE)
+    deeper = stickiness(SPECTRUM, E_STAR, LennardJones104(4 * WORK, LENGTH))
+    for name in ("persson_tosatti", "pastewka_robbins", "bearing_area"):
+        assert getattr(deeper, name) == pytest.approx(4 * getattr(found, name), rel=1e-6), name
+    assert set(found.to_dataset().data_vars) == set(found.quantities())
+    with pytest.raises(ValueError, match="does not attract"):
+        stickiness(SPECTRUM, E_STAR, HardWall(0.0, 0.0))

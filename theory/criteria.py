@@ -1,0 +1,265 @@
+"""When a rough surface sticks: criteria of the field, each as the work of adhesion over the one that it asks for.
+
+Above one a surface sticks by that criterion, below one it does not. They know the surface by its spectrum and the law
+by its work of adhesion Δγ, its largest tension σ_max and its range, Δr = Δγ/σ_max, and were made for opposite limits,
+which the local Tabor number tells apart: they need not agree, and where they do not, the gap flow and the edge flow,
+which know the whole law, are the ones to ask.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from scipy.optimize import minimize_scalar
+from scipy.special import ndtr
+
+from contact_study.fields.arguments import positive
+from contact_study.fields.spectrum import RoughnessSpectrum
+from contact_study.problem.elasticity import Elasticity, elasticity_of
+from contact_study.problem.laws import TractionLaw
+from theory.closed_forms import low_pressure_asymptote
+from theory.persson import true_area_factor
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+# Area, modulus and slope of light contact without adhesion, A = κ F/(E* h'): its value in simulations.
+_KAPPA = 2.0
+
+# Deviations of the height up to which the bearing area is looked at: beyond lies 1e-23 of it.
+_HIGHEST = 10.0
+
+
+def persson_tosatti_ratio(
+    spectrum: RoughnessSpectrum, elasticity: Elasticity | float, work_of_adhesion: float, true_area: bool = True
+) -> float:
+    """Δγ S over the elastic energy of full contact, π ∫ K C q dq: above one full contact gains energy.
+
+    B. N. J. Persson, E. Tosatti, J. Chem. Phys. 115, 5597 (2001): Δγ A − U_el is the effective work of adhesion of a
+    block that fills all roughness. For attraction of no range, at large Tabor numbers; partial contact may stick below.
+
+    Parameters
+    ----------
+    spectrum : RoughnessSpectrum
+        Roughness.
+    elasticity : Elasticity or float
+        The solid; a number is the contact modulus E* of a half-space (Pa), for which the energy is (π/2) E* ∫ q² C dq.
+    work_of_adhesion : float
+        Δγ (J/m²).
+    true_area : bool, optional
+        Whether the true area S of the surface adheres, or its projection.
+    """
+    factor = float(true_area_factor(np.array(spectrum.rms_slope))) if true_area else 1.0
+    return work_of_adhesion * factor / float(spectrum.full_contact_energy(elasticity_of(elasticity).stiffness))
+
+
+def pastewka_robbins_ratio(
+    spectrum: RoughnessSpectrum, elasticity: Elasticity | float, work_of_adhesion: float, attraction_range: float
+) -> float:
+    """π (3/16)^(2/3) over (h'Δr E*/κΔγ) (h'd/4Δr)^(2/3): above one the edges of light contact pull more than it pushes.
+
+    L. Pastewka, M. O. Robbins, PNAS 111, 3298 (2014), equation (10). The equation itself was not read in the paper: it
+    is as public programs of its authors' group have it, with κ = 2 and the diameter d = 4h'/h'' of a contact patch, h''
+    the rms mean curvature, and follows from the gap x^(3/2) outside a patch whose edge has the slope h'. For weak
+    attraction (small Tabor numbers) of a range that is short against h'd, at contact of few per cent.
+
+    Parameters
+    ----------
+    spectrum, elasticity, work_of_adhesion
+        As :func:`persson_tosatti_ratio`; of a solid other than a half-space the modulus of its finest waves is taken.
+    attraction_range : float
+        Δr, the work of adhesion over the largest tension (m).
+    """
+    reach = positive("attraction_range", attraction_range, "m")
+    finest = spectrum.limits[1]
+    modulus = 2 * float(elasticity_of(elasticity).stiffness(np.array([finest]))[0]) / finest
+    slope, curvature = spectrum.rms_slope, spectrum.rms_laplacian / 2
+    patch = 4 * slope / curvature
+    asked = slope * reach * modulus / _KAPPA * (slope * patch / (4 * reach)) ** (2 / 3)
+    return float(np.pi * (3 / 16) ** (2 / 3) * work_of_adhesion / asked)
+
+
+def attracted_area(mean_gap: np.ndarray | float, rms_height: float, attraction_range: float) -> np.ndarray:
+    """Share of a Gaussian surface whose gap to a plane is between zero and the range: bearing area less bearing area.
+
+    Parameters
+    ----------
+    mean_gap : float or numpy.ndarray
+        ū, of the plane over the mean of the heights (m).
+    rms_height, attraction_range : float
+        h_rms and Δr (m).
+    """
+    gap = np.asarray(mean_gap, dtype=float)
+    return ndtr(-(gap - attraction_range) / rms_height) - ndtr(-gap / rms_height)
+
+
+def bearing_area_pressure(
+    mean_gap: np.ndarray | float,
+    spectrum: RoughnessSpectrum,
+    elasticity: Elasticity | float,
+    work_of_adhesion: float,
+    attraction_range: float,
+) -> np.ndarray:
+    """p(ū) of the bearing-area model (Pa): Persson's repulsion of light contact, less σ_max on the attracted area.
+
+    M. Ciavarella, Meccanica (2017), doi:10.1007/s11012-017-0701-6; the paper itself was not read, and its constants of
+    the repulsion are not used. Attraction does not deform the surface, and the repulsion is the light-load limit
+    p₀ e^(−ū/u₀) of :func:`theory.closed_forms.low_pressure_asymptote`, of the very spectrum: for hard solids, at small
+    Tabor numbers, and for gaps above some half of the rms height.
+
+    Parameters
+    ----------
+    mean_gap : float or numpy.ndarray
+        ū (m).
+    spectrum, elasticity, work_of_adhesion, attraction_range
+        As :func:`pastewka_robbins_ratio`.
+    """
+    decay, prefactor = low_pressure_asymptote(spectrum, elasticity)
+    height = float(np.sqrt(spectrum.mean_square_height))
+    pull = work_of_adhesion / attraction_range * attracted_area(mean_gap, height, attraction_range)
+    return prefactor * np.exp(-np.asarray(mean_gap, dtype=float) / decay) - pull
+
+
+def bearing_area_pull_off(
+    spectrum: RoughnessSpectrum, elasticity: Elasticity | float, work_of_adhesion: float, attraction_range: float
+) -> float:
+    """Lowest pressure of the bearing-area model (Pa), zero where it never pulls; as :func:`bearing_area_pressure`."""
+    height = float(np.sqrt(spectrum.mean_square_height))
+    lowest = _lowest(
+        lambda gap: bearing_area_pressure(gap, spectrum, elasticity, work_of_adhesion, attraction_range), height
+    )
+    return min(float(lowest), 0.0)
+
+
+def bearing_area_ratio(
+    spectrum: RoughnessSpectrum, elasticity: Elasticity | float, work_of_adhesion: float, attraction_range: float
+) -> float:
+    """Δγ over the least one at which the bearing-area model pulls at some gap; as :func:`bearing_area_pressure`."""
+    decay, prefactor = low_pressure_asymptote(spectrum, elasticity)
+    height = float(np.sqrt(spectrum.mean_square_height))
+    reach = positive("attraction_range", attraction_range, "m")
+
+    def logarithm(gap: np.ndarray) -> np.ndarray:
+        """Of the work of adhesion that balances the repulsion at a gap."""
+        return np.log(prefactor * reach) - gap / decay - np.log(attracted_area(gap, height, reach))
+
+    return float(work_of_adhesion / np.exp(_lowest(logarithm, height)))
+
+
+def _lowest(function: Callable[[np.ndarray], np.ndarray], height: float) -> float:
+    """The least value at mean gaps from zero to where no height reaches."""
+    gaps = height * np.linspace(0.0, _HIGHEST, 401)
+    at = int(np.argmin(function(gaps)))
+    # The grid's lowest lies between its neighbours.
+    low, high = gaps[max(at - 1, 0)], gaps[min(at + 1, gaps.size - 1)]
+    return float(minimize_scalar(function, bounds=(low, high), method="bounded", options={"xatol": 1e-9 * height}).fun)
+
+
+def range_of(law: TractionLaw) -> float:
+    """z₀ of a Tabor number (m): the equilibrium distance, outside a wall the range of the attraction."""
+    return law.length if law.has_wall else law.equilibrium_distance
+
+
+def local_tabor_number(
+    wavevector: np.ndarray | float,
+    spectrum: RoughnessSpectrum,
+    elasticity: Elasticity | float,
+    work_of_adhesion: float,
+    length: float,
+) -> np.ndarray:
+    """μ = (R Δγ²/E*² z₀³)^(1/3) of the roughness up to a wavevector, whose curvature 1/R is half its rms Laplacian.
+
+    That a Tabor number belongs to each scale is B. N. J. Persson, M. Scaraggi, J. Chem. Phys. 141, 124701 (2014), of
+    which the abstract was read; adhesion is DMT-like where it is below about 0.1 and JKR-like above about 5. The whole
+    Δγ is taken at every scale, and of a solid other than a half-space the modulus of the waves there.
+
+    Parameters
+    ----------
+    wavevector : float or numpy.ndarray
+        q (1/m); where the spectrum has no roughness up to it, being its smallest, the number is NaN.
+    spectrum, elasticity, work_of_adhesion
+        As :func:`persson_tosatti_ratio`.
+    length : float
+        z₀, the law's equilibrium distance, or the range of one outside a wall (m).
+    """
+    q = np.asarray(wavevector, dtype=float)
+    curvature = 0.5 * np.sqrt(2 * np.pi * spectrum.moment(5, upper=q))
+    modulus = 2 * elasticity_of(elasticity).stiffness(q) / q
+    rough = np.where(curvature > 0, curvature, np.nan)
+    return np.cbrt((work_of_adhesion / modulus) ** 2 / rough) / positive("length", length, "m")
+
+
+@dataclass(frozen=True)
+class StickinessCriteria:
+    """A surface under a law, by every criterion here.
+
+    Attributes
+    ----------
+    tabor_number : float
+        At the finest scale.
+    persson_tosatti, pastewka_robbins, bearing_area : float
+        Δγ over what the criterion asks for.
+    bearing_area_pull_off : float
+        Lowest pressure of the bearing-area model (Pa).
+    """
+
+    tabor_number: float
+    persson_tosatti: float
+    pastewka_robbins: float
+    bearing_area: float
+    bearing_area_pull_off: float
+
+    def quantities(self) -> dict[str, float]:
+        """The numbers by their names in a dataset."""
+        return {
+            "finest_tabor_number": self.tabor_number,
+            "persson_tosatti_ratio": self.persson_tosatti,
+            "pastewka_robbins_ratio": self.pastewka_robbins,
+            "bearing_area_ratio": self.bearing_area,
+            "bearing_area_pull_off": self.bearing_area_pull_off,
+        }
+
+    def to_dataset(self) -> "xr.Dataset":
+        """The numbers in the schema of ``theory.nc``, as :func:`contact_study.plots.criteria_map` takes them."""
+        from theory.datasets import dataset_of  # xarray is slow to import, and only needed here
+
+        return dataset_of((), self.quantities(), {}, {})
+
+
+def stickiness(spectrum: RoughnessSpectrum, elasticity: Elasticity | float, law: TractionLaw) -> StickinessCriteria:
+    """Every criterion for a spectrum under a law.
+
+    Parameters
+    ----------
+    spectrum : RoughnessSpectrum
+        Roughness.
+    elasticity : Elasticity or float
+        The solid; a number is the contact modulus E* of a half-space (Pa).
+    law : TractionLaw
+        The law, which attracts.
+
+    Raises
+    ------
+    ValueError
+        If the law does not attract.
+
+    Examples
+    --------
+    >>> from theory import LennardJones104, SelfAffineSpectrum, stickiness
+    >>> spectrum = SelfAffineSpectrum(0.8, 1e-9, 6e7, 1.8e8, 7.2e8)
+    >>> found = stickiness(spectrum, 93.7e9, LennardJones104(0.69, 3.28e-10))
+    >>> found.persson_tosatti < 1 < found.bearing_area
+    False
+    """
+    if not law.attracts:
+        raise ValueError(f"{law.title}: a law that does not attract has no criterion of sticking")
+    work, reach = law.work_of_adhesion, law.work_of_adhesion / law.peak_tensile_stress
+    arguments = spectrum, elasticity, work
+    return StickinessCriteria(
+        float(local_tabor_number(spectrum.limits[1], *arguments, range_of(law))),
+        persson_tosatti_ratio(*arguments),
+        pastewka_robbins_ratio(*arguments, reach),
+        bearing_area_ratio(*arguments, reach),
+        bearing_area_pull_off(*arguments, reach),
+    )
