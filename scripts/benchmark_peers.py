@@ -1,0 +1,384 @@
+"""Time and result of the continuum solver beside those of public codes, on the same surfaces, as a Markdown table.
+
+The codes are Tamaas (PolonskyKeerRey), ContactMechanics (constrained conjugate gradients of Polonsky and Keer) and
+Adhesion (bound-constrained conjugate gradients, and L-BFGS-B for a soft wall), from PyPI: ``pip install
+'bem-adhesion[peers]'``. Every code takes the heights and returns a state, each with one thread, in turn (ours, theirs,
+ours, theirs …); times are CPU times of the process, medians. Units: E* = 1, cell 1, rms slope 1.
+
+The error is formed from the returned state by the same lines for all codes. Of a pressure on a hard wall: Σ p g / (Σ p ×
+rms height) with g the gap above its least, a bound of the relative distance to the least energy. Of a gap under
+adhesion: the largest imbalance K u + φ'(g) + p, over E*; where the surfaces touch, only what the wall would have to pull.
+Areas and energies (elastic and of the interaction) are formed alike; of each code's area the points that touch are
+counted, of the soft wall's those in repulsion.
+
+Adhesion solves at a given displacement. "Adhesion, displacement" is given the one of our state, so that one solve does;
+"Adhesion, pressure" searches for it (Brent's method, each solve from the state before), within a tenth of the rms height.
+
+    python scripts/benchmark_peers.py                         # all, half an hour
+    python scripts/benchmark_peers.py --only "hard wall" --repeat 1
+    python scripts/benchmark_peers.py --table data/benchmark_peers.csv
+    python scripts/benchmark_peers.py --from data/benchmark_peers.csv
+"""
+
+import argparse
+import os
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from bem_adhesion import Dugdale, Exponential, HardWall, TractionLaw, rough_contact
+from contact_study.problem.study import make_study
+from contact_study.problem.surface import realise
+
+MEAN_PRESSURE, SEED = 0.05, 1
+WEAK, STRONG = (1e-4, 5e-3), (4e-4, 2e-3)  # work of adhesion and range: little more contact than none, and twice
+RAMP = 0.02  # of our Dugdale law; Tamaas' tension ends at a point
+# Of what each code stops on itself: Tamaas' is our measure for the hard wall, and of the same form under adhesion.
+TAMAAS_HARD, TAMAAS_ADHESIVE, PENETRATION, IMBALANCE = 1e-10, 1e-6, 1e-10, 1e-6
+MOST_ITERATIONS = 20000
+
+
+class AtomOnHalfSpace(TractionLaw):
+    """φ(d) = Δγ[½(r0/d)⁹ − (3/2)(r0/d)³], the 9-3 law of Adhesion's ``LJ93``; ``length`` is r0."""
+
+    title = "9-3 of an atom"
+    words = "in the 9-3 law of an atom on a half-space"
+
+    def potential(self, gap):
+        s3 = (self.length / np.asarray(gap)) ** 3
+        return 0.5 * self.work_of_adhesion * s3 * (s3 * s3 - 3)
+
+    def traction(self, gap):
+        s = self.length / np.asarray(gap)
+        s2 = s * s
+        return 4.5 * self.work_of_adhesion / self.length * s2 * s2 * (1 - s2 * s2 * s2)
+
+    def stiffness(self, gap):
+        s = self.length / np.asarray(gap)
+        s2 = s * s
+        return 4.5 * self.work_of_adhesion / self.length**2 * s2 * s2 * s * (10 * s2 * s2 * s2 - 4)
+
+    def repulsive_gap(self, traction):
+        y = -np.asarray(traction, dtype=float) * self.length / (4.5 * self.work_of_adhesion)
+        # s¹⁰ − s⁴ = y: bounds from above as for the 9-3 law of half-spaces, from which Newton descends.
+        s = np.minimum(1 + y / 6, np.maximum(2 ** (1 / 6), (2 * y) ** 0.1))
+        for _ in range(6):
+            s2 = s * s
+            s4, s6 = s2 * s2, s2 * s2 * s2
+            s = s - (s4 * (s6 - 1) - y) / (s2 * s * (10 * s6 - 4))
+        return self.length / s
+
+
+@dataclass(frozen=True)
+class Problem:
+    """What every code is asked: heights, the law (None of a hard wall: no attraction) and how it touches."""
+
+    surface: str
+    height: np.ndarray
+    law: TractionLaw
+    offset: float = np.nan  # of the displaced surface, for codes that solve at a displacement
+
+    @property
+    def hard(self) -> bool:
+        """Whether nothing attracts."""
+        return not self.law.attracts
+
+
+@dataclass(frozen=True)
+class Measured:
+    """A state by the common measures."""
+
+    error: float
+    area: float
+    elastic: float
+    interaction: float
+
+
+def surface(points: int, cutoff_mode: int) -> np.ndarray:
+    """Heights of rms slope 1 on a cell of 1: H = 0.8, roll-off at a quarter of the cell."""
+    study = make_study(
+        {
+            "surface": {
+                "kind": "self_affine",
+                "size": 1.0,
+                "shape": [points, points],
+                "hurst_exponent": 0.8,
+                "rms_height": 0.02,
+                "roll_off_mode": 4,
+                "cutoff_mode": cutoff_mode,
+                "seed": SEED,
+            },
+            "material": {"youngs_modulus": 1.0, "poissons_ratio": 0.0},
+            "interaction": {"law": "hard_wall"},
+            "loading": {"path": [1e-3]},
+        }
+    )
+    made = realise(study.cases[0])
+    return made.sampled / made.rms_slope
+
+
+def _half_space(field: np.ndarray, inverse: bool = False) -> np.ndarray:
+    """K u, K = q/2, or C p without a mean."""
+    q = 2 * np.pi * np.hypot(np.fft.fftfreq(len(field), 1 / len(field))[:, None], np.arange(len(field) // 2 + 1))
+    kernel = np.divide(2, q, out=np.zeros_like(q), where=q > 0) if inverse else q / 2
+    return np.fft.irfft2(kernel * np.fft.rfft2(field), s=field.shape)
+
+
+def measured(problem: Problem, state: np.ndarray) -> Measured:
+    """Error, area and energies of a pressure (hard wall) or of a gap (adhesion)."""
+    if problem.hard:
+        pressure = np.maximum(state, 0)
+        displacement = _half_space(pressure, inverse=True)
+        gap = displacement - problem.height
+        error = np.sum(pressure * (gap - gap.min())) / (pressure.sum() * problem.height.std())
+        error += abs(pressure.mean() / MEAN_PRESSURE - 1)
+        return Measured(float(error), float(np.mean(pressure > 0)), 0.5 * float(np.mean(pressure * displacement)), 0.0)
+    law, gap = problem.law, state
+    displacement = gap + problem.height
+    elastic = _half_space(displacement)
+    free = gap > 0
+    imbalance = elastic + law.traction(gap) + MEAN_PRESSURE
+    error = np.max(np.where(free, np.abs(imbalance), -imbalance))
+    touching = ~free if law.has_wall else gap < law.equilibrium_distance
+    energy = 0.5 * float(np.mean(displacement * elastic))
+    return Measured(float(error), float(np.mean(touching)), energy, float(np.mean(law.potential(gap))))
+
+
+def ours(problem: Problem) -> tuple[np.ndarray, float]:
+    """Our pressure or gap, and the transform pairs it took."""
+    contact = rough_contact(problem.height, 1.0, 1.0, problem.law)
+    found = contact.step(contact.separated(), MEAN_PRESSURE)
+    if not found.converged:
+        raise RuntimeError(found.message)
+    return found.pressure if problem.hard else found.gap, found.fft_pairs
+
+
+def tamaas(problem: Problem) -> np.ndarray:
+    import tamaas as tm
+
+    tm.set_log_level(tm.LogLevel.warning)
+    model = tm.Model(tm.model_type.basic_2d, [1.0, 1.0], list(problem.height.shape))
+    model.E, model.nu = 1.0, 0.0
+    method = tm.PolonskyKeerRey
+    if problem.hard:
+        solver = method(model, problem.height, TAMAAS_HARD)
+    else:
+        solver = method(model, problem.height, TAMAAS_ADHESIVE, primal_type=method.gap, constraint_type=method.pressure)
+        exponential = isinstance(problem.law, Exponential)
+        attraction = (tm.ExponentialAdhesionFunctional if exponential else tm.MaugisAdhesionFunctional)(problem.height)
+        attraction.parameters = {"rho": problem.law.length, "surface_energy": problem.law.work_of_adhesion}
+        solver.addFunctionalTerm(attraction)
+    solver.max_iter = MOST_ITERATIONS
+    solver.solve(MEAN_PRESSURE)
+    return np.array(model.traction) if problem.hard else np.maximum(np.array(model["gap"]), 0)
+
+
+def contact_mechanics(problem: Problem) -> np.ndarray:
+    import ContactMechanics
+    import SurfaceTopography
+    from ContactMechanics.Optimization import constrained_conjugate_gradients
+
+    points = problem.height.shape
+    topography = SurfaceTopography.Topography(problem.height, (1.0, 1.0), periodic=True)
+    substrate = ContactMechanics.PeriodicFFTElasticHalfSpace(points, 1.0, (1.0, 1.0))
+    tolerance = PENETRATION * problem.height.std()
+    limits = {"pentol": tolerance, "forcetol": 1e-12, "thermotol": PENETRATION}
+    found = constrained_conjugate_gradients(substrate, topography, external_force=MEAN_PRESSURE, **limits)
+    return -np.asarray(found.jac) * problem.height.size
+
+
+def _adhesion_system(problem: Problem):
+    import SurfaceTopography
+    from Adhesion.Interactions import LJ93
+    from Adhesion.Interactions import Exponential as TheirExponential
+    from Adhesion.System import BoundedSmoothContactSystem, SmoothContactSystem, make_system
+
+    law = problem.law
+    if law.has_wall:
+        kind, interaction = BoundedSmoothContactSystem, TheirExponential(law.work_of_adhesion, law.length)
+    else:
+        sigma = law.length * 2.5 ** (1 / 6)
+        kind, interaction = SmoothContactSystem, LJ93(law.work_of_adhesion / (2 / 3 * 2.5**0.5), sigma)
+        interaction = interaction.linearize_core(r_ti=0.7 * law.length)
+    topography = SurfaceTopography.Topography(problem.height, (1.0, 1.0), periodic=True)
+    system = make_system(
+        interaction=interaction, surface=topography, substrate="periodic", young=1.0, system_class=kind
+    )
+    imbalance = max(topography.rms_gradient(), abs(interaction.max_tensile))
+    return system, IMBALANCE * imbalance * topography.area_per_pt
+
+
+class _Adhesion:
+    """Adhesion's solver of one problem, at any offset of the displaced surface; each solve starts from the last."""
+
+    def __init__(self, problem: Problem):
+        self._problem = problem
+        self._system, self._tolerance = _adhesion_system(problem)
+        self.last: np.ndarray | None = None
+
+    def gap(self, offset: float) -> np.ndarray:
+        import scipy.optimize
+        from NuMPI.Optimization import constrained_conjugate_gradients
+
+        height, system = self._problem.height, self._system
+        closest = 0.0 if self._problem.law.has_wall else self._problem.law.equilibrium_distance
+        start = np.maximum(-height - offset, closest) if self.last is None else self.last
+        if self._problem.law.has_wall:
+            objective = system.primal_objective(offset, gradient=True)
+            options = {"gtol": self._tolerance, "maxiter": MOST_ITERATIONS}
+            found = constrained_conjugate_gradients(objective, system.primal_hessian_product, x0=start, **options)
+            gap = found.x
+        else:
+            objective = system.objective(offset, gradient=True)
+            options = {"gtol": self._tolerance, "ftol": 0, "maxiter": MOST_ITERATIONS, "maxfun": 2 * MOST_ITERATIONS}
+            first = (start + height + offset).reshape(-1)
+            found = scipy.optimize.minimize(objective, first, method="L-BFGS-B", jac=True, options=options)
+            gap = found.x.reshape(height.shape) - height - offset
+        if not found.success:
+            print(f"Adhesion: {found.message}", file=sys.stderr)
+        self.last = np.reshape(gap, height.shape)
+        return self.last
+
+    def excess(self, offset: float) -> float:
+        """Mean pressure less the one asked for, zero within 1e-6 of that."""
+        self.gap(offset)
+        difference = float(self._system.compute_normal_force()) - MEAN_PRESSURE
+        return difference if abs(difference) > 1e-6 * MEAN_PRESSURE else 0.0
+
+
+def adhesion_at_displacement(problem: Problem) -> np.ndarray:
+    return _Adhesion(problem).gap(problem.offset)
+
+
+def adhesion_at_pressure(problem: Problem) -> np.ndarray:
+    from scipy.optimize import brentq
+
+    code, width = _Adhesion(problem), 0.1 * problem.height.std()
+    brentq(code.excess, problem.offset - 0.8 * width, problem.offset + 1.2 * width, xtol=1e-15)
+    assert code.last is not None
+    return code.last
+
+
+def with_offset(problem: Problem, gap: np.ndarray) -> Problem:
+    """The problem at the displacement that our state has in Adhesion: its solid answers a mean displacement, too."""
+    system, _ = _adhesion_system(problem)
+    stiffness = -float(np.mean(system.substrate.evaluate_force(np.ones_like(gap)))) * gap.size
+    offset = MEAN_PRESSURE / stiffness - float(np.mean(gap + problem.height))
+    return Problem(problem.surface, problem.height, problem.law, offset)
+
+
+def problems() -> dict[str, tuple[Callable[[], Problem], dict[str, Callable[[Problem], np.ndarray]]]]:
+    """By name: what makes a problem, and the codes that are asked it."""
+
+    def made(points: int, cutoff: int, law: TractionLaw) -> Callable[[], Problem]:
+        words = f"{points}², {points / cutoff:.3g} points a wave"
+        return lambda: Problem(words, surface(points, cutoff), law)
+
+    both = {"Tamaas": tamaas, "ContactMechanics": contact_mechanics}
+    both_controls = {
+        "Adhesion, displacement": adhesion_at_displacement,
+        "Adhesion, pressure": adhesion_at_pressure,
+    }
+    found = {}
+    for name, cutoff in (("smooth", 16), ("broadband", 128)):
+        found[f"hard wall, {name}"] = made(1024, cutoff, HardWall()), both
+    for points in (256, 512):
+        for name, (work, length) in (("weak", WEAK), ("strong", STRONG)):
+            codes = {"Tamaas": tamaas, **both_controls}
+            found[f"exponential, {name}, {points}"] = made(points, 32, Exponential(work, length)), codes
+    for name, (work, length) in (("weak", WEAK), ("strong", STRONG)):
+        found[f"Maugis, {name}, 256"] = made(256, 32, Dugdale(work, length, RAMP)), {"Tamaas": tamaas}
+    for points in (128, 512):
+        found[f"soft 9-3 wall, {points}"] = made(points, 32, AtomOnHalfSpace(1e-4, 4.3e-3)), both_controls
+    return found
+
+
+def compared(name: str, problem: Problem, code: str, theirs: Callable[[Problem], np.ndarray], repeat: int) -> dict:
+    """One row of the table: medians over interleaved runs."""
+    state, pairs = ours(problem)  # compiles and plans
+    if code.startswith("Adhesion"):
+        problem = with_offset(problem, state)
+    seconds: dict[str, list[float]] = {"ours": [], "theirs": []}
+    for _ in range(repeat):
+        began = time.process_time()
+        state, pairs = ours(problem)
+        between = time.process_time()
+        their_state = theirs(problem)
+        seconds["theirs"].append(time.process_time() - between)
+        seconds["ours"].append(between - began)
+    own, other = measured(problem, state), measured(problem, their_state)
+    energies = [(own.elastic, other.elastic)] + ([] if problem.hard else [(own.interaction, other.interaction)])
+    return {
+        "problem": name,
+        "surface": problem.surface,
+        "code": code,
+        "error": own.error,
+        "their_error": other.error,
+        "area": own.area,
+        "their_area": other.area,
+        "energy_difference": max(abs(one / another - 1) for one, another in energies),
+        "fft_pairs": pairs,
+        "seconds": np.median(seconds["ours"]),
+        "their_seconds": np.median(seconds["theirs"]),
+        "ratio": np.median(np.array(seconds["theirs"]) / seconds["ours"]),
+    }
+
+
+def rows(table: pd.DataFrame) -> list[str]:
+    """The table's lines."""
+    head = "problem | code | error: ours | theirs | A/A₀: ours | theirs | energies differ by | pairs | s: ours | theirs"
+    lines = [f"| {head} | ratio |", "|---" * 11 + "|"]
+    for row in table.itertuples():
+        lines.append(
+            f"| {row.problem.rpartition(', ')[0] if row.problem[-1].isdigit() else row.problem}, {row.surface} "
+            f"| {row.code} | {row.error:.0e} | {row.their_error:.0e} | {row.area:.5f} | {row.their_area:.5f} "
+            f"| {row.energy_difference:.0e} | {row.fft_pairs:.0f} | {row.seconds:.3g} | {row.their_seconds:.3g} "
+            f"| {row.ratio:.0f} |"
+        )
+    return lines
+
+
+def parser() -> argparse.ArgumentParser:
+    made = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    made.add_argument("--only", default="", metavar="WORDS", help="problems whose name has these words")
+    made.add_argument("--repeat", type=int, default=3, help="runs of each solve")
+    made.add_argument("--table", type=Path, help="CSV to write the rows to")
+    made.add_argument("--from", type=Path, dest="source", help="CSV to read them from, in place of a run")
+    return made
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    given = parser().parse_args(arguments)
+    if given.source is None and os.environ.get("OMP_NUM_THREADS") != "1":
+        # Libraries read it as they are imported.
+        words = sys.argv[1:] if arguments is None else list(arguments)
+        environment = os.environ | {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
+        return subprocess.run([sys.executable, __file__, *words], env=environment).returncode
+    found = pd.read_csv(given.source) if given.source is not None else run(given.only, given.repeat, given.table)
+    print("\n".join(rows(found)))
+    return 0
+
+
+def run(only: str, repeat: int, path: Path | None) -> pd.DataFrame:
+    """Every row whose problem's name has the words, written after each."""
+    found = []
+    for name, (make, codes) in problems().items():
+        if only not in name:
+            continue
+        problem = make()
+        for code, solve in codes.items():
+            found.append(compared(name, problem, code, solve, repeat))
+            print(found[-1], file=sys.stderr, flush=True)
+            if path is not None:
+                pd.DataFrame(found).to_csv(path, index=False, float_format="%.6g")
+    return pd.DataFrame(found)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
