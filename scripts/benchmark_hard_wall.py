@@ -1,14 +1,12 @@
 """Work and time of the hard-wall solver over grids, pressures and kinds of surface.
 
 Prints one line a solve and writes all to a NetCDF file: transform pairs (as float64 pairs on the finest grid, a
-count that does not depend on the machine), share of time in transforms, and, where Tamaas can be imported, the ratio
-of its time to ours in interleaved runs at the same tolerance.
+count that does not depend on the machine) and the share of time in transforms. Other codes are in benchmark_peers.py.
 
     python scripts/benchmark_hard_wall.py --points 256 512 1024 -o results/benchmark_hard_wall.nc
 """
 
 import argparse
-import importlib.util
 import sys
 import time
 from collections.abc import Iterator, Sequence
@@ -83,40 +81,21 @@ def timed_transforms() -> Iterator[list[float]]:
             setattr(RealTransform, name, method)
 
 
-def tamaas_seconds(height: np.ndarray, grid: Grid, mean_pressure: float) -> tuple[float, float]:
-    """Time of Tamaas on the same problem in units E* = 1, h_rms = 1, L = 1 (s), and its contact area."""
-    import tamaas
-
-    tamaas.set_log_level(tamaas.LogLevel.warning)
-    unit = CONTACT_MODULUS * RMS_HEIGHT / SIZE
-    model = tamaas.Model(tamaas.model_type.basic_2d, [1.0, 1.0], list(grid.shape))
-    model.E, model.nu = 1.0, 0.0
-    solver = tamaas.PolonskyKeerRey(model, height / RMS_HEIGHT, TOLERANCE)
-    solver.max_iter = 20000
-    began = time.perf_counter()
-    solver.solve(mean_pressure / unit)
-    return time.perf_counter() - began, float(np.mean(np.asarray(model.traction) > 0))
-
-
-def measure(
-    height: np.ndarray, grid: Grid, relative_pressure: float, repeat: int, with_tamaas: bool
-) -> dict[str, float]:
-    """One line of the table: medians over interleaved runs.
+def measure(height: np.ndarray, grid: Grid, relative_pressure: float, repeat: int) -> dict[str, float]:
+    """One line of the table: medians over the runs.
 
     ``relative_pressure`` is the mean pressure over √<p²>, the root-mean-square stress of full contact.
     """
     slope_power = grid.wavenumber**2 * grid.variances(fourier.transform(height))
     mean_pressure = relative_pressure * 0.5 * CONTACT_MODULUS * np.sqrt(slope_power.sum())
     ours(height, grid, mean_pressure)  # compile and plan
-    seconds, shares, theirs = [], [], []
+    seconds, shares = [], []
     for _ in range(repeat):
         with timed_transforms() as durations:
             began = time.perf_counter()
             found = ours(height, grid, mean_pressure)
             seconds.append(time.perf_counter() - began)
         shares.append(sum(durations) / seconds[-1])
-        if with_tamaas:
-            theirs.append(tamaas_seconds(height, grid, mean_pressure)[0])
     return {
         "mean_pressure": mean_pressure,
         "relative_contact_area": float(np.mean(found.pressure > 0)),
@@ -125,7 +104,6 @@ def measure(
         "fft_pairs": found.fft_pairs,
         "wall_time": float(np.median(seconds)),
         "transform_share": float(np.median(shares)),
-        "tamaas_time_ratio": float(np.median(np.array(theirs) / seconds)) if with_tamaas else np.nan,
     }
 
 
@@ -146,25 +124,23 @@ def main(arguments: Sequence[str] | None = None) -> int:
     )
     parser.add_argument("--seed", type=int, default=1, help="surface")
     parser.add_argument("--repeat", type=int, default=3, help="runs of each solve; medians are shown")
-    parser.add_argument("--no-tamaas", action="store_true", help="do not run Tamaas even if it is installed")
     parser.add_argument("-o", "--output", type=Path, default=Path("results/benchmark_hard_wall.nc"))
     options = parser.parse_args(arguments)
-    with_tamaas = not options.no_tamaas and importlib.util.find_spec("tamaas") is not None
 
     kinds = ["smooth", "broadband"]  # cutoff at 12 waves a side, and at eight points a wave
     table: dict[str, list] = {}
-    print("   surface points  p/p_rms     area  pairs   time s   FFT  Tamaas")
+    print("   surface points  p/p_rms     area  pairs   time s   FFT")
     for kind in kinds:
         for points in options.points:
             height, grid = surface(points, 12 if kind == "smooth" else points // 8, options.seed)
             for pressure in options.pressures:
-                row = measure(height, grid, pressure, options.repeat, with_tamaas)
+                row = measure(height, grid, pressure, options.repeat)
                 for name, value in row.items():
                     table.setdefault(name, []).append(value)
                 area, pairs, seconds = row["relative_contact_area"], row["fft_pairs"], row["wall_time"]
-                share, ratio = row["transform_share"], row["tamaas_time_ratio"]
+                share = row["transform_share"]
                 line = f"{kind:>10} {points:6d} {pressure:8.3g} {area:8.5f} {pairs:6.1f} {seconds:8.4f}"
-                print(f"{line} {share:5.2f} {ratio:7.1f}", flush=True)
+                print(f"{line} {share:5.2f}", flush=True)
     shape = (len(kinds), len(options.points), len(options.pressures))
     dimensions = ("surface", "points", "relative_pressure")
     dataset = xr.Dataset(

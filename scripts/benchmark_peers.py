@@ -5,17 +5,19 @@ Adhesion (bound-constrained conjugate gradients, and L-BFGS-B for a soft wall), 
 'bem-adhesion[peers]'``. Every code takes the heights and returns a state, each with one thread, in turn (ours, theirs,
 ours, theirs …); times are CPU times of the process, medians. Units: E* = 1, cell 1, rms slope 1.
 
-The error is formed from the returned state by the same lines for all codes. Of a pressure on a hard wall: Σ p g / (Σ p ×
-rms height) with g the gap above its least, a bound of the relative distance to the least energy. Of a gap under
-adhesion: the largest imbalance K u + φ'(g) + p, over E*; where the surfaces touch, only what the wall would have to pull.
-Areas and energies (elastic and of the interaction) are formed alike; of each code's area the points that touch are
-counted, of the soft wall's those in repulsion.
+The error is formed from the returned state by the same lines for all codes. Of a pressure on a hard wall: Σ p g over
+Σ p × rms height, g the gap above its least, which bounds the distance to the least energy, and the relative error of
+the load. Of a gap under adhesion: the largest imbalance K u + φ'(g) + p, over E*; where the surfaces touch, only what
+the wall would have to pull. Areas (points that touch; of the soft wall those in repulsion) and energies (elastic, and
+of the interaction) are formed alike.
 
-Adhesion solves at a given displacement. "Adhesion, displacement" is given the one of our state, so that one solve does;
-"Adhesion, pressure" searches for it (Brent's method, each solve from the state before), within a tenth of the rms height.
+Adhesion solves at a given displacement. "Adhesion, displacement" is given the one of our state, so that one solve
+does; "Adhesion, pressure" searches for it (Brent's method, each solve from the state before) within a tenth of the rms
+height.
 
     python scripts/benchmark_peers.py                         # all, half an hour
-    python scripts/benchmark_peers.py --only "hard wall" --repeat 1
+    python scripts/benchmark_peers.py --coarser 8             # on grids of an eighth, a minute
+    python scripts/benchmark_peers.py --only "hard wall"
     python scripts/benchmark_peers.py --table data/benchmark_peers.csv
     python scripts/benchmark_peers.py --from data/benchmark_peers.csv
 """
@@ -25,8 +27,9 @@ import os
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import redirect_stdout
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -36,7 +39,7 @@ from bem_adhesion import Dugdale, Exponential, HardWall, TractionLaw, rough_cont
 from contact_study.problem.study import make_study
 from contact_study.problem.surface import realise
 
-MEAN_PRESSURE, SEED = 0.05, 1
+MEAN_PRESSURE, ROLL_OFF, SEED = 0.05, 4, 1
 WEAK, STRONG = (1e-4, 5e-3), (4e-4, 2e-3)  # work of adhesion and range: little more contact than none, and twice
 RAMP = 0.02  # of our Dugdale law; Tamaas' tension ends at a point
 # Of what each code stops on itself: Tamaas' is our measure for the hard wall, and of the same form under adhesion.
@@ -77,9 +80,8 @@ class AtomOnHalfSpace(TractionLaw):
 
 @dataclass(frozen=True)
 class Problem:
-    """What every code is asked: heights, the law (None of a hard wall: no attraction) and how it touches."""
+    """What every code is asked."""
 
-    surface: str
     height: np.ndarray
     law: TractionLaw
     offset: float = np.nan  # of the displaced surface, for codes that solve at a displacement
@@ -110,7 +112,7 @@ def surface(points: int, cutoff_mode: int) -> np.ndarray:
                 "shape": [points, points],
                 "hurst_exponent": 0.8,
                 "rms_height": 0.02,
-                "roll_off_mode": 4,
+                "roll_off_mode": ROLL_OFF,
                 "cutoff_mode": cutoff_mode,
                 "seed": SEED,
             },
@@ -190,10 +192,11 @@ def contact_mechanics(problem: Problem) -> np.ndarray:
     tolerance = PENETRATION * problem.height.std()
     limits = {"pentol": tolerance, "forcetol": 1e-12, "thermotol": PENETRATION}
     found = constrained_conjugate_gradients(substrate, topography, external_force=MEAN_PRESSURE, **limits)
-    return -np.asarray(found.jac) * problem.height.size
+    return np.asarray(found.jac) * problem.height.size
 
 
 def _adhesion_system(problem: Problem):
+    """Adhesion's description of the problem, and its largest imbalance of a point's force."""
     import SurfaceTopography
     from Adhesion.Interactions import LJ93
     from Adhesion.Interactions import Exponential as TheirExponential
@@ -270,37 +273,40 @@ def with_offset(problem: Problem, gap: np.ndarray) -> Problem:
     system, _ = _adhesion_system(problem)
     stiffness = -float(np.mean(system.substrate.evaluate_force(np.ones_like(gap)))) * gap.size
     offset = MEAN_PRESSURE / stiffness - float(np.mean(gap + problem.height))
-    return Problem(problem.surface, problem.height, problem.law, offset)
+    return replace(problem, offset=offset)
 
 
-def problems() -> dict[str, tuple[Callable[[], Problem], dict[str, Callable[[Problem], np.ndarray]]]]:
-    """By name: what makes a problem, and the codes that are asked it."""
+@dataclass(frozen=True)
+class Row:
+    """A problem by its words, and the codes that are asked it."""
 
-    def made(points: int, cutoff: int, law: TractionLaw) -> Callable[[], Problem]:
-        words = f"{points}², {points / cutoff:.3g} points a wave"
-        return lambda: Problem(words, surface(points, cutoff), law)
+    words: str
+    points: int
+    cutoff_mode: int
+    law: TractionLaw
+    codes: Mapping[str, Callable[[Problem], np.ndarray]]
 
-    both = {"Tamaas": tamaas, "ContactMechanics": contact_mechanics}
-    both_controls = {
-        "Adhesion, displacement": adhesion_at_displacement,
-        "Adhesion, pressure": adhesion_at_pressure,
-    }
-    found = {}
-    for name, cutoff in (("smooth", 16), ("broadband", 128)):
-        found[f"hard wall, {name}"] = made(1024, cutoff, HardWall()), both
+
+def problems() -> list[Row]:
+    """What the table compares."""
+    on_wall = {"Tamaas": tamaas, "ContactMechanics": contact_mechanics}
+    of_adhesion = {"Adhesion, displacement": adhesion_at_displacement, "Adhesion, pressure": adhesion_at_pressure}
+    found = [Row(f"hard wall, {n} waves", 1024, n, HardWall(), on_wall) for n in (16, 128)]
     for points in (256, 512):
         for name, (work, length) in (("weak", WEAK), ("strong", STRONG)):
-            codes = {"Tamaas": tamaas, **both_controls}
-            found[f"exponential, {name}, {points}"] = made(points, 32, Exponential(work, length)), codes
+            codes = {"Tamaas": tamaas, **of_adhesion}
+            found.append(Row(f"exponential, {name}", points, 32, Exponential(work, length), codes))
     for name, (work, length) in (("weak", WEAK), ("strong", STRONG)):
-        found[f"Maugis, {name}, 256"] = made(256, 32, Dugdale(work, length, RAMP)), {"Tamaas": tamaas}
+        found.append(Row(f"Maugis, {name}", 256, 32, Dugdale(work, length, RAMP), {"Tamaas": tamaas}))
     for points in (128, 512):
-        found[f"soft 9-3 wall, {points}"] = made(points, 32, AtomOnHalfSpace(1e-4, 4.3e-3)), both_controls
+        found.append(Row("soft 9-3 wall", points, 32, AtomOnHalfSpace(1e-4, 4.3e-3), of_adhesion))
     return found
 
 
-def compared(name: str, problem: Problem, code: str, theirs: Callable[[Problem], np.ndarray], repeat: int) -> dict:
-    """One row of the table: medians over interleaved runs."""
+def compared(
+    problem: Problem, code: str, theirs: Callable[[Problem], np.ndarray], repeat: int
+) -> dict[str, str | float]:
+    """What the table says of one problem and one code: medians over interleaved runs."""
     state, pairs = ours(problem)  # compiles and plans
     if code.startswith("Adhesion"):
         problem = with_offset(problem, state)
@@ -309,20 +315,19 @@ def compared(name: str, problem: Problem, code: str, theirs: Callable[[Problem],
         began = time.process_time()
         state, pairs = ours(problem)
         between = time.process_time()
-        their_state = theirs(problem)
+        with redirect_stdout(sys.stderr):  # they report on their way
+            their_state = theirs(problem)
         seconds["theirs"].append(time.process_time() - between)
         seconds["ours"].append(between - began)
     own, other = measured(problem, state), measured(problem, their_state)
     energies = [(own.elastic, other.elastic)] + ([] if problem.hard else [(own.interaction, other.interaction)])
     return {
-        "problem": name,
-        "surface": problem.surface,
         "code": code,
         "error": own.error,
         "their_error": other.error,
         "area": own.area,
         "their_area": other.area,
-        "energy_difference": max(abs(one / another - 1) for one, another in energies),
+        "energy_difference": max(abs(another / one - 1) for one, another in energies),
         "fft_pairs": pairs,
         "seconds": np.median(seconds["ours"]),
         "their_seconds": np.median(seconds["theirs"]),
@@ -332,14 +337,13 @@ def compared(name: str, problem: Problem, code: str, theirs: Callable[[Problem],
 
 def rows(table: pd.DataFrame) -> list[str]:
     """The table's lines."""
-    head = "problem | code | error: ours | theirs | A/A₀: ours | theirs | energies differ by | pairs | s: ours | theirs"
-    lines = [f"| {head} | ratio |", "|---" * 11 + "|"]
+    head = "error: ours | theirs | A/A₀: ours | theirs | energies differ by | pairs | s: ours | theirs | ratio"
+    lines = [f"| problem | points | code | {head} |", "|---" * 12 + "|"]
     for row in table.itertuples():
         lines.append(
-            f"| {row.problem.rpartition(', ')[0] if row.problem[-1].isdigit() else row.problem}, {row.surface} "
-            f"| {row.code} | {row.error:.0e} | {row.their_error:.0e} | {row.area:.5f} | {row.their_area:.5f} "
-            f"| {row.energy_difference:.0e} | {row.fft_pairs:.0f} | {row.seconds:.3g} | {row.their_seconds:.3g} "
-            f"| {row.ratio:.0f} |"
+            f"| {row.problem} | {row.points}² | {row.code} | {row.error:.0e} | {row.their_error:.0e} | {row.area:.5f} "
+            f"| {row.their_area:.5f} | {row.energy_difference:.0e} | {row.fft_pairs:.0f} | {row.seconds:.3g} "
+            f"| {row.their_seconds:.3g} | {row.ratio:.0f} |"
         )
     return lines
 
@@ -347,6 +351,7 @@ def rows(table: pd.DataFrame) -> list[str]:
 def parser() -> argparse.ArgumentParser:
     made = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     made.add_argument("--only", default="", metavar="WORDS", help="problems whose name has these words")
+    made.add_argument("--coarser", type=int, default=1, help="factor by which every grid is coarser, for a first look")
     made.add_argument("--repeat", type=int, default=3, help="runs of each solve")
     made.add_argument("--table", type=Path, help="CSV to write the rows to")
     made.add_argument("--from", type=Path, dest="source", help="CSV to read them from, in place of a run")
@@ -360,23 +365,25 @@ def main(arguments: Sequence[str] | None = None) -> int:
         words = sys.argv[1:] if arguments is None else list(arguments)
         environment = os.environ | {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
         return subprocess.run([sys.executable, __file__, *words], env=environment).returncode
-    found = pd.read_csv(given.source) if given.source is not None else run(given.only, given.repeat, given.table)
+    found = pd.read_csv(given.source) if given.source is not None else run(given)
     print("\n".join(rows(found)))
     return 0
 
 
-def run(only: str, repeat: int, path: Path | None) -> pd.DataFrame:
-    """Every row whose problem's name has the words, written after each."""
-    found = []
-    for name, (make, codes) in problems().items():
-        if only not in name:
+def run(given: argparse.Namespace) -> pd.DataFrame:
+    """Every row whose words hold those given; the file is written after each."""
+    found: list[dict[str, str | float]] = []
+    for row in problems():
+        if given.only not in row.words:
             continue
-        problem = make()
-        for code, solve in codes.items():
-            found.append(compared(name, problem, code, solve, repeat))
+        points = row.points // given.coarser
+        problem = Problem(surface(points, max(row.cutoff_mode // given.coarser, ROLL_OFF)), row.law)
+        for code, theirs in row.codes.items():
+            measures = compared(problem, code, theirs, given.repeat)
+            found.append({"problem": row.words, "points": points} | measures)
             print(found[-1], file=sys.stderr, flush=True)
-            if path is not None:
-                pd.DataFrame(found).to_csv(path, index=False, float_format="%.6g")
+            if given.table is not None:
+                pd.DataFrame(found).to_csv(given.table, index=False, float_format="%.6g")
     return pd.DataFrame(found)
 
 
