@@ -54,7 +54,8 @@ def test_measures_of_a_pressure(height):
     contact = rough_contact(height, 1.0, 1.0, HardWall())
     found = contact.step(contact.separated(), MEAN_PRESSURE)
     assert exact.elastic == pytest.approx(found.elastic_energy, rel=1e-9)
-    assert measured(problem, 1.001 * pressure).error == pytest.approx(1e-3, rel=0.1)
+    # The load's error, and that of a gap whose displacement is 1e-3 too large: it is about a rms height in contact.
+    assert 1e-3 < measured(problem, 1.001 * pressure).error < 3e-3
     # Any other pressure of the same load: its energy ½<p C p> − <p h> is above the least, by no more than the measure.
     moved = np.roll(pressure, 1, axis=1)
     other = measured(problem, moved)
