@@ -1,0 +1,184 @@
+"""Waves on a half-space: how fast area and mean gap converge with the grid, without and with adhesion, as Markdown.
+
+A wave along one axis has closed forms: Westergaard's without adhesion, and for adhesion of no range that of K. L.
+Johnson, Int. J. Solids Struct. 32, 423 (1995). Ours has the range ρ of an exponential attraction: it has to converge
+with the process zone E*ρ²/w. Two crossed waves have no closed form between first touch and full contact; there the
+differences from one grid to the next have to fall. From full contact they open, by the linear solution, where the
+pressure in the deepest hollow has become the law's greatest tension.
+
+    python scripts/validate_waves.py one     # along one axis
+    python scripts/validate_waves.py two     # crossed
+"""
+
+import argparse
+import itertools
+import sys
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+from scipy.optimize import brentq
+
+from bem_adhesion import Exponential, HardWall, TractionLaw, rough_contact
+from bem_adhesion.solution import Solution
+from theory import references as reference
+
+AMPLITUDE = 0.01  # of wavelength and modulus 1
+# Johnson's α, with the pressure of full contact of either wave: below 0.6, where bodies snap together by themselves.
+ADHESION = 0.15
+# Over the pressure of full contact without adhesion. With adhesion loading first, then unloading, into tension; crossed
+# waves snap into full contact earlier.
+PRESSURES = (0.05, 0.2, 0.5, 0.8, 0.95)
+PATH = (0.1, 0.3, 0.5, 0.1, 0.0, -0.02)
+CROSSED_PATH = (0.05, 0.1, 0.2, 0.1, 0.0)
+POINTS = (32, 64, 128, 256)
+POSITIONS = 6  # of the wave on the grid, over which errors of a counted area are averaged
+POINTS_PER_ZONE = 8
+ZONES = (1 / 16, 1 / 32, 1 / 64, 1 / 128)  # over the wavelength
+
+
+def wave(points: int, shift: float = 0.0) -> np.ndarray:
+    """Heights of the wave along the second axis, its crest ``shift`` points before the first."""
+    return np.broadcast_to(AMPLITUDE * np.cos(2 * np.pi * (np.arange(points) + shift) / points), (4, points)).copy()
+
+
+def crossed_waves(points: int, shift: float = 0.0) -> np.ndarray:
+    """Heights of two crossed waves."""
+    axis = np.cos(2 * np.pi * (np.arange(points) + shift) / points)
+    return AMPLITUDE * np.outer(axis, axis)
+
+
+def path(height: np.ndarray, law: TractionLaw, pressures: Sequence[float]) -> Iterator[Solution]:
+    """The states of a path from separation."""
+    points = height.shape[1]
+    contact = rough_contact(height, (len(height) / points, 1.0), 1.0, law)
+    state = contact.separated()
+    for pressure in pressures:
+        found = contact.step(state, pressure)
+        if not found.converged or found.detached:
+            raise RuntimeError(f"{points} points, pressure {pressure:g}: {found.message}")
+        state = found.state
+        yield found
+
+
+def wave_errors(points: int) -> np.ndarray:
+    """Errors of area and of mean gap over the amplitude, over pressures and positions: Westergaard's wave."""
+    full = reference.wave_full_contact_pressure(AMPLITUDE, 1.0, 1.0)
+    area = reference.wave_relative_area(np.array(PRESSURES))
+    gap = [reference.wave_relative_mean_gap(a, p) for a, p in zip(area, PRESSURES, strict=True)]
+    errors = []
+    for shift in np.arange(POSITIONS) / POSITIONS:
+        found = list(path(wave(points, shift), HardWall(), full * np.array(PRESSURES)))
+        areas = [np.mean(each.pressure > 0) for each in found]
+        errors += list(zip(areas - area, [each.gap.mean() / AMPLITUDE for each in found] - np.array(gap), strict=True))
+    return np.array(errors)
+
+
+def adhesive_law(full: float, zone: float) -> Exponential:
+    """The attraction of Johnson's α = ADHESION whose process zone is that part of the wavelength."""
+    work = 0.5 * ADHESION**2 * full**2
+    return Exponential(work, float(np.sqrt(zone * work)))
+
+
+def adhesive_wave_errors(zone: float) -> np.ndarray:
+    """Errors of area and of mean gap over the amplitude on the path: Johnson's wave."""
+    full = reference.wave_full_contact_pressure(AMPLITUDE, 1.0, 1.0)
+    law = adhesive_law(full, zone)
+    adhesion = reference.wave_adhesion(AMPLITUDE, 1.0, 1.0, law.work_of_adhesion)
+    shares = np.linspace(0.01, 0.99, 1000)
+    curve = reference.wave_relative_pressure(shares, adhesion)
+    top = int(np.argmax(curve))  # beyond it, and below the least pressure before it, no state is stable
+    least, most = shares[np.argmin(curve[:top])], shares[top]
+    errors = []
+    heights = wave(round(POINTS_PER_ZONE / zone))
+    for pressure, found in zip(PATH, path(heights, law, full * np.array(PATH)), strict=True):
+        area = brentq(lambda a, p=pressure: reference.wave_relative_pressure(a, adhesion) - p, least, most)
+        gap = reference.wave_relative_mean_gap(area, pressure)
+        errors.append((np.mean(found.gap == 0) - area, found.gap.mean() / AMPLITUDE - gap))
+    return np.array(errors)
+
+
+def crossed_states(points: int) -> np.ndarray:
+    """Area and mean gap over the amplitude of crossed waves, no adhesion, at each pressure, means over positions."""
+    full = reference.egg_box_full_contact_pressure(AMPLITUDE, 1.0, 1.0)
+    found = [
+        [(np.mean(each.pressure > 0), each.gap.mean() / AMPLITUDE) for each in path(heights, HardWall(), pressures)]
+        for heights in (crossed_waves(points, shift) for shift in np.arange(POSITIONS) / POSITIONS)
+        for pressures in [full * np.array(PRESSURES)]
+    ]
+    return np.mean(found, axis=0)
+
+
+def adhesive_crossed_states(zone: float) -> np.ndarray:
+    """Area and mean gap over the amplitude of crossed waves with adhesion, on their path."""
+    full = reference.egg_box_full_contact_pressure(AMPLITUDE, 1.0, 1.0)
+    law = adhesive_law(full, zone)
+    states = path(crossed_waves(round(POINTS_PER_ZONE / zone)), law, full * np.array(CROSSED_PATH))
+    return np.array([(np.mean(each.gap == 0), each.gap.mean() / AMPLITUDE) for each in states])
+
+
+def opening_pressures(points: int, zone: float) -> tuple[float, float, float]:
+    """Over that of full contact: where crossed waves open, and the pressures between which the solver opens them."""
+    full = reference.egg_box_full_contact_pressure(AMPLITUDE, 1.0, 1.0)
+    law = adhesive_law(full, zone)
+    expected = full - law.peak_tensile_stress
+    height = crossed_waves(points)
+    contact = rough_contact(height, 1.0, 1.0, law)
+    state = contact.step(contact.separated(), 2 * full).state
+    closed, opened = 2.0, -np.inf
+    for pressure in expected + full * np.array([0.1, 1e-3, -1e-3]):
+        found = contact.step(state, pressure)
+        if found.detached or np.any(found.gap > 0):
+            opened = pressure / full
+            break
+        state, closed = found.state, pressure / full
+    return expected / full, closed, opened
+
+
+def root_mean_square(errors: np.ndarray) -> np.ndarray:
+    """Of each column."""
+    return np.sqrt(np.mean(np.square(errors), axis=0))
+
+
+def order(sizes: Sequence[float], errors: Sequence[float]) -> float:
+    """Exponent of the errors' fall with the size, least squares."""
+    return float(np.polyfit(np.log(sizes), np.log(errors), 1)[0])
+
+
+def print_table(head: str, sizes: Sequence[float], words: Sequence[str], errors: np.ndarray) -> None:
+    """A size a line, the order below."""
+    print(f"| {head} | area | mean gap / amplitude |\n|---|---|---|")
+    for word, (area, gap) in zip(words, errors, strict=True):
+        print(f"| {word} | {area:.1e} | {gap:.1e} |")
+    print(f"| order | {' | '.join(f'{order(sizes, column):.1f}' for column in errors.T)} |\n")
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("what", choices=("one", "two"), help="waves along one axis or crossed")
+    given = parser.parse_args(arguments)
+    spacings = [1 / points for points in POINTS]
+    zones = [f"1/{round(1 / zone)}" for zone in ZONES]
+    if given.what == "one":
+        errors = np.array([root_mean_square(wave_errors(points)) for points in POINTS])
+        print_table("points, no adhesion", spacings, [str(points) for points in POINTS], errors)
+        errors = np.array([root_mean_square(adhesive_wave_errors(zone)) for zone in ZONES])
+        print_table("process zone / wavelength", ZONES, zones, errors)
+        return 0
+    states = [crossed_states(points) for points in POINTS]
+    errors = np.array([root_mean_square(fine - coarse) for coarse, fine in itertools.pairwise(states)])
+    words = [f"{coarse}² to {2 * coarse}²" for coarse in POINTS[:-1]]
+    print_table("points, no adhesion", spacings[:-1], words, errors)
+    states = [adhesive_crossed_states(zone) for zone in ZONES]
+    errors = np.array([root_mean_square(fine - coarse) for coarse, fine in itertools.pairwise(states)])
+    words = [f"{wide} to {narrow}" for wide, narrow in itertools.pairwise(zones)]
+    print_table("process zone / wavelength", ZONES[:-1], words, errors)
+    expected, closed, opened = opening_pressures(64, ZONES[0])
+    print(
+        f"Full contact opens at {expected:.3f} of its pressure without adhesion; found closed at {closed:.3f},", end=" "
+    )
+    print(f"open at {opened:.3f}.")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
