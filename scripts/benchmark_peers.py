@@ -40,7 +40,7 @@ from contact_study.problem.study import make_study
 from contact_study.problem.surface import realise
 
 MEAN_PRESSURE, ROLL_OFF, SEED = 0.05, 4, 1
-WEAK, STRONG = (1e-4, 5e-3), (4e-4, 2e-3)  # work of adhesion and range: little more contact than none, and twice
+WEAK, STRONG = (1e-4, 5e-3), (4e-4, 2e-3)  # work and range: a twelfth and half more contact
 RAMP = 0.02  # of our Dugdale law; Tamaas' tension ends at a point
 # Of what each code stops on itself: Tamaas' is our measure for the hard wall, and of the same form under adhesion.
 TAMAAS_HARD, TAMAAS_ADHESIVE, PENETRATION, IMBALANCE = 1e-10, 1e-6, 1e-10, 1e-6
