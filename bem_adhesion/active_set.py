@@ -77,14 +77,17 @@ class ContactLevel:
         rows, columns = self.grid.shape
         if rows % 2 or columns % 2 or min(rows, columns) < 2 * COARSEST:
             return self.start_from_full_contact(mean_pressure)
-        every_second = np.ascontiguousarray(self.heights[::2, ::2])
-        coarser = ContactLevel(every_second, self.grid.with_shape((rows // 2, columns // 2)), self._make_operator)
+        coarser = self._coarser(np.ascontiguousarray(self.heights[::2, ::2]))
         full_contact = coarser.start(mean_pressure, max_iterations)
         if not full_contact:
             coarser.solve(mean_pressure, COARSE_TOLERANCE, max_iterations)
             self.start_from(coarser.refined(), mean_pressure)
         self._pairs_below += coarser.equivalent_pairs(self.grid)
         return full_contact and self.start_from_full_contact(mean_pressure)
+
+    def _coarser(self, heights: np.ndarray) -> "ContactLevel":
+        """The same problem on a coarser grid."""
+        return ContactLevel(heights, self.grid.with_shape((heights.shape[0], heights.shape[1])), self._make_operator)
 
     def start_from_full_contact(self, mean_pressure: float) -> bool:
         """Take the pressure of full contact without its tension; whether there was none, which solves the problem."""

@@ -1,6 +1,7 @@
 """One face of both continuum solvers: a state and a target in, a solution out."""
 
 from collections.abc import Sequence
+from functools import partial
 from typing import Any, Protocol
 
 import numpy as np
@@ -8,8 +9,9 @@ import numpy as np
 from bem_adhesion.free_contact import FreeContact
 from bem_adhesion.hard_wall import HardWallContact
 from bem_adhesion.loading import LoadedContact
+from bem_adhesion.plastic import PlasticContact
 from bem_adhesion.solution import Solution
-from contact_study.fields.arguments import field, grid_of
+from contact_study.fields.arguments import field, grid_of, positive
 from contact_study.problem.elasticity import Elasticity
 from contact_study.problem.laws.base import TractionLaw
 
@@ -37,6 +39,7 @@ def rough_contact(
     max_iterations: int | None = None,
     threads: int = 1,
     boundary: str = "periodic",
+    hardness: float | None = None,
 ) -> Contact:
     """The contact of a rigid rough surface with an elastic solid, by the solver that its law asks for.
 
@@ -60,6 +63,9 @@ def rough_contact(
         Threads of the transforms.
     boundary : {"periodic", "free"}, optional
         Whether surface and solid go on periodically, or the surface ends with its heights and a half-space goes on.
+    hardness : float, optional
+        Largest pressure that a hard wall without adhesion transmits; points that reach it give way for good (Pa), see
+        :class:`PlasticContact`.
 
     Raises
     ------
@@ -88,8 +94,19 @@ def rough_contact(
         )
     if boundary not in ("periodic", "free"):
         raise ValueError(f"boundary = {boundary!r}: must be 'periodic' or 'free'")
+    bare_wall = law.has_wall and not law.attracts
+    if hardness is not None:
+        if not bare_wall:
+            raise ValueError(f"hardness: known of a hard wall without adhesion, not of {law.words}")
+        if control == "approach":
+            raise ValueError("hardness: free boundaries need control = 'pressure', above some approach none is left")
+        options["hardness"] = positive("hardness", hardness, "Pa")
     if boundary == "free":
-        return FreeContact(heights, grid, elasticity, law, **options)
-    if not law.attracts and law.has_wall:
-        return HardWallContact(heights, grid, elasticity, **options)
+        if hardness is None:
+            return FreeContact(heights, grid, elasticity, law, **options)
+        return PlasticContact(heights, partial(FreeContact, grid=grid, elasticity=elasticity, law=law, **options))
+    if bare_wall:
+        if hardness is None:
+            return HardWallContact(heights, grid, elasticity, **options)
+        return PlasticContact(heights, partial(HardWallContact, grid=grid, elasticity=elasticity, **options))
     return LoadedContact(heights, grid, elasticity, law, **options)

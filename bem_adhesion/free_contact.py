@@ -148,6 +148,7 @@ class FreeContact:
         gap, pressure, displacement = (
             np.ascontiguousarray(inside(field)) for field in (found.gap, found.pressure, found.displacement)
         )
+        yielded = found.plastic_indentation
         mean_pressure = float(pressure.mean())
         plane = float(found.displacement.mean()) - mean_pressure * self._share / self._mean_stiffness
         # Half the work of the pressures, each point from the plane to where it is.
@@ -157,6 +158,7 @@ class FreeContact:
             displacement=displacement,
             gap=gap,
             pressure=pressure,
+            plastic_indentation=None if yielded is None else np.ascontiguousarray(inside(yielded)),
             elastic_energy=elastic,
             interaction_energy=found.interaction_energy / self._share,
             plane=plane,

@@ -11,12 +11,13 @@ from scipy.optimize import brentq
 
 from bem_adhesion.active_set import ContactLevel
 from bem_adhesion.arguments import check_arguments
+from bem_adhesion.bounded_set import BoundedLevel
 from bem_adhesion.linearised import LinearisedContact
 from bem_adhesion.operator import periodic
 from bem_adhesion.roughness import typical_wavenumber
 from bem_adhesion.solution import Outcome, Solution
 from bem_adhesion.tangent import PINNED, mean_compliance
-from contact_study.fields.arguments import check_step
+from contact_study.fields.arguments import check_step, positive
 from contact_study.fields.grid import Grid
 from contact_study.problem.elasticity import Elasticity, elasticity_of
 
@@ -27,6 +28,9 @@ better start than the coarser grids.
 In one iteration the edge of contact moves by about a spacing. A fresh nested start costs 19 to 30 pairs at any load
 and on any grid; from an earlier state it is 16 to 22 up to this limit, 20 to 30 at twice of it, 35 to 50 for a factor
 of two in the load (256² to 1024², roughness cut off at 12 waves and at 8 points a wave)."""
+
+LARGEST_SHARE = 1 - 1e-9
+"""Share of the hardness up to which a pressure is looked for under gap control: no point of a grid is open then."""
 
 
 class HardWallContact:
@@ -50,12 +54,17 @@ class HardWallContact:
         Limit of active-set iterations on each grid.
     threads : int, optional
         Threads of the transforms.
+    hardness : float, optional
+        Largest pressure (Pa): points that carry it give way, see :class:`~bem_adhesion.plastic.PlasticContact`, which
+        keeps what they gave way by.
+    unit : float, optional
+        Length that the tolerance is in units of, in place of the rms height (m): that of a surface before it yielded.
 
     Raises
     ------
     ValueError
-        If a height is not finite, the shapes differ, the modulus or the tolerance is not positive, or ``control`` is
-        unknown.
+        If a height is not finite, the shapes differ, the modulus, the tolerance or the hardness is not positive, or
+        ``control`` is unknown.
     """
 
     def __init__(
@@ -67,6 +76,8 @@ class HardWallContact:
         tolerance: float = 1e-10,
         max_iterations: int = 200,
         threads: int = 1,
+        hardness: float | None = None,
+        unit: float | None = None,
     ):
         check_arguments(np.where(np.isneginf(height), 0.0, height), grid, control, tolerance, max_iterations)
         self.control = control
@@ -74,23 +85,29 @@ class HardWallContact:
         self.max_iterations = max_iterations
         self.elasticity = elasticity_of(elasticity)
         self.grid = grid
+        self.hardness = np.inf if hardness is None else positive("hardness", hardness, "Pa")
         self._height = height
         present = height[np.isfinite(height)]
         self._bounded = present.size == height.size
         self._mean_height = float(present.mean())
         mean_free = height - self._mean_height
-        self._rms_height = float(np.sqrt(np.mean((present - self._mean_height) ** 2)))
-        self._flat = self._rms_height <= np.finfo(float).eps * np.abs(present).max()
+        rms_height = float(np.sqrt(np.mean((present - self._mean_height) ** 2)))
+        self._unit = unit or rms_height
+        self._flat = rms_height <= np.finfo(float).eps * np.abs(present).max()
         if self._flat and not self._bounded:
             raise ValueError("height: a flat punch with free boundaries has no height to measure errors by")
         if not self._flat:
             period = max(grid.size)
             modulus = self.elasticity.contact_modulus
-            self._pressure_unit = modulus * self._rms_height / period
+            self._pressure_unit = modulus * self._unit / period
             unit_grid = Grid(grid.shape, (grid.size[0] / period, grid.size[1] / period))
-            mean_free /= self._rms_height
+            mean_free /= self._unit
             make_operator = periodic(self.elasticity.scaled(period, modulus), threads=threads)
-            self._level = ContactLevel(mean_free, unit_grid, make_operator)
+            self._level = (
+                ContactLevel(mean_free, unit_grid, make_operator)
+                if hardness is None
+                else BoundedLevel(self.hardness / self._pressure_unit, mean_free, unit_grid, make_operator)
+            )
 
     def separated(self) -> np.ndarray:
         """The state without contact to start from: no pressure anywhere (Pa), in no memory and read-only."""
@@ -116,11 +133,16 @@ class HardWallContact:
         Raises
         ------
         ValueError
-            If the target is negative or not finite, or the state has another shape.
+            If the target is negative or not finite, is a pressure not below the hardness, or the state has another
+            shape.
         """
         check_step(self.control, target, state, self.grid.shape)
         if target < 0:
             raise ValueError(f"target = {target:g}: a hard wall without adhesion has no negative mean {self.control}")
+        if self.control == "pressure" and target >= self.hardness:
+            raise ValueError(f"target = {target:g}: no state carries the hardness, {self.hardness:g} Pa, or more")
+        if self.control == "gap" and target == 0 and np.isfinite(self.hardness):
+            raise ValueError("target = 0: with a hardness surfaces close at no one pressure; give a gap above zero")
         return self._at_pressure(state, target) if self.control == "pressure" else self._at_gap(state, target)
 
     def stiffness(self, solution: Solution) -> float:
@@ -151,23 +173,27 @@ class HardWallContact:
             )
         level, load = self._level, mean_pressure / self._pressure_unit
         before = level.equivalent_pairs(level.grid)
-        full_contact, surface = False, None
+        full_contact, surface, indentation = False, None, None
         if _similar(state, mean_pressure):
             level.start_from(state, load)
         else:
             full_contact = level.start(load, self.max_iterations)
-        if full_contact:
+        if full_contact and not (isinstance(level, BoundedLevel) and level.exceeds()):
             gap = np.zeros(self.grid.shape)
             residual, iterations, outcome = 0.0, 0, Outcome.CONVERGED
         else:
             residual, iterations, outcome = level.solve(load, self.tolerance, self.max_iterations)
             gap = level.gap()
-            gap *= self._rms_height
-            if not self._bounded:
-                surface = level.surface() * self._rms_height + self._mean_height
+            gap *= self._unit
+            if isinstance(level, BoundedLevel):
+                indentation = level.indentation()
+            if indentation is not None:
+                indentation *= self._unit
+            if not self._bounded or indentation is not None:
+                surface = level.surface() * self._unit + self._mean_height
         pairs = level.equivalent_pairs(level.grid) - before
         pressure = level.pressure * self._pressure_unit
-        return self._solution(pressure, gap, residual, iterations, pairs, outcome, surface)
+        return self._solution(pressure, gap, residual, iterations, pairs, outcome, surface, indentation)
 
     def _at_gap(self, state: np.ndarray, mean_gap: float) -> Solution:
         """Found as the pressure that leaves that gap."""
@@ -189,11 +215,11 @@ class HardWallContact:
 
         def excess(log_pressure: float) -> float:
             difference = float(at(log_pressure).gap.mean()) - mean_gap
-            return difference if abs(difference) > self.tolerance * self._rms_height else 0.0
+            return difference if abs(difference) > self.tolerance * self._unit else 0.0
 
         # Contact dies about exponentially with the gap, on the scale of the rms height.
-        high = np.log(least_full)
-        low = high - mean_gap / self._rms_height
+        high = np.log(min(least_full, LARGEST_SHARE * self.hardness))
+        low = high - mean_gap / self._unit
         while excess(low) < 0:
             high, low = low, low - 2.0
         root = brentq(excess, low, high, xtol=1e-15, rtol=1e-14)
@@ -208,13 +234,29 @@ class HardWallContact:
         pairs: float = 0.0,
         outcome: Outcome = Outcome.CONVERGED,
         surface: np.ndarray | None = None,
+        indentation: np.ndarray | None = None,
     ) -> Solution:
         displacement = self._height + gap if surface is None else surface
         work = np.vdot(pressure, displacement) / self.grid.points
         elastic_energy = 0.5 * float(work - pressure.mean() * displacement.mean())
         elastic_energy += self.elasticity.compression_energy(float(pressure.mean()))
+        beyond = None
+        if np.isfinite(self.hardness):
+            beyond = max(0.0, -float(pressure.min()), float(pressure.max()) - self.hardness)
+            beyond /= self.elasticity.contact_modulus
         return Solution(
-            pressure, displacement, gap, pressure, elastic_energy, 0.0, residual, iterations, pairs, outcome
+            pressure,
+            displacement,
+            gap,
+            pressure,
+            elastic_energy,
+            0.0,
+            residual,
+            iterations,
+            pairs,
+            outcome,
+            complementarity_residual=beyond,
+            plastic_indentation=indentation,
         )
 
 

@@ -67,8 +67,10 @@ def separation_of(solution: Solution, solid: Elasticity) -> float:
     """Distance of the mean planes, without that of the heights (m)."""
     if solution.plane is not None and not solution.detached:
         return solution.plane
-    # Nothing slides: all that parts mean gap and separation is the uniform compression of a layer.
-    return float(np.mean(solution.gap)) - solid.compression(float(np.mean(solution.pressure)))
+    # Nothing slides: all that parts mean gap and separation is the uniform compression of a layer, and what gave way.
+    separation = float(np.mean(solution.gap)) - solid.compression(float(np.mean(solution.pressure)))
+    yielded = solution.plastic_indentation
+    return separation if yielded is None else separation - float(np.mean(yielded))
 
 
 def account_of(solution: Solution, position: float, solid: Elasticity, dissipated: float = 0.0) -> Account:

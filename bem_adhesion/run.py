@@ -14,7 +14,7 @@ from bem_adhesion.paths import Account, account_of, follow, separation_of
 from bem_adhesion.solution import Solution
 from contact_study.campaign.memory import grid_fits
 from contact_study.campaign.model import Model
-from contact_study.observables.base import InterfaceState, SolverReport, Value
+from contact_study.observables.base import InterfaceState, Plasticity, SolverReport, Value
 from contact_study.observables.constants import InterfaceConstants, heights_on
 from contact_study.problem.case import Case
 from contact_study.problem.errors import InputError
@@ -185,6 +185,7 @@ def solve_path(
         solver.max_iterations,
         max(1, solver.threads),
         case.elasticity.boundary,
+        case.material.hardness,
     )
     state = contact.separated() if restart is None else restart["state"]
     account = (
@@ -230,7 +231,7 @@ def _at_rim(contact: np.ndarray) -> bool:
 
 
 def _state(case: Case, solution: Solution, spacing: tuple[float, float], stiffness: float | None) -> InterfaceState:
-    gap, pressure = solution.gap, solution.pressure
+    gap, pressure, yielded = solution.gap, solution.pressure, solution.plastic_indentation
     separation = separation_of(solution, case.solid) - case.law.equilibrium_distance
     return InterfaceState(
         gap=gap,
@@ -244,6 +245,7 @@ def _state(case: Case, solution: Solution, spacing: tuple[float, float], stiffne
         restart={"state": solution.state},
         spacing=spacing,
         contact_stiffness=stiffness,
+        plasticity=None if yielded is None else Plasticity(yielded, case.material.hardness or 0.0),
     )
 
 

@@ -51,9 +51,13 @@ class Solution:
         How the solve ended.
     complementarity_residual : float or None
         Attraction outside a wall: the largest pull that touching points would need of the wall, over E*; where there is
-        a gap the wall carries nothing.
+        a gap the wall carries nothing. With a hardness: the largest pull, or pressure beyond the hardness, over E*.
     plane : float or None
         Free boundaries: where the block's surface would be undeformed, in the coordinate of the heights (m).
+    plastic_indentation : numpy.ndarray, shape (y, x), or None
+        How far points have given way for good at the hardness, >= 0 (m): in this step, or of a
+        :class:`~bem_adhesion.plastic.PlasticContact` in all steps; the surfaces are at heights less indentation plus
+        gap. None where nothing has.
     """
 
     state: np.ndarray
@@ -68,6 +72,7 @@ class Solution:
     outcome: Outcome
     complementarity_residual: float | None = None
     plane: float | None = None
+    plastic_indentation: np.ndarray | None = None
 
     @property
     def converged(self) -> bool:

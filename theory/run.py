@@ -59,9 +59,12 @@ def check(case: Case) -> None:
     Raises
     ------
     InputError
-        If the surface is flat, the boundaries are free, or the analytic spectrum is asked of a surface that has none.
+        If the surface is flat, it yields, the boundaries are free, or the analytic spectrum is asked of a surface that
+        has none.
     """
     kind = case.surface.kind
+    if case.material.hardness is not None:
+        raise InputError(f"material.hardness = {case.material.hardness:g} Pa: the theories know of none; leave it out")
     if case.elasticity.boundary != "periodic":
         raise InputError(f'elasticity.boundary = "{case.elasticity.boundary}": theories of roughness know no boundary')
     if not case.surface.rough:

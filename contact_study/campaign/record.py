@@ -49,6 +49,8 @@ def recorded(point: InterfaceState | Step, bins: Bins, fields: bool = False) -> 
     """
     if isinstance(point, InterfaceState):
         kept = {"gap": point.gap, "pressure": point.pressure} if fields else {}
+        if fields and point.plasticity is not None:
+            kept["plastic_indentation"] = point.plasticity.indentation
         return Step(observed(point, bins), {**kept, **point.atoms}, point.restart, bins)
     edges = bins.edges_of
     values = {

@@ -51,6 +51,9 @@ VARIABLES: dict[str, Variable] = {
     ),
     "gap": Variable("m", "local gap: height of the block's surface over the rigid one", ("step", "y", "x")),
     "pressure": Variable("Pa", "local pressure, compression positive", ("step", "y", "x")),
+    "plastic_indentation": Variable(
+        "m", "what has given way for good at the hardness; the surface is its heights less this", ("step", "y", "x")
+    ),
     "relative_contact_area_at": Variable(
         "1", "apparent relative contact area at a magnification, Persson's theory", ("step", "wavevector")
     ),

@@ -12,6 +12,7 @@ from contact_study.observables.jumps import JUMPS
 from contact_study.observables.means import MEANS
 from contact_study.observables.motion import MOTION, TIME
 from contact_study.observables.percolation import PERCOLATION
+from contact_study.observables.plasticity import PLASTICITY
 from contact_study.observables.solver_report import SOLVER_REPORT
 
 OBSERVABLES: tuple[Observable, ...] = (
@@ -24,6 +25,7 @@ OBSERVABLES: tuple[Observable, ...] = (
     PERCOLATION,
     CONTACT_STIFFNESS,
     JUMPS,
+    PLASTICITY,
     MOTION,
     TIME,
     SOLVER_REPORT,

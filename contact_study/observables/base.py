@@ -90,6 +90,14 @@ class ThermalMotion:
 
 
 @dataclass(frozen=True)
+class Plasticity:
+    """Of a contact that yields: by how much each point has so far (m), shape (ny, nx), and at what pressure (Pa)."""
+
+    indentation: np.ndarray
+    hardness: float
+
+
+@dataclass(frozen=True)
 class InterfaceState:
     """One state of a contact, as every simulation yields it for a point of the loading path.
 
@@ -123,6 +131,8 @@ class InterfaceState:
         Of atoms in motion.
     atoms : mapping
         The atoms one by one, as :mod:`contact_study.observables.atoms` names them, where the study asks for them.
+    plasticity : Plasticity or None
+        Of a contact with a hardness.
     """
 
     gap: np.ndarray
@@ -140,6 +150,7 @@ class InterfaceState:
     detachment_pressure: float | None = None
     motion: ThermalMotion | None = None
     atoms: Mapping[str, np.ndarray] = field(default_factory=dict)
+    plasticity: Plasticity | None = None
 
 
 @dataclass(frozen=True)

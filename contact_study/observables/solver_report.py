@@ -31,7 +31,9 @@ SOLVER_REPORT = Observable(
             },
         ),
         "complementarity_residual": Variable(
-            "1", "largest pull on the wall where surfaces touch, over the contact modulus; gaps without reaction"
+            "1",
+            "largest pull on the wall where surfaces touch, or pressure beyond a hardness, over the contact modulus; "
+            "gaps without reaction",
         ),
         "iterations": Variable("1", "iterations of the solver", kind="count"),
         "fft_pairs": Variable(

@@ -52,6 +52,7 @@ class Case:
                 f"loading.path: {min(self.loading.path):g} Pa cannot be carried by {self.law.words}; "
                 "give positive pressures"
             )
+        self._check_hardness()
         free = self.elasticity.boundary == "free"
         if self.loading.control == ("gap" if free else "approach"):
             raise InputError(
@@ -72,6 +73,25 @@ class Case:
                     f"loading.path: {min(self.loading.path):g} Pa is a tension beyond the law's peak, {lowest:g} Pa; "
                     "no state can carry it"
                 )
+
+    def _check_hardness(self) -> None:
+        hardness, control = self.material.hardness, self.loading.control
+        if hardness is None:
+            return
+        given = f"material.hardness = {hardness:g} Pa"
+        if self.law.attracts or not self.law.has_wall:
+            raise InputError(
+                f'{given}: known of interaction.law = "hard_wall" only, not of "{self.interaction.law}"; leave one out'
+            )
+        if control == "pressure" and max(self.loading.path) >= hardness:
+            raise InputError(
+                f"loading.path: a mean pressure of {max(self.loading.path):g} Pa is not below {given}: no state can "
+                "carry it, all of the surface would give way"
+            )
+        if control == "approach":
+            raise InputError(f'{given}: loading.control = "approach" knows no end of yielding; use "pressure"')
+        if control == "gap" and min(self.loading.path) <= 0:
+            raise InputError(f"loading.path: with {given} surfaces close at no one pressure; give gaps above zero")
 
     @property
     def label(self) -> str:

@@ -31,6 +31,11 @@ class MaterialSection:
     atom_mass: float | None = key(
         quantity("kg", positive=True), "mass of a block atom, for atomistic.method = dynamics", None
     )
+    hardness: float | None = key(
+        quantity("Pa", positive=True),
+        "largest pressure; points that reach it give way for good (continuum, hard wall)",
+        None,
+    )
 
     @property
     def contact_modulus(self) -> float:

@@ -10,7 +10,7 @@ from contact_study.campaign.schema import VARIABLES
 from contact_study.fields.distributions import Bins
 from contact_study.fields.grid import Grid
 from contact_study.observables import ENTRIES, OBSERVABLES, observed
-from contact_study.observables.base import InterfaceState, SolverReport, ThermalMotion
+from contact_study.observables.base import InterfaceState, Plasticity, SolverReport, ThermalMotion
 from contact_study.observables.constants import CONSTANTS, InterfaceConstants, heights_on
 from contact_study.observables.contact_edge import OVERCOUNT
 
@@ -80,11 +80,20 @@ def test_time_and_temperature_are_of_states_in_motion():
     assert (found["time"], found["temperature"]) == (2e-12, 300.0)
 
 
+def test_what_has_given_way():
+    indentation = np.array([[1e-10, 0.0, 0.0], [5e-10, 0.0, 0.0]])
+    found = observed(state(plasticity=Plasticity(indentation, hardness=3e9)), BINS)
+    assert found["relative_plastic_area"] == pytest.approx(2 / 6)
+    assert found["mean_plastic_indentation"] == pytest.approx(1e-10)
+    assert found["plastic_work"] == pytest.approx(0.3)
+
+
 def test_names_are_spelt_once_and_have_entries():
     names = [name for observable in OBSERVABLES for name in observable.variables]
     assert len(names) == len(set(names))
     report = SolverReport(True, False, 0.0, 1, 0.0, 1, complementarity_residual=0.0, acceptance_rate=0.8)
-    found = observed(state(report=report, motion=ThermalMotion(1e-12, 300.0)), BINS)
+    plasticity = Plasticity(np.zeros((2, 3)), 1e9)
+    found = observed(state(report=report, motion=ThermalMotion(1e-12, 300.0), plasticity=plasticity), BINS)
     assert set(found) == set(names) == set(ENTRIES)
     for name, value in found.items():
         assert VARIABLES[name].dims[0] == "step", name

@@ -1,0 +1,305 @@
+"""A hard wall with a hardness: the conditions of each step, what stays from step to step, energies, limits, edges."""
+
+import numpy as np
+import pytest
+from scipy.optimize import lsq_linear
+
+import contact_study
+from bem_adhesion import HardWall, LennardJones104, rough_contact
+from bem_adhesion.paths import separation_of
+from bem_adhesion.solution import Outcome
+from contact_study.fields.grid import Grid
+from contact_study.problem.elasticity import HalfSpace, Layer
+from contact_study.problem.errors import InputError
+from contact_study.problem.study import make_study
+from tests.bem_adhesion.paper_system import study_table
+from tests.bem_adhesion.rough_surfaces import CONTACT_MODULUS, SIZE, random_heights, self_affine
+from tests.bem_adhesion.test_hard_wall import dense_compliance
+from theory.run import check as check_theory
+
+TOLERANCE = 1e-10
+
+
+def plastic(height, grid, hardness, solid=CONTACT_MODULUS, **options):
+    options = {"tolerance": TOLERANCE, **options}
+    return rough_contact(height, grid.size, solid, HardWall(), hardness=hardness, **options)
+
+
+def walked(contact, targets):
+    """The states along a path from separation."""
+    state, found = contact.separated(), []
+    for target in targets:
+        found.append(contact.step(state, target))
+        state = found[-1].state
+    return found
+
+
+def assert_conditions(found, before, height, grid, hardness, mean_pressure, solid=None):
+    """What a step must fulfil, from pressure, gap and indentation alone, by NumPy's transform in float64."""
+    solid = solid or HalfSpace(CONTACT_MODULUS)
+    pressure, gap, indentation = found.pressure, found.gap, found.plastic_indentation
+    assert found.outcome is Outcome.CONVERGED
+    assert pressure.min() >= 0
+    assert pressure.max() <= hardness * (1 + 1e-14)
+    assert pressure.mean() == pytest.approx(mean_pressure, rel=1e-12)
+    assert gap.min() >= 0
+    assert np.all(gap[pressure > 0] == 0)
+    assert np.all(indentation >= before)
+    assert np.all((indentation == before)[pressure < hardness * (1 - 1e-14)])
+    compliance_q = np.zeros(grid.spectrum_shape)
+    compliance_q.reshape(-1)[1:] = 1 / solid.stiffness_on(grid).reshape(-1)[1:]
+    displacement = np.fft.irfft2(compliance_q * np.fft.rfft2(pressure), grid.shape)
+    surface = height - indentation + gap
+    deviation = displacement - displacement.mean() - (surface - surface.mean())
+    # The solver's tolerance, and once more for the difference of two transforms and of the means.
+    assert np.abs(deviation).max() <= 3 * TOLERANCE * height.std()
+    np.testing.assert_allclose(found.displacement, surface, atol=1e-14 * np.abs(height).max())
+    assert found.elastic_energy == pytest.approx(
+        0.5 * np.mean(pressure * displacement) + solid.compression_energy(mean_pressure), rel=1e-6
+    )
+    # Where nothing but the hardness bounds the pressure it is met to rounding.
+    assert found.complementarity_residual <= 1e-14 * hardness / CONTACT_MODULUS
+
+
+@pytest.mark.parametrize("share", [0.02, 0.2, 0.7, 0.98])
+@pytest.mark.parametrize("shape", [(12, 12), (11, 13), (9, 16), (1, 20)])
+def test_equals_bounded_least_squares(shape, share):
+    height, grid = random_heights(shape, 1.0, seed=3)
+    compliance = dense_compliance(grid, 2.0)
+    compliance += compliance[0, 0]  # it resists a mean pressure, too: the pressure is the one at its own mean
+    factor = np.linalg.cholesky(compliance).T
+    target = np.linalg.solve(factor.T, (height - np.quantile(height, 1 - share)).reshape(-1))
+    hardness = 0.4 * lsq_linear(factor, target, (0, np.inf), method="bvls").x.max()
+    expected = lsq_linear(factor, target, (0, hardness), method="bvls", tol=1e-14).x.reshape(shape)
+    assert np.any(expected == hardness)
+    [found] = walked(plastic(height, grid, hardness, 2.0), [expected.mean()])
+    assert found.converged
+    # Conditioning of the dense problem (some 1e2) times the solver's tolerance, relative to the largest pressure.
+    np.testing.assert_allclose(found.pressure, expected, atol=1e-8 * hardness)
+
+
+@pytest.mark.parametrize("exponent", [0.0, 1.0, 3.0])
+@pytest.mark.parametrize("shape", [(64, 64), (33, 57), (100, 64)])
+def test_conditions_hold_on_every_step_of_a_path(shape, exponent):
+    height, grid = random_heights(shape, exponent, seed=11)
+    for largest_share in (0.01, 0.3, 0.999):
+        hardness = 0.05 * height.std() * CONTACT_MODULUS
+        before = np.zeros(shape)
+        targets = largest_share * hardness * np.array([0.3, 1.0, 0.1, 0.8, 1.0])
+        for target, found in zip(targets, walked(plastic(height, grid, hardness), targets), strict=True):
+            assert_conditions(found, before, height, grid, hardness, target)
+            before = found.plastic_indentation
+
+
+def test_layers_yield_too():
+    height, grid = self_affine(64)
+    layer = Layer(CONTACT_MODULUS, 0.3, 0.05 * SIZE)
+    hardness = 0.1 * CONTACT_MODULUS
+    [found] = walked(plastic(height, grid, hardness, layer), [2e9])
+    assert_conditions(found, np.zeros(grid.shape), height, grid, hardness, 2e9, layer)
+    assert found.plastic_indentation.max() > 0
+
+
+def test_a_hardness_out_of_reach_changes_no_bit():
+    height, grid = self_affine(128)
+    elastic = rough_contact(height, SIZE, CONTACT_MODULUS, HardWall())
+    [hard] = walked(rough_contact(height, SIZE, CONTACT_MODULUS, HardWall(), hardness=1e13), [1e9])
+    found = elastic.step(elastic.separated(), 1e9)
+    np.testing.assert_array_equal(hard.pressure, found.pressure)
+    np.testing.assert_array_equal(hard.gap, found.gap)
+    assert hard.fft_pairs == found.fft_pairs
+    assert not hard.plastic_indentation.any()
+    # Below the largest pressure points yield, and the state tends to the elastic one as the hardness rises to it.
+    distance = []
+    for share in (0.9, 0.99, 0.999):
+        [near] = walked(plastic(height, grid, share * found.pressure.max()), [1e9])
+        distance.append(float(np.abs(near.gap - found.gap).max()))
+    assert 0 < distance[2] < distance[1] < distance[0]
+
+
+@pytest.mark.parametrize("share", [0.01, 0.25, 0.5, 0.9])
+def test_soft_bodies_yield_on_all_of_their_contact(share):
+    """Far below elastic stresses A = p/H, and the load is carried where the surface is highest."""
+    height, grid = self_affine(64)
+    hardness = 1e-9 * CONTACT_MODULUS
+    [found] = walked(plastic(height, grid, hardness), [share * hardness])
+    assert found.converged
+    assert found.iterations <= 10
+    assert np.mean(found.pressure > 0) == pytest.approx(share, abs=1.5 / grid.points)
+    assert height[found.pressure > 0].min() >= height[found.pressure == 0].max()
+
+
+def test_loads_up_to_the_hardness_close_the_contact():
+    """Slopes of 0.08 and a hardness of 0.1 E*: a public code is reported not to converge beyond 0.07 E*."""
+    height, grid = random_heights((128, 128), 2.0, seed=5)
+    gradient = np.gradient(height, *grid.spacing)
+    height *= 0.08 / np.sqrt(np.mean(gradient[0] ** 2 + gradient[1] ** 2))
+    contact = plastic(height, grid, 0.1 * CONTACT_MODULUS)
+    areas = []
+    for share in (0.1, 0.7, 0.9, 0.99, 1 - 1e-6):
+        [found] = walked(contact, [share * 0.1 * CONTACT_MODULUS])
+        assert_conditions(
+            found, np.zeros(grid.shape), height, grid, 0.1 * CONTACT_MODULUS, share * 0.1 * CONTACT_MODULUS
+        )
+        assert found.iterations <= 10
+        areas.append(np.mean(found.pressure > 0))
+    assert areas == sorted(areas)
+    assert areas[-1] == 1
+
+
+def test_unloading_is_elastic_and_loading_again_comes_back():
+    height, grid = self_affine(64)
+    contact = plastic(height, grid, 0.05 * CONTACT_MODULUS)
+    up, down, least, again, beyond = walked(contact, [2e9, 1e9, 1e7, 2e9, 3e9])
+    for found in (down, least):
+        np.testing.assert_array_equal(found.plastic_indentation, up.plastic_indentation)
+    # What follows from pressures within 1e-10 of the rms height: the same state, and no further yielding.
+    np.testing.assert_allclose(again.gap, up.gap, atol=1e-9 * height.std())
+    np.testing.assert_allclose(again.plastic_indentation, up.plastic_indentation, atol=1e-9 * height.std())
+    assert beyond.plastic_indentation.mean() > 1.2 * up.plastic_indentation.mean()
+    # The elastic contact of what is left of the surface is the same thing.
+    elastic = rough_contact(height - up.plastic_indentation, SIZE, CONTACT_MODULUS, HardWall(), tolerance=TOLERANCE)
+    np.testing.assert_allclose(
+        elastic.step(elastic.separated(), 1e9).pressure, down.pressure, atol=1e-6 * CONTACT_MODULUS
+    )
+    assert np.mean(down.pressure > 0) > 1.5 * np.mean(walked(contact, [1e9])[0].pressure > 0), "yielded points touch"
+
+
+def test_work_of_the_load_is_stored_or_spent_on_yielding():
+    height, grid = self_affine(64)
+    hardness, solid = 0.05 * CONTACT_MODULUS, HalfSpace(CONTACT_MODULUS)
+    contact = plastic(height, grid, hardness)
+
+    def unaccounted(steps):
+        found = walked(contact, np.linspace(0.5e9, 2e9, steps + 1))
+        separation = np.array([separation_of(one, solid) for one in found])
+        pressure = np.array([one.pressure.mean() for one in found])
+        work = -np.sum(0.5 * (pressure[1:] + pressure[:-1]) * np.diff(separation))
+        spent = hardness * (found[-1].plastic_indentation.mean() - found[0].plastic_indentation.mean())
+        assert spent > 0.3 * work
+        return (work - spent - (found[-1].elastic_energy - found[0].elastic_energy)) / work
+
+    coarse, fine = unaccounted(2), unaccounted(8)
+    assert abs(fine) < 3e-3
+    assert abs(coarse / fine) > 8  # the trapezoidal rule's second order would give 16
+
+
+def test_stiffness_is_that_of_unloading():
+    height, grid = self_affine(64)
+    contact = plastic(height, grid, 0.05 * CONTACT_MODULUS)
+    up, down = walked(contact, [2e9, 2e9 * (1 - 1e-4)])
+    difference = (up.pressure.mean() - down.pressure.mean()) / (down.gap.mean() - up.gap.mean())
+    # One-sided difference over a change of load of 1e-4, during which no point of this grid opens.
+    assert contact.stiffness(up) == pytest.approx(difference, rel=1e-3)
+
+
+def test_a_mean_gap_is_met_and_what_yielded_stays():
+    height, grid = self_affine(64)
+    contact = plastic(height, grid, 0.05 * CONTACT_MODULUS, control="gap", tolerance=1e-8)
+    near, far, closed = walked(contact, [4e-10, 6e-10, 1e-11])
+    for found, target in ((near, 4e-10), (far, 6e-10), (closed, 1e-11)):
+        assert found.gap.mean() == pytest.approx(target, abs=2e-8 * height.std())
+        assert found.pressure.max() <= 0.05 * CONTACT_MODULUS * (1 + 1e-14)
+    np.testing.assert_array_equal(far.plastic_indentation, near.plastic_indentation)
+    assert closed.plastic_indentation.mean() > near.plastic_indentation.mean()
+
+
+def test_a_sphere_with_free_boundaries_is_indented():
+    points, radius = 48, 1e-6
+    grid = Grid((points, points), (4e-7, 4e-7))
+    x = (np.arange(points) - (points - 1) / 2) * grid.spacing[0]
+    height = -(x[:, None] ** 2 + x[None, :] ** 2) / (2 * radius)
+    hardness, modulus = 1e9, 1e11
+    contact = plastic(height, grid, hardness, modulus, boundary="free", tolerance=1e-8)
+    force = 3e-5
+    [found] = walked(contact, [force / 1.6e-13])
+    touching = found.pressure > 0
+    assert found.converged
+    assert found.pressure.max() <= hardness * (1 + 1e-14)
+    assert found.pressure.mean() * 1.6e-13 == pytest.approx(force, rel=1e-10)
+    hertz = (3 * force * radius / (4 * modulus)) ** (1 / 3)
+    area = np.count_nonzero(touching) * grid.spacing[0] ** 2
+    assert 1.5 * force / (np.pi * hertz**2) > 1.5 * hardness, "Hertz' peak pressure is beyond it"
+    assert force / hardness < area
+    assert area > 1.1 * np.pi * hertz**2
+    assert np.all(touching[found.plastic_indentation > 0])
+    deepest = np.unravel_index(np.argmax(found.plastic_indentation), grid.shape)
+    assert max(abs(deepest[0] - 23.5), abs(deepest[1] - 23.5)) < 1
+    [lifted] = walked(contact, [force / 1.6e-13, 1e-3 * force / 1.6e-13])[1:]
+    np.testing.assert_array_equal(lifted.plastic_indentation, found.plastic_indentation)
+
+
+def table(loading, **sections):
+    return {
+        **study_table(32, size=500e-10, loading=loading),
+        "interaction": {"law": "hard_wall"},
+        "material": {"youngs_modulus": 77.2e9, "poissons_ratio": 0.42, "hardness": 4e9},
+        **sections,
+    }
+
+
+def test_a_study_is_gone_on_from_with_what_has_yielded(tmp_path):
+    whole = contact_study.run(
+        table({"path": [5e8, 2e9, 1e9], "unload": True}, output={"fields": True, "stiffness": True}), "continuum"
+    )
+    assert np.all(whole.converged == 1)
+    work = whole.plastic_work.values
+    assert work[0] > 0
+    assert np.all(np.diff(work) >= 0)
+    assert work[1] > 1.5 * work[0]
+    assert work[4] == pytest.approx(work[1], rel=1e-9), "up to where it was loaded nothing more yields"
+    np.testing.assert_allclose(work, 4e9 * whole.mean_plastic_indentation, rtol=1e-12)
+    np.testing.assert_allclose(whole.plastic_indentation.mean(("y", "x")), whole.mean_plastic_indentation, rtol=1e-12)
+    np.testing.assert_allclose(
+        whole.mean_gap - whole.mean_separation, whole.mean_plastic_indentation, atol=1e-12 * 1e-9
+    )
+    output = tmp_path / "plastic.nc"
+    contact_study.run(table({"path": [5e8, 2e9]}), "continuum", output=output)
+    longer = contact_study.run(table({"path": [5e8, 2e9, 1e9]}), "continuum", output=output, resume=True)
+    for name in ("relative_contact_area", "plastic_work", "relative_plastic_area"):
+        np.testing.assert_array_equal(longer[name].values, whole[name].values[:3])
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"loading": {"path": [1e9, 4e9]}}, "4e[+]09 Pa is not below material.hardness = 4e[+]09"),
+        ({"loading": {"path": [0.0], "control": "gap"}}, "gaps above zero"),
+        ({"interaction": {"law": "dugdale", "length": 1e-10, "work_of_adhesion": 0.1}}, "hard_wall"),
+        ({"elasticity": {"boundary": "free"}, "loading": {"path": [1e-9], "control": "approach"}}, '"approach"'),
+    ],
+)
+def test_what_no_hardness_allows_is_one_clear_line(changes, words):
+    with pytest.raises(InputError, match=words) as caught:
+        make_study({**table({"path": [1e9]}), **changes})
+    assert "\n" not in str(caught.value)
+
+
+def test_theories_refuse_it():
+    with pytest.raises(InputError, match=r"material\.hardness"):
+        check_theory(make_study(table({"path": [1e9]})).cases[0])
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        ({"law": LennardJones104(0.1, 3e-10)}, "hard wall without adhesion"),
+        ({"hardness": -1.0}, "hardness = -1"),
+        ({"control": "approach", "boundary": "free"}, "control = 'pressure'"),
+    ],
+)
+def test_the_library_names_what_is_wrong(arguments, words):
+    given = {"law": HardWall(), "hardness": 1e9, **arguments}
+    with pytest.raises(ValueError, match=words):
+        rough_contact(np.zeros((4, 4)), 1.0, 1e9, **given)
+
+
+def test_a_load_that_no_state_carries_is_refused():
+    height, grid = self_affine(32)
+    contact = plastic(height, grid, 1e9)
+    with pytest.raises(ValueError, match="no state carries the hardness"):
+        contact.step(contact.separated(), 1e9)
+    with pytest.raises(ValueError, match=r"needs \(2, 32, 32\)"):
+        contact.step(np.zeros((32, 32)), 1e8)
+    with pytest.raises(ValueError, match="indentation < 0"):
+        contact.step(np.stack([np.zeros((32, 32)), np.full((32, 32), -1e-10)]), 1e8)
