@@ -39,6 +39,10 @@ def test_hertz_pressure_carries_the_force():
     r = np.linspace(0, edge, 20001)
     carried = np.trapezoid(2 * np.pi * r * reference.hertz_pressure(r, force, radius, modulus), r)
     assert carried == pytest.approx(force, rel=1e-5)  # trapezia at a root singularity, 20000 of them
+    # Half as much again as the mean in the middle, and none outside.
+    middle, outside = reference.hertz_pressure(np.array([0.0, 1.01 * edge]), force, radius, modulus)
+    assert middle == pytest.approx(1.5 * force / (np.pi * edge**2), rel=1e-12)
+    assert outside == 0
 
 
 def test_wave_closes_and_snaps():
