@@ -10,6 +10,7 @@ from contact_study.problem.lattice import Lattice, lattice_of
 from md_reference.block import SurfaceStiffness, element_matrix, surface_stiffness
 from md_reference.equilibrium import EquilibriumSolver
 from md_reference.interface import LennardJonesInterface
+from md_reference.landscape import Landscape
 from md_reference.solution import Equilibrium, Outcome, Solution
 from md_reference.starts import at_mean_gap, predicted, separated
 from md_reference.substrate import sample_substrate
@@ -67,6 +68,11 @@ class AtomisticContact:
     def separated(self) -> np.ndarray:
         """Displacement of the flat block just beyond the cutoff, shape (3, ny, nx) (m)."""
         return self._apart.copy()
+
+    @property
+    def landscape(self) -> Landscape:
+        """Energy and forces of block and interface."""
+        return self._solver.landscape
 
     def is_separated(self, state: np.ndarray) -> bool:
         """Whether a state is :meth:`separated`."""

@@ -146,7 +146,7 @@ def test_limits_and_impossible_starts_are_reported():
 
 def test_saddles_without_end_meet_the_iteration_limit(monkeypatch):
     interface, solver = solver_of((8, 8), max_iterations=30)
-    monkeypatch.setattr(solver, "_leave_saddle", lambda at: True)
+    monkeypatch.setattr("md_reference.equilibrium.leave_saddle", lambda landscape, place: True)
     found = solver.solve(touching(interface), 1e9)
     assert found.outcome is Outcome.ITERATION_LIMIT
     assert found.iterations == 31

@@ -1,0 +1,186 @@
+"""Overdamped motion under a slowly changing load: η du/dt = −∂E/∂u until all is at rest.
+
+Every degree of freedom has the same friction η, so that the motion is the steepest descent of the energy E in the plain
+sum of squares over all points; the state behind a jump depends on that choice. Time is measured in units of η over the
+unit of stiffness, and η does not appear.
+
+The step from u_n to u_{n+1} is implicit Euler's: u_{n+1} minimises E(u) + |u − u_n|²/2τ at the load of its end, so that
+at that load the energy never rises, by any step. Its local error, ½τ²ü, is the distance to the point that the velocity
+before leads to, times τ/(τ + τ_before) (as in K. E. Brenan, S. L. Campbell and L. R. Petzold, Numerical Solution of
+Initial-Value Problems in Differential-Algebraic Equations, 1989, for the lowest order), and decides on τ.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from enum import Enum
+from typing import Generic, Protocol, TypeVar
+
+import numpy as np
+
+# A step whose error was e of what is allowed is followed (or replaced) by one 0.9 e^(−1/2) times as long, within these.
+_SAFETY, _LARGEST_GROWTH, _SMALLEST_GROWTH = 0.9, 3.0, 0.2
+_NOT_FOUND = 0.3  # the same, where the step could not be solved for
+# A step that is shorter than this share of the first one says that rounding is all that is left.
+_SHORTEST = 1e-12
+
+
+class Fate(Enum):
+    """How a motion stands."""
+
+    MOVING = "moving"
+    AT_REST = "at rest"
+    APART = "apart"
+    TOO_LONG = "too long"
+    STUCK = "stuck"
+
+
+class Advance(Protocol):
+    """What a step leads to.
+
+    Attributes
+    ----------
+    state : numpy.ndarray
+        u_{n+1}.
+    residual : float
+        Largest force out of balance there, friction apart, in the unit of the tolerance.
+    apart : bool
+        Whether nothing acts any more that would bring the surfaces to rest.
+    """
+
+    @property
+    def state(self) -> np.ndarray: ...
+    @property
+    def residual(self) -> float: ...
+    @property
+    def apart(self) -> bool: ...
+
+
+Found = TypeVar("Found", bound=Advance)
+
+
+class Overdamped(Protocol[Found]):
+    """What moves."""
+
+    def advance(self, state: np.ndarray, load: float, drag: float) -> Found | None:
+        """The minimum of E(u) + drag |u − state|²/2 next to ``state``; None if it was not found."""
+
+    def beside_saddle(self, state: np.ndarray, load: float) -> np.ndarray | None:
+        """A state of lower energy next to one at rest that is no minimum; None if it is one."""
+
+
+@dataclass(frozen=True)
+class Instant(Generic[Found]):
+    """Where a motion has come to.
+
+    Attributes
+    ----------
+    state : numpy.ndarray
+        u.
+    load : float
+        That acts.
+    move : numpy.ndarray or float
+        Of the last step.
+    duration : float
+        τ of the last step.
+    steps : int
+        Done so far.
+    fate : Fate
+        How it stands.
+    found : Advance or None
+        What the last step led to.
+    """
+
+    state: np.ndarray
+    load: float
+    move: np.ndarray | float
+    duration: float
+    steps: int = 0
+    fate: Fate = Fate.MOVING
+    found: Found | None = None
+
+
+@dataclass(frozen=True)
+class Pace:
+    """How fast and how exactly a motion is followed.
+
+    Attributes
+    ----------
+    rate : float
+        Largest change of the load in a unit of time.
+    allowed : float
+        Largest local error of a step, in the unit of the state.
+    tolerance : float
+        Largest residual at rest.
+    most : int
+        Steps until a motion is given up.
+    """
+
+    rate: float
+    allowed: float
+    tolerance: float
+    most: int
+
+
+def follow(system: Overdamped[Found], at: Instant[Found], target: float, pace: Pace) -> Iterator[Instant[Found]]:
+    """Bring the load to its target, and wait for rest.
+
+    Parameters
+    ----------
+    system : Overdamped
+        What moves.
+    at : Instant
+        From where; its ``duration`` is that of the first try.
+    target : float
+        Of the load.
+    pace : Pace
+        How fast, how exactly.
+
+    Yields
+    ------
+    Instant
+        After every step; the last one's fate is not ``MOVING``.
+    """
+    shortest = _SHORTEST * at.duration
+    wanted = at.duration
+    while True:
+        moved, wanted = _stepped(system, at, target, wanted, pace, shortest)
+        if moved is None or moved.found is None:
+            yield replace(at, fate=Fate.STUCK)
+            return
+        at = moved
+        if moved.found.apart:
+            at = replace(at, fate=Fate.APART)
+        elif at.load == target and moved.found.residual <= pace.tolerance:
+            lower = system.beside_saddle(at.state, target)
+            if lower is None:
+                at = replace(at, fate=Fate.AT_REST)
+            else:
+                at = replace(at, state=lower, move=0.0)
+        if at.fate is Fate.MOVING and at.steps >= pace.most:
+            at = replace(at, fate=Fate.TOO_LONG)
+        yield at
+        if at.fate is not Fate.MOVING:
+            return
+
+
+def _stepped(
+    system: Overdamped[Found], at: Instant[Found], target: float, wanted: float, pace: Pace, shortest: float
+) -> tuple[Instant[Found] | None, float]:
+    """The next instant, None where steps of no length find none, and the duration to try after it."""
+    tau = wanted
+    while tau > shortest:
+        change = target - at.load
+        load = target if abs(change) <= pace.rate * tau else at.load + float(np.copysign(pace.rate * tau, change))
+        found = system.advance(at.state, load, 1 / tau)
+        if found is None:
+            tau *= _NOT_FOUND
+            continue
+        move = found.state - at.state
+        ratio = tau / at.duration
+        error = float(np.max(np.abs(move - ratio * at.move))) * ratio / (1 + ratio)
+        growth = _LARGEST_GROWTH if error == 0 else _SAFETY * (pace.allowed / error) ** 0.5
+        growth = min(max(growth, _SMALLEST_GROWTH), _LARGEST_GROWTH)
+        if error <= pace.allowed:
+            return Instant(found.state, load, move, tau, at.steps + 1, found=found), growth * tau
+        tau *= growth
+    return None, tau
