@@ -14,6 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from bem_adhesion.dragged_passes import DraggedPasses
 from bem_adhesion.free_boundary import Window
 from bem_adhesion.linearised import LinearisedContact
 from bem_adhesion.operator import MakeOperator
@@ -117,6 +118,7 @@ class AdhesiveContact:
         self.solid = make_operator(grid, np.float64)
         self._single = make_operator(grid, np.float32)
         self._passes = passes_of(law, self.solid.largest, window)
+        self._free_passes = self._passes
         self._linearised = LinearisedContact(self._single, shift)
         self._traction = np.empty(grid.shape)
         self.curvature = np.empty(grid.shape, np.float32)
@@ -125,6 +127,18 @@ class AdhesiveContact:
     def equivalent_pairs(self, grid: Grid) -> float:
         """Transform pairs done so far, as float64 pairs on ``grid``."""
         return self.solid.equivalent_pairs(grid) + self._single.equivalent_pairs(grid)
+
+    def tie(self, drag: float, anchor: np.ndarray) -> None:
+        """Tie every point to a gap by springs of that stiffness; by none if it is zero.
+
+        A solve then stalls where they leave negative curvature.
+        """
+        self._passes = DraggedPasses(self._free_passes, drag, anchor) if drag else self._free_passes
+
+    def imbalance_at(self, gap: np.ndarray, load: np.ndarray) -> tuple[float, bool]:
+        """max|gradient| at a gap, as of :class:`NewtonResult`, and whether the surfaces separate for ever."""
+        state = self._evaluate(gap, load)
+        return state.largest, self._runs_away(gap, state)
 
     def elastic_pressure(self, gap: np.ndarray) -> np.ndarray:
         """K d in the buffer of the solid, which the next operation overwrites."""
@@ -152,11 +166,14 @@ class AdhesiveContact:
 
         The mean gap then has negative curvature and a gradient outwards, and both persist at any larger gap.
         """
-        tension = self.solid.mean_stiffness == 0 and state.total < 0
+        tension = self.solid.mean_stiffness == 0 and state.total < 0 and self._passes is self._free_passes
         return tension and bool(self._window.inside(gap).min() > self.law.peak_distance)
 
-    def _newton_step(self, fading: float, largest: float) -> tuple[float, bool]:
-        """Leave a step in ``_linearised.solution``; returns the fading it took, and if that had to be raised."""
+    def _newton_step(self, fading: float, largest: float) -> tuple[float, bool] | None:
+        """Leave a step in ``_linearised.solution``; returns the fading it took, and if that had to be raised.
+
+        None where points are tied and yet there is negative curvature.
+        """
         raised = False
         while True:
             reduction = REDUCTION if fading == 0 else FADED_REDUCTION
@@ -165,6 +182,8 @@ class AdhesiveContact:
             self._passes.hold(self.curvature, self._linearised.direction)
             if not result.negative_curvature:
                 return fading, raised
+            if self._passes is not self._free_passes:
+                return None
             if fading == 1:
                 # K + D⁺ has no negative curvature: it is zero to the rounding of single precision, as where next to
                 # nothing acts on the mean gap. What was reached before is a descent.
@@ -271,7 +290,11 @@ class AdhesiveContact:
             iteration += 1
             if approach and state.largest > APPROACH_RESIDUAL:
                 fading = 1.0
-            fading, raised = self._newton_step(fading, state.largest)
+            taken = self._newton_step(fading, state.largest)
+            if taken is None:
+                outcome = Outcome.STALLED
+                break
+            fading, raised = taken
             new_state, fraction = self._line_search(gap, load, state, trial)
             if new_state is None:
                 if fading == 1:

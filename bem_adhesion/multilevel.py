@@ -97,8 +97,8 @@ class MultilevelContact:
         An equilibrium with a direction of negative curvature is left along it.
         """
         result = self._descend(gap, load, tolerance, max_iterations, approach)
-        while result.outcome is Outcome.CONVERGED and self._has_negative_curvature():
-            lower = self.finest.beside_saddle(result.gap, load)
+        while result.outcome is Outcome.CONVERGED:
+            lower = self.beside_saddle(result.gap, load)
             if lower is None:
                 break
             used = result.iterations + 1  # leaving a saddle counts: there may be one after the other
@@ -106,6 +106,10 @@ class MultilevelContact:
             outcome = rest.outcome if used <= max_iterations else Outcome.ITERATION_LIMIT
             result = replace(rest, iterations=used + rest.iterations, outcome=outcome)
         return result
+
+    def beside_saddle(self, gap: np.ndarray, load: np.ndarray) -> np.ndarray | None:
+        """A gap of lower energy next to an equilibrium that :attr:`finest` has evaluated last; None at a minimum."""
+        return self.finest.beside_saddle(gap, load) if self._has_negative_curvature() else None
 
     def _descend(
         self, gap: np.ndarray, load: np.ndarray, tolerance: float, max_iterations: int, approach: bool

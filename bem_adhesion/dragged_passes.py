@@ -1,0 +1,55 @@
+"""A law on points that are dragged: springs of one stiffness tie each of them to where it was."""
+
+import numpy as np
+
+from bem_adhesion.law_passes import LawPasses
+
+
+class DraggedPasses(LawPasses):
+    """The passes of a law, and of springs in parallel to it.
+
+    Parameters
+    ----------
+    inner : LawPasses
+        Those of the law.
+    drag : float
+        Stiffness of the springs (Pa/m).
+    anchor : numpy.ndarray
+        Gap at which they are at rest (m).
+    """
+
+    def __init__(self, inner: LawPasses, drag: float, anchor: np.ndarray):
+        super().__init__(inner.law)
+        self.margin = inner.margin
+        self._inner = inner
+        self._drag = drag
+        self._anchor = anchor
+
+    def evaluate(self, gap, traction, stiffness):
+        potential = self._inner.evaluate(gap, traction, stiffness)
+        stretch = gap - self._anchor
+        potential += 0.5 * self._drag * float(np.vdot(stretch, stretch))
+        traction += self._drag * stretch
+        return potential
+
+    def gradient(self, elastic, gap, traction, load, right_side, curvature):
+        result = self._inner.gradient(elastic, gap, traction, load, right_side, curvature)
+        free = np.ones_like(curvature)
+        self._inner.hold(curvature, free)
+        curvature += np.float32(self._drag) * free
+        return result
+
+    def hold(self, curvature, step):
+        self._inner.hold(curvature, step)
+
+    def pin(self, curvature, gap):
+        return self._inner.pin(curvature, gap)
+
+    def reaction(self, elastic, gap, traction, load):
+        return self._inner.reaction(elastic, gap, traction, load)
+
+    def imbalance(self, pressure, traction, gap):
+        return self._inner.imbalance(pressure, traction, gap)
+
+    def advance(self, gap, step, limit, out):
+        self._inner.advance(gap, step, limit, out)

@@ -1,0 +1,82 @@
+"""The continuum in overdamped motion: one implicit Euler step of :mod:`contact_study.fields.gradient_flow`.
+
+A step is a minimum of the energy with springs of the stiffness η/τ that tie every point to where it was, found by the
+Newton steps of the equilibrium solver on the finest grid alone: predictions of coarser ones belong to equilibria.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from bem_adhesion.loading import LoadedContact
+from bem_adhesion.solution import Outcome, Solution
+
+_NEWTON_STEPS = 8
+# What a step's own minimum may be off: of the allowed error of a time step, and of the force that it begins with.
+_ACCURACY, _REDUCTION = 0.05, 0.1
+
+
+@dataclass(frozen=True)
+class Moved:
+    """A gap in motion, see :class:`contact_study.fields.gradient_flow.Advance`."""
+
+    state: np.ndarray
+    solution: Solution
+    residual: float
+
+    @property
+    def apart(self) -> bool:
+        """Whether the surfaces separate for ever."""
+        return self.solution.detached
+
+
+class OverdampedContact(LoadedContact):
+    """A contact under pressure control that moves against friction.
+
+    Its states in motion are gaps (m); drag is in Pa/m, load the mean pressure (Pa).
+
+    Parameters
+    ----------
+    *arguments, **options
+        As of :class:`LoadedContact`.
+    allowed : float
+        Local error of a time step (m).
+    """
+
+    def __init__(self, *arguments, allowed: float, **options):
+        super().__init__(*arguments, **options)
+        self._allowed = allowed / self._length
+
+    def advance(self, state: np.ndarray, load: float, drag: float) -> Moved | None:
+        """The gap after a time step; see :class:`contact_study.fields.gradient_flow.Overdamped`."""
+        modulus, finest = self.elasticity.contact_modulus, self._contact.finest
+        before = self._contact.equivalent_pairs(self._grid)
+        gap, pressure = state / self._length, self._flattening + load / modulus
+        stiffness = drag * self._length / modulus
+        finest.tie(0.0, gap)
+        force, apart = finest.imbalance_at(gap, pressure)
+        if apart:
+            pairs = self._contact.equivalent_pairs(self._grid) - before
+            return Moved(state, self._apart(Outcome.DETACHED, 0, pairs), force)
+        accuracy = max(self.tolerance, min(_ACCURACY * self._allowed * stiffness, _REDUCTION * force))
+        finest.tie(stiffness, gap)
+        result = finest.solve(gap, pressure, accuracy, _NEWTON_STEPS)
+        finest.tie(0.0, gap)
+        if result.outcome is not Outcome.CONVERGED:
+            return None
+        # Friction apart no force is larger than what the solve left and friction itself.
+        left = result.residual + stiffness * float(np.abs(result.gap - gap).max())
+        # In motion the law does not balance the flexure: ½<w, K w> takes a transform.
+        flexure = finest.elastic_pressure(result.gap) + self._flattening
+        elastic = 0.5 * float(np.mean(flexure * (result.gap + self._height))) * modulus * self._length
+        pairs = self._contact.equivalent_pairs(self._grid) - before
+        found = self._solution(replace(result, residual=left), pairs)
+        elastic += self.elasticity.compression_energy(float(found.pressure.mean()))
+        return Moved(found.gap, replace(found, elastic_energy=elastic), left)
+
+    def beside_saddle(self, state: np.ndarray, load: float) -> np.ndarray | None:
+        """A gap of lower energy next to a saddle; see :class:`contact_study.fields.gradient_flow.Overdamped`."""
+        gap, pressure = state / self._length, self._flattening + load / self.elasticity.contact_modulus
+        self._contact.finest.imbalance_at(gap, pressure)
+        lower = self._contact.beside_saddle(gap, pressure)
+        return None if lower is None else lower * self._length
