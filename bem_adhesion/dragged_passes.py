@@ -28,7 +28,7 @@ class DraggedPasses(LawPasses):
     def evaluate(self, gap, traction, stiffness):
         potential = self._inner.evaluate(gap, traction, stiffness)
         stretch = gap - self._anchor
-        potential += 0.5 * self._drag * float(np.vdot(stretch, stretch))
+        potential += 0.5 * self._drag * float(np.sum(stretch * stretch))
         traction += self._drag * stretch
         return potential
 

@@ -158,8 +158,7 @@ class LoadedContact:
                 raise ValueError("the state to start from has gaps < 0")
         elif self.law.diverges and not over_surface.min() > 0:
             raise ValueError("the state to start from has gaps <= 0")
-        # Rounding of a displacement that was stored and read is less than this.
-        out_of_reach = over_surface.min() > (1 - 1e-6) * self._reach / self._length
+        out_of_reach = self._out_of_reach(gap)
         before = self._contact.equivalent_pairs(self._grid)
         if self.control == "gap":
             mean_gap = target / self._length + self._law.equilibrium_distance
@@ -176,6 +175,11 @@ class LoadedContact:
         if result.outcome is Outcome.DETACHED:
             return self._apart(Outcome.DETACHED, result.iterations, pairs)
         return self._solution(result, pairs)
+
+    def _out_of_reach(self, gap: np.ndarray) -> bool:
+        """Whether no point feels the law, of a gap in units of its length."""
+        # Rounding of a displacement that was stored and read is less than this.
+        return bool(self._window.inside(gap).min() > (1 - 1e-6) * self._reach / self._length)
 
     def stiffness(self, solution: Solution) -> float:
         """−dp/dū of a state, mean pressure over mean gap (Pa/m).

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from bem_adhesion.adhesive import NewtonResult
 from bem_adhesion.loading import LoadedContact
 from bem_adhesion.solution import Outcome, Solution
 
@@ -33,7 +34,7 @@ class Moved:
 class OverdampedContact(LoadedContact):
     """A contact under pressure control that moves against friction.
 
-    Its states in motion are gaps (m); drag is in Pa/m, load the mean pressure (Pa).
+    Its states in motion are gaps (m); drag is a stiffness (Pa/m), load the mean pressure (Pa).
 
     Parameters
     ----------
@@ -46,6 +47,10 @@ class OverdampedContact(LoadedContact):
     def __init__(self, *arguments, allowed: float, **options):
         super().__init__(*arguments, **options)
         self._allowed = allowed / self._length
+
+    def separated(self) -> np.ndarray:
+        """The gap of the flat block just out of reach of the law (m)."""
+        return super().separated() - self.height
 
     def advance(self, state: np.ndarray, load: float, drag: float) -> Moved | None:
         """The gap after a time step; see :class:`contact_study.fields.gradient_flow.Overdamped`."""
@@ -66,13 +71,26 @@ class OverdampedContact(LoadedContact):
             return None
         # Friction apart no force is larger than what the solve left and friction itself.
         left = result.residual + stiffness * float(np.abs(result.gap - gap).max())
-        # In motion the law does not balance the flexure: ½<w, K w> takes a transform.
-        flexure = finest.elastic_pressure(result.gap) + self._flattening
-        elastic = 0.5 * float(np.mean(flexure * (result.gap + self._height))) * modulus * self._length
         pairs = self._contact.equivalent_pairs(self._grid) - before
-        found = self._solution(replace(result, residual=left), pairs)
+        found = self._in_motion(replace(result, residual=left), pairs)
+        return Moved(found.gap, found, left)
+
+    def _in_motion(self, result: NewtonResult, pairs: float) -> Solution:
+        """A state whose law does not balance its flexure: ½<w, K w> takes a transform."""
+        found = self._solution(result, pairs)
+        flexure = self._contact.finest.elastic_pressure(result.gap) + self._flattening
+        elastic = 0.5 * float(np.mean(flexure * (result.gap + self._height)))
+        elastic *= self.elasticity.contact_modulus * self._length
         elastic += self.elasticity.compression_energy(float(found.pressure.mean()))
-        return Moved(found.gap, replace(found, elastic_energy=elastic), left)
+        return replace(found, elastic_energy=elastic)
+
+    def standing(self, state: np.ndarray, load: float) -> Moved:
+        """A gap as it is; apart where it is out of reach and the load does not bring the surfaces together."""
+        if load <= 0 and self._out_of_reach(state / self._length):
+            return Moved(state, self._apart(Outcome.APART), 0.0)
+        gap, pressure = state / self._length, self._flattening + load / self.elasticity.contact_modulus
+        result = self._contact.finest.solve(gap, pressure, self.tolerance, 0)
+        return Moved(state, self._in_motion(result, 0.0), result.residual)
 
     def beside_saddle(self, state: np.ndarray, load: float) -> np.ndarray | None:
         """A gap of lower energy next to a saddle; see :class:`contact_study.fields.gradient_flow.Overdamped`."""

@@ -10,11 +10,13 @@ from scipy.fft import next_fast_len
 
 from bem_adhesion.contact import rough_contact
 from bem_adhesion.multilevel import POINTS_PER_PROCESS_ZONE, process_zone
+from bem_adhesion.overdamped import Moved, OverdampedContact
 from bem_adhesion.paths import Account, account_of, follow, separation_of
 from bem_adhesion.solution import Solution
+from contact_study.campaign import overdamped_path
 from contact_study.campaign.memory import grid_fits
 from contact_study.campaign.model import Model
-from contact_study.observables.base import InterfaceState, Plasticity, SolverReport, Value
+from contact_study.observables.base import Ensemble, InterfaceState, Plasticity, SolverReport, Value
 from contact_study.observables.constants import InterfaceConstants, heights_on
 from contact_study.problem.case import Case
 from contact_study.problem.errors import InputError
@@ -46,7 +48,21 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def check(case: Case) -> None:
-    """Every case that a study can describe is served."""
+    """Make sure that the way along the path is one that the solver knows; every case else is served.
+
+    Raises
+    ------
+    InputError
+        If motion against friction is asked for under another control than pressure, or with what it has no part in.
+    """
+    if case.solver.path == "overdamped":
+        overdamped_path.check(case, "solver.path")
+        if case.elasticity.boundary == "free":
+            raise InputError('elasticity.boundary = "free": solver.path = "overdamped" is for periodic boundaries')
+        if case.loading.adaptive:
+            raise InputError(
+                'loading.adaptive = true: solver.path = "overdamped" follows the load steadily; leave one out'
+            )
 
 
 def review(study: Study, scales: Sequence[SurfaceScales]) -> list[str]:
@@ -160,7 +176,7 @@ def constants(case: Case, surface: Surface) -> dict[str, Value]:
 
 def solve_path(
     case: Case, surface: Surface, restart: Mapping[str, np.ndarray] | None = None, start: int = 0
-) -> Iterator[InterfaceState]:
+) -> Iterator[InterfaceState | Ensemble]:
     """Yield the state at each path point from number ``start`` on.
 
     Parameters
@@ -174,6 +190,11 @@ def solve_path(
     start : int, optional
         Number of the first point to solve.
     """
+    if case.solver.path == "overdamped" and case.law.attracts:  # without attraction no state depends on the path
+        pace = overdamped_path.pace_of(case, surface.size)
+        moving = _MovingContinuum(case, surface, pace.allowed)
+        yield from overdamped_path.solve_path(case, moving, pace, restart, start)
+        return
     solver = case.solver
     contact = rough_contact(
         surface.sampled,
@@ -216,6 +237,33 @@ def solve_path(
                 stacklevel=2,
             )
         yield found
+
+
+class _MovingContinuum(OverdampedContact):
+    """The contact of a case in overdamped motion, as the campaign takes it."""
+
+    def __init__(self, case: Case, surface: Surface, allowed: float):
+        given = case.solver
+        super().__init__(
+            surface.sampled,
+            surface.grid,
+            case.solid,
+            case.law,
+            tolerance=given.tolerance,
+            max_iterations=given.max_iterations,
+            threads=max(1, given.threads),
+            allowed=allowed,
+        )
+        self._case = case
+        self._spacing = surface.grid.spacing
+
+    def described(self, found: Moved) -> InterfaceState:
+        """A state of the contact as one of the interface."""
+        stiffness = None
+        if self._case.output.stiffness:
+            at_rest = found.residual <= self.tolerance
+            stiffness = self.stiffness(found.solution) if at_rest else np.nan
+        return _state(self._case, found.solution, self._spacing, stiffness)
 
 
 def _first_account(case: Case, separated: np.ndarray) -> Account | None:

@@ -37,7 +37,9 @@ class Moved:
 
 
 class OverdampedBlock:
-    """The bottom layer of a block that moves against friction; drag in N/m, load as a mean pressure (Pa).
+    """The bottom layer of a block that moves against friction, see :mod:`contact_study.fields.gradient_flow`.
+
+    Drag is a stiffness over area (Pa/m), load a mean pressure (Pa).
 
     Parameters
     ----------
@@ -59,8 +61,8 @@ class OverdampedBlock:
         """The layer after a time step; see :class:`contact_study.fields.gradient_flow.Overdamped`."""
         landscape = self._landscape
         pairs = landscape.pairs
-        push = load * landscape.area
-        place, acting = self._place(state), Load(push, drag, state)
+        drag *= landscape.area
+        place, acting = self._place(state), Load(load * landscape.area, drag, state)
         self._last = None
         accuracy = max(self._tolerance, self._accuracy * drag)
         for step in range(_NEWTON_STEPS + 1):
@@ -74,10 +76,21 @@ class OverdampedBlock:
         else:
             return None
         self._last = place
+        return self._moved(place, load, step, landscape.pairs - pairs)
+
+    def standing(self, state: np.ndarray, load: float) -> Moved:
+        """A state as it is."""
+        place = self._place(state)
+        self._last = place
+        return self._moved(place, load, 0, 0.0)
+
+    def _moved(self, place: Place, load: float, steps: int, pairs: float) -> Moved:
+        """The place where the landscape was evaluated last."""
+        landscape = self._landscape
+        residual = landscape.residual(landscape.gradient(place, Load(load * landscape.area)))
         apart = load <= 0 and not landscape.force.any()
-        residual = landscape.residual(landscape.gradient(place, Load(push)))
         outcome = Outcome.DETACHED if apart else Outcome.CONVERGED
-        return Moved(equilibrium_of(landscape, place, residual, outcome, step, landscape.pairs - pairs), apart)
+        return Moved(equilibrium_of(landscape, place, residual, outcome, steps, pairs), apart)
 
     def beside_saddle(self, state: np.ndarray, load: float) -> np.ndarray | None:
         """A state of lower energy next to a saddle; see :class:`contact_study.fields.gradient_flow.Overdamped`."""

@@ -4,6 +4,7 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
+from contact_study.campaign import overdamped_path
 from contact_study.campaign.memory import require_memory
 from contact_study.campaign.model import Model
 from contact_study.observables.atoms import substrate_sites
@@ -83,6 +84,8 @@ def check(case: Case) -> None:
         )
     if case.atomistic.method == "dynamics":
         dynamics.check(case)
+    if case.atomistic.method == "overdamped":
+        overdamped_path.check(case, "atomistic.method")
     _ = case.block_layers  # raises where no number of cells makes the layer
     rows, columns = case.lattice.atoms
     require_memory(
@@ -94,9 +97,9 @@ def check(case: Case) -> None:
 
 def _check_temperature(case: Case) -> None:
     given = case.atomistic
-    if given.method == "quasi_static" and given.temperature > 0:
+    if given.method in ("quasi_static", "overdamped") and given.temperature > 0:
         raise InputError(
-            f'atomistic.temperature = {given.temperature:g} K: atomistic.method = "quasi_static" finds equilibria at '
+            f'atomistic.temperature = {given.temperature:g} K: atomistic.method = "{given.method}" finds equilibria at '
             'zero temperature; use "sampling"'
         )
     if given.method == "sampling" and given.temperature == 0:

@@ -18,6 +18,8 @@ _SHORTEST = 10
 
 _SERIES, _SUMS, _BINS, _FIELDS, _RESTART = "series/", "sum/", "bins", "fields", "restart/"
 
+_ALL_BUT_ONE = -1  # states discarded, where only the last one counts
+
 # Has a series, and no mean.
 _TIME = "time"
 
@@ -31,11 +33,11 @@ class Averages:
         Those of the study.
     fields : bool
         Whether the mean fields are kept.
-    discarded : int, optional
-        States before those that count.
+    discarded : int or None, optional
+        States before those that count; None: only the last one counts.
     """
 
-    def __init__(self, bins: Bins, fields: bool, discarded: int = 0):
+    def __init__(self, bins: Bins, fields: bool, discarded: int | None = 0):
         self._bins = bins
         self._fields = fields
         self._discarded = discarded
@@ -48,7 +50,8 @@ class Averages:
         """What :attr:`kept` was of; None if it is of other bins, or of other fields than are now wanted."""
         if not np.array_equal(kept[_BINS], np.ravel(bins.spans)) or bool(kept[_FIELDS][0]) != fields:
             return None
-        averages = cls(bins, fields, int(kept[_FIELDS][1]))
+        discarded = int(kept[_FIELDS][1])
+        averages = cls(bins, fields, None if discarded == _ALL_BUT_ONE else discarded)
         averages._series = {
             name.removeprefix(_SERIES): list(values) for name, values in kept.items() if name.startswith(_SERIES)
         }
@@ -63,13 +66,15 @@ class Averages:
         for name, value in observed(state, self._bins).items():
             if name in AVERAGED or name == _TIME:
                 self._series.setdefault(name, []).append(value)
-        if self._fields and self._count > self._discarded:
+        if self._fields and self._counted > 0:
             for name, field in (("gap", state.gap), ("pressure", state.pressure)):
-                self._sums[name] = self._sums[name] + field if name in self._sums else field.copy()
+                more = name in self._sums and self._discarded is not None
+                self._sums[name] = self._sums[name] + field if more else field.copy()
 
     @property
-    def _count(self) -> int:
-        return len(next(iter(self._series.values())))
+    def _counted(self) -> int:
+        """How many states count so far; none if negative."""
+        return 1 if self._discarded is None else len(next(iter(self._series.values()))) - self._discarded
 
     @property
     def kept(self) -> dict[str, np.ndarray]:
@@ -77,7 +82,7 @@ class Averages:
         assert self._last is not None
         return {
             _BINS: np.ravel(self._bins.spans),
-            _FIELDS: np.array([int(self._fields), self._discarded]),
+            _FIELDS: np.array([int(self._fields), _ALL_BUT_ONE if self._discarded is None else self._discarded]),
             **{f"{_SERIES}{name}": np.array(values) for name, values in self._series.items()},
             **{f"{_SUMS}{name}": values for name, values in self._sums.items()},
             **{f"{_RESTART}{name}": values for name, values in self._last.restart.items()},
@@ -104,15 +109,15 @@ class Averages:
             return Step({**observed(last, self._bins), **frames}, {**fields, **last.atoms}, last.restart, self._bins)
         values: dict[str, Any] = {}
         longest = (0.0, "")
-        counted = self._count - self._discarded
+        counted = self._counted
         for name, whole in series.items():
             if name == _TIME:
                 continue
-            column = whole[self._discarded :]
+            column = whole[-counted:]
             found = statistics_of(column)
             # Of a count or a flag the value that is nearest to the mean.
             values[name] = found.mean if VARIABLES[name].kind == "float" else np.rint(found.mean)
-            if counted == 1:  # the last state of a motion without noise
+            if counted == 1:  # where a motion without noise has ended
                 continue
             values[name + STANDARD_ERROR] = found.standard_error
             if column.ndim == 1:

@@ -20,7 +20,7 @@ import numpy as np
 # A step whose error was e of what is allowed is followed (or replaced) by one 0.9 e^(−1/2) times as long, within these.
 _SAFETY, _LARGEST_GROWTH, _SMALLEST_GROWTH = 0.9, 3.0, 0.2
 _NOT_FOUND = 0.3  # the same, where the step could not be solved for
-# A step that is shorter than this share of the first one says that rounding is all that is left.
+# A step shorter than this share of the first one says that rounding is all that is left.
 _SHORTEST = 1e-12
 
 
@@ -80,8 +80,8 @@ class Instant(Generic[Found]):
         That acts.
     move : numpy.ndarray or float
         Of the last step.
-    duration : float
-        τ of the last step.
+    duration, wanted : float
+        τ of the last step, and that to try next.
     steps : int
         Done so far.
     fate : Fate
@@ -94,9 +94,15 @@ class Instant(Generic[Found]):
     load: float
     move: np.ndarray | float
     duration: float
+    wanted: float
     steps: int = 0
     fate: Fate = Fate.MOVING
     found: Found | None = None
+
+
+def at_rest(state: np.ndarray, load: float, pace: "Pace") -> Instant[Found]:
+    """Where a motion begins."""
+    return Instant(state, load, 0.0, pace.first, pace.first)
 
 
 @dataclass(frozen=True)
@@ -107,6 +113,8 @@ class Pace:
     ----------
     rate : float
         Largest change of the load in a unit of time.
+    first : float
+        τ to try first.
     allowed : float
         Largest local error of a step, in the unit of the state.
     tolerance : float
@@ -116,6 +124,7 @@ class Pace:
     """
 
     rate: float
+    first: float
     allowed: float
     tolerance: float
     most: int
@@ -129,7 +138,7 @@ def follow(system: Overdamped[Found], at: Instant[Found], target: float, pace: P
     system : Overdamped
         What moves.
     at : Instant
-        From where; its ``duration`` is that of the first try.
+        From where.
     target : float
         Of the load.
     pace : Pace
@@ -140,10 +149,8 @@ def follow(system: Overdamped[Found], at: Instant[Found], target: float, pace: P
     Instant
         After every step; the last one's fate is not ``MOVING``.
     """
-    shortest = _SHORTEST * at.duration
-    wanted = at.duration
     while True:
-        moved, wanted = _stepped(system, at, target, wanted, pace, shortest)
+        moved = _stepped(system, at, target, pace)
         if moved is None or moved.found is None:
             yield replace(at, fate=Fate.STUCK)
             return
@@ -163,12 +170,10 @@ def follow(system: Overdamped[Found], at: Instant[Found], target: float, pace: P
             return
 
 
-def _stepped(
-    system: Overdamped[Found], at: Instant[Found], target: float, wanted: float, pace: Pace, shortest: float
-) -> tuple[Instant[Found] | None, float]:
-    """The next instant, None where steps of no length find none, and the duration to try after it."""
-    tau = wanted
-    while tau > shortest:
+def _stepped(system: Overdamped[Found], at: Instant[Found], target: float, pace: Pace) -> Instant[Found] | None:
+    """The next instant; None where steps of no length find any."""
+    tau = at.wanted
+    while tau > _SHORTEST * pace.first:
         change = target - at.load
         load = target if abs(change) <= pace.rate * tau else at.load + float(np.copysign(pace.rate * tau, change))
         found = system.advance(at.state, load, 1 / tau)
@@ -181,6 +186,6 @@ def _stepped(
         growth = _LARGEST_GROWTH if error == 0 else _SAFETY * (pace.allowed / error) ** 0.5
         growth = min(max(growth, _SMALLEST_GROWTH), _LARGEST_GROWTH)
         if error <= pace.allowed:
-            return Instant(found.state, load, move, tau, at.steps + 1, found=found), growth * tau
+            return Instant(found.state, load, move, tau, growth * tau, at.steps + 1, found=found)
         tau *= growth
-    return None, tau
+    return None

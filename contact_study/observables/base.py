@@ -155,19 +155,19 @@ class InterfaceState:
 
 @dataclass(frozen=True)
 class Ensemble:
-    """Thermal states of one point of the loading path, whose means are the point's numbers.
+    """States of one point of the loading path, whose means are the point's numbers, or of which the last one has them.
 
     Attributes
     ----------
     states : iterator of InterfaceState
         One after the other, as often as they are to count; read once. The ``restart`` of each holds all that the next
         one follows from; the ``report`` of the last one is the point's.
-    discarded : int, optional
-        How many of them come before those whose mean is taken; the series has all.
+    discarded : int or None, optional
+        How many of them come before those whose mean is taken; None: only the last one counts. The series has all.
     """
 
     states: Iterator[InterfaceState]
-    discarded: int = 0
+    discarded: int | None = 0
 
 
 @dataclass(frozen=True)

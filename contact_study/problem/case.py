@@ -37,6 +37,7 @@ class Case:
     loading: sections.LoadingSection
     solver: sections.SolverSection
     atomistic: sections.AtomisticSection
+    overdamped: sections.OverdampedSection
     sampling: sections.SamplingSection
     dynamics: sections.DynamicsSection
     theory: sections.TheorySection

@@ -98,6 +98,12 @@ class SolverSection:
     threads: int = key(
         integer(minimum=0, maximum=1024), "threads of one solve; 0: the cores that the cases leave idle", 0
     )
+    path: str = key(
+        choice("quasi_static", "overdamped"),
+        "how the continuum comes along the path: equilibria, each from the one before it, or slow motion against "
+        "friction",
+        "quasi_static",
+    )
 
 
 @dataclass(frozen=True)
@@ -110,9 +116,9 @@ class AtomisticSection:
         "isotropic",
     )
     method: str = key(
-        choice("quasi_static", "sampling", "dynamics"),
-        "how the atoms come along the path: equilibria at zero temperature, each from the one before it, thermal "
-        "averages about these, or the explicit block in motion",
+        choice("quasi_static", "overdamped", "sampling", "dynamics"),
+        "how the atoms come along the path: equilibria at zero temperature, each from the one before it, slow motion "
+        "against friction, thermal averages about equilibria, or the explicit block in motion",
         "quasi_static",
     )
     temperature: float = key(quantity("K", minimum=0.0), "temperature of the atoms, for sampling and dynamics", 0.0)
@@ -121,6 +127,20 @@ class AtomisticSection:
     )
     layers: int = key(integer(minimum=0, maximum=1_000_000), "atomic layers of the block; 0: as thick as wide", 0)
     random_seed: int = key(integer(minimum=0, maximum=2**63 - 1), "seed of thermal motion", 1)
+
+
+@dataclass(frozen=True)
+class OverdampedSection:
+    """Slow motion against friction, of continuum and atoms."""
+
+    loading_rate: float = key(
+        quantity("1", positive=True),
+        "change of the mean pressure, over the contact modulus, while the longest wave of the surface relaxes",
+        1e-3,
+    )
+    step_error: float = key(
+        quantity("1", positive=True, maximum=1.0), "error allowed to a time step, over the law's length", 0.1
+    )
 
 
 @dataclass(frozen=True)

@@ -33,6 +33,7 @@ SECTIONS: dict[str, type | Kinds] = {
     "loading": sections.LoadingSection,
     "solver": sections.SolverSection,
     "atomistic": sections.AtomisticSection,
+    "overdamped": sections.OverdampedSection,
     "sampling": sections.SamplingSection,
     "dynamics": sections.DynamicsSection,
     "theory": sections.TheorySection,

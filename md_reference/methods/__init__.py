@@ -2,11 +2,12 @@
 
 from collections.abc import Mapping
 
-from md_reference.methods import dynamics, quasi_static, sampling
+from md_reference.methods import dynamics, overdamped, quasi_static, sampling
 from md_reference.methods.base import Method
 
 METHODS: Mapping[str, Method] = {
     "quasi_static": quasi_static.solve_path,
+    "overdamped": overdamped.solve_path,
     "sampling": sampling.solve_path,
     "dynamics": dynamics.solve_path,
 }

@@ -1,0 +1,52 @@
+"""Slow motion against friction at zero temperature: the atoms go down the steepest descent from point to point."""
+
+from collections.abc import Iterator, Mapping
+
+import numpy as np
+
+from contact_study.campaign import overdamped_path
+from contact_study.observables.base import Ensemble, InterfaceState
+from contact_study.problem.case import Case
+from contact_study.problem.surface import Surface
+from md_reference.contact import AtomisticContact
+from md_reference.methods.base import Predictor
+from md_reference.overdamped_block import Moved, OverdampedBlock
+from md_reference.system import build_contact, interface_state
+
+
+class MovingAtoms(OverdampedBlock):
+    """The atoms of a case in motion, as the campaign takes them."""
+
+    def __init__(self, case: Case, contact: AtomisticContact, allowed: float):
+        super().__init__(contact.landscape, case.solver.tolerance, allowed)
+        self._case = case
+        self._contact = contact
+
+    def separated(self) -> np.ndarray:
+        """Displacement of the flat block just beyond the cutoff (m)."""
+        return self._contact.separated()
+
+    def described(self, found: Moved) -> InterfaceState:
+        """A state of the atoms as one of the interface."""
+        return interface_state(self._case, self._contact.solution(found.equilibrium))
+
+
+def solve_path(
+    case: Case,
+    surface: Surface,
+    restart: Mapping[str, np.ndarray] | None = None,
+    start: int = 0,
+    predictor: Predictor | None = None,
+) -> Iterator[Ensemble]:
+    """The motion along the path; at each point its states, the last of them at rest.
+
+    Parameters
+    ----------
+    case, surface, restart, start
+        As :data:`md_reference.methods.base.Method`.
+    predictor : callable, optional
+        Not used: the atoms come down by themselves.
+    """
+    pace = overdamped_path.pace_of(case, surface.size)
+    moving = MovingAtoms(case, build_contact(case, surface), pace.allowed)
+    return overdamped_path.solve_path(case, moving, pace, restart, start)
