@@ -1,0 +1,166 @@
+"""Which of its many states a contact is loaded into: the same path by equilibria, by slow flow and by Newton's law.
+
+Area and mean gap of atoms and continuum along one loading path from separation, by every way of going it. Rows that
+the file has already are not computed again, so that ways, sizes and surfaces can be added one after the other.
+
+    python scripts/branches.py data/yang2008.toml --atoms 200 --seeds 1 2 3 -o data/branches.csv
+    python scripts/branches.py --from data/branches.csv
+"""
+
+import argparse
+import sys
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+import contact_study
+from contact_study.campaign.command import Parser, guarded
+from contact_study.problem.errors import InputError
+from contact_study.problem.study import Study, read_study
+from contact_study.problem.units import quantity
+
+PRESSURES = ("0.1 GPa", "0.2 GPa", "0.5 GPa", "1 GPa", "2 GPa", "5 GPa", "10 GPa")
+_SMALL = 5  # small steps from one pressure to the next
+# Motion by Newton's law: weak friction, and until the waves that it leaves have died.
+_DAMPING, _DURATION = "0.05 ps^-1", "150 ps"
+
+SECTIONS: dict[str, dict[str, Any]] = {
+    "steps": {},
+    "small steps": {},
+    "flow 1e-2": {"overdamped": {"loading_rate": 1e-2}},
+    "flow 1e-3": {"overdamped": {"loading_rate": 1e-3}},
+    "flow 1e-3, half the error": {"overdamped": {"loading_rate": 1e-3, "step_error": 0.05}},
+    "Newton 20 m/s": {"dynamics": {"damping": _DAMPING, "duration": _DURATION, "approach_speed": "20 m/s"}},
+    "Newton 100 m/s": {"dynamics": {"damping": _DAMPING, "duration": _DURATION, "approach_speed": "100 m/s"}},
+}
+KEYS = ["model", "atoms", "seed", "ratio", "way", "pressure_GPa"]
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    return guarded("branches", lambda: _main(arguments), interrupted="finished runs are kept")
+
+
+def parser() -> Parser:
+    made = Parser(
+        description=__doc__.splitlines()[0], formatter_class=argparse.ArgumentDefaultsHelpFormatter, allow_abbrev=False
+    )
+    made.add_argument("study", type=Path, nargs="?", default=Path("data/yang2008.toml"), help="study file")
+    made.add_argument("--models", nargs="+", choices=("atomistic", "continuum"), default=["atomistic", "continuum"])
+    made.add_argument("--ways", nargs="+", choices=tuple(SECTIONS), default=["steps", "small steps", "flow 1e-3"])
+    made.add_argument("--atoms", type=int, default=200, help="atoms a side: the study's slopes in a smaller cell")
+    made.add_argument("--seeds", type=int, nargs="+", default=[1], help="surfaces")
+    made.add_argument("--ratios", type=float, nargs="+", default=[1.0, 4.0, 8.0], help="multiples of the well depth")
+    made.add_argument("--pressures", nargs="+", default=list(PRESSURES), help="the loading path")
+    made.add_argument("-o", "--output", type=Path, help="CSV to add to")
+    made.add_argument("--from", type=Path, dest="source", help="CSV to print, in place of a run")
+    return made
+
+
+def _main(arguments: Sequence[str] | None) -> int:
+    given = parser().parse_args(arguments)
+    if given.source is not None:
+        table = pd.read_csv(given.source)
+    else:
+        table = pd.read_csv(given.output) if given.output and given.output.exists() else pd.DataFrame(columns=KEYS)
+        study = read_study(given.study)
+        for model in given.models:
+            for ratio in given.ratios:
+                for seed in given.seeds:
+                    for way in given.ways:
+                        table = _with(table, study, given, model, ratio, seed, way)
+    print("\n".join(lines(table)))
+    return 0
+
+
+def _with(
+    table: pd.DataFrame, study: Study, given: argparse.Namespace, model: str, ratio: float, seed: int, way: str
+) -> pd.DataFrame:
+    """The table with the rows of one more run, also on disk."""
+    if model == "continuum" and way.startswith("Newton"):
+        return table
+    same = table[(table.model == model) & (table.atoms == given.atoms) & (table.seed == seed)]
+    same = same[(same.ratio == ratio) & (same.way == way)]
+    pressures = [quantity(text, "Pa", "--pressures") for text in given.pressures]
+    if {round(pressure / 1e9, 6) for pressure in pressures} <= set(same.pressure_GPa):
+        return table
+    found = pd.DataFrame(walked(study, model, given.atoms, ratio, seed, way, pressures))
+    table = pd.concat([table, found]).drop_duplicates(KEYS, keep="last").sort_values(KEYS)
+    if given.output:
+        table.to_csv(given.output, index=False, float_format="%.6g")
+    return table
+
+
+def walked(
+    study: Study, model: str, atoms: int, ratio: float, seed: int, way: str, pressures: Sequence[float]
+) -> Iterator[dict[str, Any]]:
+    """The states at the pressures (Pa), by one way."""
+    surface = study.cases[0].surface
+    share = atoms / study.cases[0].lattice.atoms[1]
+    table = {name: dict(keys) for name, keys in study.table.items() if name not in ("sweep", "override")}
+    table["surface"] |= {
+        "size": [share * length for length in surface.size],
+        "shape": [round(share * points) for points in surface.shape],
+        "rms_height": share * surface.rms_height,
+        "seed": seed,
+    }
+    table["interaction"]["well_depth_ratio"] = ratio
+    path = list(pressures)
+    if way == "small steps":
+        starts = [0.0, *pressures[:-1]]
+        path = [
+            low + (high - low) * step / _SMALL
+            for low, high in zip(starts, pressures, strict=True)
+            for step in range(1, _SMALL + 1)
+        ]
+    table["loading"] = {"path": path}
+    table["output"] = {}
+    # An equilibrium of a strong adhesion may take many steps; a flow takes more.
+    table["solver"] = {"max_iterations": 20000, "path": "overdamped" if way.startswith("flow") else "quasi_static"}
+    method = {"flow": "overdamped", "Newton": "dynamics"}.get(way.split()[0], "quasi_static")
+    table |= {"atomistic": {"method": method}, **SECTIONS[way]}
+    dataset = contact_study.run(table, model)
+    for pressure in pressures:
+        state = dataset.isel(step=path.index(pressure))
+        yield {
+            "model": model,
+            "atoms": atoms,
+            "seed": seed,
+            "ratio": ratio,
+            "way": way,
+            "pressure_GPa": round(pressure / 1e9, 6),
+            "area": state.relative_contact_area.item(),
+            "mean_gap_A": state.mean_gap.item() * 1e10,
+            "converged": state.converged.item(),
+            "fft_pairs": state.fft_pairs.item(),
+        }
+
+
+def lines(table: pd.DataFrame) -> Iterator[str]:
+    """The table as Markdown: the state by steps, and by how much the other ways differ."""
+    if table.empty:
+        raise InputError("nothing to print: no run has been made")
+    ways = [way for way in SECTIONS if way != "steps" and way in set(table.way)]
+    yield "| | atoms (seeds) | ε/ε₀ | p (GPa) | A; ū (Å), steps | " + " | ".join(ways) + " |"
+    yield "|---" * (5 + len(ways)) + "|"
+    names = {"atomistic": "atoms", "continuum": "continuum"}
+    for (model, atoms, ratio, pressure), here in table.groupby(["model", "atoms", "ratio", "pressure_GPa"]):
+        steps = here[here.way == "steps"].set_index("seed")
+        cells = [_difference(steps, here[here.way == way].set_index("seed")) for way in ways]
+        seeds = ", ".join(str(seed) for seed in sorted(set(here.seed)))
+        state = f"{steps.area.mean():.4f}; {steps.mean_gap_A.mean():.3f}"
+        yield f"| {names[model]} | {atoms}² ({seeds}) | {ratio:g} | {pressure:g} | {state} | {' | '.join(cells)} |"
+
+
+def _difference(steps: pd.DataFrame, other: pd.DataFrame) -> str:
+    """The largest difference over the surfaces of area and mean gap, with the sign of each."""
+    if other.empty:
+        return ""
+    area, gap = (other[name] - steps[name].reindex(other.index) for name in ("area", "mean_gap_A"))
+    text = f"{area.loc[area.abs().idxmax()]:+.4f}; {gap.loc[gap.abs().idxmax()]:+.3f}"
+    return text.replace("-", "−") + ("" if other.converged.all() else " (moving)")
+
+
+if __name__ == "__main__":
+    sys.exit(main())
