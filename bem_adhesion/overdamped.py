@@ -47,6 +47,7 @@ class OverdampedContact(LoadedContact):
     def __init__(self, *arguments, allowed: float, **options):
         super().__init__(*arguments, **options)
         self._allowed = allowed / self._length
+        self._pairs = self._contact.equivalent_pairs(self._grid)  # before the steps whose work is not told yet
 
     def separated(self) -> np.ndarray:
         """The gap of the flat block just out of reach of the law (m)."""
@@ -55,14 +56,12 @@ class OverdampedContact(LoadedContact):
     def advance(self, state: np.ndarray, load: float, drag: float) -> Moved | None:
         """The gap after a time step; see :class:`contact_study.fields.gradient_flow.Overdamped`."""
         modulus, finest = self.elasticity.contact_modulus, self._contact.finest
-        before = self._contact.equivalent_pairs(self._grid)
         gap, pressure = state / self._length, self._flattening + load / modulus
         stiffness = drag * self._length / modulus
         finest.tie(0.0, gap)
         force, apart = finest.imbalance_at(gap, pressure)
         if apart:
-            pairs = self._contact.equivalent_pairs(self._grid) - before
-            return Moved(state, self._apart(Outcome.DETACHED, 0, pairs), force)
+            return Moved(state, self._apart(Outcome.DETACHED, 0, self._work()), force)
         accuracy = max(self.tolerance, min(_ACCURACY * self._allowed * stiffness, _REDUCTION * force))
         finest.tie(stiffness, gap)
         result = finest.solve(gap, pressure, accuracy, _NEWTON_STEPS)
@@ -71,16 +70,20 @@ class OverdampedContact(LoadedContact):
             return None
         # Friction apart no force is larger than what the solve left and friction itself.
         left = result.residual + stiffness * float(np.abs(result.gap - gap).max())
-        pairs = self._contact.equivalent_pairs(self._grid) - before
-        found = self._in_motion(replace(result, residual=left), pairs)
+        found = self._in_motion(replace(result, residual=left))
         return Moved(found.gap, found, left)
 
-    def _in_motion(self, result: NewtonResult, pairs: float) -> Solution:
+    def _work(self) -> float:
+        """Transform pairs since it was asked for last."""
+        before, self._pairs = self._pairs, self._contact.equivalent_pairs(self._grid)
+        return self._pairs - before
+
+    def _in_motion(self, result: NewtonResult) -> Solution:
         """A state whose law does not balance its flexure: ½<w, K w> takes a transform."""
-        found = self._solution(result, pairs)
         flexure = self._contact.finest.elastic_pressure(result.gap) + self._flattening
         elastic = 0.5 * float(np.mean(flexure * (result.gap + self._height)))
         elastic *= self.elasticity.contact_modulus * self._length
+        found = self._solution(result, self._work())
         elastic += self.elasticity.compression_energy(float(found.pressure.mean()))
         return replace(found, elastic_energy=elastic)
 
@@ -90,7 +93,7 @@ class OverdampedContact(LoadedContact):
             return Moved(state, self._apart(Outcome.APART), 0.0)
         gap, pressure = state / self._length, self._flattening + load / self.elasticity.contact_modulus
         result = self._contact.finest.solve(gap, pressure, self.tolerance, 0)
-        return Moved(state, self._in_motion(result, 0.0), result.residual)
+        return Moved(state, self._in_motion(result), result.residual)
 
     def beside_saddle(self, state: np.ndarray, load: float) -> np.ndarray | None:
         """A gap of lower energy next to a saddle; see :class:`contact_study.fields.gradient_flow.Overdamped`."""

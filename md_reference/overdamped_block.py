@@ -56,11 +56,11 @@ class OverdampedBlock:
         self._tolerance = tolerance
         self._accuracy = _ACCURACY * allowed / landscape.force_scale
         self._last: Place | None = None  # where the landscape was last evaluated
+        self._evaluations, self._pairs = 0, landscape.pairs  # of steps that were not found, and the pairs before them
 
     def advance(self, state: np.ndarray, load: float, drag: float) -> Moved | None:
         """The layer after a time step; see :class:`contact_study.fields.gradient_flow.Overdamped`."""
         landscape = self._landscape
-        pairs = landscape.pairs
         drag *= landscape.area
         place, acting = self._place(state), Load(load * landscape.area, drag, state)
         self._last = None
@@ -72,21 +72,25 @@ class OverdampedBlock:
             landscape.set_curvature(place, gradient, 0.0, drag)
             newton = landscape.newton.solve(gradient, _REDUCTION, _LINEAR_ITERATIONS)
             if newton.indefinite or not landscape.search(place, newton.step, acting):
+                self._evaluations += place.evaluations
                 return None
         else:
+            self._evaluations += place.evaluations
             return None
         self._last = place
-        return self._moved(place, load, step, landscape.pairs - pairs)
+        return self._moved(place, load, step)
 
     def standing(self, state: np.ndarray, load: float) -> Moved:
         """A state as it is."""
-        place = self._place(state)
-        self._last = place
-        return self._moved(place, load, 0, 0.0)
+        self._last = place = self._place(state)
+        return self._moved(place, load, 0)
 
-    def _moved(self, place: Place, load: float, steps: int, pairs: float) -> Moved:
-        """The place where the landscape was evaluated last."""
+    def _moved(self, place: Place, load: float, steps: int) -> Moved:
+        """The place where the landscape was evaluated last, with the work since the one before."""
         landscape = self._landscape
+        place.evaluations += self._evaluations
+        pairs = landscape.pairs - self._pairs
+        self._evaluations, self._pairs = 0, landscape.pairs
         residual = landscape.residual(landscape.gradient(place, Load(load * landscape.area)))
         apart = load <= 0 and not landscape.force.any()
         outcome = Outcome.DETACHED if apart else Outcome.CONVERGED
@@ -101,9 +105,10 @@ class OverdampedBlock:
     def _place(self, state: np.ndarray) -> Place:
         """The landscape at a state, to the same bits whether the motion came there or begins there."""
         if self._last is None or self._last.displacement is not state:
-            return self._landscape.place(state)
-        place, self._last = self._last, None
-        self._landscape.refresh(place)
-        place.gap, place.cosine = self._landscape.interaction.gap_and_cosine(state)
-        place.vanishing, place.evaluations = 0, 0
+            place = self._landscape.place(state)
+        else:
+            place, self._last = self._last, None
+            self._landscape.refresh(place)
+            place.gap, place.cosine = self._landscape.interaction.gap_and_cosine(state)
+        place.vanishing = place.evaluations = 0
         return place

@@ -20,8 +20,8 @@ import numpy as np
 # A step whose error was e of what is allowed is followed (or replaced) by one 0.9 e^(−1/2) times as long, within these.
 _SAFETY, _LARGEST_GROWTH, _SMALLEST_GROWTH = 0.9, 3.0, 0.2
 _NOT_FOUND = 0.3  # the same, where the step could not be solved for
-# A step shorter than this share of the first one says that rounding is all that is left.
-_SHORTEST = 1e-12
+# A step shorter than this share of the first one says that rounding is all that is left; longer ones feel no friction.
+_SHORTEST, _LONGEST = 1e-12, 1e15
 
 
 class Fate(Enum):
@@ -186,6 +186,7 @@ def _stepped(system: Overdamped[Found], at: Instant[Found], target: float, pace:
         growth = _LARGEST_GROWTH if error == 0 else _SAFETY * (pace.allowed / error) ** 0.5
         growth = min(max(growth, _SMALLEST_GROWTH), _LARGEST_GROWTH)
         if error <= pace.allowed:
-            return Instant(found.state, load, move, tau, growth * tau, at.steps + 1, found=found)
+            wanted = min(growth * tau, _LONGEST * pace.first)
+            return Instant(found.state, load, move, tau, wanted, at.steps + 1, found=found)
         tau *= growth
     return None

@@ -1,0 +1,223 @@
+"""Atoms in slow motion against friction: down the steepest descent of their energy, to rest, and on from any stop."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+import contact_study
+from contact_study.campaign import case_run
+from contact_study.campaign.overdamped_path import pace_of
+from contact_study.campaign.schema import TRAJECTORY
+from contact_study.fields.gradient_flow import Fate, at_rest, follow
+from contact_study.problem.errors import InputError
+from contact_study.problem.study import make_study
+from contact_study.problem.surface import realise
+from md_reference.methods.overdamped import MovingAtoms
+from md_reference.overdamped_block import OverdampedBlock
+from md_reference.run import check
+from md_reference.system import build_contact, build_stiffness
+from tests.md_reference.systems import CONTACT_MODULUS, LENGTH, case_of, touching
+from tests.md_reference.test_block import apply
+from tests.md_reference.test_sampling import assert_equal_groups, changed, groups_of
+
+AT_ONCE = 1e9  # a loading rate at which the load is there from the first step on
+
+
+class Motion:
+    """A case on its way to its first point: by the product's steps, and by explicit ones of its force."""
+
+    def __init__(self, case):
+        self.case, self.load = case, case.path[0][0]
+        surface = realise(case)
+        self.contact, self.pace = build_contact(case, surface), pace_of(case, surface.size)
+        self.block = build_stiffness(case)
+        self.area = self.block.area_per_atom
+        self.start = touching(self.contact.interface)
+
+    def implicit(self, step_error, rate=AT_ONCE, start=None):
+        given = dataclasses.replace(self.case.overdamped, step_error=step_error, loading_rate=rate)
+        pace = pace_of(dataclasses.replace(self.case, overdamped=given), realise(self.case).size)
+        moving = MovingAtoms(self.case, self.contact, pace.allowed)
+        start = self.start if start is None else start
+        return list(follow(moving, at_rest(start, 0.0, pace), self.load, pace))
+
+    def elastic(self, u):
+        force = apply(self.block, u)
+        force[2] -= self.block.coefficients[2, 0, 0] * u[2].mean()
+        return force
+
+    def energy(self, u, load):
+        interface = self.contact.interface.evaluate(u, np.empty_like(u))
+        return 0.5 * np.sum(u * self.elastic(u)) + interface + load * self.area * np.sum(u[2])
+
+    def slope(self, u):
+        force = np.empty_like(u)
+        self.contact.interface.evaluate(u, force)
+        slope = self.elastic(u) - force
+        slope[2] += self.load * self.area
+        return slope / self.area
+
+    def explicit(self, residual, every=10):
+        """du/dt = −∂E/∂u over area by Euler's steps of a stable length, until the force is small; states on the way."""
+        stiffest = self.block.coefficients[2].max() / self.area + 8 * self.case.law.equilibrium_stiffness
+        u, states = self.start, [self.start]
+        while True:
+            for _ in range(every):
+                slope = self.slope(u)
+                u = u - 0.5 / stiffest * slope
+            states.append(u)
+            if np.abs(slope).max() <= residual * CONTACT_MODULUS:
+                return np.array(states)
+
+
+def off_path(states, path):
+    """How far states leave a path, in r0."""
+    return max(np.sqrt(np.min(np.max((path - state) ** 2, axis=(1, 2, 3)))) for state in states) / LENGTH
+
+
+def rough(atoms, ratio, rms, load, seed=1):
+    return case_of((atoms, atoms), ratio, [load], surface={"rms_height": rms, "seed": seed, "cutoff_mode": 6})
+
+
+@pytest.fixture(scope="module")
+def landing():
+    return Motion(rough(16, 4, 3e-10, 5e8))
+
+
+def test_steps_stay_on_the_path_of_an_explicit_flow(landing):
+    path = landing.explicit(residual=3e-3)
+    distances = []
+    for step_error in (0.2, 0.05):
+        found = landing.implicit(step_error)
+        assert found[-1].fate is Fate.AT_REST
+        # Lateral slides, the slowest of all, still go on where the explicit path ends.
+        distances.append(off_path([each.state for each in found if each.found.residual > 5e-3], path))
+        np.testing.assert_allclose(found[-1].state[2], path[-1][2], rtol=0, atol=0.05 * LENGTH)
+    # Local errors of 0.05 r0 that the next steps damp.
+    assert distances[1] < 0.05
+    assert distances[1] < 0.75 * distances[0]
+    area = [np.mean(landing.contact.interface.gap(u) < landing.case.contact_distance) for u in (path[-1], path[0])]
+    assert area[0] > area[1] + 0.1
+
+
+@pytest.mark.validation
+def test_flow_ends_where_explicit_flow_does_and_not_where_newton_s_steps_do():
+    """A surface on which Newton's steps from separation lose their way: 4 of 576 atoms are in contact or not."""
+    motion = Motion(rough(24, 8, 4e-10, 2e8))
+    apart = motion.contact.separated()
+    newton = motion.contact.step(apart, motion.load).state
+    flow = motion.implicit(0.1, 1e-3, apart)[-1].state
+    end = motion.explicit(residual=2e-3)[-1]
+    assert np.abs(newton - flow)[2].max() > 0.3 * LENGTH
+    assert np.abs(end - flow)[2].max() < 0.1 * LENGTH
+    assert np.abs(end - newton)[2].max() > 0.3 * LENGTH
+
+
+def test_energy_never_rises_and_rest_is_a_minimum(landing):
+    found = landing.implicit(0.1, 1e-2)
+    before = landing.start
+    for each in found:
+        energies = [landing.energy(u, each.load) for u in (before, each.state)]
+        # The sum over 256 atoms of energies that cancel rounds at 1e-12 of them.
+        assert energies[1] <= energies[0] + 1e-11 * abs(energies[0])
+        before = each.state
+    lost = landing.energy(landing.start, landing.load) - landing.energy(before, landing.load)
+    assert lost > 0.1 * abs(landing.energy(before, landing.load))
+    assert np.abs(landing.slope(before)).max() < 1.5e-8 * CONTACT_MODULUS
+    assert found[-1].found.residual == pytest.approx(np.abs(landing.slope(before)).max() / CONTACT_MODULUS, abs=1e-10)
+
+
+@pytest.mark.parametrize("ratio", [1, 8])
+def test_state_depends_on_neither_rate_nor_error(ratio):
+    motion = Motion(rough(20, ratio, 3e-10, 2e8, seed=3))
+    apart = motion.contact.separated()
+    states = [motion.implicit(error, rate, apart)[-1].state for rate, error in ((1e-2, 0.1), (5e-3, 0.1), (1e-2, 0.05))]
+    for state in states[1:]:
+        # Two states at rest to 1e-8 E*: the softest waves let the rest differ by some 1e-6 r0.
+        np.testing.assert_allclose(state, states[0], rtol=0, atol=1e-5 * LENGTH)
+
+
+FLOW = {
+    "surface": {"rms_height": "2 angstrom", "cutoff_mode": 4},
+    "interaction": {"well_depth_ratio": 4},
+    "atomistic": {"method": "overdamped", "temperature": 0},
+    "loading": {"path": ["1 GPa", "-1 GPa", "-10 GPa", "-1 GPa", "0.5 GPa"]},
+}
+
+
+@pytest.fixture(scope="module")
+def loop(tmp_path_factory):
+    path = tmp_path_factory.mktemp("loop") / "md.nc"
+    contact_study.run(changed(**FLOW), "atomistic", output=path)
+    return path
+
+
+def test_loop_of_contact_pull_off_and_new_contact(loop):
+    groups = groups_of(loop)
+    root, series = groups["/"], groups[f"/{TRAJECTORY}"]
+    np.testing.assert_array_equal(root.detached, [0, 0, 1, 1, 0])
+    np.testing.assert_array_equal(root.converged, 1)
+    np.testing.assert_allclose(root.mean_pressure[[0, 1, 4]], [1e9, -1e9, 0.5e9], atol=2e-8 * CONTACT_MODULUS)
+    assert np.all(root.residual <= 1e-8)
+    assert not [name for name in root if name.endswith("_standard_error")]
+    np.testing.assert_allclose(root.gap.mean(("y", "x"))[[0, 1, 4]] - LENGTH, root.mean_gap[[0, 1, 4]], rtol=1e-9)
+    # What a step says is the last of its series, and all work on the way is counted.
+    area = series.relative_contact_area.values
+    lengths = np.sum(np.isfinite(area), axis=1)
+    np.testing.assert_array_equal(lengths[[0, 1, 4]], root.iterations[[0, 1, 4]])
+    for step in (0, 1, 4):
+        assert area[step, lengths[step] - 1] == root.relative_contact_area[step]
+    assert np.all(root.force_evaluations[[0, 1, 2, 4]] > root.iterations[[0, 1, 2, 4]])
+    assert lengths[3] == 1
+    still = contact_study.run(changed(**{**FLOW, "atomistic": {"method": "quasi_static", "temperature": 0}}), "atomistic")
+    np.testing.assert_allclose(root.relative_contact_area, still.relative_contact_area, atol=1e-9)
+
+
+def test_run_stopped_on_the_way_goes_on_to_the_same_bits(loop, tmp_path, monkeypatch):
+    path = tmp_path / "md.nc"
+    steps = []
+    go_on = OverdampedBlock.advance
+
+    def stopping_at(number):
+        def advance(self, *arguments):
+            steps.append(number)
+            if len(steps) == number:
+                raise KeyboardInterrupt
+            return go_on(self, *arguments)
+
+        steps.clear()
+        monkeypatch.setattr(OverdampedBlock, "advance", advance)
+
+    monkeypatch.setattr(case_run, "_SECONDS_BETWEEN_CHECKPOINTS", 0.0)
+    first = int(groups_of(loop)["/"].iterations[0])
+    for stop in (first - 5, 15, 10**6):  # on the way to the first point, to the second or third, not at all
+        stopping_at(stop)
+        if stop < 10**6:
+            with pytest.raises(KeyboardInterrupt):
+                contact_study.run(changed(**FLOW), "atomistic", output=path, resume=path.exists() or stop == 15)
+        else:
+            contact_study.run(changed(**FLOW), "atomistic", output=path, resume=True)
+    assert_equal_groups(groups_of(path), groups_of(loop))
+
+
+def test_few_steps_are_reported():
+    flow = {**FLOW, "solver": {"max_iterations": 5}, "loading": {"path": ["1 GPa"]}}
+    with pytest.warns(UserWarning, match="did not converge"):
+        dataset = contact_study.run(changed(**flow), "atomistic")
+    assert dataset.converged.item() == 0
+    assert dataset.iterations.item() == 5
+    assert "max_iterations" in dataset.message.item()
+
+
+@pytest.mark.parametrize(
+    ("sections", "words"),
+    [
+        ({"atomistic": {"temperature": 300}}, "atomistic.temperature = 300 K.*overdamped.*sampling"),
+        ({"loading": {"control": "gap", "path": ["1 angstrom"]}}, 'loading.control = "gap".*atomistic.method'),
+    ],
+)
+def test_what_friction_alone_does_not_do_is_refused(sections, words):
+    table = changed(**{**FLOW, **{name: {**FLOW.get(name, {}), **keys} for name, keys in sections.items()}})
+    with pytest.raises(InputError, match=words):
+        check(make_study(table).cases[0])
