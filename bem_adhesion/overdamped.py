@@ -5,6 +5,7 @@ Newton steps of the equilibrium solver on the finest grid alone: predictions of 
 """
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -44,7 +45,7 @@ class OverdampedContact(LoadedContact):
         Local error of a time step (m).
     """
 
-    def __init__(self, *arguments, allowed: float, **options):
+    def __init__(self, *arguments: Any, allowed: float, **options: Any):
         super().__init__(*arguments, **options)
         self._allowed = allowed / self._length
         self._pairs = self._contact.equivalent_pairs(self._grid)  # before the steps whose work is not told yet

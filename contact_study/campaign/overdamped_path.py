@@ -91,7 +91,7 @@ def solve_path(
     pace : Pace
         :func:`pace_of` the case.
     restart : mapping, optional
-        Of the point before ``start``, or of a state on the way to ``start``; without it the path begins from separation.
+        Of the point before ``start``, or of a state on the way to it; without it the path begins from separation.
     start : int, optional
         First point of the path.
     """

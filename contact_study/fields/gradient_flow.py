@@ -56,12 +56,13 @@ class Advance(Protocol):
 
 
 Found = TypeVar("Found", bound=Advance)
+FoundByStep = TypeVar("FoundByStep", bound=Advance, covariant=True)
 
 
-class Overdamped(Protocol[Found]):
+class Overdamped(Protocol[FoundByStep]):
     """What moves."""
 
-    def advance(self, state: np.ndarray, load: float, drag: float) -> Found | None:
+    def advance(self, state: np.ndarray, load: float, drag: float) -> FoundByStep | None:
         """The minimum of E(u) + drag |u − state|²/2 next to ``state``; None if it was not found."""
 
     def beside_saddle(self, state: np.ndarray, load: float) -> np.ndarray | None:
@@ -159,10 +160,7 @@ def follow(system: Overdamped[Found], at: Instant[Found], target: float, pace: P
             at = replace(at, fate=Fate.APART)
         elif at.load == target and moved.found.residual <= pace.tolerance:
             lower = system.beside_saddle(at.state, target)
-            if lower is None:
-                at = replace(at, fate=Fate.AT_REST)
-            else:
-                at = replace(at, state=lower, move=0.0)
+            at = replace(at, fate=Fate.AT_REST) if lower is None else replace(at, state=lower, move=0.0)
         if at.fate is Fate.MOVING and at.steps >= pace.most:
             at = replace(at, fate=Fate.TOO_LONG)
         yield at

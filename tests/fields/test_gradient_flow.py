@@ -53,7 +53,7 @@ def moments(system, start, target, pace):
 
 
 def test_spring_relaxes_in_its_own_time():
-    """u = (F/k)(1 − e^(−kt)) under a load that is there at once; errors fall with the square root of the one allowed."""
+    """u = (F/k)(1 − e^(−kt)) under a load that is there at once; errors fall with the root of the one allowed."""
     errors = []
     for allowed in (4e-3, 1e-3):
         pace = replace(PACE, rate=1e9, allowed=allowed)

@@ -170,7 +170,9 @@ def test_loop_of_contact_pull_off_and_new_contact(loop):
         assert area[step, lengths[step] - 1] == root.relative_contact_area[step]
     assert np.all(root.force_evaluations[[0, 1, 2, 4]] > root.iterations[[0, 1, 2, 4]])
     assert lengths[3] == 1
-    still = contact_study.run(changed(**{**FLOW, "atomistic": {"method": "quasi_static", "temperature": 0}}), "atomistic")
+    still = contact_study.run(
+        changed(**{**FLOW, "atomistic": {"method": "quasi_static", "temperature": 0}}), "atomistic"
+    )
     np.testing.assert_allclose(root.relative_contact_area, still.relative_contact_area, atol=1e-9)
 
 

@@ -1,0 +1,209 @@
+"""The continuum in slow motion against friction: down the steepest descent of its energy, to rest."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import contact_study
+from bem_adhesion.overdamped import OverdampedContact
+from bem_adhesion.run import check
+from contact_study.campaign import case_run
+from contact_study.campaign.overdamped_path import pace_of
+from contact_study.campaign.schema import TRAJECTORY
+from contact_study.fields.gradient_flow import Fate, at_rest, follow
+from contact_study.problem.errors import InputError
+from contact_study.problem.study import make_study
+from contact_study.problem.surface import realise
+from tests.bem_adhesion.paper_system import CONTACT_DISTANCE, E_STAR, R0, study_table
+from tests.md_reference.test_sampling import assert_equal_groups, groups_of
+
+AT_ONCE = 1e9  # a loading rate at which the load is there from the first step on
+SIZE = 80e-10
+
+
+def table(points=32, ratio=4.0, load=2e8, rms=3e-10, **sections):
+    interaction = {"well_depth_ratio": ratio}
+    merged = {"surface": {"rms_height": rms, "cutoff_mode": 6}, "interaction": interaction, "loading": {"path": [load]}}
+    return study_table(points, size=SIZE, **{**merged, **sections})
+
+
+class Motion:
+    """A case on its way to its first point: by the product's steps, and by explicit ones of an energy written anew."""
+
+    def __init__(self, **asked):
+        self.case = make_study(table(**asked)).cases[0]
+        self.surface, self.load = realise(self.case), self.case.path[0][0]
+        self.height, self.work = self.surface.sampled, self.case.law.work_of_adhesion
+        points = self.height.shape[0]
+        q = 2 * np.pi * np.fft.fftfreq(points, SIZE / points)
+        self.stiffness = 0.5 * E_STAR * np.hypot(q[:, None], q[None, :])
+        self.start = self.height.max() - self.height + 1.1 * R0
+
+    def contact(self, allowed):
+        return OverdampedContact(self.height, self.surface.grid, self.case.solid, self.case.law, allowed=allowed)
+
+    def implicit(self, step_error, rate=AT_ONCE, start=None):
+        given = dataclasses.replace(self.case.overdamped, step_error=step_error, loading_rate=rate)
+        pace = pace_of(dataclasses.replace(self.case, overdamped=given), self.surface.size)
+        contact = self.contact(pace.allowed)
+        start = contact.separated() if start is None else start
+        return list(follow(contact, at_rest(start, 0.0, pace), self.load, pace))
+
+    def flexure(self, gap):
+        return np.fft.ifft2(self.stiffness * np.fft.fft2(gap + self.height)).real
+
+    def energy(self, gap, load):
+        s = R0 / gap
+        law = 5 / 3 * self.work * (0.4 * s**10 - s**4)
+        return np.mean(0.5 * (gap + self.height) * self.flexure(gap) + law + load * gap)
+
+    def slope(self, gap):
+        s = R0 / gap
+        return self.flexure(gap) + 20 * self.work / (3 * R0) * (s**5 - s**11) + self.load
+
+    def explicit(self, residual, every=10):
+        """dd/dt = −∂E/∂d by Euler's steps of a stable length until the stress is small; gaps on the way."""
+        stiffest = self.stiffness.max() + 2 * 40 * self.work / R0**2
+        gap, gaps = self.start, [self.start]
+        while True:
+            for _ in range(every):
+                slope = self.slope(gap)
+                gap = gap - 0.5 / stiffest * slope
+            gaps.append(gap)
+            if np.abs(slope).max() <= residual * E_STAR:
+                return np.array(gaps)
+
+
+@pytest.fixture(scope="module")
+def landing():
+    return Motion(points=24, ratio=8.0)
+
+
+def test_steps_stay_on_the_path_of_an_explicit_flow(landing):
+    path = landing.explicit(residual=2e-4)
+    distances = []
+    for step_error in (0.2, 0.05):
+        found = landing.implicit(step_error, start=landing.start)
+        assert found[-1].fate is Fate.AT_REST
+        distances.append(max(np.min(np.max(np.abs(path - each.state), axis=(1, 2))) for each in found) / R0)
+        np.testing.assert_allclose(found[-1].state, path[-1], rtol=0, atol=0.02 * R0)
+    # Local errors of 0.05 r0 that the next steps damp.
+    assert distances[1] < 0.05
+    assert distances[1] < 0.75 * distances[0]
+    area = [np.mean(gap < CONTACT_DISTANCE) for gap in (path[-1], path[0])]
+    assert area[0] > area[1] + 0.1
+
+
+@pytest.mark.parametrize("law", ["lennard_jones_10_4", "exponential"])
+def test_energy_never_rises_and_rest_is_an_equilibrium(law):
+    interaction = {"law": law, "well_depth_ratio": 4.0, "contact_distance": None}
+    motion = Motion(interaction=interaction)
+    found = motion.implicit(0.1, 1e-2)
+    energies = [each.found.solution.elastic_energy + each.found.solution.interaction_energy for each in found]
+    gaps = np.array([each.state.mean() for each in found])
+    loads = np.array([each.load for each in found])
+    # At the load of its end no step rises; the line search takes energies that are equal to 1e-9.
+    change = np.diff(energies) + loads[1:] * np.diff(gaps)
+    assert np.all(change <= 1e-9 * np.abs(energies[1:]))
+    assert np.sum(change) < -0.1 * abs(energies[-1])
+    assert found[-1].fate is Fate.AT_REST
+    still = contact_study.run(table(interaction=interaction), "continuum")
+    assert energies[-1] == pytest.approx((still.elastic_energy + still.interaction_energy).item(), rel=1e-6)
+    if law == "lennard_jones_10_4":
+        for each, own in zip(found, energies, strict=True):
+            assert motion.energy(each.state, 0.0) == pytest.approx(own, rel=1e-9, abs=1e-12)
+        assert np.abs(motion.slope(found[-1].state)).max() < 1.5e-8 * E_STAR
+
+
+def test_state_depends_on_neither_rate_nor_error(landing):
+    states = [landing.implicit(error, rate)[-1].state for rate, error in ((1e-2, 0.1), (5e-3, 0.1), (1e-2, 0.05))]
+    for state in states[1:]:
+        # Two states at rest to 1e-8 E*: the softest waves let the rest differ by some 1e-7 r0.
+        np.testing.assert_allclose(state, states[0], rtol=0, atol=1e-6 * R0)
+
+
+FLOW = table(
+    solver={"path": "overdamped"},
+    loading={"path": ["1 GPa", "-0.5 GPa", "-10 GPa", "-0.5 GPa", "0.5 GPa"]},
+    output={"fields": True, "stiffness": True},
+)
+
+
+@pytest.fixture(scope="module")
+def loop(tmp_path_factory):
+    path = tmp_path_factory.mktemp("loop") / "bem.nc"
+    contact_study.run(FLOW, "continuum", output=path)
+    return path
+
+
+def test_loop_of_contact_pull_off_and_new_contact(loop):
+    groups = groups_of(loop)
+    root, series = groups["/"], groups[f"/{TRAJECTORY}"]
+    np.testing.assert_array_equal(root.detached, [0, 0, 1, 1, 0])
+    np.testing.assert_array_equal(root.converged, 1)
+    np.testing.assert_allclose(root.mean_pressure[[0, 1, 4]], [1e9, -0.5e9, 0.5e9], atol=2e-8 * E_STAR)
+    assert np.all(root.residual <= 1e-8)
+    still = contact_study.run({**FLOW, "solver": {}}, "continuum")
+    np.testing.assert_array_equal(still.detached, root.detached)
+    for name in ("relative_contact_area", "mean_gap", "elastic_energy", "contact_stiffness"):
+        found, expected = (each[name].values[[0, 1, 4]] for each in (root, still))
+        np.testing.assert_allclose(found, expected, rtol=1e-4)
+    area = series.relative_contact_area.values
+    lengths = np.sum(np.isfinite(area), axis=1)
+    np.testing.assert_array_equal(lengths[[0, 1, 4]], root.iterations[[0, 1, 4]])
+    assert np.all(root.fft_pairs[[0, 1, 4]] > 2 * root.iterations[[0, 1, 4]])
+    # The series of the first point is the descent: nothing touches at its beginning.
+    assert area[0, 0] == 0
+    assert area[0, lengths[0] - 1] == root.relative_contact_area[0]
+
+
+def test_run_stopped_on_the_way_goes_on_to_the_same_bits(loop, tmp_path, monkeypatch):
+    path = tmp_path / "bem.nc"
+    steps = []
+    go_on = OverdampedContact.advance
+
+    def stopping_at(number):
+        def advance(self, *arguments):
+            steps.append(number)
+            if len(steps) == number:
+                raise KeyboardInterrupt
+            return go_on(self, *arguments)
+
+        steps.clear()
+        monkeypatch.setattr(OverdampedContact, "advance", advance)
+
+    monkeypatch.setattr(case_run, "_SECONDS_BETWEEN_CHECKPOINTS", 0.0)
+    with xr.open_dataset(loop) as root:
+        first = int(root.iterations[0])
+    for number, stop in enumerate((first - 5, 15, 10**6)):  # on the way to the first point, to a later one, not at all
+        stopping_at(stop)
+        if stop < 10**6:
+            with pytest.raises(KeyboardInterrupt):
+                contact_study.run(FLOW, "continuum", output=path, resume=number > 0)
+        else:
+            contact_study.run(FLOW, "continuum", output=path, resume=True)
+    assert_equal_groups(groups_of(path), groups_of(loop))
+
+
+def test_wall_without_attraction_has_one_state_by_any_path():
+    wall = {"law": "hard_wall", "work_of_adhesion": None, "length": None, "contact_distance": None}
+    flow, still = (
+        contact_study.run(table(interaction={**wall, "well_depth_ratio": None}, solver=solver), "continuum")
+        for solver in ({"path": "overdamped"}, {})
+    )
+    assert flow.relative_contact_area.item() == still.relative_contact_area.item() > 0
+
+
+@pytest.mark.parametrize(
+    ("sections", "words"),
+    [
+        ({"loading": {"control": "gap", "path": ["1 angstrom"]}}, 'loading.control = "gap".*solver.path'),
+        ({"elasticity": {"boundary": "free"}}, 'elasticity.boundary = "free".*periodic'),
+        ({"loading": {"path": [1e9], "adaptive": True}}, "loading.adaptive = true.*overdamped"),
+    ],
+)
+def test_what_the_flow_does_not_do_is_refused(sections, words):
+    with pytest.raises(InputError, match=words):
+        check(make_study(table(solver={"path": "overdamped"}, **sections)).cases[0])
