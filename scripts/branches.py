@@ -4,7 +4,7 @@ Area and mean gap of atoms and continuum along one loading path from separation,
 the file has already are not computed again, so that ways, sizes and surfaces can be added one after the other.
 
     python scripts/branches.py data/yang2008.toml --atoms 200 --seeds 1 2 3 -o data/branches.csv
-    python scripts/branches.py --from data/branches.csv
+    python scripts/branches.py --from data/branches.csv --pressures "0.1 GPa" "1 GPa" "10 GPa"
 """
 
 import argparse
@@ -23,8 +23,8 @@ from contact_study.problem.units import quantity
 
 PRESSURES = ("0.1 GPa", "0.2 GPa", "0.5 GPa", "1 GPa", "2 GPa", "5 GPa", "10 GPa")
 _SMALL = 5  # small steps from one pressure to the next
-# Motion by Newton's law: weak friction, and until the waves that it leaves have died.
-_DAMPING, _DURATION = "0.05 ps^-1", "150 ps"
+# Motion by Newton's law: friction so weak that the block's longest wave rings, for as long as it does.
+_NEWTON = {"damping": "0.05 ps^-1", "duration": "200 ps"}
 
 SECTIONS: dict[str, dict[str, Any]] = {
     "steps": {},
@@ -32,10 +32,14 @@ SECTIONS: dict[str, dict[str, Any]] = {
     "flow 1e-2": {"overdamped": {"loading_rate": 1e-2}},
     "flow 1e-3": {"overdamped": {"loading_rate": 1e-3}},
     "flow 1e-3, half the error": {"overdamped": {"loading_rate": 1e-3, "step_error": 0.05}},
-    "Newton 20 m/s": {"dynamics": {"damping": _DAMPING, "duration": _DURATION, "approach_speed": "20 m/s"}},
-    "Newton 100 m/s": {"dynamics": {"damping": _DAMPING, "duration": _DURATION, "approach_speed": "100 m/s"}},
+    "Newton 50 m/s": {"dynamics": {**_NEWTON, "approach_speed": "50 m/s"}},
+    "Newton 200 m/s": {"dynamics": {**_NEWTON, "approach_speed": "200 m/s"}},
 }
-KEYS = ["model", "atoms", "seed", "ratio", "way", "pressure_GPa"]
+POINT = ["model", "atoms", "seed", "ratio", "pressure_GPa"]
+# To the digits that the table has.
+_SAME_AREA, _SAME_GAP = 5e-5, 5e-4
+KEYS = [*POINT, "way"]
+NAMES = {"atomistic": "atoms", "continuum": "continuum"}
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -52,7 +56,9 @@ def parser() -> Parser:
     made.add_argument("--atoms", type=int, default=200, help="atoms a side: the study's slopes in a smaller cell")
     made.add_argument("--seeds", type=int, nargs="+", default=[1], help="surfaces")
     made.add_argument("--ratios", type=float, nargs="+", default=[1.0, 4.0, 8.0], help="multiples of the well depth")
-    made.add_argument("--pressures", nargs="+", default=list(PRESSURES), help="the loading path")
+    made.add_argument(
+        "--pressures", nargs="+", default=list(PRESSURES), help="the loading path; what is shown of a CSV"
+    )
     made.add_argument("-o", "--output", type=Path, help="CSV to add to")
     made.add_argument("--from", type=Path, dest="source", help="CSV to print, in place of a run")
     return made
@@ -70,7 +76,7 @@ def _main(arguments: Sequence[str] | None) -> int:
                 for seed in given.seeds:
                     for way in given.ways:
                         table = _with(table, study, given, model, ratio, seed, way)
-    print("\n".join(lines(table)))
+    print("\n".join(lines(table, [quantity(text, "Pa", "--pressures") / 1e9 for text in given.pressures])))
     return 0
 
 
@@ -137,29 +143,56 @@ def walked(
         }
 
 
-def lines(table: pd.DataFrame) -> Iterator[str]:
-    """The table as Markdown: the state by steps, and by how much the other ways differ."""
+def lines(table: pd.DataFrame, pressures: Sequence[float]) -> Iterator[str]:
+    """The table as Markdown: the mean state by steps, and by how much the other ways differ, and where they do most."""
     if table.empty:
         raise InputError("nothing to print: no run has been made")
     ways = [way for way in SECTIONS if way != "steps" and way in set(table.way)]
-    yield "| | atoms (seeds) | ε/ε₀ | p (GPa) | A; ū (Å), steps | " + " | ".join(ways) + " |"
+    yield "| | atoms (surfaces) | ε/ε₀ | p (GPa) | steps: A; ū (Å) | " + " | ".join(ways) + " |"
     yield "|---" * (5 + len(ways)) + "|"
-    names = {"atomistic": "atoms", "continuum": "continuum"}
-    for (model, atoms, ratio, pressure), here in table.groupby(["model", "atoms", "ratio", "pressure_GPa"]):
-        steps = here[here.way == "steps"].set_index("seed")
-        cells = [_difference(steps, here[here.way == way].set_index("seed")) for way in ways]
-        seeds = ", ".join(str(seed) for seed in sorted(set(here.seed)))
-        state = f"{steps.area.mean():.4f}; {steps.mean_gap_A.mean():.3f}"
-        yield f"| {names[model]} | {atoms}² ({seeds}) | {ratio:g} | {pressure:g} | {state} | {' | '.join(cells)} |"
+    steps = table[table.way == "steps"].set_index(POINT)
+    own = steps.rename(columns={"area": "by_steps", "mean_gap_A": "gap_by_steps"})[["by_steps", "gap_by_steps"]]
+    others = table[table.way != "steps"].join(own, on=POINT)
+    others = others.assign(d_area=others.area - others.by_steps, d_gap=others.mean_gap_A - others.gap_by_steps)
+    others = others.dropna(subset="d_area")
+    shown = table[table.pressure_GPa.isin([round(pressure, 6) for pressure in pressures])]
+    for group, here in shown.groupby(["model", "atoms", "ratio", "pressure_GPa"]):
+        model, atoms, ratio, pressure = group
+        state = here[here.way == "steps"]
+        known = others.set_index(["model", "atoms", "ratio", "pressure_GPa"]).sort_index()
+        own = known.loc[[group]] if group in known.index else known.iloc[:0]
+        cells = [_largest(own[own.way == way]) for way in ways]
+        yield (
+            f"| {NAMES[str(model)]} | {atoms}² ({state.seed.nunique()}) | {ratio:g} | {pressure:g} | "
+            f"{_signed(f'{state.area.mean():.4f}; {state.mean_gap_A.mean():.3f}')} | {' | '.join(cells)} |"
+        )
+    yield ""
+    for way in ways:
+        one = others[others.way == way]
+        alike = (one.d_area.abs() < _SAME_AREA) & (one.d_gap.abs() < _SAME_GAP)
+        sentence = f"- {way}: the same in {alike.sum()} of {len(one)} states"
+        if not alike.all():
+            worst = one.loc[one.d_area.abs().idxmax()]
+            sentence += (
+                f"; the area differs by {_signed(f'{worst.d_area:+.4f}')} at most ({NAMES[worst.model]}, "
+                f"{worst.atoms}², surface {worst.seed}, {worst.ratio:g} ε₀, {worst.pressure_GPa:g} GPa), the mean "
+                f"gap by {one.d_gap.abs().max():.3f} Å"
+            )
+        yield sentence + "."
 
 
-def _difference(steps: pd.DataFrame, other: pd.DataFrame) -> str:
+def _largest(own: pd.DataFrame) -> str:
     """The largest difference over the surfaces of area and mean gap, with the sign of each."""
-    if other.empty:
+    if own.empty:
         return ""
-    area, gap = (other[name] - steps[name].reindex(other.index) for name in ("area", "mean_gap_A"))
-    text = f"{area.loc[area.abs().idxmax()]:+.4f}; {gap.loc[gap.abs().idxmax()]:+.3f}"
-    return text.replace("-", "−") + ("" if other.converged.all() else " (moving)")
+    if (own.d_area.abs() < _SAME_AREA).all() and (own.d_gap.abs() < _SAME_GAP).all():
+        return "="
+    area, gap = (own[name].iloc[own[name].abs().argmax()] for name in ("d_area", "d_gap"))
+    return _signed(f"{area:+.4f}; {gap:+.3f}") + ("" if own.converged.all() else " (moving)")
+
+
+def _signed(text: str) -> str:
+    return text.replace("-", "−")
 
 
 if __name__ == "__main__":

@@ -16,6 +16,7 @@ from scripts import (
     benchmark_adhesive,
     benchmark_atoms,
     benchmark_storage,
+    branches,
     contact_challenge,
     continuum_against_atoms,
     edge_flow_convergence,
@@ -346,3 +347,33 @@ def test_richardson_finds_the_order_of_three_grids(order, limit):
 def test_grids_of_the_challenge_increase(capsys):
     assert contact_challenge.main(["--points", "128", "64"]) == 1
     assert "must increase" in capsys.readouterr().err
+
+
+def test_branches_compares_every_way_with_steps(tmp_path, capsys):
+    path = tmp_path / "branches.csv"
+    options = ["--atoms", "28", "--ratios", "2", "--pressures", "0.5 GPa", "1 GPa", "-o", str(path)]
+    assert branches.main([*options, "--ways", "steps", "flow 1e-2"]) == 0
+    first = pd.read_csv(path)
+    assert set(first.model) == {"atomistic", "continuum"}
+    assert len(first) == 2 * 2 * 2
+    assert first.converged.all()
+    capsys.readouterr()
+    # What is there is not run again, and another way is added to it.
+    assert branches.main([*options, "--models", "continuum", "--ways", "steps", "small steps"]) == 0
+    table = pd.read_csv(path)
+    pd.testing.assert_frame_equal(table[table.way != "small steps"].reset_index(drop=True), first)
+    assert len(table) == 2 * 2 * 2 + 2
+    capsys.readouterr()
+    # One state moved by hand shows, with its place.
+    wrong = (table.way == "flow 1e-2") & (table.model == "atomistic") & (table.pressure_GPa == 1)
+    table.loc[wrong, "area"] -= 0.0123
+    table.to_csv(path, index=False)
+    assert branches.main(["--from", str(path), "--pressures", "1 GPa"]) == 0
+    head, _, atoms, continuum, _, small, flow = capsys.readouterr().out.splitlines()
+    assert head == "| | atoms (surfaces) | ε/ε₀ | p (GPa) | steps: A; ū (Å) | small steps | flow 1e-2 |"
+    state = table[(table.way == "steps") & (table.pressure_GPa == 1)].set_index("model")
+    for row, model, cells in ((atoms, "atomistic", "|  | −0.0123;"), (continuum, "continuum", "| = | = |")):
+        assert f"| 2 | 1 | {state.area[model]:.4f}; " in row
+        assert cells in row
+    assert small == "- small steps: the same in 2 of 2 states."
+    assert flow.startswith("- flow 1e-2: the same in 3 of 4 states; the area differs by −0.0123 at most (atoms, 28²")
