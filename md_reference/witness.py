@@ -2,8 +2,8 @@
 
 The pairs are given to LAMMPS as the expression that :mod:`md_reference.interface` states (``pair_style lepton``), the
 block as harmonic bonds along edges and face diagonals, which turn with their atoms as those of
-:class:`md_reference.rotating_block.RotatingBlock` do. Where λ = μ, at a Poisson's ratio of ¼, its cells have no energy of
-their volume and are bonds alone. Needs the extra ``lammps``.
+:class:`md_reference.rotating_block.RotatingBlock` do. Where λ = μ, at a Poisson's ratio of ¼, its cells have no energy
+of their volume and are bonds alone. Needs the extra ``lammps``.
 """
 
 import ctypes
@@ -23,6 +23,8 @@ from md_reference.interface import LennardJonesInterface
 
 ANGSTROM = 1e-10
 FORCE = constants.e / ANGSTROM  # eV/Å, the unit of LAMMPS' "metal" system, in N
+
+_PICOSECOND = 1e-12
 
 # Types of atoms.
 _BOTTOM, _SUBSTRATE, _INSIDE, _TOP = 1, 2, 3, 4
@@ -77,6 +79,26 @@ class Witness:
         """Move the atoms for some steps."""
         self.program.command(f"run {steps} pre no post no")
 
+    def thermostat(self, temperature: float, friction: float, seed: int = 1) -> None:
+        """Set the atoms of :func:`contact_witness` in thermal motion, the rigid plane up and down alone.
+
+        Parameters
+        ----------
+        temperature : float
+            T (K).
+        friction : float
+            Rate at which momentum is taken (1/s).
+        seed : int, optional
+            Of the noise.
+        """
+        for line in (
+            "fix move inside nve",
+            "fix lift rigid nve",
+            f"fix heat inside langevin {temperature} {temperature} {1 / (friction * _PICOSECOND)!r} {seed}",
+            "run 0 post no",
+        ):
+            self.program.command(line)
+
     def minimise(self, style: str, largest_force: float, evaluations: int) -> int:
         """Bring the atoms to rest, until no component of a force is above a limit (N); returns the evaluations.
 
@@ -91,7 +113,7 @@ class Witness:
         """
         assert self._log is not None
         self.program.command(f"min_style {style}")
-        self.program.command("min_modify norm max dmax 0.1")
+        self.program.command("min_modify norm max")
         self.program.command(f"minimize 0.0 {largest_force / FORCE!r} {evaluations} {evaluations}")
         return int(re.findall(r"force evaluations = \d+ (\d+)", self._log.read_text())[-1])
 
@@ -143,6 +165,7 @@ def contact_witness(
     shear_modulus: float,
     atom_mass: float,
     pressure: float,
+    time_step: float,
     log: Path,
 ) -> Witness:
     """A block of bonds under a rigid plane that carries a pressure, over the sites, to be minimised or set in motion.
@@ -163,6 +186,8 @@ def contact_witness(
         Of an atom (kg).
     pressure : float
         Mean pressure (Pa).
+    time_step : float
+        Of motion, and of the minimiser "fire" (s).
     log : pathlib.Path
         Where LAMMPS may write.
     """
@@ -189,6 +214,7 @@ def contact_witness(
         "fix together rigid aveforce NULL NULL 0.0",
         "fix plane rigid setforce 0.0 0.0 NULL",
         "fix still frozen setforce 0.0 0.0 0.0",
+        f"timestep {time_step / _PICOSECOND!r}",
     ):
         program.command(line)
     return Witness(program, rest, log)

@@ -9,9 +9,10 @@ import pytest
 from contact_study.problem.errors import InputError
 from md_reference import witness
 from md_reference.rotating_block import RotatingBlock
-from scripts import against_lammps
+from scripts import against_lammps, states_against_lammps
 
 STORED = Path(__file__).parent / "md_reference" / "lammps_forces.npz"
+STATES = STORED.with_name("lammps_states.npz")
 
 # LAMMPS' own rounding: positions of tens of ångströms to 1e-15, strains of 1e-4.
 WITHIN = 1e-10
@@ -42,6 +43,30 @@ def test_forces_are_those_of_lammps(own):
         pytest.skip(str(error))
     for part, forces in against_lammps.small_case(lammps).items():
         assert against_lammps.difference(own[part], forces) < WITHIN, part
+
+
+def close_to(state):
+    """Whether the block of turning springs comes to rest in a state (m), and the linear one does not."""
+    here = states_against_lammps.System(*states_against_lammps.SMALL)
+    own, _, left = states_against_lammps.relaxed(here, 1e-8)
+    assert left <= 1e-8
+    # A residual of 1e-8 moves the softest mode, the block's height, by some tens of layers' compression under it.
+    assert np.max(np.abs(own - state)) < 1e-15
+    assert np.max(np.abs(own[0, 0])) > 1e-12
+    assert 0.2 < here.observed(own[:, 0])[0] < 0.9
+
+
+def test_state_at_rest_is_the_one_that_lammps_found():
+    with np.load(STATES) as stored:
+        close_to(stored["displacement"])
+
+
+def test_state_at_rest_is_that_of_lammps(tmp_path):
+    try:
+        lammps = against_lammps.load_lammps()
+    except InputError as error:
+        pytest.skip(str(error))
+    close_to(states_against_lammps.small_case(lammps, tmp_path / "log.lammps"))
 
 
 def test_small_case_has_atoms_in_every_range_of_the_pairs(own):
