@@ -57,6 +57,8 @@ class NewtonianBlock:
         Rate at which the thermostat takes momentum (1/s); zero for none.
     temperature : float
         That the thermostat's noise gives back (K).
+    driven : bool
+        Whether the rigid plane keeps the velocity that its motion is given, whatever pulls at it.
 
     Attributes
     ----------
@@ -73,10 +75,12 @@ class NewtonianBlock:
         time_step: float,
         friction: float = 0.0,
         temperature: float = 0.0,
+        driven: bool = False,
     ):
         self.block = block
         self.interaction = interaction
         self.time_step = time_step
+        self.driven = driven
         self.interaction_energy = 0.0
         self.interface_force = np.empty((3, *block.atoms))
         self._force = np.zeros(block.size)
@@ -111,7 +115,7 @@ class NewtonianBlock:
         self._evaluate(motion, pressure)
 
     def step(self, motion: Motion, pressure: float, generator: np.random.Generator) -> None:
-        """One time step, in place, under a mean pressure (Pa).
+        """One time step, in place, under a mean pressure (Pa), which a driven plane does not feel.
 
         Raises
         ------
@@ -170,7 +174,8 @@ class NewtonianBlock:
 
     def _kick(self, motion: Motion, duration: float) -> None:
         _add_product(motion.velocity, self._force, self.block.inverse_mass, duration)
-        motion.top_velocity += duration * self._top_force / self.block.top_mass
+        if not self.driven:
+            motion.top_velocity += duration * self._top_force / self.block.top_mass
 
     def _drift(self, motion: Motion, duration: float) -> None:
         _add_multiple(motion.displacement, motion.velocity, duration)
@@ -182,10 +187,12 @@ class NewtonianBlock:
         A thermostat of the coarse levels alone would not reach the surface: its fast waves do not run there.
         """
         motion.velocity *= self._kept
-        motion.top_velocity *= self._kept
+        if not self.driven:
+            motion.top_velocity *= self._kept
         if self._noise:
             generator.standard_normal(out=self._random)
             _add_product(motion.velocity, self._random, self._noise_scale, 1.0)
+        if self._noise and not self.driven:
             motion.top_velocity += float(generator.standard_normal()) * np.sqrt(self._noise / self.block.top_mass)
 
 

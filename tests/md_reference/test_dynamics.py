@@ -8,10 +8,10 @@ from contact_study.campaign import case_run
 from contact_study.campaign.schema import STANDARD_ERROR, TRAJECTORY
 from contact_study.problem.errors import InputError
 from contact_study.problem.study import make_study
-from md_reference.methods.dynamics import largest_time_step, time_step
+from md_reference.methods.dynamics import largest_time_step, longitudinal_modulus, time_step
 from md_reference.newtonian import NewtonianBlock
 from md_reference.run import check
-from tests.md_reference.systems import LENGTH
+from tests.md_reference.systems import CONTACT_MODULUS, LATTICE_CONSTANT, LENGTH
 from tests.md_reference.test_sampling import assert_equal_groups, changed, groups_of
 
 MOVING = {
@@ -94,11 +94,18 @@ def test_warm_blocks_explicit_and_condensed_agree():
     assert explicit.temperature.item() == pytest.approx(300, abs=4 * explicit.temperature_standard_error.item() + 3)
 
 
-def test_run_stopped_within_a_point_goes_on_to_the_same_bits(tmp_path, monkeypatch):
+@pytest.mark.parametrize(
+    "loading",
+    [
+        {"path": ["1 GPa", "2 GPa"]},
+        pytest.param({"control": "gap", "path": ["0.5 nm", "0.4 nm"]}, marks=pytest.mark.validation),
+    ],
+)
+def test_run_stopped_within_a_point_goes_on_to_the_same_bits(loading, tmp_path, monkeypatch):
     study = moving(
         atomistic={"temperature": 300.0},
         dynamics={"duration": "1 ps", "frames": 20},
-        loading={"path": ["1 GPa", "2 GPa"]},
+        loading=loading,
         output={"fields": False},
     )
     with pytest.warns(UserWarning, match="autocorrelation times"):
@@ -128,6 +135,39 @@ def test_run_stopped_within_a_point_goes_on_to_the_same_bits(tmp_path, monkeypat
     assert_equal_groups(groups_of(tmp_path / "md.nc"), groups_of(tmp_path / "whole.nc"))
 
 
+DRIVEN = {
+    "loading": {"control": "gap", "path": ["0.2 nm", "0.05 nm", "0.05 nm", "1.2 nm"]},
+    "dynamics": {"duration": "40 ps", "damping": "0.3 ps^-1", "approach_speed": "50 m/s", "frames": 10},
+}
+
+
+def test_driven_plane_goes_where_it_is_told_at_its_speed():
+    dataset = contact_study.run(moving(**DRIVEN), "atomistic")
+    case = make_study(moving(**DRIVEN)).cases[0]
+    gaps, times = dataset.applied_gap.values, np.diff(dataset.time.values)
+    # Whole steps in each frame: up to one step a frame longer.
+    for moved, taken in ((0.15e-9, times[0]), (1.15e-9, times[2])):
+        assert 0 <= taken * 50 / moved - 1 < 10 * time_step(case) * 50 / moved
+    assert times[1] == pytest.approx(40e-12, rel=0.05)  # at rest, for the duration, in whole steps
+    assert dataset.detached.values.tolist() == [0, 0, 0, 1]
+    # At rest the block is as much thinner than the gap tells as the pressure squeezes it.
+    at = dataset.isel(step=2)
+    squeezed = at.mean_pressure * 16 * LATTICE_CONSTANT / longitudinal_modulus(case)
+    assert at.residual < 1e-4
+    assert abs(at.mean_pressure) > 5e8
+    # The forces left, over E*, times the thickness.
+    assert at.mean_separation.item() == pytest.approx(gaps[2] + squeezed.item(), abs=1e-4 * 16 * LATTICE_CONSTANT)
+    quasi = moving(
+        loading={"control": "gap", "path": [at.mean_separation.item()]},
+        atomistic={"method": "quasi_static"},
+        dynamics={},
+    )
+    still = contact_study.run(quasi, "atomistic")
+    # Coarse levels leave 0.5 % of E*, and the forces left 1e-4 of it.
+    assert at.mean_pressure.item() == pytest.approx(still.mean_pressure.item(), rel=0.005, abs=1e-4 * CONTACT_MODULUS)
+    assert at.relative_contact_area.item() == pytest.approx(still.relative_contact_area.item(), abs=0.01)
+
+
 def test_a_torn_off_block_comes_down_again():
     study = moving(loading={"path": ["1 GPa", "-3.5 GPa", "1 GPa"]})
     dataset = contact_study.run(study, "atomistic")
@@ -145,7 +185,7 @@ def test_a_torn_off_block_comes_down_again():
         ({"dynamics": {"approach_speed": "400 m/s"}}, r"dynamics.approach_speed = 400 m/s: .*sound, 32\d m/s"),
         ({"dynamics": {"duration": "10 fs"}}, "dynamics.duration = 1e-14 s: shorter than dynamics.frames = 20 steps"),
         ({"atomistic": {"temperature": 300}, "dynamics": {"damping": 0}}, "needs dynamics.damping above zero"),
-        ({"loading": {"control": "gap", "path": ["1 nm"]}}, 'takes "pressure" only'),
+        ({"loading": {"control": "gap", "path": ["1 nm"]}, "dynamics": {"approach_speed": 0}}, "approach_speed"),
     ],
 )
 def test_impossible_motion_is_refused(sections, words):

@@ -1,0 +1,174 @@
+"""Approach and pull-off at a given speed: hysteresis of the atoms at zero temperature and warm.
+
+The rigid plane on top of the explicit block comes down at one speed, turns, and goes up until nothing is in reach. The
+stress and the work are those of the interface over the whole motion, frame by frame. `docs/temperature.md` shows figure
+and table.
+
+    python scripts/driven_loops.py data/yang2008.toml --fraction 0.24 -o docs/images/driven_loops.png
+"""
+
+import argparse
+import sys
+import tempfile
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+from matplotlib.figure import Figure
+from scipy.integrate import trapezoid
+
+import contact_study
+from contact_study.campaign.command import Parser, guarded
+from contact_study.campaign.files import writable_output
+from contact_study.plots.style import COLOURS, DOUBLE, RESOLUTION, styled
+from contact_study.problem.errors import InputError
+from contact_study.problem.study import read_study
+
+DAMPING = "0.1 ps^-1"
+FRAMES = 10  # of each step of the path
+ANGSTROM = 1e-10
+
+
+@dataclass(frozen=True)
+class Loop:
+    """One motion: distance of the driven plane less r0 (m), mean stress (Pa), and whether it goes down."""
+
+    words: str
+    distance: np.ndarray
+    stress: np.ndarray
+    down: np.ndarray
+
+    @property
+    def pull_off(self) -> float:
+        """Largest tension on the way up (Pa)."""
+        return float(-np.min(self.stress[~self.down], initial=0.0))
+
+    @property
+    def dissipated(self) -> float:
+        """Work that the motion leaves behind, per area (J/m²)."""
+        return float(-trapezoid(self.stress, self.distance))
+
+    def contact(self, down: bool) -> float:
+        """Where the way down meets its first, or the way up leaves its last, tension above a tenth of the largest (m)."""
+        side = self.down == down
+        touching = np.flatnonzero(self.stress[side] < -0.1 * self.pull_off)
+        if not touching.size:
+            return np.nan
+        return float(self.distance[side][touching[0 if down else -1]])
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    return guarded("driven_loops", lambda: _main(arguments), interrupted="nothing is written")
+
+
+def parser() -> Parser:
+    made = Parser(
+        description=__doc__.splitlines()[0], formatter_class=argparse.ArgumentDefaultsHelpFormatter, allow_abbrev=False
+    )
+    made.add_argument("study", type=Path, help="study with lattice constant and atom mass, over well_depth_ratio")
+    made.add_argument("-o", "--output", type=Path, help="figure to write")
+    made.add_argument("--fraction", type=float, default=1.0, help="of the study's lengths: its cell and rms height")
+    made.add_argument("--speed", default="20 m/s", help="of the driven plane")
+    made.add_argument("--temperature", default="300 K", help="of the warm atoms")
+    made.add_argument("--highest", type=float, default=14.0, help="separation that the way up ends at (Å)")
+    made.add_argument("--lowest", type=float, default=-4.0, help="separation at which the plane turns (Å)")
+    made.add_argument("--step", type=float, default=1.0, help="between points of the path (Å)")
+    return made
+
+
+def _main(arguments: Sequence[str] | None) -> int:
+    given = parser().parse_args(arguments)
+    if given.output is not None:
+        writable_output(given.output)
+    table = driven(given)
+    loops = {}
+    for temperature in ("0 K", given.temperature):
+        table["atomistic"]["temperature"] = temperature
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / "md.nc"
+            contact_study.run(table, "atomistic", output=path)
+            with xr.open_datatree(path, decode_timedelta=False) as tree:
+                loops[temperature] = loops_of(tree["/"].to_dataset(), tree["/trajectory"].to_dataset())
+    print("| | T | " + " | ".join(loop.words for loop in loops["0 K"]) + " |")
+    print("|---" * (2 + len(loops["0 K"])) + "|")
+    for words, value in (
+        ("attracted from (Å)", lambda loop: f"{loop.contact(True) / ANGSTROM:.1f}"),
+        ("held up to (Å)", lambda loop: f"{loop.contact(False) / ANGSTROM:.1f}"),
+        ("pull-off stress (GPa)", lambda loop: f"{loop.pull_off / 1e9:.2f}"),
+        ("work left behind (J/m²)", lambda loop: f"{loop.dissipated:.3f}"),
+    ):
+        for temperature, of in loops.items():
+            print(f"| {words} | {temperature} | " + " | ".join(map(value, of)) + " |")
+    if given.output is not None:
+        picture(loops).savefig(given.output, dpi=RESOLUTION)
+    return 0
+
+
+def driven(given: argparse.Namespace) -> dict:
+    """The study with its lengths at a fraction, driven down and up again."""
+    whole = read_study(given.study)
+    surface = whole.cases[0].surface
+    if surface.kind != "self_affine":
+        raise InputError(f'surface.kind = "{surface.kind}": --fraction is for self-affine surfaces')
+    if "interaction.well_depth_ratio" not in whole.table.get("sweep", {}):
+        raise InputError(f"{given.study}: sweeps no interaction.well_depth_ratio")
+    if not given.lowest < given.highest or given.step <= 0:
+        raise InputError("--lowest must be below --highest, and --step positive")
+    scaled = {
+        "size": [given.fraction * length for length in surface.size],
+        "shape": [round(given.fraction * points) for points in surface.shape],
+        "rms_height": given.fraction * surface.rms_height,
+    }
+    table = {name: content for name, content in whole.table.items() if name != "override"}
+    points = np.arange(given.highest, given.lowest - 0.5 * given.step, -given.step) * ANGSTROM
+    return {
+        **table,
+        "surface": {**table["surface"], **scaled},
+        "loading": {"control": "gap", "path": points.tolist(), "unload": True},
+        "atomistic": {**table.get("atomistic", {}), "method": "dynamics"},
+        "dynamics": {"damping": DAMPING, "approach_speed": given.speed, "frames": FRAMES},
+        "output": {},
+    }
+
+
+def loops_of(root: xr.Dataset, series: xr.Dataset) -> list[Loop]:
+    """The motion of each case, frame by frame."""
+    found = []
+    for number, ratio in enumerate(root.well_depth_ratio.values):
+        case, frames = root.isel(well_depth_ratio=number), series.isel(well_depth_ratio=number)
+        end = case.applied_gap.values
+        # The first point is reached from out of reach; the plane moves evenly from one point to the next.
+        share = (np.arange(FRAMES) + 1) / FRAMES
+        distance = (end[:-1, None] + np.diff(end)[:, None] * share).ravel()
+        stress = frames.mean_pressure.values[1:].ravel()
+        down = np.repeat(np.diff(end) < 0, FRAMES)
+        found.append(Loop(f"{ratio:g} ε₀", distance, stress, down))
+    return found
+
+
+@styled
+def picture(loops: dict[str, list[Loop]]) -> Figure:
+    """Stress against the distance of the driven plane, a panel a depth of the well."""
+    count = len(next(iter(loops.values())))
+    figure = Figure(figsize=(DOUBLE, 2.6), layout="constrained")
+    panels = np.atleast_1d(figure.subplots(1, count))
+    for number, axes in enumerate(panels):
+        for colour, (temperature, of) in zip(COLOURS, loops.items(), strict=False):
+            loop = of[number]
+            for side, line in ((loop.down, "-"), (~loop.down, "--")):
+                label = f"{temperature}, {'down' if line == '-' else 'up'}"
+                axes.plot(
+                    loop.distance[side] / ANGSTROM, loop.stress[side] / 1e9, line, color=colour, lw=0.9, label=label
+                )
+        axes.axhline(0, color="#909090", lw=0.7, zorder=1)
+        axes.set_title(loop.words, fontsize=8.5)
+        axes.set_xlabel("distance of the plane (Å)")
+    panels[0].set_ylabel("mean stress (GPa)")
+    panels[0].legend()
+    return figure
+
+
+if __name__ == "__main__":
+    sys.exit(main())
