@@ -116,7 +116,8 @@ def solve_path(
 
     The block begins just out of reach of the substrate, at the speed of approach. Under gap control its rigid plane
     moves at that speed to each point of the path, and rests for ``dynamics.duration`` where a point repeats the one
-    before. Without noise the last state of a point is its answer; with a thermostat the second half of its states.
+    before. The last state of a point is its answer; of atoms with a thermostat the second half of its states, unless the
+    plane is on its way.
 
     Parameters
     ----------
@@ -131,7 +132,11 @@ def solve_path(
     for number in range(start, len(case.path)):
         if at.point != number:
             at.point, at.frame = number, 0
-        discarded = frames - 1 if case.atomistic.temperature == 0 else frames // 2
+        # A driven motion passes a value once: there is no mean of it.
+        passing = case.loading.control == "gap" and case.path[number][0] != (
+            case.path[number - 1][0] if number else None
+        )
+        discarded = frames - 1 if passing or case.atomistic.temperature == 0 else frames // 2
         yield Ensemble(run.states(at, case.path[number][0], discarded), discarded)
 
 
