@@ -122,7 +122,8 @@ def driven(given: argparse.Namespace) -> dict:
         "rms_height": given.fraction * surface.rms_height,
     }
     table = {name: content for name, content in whole.table.items() if name != "override"}
-    points = np.arange(given.highest, given.lowest - 0.5 * given.step, -given.step) * ANGSTROM
+    count = round((given.highest - given.lowest) / given.step) + 1
+    points = np.linspace(given.highest, given.lowest, max(count, 2)) * ANGSTROM
     return {
         **table,
         "surface": {**table["surface"], **scaled},
