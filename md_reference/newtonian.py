@@ -58,7 +58,8 @@ class NewtonianBlock:
     temperature : float
         That the thermostat's noise gives back (K).
     driven : bool
-        Whether the rigid plane keeps the velocity that its motion is given, whatever pulls at it.
+        Whether the rigid plane keeps the velocity that its motion is given, whatever pulls at it. Friction then acts
+        on the motion against the plane: a bath that stays behind would drag at the whole block.
 
     Attributes
     ----------
@@ -89,6 +90,10 @@ class NewtonianBlock:
         self._noise = constants.k * temperature * (1 - self._kept**2)
         self._noise_scale = np.sqrt(self._noise * block.inverse_mass)
         self._random = np.empty(block.size)
+        # What the plane's velocity is added to where a driven block is at rest against its plane.
+        self._carried = np.zeros(block.size)
+        for nodes, mass in zip(block.levels_of(self._carried), block.levels_of(block.mass), strict=True):
+            nodes[2] = mass[2] > 0
 
     def start(self, displacement: np.ndarray, velocity: float = 0.0) -> Motion:
         """A block whose planes all have the height of its mean surface, moving as a whole.
@@ -145,8 +150,9 @@ class NewtonianBlock:
         return self.block.elastic_energy(motion.displacement, force)
 
     def temperature(self, motion: Motion) -> float:
-        """Twice the kinetic energy of the nodes over k_B and their number of freedoms (K)."""
-        moving = float(np.dot(self.block.mass, motion.velocity**2))
+        """Twice the kinetic energy of the nodes, against a driven plane, over k_B and their number of freedoms (K)."""
+        velocity = motion.velocity - motion.top_velocity * self._carried if self.driven else motion.velocity
+        moving = float(np.dot(self.block.mass, velocity**2))
         return moving / (constants.k * self.block.freedoms)
 
     def momentum(self, motion: Motion) -> float:
@@ -187,7 +193,9 @@ class NewtonianBlock:
         A thermostat of the coarse levels alone would not reach the surface: its fast waves do not run there.
         """
         motion.velocity *= self._kept
-        if not self.driven:
+        if self.driven:
+            motion.velocity += (1 - self._kept) * motion.top_velocity * self._carried
+        else:
             motion.top_velocity *= self._kept
         if self._noise:
             generator.standard_normal(out=self._random)

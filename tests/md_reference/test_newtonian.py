@@ -99,6 +99,19 @@ def test_free_block_flies_on():
     assert system.temperature(motion) == pytest.approx(2 * energy / (constants.k * system.block.freedoms), rel=1e-9)
 
 
+def test_driven_block_goes_with_its_plane():
+    """Nothing drags at it, however strong the friction, and its drift is no heat."""
+    system = system_of(interface=NoInterface(), friction=0.2 * FASTEST, driven=True)
+    motion = run(system, system.start(np.zeros((3, *ATOMS)), 20.0), 300, 1e9)
+    assert motion.top == pytest.approx(20.0 * motion.time, rel=1e-12)
+    np.testing.assert_allclose(system.block.bottom_of(motion.displacement)[2], motion.top, rtol=1e-9)
+    assert system.temperature(motion) < 1e-9
+    # Turned round, it follows within the time of the friction and of its waves.
+    motion.top_velocity = -20.0
+    run(system, motion, 6000, 1e9)
+    np.testing.assert_allclose(system.block.bottom_of(motion.velocity)[2], -20.0, rtol=1e-6)
+
+
 def test_thermostat_gives_every_freedom_its_share():
     """Velocities of nodes of all masses, and the elastic energy."""
     temperature = 300.0
