@@ -116,8 +116,8 @@ def solve_path(
 
     The block begins just out of reach of the substrate, at the speed of approach. Under gap control its rigid plane
     moves at that speed to each point of the path, and rests for ``dynamics.duration`` where a point repeats the one
-    before. The last state of a point is its answer; of atoms with a thermostat the second half of its states, unless the
-    plane is on its way.
+    before. The last state of a point is its answer; of atoms with a thermostat the second half of its states, unless
+    the plane is on its way.
 
     Parameters
     ----------
