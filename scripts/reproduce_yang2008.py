@@ -2,7 +2,8 @@
 
 Runs the four commands one after the other; each spreads its cases over the cores, shows progress and can be stopped
 and run again: finished steps are not repeated. Each model goes its own way from separated surfaces; --predictor starts
-every state of the atoms from the continuum's gap instead, as a cross-check.
+every state of the atoms from the continuum's gap instead, as a cross-check. The continuum alone also runs over more
+surfaces of the same spectrum, whose scatter stands behind the points of the one surface in the figures.
 """
 
 import argparse
@@ -23,18 +24,31 @@ def main() -> int:
     parser.add_argument(
         "--predictor", action="store_true", help="start the atoms' states from the continuum's gap, not their own path"
     )
+    parser.add_argument(
+        "--surfaces", type=int, default=12, metavar="N", help="surfaces of the scatter; 0: none (default 12)"
+    )
     given = parser.parse_args()
+    if given.surfaces < 0 or given.surfaces == 1:
+        parser.error(f"--surfaces {given.surfaces}: a scatter takes two surfaces or more")
     study = ROOT / STUDIES[given.preset]
     folder = given.output or Path("results") / f"yang2008-{given.preset}"
     bem, md, theory, comparison = (folder / f"{name}.nc" for name in ("bem", "md", "theory", "comparison"))
+    seeds = folder / "bem_seeds.nc"
     figures, report = folder / "figures", folder / "report.html"
     again = "--overwrite" if given.overwrite else "--resume"
+    compared = [bem, md, theory, "-o", comparison, "--figures", figures, "--report", report, "--overwrite"]
     commands = [
         ["bem-adhesion", study, "-o", bem, again],
         ["persson-theory", study, "-o", theory, again],
         ["md-reference", study, "-o", md, *(["--predictor", bem] if given.predictor else []), again],
-        ["contact-compare", bem, md, theory, "-o", comparison, "--figures", figures, "--report", report, "--overwrite"],
     ]
+    if given.surfaces:
+        numbers = ",".join(str(seed) for seed in range(1, given.surfaces + 1))
+        commands.append(
+            ["bem-adhesion", study, "-o", seeds, "--surface.seed", numbers, "--output.fields", "false", again]
+        )
+        compared += ["--scatter", seeds]
+    commands.append(["contact-compare", *compared])
     began, worst = time.monotonic(), 0
     for command in commands:
         print(f"\n$ {' '.join(str(part) for part in command)}", file=sys.stderr, flush=True)
@@ -43,7 +57,8 @@ def main() -> int:
             return status
         worst = max(worst, status)
     print(f"\ndone in {time.monotonic() - began:.0f} s; results:", file=sys.stderr, flush=True)
-    print(bem, md, theory, comparison, *sorted(figures.glob("figure_*.png")), report, sep="\n")
+    kept = [seeds] if given.surfaces else []
+    print(bem, md, theory, *kept, comparison, *sorted(figures.glob("figure_*.png")), report, sep="\n")
     return worst
 
 

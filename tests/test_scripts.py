@@ -66,6 +66,28 @@ def test_the_paper_s_atoms_go_their_own_path_unless_told_otherwise(predictor, tm
     assert commands["md-reference"][-1] == "--resume"
 
 
+def test_the_paper_s_scatter_is_of_twelve_surfaces(tmp_path, monkeypatch, capsys):
+    commands = []
+    monkeypatch.setattr(reproduce_yang2008, "run", lambda command: commands.append(command) or 0)
+    for options, count in (([], 12), (["--surfaces", "3"], 3), (["--surfaces", "0"], 0)):
+        commands.clear()
+        monkeypatch.setattr("sys.argv", ["reproduce_yang2008", "--output", str(tmp_path), *options])
+        assert reproduce_yang2008.main() == 0
+        seeds = [command for command in commands if str(tmp_path / "bem_seeds.nc") in command]
+        names = [command[0] for command in seeds]
+        if not count:
+            assert not seeds
+            continue
+        assert names == ["bem-adhesion", "contact-compare"], "run before it is shown"
+        numbers = seeds[0][seeds[0].index("--surface.seed") + 1].split(",")
+        assert numbers == [str(number) for number in range(1, count + 1)]
+        assert seeds[0][1] == commands[0][1], "the study of the points"
+        assert seeds[1][-2:] == ["--scatter", str(tmp_path / "bem_seeds.nc")]
+    monkeypatch.setattr("sys.argv", ["reproduce_yang2008", "--surfaces", "1"])
+    with pytest.raises(SystemExit):
+        reproduce_yang2008.main()
+
+
 def test_surfaces_are_given_for_every_grid(capsys):
     with pytest.raises(SystemExit):
         benchmark_adhesive.main(["--points", "32", "40", "64", "--surfaces", "2", "1"])

@@ -15,11 +15,14 @@ from contact_study.campaign.dataset.provenance import git_commit
 from contact_study.campaign.files import writable_output
 from contact_study.campaign.schema import CONVENTIONS, SCHEMA_VERSION
 from contact_study.comparison.compute.deviations import MISSING, compute_deviations, pairs_of
+from contact_study.comparison.compute.ensemble import ensemble_statistics
 from contact_study.comparison.compute.regime import compute_regime
 from contact_study.comparison.draw.style import FORMATS
 from contact_study.comparison.illustrations import draw
 from contact_study.comparison.read.datasets import Inputs, read_inputs
+from contact_study.comparison.read.scatter import read_scatter
 from contact_study.comparison.say.report import FIGURE_TITLES, Figures, collected_warnings, render_report
+from contact_study.comparison.say.scatter import scatter_findings
 from contact_study.comparison.say.setting_tables import unconverged_steps
 from contact_study.comparison.tree import comparison_tree
 from contact_study.problem import units
@@ -46,22 +49,24 @@ def _main(arguments: Sequence[str]) -> int:
     planned = [given.output, *([given.report] if given.report else [])]
     if given.figures:
         planned += [given.figures / f"{name}.{kind}" for kind in formats for name in FIGURE_FILES.values()]
-    _check_outputs(planned, given.datasets, overwrite=given.overwrite)
+    _check_outputs(planned, [*given.datasets, *([given.scatter] if given.scatter else [])], overwrite=given.overwrite)
     wanted = (
         units.quantity(given.reference_pressure, "Pa", "--reference-pressure") if given.reference_pressure else None
     )
     inputs = read_inputs(given.datasets, given.average)
     if wanted is not None and inputs.control != "pressure":
         raise InputError("--reference-pressure: these studies prescribe the gap; leave it out")
-    for note in inputs.notes:
+    scatter = read_scatter(given.scatter, inputs) if given.scatter else None
+    for note in (*inputs.notes, *(scatter.notes if scatter else ())):
         print(f"{COMMAND}: warning: {note}", file=sys.stderr)
     deviations = compute_deviations(inputs.models, inputs.control) if pairs_of(inputs.models) else None
     if deviations is not None and (deviations["state"] == MISSING).all():
         raise InputError("these datasets have no point of their loading paths in common; run the same study")
     regime = compute_regime(inputs)
     attrs = _attributes(inputs, given.output, arguments)
-    drawn = draw(inputs, wanted, formats) if given.figures or given.report else Figures({}, {})
-    tree = comparison_tree(inputs, deviations, regime, attrs)
+    of_surfaces = ensemble_statistics({scatter.model: scatter.dataset}) if scatter else {}
+    drawn = draw(inputs, wanted, formats, scatter) if given.figures or given.report else Figures({}, {})
+    tree = comparison_tree(inputs, deviations, regime, attrs, of_surfaces)
     outputs: dict[Path, Callable[[Path], Any]] = {
         given.output: lambda path: tree.to_netcdf(path, engine="netcdf4", write_inherited_coords=True)
     }
@@ -70,7 +75,8 @@ def _main(arguments: Sequence[str]) -> int:
             files = drawn.files(kind).items()
             outputs |= {given.figures / f"{FIGURE_FILES[name]}.{kind}": _writer(content) for name, content in files}
     if given.report:
-        page = render_report(inputs, deviations, regime, drawn, {**attrs, "file": given.output.name})
+        said = scatter_findings(inputs.models, of_surfaces)
+        page = render_report(inputs, deviations, regime, drawn, {**attrs, "file": given.output.name}, said)
         outputs[given.report] = _writer(page.encode())
     _write(outputs)
     print(*outputs, sep="\n")
@@ -112,6 +118,13 @@ def _parser() -> Parser:
         "--average",
         metavar="KEY",
         help="swept key over which means and standard errors are shown, such as rms_height (default: seed)",
+    )
+    parser.add_argument(
+        "--scatter",
+        type=Path,
+        metavar="SEEDS.nc",
+        help="dataset of a simulation over several seeds of the same contact: its mean and standard deviation stand "
+        "behind the models in the figures of contact area and mean gap",
     )
     parser.add_argument("--version", action="version", version=f"%(prog)s {contact_study.__version__}")
     return parser

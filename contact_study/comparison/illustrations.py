@@ -10,6 +10,7 @@ from contact_study.comparison.compute.gap_maps import read_gap_maps
 from contact_study.comparison.compute.interface_state import read_interface_state
 from contact_study.comparison.compute.magnification import read_magnification
 from contact_study.comparison.compute.scales import mean_pressure_unit, scales
+from contact_study.comparison.compute.scatter import scatter_strips
 from contact_study.comparison.compute.shown_states import common_label, panel_points, point_label, state_label
 from contact_study.comparison.draw import figures
 from contact_study.comparison.draw.atoms import atoms_figure
@@ -18,11 +19,14 @@ from contact_study.comparison.draw.interface import interface_figure
 from contact_study.comparison.draw.magnification import magnification_figure
 from contact_study.comparison.draw.style import png, saved
 from contact_study.comparison.read.datasets import Inputs
+from contact_study.comparison.read.scatter import Scatter
 from contact_study.comparison.say.captions import captions
 from contact_study.comparison.say.report import Figures
 
 
-def draw(inputs: Inputs, wanted: float | None = None, formats: Sequence[str] = ()) -> Figures:
+def draw(
+    inputs: Inputs, wanted: float | None = None, formats: Sequence[str] = (), scatter: Scatter | None = None
+) -> Figures:
     """Every figure that these datasets allow.
 
     Parameters
@@ -33,6 +37,8 @@ def draw(inputs: Inputs, wanted: float | None = None, formats: Sequence[str] = (
         Pressure (Pa) at which the whole sweep is shown; the nearest one of the path is taken.
     formats : sequence of str
         Formats besides PNG.
+    scatter : Scatter, optional
+        Realisations whose scatter is shown behind the models.
     """
     models, control = inputs.models, inputs.control
     points = sweep_points(models)
@@ -40,6 +46,7 @@ def draw(inputs: Inputs, wanted: float | None = None, formats: Sequence[str] = (
     units = {point.label: scales(models, point) for point in points}
     scale, pressure = units[shown.case.label], mean_pressure_unit(models)
     curves = plotted.path_curves(models, control)
+    strips = None if scatter is None else scatter_strips(models, scatter, control)
     area_bands = bands.contact_area_bands(inputs.branches, points, pressure.size)
     states = common_label(models, shown.common, control), shown.case.label
     drawn = {}
@@ -49,11 +56,11 @@ def draw(inputs: Inputs, wanted: float | None = None, formats: Sequence[str] = (
     distances = plotted.gap_distribution_data(models, control, shown)
     if any(distances):
         drawn["gap_distribution"] = figures.gap_distribution_figure(*distances, scale.height_symbol, states)
-    drawn["contact_area"] = figures.contact_area_figure(curves.areas, pressure.name, area_bands)
+    drawn["contact_area"] = figures.contact_area_figure(curves.areas, pressure.name, area_bands, strips)
     logarithmic, linear = (bands.mean_gap_bands(inputs.branches, points, units, linear=it) for it in (False, True))
     if plotted.mean_gap_panels(curves.gaps, curves.linear_gaps):
         drawn["mean_gap"] = figures.mean_gap_figure(
-            curves.gaps, curves.linear_gaps, scale.height_symbol, (logarithmic, linear)
+            curves.gaps, curves.linear_gaps, scale.height_symbol, (logarithmic, linear), strips
         )
     seed = _first_sample(inputs)
     maps = read_gap_maps(inputs, shown, seed)
@@ -70,7 +77,7 @@ def draw(inputs: Inputs, wanted: float | None = None, formats: Sequence[str] = (
     if atoms is not None:
         drawn["atoms"] = atoms_figure(atoms, state_label(shown.case, point_label(shown.common, scale, control)))
     banded = dict.fromkeys(band.model for found in (area_bands, logarithmic, linear) for band in found)
-    words = captions(inputs, shown, curves, seed, list(banded))
+    words = captions(inputs, shown, curves, seed, list(banded), strips)
     others = {kind: {name: saved(figure, kind) for name, figure in drawn.items()} for kind in formats if kind != "png"}
     return Figures({name: png(figure) for name, figure in drawn.items()}, words, others)
 

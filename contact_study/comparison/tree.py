@@ -10,11 +10,16 @@ from contact_study.comparison.read.datasets import Inputs
 
 
 def comparison_tree(
-    inputs: Inputs, deviations: xr.Dataset | None, regime: xr.Dataset, attrs: Mapping[str, Any]
+    inputs: Inputs,
+    deviations: xr.Dataset | None,
+    regime: xr.Dataset,
+    attrs: Mapping[str, Any],
+    of_surfaces: Mapping[str, xr.Dataset] | None = None,
 ) -> xr.DataTree:
     """A group for each file, named after its kind and as in the file itself, ``regime``, ``deviations`` if any.
 
-    In ``ensemble`` stand, for each model with several samples, means and standard errors over them.
+    In ``ensemble`` stand, for each model with several samples, means and standard errors over them; in ``scatter`` the
+    same of the realisations that are shown behind the models.
 
     Parameters
     ----------
@@ -24,6 +29,8 @@ def comparison_tree(
         As :func:`compute_deviations` and :func:`compute_regime` return them; None where nothing deviates from another.
     attrs : mapping
         Attributes of the root.
+    of_surfaces : mapping, optional
+        What :func:`ensemble_statistics` makes of the realisations that are shown behind the models.
     """
     groups = {
         f"/{kind}" + (f"/{name}" if name else ""): dataset
@@ -32,6 +39,7 @@ def comparison_tree(
     }
     groups["/regime"] = regime
     groups |= {f"/ensemble/{name}": dataset for name, dataset in ensemble_statistics(inputs.models).items()}
+    groups |= {f"/scatter/{name}": dataset for name, dataset in (of_surfaces or {}).items()}
     if deviations is not None:
         groups["/deviations"] = deviations
     return xr.DataTree.from_dict(

@@ -97,7 +97,8 @@ def read_study(path: Path | str, overrides: Mapping[str, Any] | None = None) -> 
     path : path-like
         A TOML file.
     overrides : mapping, optional
-        Dotted keys ("section.key") and their values, in place of the file's. A swept key takes a value or a list.
+        Dotted keys ("section.key") and their values, in place of the file's. A swept key takes a value or a list; a
+        list for a key that takes one value sweeps it.
 
     Raises
     ------
@@ -187,14 +188,31 @@ def _sweeping(table: dict[str, Any]) -> list[dict[str, Any]]:
 
 def _override(table: dict[str, Any], dotted: str, value: Any) -> None:
     section, name = _split(dotted, "command line")
+    several = listed(value) if isinstance(value, str) and "," in value else value
     if dotted in table.get("sweep", {}):
-        if isinstance(value, str) and "," in value:
-            value = listed(value)
-        table["sweep"][dotted] = value if isinstance(value, list) else [value]
+        table["sweep"][dotted] = several if isinstance(several, list) else [several]
+    elif section not in WHOLE_STUDY and _each_but_not_all(dotted, value, several):
+        table.setdefault("sweep", {})[dotted] = several
     else:
         table.setdefault(section, {})[name] = value
     for item in table.get("override", []):  # the command line has the last word
         item.pop(dotted, None)
+
+
+def _each_but_not_all(dotted: str, value: Any, several: Any) -> bool:
+    """Whether a value is none of its key, but a list of such values."""
+    if not isinstance(several, list) or not several:
+        return False
+    try:
+        _read(dotted, value)
+    except InputError:
+        pass
+    else:
+        return False
+    try:
+        return all(_read(dotted, one) is not None for one in several)
+    except InputError:
+        return False
 
 
 def _check_structure(table: dict[str, Any]) -> None:

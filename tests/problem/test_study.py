@@ -5,6 +5,7 @@ import tomllib
 
 import numpy as np
 import pytest
+import tomli_w
 
 from contact_study.problem.errors import InputError
 from contact_study.problem.study import make_study, read_study
@@ -90,6 +91,36 @@ def test_overrides_replace_keys_and_sweeps(tmp_path):
     assert [case.surface.seed for case in study.cases] == [7]
     assert study.sweep["seed"].values == (7,)
     assert [value for value, _ in study.cases[0].path] == pytest.approx([1e8, 2e8])
+
+
+@pytest.mark.parametrize("written", ["1,2, 5", [1, 2, 5]])
+def test_a_list_for_a_key_of_one_value_sweeps_it(tmp_path, written):
+    (tmp_path / "study.toml").write_text(tomli_w.dumps(TABLE))
+    study = read_study(tmp_path / "study.toml", {"surface.seed": written})
+    assert study.sweep["seed"].values == (1, 2, 5)
+    assert list(study.sweep)[-1] == "seed"
+    assert [case.surface.seed for case in study.cases] == [1, 2, 5]
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "words"),
+    [
+        ("surface.seed", "1, x", "surface.seed = '1, x': expected a whole number"),
+        ("output.gap_bins", "10, 20", "output.gap_bins = '10, 20': expected a whole number"),
+        ("loading.unload", [], "loading.unload = \\[\\]: expected true or false"),
+    ],
+)
+def test_other_lists_are_still_refused(tmp_path, key, value, words):
+    (tmp_path / "study.toml").write_text(tomli_w.dumps(TABLE))
+    with pytest.raises(InputError, match=words):
+        read_study(tmp_path / "study.toml", {key: value})
+
+
+def test_lists_of_keys_that_take_them_are_no_sweeps(tmp_path):
+    (tmp_path / "study.toml").write_text(tomli_w.dumps(TABLE))
+    study = read_study(tmp_path / "study.toml", {"loading.path": "1 MPa, 2 MPa", "surface.shape": "32, 32"})
+    assert list(study.sweep) == list(make_study(TABLE).sweep)
+    assert len(study.cases[0].path) == 2
 
 
 @pytest.mark.parametrize("written", ["1, 4", [1, 4], "1,4.0"])

@@ -28,7 +28,14 @@ from contact_study.comparison.compute.plotted import (
     smallest_resolved,
     window,
 )
-from contact_study.comparison.draw.legends import colour_legend, model_legend, panel_heading, shared_colour_legend
+from contact_study.comparison.compute.scatter import Strips
+from contact_study.comparison.draw.legends import (
+    STRIP,
+    colour_legend,
+    model_legend,
+    panel_heading,
+    shared_colour_legend,
+)
 from contact_study.comparison.draw.style import PRESSURE_COLOURS, SWEEP_COLOURS, Look, look_of, palette
 from contact_study.comparison.models import entry_of
 from contact_study.plots.style import DOUBLE, SINGLE, styled
@@ -100,16 +107,31 @@ def _limit_to_simulations(axes: Axes, curves: Sequence[Curve], lowest: float) ->
 
 
 @styled
-def contact_area_figure(curves: Sequence[Curve], unit: str = "GPa", bands: Sequence[Band] = ()) -> Figure:
-    """Figure 3: relative contact area against pressure, linear (a) and logarithmic (b); no (b) without compression."""
+def contact_area_figure(
+    curves: Sequence[Curve], unit: str = "GPa", bands: Sequence[Band] = (), strips: Strips | None = None
+) -> Figure:
+    """Figure 3: relative contact area against pressure, linear (a) and logarithmic (b); no (b) without compression.
+
+    Parameters
+    ----------
+    curves : sequence of Curve
+        As :func:`contact_area_data` gives them.
+    unit : str
+        Of the pressure.
+    bands : sequence of Band
+        Between metastable branches.
+    strips : Strips, optional
+        The scatter between surfaces, drawn behind all else.
+    """
     both = in_compression(curves)
     figure, panels = _path_panels(curves, 2 if both else 1, 3.5)
-    colours, looks = _Colours(curves), _looks(curves)
+    colours, looks = _Colours([*curves, *(strips.curves.areas if strips else ())]), _looks(curves)
     for axes, letter in zip(panels, "ab" if both else "a", strict=True):
         for band in bands:
             shown = band.along > (-np.inf if letter == "a" else 0)
             low, high = band.low[shown], band.high[shown]
             axes.fill_between(band.along[shown], low, high, color=colours[band], alpha=0.15, lw=0)
+        _draw_strips(axes, strips.curves.areas if strips else (), colours)
         for curve in curves:
             _draw_path(axes, curve if letter == "a" else of_compression(curve), looks[curve.model], colours[curve])
         axes.set_xlabel(rf"pressure $p$ ({unit})")
@@ -120,7 +142,7 @@ def contact_area_figure(curves: Sequence[Curve], unit: str = "GPa", bands: Seque
     if both:
         x_limits, y_limits = 10.0 ** window([logarithmic(curve) for curve in curves], ended=0)
         panels[1].set(xscale="log", yscale="log", xlim=x_limits, ylim=y_limits)
-    model_legend(figure, curves, bands=bands, colours=colours.by_model)
+    model_legend(figure, curves, bands=bands, colours=colours.by_model, strips=strips)
     return figure
 
 
@@ -130,6 +152,7 @@ def mean_gap_figure(
     linear: Sequence[Curve],
     unit: str = "h_rms",
     bands: tuple[Sequence[Band], Sequence[Band]] = ((), ()),
+    strips: Strips | None = None,
 ) -> Figure:
     """Figure 4: logarithm of the pressure against the mean gap, and the pressure itself where some of it is tension.
 
@@ -141,12 +164,16 @@ def mean_gap_figure(
         ``"h_rms"`` or ``"nm"``.
     bands : two sequences of Band
         Over the logarithm of the pressure, and over the pressure.
+    strips : Strips, optional
+        The scatter between surfaces, drawn behind all else.
     """
     shown = mean_gap_panels(curves, linear)
     figure, panels = _path_panels(linear, len(shown), 3.9)
-    colours, looks = _Colours(linear), _looks(linear)
+    colours, looks = _Colours([*linear, *(strips.curves.linear_gaps if strips else ())]), _looks(linear)
     for axes, name in zip(panels, shown, strict=True):
         drawn, shaded = (curves, bands[0]) if name == "logarithmic" else (linear, bands[1])
+        if strips:
+            _draw_strips(axes, strips.curves.gaps if name == "logarithmic" else strips.curves.linear_gaps, colours)
         for band in shaded:
             axes.fill_betweenx(band.along, band.low, band.high, color=colours[band], alpha=0.15, lw=0)
         for curve in drawn:
@@ -158,7 +185,8 @@ def mean_gap_figure(
         axes.set_xlabel(rf"mean gap $\bar{{u}}/{_height(unit)}$")
         axes.locator_params(axis="x", nbins=_TICKS)
         axes.set_ylabel(r"$\ln\,(p/E^*)$" if name == "logarithmic" else r"pressure $p/E^*$")
-    model_legend(figure, linear, bands=[band for shaded in bands for band in shaded], colours=colours.by_model)
+    every = [band for shaded in bands for band in shaded]
+    model_legend(figure, linear, bands=every, colours=colours.by_model, strips=strips)
     return figure
 
 
@@ -234,6 +262,14 @@ def _draw_path(axes: Axes, curve: Curve, look: Look, colour: Any) -> None:
             )
     left = ~fit & np.isfinite(curve.x) & np.isfinite(curve.y)
     axes.plot(curve.x[left], curve.y[left], "x", color=colour, ms=5, mew=1.2, zorder=4)
+
+
+def _draw_strips(axes: Axes, curves: Sequence[Curve], colours: "_Colours") -> None:
+    """The scatter between surfaces: one deviation to either side of the mean."""
+    for curve in curves:
+        axes.add_collection(
+            PolyCollection(list(error_band(curve)), facecolors=[colours[curve]], alpha=STRIP, linewidths=0, zorder=0.5)
+        )
 
 
 def _chains(segments: np.ndarray) -> list[np.ndarray]:

@@ -15,11 +15,13 @@ from matplotlib.transforms import ScaledTranslation
 
 from contact_study.comparison.compute.bands import Band
 from contact_study.comparison.compute.plotted import Curve
+from contact_study.comparison.compute.scatter import Strips
 from contact_study.comparison.draw.style import look_of, typeset
 from contact_study.comparison.models import entry_of
 
 _HEADING = 14 / 72  # inches that a panel's letter and state take above its axes
 _GREY = "#404040"
+STRIP = 0.4  # opacity of the scatter between surfaces
 
 
 def panel_heading(axes: Axes, letter: str, state: str = "") -> None:
@@ -64,6 +66,7 @@ def model_legend(
     densities: bool = False,
     bands: Sequence[Band] = (),
     colours: Mapping[str, Any] | None = None,
+    strips: Strips | None = None,
 ) -> None:
     """Line and marker of each model below the axes, with what else the markers say; grey where colours tell others."""
     colours = colours or {}
@@ -88,6 +91,8 @@ def model_legend(
         )
     for model in dict.fromkeys(band.model for band in bands):
         handles.append(Patch(color=colours.get(model, _GREY), alpha=0.15, lw=0, label=band_label(model)))
+    if strips:
+        handles.append(Patch(color=colours.get(strips.model, _GREY), alpha=STRIP, lw=0, label=strips.label))
     if not densities and any(curve.unloading is not None and curve.unloading.any() for curve in curves):
         handles.append(Line2D([], [], color=_GREY, ls="none", marker="o", mfc="white", ms=3.5, label="unloading"))
     if any(curve.fit is not None and (~curve.fit & np.isfinite(curve.x + curve.y)).any() for curve in curves):

@@ -1,7 +1,7 @@
 """How the studies of the datasets differ: what makes them different contacts is refused, all else is said."""
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -26,7 +26,9 @@ ONE_CONTACT = {
 SAME = 1e-9  # relative: the same number written in two units differs by roundings of 1e-16
 
 
-def check_studies(names: Sequence[str], paths: Mapping[str, Path], studies: Mapping[str, Study]) -> Iterator[str]:
+def check_studies(
+    names: Sequence[str], paths: Mapping[str, Path], studies: Mapping[str, Study], ignored: Collection[str] = ()
+) -> Iterator[str]:
     """Notes on the differences between the study of the first name and each other one.
 
     Parameters
@@ -35,6 +37,8 @@ def check_studies(names: Sequence[str], paths: Mapping[str, Path], studies: Mapp
         Models, in the order of trust.
     paths, studies : mapping
         File and study of each model.
+    ignored : collection of str, optional
+        Keys in which they may differ without a word.
 
     Raises
     ------
@@ -54,7 +58,7 @@ def check_studies(names: Sequence[str], paths: Mapping[str, Path], studies: Mapp
         for one, two in pairs:
             different |= {key: values for key, values in differences(one, two) if key not in different}
         for key, (one_value, two_value) in different.items():
-            if key == "surface.seed" and analytic:
+            if key in ignored or (key == "surface.seed" and analytic):
                 continue  # a theory of the ensemble knows no realisation
             values = f"{key} is {_shown(one_value)} in the one and {_shown(two_value)} in the other"
             if key in ONE_CONTACT:

@@ -9,6 +9,7 @@ from contact_study.comparison.compute.cases import SweepPoint, case_points, sele
 from contact_study.comparison.compute.magnification import resolving
 from contact_study.comparison.compute.plotted import Curve, PathCurves, density_at, in_compression, mean_gap_panels
 from contact_study.comparison.compute.scales import scales
+from contact_study.comparison.compute.scatter import Strips
 from contact_study.comparison.compute.shown_states import PanelPoints, common_label, point_label, state_label
 from contact_study.comparison.models import entry_of
 from contact_study.comparison.read.datasets import Inputs
@@ -21,7 +22,12 @@ _ROUNDING = 1e-6  # of h_rms: what a gap prescribed as zero may differ from it
 
 
 def captions(
-    inputs: Inputs, shown: PanelPoints, curves: PathCurves, seed: int | None, banded: Collection[str]
+    inputs: Inputs,
+    shown: PanelPoints,
+    curves: PathCurves,
+    seed: int | None,
+    banded: Collection[str],
+    strips: Strips | None = None,
 ) -> dict[str, str]:
     """Captions of the figures, by figure name.
 
@@ -37,6 +43,8 @@ def captions(
         Seed of the surface whose fields are shown, None where no seed is swept.
     banded : collection of str
         Theories between whose metastable branches a band is shaded.
+    strips : Strips, optional
+        The scatter between surfaces, where it is shown.
     """
     models = inputs.models
     panels = _panels(inputs, shown, seed)
@@ -55,8 +63,8 @@ def captions(
         "gap_distribution": f"Distribution of the local gap u in units of {gaps}: {panels} u is the distance of the "
         f"surfaces, not reduced by the equilibrium distance.{_absent(inputs, shown, 'gap_pdf')}",
         "contact_area": f"Relative contact area against mean pressure{panels_of_area}. {_areas(models, inputs.laws)}"
-        f"{_lines(inputs, banded)}",
-        "mean_gap": _mean_gap(inputs, curves, gaps, banded),
+        f"{_lines(inputs, banded)}{_scatter(strips)}",
+        "mean_gap": _mean_gap(inputs, curves, gaps, banded) + _scatter(strips),
         "gap_map": f"Local gap of {_simulations(inputs)} at {state}{whose}; contact, {_contact(own)}, is black.",
         "interface": f"Interface of {_simulations(inputs)} at {state}{whose}. (a) Local pressure, compression red, "
         f"tension blue; (b) clusters of contact, {_contact(own)}, the six largest in colour; (c) section along x "
@@ -195,6 +203,15 @@ def _lines(inputs: Inputs, banded: Collection[str]) -> str:
         theories = listed(entry_of(name).words for name in banded)
         words += f" The shaded band lies between the metastable loading and unloading branches of {theories}."
     return words
+
+
+def _scatter(strips: Strips | None) -> str:
+    if strips is None:
+        return ""
+    return (
+        f" Behind the points, darker: mean ± one standard deviation of {entry_of(strips.model).words} over "
+        f"{strips.surfaces} surfaces of one spectrum, each on its own path."
+    )
 
 
 def _absent(inputs: Inputs, shown: PanelPoints, name: str) -> str:

@@ -70,10 +70,10 @@ def spread(deviations: xr.Dataset, pair: str, name: str, points: list[SweepPoint
     of_pair = deviations.sel(pair=pair)
     if name not in of_pair:
         raise ValueError("nothing was compared")
-    return _over_states(of_pair[[name]].where(of_pair["state"] == COMPARED), name, points, scale)
+    return over_states(of_pair[[name]].where(of_pair["state"] == COMPARED), name, points, scale)
 
 
-def _over_states(dataset: xr.Dataset, name: str, points: list[SweepPoint], scale: dict[str, float]) -> Spread:
+def over_states(dataset: xr.Dataset, name: str, points: list[SweepPoint], scale: dict[str, float]) -> Spread:
     """A quantity over all states where it is a number; ValueError if it is none anywhere."""
     values: list[np.ndarray] = []
     places: list[str] = []
@@ -83,7 +83,7 @@ def _over_states(dataset: xr.Dataset, name: str, points: list[SweepPoint], scale
             continue
         lead = samples_in(part[name])
         array = part[name].transpose(*lead, "step").values / scale[point.label]
-        path = case_points(part, _control(part))
+        path = case_points(part, control_of(part))
         for index in zip(*np.nonzero(np.isfinite(array)), strict=True):
             seed = "".join(f"{dim.replace('_', ' ')} {part[dim].values[index[0]]}, " for dim in lead)
             label = f"{point.label}, " if point.label else ""
@@ -96,7 +96,7 @@ def _over_states(dataset: xr.Dataset, name: str, points: list[SweepPoint], scale
     return Spread(len(found), float(np.median(np.abs(found))), found[low], found[high], places[low], places[high])
 
 
-def _control(part: xr.Dataset) -> str:
+def control_of(part: xr.Dataset) -> str:
     """What was prescribed on the path of a dataset."""
     return next(control for control in PRESCRIBED if f"applied_{control}" in part.coords)
 
@@ -105,7 +105,7 @@ def _point_words(part: xr.Dataset, named: PathPoint | None) -> str:
     """A point of the path: its prescribed value, and what tells it from another visit of the same value."""
     assert named is not None
     value, branch, visits = float(named[0]), named[1], named[2]
-    control = _control(part)
+    control = control_of(part)
     largest = float(np.abs(part[f"applied_{control}"]).max())
     unit = pressure_unit(largest) if control == "pressure" else length_unit(largest)
     symbol = PRESCRIBED[control]
@@ -145,7 +145,7 @@ def extents(models: Mapping[str, xr.Dataset]) -> list[str]:
         ):
             if quantity in dataset:
                 try:
-                    over = _over_states(dataset[[quantity]].where(found), quantity, points, sizes)
+                    over = over_states(dataset[[quantity]].where(found), quantity, points, sizes)
                 except ValueError:
                     continue
                 low, high = number(over.low, 3), number(over.high, 3)

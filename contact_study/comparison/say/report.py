@@ -2,7 +2,7 @@
 
 import base64
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -49,7 +49,12 @@ class Figures:
 
 
 def render_report(
-    inputs: Inputs, deviations: xr.Dataset | None, regime: xr.Dataset, figures: Figures, attrs: Mapping[str, Any]
+    inputs: Inputs,
+    deviations: xr.Dataset | None,
+    regime: xr.Dataset,
+    figures: Figures,
+    attrs: Mapping[str, Any],
+    scatter: Sequence[str] = (),
 ) -> str:
     """The whole report as HTML.
 
@@ -63,6 +68,8 @@ def render_report(
         Figures to embed.
     attrs : mapping
         Attributes of the comparison's dataset: title, source, history.
+    scatter : sequence of str, optional
+        What the scatter between surfaces amounts to, in sentences.
     """
     environment = jinja2.Environment(
         loader=jinja2.PackageLoader("contact_study.comparison.say", ""),
@@ -76,7 +83,7 @@ def render_report(
     return environment.get_template("report.html.j2").render(
         attrs=attrs,
         paragraphs=study_paragraphs(inputs),
-        findings=extents(models) if deviations is None else headline(models, deviations),
+        findings=[*(extents(models) if deviations is None else headline(models, deviations)), *scatter],
         sample_notes=sample_notes(inputs),
         related=_related(inputs),
         file=next(iter(inputs.paths)),
