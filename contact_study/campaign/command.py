@@ -1,8 +1,10 @@
 """The face that the three models' commands share: arguments, messages, exit status."""
 
 import argparse
+import contextlib
 import dataclasses
 import io
+import os
 import re
 import shlex
 import signal
@@ -10,6 +12,7 @@ import sys
 import tomllib
 import traceback
 from collections.abc import Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -19,6 +22,7 @@ import contact_study
 from contact_study.campaign.conduct import Conditions, check_inputs_kept, conduct
 from contact_study.campaign.dataset.provenance import unconverged
 from contact_study.campaign.engines import ENGINES, CampaignError
+from contact_study.campaign.examples import example, example_names, listed_examples
 from contact_study.campaign.files import writable_output
 from contact_study.campaign.inspection import inspect
 from contact_study.campaign.model import Model
@@ -35,6 +39,15 @@ class Parser(argparse.ArgumentParser):
 
     def error(self, message: str) -> NoReturn:
         raise InputError(message)
+
+
+def completed(parser: argparse.ArgumentParser) -> None:
+    """Where the shell asks how a line may go on, answer it and end; see docs/installation.md."""
+    if "_ARGCOMPLETE" in os.environ:
+        with contextlib.suppress(ImportError):  # an extra
+            import argcomplete
+
+            argcomplete.autocomplete(parser)
 
 
 def main(model: Model, arguments: Sequence[str] | None = None) -> int:
@@ -93,6 +106,7 @@ def _interrupt(*_: Any) -> NoReturn:
 
 def _main(model: Model, arguments: Sequence[str]) -> int:
     parser = _parser(model)
+    completed(parser)
     given, unknown = parser.parse_known_args(_joined(arguments))
     if unknown:
         options = [f"--{section}.{name}" for section, name, *_ in all_keys()]
@@ -100,6 +114,8 @@ def _main(model: Model, arguments: Sequence[str]) -> int:
     overrides = {
         name[4:]: value for name, value in vars(given).items() if name.startswith("key:") and value is not None
     }
+    if given.example is not None:
+        return _example(given)
     if given.inspect is not None:
         return _inspect(given, overrides)
     if given.study is None or given.output is None:
@@ -119,6 +135,14 @@ def _main(model: Model, arguments: Sequence[str]) -> int:
     groups = conduct(model, study, output, Progress(model.command), words, predictor, how)
     print(output)
     return _status(model, groups)
+
+
+def _example(given: argparse.Namespace) -> int:
+    """Print an example study, or which there are."""
+    if given.study is not None or given.output is not None:
+        raise InputError("--example prints a study, and runs none; write it to a file: --example NAME > study.toml")
+    print(example(given.example) if given.example else "\n".join(listed_examples()), end="" if given.example else "\n")
+    return DONE
 
 
 def _inspect(given: argparse.Namespace, overrides: Mapping[str, Any]) -> int:
@@ -141,7 +165,8 @@ def _parser(model: Model) -> Parser:
         usage="%(prog)s STUDY.toml -o OUT.nc [--section.key VALUE ...] [--resume | --overwrite] [--workers N] "
         "[--engine NAME]"
         + (" [--predictor BEM.nc]" if model.takes_predictor else "")
-        + "\n       %(prog)s --inspect FILE [--section.key VALUE ...] [-o PICTURE.png]",
+        + "\n       %(prog)s --inspect FILE [--section.key VALUE ...] [-o PICTURE.png]"
+        + "\n       %(prog)s --example [NAME]",
         description=model.description,
         epilog="Exit status: 0 done and converged, 1 wrong input, 2 some step did not converge. "
         'Quantities are SI numbers or strings with a unit, lists have commas: --loading.path "-1 kPa, 2 MPa".',
@@ -155,6 +180,13 @@ def _parser(model: Model) -> Parser:
         metavar="FILE",
         help="say what a height map, or the surface of a study, was taken to be; draw it and its spectrum; run nothing",
     )
+    parser.add_argument(
+        "--example",
+        nargs="?",
+        const="",
+        metavar="NAME",
+        help="print an example study, to be written to a file; without a name list the examples",
+    ).completer = lambda **_: example_names()  # type: ignore[attr-defined]
     parser.add_argument("--resume", action="store_true", help="continue an interrupted run of the same study")
     parser.add_argument("--overwrite", action="store_true", help="replace an existing dataset")
     parser.add_argument("--workers", type=int, metavar="N", help="processes; default: one per case, at most the cores")
@@ -174,14 +206,20 @@ def _parser(model: Model) -> Parser:
         text = declaration.description.replace("%", "%%")
         if default is not None and default is not dataclasses.MISSING:
             text += f" (default {_shown(default)})"
-        groups[section].add_argument(
+        added = groups[section].add_argument(
             f"--{section}.{name}",
             dest=f"key:{section}.{name}",
             type=_toml_value,
             metavar=f"<{declaration.kind}>",
             help=text,
         )
+        added.completer = partial(_words_of, declaration.kind)
     return parser
+
+
+def _words_of(kind: str, **_: Any) -> list[str]:
+    """The words that a key takes, for the shell; none where it takes a number or free text."""
+    return kind.removesuffix(", or a list").split(" | ") if " | " in kind else []
 
 
 def _joined(arguments: Sequence[str]) -> list[str]:

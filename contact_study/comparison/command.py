@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import contact_study
-from contact_study.campaign.command import DONE, NOT_CONVERGED, Parser, guarded
+from contact_study.campaign.command import DONE, NOT_CONVERGED, Parser, completed, guarded
 from contact_study.campaign.dataset.formats import is_zarr
 from contact_study.campaign.dataset.provenance import git_commit
 from contact_study.campaign.files import writable_output
@@ -44,7 +44,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _main(arguments: Sequence[str]) -> int:
-    given = _parser().parse_args(arguments)
+    parser = _parser()
+    completed(parser)
+    given = parser.parse_args(arguments)
     formats = list(dict.fromkeys(given.figure_format or ["png"]))
     planned = [given.output, *([given.report] if given.report else [])]
     if given.figures:

@@ -150,7 +150,9 @@ def test_differences_are_said_but_not_that_of_the_seeds(files, tmp_path):
     coarser = write(tmp_path / "coarse.nc", "continuum", SEEDED.replace("[24, 24]", "[16, 16]"))
     (note,) = read_scatter(coarser, read_inputs(files[0])).notes
     assert "surface.shape is [24, 24] in the one and [16, 16] in the other" in note
-    assert read_scatter(files[1], read_inputs(files[0])).notes == ()
+    bare = write(tmp_path / "bare.nc", "continuum", SEEDED.replace("fields = true", "fields = false"))
+    for path in (files[1], bare):
+        assert read_scatter(path, read_inputs(files[0])).notes == ()
 
 
 def test_a_file_that_is_not_there(files, tmp_path, capsys):

@@ -19,6 +19,9 @@ from contact_study.campaign.schema import CONVENTIONS, LABELS
 from contact_study.problem.errors import InputError
 from contact_study.problem.study import make_study
 
+# Of this file's folder in a checkout.
+_PLACE = "contact_study/campaign/dataset/"
+
 
 def carried_warnings(run: Run, finished: Finished | None) -> list[str]:
     """Warnings of an earlier dataset that hold on: those of its steps, not those that were said of its whole study."""
@@ -82,21 +85,15 @@ def unconverged(groups: Mapping[str, xr.Dataset]) -> Iterator[str]:
 def git_commit() -> str:
     """Commit of the checkout that this runs from, marked if it has been changed; "unknown" outside one."""
     try:
-        found = subprocess.run(
-            [
-                "git",
-                "-C",
-                os.path.dirname(__file__),
-                "describe",
-                "--always",
-                "--dirty",
-                "--abbrev=40",
-                "--exclude=*",
-            ],
-            capture_output=True,
-            text=True,
-            timeout=10,
-        )
+        # Installed in an environment that lies in someone's repository, this is none of its files.
+        if _git("rev-parse", "--show-prefix") != _PLACE:
+            return "unknown"
+        return _git("describe", "--always", "--dirty", "--abbrev=40", "--exclude=*") or "unknown"
     except (OSError, subprocess.TimeoutExpired):
         return "unknown"
-    return found.stdout.strip() or "unknown"
+
+
+def _git(*words: str) -> str:
+    """What git says of the folder of this file."""
+    command = ["git", "-C", os.path.dirname(__file__), *words]
+    return subprocess.run(command, capture_output=True, text=True, timeout=10).stdout.strip()

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import contact_study
-from contact_study.campaign.command import DONE, NOT_CONVERGED, Parser, guarded
+from contact_study.campaign.command import DONE, NOT_CONVERGED, Parser, completed, guarded
 from contact_study.campaign.dataset.provenance import unconverged
 from contact_study.campaign.merge.joining import merge
 from contact_study.problem.errors import InputError
@@ -24,7 +24,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _main(arguments: Sequence[str]) -> int:
-    given = _parser().parse_args(arguments)
+    parser = _parser()
+    completed(parser)
+    given = parser.parse_args(arguments)
     if not given.output.name:
         raise InputError(f"-o {given.output}: name a file")
     words = f"{COMMAND} {shlex.join(arguments)}"

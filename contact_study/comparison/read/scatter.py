@@ -12,6 +12,11 @@ from contact_study.comparison.read.differences import check_studies
 from contact_study.comparison.read.files import open_groups
 from contact_study.comparison.read.path_points import SEED, with_average
 from contact_study.problem.errors import InputError
+from contact_study.problem.keys import keys_of
+from contact_study.problem.study import SECTIONS
+
+# Realisations differ in the seed, and what is kept of them changes no number that is shown.
+_WITHOUT_SAY = (f"surface.{SEED}", *(f"output.{name}" for name in keys_of(SECTIONS["output"])))
 
 
 @dataclass(frozen=True)
@@ -69,5 +74,5 @@ def read_scatter(path: Path, inputs: Inputs) -> Scatter:
     study, notes = carried_study(path, dataset)
     first = next(iter(inputs.paths))
     paths, studies = {"compared": inputs.paths[first], model: path}, {"compared": inputs.studies[first], model: study}
-    notes += check_studies(list(paths), paths, studies, ignored=(f"surface.{SEED}",))
+    notes += check_studies(list(paths), paths, studies, _WITHOUT_SAY)
     return Scatter(model, with_average(dataset, SEED), path, tuple(notes))

@@ -1,0 +1,79 @@
+"""The wheel: what is in it, and that it works alone, installed in a fresh environment, from any folder."""
+
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+import zipfile
+from pathlib import Path
+
+import pytest
+import xarray as xr
+
+import contact_study
+
+ROOT = Path(contact_study.__file__).parent.parent
+PACKAGES = ("contact_study", "bem_adhesion", "md_reference", "theory")
+COMMANDS = ("bem-adhesion", "persson-theory", "md-reference", "contact-compare", "contact-merge")
+# As few variables as programs need: nothing may come from this environment.
+CLEAN = {name: value for name, value in os.environ.items() if name != "PYTHONPATH" and not name.startswith("PYTEST")}
+
+
+def run(*command, folder):
+    done = subprocess.run([*map(str, command)], cwd=folder, env=CLEAN, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+@pytest.fixture(scope="module")
+def folder():
+    """A folder with the project's source, which is gone afterwards: an environment takes half a gigabyte."""
+    with tempfile.TemporaryDirectory() as name:
+        source = Path(name) / "source"
+        source.mkdir()
+        for package in PACKAGES:
+            shutil.copytree(ROOT / package, source / package, ignore=shutil.ignore_patterns("__pycache__"))
+        shutil.copytree(ROOT / "tests", source / "tests", ignore=shutil.ignore_patterns("__pycache__"))
+        for file in ("pyproject.toml", "README.md", "LICENSE"):
+            shutil.copy(ROOT / file, source)
+        yield Path(name)
+
+
+@pytest.fixture(scope="module")
+def wheel(folder):
+    run(sys.executable, "-m", "pip", "wheel", "source", "--no-deps", "-q", "-w", "built", folder=folder)
+    (file,) = (folder / "built").iterdir()
+    return file
+
+
+@pytest.mark.validation
+def test_wheel_holds_the_packages_and_nothing_else(wheel):
+    names = zipfile.ZipFile(wheel).namelist()
+    tops = {name.partition("/")[0] for name in names}
+    assert tops == {*PACKAGES, f"bem_adhesion-{contact_study.__version__}.dist-info"}
+    studies = {file.name for file in (ROOT / "contact_study" / "example_studies").iterdir()}
+    assert {name.rpartition("/")[2] for name in names if name.endswith(".toml")} == studies
+    modules = {str(file.relative_to(ROOT)) for package in PACKAGES for file in (ROOT / package).rglob("*.py")}
+    assert {name for name in names if name.endswith(".py")} == modules
+    assert not [name for name in names if "test" in name.lower()]
+
+
+@pytest.mark.validation
+def test_installed_wheel_works_from_any_folder(folder, wheel):
+    environment, elsewhere = folder / "environment", folder / "elsewhere"
+    run(sys.executable, "-m", "venv", environment, folder=folder)
+    elsewhere.mkdir()
+    bin_ = environment / "bin"
+    run(bin_ / "python", "-m", "pip", "install", "-q", "--no-compile", wheel, folder=elsewhere)
+    for command in COMMANDS:
+        assert run(bin_ / command, "--version", folder=elsewhere) == f"{command} {contact_study.__version__}\n"
+    (elsewhere / "study.toml").write_text(run(bin_ / "bem-adhesion", "--example", "first", folder=elsewhere))
+    for command, name in (("bem-adhesion", "bem.nc"), ("persson-theory", "theory.nc")):
+        run(bin_ / command, "study.toml", "-o", name, "--workers", 1, folder=elsewhere)
+    compare = ["bem.nc", "theory.nc", "-o", "comparison.nc", "--figures", "figures", "--report", "report.html"]
+    run(bin_ / "contact-compare", *compare, folder=elsewhere)
+    assert len(list((elsewhere / "figures").iterdir())) >= 4
+    with xr.open_dataset(elsewhere / "bem.nc") as dataset:
+        assert (dataset.converged == 1).all()
+        assert dataset.attrs["git_commit"] == "unknown"
