@@ -103,7 +103,7 @@ def run_case(job: Job, threads: int, report: Report) -> None:
 def _where_it_stood(job: Job, start: int) -> tuple[Averages | None, Mapping[str, np.ndarray] | None]:
     """What is counted of the point ``start`` so far, if something is, and what the model goes on from."""
     kept = store.load_partial(job.folder, start)
-    averages = Averages.taken_up(kept, job.bins, job.case.output.fields) if kept else None
+    averages = Averages.taken_up(kept, job.bins, start in job.case.kept_fields) if kept else None
     if averages is not None:
         return averages, restart_of(kept)
     return None, (store.load_state(job.folder, start - 1) or None) if start else None
@@ -111,7 +111,7 @@ def _where_it_stood(job: Job, start: int) -> tuple[Averages | None, Mapping[str,
 
 def _recorded(job: Job, number: int, point: InterfaceState | Ensemble | Step, averages: Averages | None) -> Step:
     """What is kept of a point; an ensemble's states go to disk as they come."""
-    fields = job.case.output.fields
+    fields = number in job.case.kept_fields
     if not isinstance(point, Ensemble):
         return recorded(point, job.bins, fields)
     averages = averages or Averages(job.bins, fields, point.discarded)
@@ -158,7 +158,13 @@ def _completed(case: Case, number: int, step: Step, seconds: float, started: Map
     }
     said = {quantity_of(name)[1] for name in step.values}
     missing = {name: value for name, value in known.items() if name not in said}
-    return Step({**missing, **started, **step.values}, step.fields, step.restart, step.bins)
+    digits = {"double": np.float64, "single": np.float32}[case.output.field_precision]
+    # Of what is kept beside the numbers only gap and pressure are fields; positions of atoms keep their digits.
+    fields = {
+        name: values.astype(digits, copy=False) if name in ("gap", "pressure") else values
+        for name, values in step.fields.items()
+    }
+    return Step({**missing, **started, **step.values}, fields, step.restart, step.bins)
 
 
 def _summary(step: Step) -> Mapping[str, Any]:

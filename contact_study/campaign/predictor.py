@@ -112,7 +112,10 @@ class GapFields:
             if self._points[number] not in points:
                 return None
             state = dataset.isel(step=points.index(self._points[number]))
-            return _unpadded(state["gap"].values) if state["converged"] == 1 and state["detached"] != 1 else None
+            if state["converged"] != 1 or state["detached"] == 1:
+                return None
+            field = _unpadded(state["gap"].values.astype(float))
+            return field if field.size else None  # not among output.field_steps
 
     def fingerprint(self, number: int) -> str:
         """SHA-256 of the field of a path point; empty where there is none."""

@@ -51,9 +51,13 @@ def one_state(dataset: xr.Dataset, *names: str) -> xr.Dataset:
                 f"dataset.sel({dim}={values[-1]!s})"
             )
     # Smaller cells of a sweep are padded to the points of the largest.
-    return squeezed.isel(
+    state = squeezed.isel(
         {axis: np.flatnonzero(np.isfinite(squeezed[axis].values)) for axis in ("y", "x") if axis in squeezed.dims}
     )
+    for name in names:
+        if state[name].isnull().all():
+            raise ValueError(f"the dataset keeps no {name} of this point of the path; output.field_steps chose others")
+    return state
 
 
 def extent(state: xr.Dataset) -> tuple[float, float]:

@@ -100,6 +100,16 @@ class Case:
         return ", ".join(f"{name} = {value}" for name, value in self.coordinates.items())
 
     @cached_property
+    def kept_fields(self) -> frozenset[int]:
+        """Numbers of the points of the path whose fields are kept."""
+        points = range(len(self.path))
+        if not self.output.fields:
+            return frozenset()
+        if self.output.field_steps is None:
+            return frozenset(points)
+        return frozenset(points[number] for number in self.output.field_steps if -len(points) <= number < len(points))
+
+    @cached_property
     def solid(self) -> Elasticity:
         """The elastic block, by the stiffness of its surface."""
         return self.elasticity.solid(self.material)

@@ -244,6 +244,12 @@ class OutputSection:
     """What is kept."""
 
     fields: bool = key(flag(), "keep gap and pressure fields of every step", False)
+    field_steps: tuple[int, ...] | None = key(
+        sequence(integer()), "points of the path whose fields are kept, from 0 on, -1 for the last; default all", None
+    )
+    field_precision: str = key(
+        choice("double", "single"), "digits of the fields that are kept: 16, or 7 in half the space", "double"
+    )
     atoms: str = key(
         choice("none", "surface", "block"),
         "of the atoms one by one keep, at every step, nothing; positions, stresses and velocities of the bottom layer; "
@@ -269,6 +275,9 @@ class OutputSection:
     gap_bins: int = key(integer(minimum=2, maximum=100_000), "bins of gap_pdf", 400)
 
     def __post_init__(self):
+        for name, default in (("field_steps", None), ("field_precision", "double")):
+            if getattr(self, name) != default and not self.fields:
+                raise InputError(f"output.{name}: no fields are kept; set output.fields = true, or leave it out")
         for name in ("pressure_range", "gap_range"):
             limits = getattr(self, name)
             if limits is not None and not limits[0] < limits[1]:

@@ -129,6 +129,7 @@ def make_study(table: dict[str, Any], directory: Path | str = ".") -> Study:
     points = list(_points(swept))
     merged = _of_own_kind([_apply(table, point, exceptions) for point, _ in points])
     cases = tuple(_case(one, *point, Path(directory)) for one, point in zip(merged, points, strict=True))
+    _check_field_steps(cases)
     notes = tuple(
         f"override {number} ({', '.join(f'{k} = {v!r}' for k, v in item['when'].items())}) matches no point"
         for number, item in enumerate(exceptions, 1)
@@ -136,6 +137,17 @@ def make_study(table: dict[str, Any], directory: Path | str = ".") -> Study:
     )
     keys = {_last(dotted): _swept_key(dotted, cases, swept) for dotted in swept}
     return Study(table, Path(directory), cases, keys, notes, automatic.choices(merged, cases))
+
+
+def _check_field_steps(cases: tuple[Case, ...]) -> None:
+    """Every point whose fields are to be kept is on some path."""
+    longest = max(len(case.path) for case in cases)
+    for number in cases[0].output.field_steps or ():
+        if not -longest <= number < longest:
+            raise InputError(
+                f"output.field_steps: {number} is no point of the path, which has {longest}: 0 to {longest - 1}, or "
+                "-1 for the last"
+            )
 
 
 def _with_files(table: dict[str, Any], directory: Path) -> dict[str, Any]:

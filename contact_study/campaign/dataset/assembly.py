@@ -143,10 +143,12 @@ def _place(
 ) -> None:
     variable = variable_of(quantity_of(name)[1])
     value = np.asarray(value)
+    # Fields may be kept in single precision.
+    dtype = value.dtype if value.dtype == np.float32 and variable.dtype == np.float64 else variable.dtype
     there = arrays[name].shape[len(lengths) :] if name in arrays else ()
     if name not in arrays or any(new > old for new, old in zip(value.shape, there, strict=True)):
         shape = tuple(map(max, value.shape, there)) if name in arrays else value.shape
-        larger = np.full((*lengths, *shape), variable.empty, dtype=variable.dtype)
+        larger = np.full((*lengths, *shape), variable.empty, dtype=dtype)
         if name in arrays:
             larger[_corner(arrays[name].shape)] = arrays[name]
         arrays[name] = larger

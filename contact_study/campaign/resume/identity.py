@@ -238,6 +238,12 @@ def _match(number: int, case: Case, other: Case, run: Run) -> Match:
                 f"output.{name} is {_word(there)} there and {_word(here)} here: the {name} there would be lost"
             )
         more += [name] * (change > 0)
+    digits = case.output.field_precision, other.output.field_precision
+    if "fields" in run.model.keeps and case.output.fields:
+        if case.kept_fields - other.kept_fields:
+            raise InputError("output.field_steps leaves out points here whose fields are kept there: they would be lost")
+        if digits == ("double", "single"):
+            raise InputError("output.field_precision is double there and single here: digits there would be lost")
     if case.loading.unload and not other.loading.unload:
         raise InputError(f"loading.unload is true there and false here{where}")
     before, after = (path_points_of(one) for one in (case, other))
@@ -248,6 +254,11 @@ def _match(number: int, case: Case, other: Case, run: Run) -> Match:
     for name in more:
         asked = _word(getattr(other.output, name))
         return Match(number, 0, f"output.{name} = {asked}: {name} that were not kept cannot be made from nothing")
+    if "fields" in run.model.keeps and case.output.fields:
+        if other.kept_fields.intersection(range(len(before))) - case.kept_fields:
+            return Match(number, 0, "output.field_steps: fields that were not kept cannot be made from nothing")
+        if digits == ("single", "double"):
+            return Match(number, 0, "output.field_precision = double: digits that were not kept cannot be made up")
     if run.model.whole_path and before != after:
         return Match(number, 0, "the path has changed, and what its points share is computed from all of them")
     if not _ranges_hold(case, run.bins):

@@ -1,0 +1,174 @@
+"""Fields of chosen points of the path, in single precision: output.field_steps, output.field_precision."""
+
+import copy
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import contact_study
+from contact_study import plots
+from contact_study.campaign.merge.command import main as merge
+from contact_study.problem.errors import InputError
+from contact_study.problem.study import make_study
+
+STUDY = {
+    "surface": {"kind": "wavy", "size": "10 nm", "shape": [16, 24], "amplitude": "0.2 nm", "modes": [1, 1]},
+    "material": {"youngs_modulus": "1 GPa", "poissons_ratio": 0.5, "lattice_constant": "0.625 nm"},
+    "interaction": {"law": "hard_wall"},
+    "loading": {"path": ["1 MPa", "5 MPa", "20 MPa"], "unload": True},
+    "output": {"fields": True},
+}
+POINTS = 5
+
+
+def study(path=None, **output):
+    table = copy.deepcopy(STUDY)
+    table["output"] |= output
+    if path:
+        table["loading"] = {"path": path}
+    return table
+
+
+@pytest.fixture(scope="module")
+def whole():
+    return contact_study.run(study())
+
+
+@pytest.mark.parametrize("name", ["bem.nc", "bem.zarr"])
+def test_chosen_points_in_single_precision(whole, tmp_path, name):
+    pytest.importorskip("zarr") if name.endswith("zarr") else None
+    options = {"field_steps": [1, -1, -1], "field_precision": "single"}
+    contact_study.run(study(**options), output=tmp_path / name)
+    engine = {"engine": "zarr"} if name.endswith("zarr") else {}
+    with xr.open_dataset(tmp_path / name, **engine) as found:
+        for field in ("gap", "pressure"):
+            assert found[field].dtype == np.float32
+            kept = found[field].notnull().all(("y", "x"))
+            assert kept.values.tolist() == [False, True, False, False, True]
+            assert found[field].isel(step=0).isnull().all()
+            np.testing.assert_array_equal(found[field][[1, 4]], whole[field][[1, 4]].astype(np.float32))
+        # What is computed knows nothing of what is kept.
+        for number in ("relative_contact_area", "mean_gap", "elastic_energy", "pressure_pdf"):
+            np.testing.assert_array_equal(found[number], whole[number])
+            assert found[number].dtype == np.float64
+        assert found.height.dtype == np.float64
+        plots.gap_map(found.isel(step=1))
+        with pytest.raises(ValueError, match=r"keeps no gap of this point .* output\.field_steps chose others"):
+            plots.gap_map(found.isel(step=2))
+
+
+def test_single_precision_takes_half_the_space(tmp_path):
+    sizes = {}
+    rough = {"kind": "self_affine", "size": "10 nm", "shape": [128, 128], "rms_height": "0.1 nm", "cutoff_mode": 30}
+    for precision in ("double", "single"):
+        table = study(field_precision=precision, path=["1 MPa", "20 MPa"]) | {"surface": rough}
+        contact_study.run(table, output=tmp_path / f"{precision}.nc")
+        sizes[precision] = (tmp_path / f"{precision}.nc").stat().st_size
+    # At each point of two steps the gap or the pressure is no zero: one number that does not compress, 4 bytes less.
+    assert sizes["double"] - sizes["single"] > 0.9 * 2 * 128**2 * 4
+
+
+def test_series_for_paraview_has_the_points_that_are_kept(tmp_path):
+    vtk = pytest.importorskip("pyevtk")
+    assert vtk
+    dataset = contact_study.run(study(field_steps=[0, 2], field_precision="single"))
+    series, *images = contact_study.to_vtk(dataset, tmp_path / "contact.pvd")
+    assert [image.stem for image in images] == ["step_0000", "step_0002"]
+    assert series.read_text().count("<DataSet") == 2
+
+
+@pytest.mark.parametrize(
+    ("output", "words"),
+    [
+        ({"field_steps": [0, 5]}, r"output\.field_steps: 5 is no point of the path, which has 5: 0 to 4"),
+        ({"field_steps": [-6]}, r"output\.field_steps: -6 is no point"),
+        ({"field_steps": [0.5]}, r"output\.field_steps\[0\] = 0\.5: expected a whole number"),
+        ({"field_steps": []}, r"output\.field_steps = \[\]: is empty"),
+        ({"field_precision": "half"}, r"output\.field_precision = 'half': expected one of double, single"),
+        ({"fields": False, "field_steps": [0]}, r"output\.field_steps: no fields are kept; set output\.fields = true"),
+        ({"fields": False, "field_precision": "single"}, r"output\.field_precision: no fields are kept"),
+    ],
+)
+def test_what_cannot_be_kept_is_named(output, words):
+    with pytest.raises(InputError, match=words):
+        make_study(study(**output))
+
+
+def test_a_point_of_some_path_is_enough():
+    table = study(field_steps=[4], path=["1 MPa"])
+    table["sweep"] = {"material.poissons_ratio": [0.3, 0.4]}
+    longer = {"when": {"material.poissons_ratio": 0.4}, "loading.path": [f"{p} MPa" for p in (1, 2, 3, 4, 5)]}
+    table["override"] = [longer]
+    short, long = make_study(table).cases
+    assert short.kept_fields == frozenset()
+    assert long.kept_fields == {4}
+
+
+def outcome(before, after, path):
+    contact_study.run(before, output=path)
+    contact_study.run(after, output=path, resume=True)
+    return xr.load_dataset(path)
+
+
+@pytest.mark.filterwarnings("ignore:computed anew")
+@pytest.mark.parametrize(
+    ("before", "after"),
+    [
+        ({"field_steps": [1]}, {"field_steps": [1, 3]}),
+        ({"field_steps": [1]}, {}),
+        ({"field_precision": "single"}, {"field_precision": "double"}),
+        ({"field_steps": [-1], "field_precision": "single"}, {"field_steps": [-1], "field_precision": "single"}),
+    ],
+)
+def test_a_run_that_keeps_more_is_what_a_fresh_one_is(before, after, tmp_path):
+    found, fresh = outcome(study(**before), study(**after), tmp_path / "bem.nc"), contact_study.run(study(**after))
+    for name in ("gap", "pressure"):
+        xr.testing.assert_identical(found[name], fresh[name])
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "words"),
+    [
+        ({}, {"field_steps": [1]}, "output.field_steps leaves out points"),
+        ({}, {"field_precision": "single"}, "digits there would be lost"),
+    ],
+)
+def test_a_run_gives_nothing_up(before, after, words, tmp_path):
+    with pytest.raises(InputError, match=words):
+        outcome(study(**before), study(**after), tmp_path / "bem.nc")
+
+
+def test_lengthened_path_keeps_what_was_kept(tmp_path):
+    options = {"field_steps": [0, 1], "field_precision": "single"}
+    short, long = study(path=["1 MPa", "5 MPa"], **options), study(path=["1 MPa", "5 MPa", "9 MPa"], **options)
+    found = outcome(short, long, tmp_path / "bem.nc")
+    xr.testing.assert_identical(found.gap, contact_study.run(long).gap)
+
+
+def test_parts_are_joined_as_they_are(tmp_path):
+    options = {"field_steps": [-1], "field_precision": "single"}
+    table = study(**options)
+    swept = {"material.poissons_ratio": [0.3, 0.4]}
+    for number, ratio in enumerate(swept["material.poissons_ratio"]):
+        part = {**table, "sweep": {"material.poissons_ratio": [ratio]}}
+        contact_study.run(part, output=tmp_path / f"part{number}.nc")
+    parts = [str(tmp_path / f"part{number}.nc") for number in (0, 1)]
+    assert merge([*parts, "-o", str(tmp_path / "all.nc")]) == 0
+    together = contact_study.run({**table, "sweep": swept})
+    with xr.open_dataset(tmp_path / "all.nc") as found:
+        assert found.gap.dtype == np.float32
+        xr.testing.assert_identical(found.gap.load(), together.gap)
+
+
+def test_atoms_start_from_the_fields_that_are_there(tmp_path):
+    table = study(field_steps=[1], field_precision="single", path=["20 MPa", "50 MPa"])
+    table["interaction"] = {"work_of_adhesion": "0.05 J/m^2", "length": "0.6 nm"}
+    table["material"]["poissons_ratio"] = 0.3
+    table["surface"]["shape"] = [24, 24]
+    contact_study.run(table, output=tmp_path / "bem.nc")
+    own = {**table, "output": {"fields": False}}
+    with pytest.warns(UserWarning, match="no state in contact for point 1 of"):
+        found = contact_study.run(own, "atomistic", predictor=tmp_path / "bem.nc")
+    assert [bool(text) for text in found.predictor_field.values] == [False, True]
+    assert (found.converged == 1).all()
