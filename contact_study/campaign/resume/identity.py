@@ -241,7 +241,7 @@ def _match(number: int, case: Case, other: Case, run: Run) -> Match:
     digits = case.output.field_precision, other.output.field_precision
     if "fields" in run.model.keeps and case.output.fields:
         if case.kept_fields - other.kept_fields:
-            raise InputError("output.field_steps leaves out points here whose fields are kept there: they would be lost")
+            raise InputError("output.field_steps leaves out points here whose fields there would be lost")
         if digits == ("double", "single"):
             raise InputError("output.field_precision is double there and single here: digits there would be lost")
     if case.loading.unload and not other.loading.unload:
