@@ -1,18 +1,29 @@
-"""Tables of the documentation that the code itself makes: variables of a dataset, keys of a study.
+"""Tables of the documentation that the code itself makes: variables of a dataset, keys of a study, symbols.
 
 python scripts/reference_tables.py variables
 python scripts/reference_tables.py keys
+python scripts/reference_tables.py symbols
 """
 
 import argparse
 import dataclasses
 import sys
 from collections.abc import Iterable, Sequence
+from pathlib import Path
+from types import ModuleType
 
+from contact_study.campaign import schema
 from contact_study.campaign.command import Parser, guarded
 from contact_study.campaign.schema import COORDINATES, VARIABLES
+from contact_study.comparison.compute import regime
+from contact_study.comparison.compute.regime import MEANINGS
+from contact_study.observables import OBSERVABLES, constants, roughness
 from contact_study.observables.constants import CONSTANTS
-from contact_study.problem.study import all_keys
+from contact_study.observables.roughness import ROUGHNESS
+from contact_study.problem.keys import Kinds, keys_of
+from contact_study.problem.study import SECTIONS, all_keys
+
+ROOT = Path(__file__).resolve().parent.parent
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -23,12 +34,12 @@ def parser() -> Parser:
     made = Parser(
         description=__doc__.splitlines()[0], formatter_class=argparse.RawDescriptionHelpFormatter, allow_abbrev=False
     )
-    made.add_argument("table", choices=("variables", "keys"), help="which one")
+    made.add_argument("table", choices=TABLES, help="which one")
     return made
 
 
 def _main(arguments: Sequence[str] | None) -> int:
-    print("\n".join(_variables() if parser().parse_args(arguments).table == "variables" else _keys()))
+    print("\n".join(TABLES[parser().parse_args(arguments).table]()))
     return 0
 
 
@@ -49,6 +60,97 @@ def _keys() -> Iterable[str]:
         given = default not in (None, dataclasses.MISSING)
         shown = f"`{str(default).lower() if isinstance(default, bool) else default}`" if given else ""
         yield f"| `{name}` | {_cell(declaration.kind)} | {shown} | {_cell(declaration.description)} |"
+
+
+# Symbols of the field, each with the quantity of a dataset, the key of a study ("section.key") or the number of a
+# comparison ("regime/name") that it stands for; meaning, unit and place follow from there.
+SYMBOLS = (
+    ("h", "height"),
+    ("h_rms", "rms_height"),
+    ("h′", "rms_slope"),
+    ("C(q)", "power_spectrum"),
+    ("H", "surface.hurst_exponent"),
+    ("q_L", "surface.low_mode"),
+    ("q_0", "surface.roll_off_mode"),
+    ("q_1", "surface.cutoff_mode"),
+    ("R", "surface.radius"),
+    ("E", "material.youngs_modulus"),
+    ("ν", "material.poissons_ratio"),
+    ("E*", "contact_modulus"),
+    ("E*(q)", "contact_modulus_at"),
+    ("a", "material.lattice_constant"),
+    ("m", "material.atom_mass"),
+    ("T", "atomistic.temperature"),
+    ("ε₀", "interaction.well_depth"),
+    ("ε/ε₀", "interaction.well_depth_ratio"),
+    ("r₀, z₀, ρ", "interaction.length"),
+    ("Δγ", "work_of_adhesion"),
+    ("d_eq", "equilibrium_distance"),
+    ("d_c", "contact_distance"),
+    ("σ_max", "peak_tensile_stress"),
+    ("p", "mean_pressure"),
+    ("σ", "pressure"),
+    ("P(σ)", "pressure_pdf"),
+    ("u", "gap"),
+    ("P(u)", "gap_pdf"),
+    ("ū", "mean_gap"),
+    ("A/A₀", "relative_contact_area"),
+    ("U_el", "elastic_energy"),
+    ("U_int", "interaction_energy"),
+    ("−dp/dū", "contact_stiffness"),
+    ("ζ", "magnification"),
+    ("A(ζ)/A₀", "relative_contact_area_at"),
+    ("σ_a(ζ)", "detachment_stress"),
+    ("γ_eff(ζ)", "effective_work_of_adhesion"),
+    ("α", "theory.alpha"),
+    ("β", "theory.beta"),
+    ("μ", "regime/tabor_parameter"),
+    ("θ", "regime/adhesion_over_elastic_energy"),
+    ("E*Δγ/σ_max²", "regime/process_zone"),
+)
+
+
+def _symbols() -> Iterable[str]:
+    yield from ("| symbol | name | unit | meaning | where |", "|---|---|---|---|---|")
+    for symbol, name in SYMBOLS:
+        units, meaning, where = _known(name)
+        yield f"| {_cell(symbol)} | `{name}` | {'' if units == '1' else units} | {_cell(meaning)} | `{where}` |"
+
+
+def _known(name: str) -> tuple[str, str, str]:
+    """Unit and meaning of a quantity, key or number, and the file that has it."""
+    if name.startswith("regime/"):
+        return *MEANINGS[name.removeprefix("regime/")], _file(regime)
+    section, _, key = name.rpartition(".")
+    if section:
+        declaration = next(known for own, other, known, _ in all_keys() if (own, other) == (section, key))
+        kinds = {"number": "1", "integer": "1"}
+        return kinds.get(declaration.kind, declaration.kind), declaration.description, _file(_home(section, key))
+    for observable in OBSERVABLES:
+        if name in observable.variables:
+            known = observable.variables[name]
+            return known.units, known.long_name, _file(sys.modules[observable.read.__module__])
+    known = {**VARIABLES, **COORDINATES}[name]
+    homes = {constants: CONSTANTS, roughness: ROUGHNESS}
+    return known.units, known.long_name, _file(next((home for home, own in homes.items() if name in own), schema))
+
+
+def _home(section: str, key: str) -> ModuleType:
+    """The module that declares a key of a study."""
+    declared = SECTIONS[section]
+    kinds = declared.declared.values() if isinstance(declared, Kinds) else [declared]
+    owner = next(kind for kind in kinds if key in keys_of(kind))
+    # Keys that several kinds share are of a base class.
+    return sys.modules[
+        next(base for base in reversed(owner.__mro__) if key in vars(base).get("__annotations__", {})).__module__
+    ]
+
+
+def _file(module: ModuleType) -> str:
+    return str(Path(str(module.__file__)).relative_to(ROOT))
+
+
+TABLES = {"variables": _variables, "keys": _keys, "symbols": _symbols}
 
 
 def _cell(words: str) -> str:

@@ -238,27 +238,19 @@ def _match(number: int, case: Case, other: Case, run: Run) -> Match:
                 f"output.{name} is {_word(there)} there and {_word(here)} here: the {name} there would be lost"
             )
         more += [name] * (change > 0)
-    digits = case.output.field_precision, other.output.field_precision
-    if "fields" in run.model.keeps and case.output.fields:
-        if case.kept_fields - other.kept_fields:
-            raise InputError("output.field_steps leaves out points here whose fields there would be lost")
-        if digits == ("double", "single"):
-            raise InputError("output.field_precision is double there and single here: digits there would be lost")
     if case.loading.unload and not other.loading.unload:
         raise InputError(f"loading.unload is true there and false here{where}")
     before, after = (path_points_of(one) for one in (case, other))
     length = len(case.loading.path)
     if after[:length] != before[:length]:
         raise InputError(f"loading.path{where} does not begin with the {length} points that are there")
+    fields_anew = _fields_anew(case, other) if "fields" in run.model.keeps and case.output.fields else ""
     same = next((i for i, pair in enumerate(zip(before, after, strict=False)) if pair[0] != pair[1]), len(before))
     for name in more:
         asked = _word(getattr(other.output, name))
         return Match(number, 0, f"output.{name} = {asked}: {name} that were not kept cannot be made from nothing")
-    if "fields" in run.model.keeps and case.output.fields:
-        if other.kept_fields.intersection(range(len(before))) - case.kept_fields:
-            return Match(number, 0, "output.field_steps: fields that were not kept cannot be made from nothing")
-        if digits == ("single", "double"):
-            return Match(number, 0, "output.field_precision = double: digits that were not kept cannot be made up")
+    if fields_anew:
+        return Match(number, 0, fields_anew)
     if run.model.whole_path and before != after:
         return Match(number, 0, "the path has changed, and what its points share is computed from all of them")
     if not _ranges_hold(case, run.bins):
@@ -266,6 +258,26 @@ def _match(number: int, case: Case, other: Case, run: Run) -> Match:
     if same < len(before):
         return Match(number, same, "unloading starts from another point")
     return Match(number, same)
+
+
+def _fields_anew(case: Case, other: Case) -> str:
+    """Why steps that keep fields must be computed again, for more of these; empty if none must.
+
+    Raises
+    ------
+    InputError
+        If less of them would be kept.
+    """
+    digits = case.output.field_precision, other.output.field_precision
+    if case.kept_fields - other.kept_fields:
+        raise InputError("output.field_steps leaves out points here whose fields there would be lost")
+    if digits == ("double", "single"):
+        raise InputError("output.field_precision is double there and single here: digits there would be lost")
+    if other.kept_fields.intersection(range(len(case.path))) - case.kept_fields:
+        return "output.field_steps: fields that were not kept cannot be made from nothing"
+    if digits == ("single", "double"):
+        return "output.field_precision = double: digits that were not kept cannot be made up"
+    return ""
 
 
 def _word(value: bool | str) -> str:

@@ -89,7 +89,7 @@ def compute_regime(inputs: Inputs) -> xr.Dataset:
     attrs = {d: next(dataset[d].attrs for dataset in models.values() if d in dataset.dims) for d in dims}
     averages = {averaged(dataset) for dataset in models.values() if dataset.sizes.get(averaged(dataset), 1) > 1}
     data = {}
-    for name, (units, long_name) in _MEANINGS.items():
+    for name, (units, long_name) in MEANINGS.items():
         column = xr.DataArray([row[name] for row in numbers], dims="case")
         if dims:
             values = [list(dict.fromkeys(point.selection[dim] for point in points)) for dim in dims]
@@ -104,7 +104,7 @@ def compute_regime(inputs: Inputs) -> xr.Dataset:
     return xr.Dataset(data)
 
 
-_MEANINGS = {
+MEANINGS = {
     "tabor_parameter": ("1", "Tabor parameter at the scale of the roughness, R = 2 / rms Laplacian"),
     "process_zone": ("m", "length of the process zone of a crack, E* Δγ / σ_max²"),
     "pixel_over_process_zone": ("1", "grid spacing of the continuum over the process zone"),
@@ -121,7 +121,7 @@ _MEANINGS = {
     "rms_slope": ("1", "root-mean-square slope of the surface"),
     "rms_laplacian": ("m-1", "root-mean-square Laplacian of the surface"),
 }
-_OF_THE_SURFACE = set(_MEANINGS) - {"process_zone", "pixel_over_process_zone"}
+_OF_THE_SURFACE = set(MEANINGS) - {"process_zone", "pixel_over_process_zone"}
 
 
 def _regime(
@@ -134,7 +134,7 @@ def _regime(
     parts = [select(models[name], point) for name in models if entry_of(name).feels_law]
     pixels = [constant(part, "pixel") for part in parts if part is not None and "pixel" in part]
     pixel = max(pixels, default=np.nan)
-    numbers = dict.fromkeys(_MEANINGS, float("nan"))
+    numbers = dict.fromkeys(MEANINGS, float("nan"))
     numbers |= {"process_zone": zone, "pixel_over_process_zone": pixel / zone if zone else np.nan}
     if surface is None or surface.rms_slope == 0:
         return numbers

@@ -1,0 +1,60 @@
+"""Local links of the documentation lead somewhere, and what it says to type exists."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+from contact_study.campaign.examples import example_names
+from contact_study.problem.study import all_keys
+
+ROOT = Path(__file__).parent.parent
+PAGES = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").glob("*.md")])
+_LINK = re.compile(r"\]\(([^)\s]+)\)")
+_OPTION = re.compile(r"--([a-z]+\.[a-z_]+)")
+
+
+def anchors(page):
+    """Anchors of a page's headings, as GitHub and MyST make them."""
+    text = re.sub(r"```.*?```", "", page.read_text(encoding="utf-8"), flags=re.DOTALL)
+    headings = re.findall(r"^#{1,6} (.+)$", text, flags=re.MULTILINE)
+    return {re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-") for heading in headings}
+
+
+def faults(page):
+    """Links of a page that lead nowhere."""
+    for link in _LINK.findall(page.read_text(encoding="utf-8")):
+        if "://" in link or link.startswith("mailto:"):
+            continue
+        name, _, anchor = link.partition("#")
+        target = page if not name else page.parent / name
+        if not target.exists() or (anchor and target.suffix == ".md" and anchor not in anchors(target)):
+            yield link
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_local_links_lead_somewhere(page):
+    assert not list(faults(page))
+
+
+def test_a_link_that_leads_nowhere_is_found(tmp_path):
+    (tmp_path / "other.md").write_text("# One heading: here\n\n```\n# no heading\n```\n")
+    page = tmp_path / "page.md"
+    page.write_text(
+        "# Mine\n[a](other.md) [b](other.md#one-heading-here) [c](#mine) [d](https://example.org/none)\n"
+        "[e](none.md) [f](other.md#no-heading) [g](#not-mine)\n"
+    )
+    assert list(faults(page)) == ["none.md", "other.md#no-heading", "#not-mine"]
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_keys_and_examples_that_are_to_be_typed_exist(page):
+    text = page.read_text(encoding="utf-8")
+    keys = {f"{section}.{name}" for section, name, *_ in all_keys()} | {"section.key"}
+    assert {option for option in _OPTION.findall(text)} <= keys
+    assert {name for name in re.findall(r"--example ([a-z]\w*)", text)} <= {*example_names()}
+
+
+def test_every_page_of_the_site_is_in_its_contents():
+    listed = re.findall(r"^([a-z_]+)$", (ROOT / "docs" / "index.md").read_text(encoding="utf-8"), flags=re.MULTILINE)
+    assert {page.stem for page in (ROOT / "docs").glob("*.md")} == {*listed, "index"}
