@@ -51,8 +51,8 @@ def test_a_link_that_leads_nowhere_is_found(tmp_path):
 def test_keys_and_examples_that_are_to_be_typed_exist(page):
     text = page.read_text(encoding="utf-8")
     keys = {f"{section}.{name}" for section, name, *_ in all_keys()} | {"section.key"}
-    assert {option for option in _OPTION.findall(text)} <= keys
-    assert {name for name in re.findall(r"--example ([a-z]\w*)", text)} <= {*example_names()}
+    assert set(_OPTION.findall(text)) <= keys
+    assert set(re.findall(r"--example ([a-z]\w*)", text)) <= {*example_names()}
 
 
 def test_every_page_of_the_site_is_in_its_contents():
