@@ -2,7 +2,7 @@
 
 import warnings
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import cached_property, lru_cache, partial
 
 import numpy as np
 
@@ -11,8 +11,8 @@ from contact_study.fields.spectrum import RoughnessSpectrum
 from contact_study.problem.case import Case
 from contact_study.problem.errors import InputError
 from contact_study.problem.surface import Surface
-from theory.edge_flow import EdgeFlow, edge_flow
-from theory.gap_flow import BRANCHES, GapFlow, gap_flow
+from theory.edge_flow import EDGE_FLOW_GAPS, EDGE_FLOW_SCALES, EdgeFlow, edge_flow
+from theory.gap_flow import BRANCHES, GAP_FLOW_GAPS, GAP_FLOW_SCALES, GapFlow, gap_flow
 from theory.persson import PerssonTheory
 from theory.persson_solver import TOLERANCE
 from theory.separation import NotConverged
@@ -36,11 +36,14 @@ class CaseTheories:
         What they know of the surface.
     other : str
         The spectrum's name in the study where it is not the first one; else empty.
+    coarsening : int
+        By how much nodes, cells and scales are fewer than the theories' own.
     """
 
     case: Case
     spectrum: RoughnessSpectrum
     other: str = ""
+    coarsening: int = 1
 
     def named(self, quantity: str) -> str:
         """The name of a theory's quantity, ``"gap_flow/mean_gap"``, with the spectrum where that is not the first."""
@@ -60,6 +63,8 @@ class CaseTheories:
             chosen.true_area,
             chosen.alpha,
             law.peak_tensile_stress if chosen.cap_detachment_stress else np.inf,
+            PerssonTheory.nodes // self.coarsening,
+            PerssonTheory.cells // self.coarsening,
         )
 
     @property
@@ -82,7 +87,10 @@ class CaseTheories:
         largest = 0.0
         if case.loading.control == "gap":
             largest = max(gap for gap, _ in case.path) + case.law.equilibrium_distance
-        flows = tuple(gap_flow(self.spectrum, case.solid, case.law, branch, largest) for branch in BRANCHES)
+        gaps, scales = GAP_FLOW_GAPS // self.coarsening, GAP_FLOW_SCALES // self.coarsening
+        flows = tuple(
+            gap_flow(self.spectrum, case.solid, case.law, branch, largest, gaps, scales) for branch in BRANCHES
+        )
         for flow in flows:
             if not flow.converged:
                 warnings.warn(
@@ -106,13 +114,15 @@ class CaseTheories:
         if case.law.has_wall:
             return None
         asked = np.array([value for value, _ in case.path])
+        gaps, scales = EDGE_FLOW_GAPS // self.coarsening, EDGE_FLOW_SCALES // self.coarsening
+        flow = partial(edge_flow, self.spectrum, case.solid, case.law, gaps=gaps, scales=scales)
         try:
             if case.loading.control == "pressure":
                 # Down to where contact begins to be whole: beyond the pull-off, wherever that is.
                 stress = np.sqrt(self.spectrum.full_contact_stress_variance(case.solid.stiffness))
-                return edge_flow(self.spectrum, case.solid, case.law, max(_RESERVE * asked.max(), float(stress)))
-            gaps = asked + case.law.equilibrium_distance
-            return edge_flow(self.spectrum, case.solid, case.law, 0.0, float(gaps.max()), float(gaps.min()))
+                return flow(max(_RESERVE * asked.max(), float(stress)))
+            reached = asked + case.law.equilibrium_distance
+            return flow(0.0, float(reached.max()), float(reached.min()))
         except ValueError as error:
             raise InputError(f"loading.path: {error}") from None
 

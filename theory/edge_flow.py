@@ -39,6 +39,9 @@ from theory.gap_flow import gap_nodes
 from theory.gap_state import GapState
 from theory.pressure_curve import PressureCurve, positions
 
+# Nodes of the gap and steps of the roughness.
+EDGE_FLOW_GAPS, EDGE_FLOW_SCALES = 240, 80
+
 # Approach: mean gap, in rms heights beyond twice the law's own, at which nothing is felt yet; the ratio of distances to
 # the lowest node from one mean gap to the next.
 _FAR, _RATIO = 7.0, 0.85
@@ -170,8 +173,8 @@ def edge_flow(
     highest_pressure: float | None = None,
     largest_gap: float = 0.0,
     smallest_gap: float | None = None,
-    gaps: int = 240,
-    scales: int = 80,
+    gaps: int = EDGE_FLOW_GAPS,
+    scales: int = EDGE_FLOW_SCALES,
     tolerance: float = 1e-6,
     iterations: int = 100,
 ) -> EdgeFlow:

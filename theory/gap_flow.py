@@ -31,6 +31,9 @@ from theory.gap_state import GapState
 from theory.pressure_curve import PressureCurve, positions
 from theory.scale_steps import BRANCHES, flow_through_scales, trace_back
 
+# Nodes of the gap and bands of wavevectors.
+GAP_FLOW_GAPS, GAP_FLOW_SCALES = 800, 1600
+
 # Iterations of Newton's method in a step, at most.
 _STEP_ITERATIONS = 60
 
@@ -141,8 +144,8 @@ def gap_flow(
     law: TractionLaw,
     branch: str = "equilibrium",
     largest_gap: float = 0.0,
-    gaps: int = 800,
-    scales: int = 1600,
+    gaps: int = GAP_FLOW_GAPS,
+    scales: int = GAP_FLOW_SCALES,
     iterations: int = _STEP_ITERATIONS,
 ) -> GapFlow:
     """Flow a traction-separation law through a roughness spectrum.

@@ -6,6 +6,7 @@
 """
 
 from collections.abc import Iterator, Mapping, Sequence
+from itertools import islice
 from typing import Any
 
 import numpy as np
@@ -22,6 +23,7 @@ from contact_study.problem.plausibility import points
 from contact_study.problem.study import Study
 from contact_study.problem.surface import Surface
 from contact_study.problem.surface_scales import SurfaceScales
+from theory import resolution
 from theory.case_theories import CaseTheories, case_theories
 from theory.criteria import local_tabor_number, range_of, stickiness
 from theory.gap_paths import edge_flow_paths, flow_name, gap_flow_paths
@@ -169,10 +171,34 @@ def solve_path(
     ------
     InputError
         If the surface has no spectrum, or a point of the path is beyond any contact.
+
+    Warns
+    -----
+    Unresolved
+        If an accuracy is asked for that a theory's resolution misses.
     """
-    every = case_theories(case, surface)
-    kept = restart or {}
-    paths = [persson_path(theories, kept.get(_stress_name(theories), "adhered"), start) for theories in every]
+    every, accuracy = case_theories(case, surface), case.theory.accuracy
+    found = _along(every, restart or {}, start)
+    if accuracy is None:
+        yield from (Step(values, restart=state) for values, state in found)
+        return
+    coarser = resolution.quietly(values for values, _ in _along(resolution.coarse(every), {}, 0))
+    missed: dict[str, list[tuple[float, str]]] = {}
+    both = zip(found, islice(coarser, start, None), strict=True)
+    for number, ((values, state), others) in enumerate(both, start):
+        added, worst = resolution.errors(values, others, every[0], accuracy)
+        for name, error in worst.items():
+            missed.setdefault(name, []).append(error)
+        if number == len(case.path) - 1:  # whoever takes the last step does not come back
+            resolution.warn(missed, len(case.path) - start, accuracy)
+        yield Step(values | added, restart=state)
+
+
+def _along(
+    every: tuple[CaseTheories, ...], restart: Mapping[str, np.ndarray], start: int
+) -> Iterator[tuple[dict[str, Any], dict[str, np.ndarray]]]:
+    """Values of all theories and what to go on from, at each path point from number ``start`` on."""
+    paths = [persson_path(theories, restart.get(_stress_name(theories), "adhered"), start) for theories in every]
     flows = [(theories, [*gap_flow_paths(theories), *edge_flow_paths(theories)]) for theories in every]
     for number, states in enumerate(zip(*paths, strict=True), start):
         values: dict[str, Any] = {}
@@ -185,10 +211,8 @@ def solve_path(
             for path in found:
                 values |= {theories.named(name): value for name, value in path[number].items()}
         stresses = {_stress_name(theories): stress for theories, (_, stress) in zip(every, states, strict=True)}
-        yield Step(
-            _with_compression(values, case.solid),
-            restart={name: stress for name, stress in stresses.items() if not isinstance(stress, str)},
-        )
+        kept = {name: stress for name, stress in stresses.items() if not isinstance(stress, str)}
+        yield _with_compression(values, every[0].case.solid), kept
 
 
 def _stress_name(theories: CaseTheories) -> str:

@@ -21,6 +21,7 @@ from contact_study.observables.atoms import ATOMS, SITES, SURROUNDINGS
 from contact_study.observables.base import Variable
 from contact_study.observables.constants import CONSTANTS
 from contact_study.observables.roughness import ROUGHNESS, SPECTRUM_WAVEVECTOR
+from contact_study.observables.solver_report import FLAG
 
 SCHEMA_VERSION = "2.1"
 CONVENTIONS = "CF-1.11"
@@ -38,6 +39,9 @@ FRAME = "frame"
 
 # After the name of a mean over thermal states.
 STANDARD_ERROR = "_standard_error"
+
+# After the name of a theory's quantity: what half its resolution makes of it less what it is, without sign.
+RESOLUTION_ERROR = "_resolution_error"
 
 # Before the name of a constant whose key is swept: the name itself is that of the dimension, with the values asked for.
 REALISED = "realised_"
@@ -74,6 +78,9 @@ VARIABLES: dict[str, Variable] = {
         "Pa",
         "mean of the local pressures, compression positive, gap flow and edge flow; its difference to the mean "
         "pressure is the edge flow's own error, the gap flow's resolution",
+    ),
+    "resolved": Variable(
+        "1", "whether the estimated errors of the resolution are within theory.accuracy", kind="flag", attrs=FLAG
     ),
     "energy_defect": Variable(
         "m", "derivative of the interfacial energy by pressure at zero pressure, Persson's theory", ()
@@ -138,6 +145,9 @@ def variable_of(name: str) -> Variable:
     if name.endswith(STANDARD_ERROR):
         known = VARIABLES[name.removesuffix(STANDARD_ERROR)]
         return replace(known, long_name=f"standard error of the mean: {known.long_name}", kind="float", attrs={})
+    if name.endswith(RESOLUTION_ERROR):
+        known = VARIABLES[name.removesuffix(RESOLUTION_ERROR)]
+        return replace(known, long_name=f"estimated error of the resolution: {known.long_name}")
     return COORDINATES[name] if name in COORDINATES else VARIABLES[name]
 
 

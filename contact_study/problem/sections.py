@@ -205,6 +205,12 @@ class TheorySection:
         "magnifications ζ at which P(σ, ζ) of Persson's theory is kept, evenly in ln ζ; 0: none",
         0,
     )
+    accuracy: float | None = key(
+        quantity("1", positive=True),
+        "error that the resolution may make, of the area over the area, of the mean gap over the rms height; with it "
+        "every state is compared with one of half the nodes, which takes 40 % longer",
+        None,
+    )
 
     def __post_init__(self):
         if "file" in self.spectra:

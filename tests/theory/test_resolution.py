@@ -1,0 +1,135 @@
+"""Errors of resolution beside the states of the theories."""
+
+import copy
+import dataclasses
+import warnings
+
+import numpy as np
+import pytest
+
+from contact_study.campaign.schema import RESOLUTION_ERROR, VARIABLES, variable_of
+from contact_study.problem.study import make_study
+from contact_study.problem.surface import realise
+from tests.theory.test_run import STUDY
+from theory import resolution, run
+from theory.case_theories import case_theories
+from theory.resolution import Unresolved, errors
+
+AREA, GAP = "relative_contact_area", "mean_gap"
+
+
+def case_of(accuracy, **loading):
+    table = copy.deepcopy(STUDY)
+    table["theory"] = {"accuracy": accuracy} if accuracy is not None else {}
+    table["loading"] = {"path": ["1 GPa", "5 GPa"], "unload": False} | loading
+    return make_study(table).cases[0]
+
+
+@pytest.fixture(scope="module")
+def case():
+    return case_of(0.05)
+
+
+@pytest.fixture(scope="module")
+def found(case):
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", Unresolved)
+        return [step.values for step in run.solve_path(case, realise(case))]
+
+
+def test_every_state_has_its_errors_and_only_where_asked(found):
+    for state in ("persson", "gap_flow", "gap_flow/loading", "gap_flow/unloading", "edge_flow"):
+        for values in found:
+            assert values[f"{state}/resolved"] is True
+            assert 0 < values[f"{state}/{AREA}{RESOLUTION_ERROR}"] < 0.05 * values[f"{state}/{AREA}"]
+            assert 0 < values[f"{state}/{GAP}{RESOLUTION_ERROR}"] < 0.05 * 1e-9
+            assert f"{state}/mean_pressure{RESOLUTION_ERROR}" not in values
+    plain = case_of(None)
+    (step, *_) = run.solve_path(plain, realise(plain))
+    assert not [name for name in step.values if "resol" in name]
+    assert step.values["persson/" + AREA] == found[0]["persson/" + AREA]
+
+
+def test_a_missed_accuracy_is_flagged_and_said(found):
+    case = case_of(1e-6)
+    with pytest.warns(Unresolved) as said:
+        missed = [step.values for step in run.solve_path(case, realise(case))]
+    assert [values["edge_flow/resolved"] for values in missed] == [False, False]
+    assert missed[0]["edge_flow/" + AREA + RESOLUTION_ERROR] == found[0]["edge_flow/" + AREA + RESOLUTION_ERROR]
+    (words,) = [str(each.message) for each in said if "edge flow:" in str(each.message)]
+    worst = max(values[f"edge_flow/{AREA}{RESOLUTION_ERROR}"] / values[f"edge_flow/{AREA}"] for values in missed)
+    assert "at 2 of 2 points" in words
+    assert f"at most {worst:.2g} of the contact area" in words
+
+
+def test_a_resumed_path_has_the_errors_of_its_points(case, found):
+    (step,) = run.solve_path(case, realise(case), start=1)
+    for name in (f"persson/{AREA}{RESOLUTION_ERROR}", f"edge_flow/{GAP}{RESOLUTION_ERROR}"):
+        # The state may differ by the tolerance of its iteration, 1e-6 and less.
+        assert step.values[name] == pytest.approx(
+            found[1][name], rel=1e-2, abs=1e-6 * found[1][name.partition("/")[0] + "/" + AREA]
+        )
+
+
+def test_estimate_is_no_less_than_the_error(case, found):
+    # The same estimate at half the resolution, where the error is known: the states of the full one are better by far.
+    def along(coarsening):
+        every = tuple(dataclasses.replace(each, coarsening=coarsening) for each in case_theories(case, realise(case)))
+        return list(resolution.quietly(values for values, _ in run._along(every, {}, 0)))
+
+    for fine, half, quarter in zip(found, along(2), along(4), strict=True):
+        for theory in ("persson", "gap_flow", "edge_flow"):
+            best, middle, coarse = (values[f"{theory}/{AREA}"] for values in (fine, half, quarter))
+            assert abs(middle - coarse) > 0.9 * abs(middle - best)
+
+
+def test_what_is_undefined_or_gone_is_told_apart(case):
+    (theories,) = case_theories(case, realise(case))
+
+    def judged(area, gap, other_area, other_gap):
+        fine = {
+            f"edge_flow/{AREA}": area,
+            f"edge_flow/{GAP}": gap,
+            "edge_flow/mean_pressure": 1e9,
+            "edge_flow/residual": 1,
+        }
+        coarser = fine | {
+            f"edge_flow/{AREA}": other_area,
+            f"edge_flow/{GAP}": other_gap,
+            "edge_flow/mean_pressure": 2e9,
+        }
+        values, worst = errors(fine, coarser, theories, 0.1)
+        assert set(values) == {
+            f"edge_flow/{AREA}{RESOLUTION_ERROR}",
+            f"edge_flow/{GAP}{RESOLUTION_ERROR}",
+            "edge_flow/resolved",
+        }
+        assert values["edge_flow/resolved"] is (not worst)
+        return [*values.values()], worst.get("edge_flow")
+
+    assert judged(0.5, 1e-10, 0.47, 1e-10) == ([pytest.approx(0.03), True, 0.0], None)
+    # Both have come off, or both define no gap.
+    assert judged(0.0, np.inf, 0.0, np.inf) == ([0.0, True, 0.0], None)
+    values, worst = judged(0.5, np.nan, 0.5, np.nan)
+    assert worst is None
+    assert np.isnan(values[2])
+    # One alone has come off; a gap of a tenth of the rms height, 1 nm, and more.
+    values, worst = judged(0.5, 1e-10, 0.0, np.inf)
+    assert worst[0] == np.inf
+    assert np.isnan(values[2])
+    assert judged(0.0, 0.0, 0.1, 0.0)[1][0] == np.inf
+    assert judged(0.5, 1e-10, 0.5, 2.1e-10)[1] == (pytest.approx(0.11, rel=1e-2), "of the rms height in the mean gap")
+
+
+def test_a_prescribed_gap_has_an_error_of_the_pressure():
+    case = case_of(0.05, control="gap", path=["0.5 nm"])
+    (step,) = run.solve_path(case, realise(case))
+    assert step.values["gap_flow/mean_pressure" + RESOLUTION_ERROR] > 0
+    assert "gap_flow/" + GAP + RESOLUTION_ERROR not in step.values
+
+
+def test_entry_of_an_error_is_that_of_its_quantity():
+    entry = variable_of(GAP + RESOLUTION_ERROR)
+    assert entry.units == "m"
+    assert entry.long_name == f"estimated error of the resolution: {VARIABLES[GAP].long_name}"
+    assert entry.dims == VARIABLES[GAP].dims
