@@ -49,6 +49,12 @@ def level_layers(atoms: tuple[int, int], layers: int) -> tuple[int, ...]:
     return tuple(counts)
 
 
+def node_count(atoms: tuple[int, int], layers: Sequence[int]) -> int:
+    """Nodes of a block with these layers on each level, ghosts and hanging planes among them."""
+    rows, columns = atoms
+    return sum((count + 1) * ((rows >> n) + 2) * ((columns >> n) + 2) for n, count in enumerate(layers))
+
+
 @dataclass(frozen=True)
 class Level:
     """One slab of a block: its cells' edge over a, and the shape of its nodes with ghosts."""

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
+from contact_study.campaign.memory import require_memory
 from contact_study.observables.atoms import block_nodes, surface_atoms
 from contact_study.observables.base import Ensemble, InterfaceState, SolverReport, ThermalMotion
 from contact_study.problem.case import Case
@@ -14,13 +15,15 @@ from contact_study.problem.surface import Surface
 from md_reference.block import element_matrix, lame_constants
 from md_reference.interface import LennardJonesInterface
 from md_reference.methods.base import Predictor
-from md_reference.multiscale_block import MultiscaleBlock, level_layers
+from md_reference.multiscale_block import MultiscaleBlock, level_layers, node_count
 from md_reference.newtonian import Motion, NewtonianBlock, fastest_wave
 from md_reference.random_state import generator_of, packed
 from md_reference.rotating_block import RotatingBlock
 from md_reference.starts import separated
 from md_reference.system import build_interface
 
+# Displacements, velocities, forces, masses and noise of a node, what a point goes on from, and the nodes that are kept.
+_BYTES_PER_NODE = 400
 _SAFE_STEP = 0.2  # of the largest stable one, where the study says none: an energy error of a hundredth
 _SLOW = 0.1  # of the speed of sound, above which an approach is an impact
 _AT_REST = 1e-3  # unbalanced stress over E*, below which atoms without noise count as in equilibrium
@@ -37,6 +40,12 @@ def check(case: Case) -> None:
     given, mass = case.dynamics, case.material.atom_mass
     if mass is None:
         raise InputError('missing key material.atom_mass: atomistic.method = "dynamics" needs the mass of an atom')
+    nodes = node_count(case.lattice.atoms, level_layers(case.lattice.atoms, case.block_layers))
+    require_memory(
+        nodes * _BYTES_PER_NODE,
+        f'atomistic.method = "dynamics": a block of {nodes:.3g} nodes',
+        "a larger material.lattice_constant, a smaller cell or fewer atomistic.layers",
+    )
     if case.loading.control == "gap" and given.approach_speed == 0:
         raise InputError(
             'loading.control = "gap": atomistic.method = "dynamics" moves the block from one gap to the next; give '

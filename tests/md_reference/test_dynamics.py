@@ -1,14 +1,18 @@
 """Atoms in motion as a user meets them: an approach, a rest, a thermostat, a stop in the middle."""
 
+import tracemalloc
+
 import numpy as np
 import pytest
 
 import contact_study
-from contact_study.campaign import case_run
+from contact_study.campaign import case_run, memory
 from contact_study.campaign.schema import STANDARD_ERROR, TRAJECTORY
 from contact_study.problem.errors import InputError
 from contact_study.problem.study import make_study
-from md_reference.methods.dynamics import largest_time_step, longitudinal_modulus, time_step
+from contact_study.problem.surface import realise
+from md_reference.methods import dynamics
+from md_reference.methods.dynamics import build_block, largest_time_step, longitudinal_modulus, time_step
 from md_reference.newtonian import NewtonianBlock
 from md_reference.run import check
 from tests.md_reference.systems import CONTACT_MODULUS, LATTICE_CONSTANT, LENGTH
@@ -191,6 +195,29 @@ def test_a_torn_off_block_comes_down_again():
 def test_impossible_motion_is_refused(sections, words):
     with pytest.raises(InputError, match=words):
         check(make_study(moving(**sections)).cases[0])
+
+
+def test_block_beyond_the_memory_is_refused_with_what_it_needs(monkeypatch):
+    """The bound is what a run takes, noise, nodes to keep and all; the case itself is in memory before."""
+    study = moving(
+        surface={"size": "124.8 angstrom", "shape": [48, 48]},
+        atomistic={"temperature": 300.0},
+        output={"atoms": "block"},
+        dynamics={"frames": 2, "duration": "50 fs"},
+    )
+    case = make_study(study).cases[0]
+    surface = realise(case)
+    for _ in range(2):  # the first one compiles
+        tracemalloc.start()
+        for _ in next(iter(dynamics.solve_path(case, surface))).states:
+            pass
+        taken = tracemalloc.get_traced_memory()[1]
+        tracemalloc.stop()
+    nodes = build_block(case).size / 3
+    assert 250 * nodes < taken < 400 * nodes
+    monkeypatch.setattr(memory, "_memory", lambda: 0.5 * taken)
+    with pytest.raises(InputError, match=r'"dynamics": a block of 3.98e\+04 nodes: needs at least 0.0159 GB'):
+        check(case)
 
 
 def test_atoms_without_mass_do_not_move():
