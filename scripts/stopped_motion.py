@@ -1,0 +1,126 @@
+"""A large block in motion, stopped on its way and gone on with: cost, memory, and whether the bits are the same.
+
+The study's block of `--atoms` a side comes down at 300 m/s for `--frames` times `--steps` steps: once in one go, once
+interrupted as by Ctrl-C, after what is put aside every half minute, and resumed. `docs/temperature.md` has the table.
+
+    python scripts/stopped_motion.py data/yang2008.toml --atoms 400
+"""
+
+import argparse
+import resource
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import tomli_w
+import xarray as xr
+
+from contact_study.campaign.command import Parser, guarded
+from contact_study.problem.errors import InputError
+from contact_study.problem.study import Study, make_study, read_study
+from md_reference.methods.dynamics import build_block, time_step
+
+_OF_THE_RUN = ("wall_time",)  # differs from run to run, as nothing else may
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    return guarded("stopped_motion", lambda: _main(arguments), interrupted="nothing is written")
+
+
+def parser() -> Parser:
+    made = Parser(
+        description=__doc__.splitlines()[0], formatter_class=argparse.ArgumentDefaultsHelpFormatter, allow_abbrev=False
+    )
+    made.add_argument("study", type=Path, help="study of a self-affine surface with lattice constant and atom mass")
+    made.add_argument("--atoms", type=int, default=400, help="of the block along each side, at the study's slopes")
+    made.add_argument("--frames", type=int, default=20, help="states that are looked at")
+    made.add_argument("--steps", type=int, default=10, help="time steps from one to the next")
+    return made
+
+
+def _main(arguments: Sequence[str] | None) -> int:
+    given = parser().parse_args(arguments)
+    table = motion_of(read_study(given.study), given.atoms)
+    case = make_study(table).cases[0]
+    table["dynamics"] |= {"frames": given.frames, "duration": 1.001 * given.frames * given.steps * time_step(case)}
+    block = build_block(case)
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        study = folder / "study.toml"
+        study.write_text(tomli_w.dumps(table), encoding="utf-8")
+        command = [sys.executable, "-m", "md_reference.run", str(study), "-o"]
+        run([*command, str(folder / "whole.nc")])
+        used = resource.getrusage(resource.RUSAGE_CHILDREN)
+        done = stopped([*command, str(folder / "stopped.nc")], folder)
+        run([*command, str(folder / "stopped.nc"), "--resume"])
+        same = identical(folder / "whole.nc", folder / "stopped.nc")
+    steps, memory = given.frames * given.steps, 1024 * used.ru_maxrss / (block.freedoms / 3)
+    print("| atoms | nodes that move | steps | s a step | bytes a node, of the whole process | stopped | resumed |")
+    print("|---|---|---|---|---|---|---|")
+    print(
+        f"| {given.atoms}² | {block.freedoms // 3} | {steps} | {used.ru_utime / steps:.2f} | {memory:.0f} | "
+        f"{done} | {'the same bits' if same else 'other bits'} |"
+    )
+    return 0 if same else 1
+
+
+def motion_of(whole: Study, atoms: int) -> dict[str, Any]:
+    """The study's first case with so many atoms a side, in motion."""
+    case = whole.cases[0]
+    surface, constant = case.surface, case.material.lattice_constant
+    if surface.kind != "self_affine":
+        raise InputError(f'surface.kind = "{surface.kind}": --atoms is for self-affine surfaces')
+    fraction = atoms * constant / surface.size[0]
+    table = {name: dict(content) for name, content in whole.table.items() if name not in ("override", "sweep")}
+    table["surface"] |= {"size": atoms * constant, "shape": [atoms, atoms], "rms_height": fraction * surface.rms_height}
+    return {
+        **table,
+        "loading": {"path": ["1 GPa"]},
+        "atomistic": {"method": "dynamics", "temperature": "300 K"},
+        "dynamics": {"damping": "0.1 ps^-1", "approach_speed": "300 m/s"},
+        "output": {},
+    }
+
+
+def run(command: Sequence[str]) -> None:
+    """Run a command of the project quietly; a step that is still moving is no failure."""
+    status = subprocess.run(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, check=False)
+    if status.returncode not in (0, 2):
+        raise RuntimeError(status.stderr)
+
+
+def stopped(command: Sequence[str], folder: Path) -> str:
+    """Interrupt a command once a part of its only point is on disk; what was done by then."""
+    process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    while process.poll() is None:
+        if list(folder.rglob("partial-*.npz")):
+            process.send_signal(signal.SIGINT)
+            process.wait()
+            return "within the point"
+        time.sleep(0.2)
+    return "not before it ended"
+
+
+def identical(one: Path, other: Path) -> bool:
+    """Whether two datasets hold the same bits, but for the time they took."""
+    with (
+        xr.open_datatree(one, decode_timedelta=False) as first,
+        xr.open_datatree(other, decode_timedelta=False) as second,
+    ):
+        return set(first.groups) == set(second.groups) and all(
+            _same(first[group].to_dataset(), second[group].to_dataset()) for group in first.groups
+        )
+
+
+def _same(one: Mapping[str, xr.DataArray], other: Mapping[str, xr.DataArray]) -> bool:
+    names = [name for name in one.variables if name not in _OF_THE_RUN]
+    return set(one.variables) == set(other.variables) and all(one[name].identical(other[name]) for name in names)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
