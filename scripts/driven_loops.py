@@ -142,9 +142,9 @@ def loops_of(root: xr.Dataset, series: xr.Dataset) -> list[Loop]:
         end = case.applied_gap.values
         # The first point is reached from out of reach; the plane moves evenly from one point to the next.
         share = (np.arange(FRAMES) + 1) / FRAMES
-        distance = (end[:-1, None] + np.diff(end)[:, None] * share).ravel()
-        stress = frames.mean_pressure.values[1:].ravel()
-        down = np.repeat(np.diff(end) < 0, FRAMES)
+        distance = np.append(end[0], end[:-1, None] + np.diff(end)[:, None] * share)
+        stress = frames.mean_pressure.values.ravel()[FRAMES - 1 :]
+        down = np.append(True, np.repeat(np.diff(end) < 0, FRAMES))
         found.append(Loop(f"{ratio:g} ε₀", distance, stress, down))
     return found
 

@@ -1,0 +1,59 @@
+"""What the scripts about moving atoms make of their runs."""
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from scripts import driven_loops, stopped_motion, temperature
+
+
+def series(end, stress, frames):
+    """Root and trajectory of one case whose plane goes through ``end`` with a stress of its distance."""
+    share = (np.arange(frames) + 1) / frames
+    start = np.concatenate([[end[0] + 1e-10], end[:-1]])
+    distance = start[:, None] + (end - start)[:, None] * share
+    root = xr.Dataset({}, {"well_depth_ratio": [4.0], "applied_gap": ("step", end)})
+    return root, xr.Dataset({"mean_pressure": (("well_depth_ratio", "step", "frame"), stress(distance, start)[None])})
+
+
+def test_loop_of_a_motion_that_sticks_on_its_way_up():
+    """No stress on the way down; on the way up 2 GPa of tension up to 5 Å: 2 GPa times the way is left behind."""
+    end = 1e-10 * np.array([8.0, 6.0, 4.0, 2.0, 4.0, 6.0, 8.0])
+
+    def stress(distance, start):
+        up = distance > start[:, None] + 1e-15
+        return np.where(up & (distance < 5.05e-10), -2e9, 0.0)
+
+    (loop,) = driven_loops.loops_of(*series(end, stress, driven_loops.FRAMES))
+    assert loop.words == "4 ε₀"
+    assert loop.down.sum() == 1 + 3 * driven_loops.FRAMES
+    assert loop.pull_off == 2e9
+    assert loop.contact(down=False) == pytest.approx(4.8e-10)  # frames stand 0.4 Å apart
+    assert np.isnan(loop.contact(down=True))
+    # From 2 to 4.8 Å, and trapezoids reach half a frame further at both ends.
+    assert loop.dissipated == pytest.approx(2e9 * 2.8e-10, rel=0.15)
+    axes = driven_loops.picture({"0 K": [loop], "300 K": [loop]}).axes
+    assert len(axes) == 1
+    np.testing.assert_allclose(axes[0].lines[1].get_ydata(), loop.stress[~loop.down] / 1e9)
+
+
+def test_elastic_loop_leaves_nothing_behind():
+    end = 1e-10 * np.array([8.0, 4.0, 2.0, 4.0, 8.0])
+    (loop,) = driven_loops.loops_of(*series(end, lambda distance, _: 1e19 * (2e-10 - distance), 5))
+    assert loop.dissipated == pytest.approx(0.0, abs=1e-2 * 1e19 * (4e-10) ** 2)
+
+
+def test_bits_are_compared_and_the_time_taken_is_not(tmp_path):
+    data = xr.Dataset({"mean_gap": ("step", [1.0, 2.0]), "wall_time": ("step", [3.0, 4.0])})
+    data.to_netcdf(tmp_path / "one.nc")
+    data.assign(wall_time=("step", [5.0, 4.0])).to_netcdf(tmp_path / "other.nc")
+    data.assign(mean_gap=("step", [1.0, np.nextafter(2.0, 3.0)])).to_netcdf(tmp_path / "third.nc")
+    assert stopped_motion.identical(tmp_path / "one.nc", tmp_path / "other.nc")
+    assert not stopped_motion.identical(tmp_path / "one.nc", tmp_path / "third.nc")
+
+
+def test_largest_lateral_move_is_against_the_mean():
+    x, y = np.zeros((2, 4, 4)), np.full((2, 4, 4), 7.0)
+    x[0, 1, 2], y[0, 1, 2] = 3.2, 7.0
+    fields = {f"lateral_displacement_{name}": (("case", "y", "x"), field) for name, field in (("x", x), ("y", y))}
+    np.testing.assert_allclose(temperature.largest_move(xr.Dataset(fields)), [3.0, 0.0])
