@@ -20,7 +20,9 @@ from typing import Any
 import pandas as pd
 
 import contact_study
+from contact_study.problem.study import read_study
 
+PAPER = Path(__file__).resolve().parent.parent / "data" / "yang2008.toml"
 PRESSURES = (0.1, 0.2, 0.5, 1.0, 2.0, 5.0)  # GPa
 WEAK = 2.0  # well depths, in units of ε0, that stand in the first rows
 THEORIES = ("gap_flow", "edge_flow")
@@ -45,20 +47,11 @@ def parser() -> argparse.ArgumentParser:
 
 
 def study(surfaces: int, points: int, ratios: Sequence[float], setting: str | None = None) -> dict[str, Any]:
-    """The study file's content."""
+    """The study file's content: the paper's surface and solid."""
+    paper = read_study(PAPER).table
     table: dict[str, Any] = {
-        "surface": {
-            "kind": "self_affine",
-            "size": "1040 angstrom",
-            "shape": [points, points],
-            "rms_height": "10 angstrom",
-            "low_mode": 1,
-            "roll_off_mode": 3,
-            "cutoff_mode": 12,
-            "hurst_exponent": 0.8,
-            "normalisation": "realised",
-        },
-        "material": {"youngs_modulus": "77.2 GPa", "poissons_ratio": 0.42},
+        "surface": dict(paper["surface"], shape=[points, points]),
+        "material": dict(paper["material"]),
         "interaction": {
             "work_of_adhesion": "0.6924 J/m^2",
             "length": "3.28 angstrom",
@@ -78,42 +71,35 @@ def study(surfaces: int, points: int, ratios: Sequence[float], setting: str | No
     return table
 
 
-def ensemble(surfaces: int, points: int, ratios: Sequence[float]) -> pd.DataFrame:
-    """Mean and standard error of every quantity: a model, a law and a pressure a row."""
-    table = study(surfaces, points, ratios)
+def means(surfaces: int, points: int, ratios: Sequence[float], setting: str | None = None) -> pd.DataFrame:
+    """Mean and standard error of every quantity: a model, a law, a pressure and a branch of the path a row."""
+    table = study(surfaces, points, ratios, setting)
     truth, theory = contact_study.run(table, "continuum"), contact_study.run(table, "theory")
+    models = (("continuum", truth), *((name, theory.sel(theory=name)) for name in THEORIES))
+    branches = ("loading", "unloading") if table["loading"].get("unload") else ("loading",)
     found = []
-    for model, dataset in (("continuum", truth), *((name, theory.sel(theory=name)) for name in THEORIES)):
-        for name in SHOWN:
-            values = dataset[name].where(dataset["converged"] == 1)
-            mean, error = values.mean("seed"), values.std("seed", ddof=1) / values.count("seed") ** 0.5
-            for law, ratio in enumerate(ratios):
-                for step, pressure in enumerate(PRESSURES):
-                    at = {"work_of_adhesion": law, "step": step}
-                    count = int(values.isel(at).count())
-                    found.append((model, name, ratio, pressure, float(mean[at]), float(error[at]), count, points))
-    columns = ["model", "quantity", "ratio", "pressure_GPa", "mean", "standard_error", "surfaces", "points"]
+    for (model, dataset), name, branch in itertools.product(models, SHOWN, branches):
+        values = dataset[name].where(dataset["converged"] == 1)
+        mean, error = values.mean("seed"), values.std("seed", ddof=1) / values.count("seed") ** 0.5
+        for (law, ratio), (step, pressure) in itertools.product(enumerate(ratios), enumerate(PRESSURES)):
+            # The way back ends where it began and turns at the last pressure.
+            back = branch == "unloading"
+            at = {"work_of_adhesion": law, "step": 2 * len(PRESSURES) - 2 - step if back else step}
+            count = int(values.isel(at).count())
+            found.append((branch, model, name, ratio, pressure, float(mean[at]), float(error[at]), count))
+    columns = ["branch", "model", "quantity", "ratio", "pressure_GPa", "mean", "standard_error", "surfaces"]
     return pd.DataFrame(found, columns=columns)
+
+
+def ensemble(surfaces: int, points: int, ratios: Sequence[float]) -> pd.DataFrame:
+    """The means on the way in, at the paper's spectrum and law."""
+    return means(surfaces, points, ratios).drop(columns="branch").assign(points=points)
 
 
 def settings_ensemble(surfaces: int, points: int) -> pd.DataFrame:
-    """Mean and standard error of every quantity on the way in and back, in every setting."""
-    found = []
-    for setting, (_, ratios) in SETTINGS.items():
-        table = study(surfaces, points, ratios, setting)
-        truth, theory = contact_study.run(table, "continuum"), contact_study.run(table, "theory")
-        models = (("continuum", truth), *((name, theory.sel(theory=name)) for name in THEORIES))
-        for (model, dataset), (name, back) in itertools.product(models, itertools.product(SHOWN, (False, True))):
-            values = dataset[name].where(dataset["converged"] == 1)
-            mean, error = values.mean("seed"), values.std("seed", ddof=1) / values.count("seed") ** 0.5
-            for (law, ratio), (step, pressure) in itertools.product(enumerate(ratios), enumerate(PRESSURES)):
-                # The way back ends where it began and turns at the last pressure.
-                at = {"work_of_adhesion": law, "step": 2 * len(PRESSURES) - 2 - step if back else step}
-                count = int(values.isel(at).count())
-                branch = "unloading" if back else "loading"
-                found.append((setting, branch, model, name, ratio, pressure, float(mean[at]), float(error[at]), count))
-    columns = ["setting", "branch", "model", "quantity", "ratio", "pressure_GPa", "mean", "standard_error", "surfaces"]
-    return pd.DataFrame(found, columns=columns)
+    """The means on the way in and back, in every setting."""
+    every = {setting: means(surfaces, points, ratios, setting) for setting, (_, ratios) in SETTINGS.items()}
+    return pd.concat(every, names=["setting"]).reset_index(level="setting").reset_index(drop=True)
 
 
 def settings_rows(table: pd.DataFrame) -> Iterator[str]:

@@ -20,11 +20,12 @@ from typing import Any
 import pandas as pd
 
 import contact_study
-from contact_study.problem.study import make_study
+from contact_study.problem.study import make_study, read_study
 from contact_study.problem.surface import realise
 from theory import NonAdhesiveTheory, PerssonTheory, closed_forms
 from theory.non_adhesive import CORRECTIONS
 
+PAPER = Path(__file__).resolve().parent.parent / "data" / "yang2008.toml"
 PRESSURES = (0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0)  # GPa
 THEORIES = (*CORRECTIONS, "paper")
 SHOWN = {"relative_contact_area": "A", "mean_gap": "ū", "elastic_energy": "U"}
@@ -40,20 +41,11 @@ def parser() -> argparse.ArgumentParser:
 
 
 def study(surfaces: int, points: int) -> dict[str, Any]:
-    """The study file's content."""
+    """The study file's content: the paper's surface and solid."""
+    paper = read_study(PAPER).table
     return {
-        "surface": {
-            "kind": "self_affine",
-            "size": "1040 angstrom",
-            "shape": [points, points],
-            "rms_height": "10 angstrom",
-            "low_mode": 1,
-            "roll_off_mode": 3,
-            "cutoff_mode": 12,
-            "hurst_exponent": 0.8,
-            "normalisation": "realised",
-        },
-        "material": {"youngs_modulus": "77.2 GPa", "poissons_ratio": 0.42},
+        "surface": dict(paper["surface"], shape=[points, points]),
+        "material": dict(paper["material"]),
         "interaction": {"law": "hard_wall"},
         "loading": {"path": [f"{pressure} GPa" for pressure in PRESSURES]},
         "sweep": {"surface.seed": list(range(1, surfaces + 1))},
