@@ -105,3 +105,12 @@ def test_edges_that_jump(axis):
 def test_a_flat_axis_has_no_jump():
     wave = surface(kind="wavy", amplitude="1 nm", modes=[0, 2])
     assert wave.roughness.edge_ratio < 2
+
+
+def test_the_spectrum_ends_where_waves_of_all_directions_do():
+    """Waves along the diagonals are shorter than two points; bands of them alone would be of one direction."""
+    grid = Grid((32, 32), (1.0, 1.0))
+    heights = np.random.default_rng(2).standard_normal(grid.shape)
+    spectrum = roughness_of(heights, grid).spectrum
+    assert spectrum.wavevectors[-1] <= 32 * np.pi
+    assert spectrum.waves.sum() == np.sum(np.hypot(*np.meshgrid(*2 * [np.fft.fftfreq(32)])) <= 0.5) - 1
