@@ -124,7 +124,18 @@ class CaseTheories:
             reached = asked + case.law.equilibrium_distance
             return flow(0.0, float(reached.max()), float(reached.min()))
         except ValueError as error:
-            raise InputError(f"loading.path: {error}") from None
+            raise InputError(_too_close(case, str(error).rpartition(": ")[2])) from None
+
+
+def _too_close(case: Case, limit: str) -> str:
+    """What to say of a path that presses the surfaces closer than a flow's nodes, in the path's own unit."""
+    unit, size = case.loading.unit
+    if case.loading.control == "pressure":
+        asked, instead = f"{max(case.loading.path) / size:g} {unit}", "lower pressures"
+    else:
+        asked = f"a mean gap of {min(case.loading.path) / size:g} {unit} beyond equilibrium"
+        instead = f"larger ones, equilibrium being at {case.law.equilibrium_distance:.6g} m"
+    return f"loading.path: {asked} presses the surfaces closer than the edge flow follows ({limit}); give {instead}"
 
 
 def case_theories(case: Case, surface: Surface) -> tuple[CaseTheories, ...]:

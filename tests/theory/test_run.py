@@ -504,3 +504,19 @@ def test_stress_at_a_magnification_without_a_state_is_not_known():
     (step,) = steps_of(case)
     assert np.isnan(step.values["pressure_pdf_at"]).all()
     assert step.values["pressure_pdf_at"].shape[0] == 3
+
+
+@pytest.mark.parametrize(
+    ("loading", "words"),
+    [
+        ({"path": ["1 GPa", "1e6 GPa"]}, r"loading\.path: 1e\+06 GPa presses .* nodes reach .* give lower pressures"),
+        (
+            {"control": "gap", "path": ["1 nm", "-0.3 nm"]},
+            r"loading\.path: a mean gap of -0\.3 nm beyond equilibrium .* nodes begin at .* at 3\.28e-10 m",
+        ),
+    ],
+)
+def test_paths_closer_than_any_contact_are_named_in_their_own_unit(loading, words):
+    case = case_of(loading={**loading, "unload": False})
+    with pytest.raises(InputError, match=words):
+        run.constants(case, realise(case))
