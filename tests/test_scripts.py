@@ -21,13 +21,16 @@ from scripts import (
     continuum_against_atoms,
     edge_flow_convergence,
     edge_flow_ensemble,
+    gap_distributions,
     non_adhesive_shelf,
+    polymer_contact,
     reproduce_yang2008,
     result_table,
     two_starts,
     validate_spheres,
 )
 from tests.comparison.synthetic import AREA_FACTOR, GAP_SHIFT, area, gap, write_all
+from theory import PerssonTheory, criteria, separation_curve
 from theory import references as reference
 
 
@@ -399,3 +402,36 @@ def test_branches_compares_every_way_with_steps(tmp_path, capsys):
         assert cells in row
     assert small == "- small steps: the same in 2 of 2 states."
     assert flow.startswith("- flow 1e-2: the same in 3 of 4 states; the area differs by −0.0123 at most (atoms, 28²")
+
+
+def test_adhesion_steepens_the_polymer_contact_by_a_fifth_at_its_threshold():
+    spectrum = polymer_contact.Shape().spectrum()
+    assert spectrum.rms_slope == pytest.approx(0.1, rel=1e-12)
+    flat, sphere = polymer_contact.slope_ratios(spectrum, 0.2)
+    # 1.184, of another program with other slopes; the difference quotient over 0.4 in ln p is of second order.
+    assert flat == pytest.approx(1.184, abs=3e-3)
+    # ∫ p dū from the mean gap itself, ū over falling pressure: its ratio is the sphere's.
+    work = 0.2 / criteria.persson_tosatti_ratio(spectrum, 1.0, 1.0)
+    loads = []
+    for each in (0.0, work):
+        curve = separation_curve(PerssonTheory(spectrum, 1.0, each), 1e-8, tolerance=1e-9)
+        pressure = np.geomspace(1e-8, 2e-4, 400)
+        loads.append(-np.trapezoid(pressure, curve.mean_gap(pressure)))
+    # Trapezoids of 1/40 decade, and what is below a pressure of 1e-8.
+    assert sphere == pytest.approx(loads[0] / loads[1], rel=1e-3)
+
+
+def test_gap_distributions_against_the_wall():
+    table = gap_distributions.ensemble(1, 32)
+    assert list(table["model"].unique()) == list(gap_distributions.MODELS)
+    continuum = table[table["model"] == "continuum"].set_index(["pressure_GPa", "distance_angstrom"])["mean"]
+    assert continuum.groupby("pressure_GPa").is_monotonic_increasing.all()
+    for model in gap_distributions.MODELS[1:]:
+        found = table[table["model"] == model].set_index(["pressure_GPa", "distance_angstrom"])["mean"]
+        # One coarse surface: the theories are of its spectrum, within a third where most gaps are.
+        assert found[1.0, 10.0] == pytest.approx(continuum[1.0, 10.0], rel=0.33), model
+    shown = list(gap_distributions.lines(table.assign(standard_error=0.01)))
+    assert len(shown) == 2 + len(gap_distributions.PRESSURES) * len(gap_distributions.DISTANCES)
+    error = 100 * (found[1.0, 10.0] / continuum[1.0, 10.0] - 1)
+    (row,) = (row for row in shown if row.startswith("| 1 | 10 |"))
+    assert row.endswith(f"| {error:+.1f} % |".replace("-", "−"))

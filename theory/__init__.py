@@ -15,6 +15,7 @@ from contact_study.problem.laws import LennardJones93, LennardJones104, Traction
 from contact_study.problem.spectrum_file import read_spectrum
 from theory.criteria import StickinessCriteria, stickiness
 from theory.edge_flow import EdgeFlow, edge_flow
+from theory.gap_distribution import GapDistribution, dmt_limit, gap_distribution
 from theory.gap_flow import GapFlow, gap_flow
 from theory.gap_state import GapState
 from theory.non_adhesive import NonAdhesiveContact, NonAdhesiveTheory
@@ -25,6 +26,7 @@ from theory.separation import SeparationCurve, energy_defect, pull_off_pressure,
 __all__ = [
     "EdgeFlow",
     "Elasticity",
+    "GapDistribution",
     "GapFlow",
     "GapState",
     "HalfSpace",
@@ -43,8 +45,10 @@ __all__ = [
     "TabulatedSpectrum",
     "TractionLaw",
     "__version__",
+    "dmt_limit",
     "edge_flow",
     "energy_defect",
+    "gap_distribution",
     "gap_flow",
     "pull_off_pressure",
     "read_spectrum",

@@ -68,17 +68,28 @@ def mean_gap(
         Bands in which the integral over q is done by Gauss's rule in the deviation of the stress.
     """
     stress, energy = stress_and_energy_points(spectrum, elasticity_of(elasticity), bands)
+    given = np.atleast_1d(np.asarray(pressure, dtype=float))
+    return separation(given, stress, energy, beta).reshape(np.shape(pressure))
+
+
+def separation(pressure: np.ndarray, stress: np.ndarray, energy: np.ndarray, beta: float) -> np.ndarray:
+    """ū at pressures, shape (n,) (Pa), from √(2s) at points (Pa) and the full-contact energy at each (J/m²) (m)."""
     w = 1 / stress
-    total = (energy * w) @ _separation_kernel(w[:, None] * np.atleast_1d(np.asarray(pressure, dtype=float)), beta)
-    return (2 / np.sqrt(np.pi) * total).reshape(np.shape(pressure))
+    return 2 / np.sqrt(np.pi) * ((energy * w) @ _separation_kernel(w[:, None] * pressure, beta))
 
 
 def stress_and_energy_points(
     spectrum: RoughnessSpectrum, solid: Elasticity, bands: int
 ) -> tuple[np.ndarray, np.ndarray]:
     """√(2s) at Gauss's points of bands (Pa), and the full-contact energy at each (J/m²)."""
-    root, parts = _stress_and_energy(spectrum, solid, bands)
-    # dU is shared over a band in √s, in which 1/w, singular at q_L, is linear.
+    return shared_points(*_stress_and_energy(spectrum, solid, bands))
+
+
+def shared_points(root: np.ndarray, parts: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Gauss's points of bands from √(2s) at their edges (Pa), and their energies (J/m²) shared among these.
+
+    dU is shared over a band in √s, in which 1/w, singular at q_L, is linear.
+    """
     nodes, weights = roots_legendre(4)
     stress = 0.5 * (root[1:] + root[:-1])[:, None] + 0.5 * np.diff(root)[:, None] * nodes
     share = stress * weights / np.sum(stress * weights, axis=1, keepdims=True)

@@ -1,0 +1,81 @@
+"""P(u) without adhesion and the DMT-like limit: what they conserve, and their limits."""
+
+import numpy as np
+import pytest
+from scipy.special import erf
+
+from contact_study.problem.laws import Dugdale
+from theory import SelfAffineSpectrum, closed_forms, dmt_limit, gap_distribution
+
+E_STAR, Q = 93.7348e9, 6.0415e7
+SPECTRUM = SelfAffineSpectrum(0.8, 1e-9, Q, 3 * Q, 12 * Q)
+
+
+@pytest.fixture(scope="module", params=[True, False], ids=["regularised", "original"])
+def found(request):
+    return gap_distribution(SPECTRUM, E_STAR, 1e9, regularised=request.param)
+
+
+def moment(found, power):
+    edges = np.linspace(0, 2e-8, 40001)
+    middle = 0.5 * (edges[1:] + edges[:-1])
+    return np.sum(found.density(edges) * middle**power) * (edges[1] - edges[0])
+
+
+def test_area_and_mean_gap_are_those_of_the_theory(found):
+    variance = SPECTRUM.full_contact_stress_variance(lambda q: 0.5 * E_STAR * q)
+    assert found.relative_contact_area == pytest.approx(erf(1e9 / np.sqrt(2 * variance)), rel=1e-12)
+    assert found.fraction_below(0.0) == pytest.approx(found.relative_contact_area, rel=1e-12)
+    assert found.fraction_below(1.0) == pytest.approx(1, rel=1e-12)
+    assert moment(found, 0) == pytest.approx(1 - found.relative_contact_area, rel=1e-9)
+    # 100 bands against 1000: second order.
+    assert found.mean_gap == pytest.approx(float(closed_forms.mean_gap(1e9, SPECTRUM, E_STAR)), rel=1e-4)
+    # Each part is a folded Gaussian: its second moment is that of one that is not, its mean is larger.
+    assert moment(found, 2) == pytest.approx(found.shares @ (found.centres**2 + found.widths**2), rel=1e-6)
+    assert moment(found, 1) > found.mean_gap
+
+
+def test_the_later_form_is_narrower_and_nearer_to_the_mean_gap():
+    original, later = (gap_distribution(SPECTRUM, E_STAR, 1e9, regularised=which) for which in (False, True))
+    np.testing.assert_allclose(later.widths**-2, original.widths**-2 + original.centres**-2, rtol=1e-9)
+    assert later.mean_gap == original.mean_gap < moment(later, 1) < moment(original, 1)
+
+
+@pytest.mark.parametrize("corner", [3, 6])
+def test_what_comes_off_beyond_a_magnification_is_a_contact_of_its_own(corner):
+    """Its volume is that of the surfaces in contact there, under their own pressure and on the finer roughness."""
+    found = gap_distribution(SPECTRUM, E_STAR, 1e9)
+    variance = SPECTRUM.full_contact_stress_variance(lambda q: 0.5 * E_STAR * q, corner * Q)
+    contact = erf(1e9 / np.sqrt(2 * variance))
+    height = np.sqrt(2 * np.pi * SPECTRUM.moment(1, lower=corner * Q))
+    finer = SelfAffineSpectrum(0.8, float(height), corner * Q, corner * Q, 12 * Q)
+    expected = contact * float(closed_forms.mean_gap(1e9 / contact, finer, E_STAR))
+    left = 1 - np.concatenate([[0.0], np.cumsum(found.shares)])
+    volume = np.concatenate([[0.0], np.cumsum((found.shares * found.centres)[::-1])])[::-1]
+    # Linear between parts of a hundredth of the area: second order.
+    assert np.interp(-contact, -left, volume) == pytest.approx(expected, rel=3e-3)
+
+
+def test_under_light_load_the_gaps_are_the_heights():
+    found = gap_distribution(SPECTRUM, E_STAR, 1e-6 * E_STAR, regularised=False)
+    mean, square = moment(found, 1), moment(found, 2)
+    assert mean == pytest.approx(found.mean_gap, rel=1e-3)
+    # All but a few parts come off where all roughness is still to come.
+    assert np.sqrt(square - mean**2) == pytest.approx(1e-9, rel=0.05)
+
+
+def test_dmt_limit_sums_the_traction_of_the_bare_gaps(found):
+    for reach in (2e-10, 1e-9):
+        law = Dugdale(0.1, reach)
+        pulled = law.peak_tensile_stress * (found.fraction_below(reach) - found.relative_contact_area)
+        # The end of the range lies inside one of 4000 bins.
+        assert dmt_limit(found, law) == pytest.approx(1e9 - pulled, rel=1e-3)
+    # A range beyond all gaps pulls everywhere but in contact.
+    far = Dugdale(0.1, 1e-6)
+    whole = far.peak_tensile_stress * (1 - found.relative_contact_area)
+    assert 1e9 - dmt_limit(found, far) == pytest.approx(whole, rel=1e-6)
+
+
+def test_pressures_that_are_none_are_refused():
+    with pytest.raises(ValueError, match="pressure"):
+        gap_distribution(SPECTRUM, E_STAR, 0.0)
