@@ -6,8 +6,9 @@ A height array, its size, a solid and a law make a contact; states follow from s
 
 from bem_adhesion.contact import Contact, rough_contact
 from bem_adhesion.solution import Outcome, Solution
+from bem_adhesion.viscoelastic import ViscoelasticContact
 from contact_study import __version__
-from contact_study.problem.elasticity import Elasticity, HalfSpace, Layer
+from contact_study.problem.elasticity import Elasticity, HalfSpace, Layer, Viscoelastic
 from contact_study.problem.laws import (
     Dugdale,
     DugdaleCore,
@@ -40,6 +41,8 @@ __all__ = [
     "Solution",
     "TabulatedLaw",
     "TractionLaw",
+    "Viscoelastic",
+    "ViscoelasticContact",
     "__version__",
     "rough_contact",
 ]

@@ -12,7 +12,7 @@ from bem_adhesion.loading import LoadedContact
 from bem_adhesion.plastic import PlasticContact
 from bem_adhesion.solution import Solution
 from contact_study.fields.arguments import field, grid_of, positive
-from contact_study.problem.elasticity import Elasticity
+from contact_study.problem.elasticity import Elasticity, Viscoelastic
 from contact_study.problem.laws.base import TractionLaw
 
 
@@ -83,6 +83,8 @@ def rough_contact(
     >>> bool(pressed.converged and pulled.gap.mean() > pressed.gap.mean())
     True
     """
+    if isinstance(elasticity, Viscoelastic):
+        raise ValueError("elasticity: a viscoelastic solid needs times; use ViscoelasticContact")
     heights = field("height", height)
     grid = grid_of(heights, size)
     options: dict[str, Any] = {"control": control, "threads": threads}

@@ -13,12 +13,14 @@ from bem_adhesion.multilevel import POINTS_PER_PROCESS_ZONE, process_zone
 from bem_adhesion.overdamped import Moved, OverdampedContact
 from bem_adhesion.paths import Account, account_of, follow, separation_of
 from bem_adhesion.solution import Solution
+from bem_adhesion.time_path import path_in_time
 from contact_study.campaign import overdamped_path
 from contact_study.campaign.memory import grid_fits
 from contact_study.campaign.model import Model
-from contact_study.observables.base import Ensemble, InterfaceState, Plasticity, SolverReport, Value
+from contact_study.observables.base import Ensemble, InterfaceState, Plasticity, Relaxation, SolverReport, Value
 from contact_study.observables.constants import InterfaceConstants, heights_on
 from contact_study.problem.case import Case
+from contact_study.problem.elasticity import Viscoelastic
 from contact_study.problem.errors import InputError
 from contact_study.problem.plausibility import points
 from contact_study.problem.study import Study
@@ -194,6 +196,12 @@ def solve_path(
         pace = overdamped_path.pace_of(case, surface.size)
         moving = _MovingContinuum(case, surface, pace.allowed)
         yield from overdamped_path.solve_path(case, moving, pace, restart, start)
+        return
+    if isinstance(case.solid, Viscoelastic):
+        for solution, now in path_in_time(case, surface, case.solid, restart, start):
+            found = _state(case, solution, surface.grid.spacing, None)
+            kept = {**found.restart, "moment": now.array}
+            yield replace(found, relaxation=Relaxation(now.time, now.dissipated), restart=kept)
         return
     solver = case.solver
     contact = rough_contact(

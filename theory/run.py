@@ -65,6 +65,8 @@ def check(case: Case) -> None:
         has none.
     """
     kind = case.surface.kind
+    if case.elasticity.kind == "viscoelastic":
+        raise InputError('elasticity.kind = "viscoelastic": the theories know of no time')
     if case.material.hardness is not None:
         raise InputError(f"material.hardness = {case.material.hardness:g} Pa: the theories know of none; leave it out")
     if case.elasticity.boundary != "periodic":

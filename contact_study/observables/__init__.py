@@ -13,6 +13,7 @@ from contact_study.observables.means import MEANS
 from contact_study.observables.motion import MOTION, TIME
 from contact_study.observables.percolation import PERCOLATION
 from contact_study.observables.plasticity import PLASTICITY
+from contact_study.observables.relaxation import RELAXATION
 from contact_study.observables.solver_report import SOLVER_REPORT
 
 OBSERVABLES: tuple[Observable, ...] = (
@@ -26,6 +27,7 @@ OBSERVABLES: tuple[Observable, ...] = (
     CONTACT_STIFFNESS,
     JUMPS,
     PLASTICITY,
+    RELAXATION,
     MOTION,
     TIME,
     SOLVER_REPORT,

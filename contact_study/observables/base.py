@@ -98,6 +98,14 @@ class Plasticity:
 
 
 @dataclass(frozen=True)
+class Relaxation:
+    """Of a viscoelastic solid: the time since the path began (s), and what it has dissipated since (J/m²)."""
+
+    time: float
+    dissipated: float
+
+
+@dataclass(frozen=True)
 class InterfaceState:
     """One state of a contact, as every simulation yields it for a point of the loading path.
 
@@ -133,6 +141,8 @@ class InterfaceState:
         The atoms one by one, as :mod:`contact_study.observables.atoms` names them, where the study asks for them.
     plasticity : Plasticity or None
         Of a contact with a hardness.
+    relaxation : Relaxation or None
+        Of a viscoelastic solid.
     """
 
     gap: np.ndarray
@@ -151,6 +161,7 @@ class InterfaceState:
     motion: ThermalMotion | None = None
     atoms: Mapping[str, np.ndarray] = field(default_factory=dict)
     plasticity: Plasticity | None = None
+    relaxation: Relaxation | None = None
 
 
 @dataclass(frozen=True)

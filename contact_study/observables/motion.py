@@ -9,7 +9,8 @@ def _read(state: InterfaceState, _: Bins) -> dict[str, float]:
 
 
 def _read_time(state: InterfaceState, _: Bins) -> dict[str, float]:
-    return {} if state.motion is None else {"time": state.motion.time}
+    clock = state.motion or state.relaxation
+    return {} if clock is None else {"time": clock.time}
 
 
 MOTION = Observable(
@@ -17,7 +18,11 @@ MOTION = Observable(
     _read,
 )
 TIME = Observable(
-    {"time": Variable("s", "time since the motion began; of a point of the path that of its last state")},
+    {
+        "time": Variable(
+            "s", "time since the motion, or a path in time, began; of a point of the path that of its last state"
+        )
+    },
     _read_time,
     averaged=False,
 )

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from contact_study.problem import sections
-from contact_study.problem.elasticity import Elasticity
+from contact_study.problem.elasticity import Elasticity, Viscoelastic
 from contact_study.problem.elasticity.base import ElasticitySection
 from contact_study.problem.errors import InputError
 from contact_study.problem.lattice import Lattice, lattice_of
@@ -54,6 +54,7 @@ class Case:
                 "give positive pressures"
             )
         self._check_hardness()
+        self._check_time()
         free = self.elasticity.boundary == "free"
         if self.loading.control == ("gap" if free else "approach"):
             raise InputError(
@@ -93,6 +94,38 @@ class Case:
             raise InputError(f'{given}: loading.control = "approach" knows no end of yielding; use "pressure"')
         if control == "gap" and min(self.loading.path) <= 0:
             raise InputError(f"loading.path: with {given} surfaces close at no one pressure; give gaps above zero")
+
+    def _check_time(self) -> None:
+        duration, path = self.loading.duration, self.loading.path
+        if not isinstance(self.solid, Viscoelastic):
+            if duration is not None:
+                raise InputError(
+                    f'loading.duration: elasticity.kind = "{self.elasticity.kind}" knows of no time; it belongs to '
+                    '"viscoelastic"'
+                )
+            return
+        if duration is None:
+            raise InputError(
+                'missing key loading.duration: elasticity.kind = "viscoelastic" needs times between points'
+            )
+        if isinstance(duration, tuple) and len(duration) != len(path):
+            raise InputError(f"loading.duration holds {len(duration)} times for {len(path)} points of loading.path")
+        for refused, name in (
+            (self.loading.adaptive, "loading.adaptive"),
+            (self.solver.path == "overdamped", 'solver.path = "overdamped"'),
+            (self.output.stiffness, "output.stiffness"),
+            (self.material.hardness is not None, "material.hardness"),
+        ):
+            if refused:
+                raise InputError(f'{name}: not known of elasticity.kind = "viscoelastic"; leave it out')
+
+    @property
+    def durations(self) -> list[float]:
+        """Time to each point of :attr:`path` from the one before it (s), of a viscoelastic solid."""
+        given, points = self.loading.duration, len(self.loading.path)
+        there = list(given) if isinstance(given, tuple) else [given or 0.0] * points
+        # The way back takes each interval as long as the way there.
+        return there + there[:0:-1] if self.loading.unload else there
 
     @property
     def label(self) -> str:

@@ -167,6 +167,18 @@ def sequence(reader: Reader) -> Reader:
     return read, f"list of {kind}"
 
 
+def one_or_several(reader: Reader) -> Reader:
+    """One value, or a list of at least one."""
+    read_one, kind = reader
+    read_all, _ = sequence(reader)
+
+    def read(value: Any, name: str) -> Any:
+        several = isinstance(value, list) or (isinstance(value, str) and "," in value)
+        return read_all(value, name) if several else read_one(value, name)
+
+    return read, f"{kind} or a list"
+
+
 def listed(text: str) -> list[Any]:
     """The values of a list written as text: bare numbers, "512, 512", or each with its unit, "1 nm, 2 um"."""
     parts = [part.strip() for part in text.split(",")]

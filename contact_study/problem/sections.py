@@ -6,7 +6,18 @@ import numpy as np
 
 from contact_study.fields.tabulated_spectrum import TabulatedSpectrum
 from contact_study.problem.errors import InputError
-from contact_study.problem.keys import choice, choices, flag, integer, key, pair, quantity, sequence, text
+from contact_study.problem.keys import (
+    choice,
+    choices,
+    flag,
+    integer,
+    key,
+    one_or_several,
+    pair,
+    quantity,
+    sequence,
+    text,
+)
 from contact_study.problem.units import unit_of
 
 
@@ -63,6 +74,15 @@ class LoadingSection:
         quantity("1", positive=True, maximum=1.0),
         "least step of adaptive, to which jumps and pull-off are located, over the largest value of the path",
         0.01,
+    )
+
+    duration: float | tuple[float, ...] | None = key(
+        one_or_several(quantity("s", positive=True)),
+        "time to each point of the path from the one before it, or a list of one for each point (viscoelastic)",
+        None,
+    )
+    time_steps: int = key(
+        integer(minimum=1, maximum=1_000_000), "equal steps of time to each point of the path (viscoelastic)", 1
     )
 
     def __post_init__(self):

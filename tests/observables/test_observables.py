@@ -10,7 +10,7 @@ from contact_study.campaign.schema import VARIABLES
 from contact_study.fields.distributions import Bins
 from contact_study.fields.grid import Grid
 from contact_study.observables import ENTRIES, OBSERVABLES, observed
-from contact_study.observables.base import InterfaceState, Plasticity, SolverReport, ThermalMotion
+from contact_study.observables.base import InterfaceState, Plasticity, Relaxation, SolverReport, ThermalMotion
 from contact_study.observables.constants import CONSTANTS, InterfaceConstants, heights_on
 from contact_study.observables.contact_edge import OVERCOUNT
 
@@ -88,12 +88,18 @@ def test_what_has_given_way():
     assert found["plastic_work"] == pytest.approx(0.3)
 
 
+def test_time_and_dissipation_of_a_solid_that_relaxes():
+    found = observed(state(relaxation=Relaxation(time=2.5, dissipated=0.01)), BINS)
+    assert (found["time"], found["viscous_dissipation"]) == (2.5, 0.01)
+
+
 def test_names_are_spelt_once_and_have_entries():
     names = [name for observable in OBSERVABLES for name in observable.variables]
     assert len(names) == len(set(names))
     report = SolverReport(True, False, 0.0, 1, 0.0, 1, complementarity_residual=0.0, acceptance_rate=0.8)
     plasticity = Plasticity(np.zeros((2, 3)), 1e9)
-    found = observed(state(report=report, motion=ThermalMotion(1e-12, 300.0), plasticity=plasticity), BINS)
+    of_all = {"motion": ThermalMotion(1e-12, 300.0), "plasticity": plasticity, "relaxation": Relaxation(2.0, 0.1)}
+    found = observed(state(report=report, **of_all), BINS)
     assert set(found) == set(names) == set(ENTRIES)
     for name, value in found.items():
         assert VARIABLES[name].dims[0] == "step", name

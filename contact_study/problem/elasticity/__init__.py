@@ -7,6 +7,7 @@ from contact_study.problem.elasticity.layered import Layered, LayeredSection
 from contact_study.problem.elasticity.measured import Measured, MeasuredSection
 from contact_study.problem.elasticity.tabulated import Tabulated
 from contact_study.problem.elasticity.transversely_isotropic import TransverselyIsotropicSection
+from contact_study.problem.elasticity.viscoelastic import Viscoelastic, ViscoelasticSection
 from contact_study.problem.keys import Kinds
 
 __all__ = [
@@ -17,6 +18,7 @@ __all__ = [
     "Layered",
     "Measured",
     "Tabulated",
+    "Viscoelastic",
     "contact_modulus_of",
     "elasticity_of",
 ]
@@ -29,6 +31,7 @@ ELASTICITIES = Kinds(
         "layered": LayeredSection,
         "transversely_isotropic": TransverselyIsotropicSection,
         "tabulated": MeasuredSection,
+        "viscoelastic": ViscoelasticSection,
     },
 )
 

@@ -1,0 +1,111 @@
+"""A loading path in time: from point to point evenly, in equal steps of time."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from bem_adhesion.solution import Solution
+from bem_adhesion.viscoelastic import ViscoelasticContact
+from contact_study.problem.case import Case
+from contact_study.problem.elasticity import Viscoelastic
+from contact_study.problem.surface import Surface
+
+
+@dataclass(frozen=True)
+class Moment:
+    """Where a path in time has come to: the load there, the time since its start (s), the energy dissipated (J/m²)."""
+
+    position: float
+    time: float = 0.0
+    dissipated: float = 0.0
+
+    @property
+    def array(self) -> np.ndarray:
+        """To be stored between the points of a path."""
+        return np.array([self.position, self.time, self.dissipated])
+
+    @classmethod
+    def of(cls, array: np.ndarray) -> "Moment":
+        """What :attr:`array` was made of."""
+        return cls(*map(float, array))
+
+
+def follow_in_time(
+    contact: ViscoelasticContact, state: np.ndarray, before: Moment, target: float, duration: float, steps: int
+) -> tuple[Solution, Moment]:
+    """Go from one point of a path to the next, the load changing evenly.
+
+    Parameters
+    ----------
+    contact : ViscoelasticContact
+        The contact.
+    state : numpy.ndarray
+        Where the path has come to, see :meth:`ViscoelasticContact.step`.
+    before : Moment
+        The same place in time.
+    target : float
+        The next point: mean pressure (Pa) or mean gap (m).
+    duration : float
+        Time until then (s).
+    steps : int
+        In how many steps.
+
+    Returns
+    -------
+    Solution
+        At the target, with the work of all steps. A step that did not converge ends them where it stands.
+    Moment
+        The same place in time.
+    """
+    now, pairs, iterations = before, 0.0, 0
+    for number in range(1, steps + 1):
+        share = number / steps
+        position = target if number == steps else before.position + share * (target - before.position)
+        solution, dissipated = contact.step(state, position, duration / steps)
+        now = Moment(position, before.time + share * duration, now.dissipated + dissipated)
+        pairs, iterations = pairs + solution.fft_pairs, iterations + solution.iterations
+        if not solution.converged:
+            break
+        state = solution.state
+    return replace(solution, fft_pairs=pairs, iterations=iterations), now
+
+
+def path_in_time(
+    case: Case, surface: Surface, solid: Viscoelastic, restart: Mapping[str, np.ndarray] | None, start: int
+) -> Iterator[tuple[Solution, Moment]]:
+    """The states of a case's path from point number ``start`` on, and where they are in time.
+
+    Parameters
+    ----------
+    case : Case
+        The case.
+    surface : Surface
+        Its surface.
+    solid : Viscoelastic
+        Its solid.
+    restart : mapping or None
+        ``state`` and ``moment`` after point ``start`` − 1; None to start from rest without contact.
+    start : int
+        Number of the first point.
+    """
+    solver, loading = case.solver, case.loading
+    contact = ViscoelasticContact(
+        surface.sampled,
+        surface.grid.size,
+        solid,
+        case.law,
+        control=loading.control,
+        tolerance=solver.tolerance,
+        max_iterations=solver.max_iterations,
+        threads=max(1, solver.threads),
+    )
+    if restart is None:
+        out_of_reach = contact.first_gap - case.law.equilibrium_distance
+        state, now = contact.separated(), Moment(0.0 if loading.control == "pressure" else out_of_reach)
+    else:
+        state, now = restart["state"], Moment.of(restart["moment"])
+    for (target, _), duration in list(zip(case.path, case.durations, strict=True))[start:]:
+        solution, now = follow_in_time(contact, state, now, target, duration, loading.time_steps)
+        state = solution.state
+        yield solution, now

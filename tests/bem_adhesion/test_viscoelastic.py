@@ -1,0 +1,252 @@
+"""A viscoelastic half-space: closed forms of relaxation and creep, its limits, order in time, energies, studies."""
+
+import numpy as np
+import pytest
+
+import contact_study
+from bem_adhesion import HardWall, LennardJones104, rough_contact
+from bem_adhesion.time_path import Moment, follow_in_time
+from bem_adhesion.viscoelastic import ViscoelasticContact
+from contact_study.problem.elasticity import Viscoelastic
+from contact_study.problem.errors import InputError
+from contact_study.problem.study import make_study
+from md_reference.run import check as check_atoms
+from tests.bem_adhesion.paper_system import study_table
+from tests.bem_adhesion.rough_surfaces import SIZE, self_affine
+from theory.run import check as check_theory
+
+RELAXED = 1e9
+SOLID = Viscoelastic(RELAXED, (2e9, 1e9), (1.0, 0.1))
+INSTANTANEOUS = 4e9
+LAW = LennardJones104(0.05, 1e-9)
+
+
+def wave(amplitude, points=(16, 16)):
+    x = np.arange(points[1]) / points[1]
+    return amplitude * np.broadcast_to(np.cos(2 * np.pi * x), points).copy()
+
+
+def relaxing(height, law=None, size=SIZE, solid=SOLID, **options):
+    return ViscoelasticContact(height, size, solid, law or HardWall(), **{"tolerance": 1e-10, **options})
+
+
+def followed(contact, targets, duration, steps):
+    state, now, found = contact.separated(), Moment(0.0), []
+    for target in targets:
+        solution, now = follow_in_time(contact, state, now, target, duration, steps)
+        state = solution.state
+        found.append((solution, now))
+    return found
+
+
+def test_a_wave_pressed_flat_relaxes_as_its_branches_do():
+    """Full contact from the first step on: the surface moves evenly while it is flattened, and then rests."""
+    amplitude, q = 1e-10, 2 * np.pi / SIZE
+    contact, ramp = relaxing(wave(amplitude)), 0.3
+    assert INSTANTANEOUS * q / 2 * amplitude < 2e7, "the load closes every gap"
+    solution, _ = contact.step(contact.separated(), 2e7, ramp)
+    time = 0.0
+    for wait in (0.0, 0.05, 0.45, 1.0, 2.5):
+        if wait:
+            solution, _ = contact.step(solution.state, 2e7, wait)
+        time += wait
+        assert not solution.gap.any()
+        modulus = RELAXED + sum(
+            branch * tau / ramp * (1 - np.exp(-ramp / tau)) * np.exp(-time / tau)
+            for branch, tau in zip(SOLID.branch_moduli, SOLID.relaxation_times, strict=True)
+        )
+        found = 2 * np.mean(solution.pressure * wave(1.0))
+        assert found == pytest.approx(modulus * q / 2 * amplitude, rel=1e-9)
+        springs = [RELAXED] + [
+            branch * (tau / ramp * (1 - np.exp(-ramp / tau)) * np.exp(-time / tau)) ** 2
+            for branch, tau in zip(SOLID.branch_moduli, SOLID.relaxation_times, strict=True)
+        ]
+        assert solution.elastic_energy == pytest.approx(0.5 * sum(springs) * q / 2 * amplitude**2 / 2, rel=1e-9)
+
+
+def creep(time_step, until=2.0):
+    """Amplitude of the surface under a flat wave at constant load, after a sudden start; and in closed form."""
+    amplitude, q, load = 1e-15, 2 * np.pi / SIZE, 1e6
+    solid = Viscoelastic(RELAXED, (3e9,), (1.0,))
+    # Of 1e-15 m so that the law is a spring; the tolerance is what rounding leaves of that.
+    law = LennardJones104(0.003, 1e-9)  # about as stiff as the half-space
+    contact = relaxing(wave(amplitude), law, solid=solid, tolerance=1e-13)
+    first, _ = contact.step(contact.separated(), load, 1e-9)
+    spring = float(law.stiffness(np.array(first.gap.mean())))
+    state = first.state
+    for _ in range(round(until / time_step)):
+        solution, _ = contact.step(state, load, time_step)
+        state = solution.state
+    slow, fast = RELAXED * q / 2, 4e9 * q / 2
+    start, end = (amplitude * spring / (spring + stiffness) for stiffness in (fast, slow))
+    tau = (spring + fast) / (spring + slow)
+    expected = end + (start - end) * np.exp(-until / tau)
+    found = [2 * np.mean(one.state[1] * wave(1.0)) for one in (first, solution)]
+    return found, (start, expected), (start, end)
+
+
+def test_a_wave_creeps_in_the_linear_regime_as_in_closed_form():
+    (first, last), (start, expected), (_, end) = creep(0.05)
+    assert first == pytest.approx(start, rel=1e-5)
+    assert abs(end - start) > 0.1 * end
+    assert last == pytest.approx(expected, rel=1e-4)
+    # Halving the step quarters the error: second order.
+    errors = [abs(found[1] - expected) for found, (_, expected), _ in (creep(1.0), creep(0.5), creep(0.25))]
+    assert 3 < errors[0] / errors[1] < 5
+    assert 3 < errors[1] / errors[2] < 5
+
+
+@pytest.mark.parametrize("law", [HardWall(), LAW])
+@pytest.mark.parametrize(("duration", "modulus"), [(1e9, RELAXED), (1e-9, INSTANTANEOUS)])
+def test_slow_and_fast_paths_are_those_of_elastic_solids(law, duration, modulus):
+    height, _ = self_affine(32)
+    tolerance = 1e-9
+    elastic = rough_contact(height, SIZE, modulus, law, tolerance=tolerance)
+    found = followed(relaxing(height, law, tolerance=tolerance), [1e7, 4e7, 2e7], duration, 1)
+    state = elastic.separated()
+    for (solution, _), target in zip(found, [1e7, 4e7, 2e7], strict=True):
+        expected = elastic.step(state, target)
+        state = expected.state
+        assert solution.converged
+        # What the solvers leave, and one part in 1e8 of the time that the ramp takes of the slowest branch.
+        np.testing.assert_allclose(solution.gap, expected.gap, atol=2e-7 * height.std())
+        assert solution.elastic_energy == pytest.approx(expected.elastic_energy, rel=1e-6)
+    assert found[-1][1].dissipated < 1e-6 * solution.elastic_energy
+
+
+def test_work_of_the_load_is_stored_or_dissipated():
+    height, _ = self_affine(32)
+
+    def unaccounted(steps):
+        """Over a cycle of one second up and one down, from 10 MPa on; as a share of what is dissipated."""
+        contact = relaxing(height)
+        state, now = contact.separated(), Moment(0.0)
+        solution, now = follow_in_time(contact, state, now, 1e7, 1.0, 4)
+        work, stored, dissipated = 0.0, solution.elastic_energy, now.dissipated
+        for target in [*np.linspace(1e7, 4e7, steps + 1)[1:], *np.linspace(4e7, 1e7, steps + 1)[1:]]:
+            before = solution
+            solution, now = follow_in_time(contact, solution.state, now, target, 1.0 / steps, 1)
+            pressures = before.pressure.mean() + solution.pressure.mean()
+            work -= 0.5 * pressures * (solution.gap.mean() - before.gap.mean())
+        lost = now.dissipated - dissipated
+        assert lost > 0.05 * solution.elastic_energy
+        return (work - (solution.elastic_energy - stored) - lost) / lost
+
+    coarse, fine = unaccounted(4), unaccounted(16)
+    assert abs(fine) < 0.01
+    assert abs(coarse / fine) > 6  # second order would give 16
+
+
+def test_a_loop_costs_most_between_the_limits():
+    height, _ = self_affine(32)
+    lost = []
+    for duration in (1e-4, 0.3, 1e4):
+        contact = relaxing(height, LennardJones104(0.005, 1e-9), tolerance=1e-8)
+        found = followed(contact, [4e7, 1e6], duration, 8)
+        assert all(solution.converged for solution, _ in found)
+        lost.append(found[-1][1].dissipated)
+    assert lost[1] > 20 * max(lost[0], lost[2])
+
+
+def test_surfaces_torn_apart_relax_and_come_together_again():
+    height, _ = self_affine(32)
+    contact = relaxing(height, LAW, tolerance=1e-8)
+    (pressed, _), (torn, _), (waited, _), (again, _) = followed(contact, [2e7, -5e8, -5e8, 2e7], 1.0, 1)
+    assert pressed.converged
+    assert torn.detached
+    assert waited.detached
+    assert 0 < waited.state[1].std() < torn.state[1].std() < pressed.state[1].std()
+    assert again.converged
+    assert not again.detached
+    assert np.all(again.gap > 0)
+
+
+def table(loading, **sections):
+    elasticity = {"kind": "viscoelastic", "branch_youngs_moduli": [5e9, "3 GPa"], "relaxation_times": ["1 s", 0.1]}
+    return {
+        **study_table(32, size=500e-10, loading=loading),
+        "interaction": {"law": "hard_wall"},
+        "material": {"youngs_modulus": 1e9, "poissons_ratio": 0.5},
+        "elasticity": elasticity,
+        **sections,
+    }
+
+
+def test_a_study_is_gone_on_from_in_time(tmp_path):
+    loading = {"path": [1e7, 4e7, 4e7], "duration": [0.5, 0.2, 2.0], "time_steps": 3, "unload": True}
+    whole = contact_study.run(table(loading), "continuum")
+    assert np.all(whole.converged == 1)
+    np.testing.assert_allclose(whole.time, [0.5, 0.7, 2.7, 4.7, 4.9])
+    assert np.all(np.diff(whole.viscous_dissipation.values) > 0)
+    area = whole.relative_contact_area.values
+    assert area[2] > 1.1 * area[1], "contact creeps under constant load"
+    longer = {"path": [1e7, 4e7, 1e7], "duration": 0.5, "time_steps": 3}
+    straight = contact_study.run(table(longer), "continuum")
+    output = tmp_path / "creep.nc"
+    contact_study.run(table({**longer, "path": [1e7, 4e7]}), "continuum", output=output)
+    taken_up = contact_study.run(table(longer), "continuum", output=output, resume=True)
+    for name in ("relative_contact_area", "viscous_dissipation", "elastic_energy", "mean_gap", "time"):
+        np.testing.assert_array_equal(taken_up[name], straight[name])
+
+
+def test_mean_gaps_are_met_in_time():
+    loading = {"path": [2e-9, 1e-9], "control": "gap", "duration": 1.0, "time_steps": 2}
+    found = contact_study.run(table(loading), "continuum")
+    assert np.all(found.converged == 1)
+    np.testing.assert_allclose(found.mean_gap, [2e-9, 1e-9], rtol=1e-6)
+    assert np.all(found.mean_pressure > 0)
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"loading": {"path": [1e7]}}, r"missing key loading\.duration"),
+        ({"loading": {"path": [1e7, 2e7], "duration": [1.0]}}, r"loading\.duration holds 1 times for 2 points"),
+        ({"loading": {"path": [1e7], "duration": 0.0}}, "must be positive"),
+        ({"loading": {"path": [1e7], "duration": 1.0, "adaptive": True}}, r"loading\.adaptive"),
+        ({"solver": {"path": "overdamped"}}, r"solver\.path"),
+        ({"output": {"stiffness": True}}, r"output\.stiffness"),
+        ({"material": {"youngs_modulus": 1e9, "poissons_ratio": 0.5, "hardness": 1e8}}, r"material\.hardness"),
+        ({"elasticity": {"kind": "half_space"}}, r"loading\.duration.*no time"),
+        (
+            {"elasticity": {"kind": "viscoelastic", "branch_youngs_moduli": [1e9, 1e9], "relaxation_times": [1.0]}},
+            "one of",
+        ),
+        (
+            {
+                "elasticity": {
+                    "kind": "viscoelastic",
+                    "branch_youngs_moduli": [1e9],
+                    "relaxation_times": [1.0],
+                    "boundary": "free",
+                }
+            },
+            r"elasticity\.boundary",
+        ),
+    ],
+)
+def test_what_does_not_fit_is_one_clear_line(changes, words):
+    with pytest.raises(InputError, match=words) as caught:
+        make_study({**table({"path": [1e7], "duration": 1.0}), **changes})
+    assert "\n" not in str(caught.value)
+
+
+def test_atoms_and_theories_refuse_it():
+    changed = table({"path": [1e7], "duration": 1.0})
+    with pytest.raises(InputError, match="viscoelastic"):
+        check_theory(make_study(changed).cases[0])
+    changed["interaction"] = {"law": "lennard_jones_10_4", "work_of_adhesion": 0.05, "length": 3e-10}
+    with pytest.raises(InputError, match="viscoelastic"):
+        check_atoms(make_study(changed).cases[0])
+
+
+def test_the_library_names_what_is_wrong():
+    with pytest.raises(ValueError, match="ViscoelasticContact"):
+        rough_contact(np.zeros((4, 4)), 1.0, SOLID, HardWall())
+    contact = relaxing(wave(1e-10))
+    with pytest.raises(ValueError, match="duration = 0"):
+        contact.step(contact.separated(), 1e6, 0.0)
+    with pytest.raises(ValueError, match="state has shape"):
+        contact.step(np.zeros((16, 16)), 1e6, 1.0)
+    with pytest.raises(ValueError, match="one of"):
+        Viscoelastic(1e9, (1e9,), ())
