@@ -128,4 +128,5 @@ def _not_found(gap: float) -> dict[str, Any]:
         "gap_pdf": unknown,
         "converged": False,
         "detached": False,
+        "message": "the edge flow found no state here: its curve of mean gaps ends before",
     }

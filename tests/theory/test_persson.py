@@ -139,6 +139,18 @@ def test_tension_keeps_the_adhered_branch(paper):
     assert solve(theory, -3e9, pulled.detachment_stress).detached
 
 
+@pytest.mark.parametrize("work_of_adhesion", [3.2, 5.52])
+def test_both_branches_are_one_under_pressure(paper, work_of_adhesion):
+    theory = paper.theory(work_of_adhesion)
+    adhered, detached = (solve(theory, 1e8, start) for start in ("adhered", "detached"))
+    assert adhered.converged
+    assert detached.converged
+    # Ends of one iteration from two sides: its tolerance, 1e-7 of the stress scale, times the answer near sticking.
+    assert detached.relative_contact_area == pytest.approx(adhered.relative_contact_area, rel=1e-5)
+    assert solve(theory, 0.0, "detached").detached
+    assert not solve(theory, 0.0, "adhered").detached
+
+
 @pytest.mark.parametrize(("work_of_adhesion", "pressure"), [(2.95, 0.1), (3.0, 0.2), (3.1, 0.1), (4.0, 1)])
 def test_converges_near_the_sticking_threshold(paper, work_of_adhesion, pressure):
     # A relaxation common to all magnifications ends in a cycle here: γ_eff passes through zero at one of them.

@@ -180,6 +180,7 @@ def test_what_the_edge_flow_does_not_find_is_said(case):
     beyond = [step for step in values if np.isnan(step["edge_flow/mean_pressure"])]
     assert beyond, "the curve ends early"
     assert np.isnan(beyond[0]["edge_flow/relative_contact_area"])
+    assert "curve of mean gaps ends" in beyond[0]["edge_flow/message"]
 
 
 def test_large_gaps_take_light_loads():
