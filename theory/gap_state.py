@@ -21,6 +21,9 @@ _SEEN = 1e-9
 # Pieces of a node's interval over which the distribution of stress is summed.
 _PIECES = 32
 
+# Weights below it are none: a state at a gap far beyond the roughness falls off through all numbers.
+_NO_WEIGHT = 1e-200
+
 
 @dataclass(frozen=True)
 class GapState:
@@ -97,7 +100,9 @@ class GapState:
 
     @cached_property
     def _cumulative(self) -> PchipInterpolator:
-        return PchipInterpolator(self._edges, np.concatenate([[0.0], np.cumsum(self.weights)]))
+        # Quotients of the interpolation overflow where a weight is next to no number.
+        seen = np.where(np.abs(self.weights) > _NO_WEIGHT, self.weights, 0.0)
+        return PchipInterpolator(self._edges, np.concatenate([[0.0], np.cumsum(seen)]))
 
     def _below(self, gap: np.ndarray | float) -> np.ndarray:
         return self._cumulative(np.clip(gap, self._edges[0], self._edges[-1]))

@@ -294,3 +294,12 @@ def test_no_state_beyond_pull_off(paper):
         flow.states(np.array([1.0]))
     with pytest.raises(ValueError, match="branch"):
         flow_of(paper, 8, "sideways")
+
+
+def test_a_state_far_beyond_the_roughness_is_a_whole_distribution(paper):
+    """Its weights fall off below the smallest number."""
+    flow = gap_flow(paper.spectrum, paper.contact_modulus, paper.law(1), largest_gap=1e-6, gaps=200, scales=100)
+    (state,) = flow.states(np.array([9.9e-7]))
+    assert state.fraction_below(paper.contact_distance) == 0
+    assert state.fraction_below(0.5e-6) < 1e-12
+    assert state.fraction_below(1.1e-6) == pytest.approx(1, rel=1e-9)
