@@ -24,7 +24,7 @@ from contact_study.problem.units import quantity
 PRESSURES = ("0.1 GPa", "0.2 GPa", "0.5 GPa", "1 GPa", "2 GPa", "5 GPa", "10 GPa")
 _SMALL = 5  # small steps from one pressure to the next
 # Motion by Newton's law: friction so weak that the block's longest wave rings, for as long as it does.
-_NEWTON = {"damping": "0.05 ps^-1", "duration": "200 ps"}
+_NEWTON = {"damping": "0.1 ps^-1", "duration": "120 ps"}
 
 SECTIONS: dict[str, dict[str, Any]] = {
     "steps": {},
@@ -32,8 +32,8 @@ SECTIONS: dict[str, dict[str, Any]] = {
     "flow 1e-2": {"overdamped": {"loading_rate": 1e-2}},
     "flow 1e-3": {"overdamped": {"loading_rate": 1e-3}},
     "flow 1e-3, half the error": {"overdamped": {"loading_rate": 1e-3, "step_error": 0.05}},
-    "Newton 50 m/s": {"dynamics": {**_NEWTON, "approach_speed": "50 m/s"}},
-    "Newton 200 m/s": {"dynamics": {**_NEWTON, "approach_speed": "200 m/s"}},
+    "Newton 100 m/s": {"dynamics": {**_NEWTON, "approach_speed": "100 m/s"}},
+    "Newton 300 m/s": {"dynamics": {**_NEWTON, "approach_speed": "300 m/s"}},
 }
 POINT = ["model", "atoms", "seed", "ratio", "pressure_GPa"]
 # To the digits that the table has.
