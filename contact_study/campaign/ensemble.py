@@ -121,16 +121,22 @@ class Averages:
                 continue
             values[name + STANDARD_ERROR] = found.standard_error
             if column.ndim == 1:
-                time = float(found.autocorrelation_time) if found.resolved else float(column.size)
+                time = float(found.autocorrelation_time) if found.resolved else np.inf
                 longest = max(longest, (time, name))
         if counted < _SHORTEST * longest[0]:
-            warnings.warn(
-                f"the {counted} thermal states of a point are {counted / longest[0]:.2g} autocorrelation times of "
-                f"{longest[1]}: standard errors need at least {_SHORTEST}; sample longer",
-                stacklevel=2,
-            )
+            warnings.warn(_too_short(last, counted, *longest), stacklevel=2)
         fields = {name: total / counted for name, total in self._sums.items()}
         return Step({**values, **report, **frames}, {**fields, **last.atoms}, last.restart, self._bins)
+
+
+def _too_short(last: InterfaceState, counted: int, time: float, name: str) -> str:
+    """That a number is remembered for too many of a point's states; infinitely many: it cannot be told how long."""
+    share = f"are {counted / time:.2g}" if np.isfinite(time) else "are too few to tell the"
+    longer = "sampling.trajectories" if last.motion is None else "dynamics.duration"
+    return (
+        f"the {counted} thermal states of a point {share} autocorrelation times of {name}: standard errors need at "
+        f"least {_SHORTEST}; raise {longer}"
+    )
 
 
 def restart_of(kept: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:

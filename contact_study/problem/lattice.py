@@ -65,7 +65,7 @@ def lattice_of(size: tuple[float, float] | None, constant: float | None) -> Latt
         if abs(number - round(number)) > 1e-6 * number or round(number) < 4:
             raise InputError(
                 f"material.lattice_constant = {constant:g} m: {length:g} m holds {number:.6g} atoms, "
-                "not a whole number of at least 4"
+                f"not a whole number of at least 4; {length / max(round(number), 4):.6g} m divides it"
             )
         counts.append(round(number))
     return Lattice(size, constant, (counts[0], counts[1]))

@@ -196,7 +196,8 @@ def test_a_block_that_thermal_motion_tears_off_is_detached():
 
 
 def test_short_series_are_warned_of():
-    with pytest.warns(UserWarning, match="autocorrelation times of .*: standard errors need at least 10"):
+    words = "the 4 thermal states .* autocorrelation times of .*: standard errors need at least 10; raise sampling.traj"
+    with pytest.warns(UserWarning, match=words):
         contact_study.run(changed(sampling={"trajectories": 4}, loading={"path": ["1 GPa"]}), "atomistic")
 
 

@@ -8,6 +8,7 @@ import pytest
 import tomli_w
 
 from contact_study.problem.errors import InputError
+from contact_study.problem.lattice import lattice_of
 from contact_study.problem.study import make_study, read_study
 
 TABLE = {
@@ -391,3 +392,9 @@ def test_unreadable_study(tmp_path, content, culprit):
         path.write_bytes(content)
     with pytest.raises(InputError, match=culprit):
         read_study(path)
+
+
+def test_a_lattice_that_does_not_fit_the_cell_is_told_of_one_that_does():
+    with pytest.raises(InputError, match=r"lattice_constant = 2.5e-10 m: .*24.96 atoms.*; 2.496e-10 m divides it"):
+        lattice_of((62.4e-10, 62.4e-10), 2.5e-10)
+    assert lattice_of((62.4e-10, 62.4e-10), 2.496e-10).atoms == (25, 25)
