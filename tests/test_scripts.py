@@ -11,7 +11,7 @@ import xarray as xr
 import bem_adhesion.operator
 from contact_study.comparison.command import main as compare
 from contact_study.fields.fourier import RealTransform
-from contact_study.problem.study import make_study
+from contact_study.problem.study import make_study, read_study
 from scripts import (
     benchmark_adhesive,
     benchmark_atoms,
@@ -19,6 +19,7 @@ from scripts import (
     branches,
     contact_challenge,
     continuum_against_atoms,
+    dmt_limit,
     edge_flow_convergence,
     edge_flow_ensemble,
     gap_distributions,
@@ -435,3 +436,16 @@ def test_gap_distributions_against_the_wall():
     error = 100 * (found[1.0, 10.0] / continuum[1.0, 10.0] - 1)
     (row,) = (row for row in shown if row.startswith("| 1 | 10 |"))
     assert row.endswith(f"| {error:+.1f} % |".replace("-", "−"))
+
+
+def test_dmt_limit_beside_the_edge_flow(monkeypatch):
+    monkeypatch.setattr(dmt_limit, "BARE_PRESSURES", (1.0,))
+    weak = read_study(Path(__file__).parent.parent / "data" / "yang2008.toml").cases[0]
+    (row,) = dmt_limit.rows(weak)
+    work, tabor, bare, gap, limit, whole = (float(cell) for cell in row.strip("| ").split(" | "))
+    assert (work, tabor, bare) == (0.692, 0.30, 1.0)
+    # ū/h_rms of the bare contact at ln(p/E*) = −4.54 lies between 0.818 and 1.297, of −4 and −5.
+    assert 0.818 < gap < 1.297
+    # The paper's weakest adhesion, μ = 0.3: adhesion takes a third of the load, in both within a tenth of it.
+    assert limit == pytest.approx(whole, abs=0.1)
+    assert whole < 0.8

@@ -1,0 +1,50 @@
+"""The DMT-like limit against the edge flow at equal mean gap, as Markdown: how far an undeformed contact carries.
+
+For every point of a study's sweep, with its target spectrum. The pressure of the bare contact is the one that it
+carries itself; adhesion takes from it. The edge flow knows the whole law.
+
+python scripts/dmt_limit.py data/yang2008.toml
+"""
+
+import argparse
+import sys
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+from contact_study.problem.case import Case
+from contact_study.problem.study import read_study
+from theory import dmt_limit, edge_flow, gap_distribution, stickiness
+
+BARE_PRESSURES = (0.2, 0.5, 1.0, 2.0, 5.0)  # GPa
+
+
+def rows(case: Case) -> Iterator[str]:
+    """The lines of one point of the sweep."""
+    spectrum = case.surface.target_spectrum
+    if spectrum is None:
+        raise SystemExit(f'surface.kind = "{case.surface.kind}" has no target spectrum')
+    tabor = stickiness(spectrum, case.solid, case.law).tabor_number
+    zero = case.law.equilibrium_distance
+    flow = edge_flow(spectrum, case.solid, case.law, 1.1e9 * max(BARE_PRESSURES))
+    for pressure in BARE_PRESSURES:
+        bare = gap_distribution(spectrum, case.solid, 1e9 * pressure)
+        limit = dmt_limit(bare, case.law)
+        whole = flow.pressure_at(bare.mean_gap + zero)
+        cells = (f"{case.work_of_adhesion:.3g}", f"{tabor:.2f}", f"{pressure:g}", f"{1e9 * bare.mean_gap:.3f}")
+        yield f"| {' | '.join(cells)} | {limit / 1e9:.3f} | {whole / 1e9:.3f} |".replace("-", "−")
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    made = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    made.add_argument("study", type=Path, help="study file")
+    given = made.parse_args(arguments)
+    print("| Δγ (J/m²) | Tabor number | p of the bare contact (GPa) | ū (nm) | p, DMT-like limit | p, edge flow |")
+    print("|---|---|---|---|---|---|")
+    for case in read_study(given.study).cases:
+        for row in rows(case):
+            print(row)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
