@@ -23,6 +23,7 @@ height.
 """
 
 import argparse
+import importlib.util
 import os
 import subprocess
 import sys
@@ -360,6 +361,10 @@ def parser() -> argparse.ArgumentParser:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     given = parser().parse_args(arguments)
+    missing = [name for name in ("tamaas", "ContactMechanics", "Adhesion") if importlib.util.find_spec(name) is None]
+    if given.source is None and missing:
+        print(f"not installed: {', '.join(missing)}; pip install 'bem-adhesion[peers]'", file=sys.stderr)
+        return 2
     if given.source is None and os.environ.get("OMP_NUM_THREADS") != "1":
         # Libraries read it as they are imported.
         words = sys.argv[1:] if arguments is None else list(arguments)

@@ -3,17 +3,20 @@
 `docs/validation.md` explains the columns.
 
     python scripts/validate_spheres.py hertz
-    python scripts/validate_spheres.py maugis --figure maugis_spheres.png
+    python scripts/validate_spheres.py maugis --most-points 940 --table data/maugis_spheres.csv
+    python scripts/validate_spheres.py maugis --from data/maugis_spheres.csv --figure maugis_spheres.png
     python scripts/validate_spheres.py ramp
 """
 
 import argparse
 import sys
-from collections.abc import Sequence
+import time
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 from scipy.optimize import brentq, minimize_scalar
 
 from bem_adhesion import Dugdale, HardWall, rough_contact
@@ -28,6 +31,8 @@ RAMPS = (0.2, 0.1, 0.05, 0.02, 0.01)
 POINTS_PER_ZONE = 4
 FEWEST_POINTS, MOST_POINTS = 96, 192
 RESOLUTION = 0.005  # of the pull-off force, over πwR
+# Of a sphere, beside its states, in its file.
+COLUMNS = ("tabor", "points", "points_per_zone", "held", "lost", "pairs", "seconds")
 HERTZ_POINTS = (32, 64, 128, 256)
 
 
@@ -45,6 +50,8 @@ def parser() -> Parser:
     made.add_argument(
         "--points-per-zone", type=float, default=POINTS_PER_ZONE, help="points to the process zone, as far as these go"
     )
+    made.add_argument("--table", type=Path, help="CSV to add the spheres' states to (maugis)")
+    made.add_argument("--from", type=Path, dest="source", help="CSV to read them from, in place of a run (maugis)")
     made.add_argument("--figure", type=Path, help="draw pull-off and contact radius, too (maugis)")
     return made
 
@@ -54,7 +61,13 @@ def _main(arguments: Sequence[str] | None) -> int:
     if given.what == "hertz":
         print_hertz()
     elif given.what == "maugis":
-        spheres = print_maugis(given.tabor, given.most_points, given.points_per_zone)
+        print_maugis_head()
+        spheres = []
+        for each in read(given.source) if given.source else solved_spheres(given):
+            spheres.append(each)
+            print_maugis(each)
+        if given.source:
+            print(f"\nCPU time: {', '.join(f'{each.seconds:.2g}' for each in spheres)} s.")
         if given.figure:
             draw(spheres, given.figure)
     else:
@@ -143,6 +156,17 @@ class Sphere:
     lost: float
     states: list[tuple[float, float, float]]
     pairs: float
+    seconds: float
+
+    @property
+    def pull_off(self) -> float:
+        """Between what held and what did not."""
+        return 0.5 * (self.held + self.lost)
+
+
+def theory_of(tabor: float) -> Maugis:
+    """Maugis' λ = 2σ0 (9R/(16πwE*²))^(1/3) of a Tabor parameter."""
+    return Maugis(2 * tabor * (9 / (16 * np.pi)) ** (1 / 3))
 
 
 def solved(
@@ -152,13 +176,13 @@ def solved(
     work = WORK_OF_ADHESION
     radius = tabor**3 / work**2
     unit, length = np.pi * work * radius, (3 * np.pi * work * radius**2 / 4) ** (1 / 3)
-    theory = Maugis(2 * work * (9 * radius / (16 * np.pi * work)) ** (1 / 3))
+    theory = theory_of(tabor)
     # Room for the contact, and for the ring that the tension reaches.
     size = 3.4 * max(theory.at_force(2.0)[0] * length, np.sqrt(2 * radius))
     points = int(np.clip(2 * np.ceil(points_per_zone * size * work / 2), FEWEST_POINTS, most_points))
     height, _ = sphere(points, size, radius)
     contact = rough_contact(height, size, 1.0, Dugdale(work, 1.0, ramp), boundary="free")
-    state, pairs, states = contact.separated(), 0.0, []
+    state, pairs, states, began = contact.separated(), 0.0, [], time.process_time()
 
     def at(force: float) -> bool:
         nonlocal state, pairs
@@ -181,37 +205,65 @@ def solved(
     while lost - held > RESOLUTION:
         tried = 0.5 * (held + lost)
         held, lost = (tried, lost) if at(-tried) else (held, tried)
-    return Sphere(tabor, theory, points, points / (size * work), held, lost, states, pairs)
+    seconds = time.process_time() - began
+    return Sphere(tabor, theory, points, points / (size * work), held, lost, states, pairs, seconds)
 
 
-def print_maugis(tabor_parameters: Sequence[float], most_points: int, points_per_zone: float) -> list[Sphere]:
+def solved_spheres(given: argparse.Namespace) -> Iterator[Sphere]:
+    """A sphere for each Tabor parameter, added to the file as soon as it is there."""
+    for tabor in given.tabor:
+        found = solved(tabor, most_points=given.most_points, points_per_zone=given.points_per_zone)
+        if given.table:
+            written(found).to_csv(
+                given.table, mode="a", header=not given.table.exists(), index=False, float_format="%.6g"
+            )
+        yield found
+
+
+def written(sphere: Sphere) -> pd.DataFrame:
+    """A state a row."""
+    table = pd.DataFrame(sphere.states, columns=["force", "radius", "approach"])
+    for name in COLUMNS:
+        table[name] = getattr(sphere, name)
+    return table
+
+
+def read(path: Path) -> list[Sphere]:
+    """The spheres of a file that :func:`solved_spheres` wrote, by Tabor parameter."""
+    spheres = []
+    for tabor, rows in pd.read_csv(path).groupby("tabor"):
+        states = list(rows[["force", "radius", "approach"]].itertuples(index=False, name=None))
+        spheres.append(Sphere(theory=theory_of(tabor), states=states, **rows[list(COLUMNS)].iloc[0]))
+    return spheres
+
+
+def print_maugis_head() -> None:
     compared = " | ".join(f"a at {force:g} | δ at {force:g}" for force in FORCES)
     print(f"| μ | λ | points | per zone | pull-off | Maugis | difference | {compared} |")
     print("|---" * (7 + 2 * len(FORCES)) + "|")
-    spheres = []
-    for tabor in tabor_parameters:
-        found = solved(tabor, most_points=most_points, points_per_zone=points_per_zone)
-        spheres.append(found)
-        pull_off, expected = 0.5 * (found.held + found.lost), found.theory.pull_off
-        cells = []
-        for force, radius, approach in found.states[: len(FORCES)]:
-            own_radius, own_approach = found.theory.at_force(force)
-            cells += [f"{100 * (radius / own_radius - 1):+.1f} %", f"{approach - own_approach:+.3f}"]
-        print(
-            f"| {tabor:g} | {found.theory.parameter:.3g} | {found.points}² | {found.points_per_zone:.2g} | "
-            f"{pull_off:.3f} | {expected:.3f} | {100 * (pull_off / expected - 1):+.1f} % | {' | '.join(cells)} |",
-            flush=True,
-        )
-    return spheres
+
+
+def print_maugis(found: Sphere) -> None:
+    expected = found.theory.pull_off
+    cells = []
+    for force, radius, approach in found.states[: len(FORCES)]:
+        own_radius, own_approach = found.theory.at_force(force)
+        cells += [f"{100 * (radius / own_radius - 1):+.1f} %", f"{approach - own_approach:+.3f}"]
+    print(
+        f"| {found.tabor:g} | {found.theory.parameter:.3g} | {found.points:.0f}² | {found.points_per_zone:.2g} | "
+        f"{found.pull_off:.3f} | {expected:.3f} | {100 * (found.pull_off / expected - 1):+.1f} % | "
+        f"{' | '.join(cells)} |",
+        flush=True,
+    )
 
 
 def print_ramps() -> None:
     print("| ramp | pull-off | Maugis | difference | pairs |\n|---|---|---|---|---|")
     for ramp in RAMPS:
         found = solved(0.5, ramp)
-        pull_off, expected = 0.5 * (found.held + found.lost), found.theory.pull_off
+        expected = found.theory.pull_off
         print(
-            f"| {ramp:g} | {pull_off:.3f} | {expected:.3f} | {100 * (pull_off / expected - 1):+.1f} % | "
+            f"| {ramp:g} | {found.pull_off:.3f} | {expected:.3f} | {100 * (found.pull_off / expected - 1):+.1f} % | "
             f"{found.pairs:.0f} |",
             flush=True,
         )
@@ -224,19 +276,17 @@ def draw(spheres: Sequence[Sphere], path: Path) -> None:
     mu = np.geomspace(0.03, 8, 80)
     ratio = spheres[0].theory.parameter / spheres[0].tabor
     left.semilogx(mu, [Maugis(ratio * each).pull_off for each in mu], "0.5", label="Maugis")
-    left.semilogx(
-        [each.tabor for each in spheres], [0.5 * (each.held + each.lost) for each in spheres], "o", label="solver"
-    )
+    left.semilogx([each.tabor for each in spheres], [each.pull_off for each in spheres], "o", label="solver")
     for limit, name in ((1.5, "JKR"), (2.0, "DMT")):
         left.axhline(limit, color="k", linestyle=":", linewidth=0.8)
         left.text(mu[0], limit + 0.01, name)
     left.set(xlabel="Tabor parameter μ", ylabel="pull-off force / πwR")
     left.legend()
-    for number, each in enumerate(spheres[::2]):
+    for each, colour in zip(spheres, plt.get_cmap("viridis")(np.linspace(0, 0.95, len(spheres))), strict=True):
         points = np.array([state[:2] for state in each.states])
         forces = np.linspace(-0.9999 * each.theory.pull_off, 2.0, 200)
-        right.plot(forces, [each.theory.at_force(force)[0] for force in forces], f"C{number}")
-        right.plot(*points.T, f"C{number}o", label=f"μ = {each.tabor:g}")
+        right.plot(forces, [each.theory.at_force(force)[0] for force in forces], color=colour)
+        right.plot(*points.T, "o", color=colour, markersize=4, label=f"μ = {each.tabor:g}")
     right.set(xlabel="force / πwR", ylabel="contact radius / (3πwR²/4E*)^(1/3)")
     right.legend(fontsize="small")
     figure.savefig(path, dpi=120)

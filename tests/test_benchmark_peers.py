@@ -97,6 +97,12 @@ def test_a_code_s_state_is_measured_not_ours(height):
     assert replace(problem, offset=1.0).hard
 
 
+def test_missing_codes_are_named_before_anything_runs(monkeypatch, capsys):
+    monkeypatch.setattr(importlib.util, "find_spec", lambda name: None if name == "Adhesion" else object())
+    assert benchmark_peers.main([]) == 2
+    assert capsys.readouterr() == ("", "not installed: Adhesion; pip install 'bem-adhesion[peers]'\n")
+
+
 @pytest.mark.skipif(
     not all(importlib.util.find_spec(name) for name in ("tamaas", "ContactMechanics", "Adhesion")),
     reason="needs the extra peers",

@@ -323,6 +323,28 @@ def test_spheres_against_closed_forms(capsys):
         assert abs(float(cells[8])) < 0.02
 
 
+def test_spheres_are_read_as_they_were_written(tmp_path, capsys):
+    path = tmp_path / "spheres.csv"
+    theory = validate_spheres.theory_of(0.5)
+    assert theory.parameter == pytest.approx(reference.maugis_parameter(0.5**3, 1.0, 1.0, 1.0), rel=1e-12)
+    states = [(2.0, 2.1, 1.0), (0.0, 1.5, 0.25), (-1.7, 0.6, -0.5)]
+    for tabor, held in ((0.5, 1.5), (0.1, 1.75)):
+        sphere = validate_spheres.Sphere(
+            tabor, validate_spheres.theory_of(tabor), 96, 8.0, held, held + 0.1, states, 7, 12
+        )
+        validate_spheres.written(sphere).to_csv(path, mode="a", header=not path.exists(), index=False)
+    low, high = validate_spheres.read(path)
+    assert (low.tabor, high.tabor, low.pull_off) == (0.1, 0.5, pytest.approx(1.8))
+    assert high.theory == theory
+    assert high.states == states
+    figure = tmp_path / "spheres.png"
+    assert validate_spheres.main(["maugis", "--from", str(path), "--figure", str(figure)]) == 0
+    *rows, empty, times = capsys.readouterr().out.splitlines()[2:]
+    assert [row.split(" | ")[4] for row in rows] == ["1.800", "1.550"]
+    assert (empty, times) == ("", "CPU time: 12, 12 s.")
+    assert figure.stat().st_size > 10_000
+
+
 def test_maugis_has_his_limits():
     assert validate_spheres.Maugis(20.0).pull_off == pytest.approx(1.5, abs=1e-3)
     assert validate_spheres.Maugis(1e-3).pull_off == pytest.approx(2.0, abs=2e-3)
