@@ -243,17 +243,21 @@ class AdhesiveContact:
         self._passes.evaluate(gap, self._traction, self.curvature)
         return mean_compliance(self._linearised, self.curvature, self._passes.pin(self.curvature, gap))
 
-    def on_tangent(self, gap: np.ndarray, load: np.ndarray, limit: float) -> np.ndarray:
-        """The gap after one Newton step; as it was where some gap would change by more than the fraction ``limit``."""
-        self._evaluate(gap, load)
-        result = self._linearised.solve(self._right_side, self.curvature, 1.0, REDUCTION, LINEAR_ITERATIONS)
-        step = self._linearised.solution
-        self._passes.hold(self.curvature, step)
-        if result.negative_curvature or np.abs(step / (gap + self._passes.margin)).max() > limit:
-            return gap
-        moved = np.empty_like(gap)
-        self._passes.advance(gap, step, STEP_LIMIT, moved)
-        return moved
+    def on_tangent(self, gap: np.ndarray, load: np.ndarray, limit: float, steps: int = 1) -> np.ndarray:
+        """The gap after Newton steps, as far as no gap changes by more than the fraction ``limit`` in all."""
+        start = gap
+        for _ in range(steps):
+            self._evaluate(gap, load)
+            result = self._linearised.solve(self._right_side, self.curvature, 1.0, REDUCTION, LINEAR_ITERATIONS)
+            step = self._linearised.solution
+            self._passes.hold(self.curvature, step)
+            change = np.abs((gap - start + step) / (start + self._passes.margin))
+            if result.negative_curvature or change.max() > limit:
+                break
+            moved = np.empty_like(gap)
+            self._passes.advance(gap, step, STEP_LIMIT, moved)
+            gap = moved
+        return gap
 
     def solve(
         self, gap: np.ndarray, load: np.ndarray, tolerance: float, max_iterations: int, approach: bool = False

@@ -3,6 +3,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from bem_adhesion import multilevel
 from bem_adhesion.loading import LoadedContact, reach, typical_wavenumber
 from bem_adhesion.solution import Outcome
 from contact_study.fields.grid import Grid
@@ -257,3 +258,35 @@ def test_tangent_covers_small_changes_only():
     # A linear solve to a tenth, and curvature: what is left is a small part of the way.
     assert np.abs(moved - target).max() < 0.3 * np.abs(start - target).max()
     assert solver.on_tangent(start, load, 1e-9) is start
+
+
+def test_further_tangent_steps_close_in_within_the_same_limit():
+    contact = rough_contact(1.0)
+    solver = contact._contact.finest
+    start = contact.step(contact.separated(), 1e9).gap / contact.law.length
+    load = contact._flattening + 1.01e9 / contact.elasticity.contact_modulus
+    target = solver.solve(start, load, 1e-10, 50).gap
+    one, three = (solver.on_tangent(start, load, 0.1, steps) for steps in (1, 3))
+    # Each linear solve goes to a tenth of the residual.
+    assert np.abs(three - target).max() < 0.1 * np.abs(one - target).max()
+    # The limit is on the whole way: between the first step's change and the second's there is none after it.
+    first = np.abs(one / start - 1).max()
+    whole = np.abs(target / start - 1).max()
+    assert first < whole
+    assert solver.on_tangent(start, load, 0.999 * whole, 9) is not start
+    assert np.abs(solver.on_tangent(start, load, 0.999 * whole, 9) / start - 1).max() < 0.999 * whole
+
+
+def test_a_fine_grid_takes_tangent_steps_until_its_interpolation_is_what_is_left(monkeypatch):
+    """A wave with forty points of the coarse grid to a process zone: fewer pairs than with one step, the same state."""
+    length, points = 60.0, 2048
+    grid = Grid((16, points), (16 * length / points, length))
+    height = np.broadcast_to(1.5 * np.cos(2 * np.pi * grid.coordinates[1] / length), grid.shape).copy()
+    contact = LoadedContact(height, grid, 1.0, LennardJones104(0.1, 1.0))
+    assert contact._contact.coarser.points_per_process_zone > multilevel.POINTS_FOR_STEPS
+    state = contact.step(contact.separated(), 0.01).state
+    many = contact.step(state, 0.02)
+    monkeypatch.setattr(multilevel, "TANGENT_STEPS", 1)
+    one = contact.step(state, 0.02)
+    assert many.fft_pairs < 0.85 * one.fft_pairs
+    np.testing.assert_allclose(many.gap, one.gap, atol=1e-7)
