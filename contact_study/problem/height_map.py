@@ -73,6 +73,8 @@ def read_height_map(
         raise InputError(f"surface.path: {path} {'is no file' if path.exists() else 'does not exist'}")
     try:
         raw = read_map(path, channel)
+        if np.iscomplexobj(raw.heights):
+            raise InputError(f"surface.path: {path} holds complex numbers; expected heights")
         heights = np.asarray(raw.heights, dtype=float)
     except InputError:
         raise

@@ -1,8 +1,10 @@
 """Files of height maps, one reader a format: each gives what the file holds and says, and nothing more."""
 
+import logging
 import re
 import warnings
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -214,7 +216,10 @@ def _instrument(path: Path, channel: Channel, reason: str) -> RawMap:
             "files need pip install 'bem-adhesion[instruments]'"
         ) from None
     try:
-        with open_topography(str(path)) as reader:
+        with _silent(), open_topography(str(path)) as reader:
+            # A format without any mark: every file of the right length passes for it.
+            if reader.format() == "hgt" and path.suffix.lower() != ".hgt":
+                raise CannotDetectFileFormat
             maps = [one for one in reader.channels if one.dim == 2 and one.is_height_channel]
             name = chosen(path, [one.channel_id for one in maps], channel)
             found = next(one for one in maps if one.channel_id == name)
@@ -226,6 +231,17 @@ def _instrument(path: Path, channel: Channel, reason: str) -> RawMap:
     except CannotDetectFileFormat:
         raise InputError(f"surface.path: {path} is in no format that is known ({reason})") from None
     return RawMap(heights, None if sides is None else (float(sides[1]), float(sides[0])), unit, unit)
+
+
+@contextmanager
+def _silent() -> Iterator[None]:
+    """What a library logs of the formats that a file is not of is of no use to a reader."""
+    before = logging.root.manager.disable
+    logging.disable(logging.CRITICAL)
+    try:
+        yield
+    finally:
+        logging.disable(before)
 
 
 def _only(path: Path, channel: Channel) -> None:

@@ -166,6 +166,11 @@ def test_scheduler_that_does_not_answer(study, tmp_path, capsys, monkeypatch):
         study, tmp_path, capsys, *dask, "tcp://127.0.0.1:9"
     )
     assert "--scheduler nowhere: does not answer" in refused(study, tmp_path, capsys, *dask, "nowhere")
+    assert "--scheduler none.json: does not answer (no such file" in refused(
+        study, tmp_path, capsys, *dask, "none.json"
+    )
+    said = refused(study, tmp_path, capsys, *dask, str(study))
+    assert "study.toml: is no file of a scheduler" in said
     assert "--engine dask: needs --scheduler ADDRESS" in refused(study, tmp_path, capsys, "--engine", "dask")
     assert "--scheduler x: goes with --engine dask" in refused(study, tmp_path, capsys, "--scheduler", "x")
 

@@ -203,6 +203,21 @@ def test_unknown_formats(tmp_path, monkeypatch):
     assert "words.txt" in refused(tmp_path, "words.txt", size="1 um")
 
 
+def test_a_text_as_long_as_a_square_of_integers_is_no_map(tmp_path, capfd):
+    pytest.importorskip("SurfaceTopography", reason="extra instruments")
+    # 4 x 4 numbers of two bytes would be a tile of elevations, a format that marks itself by its name alone.
+    (tmp_path / "words.txt").write_text("height of a surface\nis not here\n")
+    assert "in no format that is known" in refused(tmp_path, "words.txt", size="1 um")
+    (tmp_path / "noise.dat").write_bytes(b"\0\1\2 nonsense" * 20)
+    assert "in no format that is known" in refused(tmp_path, "noise.dat", size="1 um")
+    assert capfd.readouterr() == ("", ""), "the library's own remarks"
+
+
+def test_complex_numbers_are_no_heights(tmp_path):
+    np.save(tmp_path / "map.npy", np.ones((8, 8)) * 1j)
+    assert "holds complex numbers; expected heights" in refused(tmp_path, "map.npy", size="1 um")
+
+
 def test_instruments_need_their_extra(tmp_path, monkeypatch):
     monkeypatch.setitem(__import__("sys").modules, "SurfaceTopography.IO", None)
     (tmp_path / "map.spm").write_bytes(b"\0\1\2\3 of some instrument" * 100)

@@ -5,8 +5,10 @@ same name, each a process of its own under a nanny, which replaces it when it di
 disk then; Dask gives them to another worker, which goes on from there.
 """
 
+import json
 import logging
 import pickle
+import re
 import threading
 import uuid
 from collections.abc import Iterator, Sequence
@@ -78,7 +80,7 @@ def _client(scheduler: str | None) -> Iterator[Any]:
     except ImportError:
         raise InputError("--engine dask: needs Dask; pip install 'bem-adhesion[dask]'") from None
     logging.getLogger("distributed").setLevel(logging.CRITICAL)  # what matters is raised
-    where = {"scheduler_file": scheduler} if Path(scheduler).is_file() else {"address": scheduler}
+    where = _where(scheduler)
     try:
         client = Client(**where, timeout=_ANSWER, set_as_default=False)
     except (OSError, ValueError) as error:
@@ -89,6 +91,24 @@ def _client(scheduler: str | None) -> Iterator[Any]:
     finally:
         with suppress(Exception):  # there may be no scheduler left to tell
             client.close(timeout=2)  # which cancels what nobody else waits for
+
+
+def _where(scheduler: str) -> dict[str, str]:
+    """What Dask's client is given; it would hold the process for half a minute over what is no place at all."""
+    path = Path(scheduler)
+    if path.is_file():
+        try:
+            json.loads(path.read_text(encoding="utf-8"))["address"]
+        except (OSError, ValueError, KeyError, TypeError):
+            raise InputError(
+                f"--scheduler {scheduler}: is no file of a scheduler (dask scheduler --scheduler-file)"
+            ) from None
+        return {"scheduler_file": scheduler}
+    if not re.search(r":\d+$", scheduler):
+        raise InputError(
+            f"--scheduler {scheduler}: does not answer (no such file, and no address with a port, tcp://node1:8786)"
+        )
+    return {"address": scheduler}
 
 
 def _version() -> str:
