@@ -22,6 +22,7 @@ from scripts import (
     dmt_limit,
     edge_flow_convergence,
     edge_flow_ensemble,
+    edge_flow_kernels,
     gap_distributions,
     non_adhesive_shelf,
     polymer_contact,
@@ -471,3 +472,42 @@ def test_dmt_limit_beside_the_edge_flow(monkeypatch):
     # The paper's weakest adhesion, μ = 0.3: adhesion takes a third of the load, in both within a tenth of it.
     assert limit == pytest.approx(whole, abs=0.1)
     assert whole < 0.8
+
+
+def test_order_of_convergence():
+    assert edge_flow_convergence.order([1.0, 1.1]) == "–"
+    # Errors of 0.16, 0.04 and 0.01: second order; the same values over and over have none.
+    assert edge_flow_convergence.order([9.0, 1.16, 1.04, 1.01]) == "2.0"
+    assert edge_flow_convergence.order([1.0, 1.0, 1.0]) == "–"
+
+
+def test_kernels_of_the_edge_flow_are_those_of_the_mean_over_directions():
+    found = edge_flow_kernels.kernels()
+    assert found["the edge flow's"] == (0.25, 0.0, 4.0)
+    small = 1e-2
+    for words, curvature in (("c = 0", 0.0), ("c = K", 1.0), ("c = 1000 K", 1e3)):
+        own = edge_flow_kernels.rational(np.array([small, 2.0]), found[words])
+        exact = edge_flow_kernels.exact(np.array([small, 2.0]), curvature)
+        assert own[1] == pytest.approx(exact[1], rel=1e-9)
+        # Of fourth order in p, the growth itself is of second.
+        assert own[0] == pytest.approx(exact[0], abs=10 * small**4)
+    # A wave without a law: <|q + p|> for p = q is 4/π.
+    assert float(edge_flow_kernels.exact(1.0, 1e6)) == pytest.approx(4 / np.pi, rel=1e-5)
+    fitted = edge_flow_kernels.rational(np.array([1.0, 4.0, 8.0]), found["c = K, fitted"])
+    assert fitted == pytest.approx(edge_flow_kernels.exact(np.array([1.0, 4.0, 8.0]), 1.0), rel=0.2)
+
+
+def test_errors_of_kernels():
+    truth = pd.read_csv(edge_flow_kernels.SIMULATIONS)
+    truth = truth[truth["model"] == "continuum"].pivot(
+        index=["ratio", "pressure_GPa"], columns="quantity", values="mean"
+    )
+    found = [
+        (words, ratio, pressure, 1.1 * means["relative_contact_area"], 0.8 * means["mean_gap"], 0.9, 12)
+        for words in edge_flow_kernels.kernels()
+        for (ratio, pressure), means in truth.iterrows()
+    ]
+    columns = ["model", "ratio", "pressure_GPa", "relative_contact_area", "mean_gap", "pressures", "surfaces"]
+    _, _, *rows = edge_flow_kernels.rows(pd.DataFrame(found, columns=columns))
+    assert len(rows) == 5 * 3
+    assert rows[0].endswith("| 1 ε0 | 10.0 (10.0) % | 20.0 (20.0) % | 0.90 | 12 |")

@@ -18,6 +18,9 @@ from contact_study.problem.elasticity import Elasticity
 from theory.edge_steps import compare, differences, local_response, sweep
 from theory.fixed_point import accelerated
 
+# Slope s, level t and pole b of the cost κ(X) = s X + t + (1 − t) b/(X + b) of a modulation on a half-space.
+KERNEL = (0.25, 0.0, 4.0)
+
 # Bounds of the response: contact gives way by K/(K + c), and nothing follows more than some times its wave.
 _LEAST, _LARGEST = 1e-3, 20.0
 
@@ -163,6 +166,8 @@ class Problem:
         Largest change of a scale's mean response in the last sweep.
     iterations : int
         Sweeps of a state at most.
+    kernel : tuple of float
+        Slope, level and pole of κ.
     """
 
     gaps: np.ndarray
@@ -170,6 +175,7 @@ class Problem:
     scales: Scales
     tolerance: float
     iterations: int
+    kernel: tuple[float, float, float] = KERNEL
 
     @cached_property
     def _geometry(self) -> np.ndarray:
@@ -218,6 +224,7 @@ class Problem:
                 scales.modulation,
                 scales.square,
                 scales.steps,
+                self.kernel,
                 self.traction,
                 start,
                 _SHARP,

@@ -34,7 +34,7 @@ from contact_study.fields.arguments import finite
 from contact_study.fields.spectrum import RoughnessSpectrum
 from contact_study.problem.elasticity import Elasticity, elasticity_of
 from contact_study.problem.laws.base import TractionLaw
-from theory.edge_equilibrium import Equilibrium, Problem, scales_of
+from theory.edge_equilibrium import KERNEL, Equilibrium, Problem, scales_of
 from theory.gap_flow import gap_nodes
 from theory.gap_state import GapState
 from theory.pressure_curve import PressureCurve, positions
@@ -177,6 +177,7 @@ def edge_flow(
     scales: int = EDGE_FLOW_SCALES,
     tolerance: float = 1e-6,
     iterations: int = 100,
+    kernel: tuple[float, float, float] = KERNEL,
 ) -> EdgeFlow:
     """Edge flow of a surface, approached from far away.
 
@@ -201,6 +202,8 @@ def edge_flow(
         Largest change of a scale's mean response in the last sweep.
     iterations : int, optional
         Sweeps of a state before it is approached in smaller steps, or given up and flagged.
+    kernel : tuple of float, optional
+        Slope s, level t and pole b of κ(X) = s X + t + (1 − t) b/(X + b), what a modulation costs on a half-space.
 
     Raises
     ------
@@ -241,7 +244,7 @@ def edge_flow(
     near = far if smallest_gap is None else finite("smallest_gap", smallest_gap, "m") / length
     if near <= x[0]:
         raise ValueError(f"smallest_gap = {smallest_gap:g} m: the nodes begin at {x[0] * length:.6g} m")
-    problem = Problem(x, traction, scales_of(spectrum, solid, length, scales), tolerance, iterations)
+    problem = Problem(x, traction, scales_of(spectrum, solid, length, scales), tolerance, iterations, kernel)
     return EdgeFlow(reduced, length, modulus, _approach(problem, far, near, highest), problem)
 
 

@@ -44,6 +44,7 @@ def sweep(
     modulation,
     square,
     steps,
+    kernel,
     traction,
     start,
     sharp,
@@ -63,6 +64,8 @@ def sweep(
         Their :func:`differences`.
     stiffness, modulation, square, steps : numpy.ndarray, shape (k,)
         K, the cost g of its modulation, q² and Δm of each scale.
+    kernel : tuple of float
+        Slope, level and pole of the cost of a modulation on a half-space.
     traction : numpy.ndarray, shape (n,)
         φ' at the nodes.
     start : numpy.ndarray, shape (n,)
@@ -105,6 +108,7 @@ def sweep(
             stiffness[k],
             modulation[k],
             square[k],
+            kernel,
             curvature,
             weights[k : k + 2],
             gradients[k : k + 2],
@@ -193,14 +197,17 @@ def _distribute(geometry, square, steps, start, sharp, response, weights, gradie
 
 
 @njit(cache=True, error_model="numpy", fastmath={"contract", "arcp", "nsz"})
-def _respond(x, cell, stiffness, modulation, square, curvature, weights, gradients, answer, rows):
-    """Solve K [(1 − g + g X/4) f + g z] + c f = K, (X + 4) z = 4 f by elimination of two-by-two blocks.
+def _respond(x, cell, stiffness, modulation, square, kernel, curvature, weights, gradients, answer, rows):
+    """Solve K [(1 − g + g t + g s X) f + g (1 − t) z] + c f = K, (X + b) z = b f by elimination of two-by-two blocks.
+
+    s, t and b are slope, level and pole of the kernel.
 
     X = −(P q²)⁻¹ ∂ M ∂ with the means of P and M over the scale. Rows are times P, so that a node without weight has
     no equation of its own; it is given the response of its curvature. Blocks are eliminated from both ends inward.
     """
     n = x.size
-    quarter = 0.25 * modulation
+    slope, level, pole = kernel
+    slope *= modulation
     # Block of each node, its right side, and the coupling to the next node: M over q² and the distance.
     a, b, c, d, r, s, coupling = rows[0], rows[1], rows[2], rows[3], rows[4], rows[5], rows[6]
     for i in range(n):
@@ -214,30 +221,30 @@ def _respond(x, cell, stiffness, modulation, square, curvature, weights, gradien
         joined = coupling[i] + coupling[i - 1]
         share = max(0.5 * (weights[0, i] + weights[1, i]), 0.0)
         empty = _EMPTY * cell[i]
-        a[i] = quarter * joined + share * (1.0 - modulation + curvature[i] / stiffness) + empty
-        b[i] = modulation * share
-        c[i] = -4.0 * share
-        d[i] = joined + 4.0 * share + empty
+        a[i] = slope * joined + share * (1.0 - modulation * (1.0 - level) + curvature[i] / stiffness) + empty
+        b[i] = modulation * (1.0 - level) * share
+        c[i] = -pole * share
+        d[i] = joined + pole * share + empty
         r[i] = share + empty * answer[i]
         s[i] = empty * answer[i]
     # The end nodes, coupled to nothing, keep the response of their curvature.
     middle = n // 2
     left, right = _block(rows, 1), _block(rows, n - 2)
     for i in range(2, middle):
-        left = _eliminate(rows, left, i, coupling[i - 1], quarter)
-        right = _eliminate(rows, right, n - 1 - i, coupling[n - 1 - i], quarter)
+        left = _eliminate(rows, left, i, coupling[i - 1], slope)
+        right = _eliminate(rows, right, n - 1 - i, coupling[n - 1 - i], slope)
     if n - middle > middle:
-        right = _eliminate(rows, right, middle, coupling[middle], quarter)
-    _eliminate(rows, left, middle, coupling[middle - 1], quarter)
+        right = _eliminate(rows, right, middle, coupling[middle], slope)
+    _eliminate(rows, left, middle, coupling[middle - 1], slope)
     scale = 1.0 / (a[middle] * d[middle] - b[middle] * c[middle])
     low = high = (d[middle] * r[middle] - b[middle] * s[middle]) * scale
     below = above = (a[middle] * s[middle] - c[middle] * r[middle]) * scale
     answer[middle] = low
     for i in range(middle - 1, 0, -1):
-        low, below = _substitute(rows, i, coupling[i], quarter, low, below)
+        low, below = _substitute(rows, i, coupling[i], slope, low, below)
         answer[i] = low
     for i in range(middle + 1, n - 1):
-        high, above = _substitute(rows, i, coupling[i - 1], quarter, high, above)
+        high, above = _substitute(rows, i, coupling[i - 1], slope, high, above)
         answer[i] = high
 
 
@@ -248,16 +255,16 @@ def _block(rows, i):
 
 
 @njit(cache=True, error_model="numpy", fastmath={"contract", "arcp", "nsz"}, inline="always")
-def _eliminate(rows, neighbour, i, t, quarter):
+def _eliminate(rows, neighbour, i, t, slope):
     """Take the block of a neighbour, to which a node is coupled by t, out of the node's; returns what is left."""
     a, b, c, d, r, s = neighbour
     scale = t / (a * d - b * c)
     left = (
-        rows[0, i] - quarter * quarter * t * (d * scale),
-        rows[1, i] + quarter * t * (b * scale),
-        rows[2, i] + quarter * t * (c * scale),
+        rows[0, i] - slope * slope * t * (d * scale),
+        rows[1, i] + slope * t * (b * scale),
+        rows[2, i] + slope * t * (c * scale),
         rows[3, i] - t * (a * scale),
-        rows[4, i] + quarter * ((d * r - b * s) * scale),
+        rows[4, i] + slope * ((d * r - b * s) * scale),
         rows[5, i] + (a * s - c * r) * scale,
     )
     rows[0, i], rows[1, i], rows[2, i], rows[3, i], rows[4, i], rows[5, i] = left
@@ -265,9 +272,9 @@ def _eliminate(rows, neighbour, i, t, quarter):
 
 
 @njit(cache=True, error_model="numpy", fastmath={"contract", "arcp", "nsz"}, inline="always")
-def _substitute(rows, i, t, quarter, f, z):
+def _substitute(rows, i, t, slope, f, z):
     """f and z of a node from those of the neighbour that was taken out after it."""
-    first, second = rows[4, i] + quarter * t * f, rows[5, i] + t * z
+    first, second = rows[4, i] + slope * t * f, rows[5, i] + t * z
     scale = 1.0 / (rows[0, i] * rows[3, i] - rows[1, i] * rows[2, i])
     return (rows[3, i] * first - rows[1, i] * second) * scale, (rows[0, i] * second - rows[2, i] * first) * scale
 

@@ -7,6 +7,7 @@ import pytest
 
 from contact_study.problem.elasticity import HalfSpace, Layer
 from contact_study.problem.laws import LennardJones93
+from theory import edge_equilibrium
 from theory.edge_equilibrium import modulation_cost, scales_of
 from theory.edge_flow import edge_flow
 from theory.gap_flow import gap_flow
@@ -221,3 +222,18 @@ def test_the_residual_is_the_last_change(flows):
     state = flows[1].at_pressure(1e9)
     assert 0 < state.residual <= 1e-6
     assert state.quantities()["residual"] == state.residual
+
+
+def test_kernel_without_a_cost_is_the_local_response(paper, flows, monkeypatch):
+    # κ = 1, whichever way it is said: s = 0 and t = 1, s = 0 and a pole beyond all X, or a solid whose g is none.
+    free = [flow_of(paper, 0.25, 60, 16, kernel=kernel) for kernel in ((0.0, 1.0, 4.0), (0.0, 0.0, 1e12))]
+    monkeypatch.setattr(edge_equilibrium, "modulation_cost", lambda solid, wavenumber: np.zeros_like(wavenumber))
+    free.append(flow_of(paper, 0.25, 60, 16))
+    monkeypatch.undo()
+    areas, costly = [at_1_gpa(paper, flow)[0] for flow in free], at_1_gpa(paper, flow_of(paper, 0.25, 60, 16))[0]
+    assert areas[:2] == pytest.approx([areas[2]] * 2, rel=1e-5)  # the tolerance of the sweeps and its share of the area
+    assert abs(costly / areas[2] - 1) > 1e-2
+    between = at_1_gpa(paper, flow_of(paper, 0.25, 60, 16, kernel=(0.0, 0.5, 4.0)))[0]
+    assert abs(between / areas[2] - 1) > 1e-3
+    # A pole alone makes a modulation soften the wave.
+    assert (between - areas[2]) * (costly - areas[2]) < 0
