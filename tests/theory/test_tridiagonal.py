@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from theory.edge_equilibrium import KERNEL
 from theory.edge_steps import _respond, compare, differences
 from theory.tridiagonal import factorise, solve
 
@@ -33,8 +34,9 @@ def test_differences_are_exact_for_parabolas():
     assert cell[1:-1].sum() == pytest.approx((x[-1] + x[-2] - x[1] - x[0]) / 2)
 
 
+@pytest.mark.parametrize("kernel", [KERNEL, (0.1, 0.6, 2.5)])
 @pytest.mark.parametrize("nodes", [8, 31])
-def test_the_response_solves_its_two_coupled_equations(nodes):
+def test_the_response_solves_its_two_coupled_equations(nodes, kernel):
     random = np.random.default_rng(nodes)
     x = np.cumsum(random.uniform(0.5, 1.5, nodes))
     stiffness, modulation, square = 1.3, 0.7, 2.0
@@ -42,7 +44,7 @@ def test_the_response_solves_its_two_coupled_equations(nodes):
     weights, gradients = random.uniform(0.5, 1, (2, 2, nodes))
     answer, rows = np.empty(nodes), np.empty((7, nodes))
     cell = differences(x)[4]
-    _respond(x, cell, stiffness, modulation, square, curvature, weights, gradients, answer, rows)
+    _respond(x, cell, stiffness, modulation, square, kernel, curvature, weights, gradients, answer, rows)
     # X = −(P q²)⁻¹ ∂ M ∂ on the inner nodes, with no flux to the nodes at the ends.
     inner = slice(1, nodes - 1)
     share, mean = weights.mean(axis=0), gradients.mean(axis=0)
@@ -51,8 +53,10 @@ def test_the_response_solves_its_two_coupled_equations(nodes):
     operator = np.diag(np.append(flux, 0) + np.append(0, flux)) - np.diag(flux, 1) - np.diag(flux, -1)
     operator = (operator / share[:, None])[inner, inner]
     one = np.eye(nodes - 2)
-    kernel = (1 - modulation) * one + modulation * (operator / 4 + 4 * np.linalg.inv(operator + 4 * one))
-    expected = np.linalg.solve(stiffness * kernel + np.diag(curvature[inner]), np.full(nodes - 2, stiffness))
+    slope, level, pole = kernel
+    half_space = slope * operator + level * one + (1 - level) * pole * np.linalg.inv(operator + pole * one)
+    cost = (1 - modulation) * one + modulation * half_space
+    expected = np.linalg.solve(stiffness * cost + np.diag(curvature[inner]), np.full(nodes - 2, stiffness))
     np.testing.assert_allclose(answer[inner], expected, rtol=1e-9)
     ends = [0, nodes - 1]
     np.testing.assert_allclose(answer[ends], stiffness / (stiffness + curvature[ends]), rtol=1e-14)
