@@ -13,6 +13,7 @@ import time
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
+SURFACES = {"paper": 12, "quick": 4}  # of the scatter
 STUDIES = {"paper": "data/yang2008.toml", "quick": "data/yang2008_quick.toml"}
 
 
@@ -25,11 +26,12 @@ def main() -> int:
         "--predictor", action="store_true", help="start the atoms' states from the continuum's gap, not their own path"
     )
     parser.add_argument(
-        "--surfaces", type=int, default=12, metavar="N", help="surfaces of the scatter; 0: none (default 12)"
+        "--surfaces", type=int, metavar="N", help="surfaces of the scatter; 0: none (default 12, quick: 4)"
     )
     given = parser.parse_args()
-    if given.surfaces < 0 or given.surfaces == 1:
-        parser.error(f"--surfaces {given.surfaces}: a scatter takes two surfaces or more")
+    surfaces = SURFACES[given.preset] if given.surfaces is None else given.surfaces
+    if surfaces < 0 or surfaces == 1:
+        parser.error(f"--surfaces {surfaces}: a scatter takes two surfaces or more")
     study = ROOT / STUDIES[given.preset]
     folder = given.output or Path("results") / f"yang2008-{given.preset}"
     bem, md, theory, comparison = (folder / f"{name}.nc" for name in ("bem", "md", "theory", "comparison"))
@@ -42,8 +44,8 @@ def main() -> int:
         ["persson-theory", study, "-o", theory, again],
         ["md-reference", study, "-o", md, *(["--predictor", bem] if given.predictor else []), again],
     ]
-    if given.surfaces:
-        numbers = ",".join(str(seed) for seed in range(1, given.surfaces + 1))
+    if surfaces:
+        numbers = ",".join(str(seed) for seed in range(1, surfaces + 1))
         commands.append(
             ["bem-adhesion", study, "-o", seeds, "--surface.seed", numbers, "--output.fields", "false", again]
         )
@@ -57,7 +59,7 @@ def main() -> int:
             return status
         worst = max(worst, status)
     print(f"\ndone in {time.monotonic() - began:.0f} s; results:", file=sys.stderr, flush=True)
-    kept = [seeds] if given.surfaces else []
+    kept = [seeds] if surfaces else []
     print(bem, md, theory, *kept, comparison, *sorted(figures.glob("figure_*.png")), report, sep="\n")
     return worst
 

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 
+import contact_study
 from contact_study.campaign.examples import example_names
 from contact_study.problem.study import all_keys
 
@@ -53,6 +54,11 @@ def test_keys_and_examples_that_are_to_be_typed_exist(page):
     keys = {f"{section}.{name}" for section, name, *_ in all_keys()} | {"section.key"}
     assert set(_OPTION.findall(text)) <= keys
     assert set(re.findall(r"--example ([a-z]\w*)", text)) <= {*example_names()}
+
+
+def test_the_citation_is_of_this_version():
+    said = re.search(r"^version: (.+)$", (ROOT / "CITATION.cff").read_text(encoding="utf-8"), flags=re.MULTILINE)
+    assert said[1] == contact_study.__version__
 
 
 def test_every_page_of_the_site_is_in_its_contents():

@@ -74,7 +74,12 @@ def test_the_paper_s_atoms_go_their_own_path_unless_told_otherwise(predictor, tm
 def test_the_paper_s_scatter_is_of_twelve_surfaces(tmp_path, monkeypatch, capsys):
     commands = []
     monkeypatch.setattr(reproduce_yang2008, "run", lambda command: commands.append(command) or 0)
-    for options, count in (([], 12), (["--surfaces", "3"], 3), (["--surfaces", "0"], 0)):
+    for options, count in (
+        ([], 12),
+        (["--preset", "quick"], 4),
+        (["--surfaces", "3"], 3),
+        (["--surfaces", "0"], 0),
+    ):
         commands.clear()
         monkeypatch.setattr("sys.argv", ["reproduce_yang2008", "--output", str(tmp_path), *options])
         assert reproduce_yang2008.main() == 0
