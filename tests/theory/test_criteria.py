@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from contact_study.problem.laws import HardWall
+from contact_study.problem.laws import Dugdale, HardWall
 from theory import LennardJones104, SelfAffineSpectrum, closed_forms, criteria, references, spectrum_of, stickiness
 
 E_STAR, WORK, LENGTH = 93.7348e9, 0.6924, 3.28e-10
@@ -119,5 +119,9 @@ def test_a_law_has_the_criteria_of_its_own_work_and_range():
     for name in ("persson_tosatti", "pastewka_robbins", "bearing_area"):
         assert getattr(deeper, name) == pytest.approx(4 * getattr(found, name), rel=1e-6), name
     assert set(found.to_dataset().data_vars) == set(found.quantities())
+    # Outside a wall the length of a Tabor number is the range of the attraction.
+    walled = stickiness(SPECTRUM, E_STAR, Dugdale(WORK, 3e-10)).tabor_number
+    radius = 2 / SPECTRUM.rms_laplacian
+    assert walled == pytest.approx(references.tabor_parameter(radius, E_STAR, WORK, 3e-10), rel=1e-12)
     with pytest.raises(ValueError, match="does not attract"):
         stickiness(SPECTRUM, E_STAR, HardWall(0.0, 0.0))
