@@ -8,8 +8,6 @@ from numba import njit
 
 _FAST = {"contract", "reassoc", "arcp", "nsz"}
 _MOST_SHIFTS = 100
-# Share of the whole load that is none.
-ROUNDING = 1e-13
 
 
 @njit(cache=True, error_model="numpy", fastmath=_FAST)
@@ -88,18 +86,12 @@ def carry(pressure, free, bound, total):
     shift, missing, inside = balancing_shift(pressure, free, bound, total)
     # The shift is as exact as the largest number that it is added to; the rest is for the points between the bounds.
     rest = missing / max(inside, 1)
-    # What is left of a load between the bounds may be rounding alone, and no other point could take it.
-    nothing = ROUNDING * total
     for i in range(pressure.size):
         if free[i]:
             p = pressure[i] + shift
             if 0 < p < bound:
                 p += rest
-            if p <= nothing:
-                p = 0.0
-            elif p >= bound - nothing:
-                p = bound
-            pressure[i] = p
+            pressure[i] = min(max(p, 0.0), bound)
 
 
 @njit(cache=True, error_model="numpy", fastmath=_FAST)

@@ -108,6 +108,9 @@ VARIABLES: dict[str, Variable] = {
 COORDINATES: dict[str, Variable] = {
     "pressure_bin": Variable("Pa", "interfacial pressure, compression positive (bin centre)", ("pressure_bin",)),
     "gap_bin": Variable("m", "local gap (bin centre)", ("gap_bin",)),
+    "relative_distance": Variable(
+        "1", "distance over the shorter side of the cell (middle of a ring)", ("relative_distance",)
+    ),
     "wavevector": Variable("m-1", "roughness wavevector", ("wavevector",)),
     "magnification": Variable(
         "1", "magnification: wavevector up to which roughness counts over the smallest one", ("magnification",)

@@ -3,6 +3,7 @@
 from contact_study.fields.distributions import Bins
 from contact_study.observables.base import InterfaceState, Observable, Value, Variable
 from contact_study.observables.contact_area import CONTACT_AREA
+from contact_study.observables.contact_autocorrelation import CONTACT_AUTOCORRELATION
 from contact_study.observables.contact_clusters import CONTACT_CLUSTERS
 from contact_study.observables.contact_edge import CONTACT_EDGE
 from contact_study.observables.contact_stiffness import CONTACT_STIFFNESS
@@ -23,6 +24,7 @@ OBSERVABLES: tuple[Observable, ...] = (
     DISTRIBUTIONS,
     CONTACT_CLUSTERS,
     CONTACT_EDGE,
+    CONTACT_AUTOCORRELATION,
     PERCOLATION,
     CONTACT_STIFFNESS,
     JUMPS,

@@ -51,15 +51,15 @@ def cluster_sizes(contact: np.ndarray) -> np.ndarray:
 def _read(state: InterfaceState, _: Bins) -> dict[str, Value]:
     sizes = cluster_sizes(state.contact)
     return {
-        "contact_clusters": sizes.size,
-        "relative_largest_cluster_area": float(sizes.max(initial=0) / state.contact.size),
+        "cluster_count": sizes.size,
+        "largest_cluster_area": float(sizes.max(initial=0) / state.contact.size),
     }
 
 
 CONTACT_CLUSTERS = Observable(
     {
-        "contact_clusters": Variable("1", "connected patches of contact", kind="count"),
-        "relative_largest_cluster_area": Variable("1", "area of the largest connected contact over nominal area"),
+        "cluster_count": Variable("1", "connected patches of contact", kind="count"),
+        "largest_cluster_area": Variable("1", "area of the largest connected contact over nominal area"),
     },
     _read,
 )

@@ -148,6 +148,19 @@ def test_a_loop_costs_most_between_the_limits():
     assert lost[1] > 20 * max(lost[0], lost[2])
 
 
+def test_the_load_changes_evenly_between_points():
+    height, _ = self_affine(32)
+    contact = relaxing(height)
+    [_, (found, now)] = followed(contact, [1e7, 4e7], 0.9, 3)
+    state, dissipated = contact.separated(), 0.0
+    for target in (1e7 / 3, 2e7 / 3, 1e7, 2e7, 3e7, 4e7):
+        expected, lost = contact.step(state, target, 0.3)
+        state, dissipated = expected.state, dissipated + lost
+    np.testing.assert_allclose(found.state, expected.state, atol=1e-9 * np.abs(expected.state[1]).max(), rtol=1e-9)
+    assert now.time == pytest.approx(1.8)
+    assert now.dissipated == pytest.approx(dissipated, rel=1e-9)
+
+
 def test_surfaces_torn_apart_relax_and_come_together_again():
     height, _ = self_affine(32)
     contact = relaxing(height, LAW, tolerance=1e-8)

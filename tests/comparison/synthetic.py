@@ -7,6 +7,7 @@ import numpy as np
 from contact_study.campaign.dataset.assembly import assemble
 from contact_study.campaign.dataset.file import write_dataset
 from contact_study.campaign.schema import SCHEMA_VERSION
+from contact_study.observables.contact_autocorrelation import RELATIVE_DISTANCE
 from contact_study.problem.bins import bins_of
 from contact_study.problem.study import make_study
 from contact_study.problem.surface import realise
@@ -95,7 +96,12 @@ def write(path, kind, text=STUDY, unconverged=(), detached=(), **attrs):
         ]
         cases.append((case.index, _constants(case, kind), steps))
     longest = max(len(steps) for _, _, steps in cases)
-    groups = assemble(asked.sweep, longest, cases, {"pressure_bin": bins.pressure, "gap_bin": bins.gap})
+    groups = assemble(
+        asked.sweep,
+        longest,
+        cases,
+        {"pressure_bin": bins.pressure, "gap_bin": bins.gap, "relative_distance": RELATIVE_DISTANCE},
+    )
     groups[""].attrs.update(
         {
             "Conventions": "CF-1.11",

@@ -42,14 +42,17 @@ def test_observables_of_a_state_made_by_hand():
     pressure_pdf, gap_pdf = found.pop("pressure_pdf"), found.pop("gap_pdf")
     assert found.pop("mean_gap") == pytest.approx(26e-10 / 6 - 2e-10, rel=1e-12)
     assert found.pop("mean_pressure") == pytest.approx(2.5e9 / 6, rel=1e-12)
+    # Of the lags within half of the shorter side, 3 points along x, there is one: a third of it, in one pair of six.
+    pairs = found.pop("contact_autocorrelation")
+    np.testing.assert_allclose(pairs[~np.isnan(pairs)], [1 / 6])
     assert found == {
         "mean_separation": 2.2e-10,
         "relative_contact_area": 3 / 6,
         "relative_repulsive_area": 3 / 6,
         "elastic_energy": 0.3,
         "interaction_energy": -0.4,
-        "contact_clusters": 1,
-        "relative_largest_cluster_area": 3 / 6,
+        "cluster_count": 1,
+        "largest_cluster_area": 3 / 6,
         # On a torus of 2 × 3 cells two sides along x and four along y part contact from none.
         "contact_perimeter": pytest.approx(np.pi / 4 * (2 * 1e-10 + 4 * 2e-10) / (6 * 2e-20), rel=1e-12),
         "corrected_contact_area": pytest.approx(3 / 6 - OVERCOUNT * (2 + 4) / 6),

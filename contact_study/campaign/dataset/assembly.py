@@ -21,6 +21,7 @@ from contact_study.campaign.schema import (
     variable_of,
 )
 from contact_study.fields.distributions import Bins, redistributed
+from contact_study.observables.contact_autocorrelation import RELATIVE_DISTANCE
 from contact_study.problem.study import SweptKey
 
 # Arrays by name and by the labels before it.
@@ -32,7 +33,11 @@ def assembled(run: Run, names: Sequence[str], parts: Parts) -> tuple[dict[str, x
     study = run.study
     brought: list[str] = []
     longest = max(len(case.path) for case in study.cases)
-    coordinates = {"pressure_bin": run.bins.pressure, "gap_bin": run.bins.gap}
+    coordinates = {
+        "pressure_bin": run.bins.pressure,
+        "gap_bin": run.bins.gap,
+        "relative_distance": RELATIVE_DISTANCE,
+    }
     groups = assemble(study.sweep, longest, _collect(run, names, parts, brought), coordinates)
     if study.cases[0].output.restart:
         groups[RESTART] = restart_group(_last_states(run, names, parts))

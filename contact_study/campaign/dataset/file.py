@@ -124,7 +124,7 @@ class Earlier:
 
     def _variables(self, index: tuple[int, ...]) -> Iterator[tuple[str, xr.Variable]]:
         """Quantities of all groups at a position of the sweep as a model names them, those of the whole study apart."""
-        whole = {*self._sweep, *LABELS, "step", "pressure_bin", "gap_bin"}
+        whole = {*self._sweep, *LABELS, "step", "pressure_bin", "gap_bin", "relative_distance"}
         for node in self._tree.subtree:
             group = node.path.strip("/")
             if group == RESTART:
