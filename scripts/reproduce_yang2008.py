@@ -3,7 +3,8 @@
 Runs the four commands one after the other; each spreads its cases over the cores, shows progress and can be stopped
 and run again: finished steps are not repeated. Each model goes its own way from separated surfaces; --predictor starts
 every state of the atoms from the continuum's gap instead, as a cross-check. The continuum alone also runs over more
-surfaces of the same spectrum, whose scatter stands behind the points of the one surface in the figures.
+surfaces of the same spectrum, whose scatter stands behind the points of the one surface in the figures. At the paper's
+size the atoms of half its lengths also stand at 1 GPa, cold and at 300 K.
 """
 
 import argparse
@@ -15,6 +16,10 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent.parent
 SURFACES = {"paper": 12, "quick": 4}  # of the scatter
 STUDIES = {"paper": "data/yang2008.toml", "quick": "data/yang2008_quick.toml"}
+TRAJECTORIES = {"paper": 60, "quick": 0}  # thermal states at 300 K
+# Of half the paper's lengths, one state: what 300 K does to it.
+WARM_STUDY, WARM_STATE = "quick", ["--loading.path", "1 GPa", "--interaction.well_depth_ratio", "1"]
+WARM = ["--atomistic.method", "sampling", "--atomistic.temperature", "300 K", "--sampling.equilibration", "25"]
 
 
 def main() -> int:
@@ -28,10 +33,16 @@ def main() -> int:
     parser.add_argument(
         "--surfaces", type=int, metavar="N", help="surfaces of the scatter; 0: none (default 12, quick: 4)"
     )
+    parser.add_argument(
+        "--trajectories", type=int, metavar="N", help="thermal states at 300 K; 0: none (default 60, quick: 0)"
+    )
     given = parser.parse_args()
     surfaces = SURFACES[given.preset] if given.surfaces is None else given.surfaces
     if surfaces < 0 or surfaces == 1:
         parser.error(f"--surfaces {surfaces}: a scatter takes two surfaces or more")
+    trajectories = TRAJECTORIES[given.preset] if given.trajectories is None else given.trajectories
+    if trajectories < 0 or trajectories == 1:
+        parser.error(f"--trajectories {trajectories}: a thermal mean takes two states or more")
     study = ROOT / STUDIES[given.preset]
     folder = given.output or Path("results") / f"yang2008-{given.preset}"
     bem, md, theory, comparison = (folder / f"{name}.nc" for name in ("bem", "md", "theory", "comparison"))
@@ -50,6 +61,12 @@ def main() -> int:
             ["bem-adhesion", study, "-o", seeds, "--surface.seed", numbers, "--output.fields", "false", again]
         )
         compared += ["--scatter", seeds]
+    cold, warm = folder / "md_0K.nc", folder / "md_300K.nc"
+    if trajectories:
+        state = [*WARM_STATE, "--output.fields", "false", again]
+        commands.append(["md-reference", ROOT / STUDIES[WARM_STUDY], "-o", cold, *state])
+        thermal = [*WARM, "--sampling.trajectories", str(trajectories)]
+        commands.append(["md-reference", ROOT / STUDIES[WARM_STUDY], "-o", warm, *state, *thermal])
     commands.append(["contact-compare", *compared])
     began, worst = time.monotonic(), 0
     for command in commands:
@@ -59,7 +76,7 @@ def main() -> int:
             return status
         worst = max(worst, status)
     print(f"\ndone in {time.monotonic() - began:.0f} s; results:", file=sys.stderr, flush=True)
-    kept = [seeds] if surfaces else []
+    kept = [*([seeds] if surfaces else []), *([cold, warm] if trajectories else [])]
     print(bem, md, theory, *kept, comparison, *sorted(figures.glob("figure_*.png")), report, sep="\n")
     return worst
 

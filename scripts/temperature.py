@@ -5,11 +5,13 @@ their atoms, both coming down at one speed and brought to rest by friction. `doc
 
     python scripts/temperature.py data/yang2008.toml --fraction 0.25 --pressures "1 GPa" --temperature "300 K"
     python scripts/temperature.py data/yang2008.toml --fraction 0.12 --pressures "1 GPa" "10 GPa" --turning
+    python scripts/temperature.py --from results/yang2008-paper/md_0K.nc results/yang2008-paper/md_300K.nc
 """
 
 import argparse
 import copy
 import sys
+import tomllib
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -20,7 +22,7 @@ import xarray as xr
 import contact_study
 from contact_study.campaign.command import Parser, guarded
 from contact_study.problem.errors import InputError
-from contact_study.problem.study import Study, read_study
+from contact_study.problem.study import Study, make_study, read_study
 
 # Of atoms that come to rest: what the residual at the end of a point needs to be below 10⁻³ E* at the sizes in use.
 AT_REST = {"duration": "50 ps", "damping": "0.3 ps^-1", "approach_speed": "300 m/s", "frames": 4}
@@ -36,21 +38,30 @@ def parser() -> Parser:
     made = Parser(
         description=__doc__.splitlines()[0], formatter_class=argparse.ArgumentDefaultsHelpFormatter, allow_abbrev=False
     )
-    made.add_argument("study", type=Path, help="study with a lattice constant, over interaction.well_depth_ratio")
+    made.add_argument("study", type=Path, nargs="?", help="study with a lattice constant, over its well_depth_ratio")
     made.add_argument("--pressures", nargs="+", default=["1 GPa"], help="points of the path, from separation")
     made.add_argument("--temperature", default="300 K", help="of the atoms that move")
     made.add_argument("--trajectories", type=int, default=150, help="thermal states of each point")
     made.add_argument("--fraction", type=float, default=1.0, help="of the study's lengths: its cell and rms height")
+    made.add_argument(
+        "--from", nargs=2, type=Path, dest="source", metavar=("COLD", "WARM"), help="datasets to print, without a run"
+    )
     made.add_argument("--turning", action="store_true", help="compare blocks, at zero temperature")
     return made
 
 
 def _main(arguments: Sequence[str] | None) -> int:
     given = parser().parse_args(arguments)
-    table = shrunk(read_study(given.study), given.fraction)
-    if "interaction.well_depth_ratio" not in table.get("sweep", {}):
-        raise InputError(f"{given.study}: sweeps no interaction.well_depth_ratio")
-    variants = blocks(table, given.pressures) if given.turning else temperatures(table, given)
+    if given.source is None:
+        if given.study is None:
+            raise InputError("STUDY: missing; give a study, or two datasets by --from")
+        table = shrunk(read_study(given.study), given.fraction)
+        if "interaction.well_depth_ratio" not in table.get("sweep", {}):
+            raise InputError(f"{given.study}: sweeps no interaction.well_depth_ratio")
+        variants = blocks(table, given.pressures) if given.turning else temperatures(table, given)
+    else:
+        cold, warm = (xr.load_dataset(path, decode_timedelta=False) for path in given.source)
+        variants = {"0 K": cold, _temperature(warm): warm}
     before, after = variants.values()
     ratios = [f"{ratio:g} ε₀" for ratio in before.well_depth_ratio.values]
     print("| p (GPa) | | " + " | ".join(ratios) + " |\n" + "|---" * (2 + len(ratios)) + "|")
@@ -67,6 +78,12 @@ def _main(arguments: Sequence[str] | None) -> int:
         for words, row in rows:
             print(f"| {pressure / 1e9:g} | {words} | " + " | ".join(row) + " |")
     return 0
+
+
+def _temperature(dataset: xr.Dataset) -> str:
+    """That a run was asked for, in K."""
+    given = make_study(tomllib.loads(dataset.attrs["study_toml"])).cases[0].atomistic.temperature
+    return f"{given:g} K"
 
 
 def temperatures(table: Mapping[str, Any], given: argparse.Namespace) -> dict[str, xr.Dataset]:

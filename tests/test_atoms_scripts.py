@@ -57,3 +57,48 @@ def test_largest_lateral_move_is_against_the_mean():
     x[0, 1, 2], y[0, 1, 2] = 3.2, 7.0
     fields = {f"lateral_displacement_{name}": (("case", "y", "x"), field) for name, field in (("x", x), ("y", y))}
     np.testing.assert_allclose(temperature.largest_move(xr.Dataset(fields)), [3.0, 0.0])
+
+
+def test_temperature_prints_datasets_that_are_there(tmp_path, capsys):
+    toml = """
+[surface]
+kind = "flat"
+size = "26 angstrom"
+shape = [10, 10]
+[material]
+youngs_modulus = "1 GPa"
+poissons_ratio = 0.3
+lattice_constant = "2.6 angstrom"
+[interaction]
+work_of_adhesion = "0.1 J/m^2"
+length = "3 angstrom"
+[loading]
+path = ["1 GPa"]
+[atomistic]
+"""
+    dims = ("well_depth_ratio", "step")
+    cold = xr.Dataset(
+        {"relative_contact_area": (dims, [[0.4]]), "mean_gap": (dims, [[1e-10]])},
+        {"well_depth_ratio": [1.0], "applied_pressure": ("step", [1e9])},
+        {"study_toml": toml},
+    )
+    warm = cold.assign(
+        relative_contact_area=(dims, [[0.38]]),
+        mean_gap=(dims, [[1.05e-10]]),
+        relative_contact_area_standard_error=(dims, [[0.0012]]),
+        mean_gap_standard_error=(dims, [[0.0031e-10]]),
+    )
+    warm.attrs = {"study_toml": toml + 'method = "sampling"\ntemperature = "250 K"\n'}
+    cold.to_netcdf(tmp_path / "cold.nc")
+    warm.to_netcdf(tmp_path / "warm.nc")
+    assert temperature.main(["--from", str(tmp_path / "cold.nc"), str(tmp_path / "warm.nc")]) == 0
+    printed = capsys.readouterr().out
+    for row in (
+        "A, 0 K | 0.4000 |",
+        "A, 250 K | 0.3800 ± 0.0012 |",
+        "change | -5.0 % |",
+        "ū (Å), 250 K | 1.0500 ± 0.0031",
+    ):
+        assert f"| 1 | {row}" in printed
+    assert temperature.main([]) == 1
+    assert "STUDY: missing" in capsys.readouterr().err

@@ -98,6 +98,45 @@ def test_the_paper_s_scatter_is_of_twelve_surfaces(tmp_path, monkeypatch, capsys
         reproduce_yang2008.main()
 
 
+@pytest.mark.parametrize(
+    ("options", "count"),
+    [([], "60"), (["--trajectories", "9"], "9"), (["--trajectories", "0"], ""), (["--preset", "quick"], "")],
+)
+def test_the_paper_s_atoms_stand_cold_and_warm_in_one_state(options, count, tmp_path, monkeypatch, capsys):
+    commands = []
+    monkeypatch.setattr(reproduce_yang2008, "run", lambda command: commands.append(command) or 0)
+    monkeypatch.setattr("sys.argv", ["reproduce_yang2008", "--output", str(tmp_path), *options])
+    assert reproduce_yang2008.main() == 0
+    cold, warm = ([each for each in commands if str(tmp_path / f"md_{word}.nc") in each] for word in ("0K", "300K"))
+    printed = capsys.readouterr().out
+    if not count:
+        assert not cold
+        assert not warm
+        assert "300K" not in printed
+        return
+    assert str(tmp_path / "md_300K.nc") in printed
+    (cold,), (warm,) = cold, warm
+    # The same question but for the temperature: all that stands in the cold command stands in the warm one.
+    assert set(cold) - set(warm) == {str(tmp_path / "md_0K.nc")}
+    assert warm[warm.index("--sampling.trajectories") + 1] == count
+    table, rest = {}, warm[4:]
+    while rest:
+        key, *rest = rest
+        if key != "--resume":
+            value, *rest = rest
+            table[key.removeprefix("--")] = {"false": False}.get(value, int(value) if value.isdigit() else value)
+    case = read_study(warm[1], table).cases[0]
+    assert case.lattice.atoms == (200, 200)
+    assert (case.atomistic.method, case.atomistic.temperature) == ("sampling", 300.0)
+
+
+def test_few_thermal_states_are_refused(monkeypatch, capsys):
+    monkeypatch.setattr("sys.argv", ["reproduce_yang2008", "--trajectories", "1"])
+    with pytest.raises(SystemExit):
+        reproduce_yang2008.main()
+    assert "two states" in capsys.readouterr().err
+
+
 def test_surfaces_are_given_for_every_grid(capsys):
     with pytest.raises(SystemExit):
         benchmark_adhesive.main(["--points", "32", "40", "64", "--surfaces", "2", "1"])
