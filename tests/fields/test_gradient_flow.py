@@ -7,7 +7,7 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.optimize import minimize
 
-from contact_study.fields.gradient_flow import Fate, Pace, at_rest, follow
+from contact_study.fields.gradient_flow import Fate, Instant, Pace, at_rest, follow
 
 PACE = Pace(rate=1.0, first=0.01, allowed=1e-3, tolerance=1e-6, most=100_000)
 
@@ -66,6 +66,39 @@ def test_spring_relaxes_in_its_own_time():
     # First order in the step, whose square the local error is.
     assert errors[0] / errors[1] == pytest.approx(2.0, rel=0.3)
     assert errors[1] < 0.05
+
+
+def test_every_step_errs_by_what_is_allowed_and_not_by_more():
+    pace = replace(PACE, rate=1e9)
+    found = moments(spring(), [0.0], -3.0, pace)
+    before = np.array([0.0] + [each.state[0] for each in found[:-1]])
+    duration = np.array([each.duration for each in found])
+    exact = 1.5 + (before - 1.5) * np.exp(-2.0 * duration)
+    errors = np.abs(np.array([each.state[0] for each in found]) - exact) / pace.allowed
+    # The estimate is the leading term; steps of 0.03/k and more know it to some ten per cent.
+    assert np.max(errors) < 1.2
+    assert np.sum(errors > 0.5) > len(found) / 2
+
+
+@pytest.mark.parametrize(("allowed", "tries"), [(0.76, 1), (0.74, 2)])
+def test_error_of_a_step_of_another_length_than_the_one_before(allowed, tries):
+    """From rest a move of 1 in a time of 3 after one of 1 is off by τ/(τ + τ_before) of it, ¾."""
+
+    class Moving(System):
+        def advance(self, state, load, drag):
+            self.calls.append(1 / drag)
+            return Point(state + 1 / (3 * drag), 1.0)
+
+    system = Moving(None, None)
+    at = Instant(np.array([0.0]), 0.0, 0.0, 1.0, 3.0)
+    next(follow(system, at, 0.0, replace(PACE, allowed=allowed)))
+    assert len(system.calls) == tries
+
+
+def test_no_rest_before_the_load_is_there():
+    found = moments(spring(), [0.0], -0.5, replace(PACE, rate=0.1, tolerance=1.0))
+    assert len(found) > 5
+    assert found[-1].load == -0.5
 
 
 def test_load_rises_at_its_rate_and_is_then_held():
