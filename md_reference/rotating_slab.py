@@ -53,14 +53,16 @@ def _springs(u, force, neighbours, edge, stiffness):
             length2 = r_x * r_x + r_y * r_y + r_z * r_z
             length = np.sqrt(length2)
             for j in range(1, rows - 1):
-                x, y, z = u[0, k, j, 1 : columns - 1], u[1, k, j, 1 : columns - 1], u[2, k, j, 1 : columns - 1]
-                to = u[:, k + dk, j + dj, 1 + di : columns - 1 + di]
-                to_x, to_y, to_z = to[0], to[1], to[2]
-                f_x, f_y, f_z = (
-                    force[0, k, j, 1 : columns - 1],
-                    force[1, k, j, 1 : columns - 1],
-                    force[2, k, j, 1 : columns - 1],
-                )
+                # Each a slice of its own along the last axis: of several at once the compiler knows no stride.
+                x = u[0, k, j, 1 : columns - 1]
+                y = u[1, k, j, 1 : columns - 1]
+                z = u[2, k, j, 1 : columns - 1]
+                to_x = u[0, k + dk, j + dj, 1 + di : columns - 1 + di]
+                to_y = u[1, k + dk, j + dj, 1 + di : columns - 1 + di]
+                to_z = u[2, k + dk, j + dj, 1 + di : columns - 1 + di]
+                f_x = force[0, k, j, 1 : columns - 1]
+                f_y = force[1, k, j, 1 : columns - 1]
+                f_z = force[2, k, j, 1 : columns - 1]
                 row = 0.0
                 for i in range(inside):
                     d_x = to_x[i] - x[i]
