@@ -4,7 +4,7 @@ The rigid plane on top of the explicit block comes down at one speed, turns, and
 stress and the work are those of the interface over the whole motion, frame by frame. `docs/temperature.md` shows figure
 and table.
 
-    python scripts/driven_loops.py data/yang2008.toml --fraction 0.24 --speed "50 m/s" -o docs/images/driven_loops.png
+    python scripts/driven_loops.py data/yang2008.toml --fraction 0.08 -o docs/images/driven_loops.png
 """
 
 import argparse
@@ -26,7 +26,7 @@ from contact_study.plots.style import COLOURS, DOUBLE, RESOLUTION, styled
 from contact_study.problem.errors import InputError
 from contact_study.problem.study import read_study
 
-DAMPING = "0.1 ps^-1"
+DAMPING = "0.3 ps^-1"  # of motion against the plane; near the critical one of the block's slowest wave
 FRAMES = 5  # of each step of the path
 ANGSTROM = 1e-10
 
@@ -70,9 +70,9 @@ def parser() -> Parser:
     made.add_argument("study", type=Path, help="study with lattice constant and atom mass, over well_depth_ratio")
     made.add_argument("-o", "--output", type=Path, help="figure to write")
     made.add_argument("--fraction", type=float, default=1.0, help="of the study's lengths: its cell and rms height")
-    made.add_argument("--speed", default="50 m/s", help="of the driven plane")
+    made.add_argument("--speed", default="20 m/s", help="of the driven plane")
     made.add_argument("--temperature", default="300 K", help="of the warm atoms")
-    made.add_argument("--highest", type=float, default=14.0, help="separation that the way up ends at (Å)")
+    made.add_argument("--highest", type=float, default=18.0, help="separation that the way up ends at (Å)")
     made.add_argument("--lowest", type=float, default=-3.0, help="separation at which the plane turns (Å)")
     made.add_argument("--step", type=float, default=1.0, help="between points of the path (Å)")
     return made
