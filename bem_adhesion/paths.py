@@ -2,9 +2,9 @@
 
 Between two states in equilibrium the load does the work −∫p ds, s the separation of the mean planes, and along a branch
 all of it is stored. What is not, D = −∫p ds − ΔU > 0 by the trapezoidal rule, was dissipated in a jump, or the step was
-too long for the rule. A step that leaves more than a given share unaccounted for is halved, down to the least step;
-what is left then is a jump, whose place is known to that step and whose D is added up. A step that succeeds is followed
-by one twice as long.
+too long for the rule. A step that leaves more than a given share unaccounted for, or that does not converge, is
+halved, down to the least step; what is left then is a jump, whose place is known to that step and whose D is added up.
+A step that succeeds is followed by one twice as long.
 """
 
 from dataclasses import dataclass, replace
@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from bem_adhesion.contact import Contact
-from bem_adhesion.solution import Solution
+from bem_adhesion.solution import Outcome, Solution
 from contact_study.problem.elasticity import Elasticity
 
 # Share of the work and of the energy exchanged that a smooth step may leave unaccounted for.
@@ -108,9 +108,10 @@ def follow(
     Returns
     -------
     Solution
-        At the target, with the work of all steps. One that did not converge ends the steps where it stands.
+        At the target, with the work of all steps. A step that does not converge is halved, too; where the least does
+        not, it ends the path: what it left is returned, and as the state to go on from the last that did converge.
     Account
-        The same place in the books.
+        The same place in the books, of the last state that converged.
     """
     now, length = replace(before, detachment_pressure=np.nan), target - before.position
     pairs, iterations = 0.0, 0
@@ -122,15 +123,18 @@ def follow(
         new = replace(new, detachment_pressure=now.detachment_pressure)
         lost, exchanged = _lost(now, new)
         jumped = (now.attached and not new.attached) or abs(lost) > UNACCOUNTED * exchanged
-        if found.converged and jumped and abs(new.position - now.position) > least:
+        if (jumped or not found.converged) and abs(new.position - now.position) > least:
             length = 0.5 * (new.position - now.position)
             continue
+        if not found.converged:
+            ended = replace(found, state=state, outcome=Outcome.LEAST_STEP, fft_pairs=pairs, iterations=iterations)
+            return ended, now
         if now.attached and not new.attached:
             new = replace(new, detachment_pressure=now.pressure)
         elif jumped:
             new = replace(new, dissipated=now.dissipated + max(lost, 0.0))
         state, now, length = found.state, new, 2 * (new.position - now.position)
-        if last or not found.converged:
+        if last:
             return replace(found, fft_pairs=pairs, iterations=iterations), now
 
 

@@ -16,6 +16,10 @@ class Outcome(Enum):
         "the iteration limit was reached before the tolerance: take smaller loading steps or raise "
         "solver.max_iterations"
     )
+    LEAST_STEP = (
+        "no step converged, not even the least of loading.resolution; the path goes on from the state before it: raise "
+        "solver.max_iterations, lower loading.resolution or take a finer grid"
+    )
     STALLED = (
         "no step lowers the energy although the residual is above the tolerance: the tolerance is below the "
         "rounding of this problem, or the grid is too coarse for the law"

@@ -6,6 +6,7 @@ import pytest
 import contact_study
 from bem_adhesion import LennardJones104, rough_contact
 from bem_adhesion.paths import Account, account_of, follow
+from bem_adhesion.solution import Outcome, Solution
 from contact_study.problem.elasticity import HalfSpace
 from tests.bem_adhesion.paper_system import E_STAR, R0, study_table
 from tests.bem_adhesion.rough_surfaces import self_affine
@@ -88,6 +89,48 @@ def test_a_smooth_branch_dissipates_nothing():
     _, accounts, _ = walked(contact, [1e9, 3e9, 1.5e9])
     first = accounts[0].dissipated
     assert accounts[2].dissipated - first < 1e-3 * abs(accounts[1].energy)
+
+
+class Spring:
+    """A contact that follows its load as a spring, and converges up to a length of step and a load."""
+
+    def __init__(self, longest, largest):
+        self.longest, self.largest = longest, largest
+
+    def separated(self):
+        return np.zeros((2, 2))
+
+    def stiffness(self, solution):
+        return 1.0
+
+    def step(self, state, target):
+        fails = abs(target - state.mean()) > self.longest or target > self.largest
+        at = np.full((2, 2), target)
+        outcome = Outcome.ITERATION_LIMIT if fails else Outcome.CONVERGED
+        return Solution(at, at, 10 - at, at, 0.5 * target**2, 0.0, 0.0, 1, 1.0, outcome)
+
+
+def test_steps_that_do_not_converge_are_shortened():
+    begin = Account(0.0, 0.0, 10.0, 0.0, True)
+    found, account = follow(Spring(0.3, np.inf), np.zeros((2, 2)), begin, 1.0, 0.01, HalfSpace(1.0))
+    assert found.outcome is Outcome.CONVERGED
+    assert account.position == 1.0
+    assert found.state.mean() == 1.0
+    assert account.dissipated == 0
+
+
+def test_where_the_least_step_does_not_converge_the_path_says_so_and_keeps_the_state_before():
+    begin = Account(0.0, 0.0, 10.0, 0.0, True)
+    found, account = follow(Spring(1.0, 0.7), np.zeros((2, 2)), begin, 1.0, 0.01, HalfSpace(1.0))
+    assert found.outcome is Outcome.LEAST_STEP
+    assert not found.converged
+    assert "loading.resolution" in found.message
+    assert 0.69 <= account.position <= 0.7
+    assert found.state.mean() == account.position, "the last state that converged"
+    assert found.pressure.mean() > 0.7, "and beside it what the step left"
+    back, account = follow(Spring(1.0, 0.7), found.state, account, 0.2, 0.01, HalfSpace(1.0))
+    assert back.converged
+    assert account.position == 0.2
 
 
 def test_the_account_is_stored_whole():
