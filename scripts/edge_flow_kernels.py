@@ -6,7 +6,7 @@ X = p²/q² is the edge flow's form of it. For three c it is given the exact gro
 p = 2q (t = 0); the last one is fitted to that of c = K from p = q/2 to 8q with all three numbers. The simulations are
 those of ``data/edge_flow_ensemble.csv``; the theory gets the same surfaces.
 
-python -m scripts.edge_flow_kernels --table data/edge_flow_kernels.csv     # some minutes
+python -m scripts.edge_flow_kernels --surfaces 6 --table data/edge_flow_kernels.csv   # minutes
 python -m scripts.edge_flow_kernels --from data/edge_flow_kernels.csv
 """
 
@@ -34,7 +34,7 @@ Kernel = tuple[float, float, float]
 
 def parser() -> argparse.ArgumentParser:
     made = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    made.add_argument("--surfaces", type=int, default=12, help="number of surfaces, the first of the simulations'")
+    made.add_argument("--surfaces", type=int, default=12, help="number of surfaces, the first of the simulations' ones")
     made.add_argument("--table", type=Path, help="CSV to write the ensemble's means to")
     made.add_argument("--from", type=Path, dest="source", help="CSV to read them from, in place of a run")
     return made
@@ -64,7 +64,11 @@ def kernels() -> dict[str, Kernel]:
         pole = float(brentq(lambda b: rational(2.0, (growth + 1 / b, 0.0, b)) - aim, 0.1, 100.0))  # noqa: B023
         found[words] = (growth + 1 / pole, 0.0, pole)
     at = np.geomspace(0.5, 8.0, 40)
-    fit = least_squares(lambda v: np.log(rational(at, (v[0], v[1], np.exp(v[2]))) / exact(at, 1.0)), [0.1, 0.0, 1.0])
+    fit = least_squares(
+        lambda v: np.log(rational(at, (v[0], v[1], np.exp(v[2]))) / exact(at, 1.0)),
+        [0.1, 0.0, 1.0],
+        bounds=([0.0, -np.inf, -np.inf], np.inf),  # a slope below zero would be a cost below zero somewhere
+    )
     found["c = K, fitted"] = (float(fit.x[0]), float(fit.x[1]), float(np.exp(fit.x[2])))
     return found
 
@@ -122,9 +126,9 @@ def rows(table: pd.DataFrame) -> Iterator[str]:
             cells = []
             for name in ("relative_contact_area", "mean_gap"):
                 error = 100 * (means[name] / truth[name].loc[means.index] - 1).abs()
-                cells.append(f"{error.mean():.1f} ({error.max():.1f}) %")
+                cells.append(f"{error.mean():.1f} ({error.max():.1f}) %" if error.notna().any() else "–")
             balance = float(means["pressures"].loc[(ratio, PRESSURE)])
-            cells += [f"{balance:.2f}", f"{part['surfaces'].min():.0f}"]
+            cells += [f"{balance:.2f}" if np.isfinite(balance) else "–", f"{part['surfaces'].min():.0f}"]
             yield f"| {words} | {values} | {ratio:g} ε0 | {' | '.join(cells)} |"
 
 
