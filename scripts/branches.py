@@ -92,7 +92,7 @@ def _with(
     if {round(pressure / 1e9, 6) for pressure in pressures} <= set(same.pressure_GPa):
         return table
     found = pd.DataFrame(walked(study, model, given.atoms, ratio, seed, way, pressures))
-    table = pd.concat([table, found]).drop_duplicates(KEYS, keep="last").sort_values(KEYS)
+    table = pd.concat([table, found], ignore_index=True).drop_duplicates(KEYS, keep="last").sort_values(KEYS)
     if given.output:
         table.to_csv(given.output, index=False, float_format="%.6g")
     return table
@@ -172,7 +172,7 @@ def lines(table: pd.DataFrame, pressures: Sequence[float]) -> Iterator[str]:
         alike = (one.d_area.abs() < _SAME_AREA) & (one.d_gap.abs() < _SAME_GAP)
         sentence = f"- {way}: the same in {alike.sum()} of {len(one)} states"
         if not alike.all():
-            worst = one.loc[one.d_area.abs().idxmax()]
+            worst = one.iloc[one.d_area.abs().argmax()]
             sentence += (
                 f"; the area differs by {_signed(f'{worst.d_area:+.4f}')} at most ({NAMES[worst.model]}, "
                 f"{worst.atoms}², surface {worst.seed}, {worst.ratio:g} ε₀, {worst.pressure_GPa:g} GPa), the mean "
@@ -185,10 +185,9 @@ def _largest(own: pd.DataFrame) -> str:
     """The largest difference over the surfaces of area and mean gap, with the sign of each."""
     if own.empty:
         return ""
-    if (own.d_area.abs() < _SAME_AREA).all() and (own.d_gap.abs() < _SAME_GAP).all():
-        return "="
     area, gap = (own[name].iloc[own[name].abs().argmax()] for name in ("d_area", "d_gap"))
-    return _signed(f"{area:+.4f}; {gap:+.3f}") + ("" if own.converged.all() else " (moving)")
+    same = abs(area) < _SAME_AREA and abs(gap) < _SAME_GAP
+    return ("=" if same else _signed(f"{area:+.4f}; {gap:+.3f}")) + ("" if own.converged.all() else " (moving)")
 
 
 def _signed(text: str) -> str:
