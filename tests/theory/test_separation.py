@@ -8,6 +8,7 @@ import pytest
 
 from theory import closed_forms, separation
 from theory.persson import solve
+from theory.persson_paths import _first
 from theory.separation import (
     NegativeSeparation,
     NotConverged,
@@ -131,3 +132,19 @@ def test_states_that_did_not_converge_are_named(paper):
         energy_defect(theory, max_iterations=3)
     with pytest.warns(NotConverged, match="pull-off pressure"):
         pull_off_pressure(theory, max_iterations=3)
+
+
+def test_a_path_starts_from_the_curve_where_it_is_on_its_branch(paper):
+    theory = paper.theory(2.76, nodes=40, cells=80)
+    curve = separation_curve(theory, 1e8)
+    detached, there = np.zeros(theory.nodes + 1), curve.detachment_stress_at(3e8)
+    own = curve.detachment_stress_at(5e8)
+    assert not np.array_equal(there, own)
+    for start in ("adhered", there):
+        assert np.array_equal(_first(curve, 5e8, 3e8, start), own)
+    # One that has let go, one under tension, and what goes on under tension stay on their own.
+    assert _first(curve, 5e8, 3e8, detached) is detached
+    end = curve.detachment_stress_at(1e8)
+    assert _first(curve, 5e8, -1e8, end) is end
+    assert _first(curve, -1e8, 3e8, there) is there
+    assert _first(curve, -1e8, np.nan, "adhered") == "adhered"
