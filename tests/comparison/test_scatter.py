@@ -9,7 +9,7 @@ from matplotlib.collections import PolyCollection
 
 from contact_study.comparison.command import main
 from contact_study.comparison.compute.ensemble import ensemble_statistics
-from contact_study.comparison.compute.plotted import path_curves
+from contact_study.comparison.compute.plotted import Curve, path_curves
 from contact_study.comparison.compute.scatter import scatter_strips
 from contact_study.comparison.draw import figures
 from contact_study.comparison.draw.style import SWEEP_COLOURS
@@ -77,6 +77,19 @@ def test_they_are_drawn_behind_in_their_colours(files):
     assert corners[:, 1].max() == pytest.approx(high.max(), rel=1e-9)
     for figure in (drawn, beside):
         assert "continuum, 3 surfaces" in [text.get_text() for legend in figure.legends for text in legend.get_texts()]
+
+
+@pytest.mark.parametrize(("pressures", "plain"), [([0.2, 0.5, 1.0, 2.0], True), ([0.01, 0.1, 1.0, 10.0], False)])
+def test_pressures_of_a_decade_are_plain_numbers(pressures, plain):
+    x = np.array(pressures)
+    curve = Curve("continuum", "", 0, x, x / 20)
+    axes = figures.contact_area_figure([curve]).axes[1]
+    axes.figure.draw_without_rendering()
+    low, high = axes.get_xlim()
+    ticks = zip(axes.get_xticks(), axes.xaxis.get_majorticklabels(), strict=True)
+    labels = [text.get_text() for at, text in ticks if low <= at <= high]
+    assert (labels == ["0.2", "0.5", "1", "2"]) == plain
+    assert not any(text.get_text() for text in axes.xaxis.get_minorticklabels())
 
 
 def test_command(files, tmp_path, capsys):

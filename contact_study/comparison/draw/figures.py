@@ -36,7 +36,14 @@ from contact_study.comparison.draw.legends import (
     panel_heading,
     shared_colour_legend,
 )
-from contact_study.comparison.draw.style import PRESSURE_COLOURS, SWEEP_COLOURS, Look, look_of, palette
+from contact_study.comparison.draw.style import (
+    PRESSURE_COLOURS,
+    SWEEP_COLOURS,
+    Look,
+    label_short_decades,
+    look_of,
+    palette,
+)
 from contact_study.comparison.models import entry_of
 from contact_study.plots.style import DOUBLE, SINGLE, styled
 
@@ -142,6 +149,7 @@ def contact_area_figure(
     if both:
         x_limits, y_limits = 10.0 ** window([logarithmic(curve) for curve in curves], ended=0)
         panels[1].set(xscale="log", yscale="log", xlim=x_limits, ylim=y_limits)
+        label_short_decades(panels[1])
     model_legend(figure, curves, bands=bands, colours=colours.by_model, strips=strips)
     return figure
 

@@ -7,7 +7,9 @@ from typing import Any
 
 import matplotlib
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 
 from contact_study.comparison.models import entry_of, kind_of
 from contact_study.plots.style import COLOURS, RESOLUTION, STYLE
@@ -15,6 +17,8 @@ from contact_study.plots.style import COLOURS, RESOLUTION, STYLE
 # Panels whose colours mean pressures use other ones than those of a sweep.
 SWEEP_COLOURS = COLOURS
 PRESSURE_COLOURS = ("#000000", "#CC79A7", "#E69F00", "#56B4E9", "#0072B2", "#D55E00")
+
+_SHORT = 100.0  # ratio of the ends of a logarithmic axis
 
 # Where several datasets of one model stand side by side: the first has the model's own line and marker.
 _OTHER_LINES: tuple[Any, ...] = ((0, (7, 1.5)), (0, (4, 1, 1, 1)), (0, (4, 1, 1, 1, 1, 1)))
@@ -63,6 +67,15 @@ def saved(figure: Figure, kind: str) -> bytes:
     with matplotlib.rc_context(STYLE | text):
         figure.savefig(stream, format=kind, dpi=RESOLUTION, metadata=FORMATS[kind])
     return stream.getvalue()
+
+
+def label_short_decades(axes: Axes) -> None:
+    """Plain numbers at 1, 2 and 5 along logarithmic axes of less than two decades: powers of ten would overlap."""
+    for axis, (low, high) in ((axes.xaxis, axes.get_xlim()), (axes.yaxis, axes.get_ylim())):
+        if high < _SHORT * low:
+            axis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+            axis.set_major_formatter(StrMethodFormatter("{x:g}"))
+            axis.set_minor_formatter(NullFormatter())
 
 
 def palette(colours: tuple[str, ...], count: int) -> list[Any]:
