@@ -1,6 +1,7 @@
 """Atoms in motion as a user meets them: an approach, a rest, a thermostat, a stop in the middle."""
 
 import tracemalloc
+from contextlib import nullcontext
 
 import numpy as np
 import pytest
@@ -112,9 +113,10 @@ def test_run_stopped_within_a_point_goes_on_to_the_same_bits(loading, tmp_path, 
         loading=loading,
         output={"fields": False},
     )
-    # Half of 1 ps at 300 K: no wave of the block has come round.
+    # Half of 1 ps at 300 K: no wave of the block has come round. Driven to a gap the state at the end is the point's.
     words = "the 10 thermal states of a point are too few to tell the autocorrelation times of .*: .*; raise "
-    with pytest.warns(UserWarning, match=f"{words}dynamics.duration"):
+    driven = loading.get("control") == "gap"
+    with nullcontext() if driven else pytest.warns(UserWarning, match=f"{words}dynamics.duration"):
         contact_study.run(study, "atomistic", output=tmp_path / "whole.nc")
     go_on, taken = NewtonianBlock.step, []
 
@@ -135,7 +137,7 @@ def test_run_stopped_within_a_point_goes_on_to_the_same_bits(loading, tmp_path, 
         with pytest.raises(KeyboardInterrupt):
             contact_study.run(study, "atomistic", output=tmp_path / "md.nc", resume=stop == whole // 2)
     stop_at(10**9)
-    with pytest.warns(UserWarning, match="autocorrelation times"):
+    with nullcontext() if driven else pytest.warns(UserWarning, match="autocorrelation times"):
         contact_study.run(study, "atomistic", output=tmp_path / "md.nc", resume=True)
     assert len(taken) < 0.5 * whole
     assert_equal_groups(groups_of(tmp_path / "md.nc"), groups_of(tmp_path / "whole.nc"))
