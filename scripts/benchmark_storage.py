@@ -5,6 +5,7 @@ prints its wall-clock and processor time; then writes and reads its finished ste
 and its share of the processor time. Shares compare between machines, times do not.
 
     python scripts/benchmark_storage.py data/yang2008.toml
+    python scripts/benchmark_storage.py data/yang2008.toml --flows gap_flow
 """
 
 import argparse
@@ -32,10 +33,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("study", type=Path)
     parser.add_argument("--workers", type=int, default=1, help="processes of the command")
+    parser.add_argument("--flows", default="gap_flow, edge_flow", help="theory.flows of the study")
     given = parser.parse_args(arguments)
     study = many_points(given.study)
     with tempfile.TemporaryDirectory() as folder:
-        wall, processor, dataset = run(study, Path(folder), given.workers)
+        wall, processor, dataset = run(study, Path(folder), given.workers, given.flows)
         written, read, count = write_and_read(study, dataset, Path(folder) / "case")
     print(f"persson-theory, {count} steps, {given.workers} processes: {wall:.1f} s, of processors {processor:.1f} s")
     for words, seconds in (("write", written), ("read", read)):
@@ -53,13 +55,14 @@ def many_points(path: Path) -> Study:
     return make_study(table, path.parent)
 
 
-def run(study: Study, folder: Path, workers: int) -> tuple[float, float, Path]:
+def run(study: Study, folder: Path, workers: int, flows: str) -> tuple[float, float, Path]:
     """Wall-clock and processor time of the command (s), its children included; and its dataset."""
     (folder / "study.toml").write_text(tomli_w.dumps(study.table))
     output = folder / "theory.nc"
     command = [sys.executable, "-m", "theory.run", str(folder / "study.toml"), "-o", str(output)]
     before, began = os.times(), time.perf_counter()
-    subprocess.run([*command, "--workers", str(workers)], check=True, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
+    command += ["--workers", str(workers), "--theory.flows", flows]
+    subprocess.run(command, check=True, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
     wall, after = time.perf_counter() - began, os.times()
     children = after.children_user + after.children_system - before.children_user - before.children_system
     return wall, children, output

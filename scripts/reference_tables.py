@@ -20,7 +20,7 @@ from contact_study.comparison.compute.regime import MEANINGS
 from contact_study.observables import OBSERVABLES, constants, roughness
 from contact_study.observables.constants import CONSTANTS
 from contact_study.observables.roughness import ROUGHNESS
-from contact_study.problem.keys import Kinds, keys_of
+from contact_study.problem.keys import Kinds, as_written, keys_of
 from contact_study.problem.study import SECTIONS, all_keys
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -58,7 +58,7 @@ def _keys() -> Iterable[str]:
             section = own
             yield from ("", f"**`[{section}]`**", "", "| key | kind | default | meaning |", "|---|---|---|---|")
         given = default not in (None, dataclasses.MISSING)
-        shown = f"`{str(default).lower() if isinstance(default, bool) else default}`" if given else ""
+        shown = f"`{as_written(default)}`" if given else ""
         yield f"| `{name}` | {_cell(declaration.kind)} | {shown} | {_cell(declaration.description)} |"
 
 

@@ -80,9 +80,9 @@ class CaseTheories:
 
     @cached_property
     def gap_flows(self) -> tuple[GapFlow, ...]:
-        """The gap flow in each branch; none outside a wall, which no flow goes through."""
+        """The gap flow in each branch; none outside a wall, which no flow goes through, and where none is asked for."""
         case = self.case
-        if case.law.has_wall:
+        if case.law.has_wall or not case.theory.has("gap_flow"):
             return ()
         largest = 0.0
         if case.loading.control == "gap":
@@ -103,7 +103,7 @@ class CaseTheories:
 
     @cached_property
     def edge_flow(self) -> EdgeFlow | None:
-        """The edge flow as far as the path asks; None outside a wall.
+        """The edge flow as far as the path asks; None outside a wall, or where it is not asked for.
 
         Raises
         ------
@@ -111,7 +111,7 @@ class CaseTheories:
             If a point of the path is beyond any contact.
         """
         case = self.case
-        if case.law.has_wall:
+        if case.law.has_wall or not case.theory.has("edge_flow"):
             return None
         asked = np.array([value for value, _ in case.path])
         gaps, scales = EDGE_FLOW_GAPS // self.coarsening, EDGE_FLOW_SCALES // self.coarsening

@@ -28,7 +28,7 @@ from contact_study.campaign.inspection import inspect
 from contact_study.campaign.model import Model
 from contact_study.campaign.progress import Progress
 from contact_study.problem.errors import InputError
-from contact_study.problem.keys import suggestion
+from contact_study.problem.keys import as_written, suggestion
 from contact_study.problem.study import all_keys, read_study
 
 DONE, WRONG_INPUT, NOT_CONVERGED, INTERRUPTED = 0, 1, 2, 130
@@ -205,7 +205,7 @@ def _parser(model: Model) -> Parser:
             groups[section] = parser.add_argument_group(f"[{section}]")
         text = declaration.description.replace("%", "%%")
         if default is not None and default is not dataclasses.MISSING:
-            text += f" (default {_shown(default)})"
+            text += f" (default {as_written(default)})"
         added = groups[section].add_argument(
             f"--{section}.{name}",
             dest=f"key:{section}.{name}",
@@ -232,10 +232,6 @@ def _joined(arguments: Sequence[str]) -> list[str]:
         else:
             joined.append(argument)
     return joined
-
-
-def _shown(default: Any) -> str:
-    return str(default).lower() if isinstance(default, bool) else str(default)
 
 
 def _toml_value(text: str) -> Any:

@@ -315,6 +315,13 @@ def suggestion(given: Any, known: Iterable[str]) -> str:
     return f" (did you mean {close[0]}?)" if close else ""
 
 
+def as_written(default: Any) -> str:
+    """A default as the command line takes it."""
+    if isinstance(default, tuple):
+        return ", ".join(map(as_written, default))
+    return str(default).lower() if isinstance(default, bool) else str(default)
+
+
 def shown(value: Any) -> str:
     """A value of a key for a message."""
     if isinstance(value, tuple | list):

@@ -188,8 +188,13 @@ class DynamicsSection:
 
 @dataclass(frozen=True)
 class TheorySection:
-    """Choices inside Persson's theory with adhesion (root of the dataset) and what both theories are fed."""
+    """Choices inside Persson's theory with adhesion (root of the dataset), what stands beside it, what all are fed."""
 
+    flows: str | tuple[str, ...] = key(
+        choices("gap_flow", "edge_flow", "none"),
+        "theories beside Persson's; most of the time goes into them",
+        ("gap_flow", "edge_flow"),
+    )
     spectrum: str | tuple[str, ...] = key(
         choices("analytic", "surface", "table", "file"),
         "roughness spectrum: the target, that of the very surface, the table below or that of a file, or several side "
@@ -233,6 +238,8 @@ class TheorySection:
     )
 
     def __post_init__(self):
+        if "none" in self.flows and self.flows != "none":  # in a list of several
+            raise InputError('theory.flows: "none" leaves no room for another')
         if "file" in self.spectra:
             raise InputError(
                 'missing key theory.spectrum_path: theory.spectrum = "file" needs it, the same at all points'
@@ -258,6 +265,10 @@ class TheorySection:
             return TabulatedSpectrum(np.array(self.wavevectors), np.array(self.density))
         except ValueError as error:
             raise InputError(f"theory.{error}") from None
+
+    def has(self, flow: str) -> bool:
+        """Whether a theory stands beside Persson's."""
+        return flow in ((self.flows,) if isinstance(self.flows, str) else self.flows)
 
     @property
     def spectra(self) -> tuple[str, ...]:

@@ -289,6 +289,27 @@ def test_two_spectra_stand_side_by_side_and_are_those_of_one_alone(case, steps):
             assert step.values[name] == again.values[name]
 
 
+@pytest.mark.parametrize("asked", ["gap_flow", "edge_flow", "none", ["edge_flow", "gap_flow"]])
+def test_theories_that_are_not_asked_for_are_left_out_and_the_others_as_ever(steps, asked):
+    chosen = case_of(theory={"flows": asked})
+    left = {"persson", *([asked] if isinstance(asked, str) else asked)} - {"none"}
+    found = steps_of(chosen)
+    assert {labels[0] for step in found for key in step.values if (labels := quantity_of(key)[0])} == left
+    shared = [key for key in steps[0].values if not (labels := quantity_of(key)[0]) or labels[0] in left]
+    for one, other in zip(found, steps, strict=True):
+        for key in shared:
+            if not callable(other.values[key]):
+                np.testing.assert_array_equal(one.values[key], other.values[key], err_msg=key)
+    constants = run.constants(chosen, realise(chosen))
+    pulls = {key.partition("/")[0] for key in constants if key.endswith("/pull_off_pressure")}
+    assert pulls == left
+
+
+def test_none_beside_persson_is_alone():
+    with pytest.raises(InputError, match=r'theory\.flows: "none"'):
+        case_of(theory={"flows": ["none", "gap_flow"]})
+
+
 def test_a_list_of_spectra_is_checked():
     for given, said in (([], "empty"), (["surface", "surface"], "twice"), (["surface", "target"], "expected one of")):
         with pytest.raises(InputError, match=rf"theory\.spectrum.*{said}"):
