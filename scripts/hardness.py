@@ -11,9 +11,11 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
+from matplotlib.figure import Figure
 
 from bem_adhesion import Contact, HardWall, Solution, rough_contact
 from contact_study.campaign.command import Parser, guarded
+from contact_study.plots.style import COLOURS, DOUBLE, RESOLUTION, readable_decades, styled
 from contact_study.problem.study import read_study
 from contact_study.problem.surface import Surface, realise
 
@@ -77,13 +79,10 @@ def loaded(contact: Contact, path: Sequence[float]) -> list[Solution]:
     return found
 
 
+@styled
 def _draw(path: Path, surface: Surface, points: int) -> None:
-    import matplotlib
-
-    matplotlib.use("Agg")
-    import matplotlib.pyplot as plt
-
-    figure, (left, right) = plt.subplots(1, 2, figsize=(9, 3.6), layout="constrained")
+    figure = Figure(figsize=(DOUBLE, 2.8), layout="constrained")
+    left, right = figure.subplots(1, 2)
     up = np.linspace(0.0005, 0.008, 16)
     for number, hardness in enumerate((np.inf, 0.1, 0.05, 0.02)):
         name = "elastic" if np.isinf(hardness) else f"H = {hardness:g} E*"
@@ -91,13 +90,13 @@ def _draw(path: Path, surface: Surface, points: int) -> None:
         areas = [np.mean(found.pressure > 0) for found in there]
         gaps = [np.mean(found.gap) / surface.rms_height for found in there]
         for panel, values in ((left, areas), (right, gaps)):
-            panel.plot(up, values[: len(up)], f"C{number}", label=name)
-            panel.plot(up[::-1], values[len(up) - 1 :], f"C{number}--")
-    left.set(xlabel="p/E*", ylabel="relative contact area")
+            panel.plot(up, values[: len(up)], color=COLOURS[number], label=name)
+            panel.plot(up[::-1], values[len(up) - 1 :], "--", color=COLOURS[number])
+    left.set(xlabel="p/E*", ylabel="relative contact area", ylim=(0, 0.55))
     right.set(xlabel="p/E*", ylabel="mean gap over rms height", yscale="log")
-    left.legend(fontsize="small", title="dashed: unloading", title_fontsize="small")
-    figure.savefig(path, dpi=120)
-    plt.close(figure)
+    readable_decades(right.yaxis)
+    left.legend(title="dashed: unloading", loc="upper left", ncols=2)
+    figure.savefig(path, dpi=RESOLUTION)
 
 
 if __name__ == "__main__":

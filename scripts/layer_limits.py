@@ -11,11 +11,13 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
+from matplotlib.figure import Figure
 
 from bem_adhesion.hard_wall import HardWallContact
 from bem_adhesion.solution import Solution
 from contact_study.campaign.command import Parser, guarded
 from contact_study.fields.grid import Grid
+from contact_study.plots.style import COLOURS, DOUBLE, RESOLUTION, styled
 from contact_study.problem.elasticity import Elasticity, HalfSpace, Layer
 from contact_study.problem.study import read_study
 from contact_study.problem.surface import realise
@@ -92,16 +94,13 @@ def sphere(thickness: float, ratio: float, points: int) -> tuple[float, float]:
     return float(found.pressure.max() / peak - 1), float(reached / wanted - 1)
 
 
+@styled
 def _draw(path: Path, rows: dict[str, list[tuple[float, float]]]) -> None:
-    import matplotlib
-
-    matplotlib.use("Agg")
-    import matplotlib.pyplot as plt
-
-    figure, (left, right) = plt.subplots(1, 2, figsize=(9, 3.6), layout="constrained")
+    figure = Figure(figsize=(DOUBLE, 2.8), layout="constrained")
+    left, right = figure.subplots(1, 2)
     x = np.geomspace(0.03, 20, 200)
     for number, ratio in enumerate(RATIOS):
-        layer, colour = Layer(1.0, ratio, 1.0), f"C{number}"
+        layer, colour = Layer(1.0, ratio, 1.0), COLOURS[number]
         left.loglog(x, layer.stiffness(x), colour, label=f"layer, ν = {ratio:g}")
         thin = np.full_like(x, 1 / layer.mean_compliance) if ratio < 0.5 else 0.75 / x**2
         left.loglog(x, thin, colour, linestyle=":", label="thin limit")
@@ -110,12 +109,11 @@ def _draw(path: Path, rows: dict[str, list[tuple[float, float]]]) -> None:
         right.semilogx(THICKNESSES, theory, colour, linestyle="--", label="Persson's theory")
     left.loglog(x, HalfSpace(1.0).stiffness(x), "k--", label="half-space")
     right.axhline(rows["half-space"][0][0], color="k", linestyle=":", label="half-space")
-    left.set(xlabel="qd", ylabel="K d/E*", ylim=(0.2, 50))
+    left.set(xlabel="qd", ylabel="K d/E*", ylim=(0.2, 100))
     right.set(xlabel="d/L", ylabel=f"relative contact area, p = {PRESSURE:g} E*")
-    left.legend(fontsize="small")
-    right.legend(fontsize="small")
-    figure.savefig(path, dpi=120)
-    plt.close(figure)
+    left.legend(loc="upper right")
+    right.legend()
+    figure.savefig(path, dpi=RESOLUTION)
 
 
 if __name__ == "__main__":

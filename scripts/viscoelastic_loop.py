@@ -13,10 +13,12 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from matplotlib.figure import Figure
 
 from bem_adhesion import LennardJones93, Viscoelastic, ViscoelasticContact, rough_contact
 from bem_adhesion.time_path import Moment, follow_in_time
 from contact_study.campaign.command import Parser, guarded
+from contact_study.plots.style import COLOURS, DOUBLE, RESOLUTION, styled
 from contact_study.problem.study import read_study
 from contact_study.problem.surface import Surface, realise
 
@@ -112,24 +114,20 @@ def elastic(heights: np.ndarray, surface: Surface, modulus: float, steps: int) -
     return Loop(np.concatenate([[OUT], way(steps)]), np.array(pressures), 0.0)
 
 
+@styled
 def _draw(path: Path, loops: dict[str, Loop], limits: dict[str, Loop]) -> None:
-    import matplotlib
-
-    matplotlib.use("Agg")
-    import matplotlib.pyplot as plt
-
-    figure, (left, right) = plt.subplots(1, 2, figsize=(9, 3.6), layout="constrained")
+    figure = Figure(figsize=(DOUBLE, 2.8), layout="constrained")
+    left, right = figure.subplots(1, 2)
     times = [float(name) for name in loops]
-    left.loglog(times, [1e3 * found.dissipated for found in loops.values()], "o-")
+    left.loglog(times, [1e3 * found.dissipated for found in loops.values()], "o-", color=COLOURS[0])
     left.set(xlabel="duration of each way over τ", ylabel="dissipated (mJ/m²)")
     for name, style in (("E∞", "k:"), ("E0", "k--")):
         right.plot(1e9 * limits[name].gaps, limits[name].pressures / 1e6, style, label=f"elastic, {name}")
-    for name in ("0.1", "1", "10"):
-        right.plot(1e9 * loops[name].gaps, loops[name].pressures / 1e6, label=f"T = {name} τ")
+    for name, colour in zip(("0.1", "1", "10"), COLOURS, strict=False):
+        right.plot(1e9 * loops[name].gaps, loops[name].pressures / 1e6, color=colour, label=f"T = {name} τ")
     right.set(xlabel="mean gap (nm)", ylabel="mean pressure (MPa)", ylim=(-12, 60))
-    right.legend(fontsize="small")
-    figure.savefig(path, dpi=120)
-    plt.close(figure)
+    right.legend()
+    figure.savefig(path, dpi=RESOLUTION)
 
 
 if __name__ == "__main__":
