@@ -10,6 +10,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parent))  # what the gallery imp
 
 project = "bem-adhesion"
 author = "The bem-adhesion developers"
+project_copyright = f"2026, {author}"
 release = contact_study.__version__
 
 extensions = [
