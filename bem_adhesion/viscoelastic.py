@@ -19,12 +19,12 @@ from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
-from scipy import fft
 
 from bem_adhesion.contact import Contact, rough_contact
 from bem_adhesion.solution import Solution
+from contact_study.fields import fourier
 from contact_study.fields.arguments import field, grid_of, positive
-from contact_study.problem.elasticity.viscoelastic import Viscoelastic
+from contact_study.problem.elasticity import HalfSpace, Viscoelastic
 from contact_study.problem.laws.base import TractionLaw
 
 
@@ -60,7 +60,8 @@ class ViscoelasticContact:
     ):
         self.height = field("height", height)
         self.solid = solid
-        self._grid = grid_of(self.height, size)
+        grid = grid_of(self.height, size)
+        self._weight = grid.multiplicity * HalfSpace(1.0).stiffness_on(grid)
         self._make: Callable[[np.ndarray, float], Contact] = lambda heights, modulus: rough_contact(
             heights,
             size,
@@ -129,7 +130,7 @@ class ViscoelasticContact:
         displacement = surface - surface.mean()
         change = displacement - before
         after = decay[:, None, None] * carried + gain[:, None, None] * change
-        stored, dissipated = self._energies(displacement, change, carried, after, shares)
+        stored, dissipated = self._energies(displacement, change, carried, shares)
         kept = found.state if self._wall else found.gap
         solution = replace(
             found,
@@ -140,34 +141,28 @@ class ViscoelasticContact:
         return solution, dissipated
 
     def _energies(
-        self, displacement: np.ndarray, change: np.ndarray, carried: np.ndarray, after: np.ndarray, shares: np.ndarray
+        self, displacement: np.ndarray, change: np.ndarray, carried: np.ndarray, shares: np.ndarray
     ) -> tuple[float, float]:
         """What all springs store at the end of a step, and what it dissipated, per area (J/m²).
 
         Within the step h = A exp(−t/τ) + B, B = τ u', and a branch dissipates E h²/τ in time.
         """
         product = self._product
-        moved = self._transformed(change)
-        shown = self._transformed(displacement)
+        moved, shown = fourier.transform(change), fourier.transform(displacement)
         stored = 0.5 * self.solid.contact_modulus * product(shown, shown)
         dissipated = 0.0
-        for modulus, share, first, last in zip(self._moduli, shares, carried, after, strict=True):
-            stored += 0.5 * modulus * product(end := self._transformed(last), end)
+        for modulus, share, first in zip(self._moduli, shares, carried, strict=True):
             even = moved / share
-            fading = self._transformed(first) - even
+            fading = fourier.transform(first) - even
+            last = np.exp(-share) * fading + even
+            stored += 0.5 * modulus * product(last, last)
             dissipated += modulus * (
                 -0.5 * np.expm1(-2 * share) * product(fading, fading)
                 - 2 * np.expm1(-share) * product(fading, even)
                 + share * product(even, even)
             )
-        return float(stored), float(dissipated)
-
-    def _transformed(self, values: np.ndarray) -> np.ndarray:
-        return np.asarray(fft.rfft2(values))
+        return stored, dissipated
 
     def _product(self, one: np.ndarray, other: np.ndarray) -> float:
-        """Mean of f (q/2) g over the surface, from the transforms of f and g."""
-        weight = 0.5 * self._grid.wavenumber * (one.real * other.real + one.imag * other.imag)
-        # Half of the spectrum is left out, but for the waves that are their own image.
-        last = -1 if self._grid.shape[1] % 2 == 0 else weight.shape[1]
-        return float(2 * weight.sum() - weight[:, 0].sum() - weight[:, last:].sum()) / self._grid.points**2
+        """Mean of f K g over the surface for a contact modulus of one, from the transforms of f and g."""
+        return float(np.sum(self._weight * (one.real * other.real + one.imag * other.imag)))
