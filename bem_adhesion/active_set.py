@@ -179,6 +179,14 @@ class ContactLevel:
             response = self._single.apply(self._single.compliance).reshape(-1)
             largest = passes.advance(pressure, residual, direction, response, contact, product)
 
+    def exceeds(self) -> bool:
+        """Whether the present pressure is somewhere beyond what a point can carry: never, without a bound."""
+        return False
+
+    def indentation(self) -> np.ndarray | None:
+        """How far points have given way; None where none has."""
+        return None
+
     def surface(self) -> np.ndarray:
         """Position of the block's surface in the state that :meth:`solve` ended with."""
         displacement = self._double.field

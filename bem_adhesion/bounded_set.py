@@ -71,7 +71,6 @@ class BoundedLevel(ContactLevel):
         return residual, iterations + more, outcome
 
     def exceeds(self) -> bool:
-        """Whether the present pressure is somewhere beyond the bound."""
         return bool(self.pressure.max() > self._bound)
 
     def _limit(self, mean_pressure: float, tolerance: float, max_iterations: int) -> tuple[float, int, Outcome]:
@@ -163,7 +162,6 @@ class BoundedLevel(ContactLevel):
         return np.where(self.pressure > 0, 0.0, np.maximum(self.surface() - self.heights, 0))
 
     def indentation(self) -> np.ndarray | None:
-        """How far points at the bound have given way; None where none is at it."""
         if self._offset is None:
             return None
         return np.where(self.pressure >= self._bound, np.maximum(self.heights - self.surface(), 0), 0.0)

@@ -178,15 +178,14 @@ class HardWallContact:
             level.start_from(state, load)
         else:
             full_contact = level.start(load, self.max_iterations)
-        if full_contact and not (isinstance(level, BoundedLevel) and level.exceeds()):
+        if full_contact and not level.exceeds():
             gap = np.zeros(self.grid.shape)
             residual, iterations, outcome = 0.0, 0, Outcome.CONVERGED
         else:
             residual, iterations, outcome = level.solve(load, self.tolerance, self.max_iterations)
             gap = level.gap()
             gap *= self._unit
-            if isinstance(level, BoundedLevel):
-                indentation = level.indentation()
+            indentation = level.indentation()
             if indentation is not None:
                 indentation *= self._unit
             if not self._bounded or indentation is not None:

@@ -57,7 +57,7 @@ class OverdampedContact(LoadedContact):
     def advance(self, state: np.ndarray, load: float, drag: float) -> Moved | None:
         """The gap after a time step; see :class:`contact_study.fields.gradient_flow.Overdamped`."""
         modulus, finest = self.elasticity.contact_modulus, self._contact.finest
-        gap, pressure = state / self._length, self._flattening + load / modulus
+        gap, pressure = self._scaled(state, load)
         stiffness = drag * self._length / modulus
         finest.tie(0.0, gap)
         force, apart = finest.imbalance_at(gap, pressure)
@@ -73,6 +73,10 @@ class OverdampedContact(LoadedContact):
         left = result.residual + stiffness * float(np.abs(result.gap - gap).max())
         found = self._in_motion(replace(result, residual=left))
         return Moved(found.gap, found, left)
+
+    def _scaled(self, state: np.ndarray, load: float) -> tuple[np.ndarray, np.ndarray]:
+        """Gap and load in the units of the levels, the load with the pressure that flattens the heights."""
+        return state / self._length, self._flattening + load / self.elasticity.contact_modulus
 
     def _work(self) -> float:
         """Transform pairs since it was asked for last."""
@@ -92,13 +96,13 @@ class OverdampedContact(LoadedContact):
         """A gap as it is; apart where it is out of reach and the load does not bring the surfaces together."""
         if load <= 0 and self._out_of_reach(state / self._length):
             return Moved(state, self._apart(Outcome.APART), 0.0)
-        gap, pressure = state / self._length, self._flattening + load / self.elasticity.contact_modulus
+        gap, pressure = self._scaled(state, load)
         result = self._contact.finest.solve(gap, pressure, self.tolerance, 0)
         return Moved(state, self._in_motion(result), result.residual)
 
     def beside_saddle(self, state: np.ndarray, load: float) -> np.ndarray | None:
         """A gap of lower energy next to a saddle; see :class:`contact_study.fields.gradient_flow.Overdamped`."""
-        gap, pressure = state / self._length, self._flattening + load / self.elasticity.contact_modulus
+        gap, pressure = self._scaled(state, load)
         self._contact.finest.imbalance_at(gap, pressure)
         lower = self._contact.beside_saddle(gap, pressure)
         return None if lower is None else lower * self._length
