@@ -10,11 +10,14 @@ from matplotlib.ticker import LogLocator, NullFormatter
 
 from contact_study.plots.selection import lines, require
 from contact_study.plots.style import COLOURS, axes_of, styled
-from contact_study.plots.units import pressure_unit
+from contact_study.plots.units import Unit, pressure_unit
 
 _DECADES = 4  # of the density that colours tell apart
 
 _FEW = 100.0  # magnifications up to which 2 and 5 are written beside the powers of ten
+
+# Dimension of the magnifications: their own, or where these differ over a sweep that of their numbers.
+_ALONG = ("magnification", "magnification_index")
 
 _ZETA = r"magnification $\zeta$"
 
@@ -36,7 +39,7 @@ def area_by_magnification(dataset: xr.Dataset, axes: Axes | None = None) -> Axes
         If the dataset has no such quantity.
     """
     words = r"contact area $A(\zeta)/A_0$"
-    axes = _curves(dataset, "relative_contact_area_at", lambda largest: ("", 1.0), words, axes)
+    axes = _curves(dataset, "relative_contact_area_at", lambda largest: Unit("", 1.0), words, axes)
     axes.set_ylim(0, None)
     return axes
 
@@ -44,12 +47,7 @@ def area_by_magnification(dataset: xr.Dataset, axes: Axes | None = None) -> Axes
 @styled
 def detachment_stress(dataset: xr.Dataset, axes: Axes | None = None) -> Axes:
     """Detachment stress σ_a(ζ); parameters and errors as :func:`area_by_magnification`."""
-
-    def unit(largest: float) -> tuple[str, float]:
-        found = pressure_unit(largest)
-        return found.name, found.size
-
-    return _curves(dataset, "detachment_stress", unit, r"detachment stress $\sigma_\mathrm{a}$", axes)
+    return _curves(dataset, "detachment_stress", pressure_unit, r"detachment stress $\sigma_\mathrm{a}$", axes)
 
 
 @styled
@@ -58,7 +56,7 @@ def effective_work_of_adhesion(dataset: xr.Dataset, axes: Axes | None = None) ->
     axes = _curves(
         dataset,
         "effective_work_of_adhesion",
-        lambda largest: ("J/m²", 1.0) if largest >= 0.1 else ("mJ/m²", 1e-3),
+        lambda largest: Unit("J/m²", 1.0) if largest >= 0.1 else Unit("mJ/m²", 1e-3),
         r"work of adhesion $\gamma_\mathrm{eff}$",
         axes,
     )
@@ -89,7 +87,7 @@ def stress_by_magnification(dataset: xr.Dataset, axes: Axes | None = None) -> Ax
     if "pressure_pdf_at" not in dataset:
         raise ValueError("the dataset has no variable 'pressure_pdf_at'; it is kept with theory.magnifications = 48")
     state = dataset.squeeze()
-    others = [dim for dim in state["pressure_pdf_at"].dims if dim not in ("pressure_bin", *_along(state))]
+    others = [dim for dim in state["pressure_pdf_at"].dims if dim not in ("pressure_bin", *_ALONG)]
     if others:
         raise ValueError(f"the dataset has more than one state: select one along {others[0]!r} first")
     stress, zeta = state["pressure_bin"].values, state["magnification"].values
@@ -129,24 +127,19 @@ def _scale_magnification(axes: Axes) -> None:
     axes.xaxis.set_minor_formatter(NullFormatter())
 
 
-def _along(state: xr.Dataset) -> tuple[str, ...]:
-    """Dimension of the magnifications: their own, or where these differ over a sweep that of their numbers."""
-    return "magnification", "magnification_index"
-
-
-def _curves(
-    dataset: xr.Dataset, name: str, unit_of: Callable[[float], tuple[str, float]], words: str, axes: Axes | None
-) -> Axes:
+def _curves(dataset: xr.Dataset, name: str, unit_of: Callable[[float], Unit], words: str, axes: Axes | None) -> Axes:
     require(dataset, name)
     axes = axes_of(axes)
     squeezed = dataset.squeeze()
     values = squeezed[name].values
-    unit, size = unit_of(float(np.abs(values[np.isfinite(values)]).max(initial=0.0)))
+    unit = unit_of(float(np.abs(values[np.isfinite(values)]).max(initial=0.0)))
     for number, (label, part) in enumerate(lines(squeezed, name, "wavevector", "wavevector_index")):
         q, y = part["wavevector"].values, part[name].values
         there = np.isfinite(q)
-        axes.plot(q[there] / q[0], y[there] / size, color=COLOURS[number % len(COLOURS)], lw=1.1, label=label or None)
-    axes.set_ylabel(f"{words} ({unit})" if unit else words)
+        axes.plot(
+            q[there] / q[0], y[there] / unit.size, color=COLOURS[number % len(COLOURS)], lw=1.1, label=label or None
+        )
+    axes.set_ylabel(f"{words} ({unit.name})" if unit.name else words)
     _scale_magnification(axes)
     if axes.get_legend_handles_labels()[1]:
         axes.legend()
