@@ -186,6 +186,11 @@ class DynamicsSection:
     frames: int = key(integer(minimum=2, maximum=2**31 - 1), "states of each point that are looked at", 200)
 
 
+def _each(words: str | tuple[str, ...]) -> tuple[str, ...]:
+    """The words of a key that takes one or several."""
+    return (words,) if isinstance(words, str) else words
+
+
 @dataclass(frozen=True)
 class TheorySection:
     """Choices inside Persson's theory with adhesion (root of the dataset), what stands beside it, what all are fed."""
@@ -268,12 +273,12 @@ class TheorySection:
 
     def has(self, flow: str) -> bool:
         """Whether a theory stands beside Persson's."""
-        return flow in ((self.flows,) if isinstance(self.flows, str) else self.flows)
+        return flow in _each(self.flows)
 
     @property
     def spectra(self) -> tuple[str, ...]:
         """The spectra that the theories are fed with, the first one under their own names."""
-        return (self.spectrum,) if isinstance(self.spectrum, str) else self.spectrum
+        return _each(self.spectrum)
 
 
 @dataclass(frozen=True)
