@@ -18,6 +18,7 @@ from contact_study.problem.study import make_study
 from contact_study.problem.surface import realise
 from tests.bem_adhesion.paper_system import CONTACT_DISTANCE, E_STAR, R0, study_table
 from tests.md_reference.test_sampling import assert_equal_groups, groups_of
+from tests.recording import stopper
 
 AT_ONCE = 1e9  # a loading rate at which the load is there from the first step on
 SIZE = 80e-10
@@ -161,24 +162,12 @@ def test_loop_of_contact_pull_off_and_new_contact(loop):
 
 def test_run_stopped_on_the_way_goes_on_to_the_same_bits(loop, tmp_path, monkeypatch):
     path = tmp_path / "bem.nc"
-    steps = []
-    go_on = OverdampedContact.advance
-
-    def stopping_at(number):
-        def advance(self, *arguments):
-            steps.append(number)
-            if len(steps) == number:
-                raise KeyboardInterrupt
-            return go_on(self, *arguments)
-
-        steps.clear()
-        monkeypatch.setattr(OverdampedContact, "advance", advance)
-
+    stop_at, _ = stopper(monkeypatch, OverdampedContact, "advance")
     monkeypatch.setattr(case_run, "_SECONDS_BETWEEN_CHECKPOINTS", 0.0)
     with xr.open_dataset(loop) as root:
         first = int(root.iterations[0])
     for number, stop in enumerate((first - 5, 15, 10**6)):  # on the way to the first point, to a later one, not at all
-        stopping_at(stop)
+        stop_at(stop)
         if stop < 10**6:
             with pytest.raises(KeyboardInterrupt):
                 contact_study.run(FLOW, "continuum", output=path, resume=number > 0)

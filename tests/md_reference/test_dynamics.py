@@ -18,6 +18,7 @@ from md_reference.newtonian import NewtonianBlock
 from md_reference.run import check
 from tests.md_reference.systems import CONTACT_MODULUS, LATTICE_CONSTANT, LENGTH
 from tests.md_reference.test_sampling import assert_equal_groups, changed, groups_of
+from tests.recording import stopper
 
 MOVING = {
     "surface": {"size": "41.6 angstrom", "shape": [16, 16]},
@@ -118,18 +119,7 @@ def test_run_stopped_within_a_point_goes_on_to_the_same_bits(loading, tmp_path, 
     driven = loading.get("control") == "gap"
     with nullcontext() if driven else pytest.warns(UserWarning, match=f"{words}dynamics.duration"):
         contact_study.run(study, "atomistic", output=tmp_path / "whole.nc")
-    go_on, taken = NewtonianBlock.step, []
-
-    def stop_at(number):
-        def step(*arguments):
-            taken.append(number)
-            if len(taken) == number:
-                raise KeyboardInterrupt
-            return go_on(*arguments)
-
-        taken.clear()
-        monkeypatch.setattr(NewtonianBlock, "step", step)
-
+    stop_at, taken = stopper(monkeypatch, NewtonianBlock, "step")
     monkeypatch.setattr(case_run, "_SECONDS_BETWEEN_CHECKPOINTS", 0.0)
     whole = int(groups_of(tmp_path / "whole.nc")["/"].iterations[-1])
     for stop in (whole // 4, whole // 2):

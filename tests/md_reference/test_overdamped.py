@@ -20,6 +20,7 @@ from md_reference.system import build_contact, build_stiffness
 from tests.md_reference.systems import CONTACT_MODULUS, LENGTH, case_of, touching
 from tests.md_reference.test_block import apply
 from tests.md_reference.test_sampling import assert_equal_groups, changed, groups_of
+from tests.recording import stopper
 
 AT_ONCE = 1e9  # a loading rate at which the load is there from the first step on
 
@@ -178,23 +179,11 @@ def test_loop_of_contact_pull_off_and_new_contact(loop):
 
 def test_run_stopped_on_the_way_goes_on_to_the_same_bits(loop, tmp_path, monkeypatch):
     path = tmp_path / "md.nc"
-    steps = []
-    go_on = OverdampedBlock.advance
-
-    def stopping_at(number):
-        def advance(self, *arguments):
-            steps.append(number)
-            if len(steps) == number:
-                raise KeyboardInterrupt
-            return go_on(self, *arguments)
-
-        steps.clear()
-        monkeypatch.setattr(OverdampedBlock, "advance", advance)
-
+    stop_at, _ = stopper(monkeypatch, OverdampedBlock, "advance")
     monkeypatch.setattr(case_run, "_SECONDS_BETWEEN_CHECKPOINTS", 0.0)
     first = int(groups_of(loop)["/"].iterations[0])
     for stop in (first - 5, 15, 10**6):  # on the way to the first point, to the second or third, not at all
-        stopping_at(stop)
+        stop_at(stop)
         if stop < 10**6:
             with pytest.raises(KeyboardInterrupt):
                 contact_study.run(changed(**FLOW), "atomistic", output=path, resume=path.exists() or stop == 15)

@@ -17,7 +17,7 @@ from md_reference.random_state import generator_of, packed
 from md_reference.run import check
 from md_reference.thermal_sampler import ThermalSampler
 from tests.md_reference.systems import CONTACT_MODULUS, LENGTH, POISSONS_RATIO, WELL_DEPTH, YOUNGS_MODULUS
-from tests.recording import bins_of_case
+from tests.recording import bins_of_case, stopper
 
 STUDY = {
     "surface": {
@@ -112,19 +112,7 @@ def test_warm_atoms_differ_from_cold_ones_and_start_from_them(sampled):
 
 def test_run_stopped_within_a_point_goes_on_to_the_same_bits(sampled, tmp_path, monkeypatch):
     path = tmp_path / "md.nc"
-    taken = []
-    go_on = ThermalSampler.next
-
-    def stop_at(number):
-        def step(self, state, generator):
-            taken.append(number)
-            if len(taken) == number:
-                raise KeyboardInterrupt
-            return go_on(self, state, generator)
-
-        taken.clear()
-        monkeypatch.setattr(ThermalSampler, "next", step)
-
+    stop_at, taken = stopper(monkeypatch, ThermalSampler, "next")
     monkeypatch.setattr(case_run, "_SECONDS_BETWEEN_CHECKPOINTS", 0.0)
     for stop in (25, 60, 10**6):  # in the first point, in the second, not at all
         stop_at(stop)
