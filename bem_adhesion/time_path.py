@@ -5,8 +5,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from bem_adhesion.interface import interface_state
 from bem_adhesion.solution import Solution
 from bem_adhesion.viscoelastic import ViscoelasticContact
+from contact_study.observables.base import InterfaceState, Relaxation
 from contact_study.problem.case import Case
 from contact_study.problem.elasticity import Viscoelastic
 from contact_study.problem.surface import Surface
@@ -73,8 +75,8 @@ def follow_in_time(
 
 def path_in_time(
     case: Case, surface: Surface, solid: Viscoelastic, restart: Mapping[str, np.ndarray] | None, start: int
-) -> Iterator[tuple[Solution, Moment]]:
-    """The states of a case's path from point number ``start`` on, and where they are in time.
+) -> Iterator[InterfaceState]:
+    """The states of a case's path from point number ``start`` on, with where they are in time.
 
     Parameters
     ----------
@@ -108,4 +110,6 @@ def path_in_time(
     for (target, _), duration in list(zip(case.path, case.durations, strict=True))[start:]:
         solution, now = follow_in_time(contact, state, now, target, duration, loading.time_steps)
         state = solution.state
-        yield solution, now
+        found = interface_state(case, solution, surface.grid.spacing)
+        kept = {**found.restart, "moment": now.array}
+        yield replace(found, relaxation=Relaxation(now.time, now.dissipated), restart=kept)

@@ -1,0 +1,48 @@
+"""A loading path of the continuum in slow motion against friction."""
+
+from collections.abc import Iterator, Mapping
+
+import numpy as np
+
+from bem_adhesion.interface import interface_state
+from bem_adhesion.overdamped import Moved, OverdampedContact
+from contact_study.campaign import overdamped_path
+from contact_study.observables.base import Ensemble, InterfaceState
+from contact_study.problem.case import Case
+from contact_study.problem.surface import Surface
+
+
+def path_against_friction(
+    case: Case, surface: Surface, restart: Mapping[str, np.ndarray] | None, start: int
+) -> Iterator[Ensemble]:
+    """The motion through each point of a case's path; parameters as :func:`bem_adhesion.run.solve_path`."""
+    pace = overdamped_path.pace_of(case, surface.size)
+    moving = _MovingContinuum(case, surface, pace.allowed)
+    yield from overdamped_path.solve_path(case, moving, pace, restart, start)
+
+
+class _MovingContinuum(OverdampedContact):
+    """The contact of a case in overdamped motion, as the campaign takes it."""
+
+    def __init__(self, case: Case, surface: Surface, allowed: float):
+        given = case.solver
+        super().__init__(
+            surface.sampled,
+            surface.grid,
+            case.solid,
+            case.law,
+            tolerance=given.tolerance,
+            max_iterations=given.max_iterations,
+            threads=max(1, given.threads),
+            allowed=allowed,
+        )
+        self._case = case
+        self._spacing = surface.grid.spacing
+
+    def described(self, found: Moved) -> InterfaceState:
+        """A state of the contact as one of the interface."""
+        stiffness = None
+        if self._case.output.stiffness:
+            at_rest = found.residual <= self.tolerance
+            stiffness = self.stiffness(found.solution) if at_rest else np.nan
+        return interface_state(self._case, found.solution, self._spacing, stiffness)
