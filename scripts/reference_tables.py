@@ -20,8 +20,8 @@ from contact_study.comparison.compute.regime import MEANINGS
 from contact_study.observables import OBSERVABLES, constants, roughness
 from contact_study.observables.constants import CONSTANTS
 from contact_study.observables.roughness import ROUGHNESS
+from contact_study.problem.dotted_keys import SECTIONS, all_keys
 from contact_study.problem.keys import Kinds, as_written, keys_of
-from contact_study.problem.study import SECTIONS, all_keys
 
 ROOT = Path(__file__).resolve().parent.parent
 

@@ -7,7 +7,7 @@ import pytest
 
 import contact_study
 from contact_study.campaign.examples import example_names
-from contact_study.problem.study import all_keys
+from contact_study.problem.dotted_keys import all_keys
 
 ROOT = Path(__file__).parent.parent
 PAGES = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").glob("*.md")])

@@ -27,9 +27,10 @@ from contact_study.campaign.files import writable_output
 from contact_study.campaign.inspection import inspect
 from contact_study.campaign.model import Model
 from contact_study.campaign.progress import Progress
+from contact_study.problem.dotted_keys import all_keys
 from contact_study.problem.errors import InputError
 from contact_study.problem.keys import as_written, suggestion
-from contact_study.problem.study import all_keys, read_study
+from contact_study.problem.study import read_study
 
 DONE, WRONG_INPUT, NOT_CONVERGED, INTERRUPTED = 0, 1, 2, 130
 

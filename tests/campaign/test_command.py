@@ -509,7 +509,7 @@ def test_help_shows_every_key(capsys):
         run("--help")
     assert stop.value.code == 0
     shown = capsys.readouterr().out
-    from contact_study.problem.study import all_keys
+    from contact_study.problem.dotted_keys import all_keys
 
     for section, name, _, _ in all_keys():
         assert f"--{section}.{name}" in shown

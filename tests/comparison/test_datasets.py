@@ -12,8 +12,8 @@ from contact_study.comparison.compute.cases import sweep_points
 from contact_study.comparison.read.datasets import read_inputs
 from contact_study.comparison.read.differences import ONE_CONTACT, check_studies
 from contact_study.comparison.read.files import field_at
+from contact_study.problem.dotted_keys import all_keys
 from contact_study.problem.errors import InputError
-from contact_study.problem.study import all_keys
 from tests.comparison.synthetic import STUDY, study, write, write_all
 
 SINGLE = STUDY[: STUDY.index("[sweep]")]

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from contact_study.problem import study
+from contact_study.problem.dotted_keys import SECTIONS
 from contact_study.problem.errors import InputError
 from contact_study.problem.keys import Kinds, key, quantity
 from contact_study.problem.laws import LAWS as TABLE
@@ -23,6 +23,7 @@ from contact_study.problem.laws import (
 from contact_study.problem.laws.interaction import SmoothInteraction
 from contact_study.problem.laws.lennard_jones_9_3 import LennardJones93
 from contact_study.problem.laws.lennard_jones_10_4 import LennardJones104, work_of_adhesion
+from contact_study.problem.study import make_study
 from tests.laws_of_all_kinds import ADHESIVE, EVERY_LAW, KEYS, TABLE_GAPS, TABLE_TRACTIONS
 from tests.problem.test_study import changed
 
@@ -268,8 +269,8 @@ class OwnMorse(TractionLaw):
 def test_a_new_law_is_a_potential_and_its_keys(monkeypatch):
     monkeypatch.setitem(TABLE, "own_morse", OwnMorse)
     sections = {name: law.section for name, law in TABLE.items()}
-    monkeypatch.setitem(study.SECTIONS, "interaction", Kinds("law", sections))
-    (case,) = study.make_study(changed("interaction", law="own_morse", width="0.5 angstrom")).cases
+    monkeypatch.setitem(SECTIONS, "interaction", Kinds("law", sections))
+    (case,) = make_study(changed("interaction", law="own_morse", width="0.5 angstrom")).cases
     law, width = case.law, 0.5e-10
     assert law.equilibrium_distance == pytest.approx(3.28e-10, abs=0, rel=1e-12)
     assert law.peak_tensile_stress == pytest.approx(law.work_of_adhesion / (2 * width), rel=1e-12)
@@ -279,16 +280,16 @@ def test_a_new_law_is_a_potential_and_its_keys(monkeypatch):
     floor = 4 * np.finfo(float).eps * law.equilibrium_stiffness * law.equilibrium_distance  # of a rounded gap
     np.testing.assert_allclose(law.traction(law.repulsive_gap(-pressure)), -pressure, rtol=1e-12, atol=floor)
     with pytest.raises(InputError, match=r'interaction\.width: law = "lennard_jones_10_4" has no such key'):
-        study.make_study(changed("interaction", width="0.5 angstrom"))
+        make_study(changed("interaction", width="0.5 angstrom"))
     with pytest.raises(InputError, match=r'missing key interaction\.width: law = "own_morse" needs it'):
-        study.make_study(changed("interaction", law="own_morse"))
+        make_study(changed("interaction", law="own_morse"))
 
 
 @pytest.mark.parametrize("name", KEYS)
 def test_a_study_makes_every_law(name):
     table = changed("loading", path=["1 GPa"])
     table["interaction"] = {"law": name, **KEYS[name]}
-    (case,) = study.make_study(table).cases
+    (case,) = make_study(table).cases
     law, expected = case.law, EVERY_LAW[name]
     assert type(law) is type(expected)
     gap = np.array([0.9e-10, 3.3e-10, 5e-10])
@@ -398,7 +399,7 @@ def test_bad_tables_are_named(table, words):
 def study_with(tmp_path, **keys):
     table = changed("loading", path=["1 GPa"])
     table["interaction"] = {"law": "tabulated", **keys}
-    return study.make_study(table, tmp_path)
+    return make_study(table, tmp_path)
 
 
 def test_a_table_from_a_file_has_units_and_goes_into_the_study(tmp_path):
@@ -409,7 +410,7 @@ def test_a_table_from_a_file_has_units_and_goes_into_the_study(tmp_path):
     assert law.work_of_adhesion == pytest.approx(2 * EVERY_LAW["tabulated"].work_of_adhesion, rel=1e-10)
     assert law.length == pytest.approx(EVERY_LAW["tabulated"].length, rel=1e-10, abs=0)
     (tmp_path / "law.txt").unlink()  # a dataset is read without it
-    again = study.make_study(found.table, tmp_path / "elsewhere")
+    again = make_study(found.table, tmp_path / "elsewhere")
     np.testing.assert_array_equal(again.cases[0].law.tractions, law.tractions)
 
 
@@ -450,7 +451,7 @@ def test_keys_that_make_no_law_are_named(keys, words):
     table = changed("loading", path=["1 GPa"])
     table["interaction"] = keys
     with pytest.raises(InputError, match=words):
-        study.make_study(table)
+        make_study(table)
 
 
 def test_laws_by_name_take_fields_of_their_own():

@@ -22,7 +22,7 @@ from contact_study.campaign.schema import (
 )
 from contact_study.fields.distributions import Bins, redistributed
 from contact_study.observables.contact_autocorrelation import RELATIVE_DISTANCE
-from contact_study.problem.study import SweptKey
+from contact_study.problem.sweep import SweptKey
 
 # Arrays by name and by the labels before it.
 _Labelled = dict[str, dict[tuple[str, ...], np.ndarray]]

@@ -10,7 +10,7 @@ import xarray as xr
 from contact_study.campaign.dataset.formats import engine_of, is_zarr
 from contact_study.campaign.files import write_aside
 from contact_study.campaign.schema import COORDINATES, LABELS, TRAJECTORY, variable_of
-from contact_study.problem.study import SweptKey
+from contact_study.problem.sweep import SweptKey
 
 # Group of the states from which paths can be gone on with; no quantity, and nothing for a reader.
 RESTART = "restart"

@@ -8,9 +8,10 @@ from typing import Any
 from contact_study.campaign.merge.sources import Source
 from contact_study.campaign.resume.identity import Cases, differing_keys, rounded
 from contact_study.problem.case import Case
+from contact_study.problem.dotted_keys import SECTIONS, WHOLE_STUDY, same
 from contact_study.problem.errors import InputError
 from contact_study.problem.keys import default_of, keys_of, shown, suggestion
-from contact_study.problem.study import SECTIONS, WHOLE_STUDY, Study, make_study, same
+from contact_study.problem.study import Study, make_study
 
 _SEED = "surface.seed"
 _SHOWN = 3  # differing keys that a message names

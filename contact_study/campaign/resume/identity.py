@@ -17,10 +17,11 @@ from contact_study.campaign.model import Model
 from contact_study.campaign.schema import SCHEMA_VERSION
 from contact_study.fields.distributions import Bins
 from contact_study.problem.case import Case
+from contact_study.problem.dotted_keys import SECTIONS, WHOLE_STUDY
 from contact_study.problem.errors import InputError
 from contact_study.problem.keys import keys_of, shown
 from contact_study.problem.path_points import path_points_of
-from contact_study.problem.study import SECTIONS, WHOLE_STUDY, Study, make_study
+from contact_study.problem.study import Study, make_study
 
 # Keys of a case that decide none of its numbers, or decide them in a way of their own.
 _APART = ("loading.path", "loading.unload", "solver.threads")

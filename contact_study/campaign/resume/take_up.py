@@ -23,7 +23,7 @@ from contact_study.campaign.resume.identity import Cases, Match, Run, match
 from contact_study.fields.distributions import Bins
 from contact_study.problem.case import Case
 from contact_study.problem.errors import InputError
-from contact_study.problem.study import SweptKey
+from contact_study.problem.sweep import SweptKey
 
 # Fingerprint of the field that a step started from.
 STARTED = "predictor_field"

@@ -15,10 +15,11 @@ import xarray as xr
 from contact_study.comparison.read.differences import SAME, same
 from contact_study.comparison.read.path_points import SEED, positions, swept_dims
 from contact_study.problem.case import Case
+from contact_study.problem.dotted_keys import SECTIONS, WHOLE_STUDY
 from contact_study.problem.errors import InputError
 from contact_study.problem.keys import keys_of
 from contact_study.problem.path_points import PathPoint, path_points, path_points_of
-from contact_study.problem.study import SECTIONS, WHOLE_STUDY, Study, make_study
+from contact_study.problem.study import Study, make_study
 
 
 def carried_study(path: Path, dataset: xr.Dataset, average: str = SEED) -> tuple[Study, list[str]]:

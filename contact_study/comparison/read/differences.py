@@ -7,9 +7,10 @@ from typing import Any
 
 from contact_study.comparison.models import is_simulated
 from contact_study.problem.case import Case
+from contact_study.problem.dotted_keys import SECTIONS
 from contact_study.problem.errors import InputError
 from contact_study.problem.keys import keys_of
-from contact_study.problem.study import SECTIONS, Study
+from contact_study.problem.study import Study
 
 # Keys that two datasets must share to be of one contact; a difference in any other is said, not refused.
 ONE_CONTACT = {

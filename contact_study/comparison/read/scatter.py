@@ -11,9 +11,9 @@ from contact_study.comparison.read.datasets import Inputs
 from contact_study.comparison.read.differences import check_studies
 from contact_study.comparison.read.files import open_groups
 from contact_study.comparison.read.path_points import SEED, with_average
+from contact_study.problem.dotted_keys import SECTIONS
 from contact_study.problem.errors import InputError
 from contact_study.problem.keys import keys_of
-from contact_study.problem.study import SECTIONS
 
 # Realisations differ in the seed, and what is kept of them changes no number that is shown.
 _WITHOUT_SAY = (f"surface.{SEED}", *(f"output.{name}" for name in keys_of(SECTIONS["output"])))
