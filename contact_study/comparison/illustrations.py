@@ -6,6 +6,7 @@ from typing import Any
 from contact_study.comparison.compute import bands, plotted
 from contact_study.comparison.compute.atom_state import read_atoms
 from contact_study.comparison.compute.cases import sweep_points
+from contact_study.comparison.compute.curves import mean_gap_panels
 from contact_study.comparison.compute.gap_maps import read_gap_maps
 from contact_study.comparison.compute.interface_state import read_interface_state
 from contact_study.comparison.compute.magnification import read_magnification
@@ -58,7 +59,7 @@ def draw(
         drawn["gap_distribution"] = figures.gap_distribution_figure(*distances, scale.height_symbol, states)
     drawn["contact_area"] = figures.contact_area_figure(curves.areas, pressure.name, area_bands, strips)
     logarithmic, linear = (bands.mean_gap_bands(inputs.branches, points, units, linear=it) for it in (False, True))
-    if plotted.mean_gap_panels(curves.gaps, curves.linear_gaps):
+    if mean_gap_panels(curves.gaps, curves.linear_gaps):
         drawn["mean_gap"] = figures.mean_gap_figure(
             curves.gaps, curves.linear_gaps, scale.height_symbol, (logarithmic, linear), strips
         )

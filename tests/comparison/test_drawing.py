@@ -13,8 +13,15 @@ from matplotlib.legend import Legend
 from contact_study.comparison import illustrations
 from contact_study.comparison.compute import bands, plotted
 from contact_study.comparison.compute.cases import sweep_points
+from contact_study.comparison.compute.curves import (
+    Curve,
+    in_compression,
+    logarithmic,
+    of_compression,
+    path_segments,
+    window,
+)
 from contact_study.comparison.compute.gap_maps import GapMaps, read_gap_maps
-from contact_study.comparison.compute.plotted import Curve
 from contact_study.comparison.compute.scales import scales
 from contact_study.comparison.compute.shown_states import common_label, panel_points
 from contact_study.comparison.draw import figures
@@ -241,23 +248,23 @@ def curve(x, y, model="persson", **options):
 
 def test_logarithmic_axes_end_where_the_simulations_do():
     curves = [curve([-2, 0, 1], [0, 1, 2], "continuum"), curve([-9, -1, 3], [-9, 0.5, 4])]
-    limits = plotted.window(curves, ended=0)
+    limits = window(curves, ended=0)
     # The theory's state at −9 is out of sight; four per cent are left on either side.
     np.testing.assert_allclose(limits, [[-2.2, 3.2], [-0.16, 4.16]], rtol=1e-12)
-    np.testing.assert_allclose(plotted.window(curves, ended=1)[1], [-0.16, 4.16], rtol=1e-12)
-    assert plotted.window(curves, ended=None)[0][0] < -9
-    assert plotted.window(curves[1:], ended=0)[0][0] < -9, "without simulations all is shown"
+    np.testing.assert_allclose(window(curves, ended=1)[1], [-0.16, 4.16], rtol=1e-12)
+    assert window(curves, ended=None)[0][0] < -9
+    assert window(curves[1:], ended=0)[0][0] < -9, "without simulations all is shown"
     both = [*curves, curve([-5, 0], [0, 1], "atomistic")]
-    assert plotted.window(both, ended=0)[0][0] < -5, "the one that reaches farther"
+    assert window(both, ended=0)[0][0] < -5, "the one that reaches farther"
 
 
 def test_no_contact_is_on_no_logarithmic_axis():
-    found = plotted.of_compression(curve([1, 2, -1, 3], [0, 0.5, 0.5, 0.6]))
+    found = of_compression(curve([1, 2, -1, 3], [0, 0.5, 0.5, 0.6]))
     np.testing.assert_array_equal(found.x, [np.nan, 2, np.nan, 3])
-    exponents = plotted.logarithmic(found)
+    exponents = logarithmic(found)
     np.testing.assert_allclose([exponents.x[1], exponents.y[1]], np.log10([2, 0.5]), rtol=1e-12)
     assert np.isnan(exponents.y[[0, 2]]).all()
-    assert not plotted.in_compression([curve([1, -1], [0, 0.5])])
+    assert not in_compression([curve([1, -1], [0, 0.5])])
 
 
 def test_bars_are_the_errors_along_their_axes():
@@ -273,13 +280,13 @@ def test_lines_follow_the_path_once():
     fit = np.array([True, True, True, True, False, True, True])
     back = np.array([False, False, True, True, False, False, False])
     found = curve([0, 1, 0, np.nan, 5, 2, 3], [0, 1, 0.001, 9, 9, 2, 3], fit=fit, unloading=back)
-    segments, unloading, joined = plotted.path_segments(found)
+    segments, unloading, joined = path_segments(found)
     # 1 → 0 retraces 0 → 1 only where its ends are the same: zero and a thousandth are not.
     np.testing.assert_array_equal(segments[:, :, 0], [[0, 1], [1, 0], [2, 3]])
     np.testing.assert_array_equal(unloading, [False, True, False])
     np.testing.assert_array_equal(joined, [True, True, True, False, False, True, True])
     again = curve([1, 2, 1, 2], [1, 2, 1.001, 2.0], unloading=np.array([False, False, True, True]))
-    segments, unloading, joined = plotted.path_segments(again)
+    segments, unloading, joined = path_segments(again)
     assert len(segments) == 1
     assert not unloading.any()
     assert joined.all()

@@ -7,6 +7,7 @@ from matplotlib.collections import PolyCollection
 
 from contact_study.comparison.command import main
 from contact_study.comparison.compute import plotted
+from contact_study.comparison.compute.curves import Curve, error_band
 from contact_study.comparison.compute.deviations import compute_deviations
 from contact_study.comparison.compute.ensemble import ensemble_statistics
 from contact_study.comparison.compute.shown_states import panel_points
@@ -147,17 +148,15 @@ def test_densities_carry_the_error_of_their_logarithm(seeded):
 
 def test_band_is_one_standard_error_to_either_side():
     x, y, error = np.array([1.0, 2.0, 3.0]), np.array([0.1, 0.3, 0.4]), np.array([0.01, 0.02, np.nan])
-    along = plotted.Curve("continuum", "", 0, x, y, y_error=error, fit=np.ones(3, bool))
-    np.testing.assert_allclose(plotted.error_band(along), [[[1, 0.09], [2, 0.28], [2, 0.32], [1, 0.11]]], rtol=1e-12)
-    across = plotted.Curve("continuum", "", 0, x, y, x_error=error, fit=np.array([True, True, False]))
-    np.testing.assert_allclose(
-        plotted.error_band(across), [[[0.99, 0.1], [1.98, 0.3], [2.02, 0.3], [1.01, 0.1]]], rtol=1e-12
-    )
-    both = plotted.Curve("continuum", "", 0, x, y, x_error=error, y_error=error)
-    assert plotted.error_band(both).size == 0
+    along = Curve("continuum", "", 0, x, y, y_error=error, fit=np.ones(3, bool))
+    np.testing.assert_allclose(error_band(along), [[[1, 0.09], [2, 0.28], [2, 0.32], [1, 0.11]]], rtol=1e-12)
+    across = Curve("continuum", "", 0, x, y, x_error=error, fit=np.array([True, True, False]))
+    np.testing.assert_allclose(error_band(across), [[[0.99, 0.1], [1.98, 0.3], [2.02, 0.3], [1.01, 0.1]]], rtol=1e-12)
+    both = Curve("continuum", "", 0, x, y, x_error=error, y_error=error)
+    assert error_band(both).size == 0
     # The pressure that was prescribed scatters by the solver's tolerance.
-    prescribed = plotted.Curve("continuum", "", 0, x, y, x_error=np.full(3, 1e-9), y_error=error)
-    np.testing.assert_array_equal(plotted.error_band(prescribed), plotted.error_band(along))
+    prescribed = Curve("continuum", "", 0, x, y, x_error=np.full(3, 1e-9), y_error=error)
+    np.testing.assert_array_equal(error_band(prescribed), error_band(along))
 
 
 def test_lines_have_bands_and_markers_have_bars(seeded):

@@ -5,6 +5,7 @@ import pytest
 
 from contact_study.comparison.compute import bands, plotted
 from contact_study.comparison.compute.cases import sweep_points
+from contact_study.comparison.compute.curves import smallest_resolved
 from contact_study.comparison.compute.scales import scales
 from contact_study.comparison.compute.shown_states import panel_points
 from contact_study.comparison.draw import figures
@@ -177,7 +178,7 @@ def test_drawn_lines_are_the_data(models, shown):
 def test_panels_are_ended_by_the_simulations(models, shown):
     panels = plotted.stress_distribution_data(models, "pressure", shown)
     left, right = figures.stress_distribution_figure(*panels).axes
-    lowest = plotted.smallest_resolved([*panels[0], *panels[1]])
+    lowest = smallest_resolved([*panels[0], *panels[1]])
     assert left.get_ylim() == right.get_ylim()
     assert left.get_ylim()[0] == pytest.approx(lowest - 0.3)
 

@@ -9,9 +9,9 @@ import xarray as xr
 
 from contact_study.comparison.command import main
 from contact_study.comparison.compute.cases import sweep_points
+from contact_study.comparison.compute.curves import Curve
 from contact_study.comparison.compute.deviations import pairs_of
 from contact_study.comparison.compute.magnification import read_magnification
-from contact_study.comparison.compute.plotted import Curve
 from contact_study.comparison.compute.scales import scales
 from contact_study.comparison.compute.shown_states import panel_points
 from contact_study.comparison.draw.figures import contact_area_figure

@@ -8,8 +8,9 @@ import xarray as xr
 from matplotlib.collections import PolyCollection
 
 from contact_study.comparison.command import main
+from contact_study.comparison.compute.curves import Curve
 from contact_study.comparison.compute.ensemble import ensemble_statistics
-from contact_study.comparison.compute.plotted import Curve, path_curves
+from contact_study.comparison.compute.plotted import path_curves
 from contact_study.comparison.compute.scatter import scatter_strips
 from contact_study.comparison.draw import figures
 from contact_study.comparison.draw.style import SWEEP_COLOURS

@@ -7,7 +7,8 @@ import numpy as np
 import xarray as xr
 
 from contact_study.comparison.compute.cases import SweepPoint, select, series, sweep_points
-from contact_study.comparison.compute.plotted import Curve, PathCurves, path_curves
+from contact_study.comparison.compute.curves import Curve
+from contact_study.comparison.compute.plotted import PathCurves, path_curves
 from contact_study.comparison.models import entry_of
 from contact_study.comparison.read.scatter import Scatter
 

@@ -1,6 +1,6 @@
 """The figures of Yang et al., EPL 84, 46004 (2008), with every model on the same axes.
 
-Each function draws data of :mod:`contact_study.comparison.compute.plotted` and returns a figure; none reads or writes a
+Each function draws curves of :mod:`contact_study.comparison.compute.plotted` and returns a figure; none reads or writes a
 file.
 Colour tells the point of the sweep (or the pressure), the line and marker tell the model; where there is only one point
 of the sweep, the colour tells the model, too.
@@ -16,7 +16,7 @@ from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.figure import Figure
 
 from contact_study.comparison.compute.bands import Band
-from contact_study.comparison.compute.plotted import (
+from contact_study.comparison.compute.curves import (
     Curve,
     error_band,
     in_compression,

@@ -14,7 +14,7 @@ from matplotlib.patches import Patch
 from matplotlib.transforms import ScaledTranslation
 
 from contact_study.comparison.compute.bands import Band
-from contact_study.comparison.compute.plotted import Curve
+from contact_study.comparison.compute.curves import Curve
 from contact_study.comparison.compute.scatter import Strips
 from contact_study.comparison.draw.style import look_of, typeset
 from contact_study.comparison.models import entry_of

@@ -6,8 +6,9 @@ import numpy as np
 import xarray as xr
 
 from contact_study.comparison.compute.cases import SweepPoint, case_points, select, sweep_points
+from contact_study.comparison.compute.curves import Curve, in_compression, mean_gap_panels
 from contact_study.comparison.compute.magnification import resolving
-from contact_study.comparison.compute.plotted import Curve, PathCurves, density_at, in_compression, mean_gap_panels
+from contact_study.comparison.compute.plotted import PathCurves, density_at
 from contact_study.comparison.compute.scales import scales
 from contact_study.comparison.compute.scatter import Strips
 from contact_study.comparison.compute.shown_states import PanelPoints, common_label, point_label, state_label
