@@ -59,8 +59,10 @@ def _ranges(case: Case, scales: SurfaceScales) -> tuple[float, float, float]:
     applied = max((abs(p) for p in case.loading.path), default=0.0) if case.loading.control == "pressure" else 0.0
     # A flat hard wall under a prescribed gap carries nothing: any range will do.
     compression = (fluctuation + applied + peak) or modulus
-    # The 10-4 law's peak stress is exceeded nowhere in tension; a quarter more shows that it is not.
-    tension = max(1.25 * peak, 0.05 * compression)
+    # The 10-4 law's peak stress is exceeded nowhere in tension; a quarter more shows that it is not. Persson's theory
+    # knows no peak, but no tension beyond that of its cracks or of full contact.
+    cracks = min(_detachment_stress(case, scales), fluctuation + applied)
+    tension = max(1.25 * peak, 0.05 * compression, cracks)
     # At the lightest contact the block rests on the highest peaks, far above the deepest valley; under tension it
     # bends up a little further between them.
     gap = 1.1 * scales.peak_to_valley + 4 * case.contact_distance
@@ -69,6 +71,14 @@ def _ranges(case: Case, scales: SurfaceScales) -> tuple[float, float, float]:
     elif case.loading.control == "approach":
         gap += max(0.0, -min(case.loading.path))
     return tension, compression, gap or 1.0
+
+
+def _detachment_stress(case: Case, scales: SurfaceScales) -> float:
+    """Largest one of Persson's theory (Pa): √(2α K Δγ) of the finest wave, unless it is capped."""
+    if scales.spectrum is None or case.theory.cap_detachment_stress:
+        return 0.0
+    stiffness = float(case.solid.stiffness(np.array([scales.spectrum.limits[1]]))[0])
+    return float(np.sqrt(2 * case.theory.alpha * stiffness * case.law.work_of_adhesion))
 
 
 def _rounded(value: float) -> float:

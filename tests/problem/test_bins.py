@@ -31,6 +31,21 @@ def test_tension_of_the_strongest_law_fits():
     assert bins.gap_edges[0] == 0.0
 
 
+def test_detachment_stress_of_perssons_theory_fits_and_nothing_beyond_full_contact():
+    """Cracks of a weak law on a smooth surface carry five times its peak stress; a flatter one never stresses them."""
+    table = changed("surface", rms_height="1 angstrom")
+    table["interaction"]["well_depth_ratio"] = 0.1
+    (case,) = make_study(table).cases
+    wave = case.solid.stiffness(np.array([2 * np.pi * 12 / 104e-9]))[0]
+    cracks = np.sqrt(2 * wave * case.law.work_of_adhesion)
+    assert cracks > 5 * case.law.peak_tensile_stress
+    edge = bins_of(make_study(table)).pressure_edges[0]
+    assert edge == pytest.approx(-cracks, rel=0.1)  # two digits, upwards, and half a bin
+    assert edge < -cracks
+    table["surface"]["rms_height"] = "0.1 angstrom"
+    assert bins_of(make_study(table)).pressure_edges[0] > -cracks
+
+
 @pytest.mark.parametrize("normalisation", ["spectrum", "realised"])
 @pytest.mark.parametrize("control", ["pressure", "gap"])
 def test_seeds_have_the_same_bins(normalisation, control):
