@@ -15,8 +15,9 @@ smaller cell has the same shortest waves, and so nearly the same error, on fewer
 
 import argparse
 import itertools
+import resource
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
@@ -99,14 +100,27 @@ def _main(arguments: Sequence[str] | None) -> int:
             cells = [f"{value:.4g}" for value in values]
             if len(grids) > 1:
                 limit = extrapolated(values, spacing)
-                cells += [f"{limit:.4g}", f"{100 * (values[-1] / limit - 1):+.1f} %" if limit > 0 else "none"]
+                cells += [f"{limit:.4g}", error_of(values[-1], limit)]
             print(f"| {pressure / 1e3:g} | {title} | {' | '.join(cells)} |")
         theory = float(relative_contact_area(pressure, (MODULUS * sample.rms_slope / 2) ** 2))
-        print(f"| {pressure / 1e3:g} | A/A₀ of Persson's theory, no adhesion | {theory:.4g} |{' |' * (len(heads) - 1)}")
+        print(f"| {pressure / 1e3:g} | A/A₀, Persson's theory of the hard wall | {theory:.4g} |{' |' * (len(heads) - 1)}")
+    pairs = ", ".join(
+        f"{sum(row['pairs'] for row in rows):.0f} on {points}²" for points, rows in zip(grids, found, strict=True)
+    )
+    memory = 1024 * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    print(f"\nPairs of transforms: {pairs}. Peak memory {memory / 1e9:.1f} GB.")
     failed = sum(not row["converged"] for rows in found for row in rows)
     if failed:
         print(f"\n{failed} states did not converge.")
     return 2 if failed else 0
+
+
+def error_of(value: float, limit: float) -> str:
+    """How far a value is from its limit, in words."""
+    if limit <= 0:
+        return "none"
+    error = 100 * (value / limit - 1)
+    return f"{error:+.1f} %" if abs(error) >= 0.05 else "< 0.1 %"
 
 
 def surface(size: float, points: int, seed: int) -> Surface:
@@ -130,15 +144,15 @@ def surface(size: float, points: int, seed: int) -> Surface:
 
 def path(
     sample: Surface, points: int, law: Exponential | HardWall, pressures: Sequence[float], threads: int
-) -> list[Solution]:
-    """The states of a loading path on one grid."""
+) -> Iterator[Solution]:
+    """The states of a loading path on one grid, one at a time."""
     grid = Grid((points, points), sample.size)
     contact = rough_contact(sample.heights(grid.shape), grid.size, MODULUS, law, threads=threads)
-    state, found = contact.separated(), []
+    state = contact.separated()
     for pressure in pressures:
-        found.append(contact.step(state, pressure))
-        state = found[-1].state
-    return found
+        found = contact.step(state, pressure)
+        state = found.state
+        yield found
 
 
 def numbers(solution: Solution) -> dict[str, float]:

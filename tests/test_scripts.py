@@ -402,8 +402,9 @@ def test_maugis_has_his_limits():
 def test_the_contact_mechanics_challenge(capsys):
     assert contact_challenge.main(["--size", "2 um", "--points", "48", "96", "--pressures", "1 MPa", "4 MPa"]) == 0
     said, errors = capsys.readouterr()
-    head, _, names, _, *rows = said.splitlines()
+    head, _, names, _, *rows, _, work = said.splitlines()
     assert "rms slope 1.000" in head
+    assert re.fullmatch(r"Pairs of transforms: \d+ on 48², \d+ on 96²\. Peak memory \d+\.\d GB\.", work)
     assert [name.strip() for name in names.split("|")[3:-1]] == ["48²", "96²", "extrapolated", "error of the finest"]
     split = [[cell.strip() for cell in row.split("|")[1:-1]] for row in rows]
     cells = {(pressure, name): values for pressure, name, *values in split}
@@ -419,12 +420,20 @@ def test_the_contact_mechanics_challenge(capsys):
 
 def test_touching_points_of_the_challenge_carry_the_load(capsys):
     assert contact_challenge.main(["--size", "2 um", "--points", "64", "--pressures", "1 MPa", "--no-adhesion"]) == 0
-    rows = [row.strip("| ").split(" | ") for row in capsys.readouterr().out.splitlines()[4:]]
+    rows = [row.strip("| ").split(" | ") for row in capsys.readouterr().out.splitlines()[4:-2]]
     found = {name: float(value) for _, name, value in rows}
     assert found["A/A₀"] * found["mean stress in contact (MPa)"] == pytest.approx(1, rel=2e-3)  # four digits
     assert found["A/A₀ with σ > 1·E*/2"] > found["A/A₀ with σ > 2·E*/2"]
     # Half-spaces without adhesion: 1.1 to 1.4 times Persson's area at loads this light.
-    assert 1 < found["A/A₀"] / found["A/A₀ of Persson's theory, no adhesion"] < 1.6
+    assert 1 < found["A/A₀"] / found["A/A₀, Persson's theory of the hard wall"] < 1.6
+
+
+@pytest.mark.parametrize(
+    ("value", "limit", "words"),
+    [(1.0499, 1.0, "+5.0 %"), (0.9, 1.0, "-10.0 %"), (0.99951, 1.0, "< 0.1 %"), (0.0, 0.0, "none")],
+)
+def test_no_error_of_the_challenge_reads_minus_nothing(value, limit, words):
+    assert contact_challenge.error_of(value, limit) == words
 
 
 @pytest.mark.parametrize(("order", "limit"), [(1, 3.0), (2, 3.0)])
