@@ -1,7 +1,7 @@
 """A loading path of equilibria: each point, or each step of the path's own, is the one that the last falls into."""
 
 import warnings
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -9,9 +9,13 @@ import numpy as np
 from bem_adhesion.contact import Contact, rough_contact
 from bem_adhesion.interface import interface_state
 from bem_adhesion.paths import Account, account_of, follow
-from contact_study.observables.base import InterfaceState
+from bem_adhesion.solution import Solution
+from contact_study.observables.base import InterfaceState, OwnSteps
 from contact_study.problem.case import Case
 from contact_study.problem.surface import Surface
+
+# Work on a step that is none, over the work of adhesion.
+_NOISE = 1e-6
 
 
 def path_of_equilibria(
@@ -20,29 +24,42 @@ def path_of_equilibria(
     """The equilibrium at each point of a case's path; parameters as :func:`bem_adhesion.run.solve_path`."""
     contact = _contact_of(case, surface)
     state = contact.separated() if restart is None else restart["state"]
-    account = (
-        _first_account(case, state) if restart is None or "account" not in restart else Account.of(restart["account"])
-    )
+    account = _first_account(case, state) if restart is None else _kept_account(restart)
     for value, _ in case.path[start:]:
-        if account is None:
-            solution = contact.step(state, value)
-            if _adaptive(case):
-                account = account_of(solution, value, case.solid)
-        else:
-            least = case.loading.resolution * max(map(abs, case.loading.path))
-            solution, account = follow(contact, state, account, value, least, case.solid)
+        solution, account, passed = _next(case, contact, state, account, value)
         state = solution.state
         stiffness = contact.stiffness(solution) if case.output.stiffness and solution.converged else None
         found = interface_state(case, solution, surface.grid.spacing, stiffness)
         if account is not None:
-            found = replace(
-                found,
-                dissipated_energy=account.dissipated,
-                detachment_pressure=account.detachment_pressure,
-                restart={**found.restart, "account": account.array},
-            )
+            own = OwnSteps(account.dissipated, _states(passed, case.law.equilibrium_distance))
+            found = replace(found, own_steps=own, restart={**found.restart, "account": account.array})
         _warn_of_rim(case, found.contact)
         yield found
+
+
+def _next(
+    case: Case, contact: Contact, state: np.ndarray, account: Account | None, target: float
+) -> tuple[Solution, Account | None, list[Account]]:
+    """The next point, its place in the books of a path with steps of its own, and the states passed on the way."""
+    if account is None:
+        solution = contact.step(state, target)
+        if not (_adaptive(case) and solution.converged):
+            return solution, None, []
+        account = account_of(solution, target, case.solid)
+        return solution, account, [account]
+    least = case.loading.resolution * max(map(abs, case.loading.path))
+    noise = _NOISE * case.law.work_of_adhesion
+    solution, (_, *passed) = follow(contact, state, account, target, least, case.solid, noise)
+    return solution, passed[-1] if passed else account, passed
+
+
+def _states(passed: Sequence[Account], equilibrium_distance: float) -> np.ndarray:
+    """The states of the books as a dataset has them."""
+    rows = [
+        (at.pressure, at.separation - equilibrium_distance, at.energy) if at.attached else (at.position, np.inf, 0.0)
+        for at in passed
+    ]
+    return np.array(rows).reshape(-1, 3)
 
 
 def _contact_of(case: Case, surface: Surface) -> Contact:
@@ -70,6 +87,10 @@ def _first_account(case: Case, separated: np.ndarray) -> Account | None:
     if not (_adaptive(case) and case.loading.control == "pressure"):
         return None
     return Account(0.0, 0.0, float(separated.mean()), 0.0, False)
+
+
+def _kept_account(restart: Mapping[str, np.ndarray]) -> Account | None:
+    return Account.of(restart["account"]) if "account" in restart else None
 
 
 def _warn_of_rim(case: Case, contact: np.ndarray) -> None:

@@ -13,10 +13,8 @@ import numpy as np
 
 from bem_adhesion.contact import Contact
 from bem_adhesion.solution import Outcome, Solution
+from contact_study.observables.path_results import UNACCOUNTED, unaccounted
 from contact_study.problem.elasticity import Elasticity
-
-# Share of the work and of the energy exchanged that a smooth step may leave unaccounted for.
-UNACCOUNTED = 0.02
 
 
 @dataclass(frozen=True)
@@ -37,8 +35,6 @@ class Account:
         Whether the surfaces are within reach of each other.
     dissipated : float
         In jumps so far, per area (J/m²).
-    detachment_pressure : float
-        Lowest mean pressure that was held before the surfaces came apart, in the last step (Pa); else not a number.
     """
 
     position: float
@@ -47,7 +43,11 @@ class Account:
     energy: float
     attached: bool
     dissipated: float = 0.0
-    detachment_pressure: float = np.nan
+
+    @property
+    def state(self) -> np.ndarray:
+        """Mean pressure, separation and energy."""
+        return np.array([self.pressure, self.separation, self.energy])
 
     @property
     def array(self) -> np.ndarray:
@@ -74,11 +74,11 @@ def separation_of(solution: Solution, solid: Elasticity) -> float:
 
 
 def account_of(solution: Solution, position: float, solid: Elasticity, dissipated: float = 0.0) -> Account:
-    """The account of a state."""
+    """The account of a state; surfaces apart are where the next step finds them, out of reach."""
     return Account(
         position,
         float(np.mean(solution.pressure)),
-        separation_of(solution, solid),
+        float(np.mean(solution.state)) if solution.detached else separation_of(solution, solid),
         solution.elastic_energy + solution.interaction_energy,
         not solution.detached,
         dissipated,
@@ -86,8 +86,14 @@ def account_of(solution: Solution, position: float, solid: Elasticity, dissipate
 
 
 def follow(
-    contact: Contact, state: np.ndarray, before: Account, target: float, least: float, solid: Elasticity
-) -> tuple[Solution, Account]:
+    contact: Contact,
+    state: np.ndarray,
+    before: Account,
+    target: float,
+    least: float,
+    solid: Elasticity,
+    noise: float = 0.0,
+) -> tuple[Solution, list[Account]]:
     """Go from one point of a path to the next in steps as long as the work of the load can be accounted for.
 
     Parameters
@@ -104,44 +110,37 @@ def follow(
         Least step, the resolution of a jump's place, in units of the target.
     solid : Elasticity
         The solid.
+    noise : float, optional
+        Work that is none (J/m²): what the solver's tolerance leaves, and the last of a law's reach.
 
     Returns
     -------
     Solution
         At the target, with the work of all steps. A step that does not converge is halved, too; where the least does
         not, it ends the path: what it left is returned, and as the state to go on from the last that did converge.
-    Account
-        The same place in the books, of the last state that converged.
+    list of Account
+        The books of every state passed, from ``before`` on to the last that converged.
     """
-    now, length = replace(before, detachment_pressure=np.nan), target - before.position
+    passed, length = [before], target - before.position
     pairs, iterations = 0.0, 0
     while True:
+        now = passed[-1]
         last = abs(length) >= abs(target - now.position)
         found = contact.step(state, target if last else now.position + length)
         pairs, iterations = pairs + found.fft_pairs, iterations + found.iterations
         new = account_of(found, target if last else now.position + length, solid, now.dissipated)
-        new = replace(new, detachment_pressure=now.detachment_pressure)
-        lost, exchanged = _lost(now, new)
-        jumped = (now.attached and not new.attached) or abs(lost) > UNACCOUNTED * exchanged
+        lost, exchanged = map(float, unaccounted(now.state, new.state)) if new.attached else (0.0, 0.0)
+        parted = now.attached and not new.attached
+        jumped = parted or abs(lost) > max(UNACCOUNTED * exchanged, noise)
         if (jumped or not found.converged) and abs(new.position - now.position) > least:
             length = 0.5 * (new.position - now.position)
             continue
         if not found.converged:
             ended = replace(found, state=state, outcome=Outcome.LEAST_STEP, fft_pairs=pairs, iterations=iterations)
-            return ended, now
-        if now.attached and not new.attached:
-            new = replace(new, detachment_pressure=now.pressure)
-        elif jumped:
+            return ended, passed
+        if jumped and not parted:
             new = replace(new, dissipated=now.dissipated + max(lost, 0.0))
-        state, now, length = found.state, new, 2 * (new.position - now.position)
+        state, length = found.state, 2 * (new.position - now.position)
+        passed.append(new)
         if last:
-            return replace(found, fft_pairs=pairs, iterations=iterations), now
-
-
-def _lost(before: Account, after: Account) -> tuple[float, float]:
-    """Work of the load that is not in the energy (J/m²), and what was exchanged; none where surfaces are apart."""
-    if not after.attached:
-        return 0.0, 0.0
-    work = -0.5 * (before.pressure + after.pressure) * (after.separation - before.separation)
-    stored = after.energy - before.energy
-    return work - stored, abs(work) + abs(stored)
+            return replace(found, fft_pairs=pairs, iterations=iterations), passed

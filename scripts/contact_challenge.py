@@ -103,7 +103,9 @@ def _main(arguments: Sequence[str] | None) -> int:
                 cells += [f"{limit:.4g}", error_of(values[-1], limit)]
             print(f"| {pressure / 1e3:g} | {title} | {' | '.join(cells)} |")
         theory = float(relative_contact_area(pressure, (MODULUS * sample.rms_slope / 2) ** 2))
-        print(f"| {pressure / 1e3:g} | A/A₀, Persson's theory of the hard wall | {theory:.4g} |{' |' * (len(heads) - 1)}")
+        print(
+            f"| {pressure / 1e3:g} | A/A₀, Persson's theory of the hard wall | {theory:.4g} |{' |' * (len(heads) - 1)}"
+        )
     pairs = ", ".join(
         f"{sum(row['pairs'] for row in rows):.0f} on {points}²" for points, rows in zip(grids, found, strict=True)
     )

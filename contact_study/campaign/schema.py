@@ -1,7 +1,7 @@
 """The one schema of all datasets: names, dimensions, units and meanings.
 
 What is read off the state of a simulation has its entry beside its formula, in :mod:`contact_study.observables`; as
-have the constants of a case; here stands the rest: what the campaign and the theories add.
+have the constants of a case and the results of a path; here stands the rest: what the campaign and the theories add.
 
 ``gap`` and ``pressure`` are the fields; a dataset cannot hold a field and a dimension of one name, so the
 distributions stand on ``gap_bin`` and ``pressure_bin``.
@@ -20,6 +20,7 @@ from contact_study.observables import ENTRIES
 from contact_study.observables.atoms import ATOMS, SITES, SURROUNDINGS
 from contact_study.observables.base import Variable
 from contact_study.observables.constants import CONSTANTS
+from contact_study.observables.path_results import PATH_RESULTS
 from contact_study.observables.roughness import ROUGHNESS, SPECTRUM_WAVEVECTOR
 from contact_study.observables.solver_report import FLAG
 
@@ -85,7 +86,6 @@ VARIABLES: dict[str, Variable] = {
     "energy_defect": Variable(
         "m", "derivative of the interfacial energy by pressure at zero pressure, Persson's theory", ()
     ),
-    "pull_off_pressure": Variable("Pa", "lowest pressure that an adhered state carries", ()),
     "finest_tabor_number": Variable("1", "Tabor number of the whole roughness, of radius 2 / rms Laplacian", ()),
     "local_tabor_number": Variable("1", "Tabor number of the roughness up to a wavevector", ("wavevector",)),
     "persson_tosatti_ratio": Variable(
@@ -100,6 +100,7 @@ VARIABLES: dict[str, Variable] = {
     "bearing_area_pull_off": Variable("Pa", "lowest pressure of the bearing-area model (Ciavarella)", ()),
     "contact_modulus_at": Variable("Pa", "contact modulus of a wave of the surface", ("wavevector",)),
     **ATOMS,
+    **PATH_RESULTS,
     **CONSTANTS,
     **SURROUNDINGS,
     **ROUGHNESS,

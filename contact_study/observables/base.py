@@ -106,6 +106,23 @@ class Relaxation:
 
 
 @dataclass(frozen=True)
+class OwnSteps:
+    """Of a path with steps of its own: what its jumps have dissipated so far (J/m²), and what it has passed.
+
+    Attributes
+    ----------
+    dissipated : float
+        Per nominal area (J/m²).
+    passed : numpy.ndarray, shape (n, 3)
+        Mean pressure (Pa), mean separation (m) and energy (J/m²) of each state on the way to this point, itself last;
+        of surfaces that come apart under a load that load and an infinite separation.
+    """
+
+    dissipated: float
+    passed: np.ndarray
+
+
+@dataclass(frozen=True)
 class InterfaceState:
     """One state of a contact, as every simulation yields it for a point of the loading path.
 
@@ -131,10 +148,8 @@ class InterfaceState:
         Distance of points along y and x (m).
     contact_stiffness : float or None
         −dp/dū (Pa/m), of a model that was asked for it.
-    dissipated_energy : float or None
-        In jumps of the path so far, per nominal area (J/m²), of a path with steps of its own.
-    detachment_pressure : float or None
-        Lowest mean pressure held before the surfaces came apart on the way to this point (Pa), of the same.
+    own_steps : OwnSteps or None
+        Of a path with steps of its own.
     motion : ThermalMotion or None
         Of atoms in motion.
     atoms : mapping
@@ -156,8 +171,7 @@ class InterfaceState:
     restart: Mapping[str, np.ndarray] = field(default_factory=dict)
     spacing: tuple[float, float] | None = None
     contact_stiffness: float | None = None
-    dissipated_energy: float | None = None
-    detachment_pressure: float | None = None
+    own_steps: OwnSteps | None = None
     motion: ThermalMotion | None = None
     atoms: Mapping[str, np.ndarray] = field(default_factory=dict)
     plasticity: Plasticity | None = None

@@ -4,12 +4,14 @@ import numpy as np
 import pytest
 
 import contact_study
-from bem_adhesion import LennardJones104, rough_contact
+from bem_adhesion import Dugdale, LennardJones104, rough_contact
+from bem_adhesion.loading import reach
 from bem_adhesion.paths import Account, account_of, follow
 from bem_adhesion.solution import Outcome, Solution
 from contact_study.problem.elasticity import HalfSpace
 from tests.bem_adhesion.paper_system import E_STAR, R0, study_table
 from tests.bem_adhesion.rough_surfaces import self_affine
+from theory.references import maugis_dugdale_contact, maugis_dugdale_pull_off
 
 SOLID = HalfSpace(E_STAR)
 LAW = LennardJones104(0.69, R0)
@@ -23,17 +25,20 @@ def test_flat_surfaces_jump_in_for_their_work_of_adhesion_and_let_go_at_the_peak
     contact = rough_contact(np.zeros((8, 8)), 4e-9, SOLID, LAW)
     state, account = start(contact)
     least = 0.01 * LAW.peak_tensile_stress
-    found, account = follow(contact, state, account, 0.1 * LAW.peak_tensile_stress, least, SOLID)
+    found, (*_, account) = follow(contact, state, account, 0.1 * LAW.peak_tensile_stress, least, SOLID)
     # Under no more than the least pressure, whose work over the reach of 3.6 r0 is what is left: Δγ + p Δs/2.
     reach = contact.separated().mean() - R0
     assert account.dissipated == pytest.approx(0.69, abs=0.51 * least * reach + 5e-3 * 0.69)
-    assert np.isnan(account.detachment_pressure)
-    gone, after = follow(contact, found.state, account, -1.2 * LAW.peak_tensile_stress, least, SOLID)
+    gone, passed = follow(contact, found.state, account, -1.2 * LAW.peak_tensile_stress, least, SOLID)
     assert gone.detached
+    after = passed[-1]
     assert after.dissipated == account.dissipated, "flying apart under the load is no dissipation between contacts"
-    lowest = -after.detachment_pressure / LAW.peak_tensile_stress
+    lowest = -min(place.pressure for place in passed) / LAW.peak_tensile_stress
     assert 0.99 <= lowest <= 1
     assert not after.attached
+    _, (*_, again) = follow(contact, gone.state, after, 0.1 * LAW.peak_tensile_stress, least, SOLID)
+    # As the first time; steps of another length meet the load at another pressure below the least.
+    assert again.dissipated - after.dissipated == pytest.approx(account.dissipated, abs=0.51 * least * reach + 5e-3)
 
 
 def rough(work_of_adhesion=2.76, points=64):
@@ -46,7 +51,7 @@ def walked(contact, targets, resolution=0.01):
     state, account = start(contact)
     accounts, pairs = [], 0.0
     for target in targets:
-        found, account = follow(contact, state, account, target, resolution * max(map(abs, targets)), SOLID)
+        found, (*_, account) = follow(contact, state, account, target, resolution * max(map(abs, targets)), SOLID)
         assert found.converged
         state, pairs = found.state, pairs + found.fft_pairs
         accounts.append(account)
@@ -112,7 +117,7 @@ class Spring:
 
 def test_steps_that_do_not_converge_are_shortened():
     begin = Account(0.0, 0.0, 10.0, 0.0, True)
-    found, account = follow(Spring(0.3, np.inf), np.zeros((2, 2)), begin, 1.0, 0.01, HalfSpace(1.0))
+    found, (*_, account) = follow(Spring(0.3, np.inf), np.zeros((2, 2)), begin, 1.0, 0.01, HalfSpace(1.0))
     assert found.outcome is Outcome.CONVERGED
     assert account.position == 1.0
     assert found.state.mean() == 1.0
@@ -121,14 +126,14 @@ def test_steps_that_do_not_converge_are_shortened():
 
 def test_where_the_least_step_does_not_converge_the_path_says_so_and_keeps_the_state_before():
     begin = Account(0.0, 0.0, 10.0, 0.0, True)
-    found, account = follow(Spring(1.0, 0.7), np.zeros((2, 2)), begin, 1.0, 0.01, HalfSpace(1.0))
+    found, (*_, account) = follow(Spring(1.0, 0.7), np.zeros((2, 2)), begin, 1.0, 0.01, HalfSpace(1.0))
     assert found.outcome is Outcome.LEAST_STEP
     assert not found.converged
     assert "loading.resolution" in found.message
     assert 0.69 <= account.position <= 0.7
     assert found.state.mean() == account.position, "the last state that converged"
     assert found.pressure.mean() > 0.7, "and beside it what the step left"
-    back, account = follow(Spring(1.0, 0.7), found.state, account, 0.2, 0.01, HalfSpace(1.0))
+    back, (*_, account) = follow(Spring(1.0, 0.7), found.state, account, 0.2, 0.01, HalfSpace(1.0))
     assert back.converged
     assert account.position == 0.2
 
@@ -152,11 +157,9 @@ def test_a_whole_study_and_its_continuation(control, tmp_path):
     if control == "pressure":
         assert dissipated[0] > 0, "surfaces snap in"
         assert whole.detached.values.tolist() == [0, 0, 1]
-        lowest = whole.detachment_pressure.values
-        assert np.isnan(lowest[:2]).all()
-        held = contact_study.run(
-            {**table, "loading": {"path": [1e9, lowest[2] + 1e6, lowest[2] - 0.03 * 3e9]}}, "continuum"
-        )
+        lowest, off = float(whole.pull_off_pressure), float(whole.pull_off_pressure_resolution_error)
+        assert 0 < off <= 0.02 * 3e9
+        held = contact_study.run({**table, "loading": {"path": [1e9, lowest + 1e6, lowest - 1.5 * off]}}, "continuum")
         assert held.detached.values.tolist() == [0, 0, 1]
     output = tmp_path / "path.nc"
     if control == "gap":  # the largest value of the path is among the first two: the same resolution
@@ -171,3 +174,80 @@ def test_walls_without_adhesion_take_plain_steps():
     table = study_table(32, size=500e-10, loading={"path": [1e9, 2e9], "adaptive": True})
     table["interaction"] = {"law": "hard_wall"}
     assert "dissipated_energy" not in contact_study.run(table, "continuum")
+
+
+# Of spheres: E*, reach and work of Dugdale's tension in SI.
+MODULUS, REACH, WORK = 1e9, 1e-9, 0.02
+
+
+class Sphere:
+    """A sphere of a Tabor parameter on a free half-space, and what Maugis has of it."""
+
+    def __init__(self, tabor, size):
+        self.radius = tabor**3 * MODULUS**2 * REACH**3 / WORK**2
+        self.size = size
+        self.unit = np.pi * WORK * self.radius / size**2  # πwR over the cell (Pa)
+        self.parameter = 2 * tabor * (9 / (16 * np.pi)) ** (1 / 3)
+        self.pull_off = -maugis_dugdale_pull_off(self.parameter) * self.unit
+
+    def run(self, control, path):
+        return contact_study.run(
+            {
+                "surface": {"kind": "sphere", "size": self.size, "shape": [40, 40], "radius": self.radius},
+                "material": {"youngs_modulus": MODULUS, "poissons_ratio": 0.0},
+                "elasticity": {"boundary": "free"},
+                "interaction": {"law": "dugdale", "work_of_adhesion": WORK, "length": REACH},
+                "loading": {"path": path, "control": control, "adaptive": True},
+            },
+            "continuum",
+        )
+
+    @property
+    def work_of_separation(self):
+        """∫−F dδ from no force to the least approach (J).
+
+        D. Maugis, J. Colloid Interface Sci. 150, 243 (1992), as in scripts/validate_spheres.py.
+        """
+        zone = np.exp(np.linspace(-9, 9, 4000))
+        force, a = maugis_dugdale_contact(self.parameter, zone)
+        approach = a**2 - 4 / 3 * self.parameter * a * np.sqrt(zone * (zone + 2))
+        pulled = (force < 0) & (np.arange(zone.size) <= np.argmin(approach))
+        length = (3 * np.pi * WORK * self.radius**2 / (4 * MODULUS)) ** (1 / 3)
+        return np.trapezoid(-force[pulled], -approach[pulled]) * np.pi * WORK * length**2
+
+
+def test_a_sphere_jumps_in_pulls_off_and_costs_what_maugis_says():
+    sphere = Sphere(1.0, 5e-7)
+    found = sphere.run("approach", [-1.5 * REACH, 12 * REACH, -9 * REACH])
+    assert np.all(found.converged == 1)
+    lowest, off = float(found.pull_off_pressure), float(found.pull_off_pressure_resolution_error)
+    # Four points to the process zone hold on to the forces of the edge to some per cent, on either side; with the work,
+    # an integral over many positions of the edge, this is less.
+    assert lowest - off == pytest.approx(sphere.pull_off, rel=0.05)
+    assert float(found.work_of_separation) * sphere.size**2 == pytest.approx(sphere.work_of_separation, rel=0.02)
+    # Above Tabor parameter 0.58 the tip falls into contact as it meets the tension, whose end is a ramp: no force yet.
+    tip = sphere.size**2 / (12 * sphere.radius)  # over the heights' mean
+    assert 1 < (float(found.jump_in_separation) - tip) / REACH < reach(Dugdale(WORK, REACH)) / REACH
+    assert abs(float(found.jump_in_pressure)) < 0.01 * sphere.unit
+
+
+def test_a_sphere_pulls_off_under_a_load_where_maugis_says():
+    sphere = Sphere(0.5, 1.7e-7)
+    found = sphere.run("pressure", [0.5 * sphere.unit, -2 * sphere.unit])
+    held, off = float(found.pull_off_pressure), float(found.pull_off_pressure_resolution_error)
+    assert 0 < off <= 0.02 * sphere.unit
+    # The bracket, and what these 40 points hold on for, 0.7 % measured; on 96 it is less than 0.1 %.
+    assert held - off - 0.02 * sphere.unit < sphere.pull_off < held + 0.02 * sphere.unit
+    assert not {"work_of_separation", "jump_in_pressure"} & set(found)
+
+
+def test_the_points_of_a_path_bracket_its_pull_off():
+    path = [1e9, *np.linspace(0, -3e9, 7)]
+    table = study_table(48, size=150e-10, surface={"rms_height": 4e-10}, loading={"path": path})
+    coarse = contact_study.run(table, "continuum")
+    fine = contact_study.run({**table, "loading": {"path": path, "adaptive": True, "resolution": 0.02}}, "continuum")
+    assert fine.pull_off_pressure.dims == coarse.pull_off_pressure.dims == ()
+    held, off = (float(coarse[f"pull_off_pressure{name}"]) for name in ("", "_resolution_error"))
+    assert off == pytest.approx(0.5e9)
+    assert held - off <= float(fine.pull_off_pressure) <= held
+    assert set(fine) - set(coarse) == {"dissipated_energy", "passed_pressure", "passed_separation", "passed_energy"}

@@ -171,11 +171,16 @@ def test_constants_by_hand(inputs):
 
 
 def test_regime_by_hand(inputs):
-    models = {**inputs.models, "persson": inputs.models["persson"].assign(pull_off_pressure=-0.3125e9)}
+    simulated = {"pull_off_pressure": -0.3e9, "pull_off_pressure_resolution_error": 0.05e9}
+    models = {
+        **inputs.models,
+        "continuum": inputs.models["continuum"].assign(simulated),
+        "persson": inputs.models["persson"].assign(pull_off_pressure=-0.3125e9),
+    }
     regime = compute_regime(inputs)
     table = regime_table(models, regime)
     assert table.header[2] == "process zone (Å)"
-    assert table.header[-1] == "pull-off, Persson (GPa)"
+    assert table.header[-2:] == ["pull-off, continuum (GPa)", "pull-off, Persson (GPa)"]
     for row, ratio in zip(table.rows, (1, 8), strict=True):
         at = regime.sel(well_depth_ratio=ratio)
         zone = MODULUS * float(models["continuum"]["work_of_adhesion"].sel(well_depth_ratio=ratio))
@@ -183,7 +188,7 @@ def test_regime_by_hand(inputs):
         assert row[2] == f"{zone / 1e-10:.1f}"
         assert row[3] == f"{416e-10 / 24 / zone:.2f}"
         assert row[1] == f"{float(at['tabor_parameter']):.2f}"
-        assert row[-1] == "−0.312"
+        assert row[-2:] == ["−0.350 to −0.300", "−0.312"]
 
 
 def test_effort_by_hand(tmp_path):

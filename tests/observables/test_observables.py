@@ -10,7 +10,7 @@ from contact_study.campaign.schema import VARIABLES
 from contact_study.fields.distributions import Bins
 from contact_study.fields.grid import Grid
 from contact_study.observables import ENTRIES, OBSERVABLES, observed
-from contact_study.observables.base import InterfaceState, Plasticity, Relaxation, SolverReport, ThermalMotion
+from contact_study.observables.base import InterfaceState, OwnSteps, Plasticity, Relaxation, SolverReport, ThermalMotion
 from contact_study.observables.constants import CONSTANTS, InterfaceConstants, heights_on
 from contact_study.observables.contact_edge import OVERCOUNT
 
@@ -31,8 +31,7 @@ def state(**changes):
         "restart": {"state": np.arange(3.0)},
         "spacing": (2e-10, 1e-10),
         "contact_stiffness": 3e18,
-        "dissipated_energy": 0.02,
-        "detachment_pressure": -1e8,
+        "own_steps": OwnSteps(0.02, np.array([[1e8, 3e-10, -0.1], [-1e8, np.inf, 0.0]])),
     }
     return InterfaceState(**{**content, **changes})
 
@@ -40,6 +39,8 @@ def state(**changes):
 def test_observables_of_a_state_made_by_hand():
     found = observed(state(), BINS)
     pressure_pdf, gap_pdf = found.pop("pressure_pdf"), found.pop("gap_pdf")
+    passed = [list(found.pop(f"passed_{name}")) for name in ("pressure", "separation", "energy")]
+    assert passed == [[1e8, -1e8], [3e-10, np.inf], [-0.1, 0.0]]
     assert found.pop("mean_gap") == pytest.approx(26e-10 / 6 - 2e-10, rel=1e-12)
     assert found.pop("mean_pressure") == pytest.approx(2.5e9 / 6, rel=1e-12)
     # Of the lags within half of the shorter side, 3 points along x, there is one: a third of it, in one pair of six.
@@ -58,7 +59,6 @@ def test_observables_of_a_state_made_by_hand():
         "corrected_contact_area": pytest.approx(3 / 6 - OVERCOUNT * (2 + 4) / 6),
         "contact_stiffness": 3e18,
         "dissipated_energy": 0.02,
-        "detachment_pressure": -1e8,
         "contact_percolates": True,
         "gap_percolates": True,
         "converged": True,

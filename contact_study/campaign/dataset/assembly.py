@@ -22,6 +22,8 @@ from contact_study.campaign.schema import (
 )
 from contact_study.fields.distributions import Bins, redistributed
 from contact_study.observables.contact_autocorrelation import RELATIVE_DISTANCE
+from contact_study.observables.path_results import path_results, series_of
+from contact_study.problem.case import Case
 from contact_study.problem.sweep import SweptKey
 
 # Arrays by name and by the labels before it.
@@ -65,7 +67,14 @@ def _collect(
                 brought.append(f"{case.label}, point {number + 1}")
                 values = _on_bins(values, bins, run.bins)
             steps.append(values)
-        yield case.index, store.load_constants(folder), steps
+        yield case.index, {**store.load_constants(folder), **_results_of_path(case, steps)}, steps
+
+
+def _results_of_path(case: Case, steps: Sequence[Mapping[str, Any]]) -> dict[str, float]:
+    """What the path of a simulation tells of adhesion; theories say what they know themselves."""
+    control = case.loading.control
+    simulated = "mean_separation" in steps[0]
+    return path_results(series_of(steps, control), control) if simulated and case.law.attracts else {}
 
 
 def _last_states(run: Run, names: Sequence[str], parts: Parts) -> Iterator[dict[str, np.ndarray]]:

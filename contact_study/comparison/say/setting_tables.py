@@ -5,11 +5,15 @@ from collections.abc import Mapping
 import numpy as np
 import xarray as xr
 
+from contact_study.campaign.schema import RESOLUTION_ERROR
 from contact_study.comparison.compute.cases import constant, first_constant, select, sweep_points
 from contact_study.comparison.models import entry_of
 from contact_study.comparison.say.tables import NOTHING, Table, fixed_or_nothing
 from contact_study.comparison.wording import number
 from contact_study.plots.units import Unit, length_unit, pressure_unit
+
+# Of a pull-off pressure in the unit of the contact modulus.
+_DECIMALS = 3
 
 _REGIME = (
     ("tabor_parameter", "Tabor parameter μ", 2),
@@ -22,14 +26,14 @@ _REGIME = (
 
 
 def regime_table(models: Mapping[str, xr.Dataset], regime: xr.Dataset) -> Table:
-    """Regime numbers, and the pull-off pressures that the theories predict; a row for each point of the sweep.
+    """Regime numbers, and the pull-off pressures of theories and simulated paths; a row for each point of the sweep.
 
     Columns without a number, such as those of adhesion for a hard wall, are left out.
     """
     unit = _stress_unit(models)
     columns = [column for column in _REGIME if (regime[column[0]].fillna(0) != 0).any()]
     zone = length_unit(float(regime["process_zone"].fillna(0).max()))
-    theories = [name for name, dataset in models.items() if "pull_off_pressure" in dataset]
+    pulled = [name for name, dataset in models.items() if "pull_off_pressure" in dataset]
     rows = []
     for point in sweep_points(models):
         part = select(regime, point)
@@ -39,15 +43,21 @@ def regime_table(models: Mapping[str, xr.Dataset], regime: xr.Dataset) -> Table:
             fixed_or_nothing(float(part[name]) / (zone.size if name == "process_zone" else 1), decimals)
             for name, _, decimals in columns
         ]
-        pulls = [select(models[name], point) for name in theories]
-        cells += [
-            NOTHING if pull is None else fixed_or_nothing(constant(pull, "pull_off_pressure") / unit.size, 3)
-            for pull in pulls
-        ]
+        cells += [_pull_off(select(models[name], point), unit) for name in pulled]
         rows.append([point.label, *cells])
     header = ["", *(f"{words} ({zone.name})" if name == "process_zone" else words for name, words, _ in columns)]
-    header += [f"pull-off, {entry_of(name).short} ({unit.name})" for name in theories]
+    header += [f"pull-off, {entry_of(name).short} ({unit.name})" for name in pulled]
     return Table("Regime numbers", header, rows)
+
+
+def _pull_off(part: xr.Dataset | None, unit: Unit) -> str:
+    """The pull-off pressure of a point of the sweep; of a path the pressures that it lies between."""
+    if part is None:
+        return NOTHING
+    held, below = (constant(part, f"pull_off_pressure{name}") / unit.size for name in ("", RESOLUTION_ERROR))
+    upper = fixed_or_nothing(held, _DECIMALS)
+    lower = fixed_or_nothing(held - below, _DECIMALS)
+    return upper if lower in (upper, NOTHING) else f"{lower} to {upper}"
 
 
 def _stress_unit(models: Mapping[str, xr.Dataset]) -> Unit:

@@ -1,0 +1,118 @@
+"""What a path tells of adhesion, on series in closed form: flat surfaces under a 10-4 law, a contact that jumps."""
+
+import numpy as np
+import pytest
+
+from contact_study.observables.path_results import PathSeries, path_results, series_of
+from contact_study.problem.laws import LennardJones104
+
+LAW = LennardJones104(0.69, 3.28e-10)
+
+
+def flat(gaps, ends_apart=True):
+    """Flat rigid surfaces brought through these gaps (m)."""
+    gaps = np.asarray(gaps)
+    return PathSeries(-LAW.traction(gaps), gaps - LAW.equilibrium_distance, LAW.potential(gaps), ends_apart)
+
+
+def there_and_back(closest, farthest, points=400):
+    back = np.geomspace(closest, farthest, points)
+    return np.concatenate([back[::-1], back[1:]])
+
+
+def test_flat_surfaces_pull_off_at_the_peak_and_take_their_work_of_adhesion():
+    found = path_results(flat(there_and_back(3e-10, 2e-9)), "gap")
+    error = found["pull_off_pressure_resolution_error"]
+    # A parabola's vertex: off by the third power of a step of half a per cent, times some ten to a hundred; the lowest
+    # of the states by half its second power, times the curvature of the peak, some twenty.
+    assert found["pull_off_pressure"] - error == pytest.approx(-LAW.peak_tensile_stress, rel=1e-5)
+    assert 0 <= error <= 3e-4 * LAW.peak_tensile_stress
+    # The trapezoidal rule: the square of a step of 0.5 % over twelve, times the second derivative, some ten peaks.
+    assert found["work_of_separation"] == pytest.approx(0.69, rel=1e-3)
+    assert "jump_in_pressure" not in found, "rigid surfaces do not jump"
+
+
+def test_the_work_of_separation_is_that_to_infinity_wherever_the_path_ends():
+    far, near = (path_results(flat(there_and_back(3e-10, end)), "gap") for end in (5e-9, 8e-10))
+    assert near["work_of_separation"] == pytest.approx(far["work_of_separation"], rel=1e-3)
+
+
+def test_loading_that_ends_under_tension_is_where_the_work_begins():
+    closest = 1.1 * LAW.equilibrium_distance
+    found = path_results(flat(there_and_back(closest, 2e-9)), "gap")
+    assert found["work_of_separation"] == pytest.approx(-float(LAW.potential(np.array(closest))), rel=1e-3)
+
+
+def test_what_a_path_does_not_show_is_not_said():
+    gaps = there_and_back(3e-10, 2e-9)
+    assert path_results(flat(gaps[: gaps.size // 2]), "gap") == {}, "approach alone"
+    still_in_tension = gaps[gaps < LAW.peak_distance]
+    assert path_results(flat(still_in_tension, ends_apart=False), "gap") == {}
+    in_contact = path_results(flat(gaps, ends_apart=False), "gap")
+    assert set(in_contact) == {"pull_off_pressure", "pull_off_pressure_resolution_error"}
+    coarse = PathSeries(*(getattr(flat(gaps), name) for name in ("pressure", "separation")), ends_apart=True)
+    assert set(path_results(coarse, "gap")) == set(in_contact), "points too far apart to integrate"
+
+
+def test_the_first_state_that_loses_energy_on_approach_is_the_jump():
+    """Two branches p = −k (s − s₀) of a spring that lets go of 0.1 J/m² from one to the other."""
+    separation = np.array([5.0, 4.0, 3.0, 2.99, 2.0, 1.0, 2.0, 3.0, 4.0]) * 1e-10
+    pressure = np.array([-1.0, -2.0, -3.0, -9.0, -4.0, 1.0, -4.0, -9.0, -14.0]) * 1e8
+    energy = np.zeros(9)
+    energy[1:] = np.cumsum(-0.5 * (pressure[1:] + pressure[:-1]) * np.diff(separation))
+    energy[3:] -= 0.1
+    found = path_results(PathSeries(pressure, separation, energy), "gap")
+    assert found["jump_in_pressure"] == -3e8
+    assert found["jump_in_separation"] == 3e-10
+    assert found["jump_in_separation_resolution_error"] == pytest.approx(1e-12)
+    assert "jump_in_pressure" not in path_results(PathSeries(pressure, separation, energy), "pressure")
+    smooth = energy.copy()
+    smooth[3:] += 0.1
+    assert "jump_in_pressure" not in path_results(PathSeries(pressure, separation, smooth), "gap")
+
+
+@pytest.mark.parametrize(
+    ("pressures", "separations", "lowest", "error"),
+    [
+        ([1.0, -0.5, -0.9, -1.0], [0, 1, 2, np.inf], -0.9, 0.1),
+        ([1.0, -0.9, -1.0, -1.5], [0, 2, np.inf, np.inf], -0.9, 0.1),  # the first that was not held
+        ([1.0, -0.5, -1.0, 1.0, -0.8, -1.1], [0, 1, np.inf, 0, 1, np.inf], -0.8, 0.3),
+        ([1.0, -0.2], [0, np.inf], 0.0, 0.2),  # nothing pulls them apart without a load
+    ],
+)
+def test_surfaces_under_a_load_pull_off_between_what_held_and_what_did_not(pressures, separations, lowest, error):
+    found = path_results(PathSeries(np.array(pressures), np.array(separations, float)), "pressure")
+    assert found == {"pull_off_pressure": lowest, "pull_off_pressure_resolution_error": pytest.approx(error)}
+
+
+def test_surfaces_that_held_or_never_touched_do_not_pull_off():
+    for separations in ([0.0, 1.0, 2.0], [np.inf, np.inf, np.inf]):
+        assert path_results(PathSeries(np.array([1.0, -0.5, -0.9]), np.array(separations)), "pressure") == {}
+
+
+def point(pressure, separation, area=0.1, **changes):
+    known = {"mean_pressure": pressure, "applied_pressure": pressure, "mean_separation": separation}
+    return {**known, "relative_contact_area": area, "converged": True, "detached": False, **changes}
+
+
+def test_points_make_a_series_and_those_that_did_not_converge_none():
+    steps = [
+        point(1e9, 1e-10),
+        point(-1e9, 3e-10, converged=False),
+        point(-2e9, 2e-10),
+        point(0.0, np.inf, 0.0, detached=True, applied_pressure=-3e9),
+    ]
+    series = series_of(steps, "pressure")
+    assert series.pressure.tolist() == [1e9, -2e9, -3e9]
+    assert series.separation.tolist() == [1e-10, 2e-10, np.inf]
+    assert series.ends_apart
+    assert not series_of(steps[:3], "pressure").ends_apart
+    assert series.energy is None
+
+
+def test_what_steps_passed_makes_a_finer_series():
+    passed = {"passed_pressure": [2.0, 1.0], "passed_separation": [5.0, 4.0], "passed_energy": [0.0, 7.0]}
+    arrays = {name: np.array(values) for name, values in passed.items()}
+    series = series_of([point(1.0, 4.0, **arrays), point(1.0, 4.0, **arrays)], "gap")
+    assert series.pressure.tolist() == [2, 1, 2, 1]
+    assert series.energy.tolist() == [0, 7, 0, 7]
