@@ -6,9 +6,10 @@ pyplot's state or any setting.
 
 from contact_study.plots.atoms import atoms
 from contact_study.plots.criteria import criteria_map
-from contact_study.plots.curves import contact_area, hysteresis_loop, mean_gap
+from contact_study.plots.curves import contact_area, mean_gap
 from contact_study.plots.densities import gap_distribution, stress_distribution, surface_spectrum
 from contact_study.plots.deviations import deviations
+from contact_study.plots.hysteresis import hysteresis_loop
 from contact_study.plots.magnification import (
     area_by_magnification,
     detachment_stress,

@@ -102,3 +102,19 @@ def label(coordinate: xr.DataArray, value: object) -> str:
         return value.replace("_", " ")
     units = coordinate.attrs.get("units", "1").replace(" m-2", "/m²")
     return f"{str(coordinate.name).replace('_', ' ')} = {value:.6g}{'' if units == '1' else f' {units}'}"
+
+
+def fit_states(part: xr.Dataset) -> np.ndarray:
+    """Which points of the path have converged in contact, as its pressures stand."""
+    fit = np.isfinite(part["mean_pressure"].values)
+    for name, wanted in (("converged", 1), ("detached", 0)):
+        if name in part:
+            fit &= part[name].broadcast_like(part["mean_pressure"]).values == wanted
+    return fit
+
+
+def largest(dataset: xr.Dataset, name: str) -> float:
+    """The largest finite magnitude of a variable, zero without one."""
+    require(dataset, name)
+    values = np.abs(dataset[name].values)
+    return float(values[np.isfinite(values)].max(initial=0.0))

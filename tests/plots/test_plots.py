@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 
 import contact_study
 from contact_study import plots
-from contact_study.plots.curves import dissipated_energy
+from contact_study.plots.hysteresis import dissipated_energy
 from contact_study.plots.style import COLOURS
 from contact_study.plots.units import length_unit, pressure_unit
 from contact_study.problem.study import make_study
@@ -186,6 +186,30 @@ def test_dissipated_energy_of_a_parallelogram():
         plots.hysteresis_loop(dataset.isel(step=slice(6)))
     with pytest.raises(ValueError, match="select one along 'seed'"):
         plots.hysteresis_loop(xr.concat([dataset, dataset], "seed"))
+
+
+def test_the_loop_shows_what_its_own_steps_passed_and_marks_jump_in_and_pull_off():
+    """A path down to 1 nm and out again, whose points alone make no cycle: its states do."""
+    dataset = path([-1e6, 4e6, 0.0], np.full(3, 0.1), [5e-9, 1e-9, 6e-9], [0, 0, 0])
+    pressures, separations = [[-1, -2, np.nan], [2, 4, np.nan], [1, -3, 0]], [[5, 4, np.nan], [2, 1, np.nan], [2, 3, 6]]
+    passed = {"passed_pressure": 1e6 * np.array(pressures), "passed_separation": 1e-9 * np.array(separations)}
+    results = {
+        "jump_in_pressure": -2e6,
+        "jump_in_separation": 4e-9,
+        "pull_off_pressure": -3e6,
+        "work_of_separation": 0.0055,
+    }
+    dataset = dataset.assign({name: (("step", "passed"), values) for name, values in passed.items()}).assign(results)
+    dataset = dataset.assign_coords(applied_gap=dataset.mean_separation)
+    # At 1, 2, 3, 4, 5 nm loading carries 4, 2, 0, −2, −1 MPa, unloading 4, 1, −3, −2, −1.
+    assert dissipated_energy(dataset) == pytest.approx((0.5 + 2.0 + 1.5) * 1e-3, rel=1e-9)
+    axes = plots.hysteresis_loop(dataset)
+    marked = {line.get_label(): (float(line.get_xdata()[0]), float(line.get_ydata()[0])) for line in axes.lines[2:4]}
+    assert marked == {
+        "jump-in": (pytest.approx(40), pytest.approx(-2)),
+        "pull-off, 0.0055 J/m² of work to separate": (pytest.approx(30), pytest.approx(-3)),
+    }
+    assert len(plots.hysteresis_loop(dataset.drop_vars(list(results))).lines) == 3
 
 
 def test_spectrum_is_that_of_the_waves_and_keeps_the_variance():
