@@ -37,7 +37,7 @@ from contact_study.problem.laws.base import TractionLaw
 from theory.edge_equilibrium import KERNEL, Equilibrium, Problem, scales_of
 from theory.gap_flow import gap_nodes
 from theory.gap_state import GapState
-from theory.pressure_curve import PressureCurve, positions
+from theory.pressure_curve import PressureCurve, core_of, positions
 
 # Nodes of the gap and steps of the roughness.
 EDGE_FLOW_GAPS, EDGE_FLOW_SCALES = 240, 80
@@ -208,7 +208,7 @@ def edge_flow(
     Raises
     ------
     ValueError
-        If a number is no number, too small, or a pressure or mean gap beyond the nodes.
+        If a number is no number, too small, or a pressure or mean gap beyond the nodes, or if the law has no core.
 
     Examples
     --------
@@ -225,7 +225,7 @@ def edge_flow(
     if not finite("tolerance", tolerance, "1") > 0:
         raise ValueError(f"tolerance = {tolerance!r}: must be positive")
     finite("largest_gap", largest_gap, "m")
-    length = law.equilibrium_distance
+    length = core_of(law)
     solid = elasticity_of(elasticity)
     modulus = solid.contact_modulus
     reduced = law.scaled(length, modulus)

@@ -13,6 +13,7 @@ folded Gaussian's own mean is larger.
 """
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.special import erf, ndtr
@@ -23,9 +24,15 @@ from contact_study.problem.elasticity import Elasticity, elasticity_of
 from contact_study.problem.laws import TractionLaw
 from theory.closed_forms import separation, shared_points
 
+if TYPE_CHECKING:
+    import xarray as xr
+
 # Bands of the spectrum, and parts of equal area that come off one after the other: where next to nothing comes off, as
 # at the longest waves under heavy load, u₁ of a point of ζ has no bound.
 _BANDS, _PARTS = 100, 100
+
+# Deviations of a part's Gaussian within which all but a billionth of it lies.
+_REACH = 6.0
 
 # Bins of the gap in which a law's traction is summed, graded from a ten-thousandth of the law's length.
 _BINS = 4000
@@ -67,6 +74,39 @@ class GapDistribution:
     def density(self, edges: np.ndarray) -> np.ndarray:
         """Mean of P(u) in bins (1/m), shape (n,) for n + 1 edges from zero on (m); without the δ of contact."""
         return np.diff(self.fraction_below(edges)) / np.diff(edges)
+
+    def to_dataset(self, gap_edges: np.ndarray | None = None) -> "xr.Dataset":
+        """The state in the schema of ``theory.nc``.
+
+        As in a simulation, P(u) has the contact in the bin that begins at zero.
+
+        Parameters
+        ----------
+        gap_edges : numpy.ndarray, optional
+            Edges of the bins (m); by default even ones over all but a billionth of the area.
+
+        Raises
+        ------
+        ValueError
+            If edges do not rise.
+        """
+        from theory.datasets import dataset_of  # xarray is slow to import, and only needed here
+
+        def with_contact(edges: np.ndarray) -> np.ndarray:
+            below = np.where(edges > 0, self.fraction_below(edges), 0.0)
+            return np.diff(below) / np.diff(edges)
+
+        return dataset_of(
+            ("almqvist",),
+            {
+                "mean_pressure": self.pressure,
+                "mean_gap": self.mean_gap,
+                "relative_contact_area": self.relative_contact_area,
+                "gap_pdf": with_contact,
+            },
+            {"gap_pdf": gap_edges},
+            {"gap_pdf": (0.0, float(np.max(self.centres + _REACH * self.widths)))},
+        )
 
 
 def gap_distribution(

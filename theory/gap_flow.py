@@ -28,7 +28,7 @@ from contact_study.fields.spectrum import RoughnessSpectrum
 from contact_study.problem.elasticity import Elasticity, elasticity_of
 from contact_study.problem.laws.base import TractionLaw
 from theory.gap_state import GapState
-from theory.pressure_curve import PressureCurve, positions
+from theory.pressure_curve import PressureCurve, core_of, positions
 from theory.scale_steps import BRANCHES, flow_through_scales, trace_back
 
 # Nodes of the gap and bands of wavevectors.
@@ -172,7 +172,7 @@ def gap_flow(
     Raises
     ------
     ValueError
-        If the branch is unknown.
+        If the branch is unknown or the law has no core.
 
     Examples
     --------
@@ -185,7 +185,7 @@ def gap_flow(
     """
     if branch not in BRANCHES:
         raise ValueError(f"branch = {branch!r}: expected one of {', '.join(BRANCHES)}")
-    length = law.equilibrium_distance
+    length = core_of(law)
     solid = elasticity_of(elasticity)
     contact_modulus = solid.contact_modulus
     reduced = law.scaled(length, contact_modulus)

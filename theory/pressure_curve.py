@@ -5,6 +5,7 @@ from abc import ABC, abstractmethod
 import numpy as np
 
 from contact_study.fields.arguments import finite
+from contact_study.problem.laws.base import TractionLaw
 from theory.gap_state import GapState
 
 
@@ -79,6 +80,19 @@ class PressureCurve(ABC):
         if np.isnan(gap):
             raise ValueError(f"pressure = {pressure:g} Pa: below the pull-off at {self.pull_off_pressure:.3g} Pa")
         return self.states(np.array([gap]))[0]
+
+
+def core_of(law: TractionLaw) -> float:
+    """The equilibrium distance, at which a law's core ends (m).
+
+    Raises
+    ------
+    ValueError
+        If there is a wall or nothing in place of a core: a flow of the local gap goes through the whole law.
+    """
+    if law.has_wall:
+        raise ValueError(f"law: {law.title}: has a wall, which no flow of the local gap goes through; take a core")
+    return law.equilibrium_distance
 
 
 def positions(mean_gaps: np.ndarray, lowest: float, highest: float) -> np.ndarray:

@@ -123,7 +123,7 @@ class SelfAffineSpectrum(RoughnessSpectrum):
     Raises
     ------
     ValueError
-        If the wavevectors are out of order or the height is not positive.
+        If the wavevectors are out of order, the height is not positive or the exponent is not from 0 to 1.
     """
 
     hurst_exponent: float
@@ -140,6 +140,8 @@ class SelfAffineSpectrum(RoughnessSpectrum):
             )
         if not self.rms_height > 0:
             raise ValueError(f"rms_height = {self.rms_height:g} m: must be positive")
+        if not 0 <= self.hurst_exponent <= 1:
+            raise ValueError(f"hurst_exponent = {self.hurst_exponent:g}: must be from 0 to 1")
 
     @property
     def limits(self) -> tuple[float, float]:
@@ -216,7 +218,7 @@ class RadialSpectrum(RoughnessSpectrum):
     Raises
     ------
     ValueError
-        If there is no shell or the wavevectors do not increase from above zero.
+        If there is no shell, the wavevectors do not increase from above zero or a variance is negative or no number.
     """
 
     wavevectors: np.ndarray
@@ -224,8 +226,14 @@ class RadialSpectrum(RoughnessSpectrum):
 
     def __post_init__(self):
         q = self.wavevectors
-        if q.size == 0 or q[0] <= 0 or np.any(np.diff(q) <= 0) or self.variances.shape != q.shape:
+        if q.size == 0 or not q[0] > 0 or not np.all(np.diff(q) > 0) or self.variances.shape != q.shape:
             raise ValueError("wavevectors: need at least one, increasing from above zero, with a variance each")
+        wrong = np.flatnonzero(~((self.variances >= 0) & np.isfinite(self.variances)))
+        if wrong.size:
+            first = wrong[0]
+            raise ValueError(
+                f"variances: {self.variances[first]:g} m² at {q[first]:g} 1/m: must be finite, not negative"
+            )
 
     @cached_property
     def shell_edges(self) -> np.ndarray:

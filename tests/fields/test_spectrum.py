@@ -108,6 +108,24 @@ def test_impossible_wavevectors_are_refused(wavevectors):
         SelfAffineSpectrum(0.8, 1.0, *wavevectors)
 
 
+@pytest.mark.parametrize("exponent", [-0.1, 1.1, np.nan])
+def test_impossible_hurst_exponents_are_refused(exponent):
+    with pytest.raises(ValueError, match="hurst_exponent"):
+        SelfAffineSpectrum(exponent, 1.0, 1.0, 2.0, 3.0)
+
+
+@pytest.mark.parametrize("variance", [-0.5, np.nan, np.inf])
+def test_power_that_is_negative_or_no_number_is_named_with_its_wavevector(variance):
+    with pytest.raises(ValueError, match=r"variances: .* at 2 1/m"):
+        RadialSpectrum(np.array([1.0, 2.0]), np.array([3.0, variance]))
+
+
+@pytest.mark.parametrize("wavevectors", [(1.0, np.nan), (np.nan, 1.0), (2.0, 1.0), (0.0, 1.0)])
+def test_impossible_shells_are_refused(wavevectors):
+    with pytest.raises(ValueError, match="wavevectors"):
+        RadialSpectrum(np.array(wavevectors), np.ones(2))
+
+
 @pytest.mark.parametrize(("shape", "size"), [((24, 24), (2.0, 2.0)), ((21, 32), (1.5, 2.0)), ((16, 27), (2.0, 3.0))])
 def test_realised_moments_are_sums_over_modes(shape, size):
     grid = Grid(shape, size)

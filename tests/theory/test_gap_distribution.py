@@ -76,6 +76,20 @@ def test_dmt_limit_sums_the_traction_of_the_bare_gaps(found):
     assert 1e9 - dmt_limit(found, far) == pytest.approx(whole, rel=1e-6)
 
 
-def test_pressures_that_are_none_are_refused():
+def test_its_dataset_holds_the_whole_area_with_the_contact_in_the_first_bin(found):
+    dataset = found.to_dataset()
+    width = float(dataset.gap_bin[1] - dataset.gap_bin[0])
+    shares = dataset.gap_pdf.values * width
+    assert shares.sum() == pytest.approx(1, rel=1e-8)  # a billionth is left out
+    assert shares[0] == pytest.approx(float(found.fraction_below(width)), rel=1e-9)
+    assert shares[5] == pytest.approx(width * float(found.density(width * np.array([5.0, 6.0]))[0]), rel=1e-9)
+    assert (dataset.theory, float(dataset.mean_gap)) == ("almqvist", found.mean_gap)
+    assert float(dataset.relative_contact_area) == found.relative_contact_area
+    with pytest.raises(ValueError, match="gap_edges: must be rising"):
+        found.to_dataset(np.array([1.0, 0.0]))
+
+
+@pytest.mark.parametrize("pressure", [0.0, -1e9, np.nan, np.inf])
+def test_pressures_that_are_none_are_refused(pressure):
     with pytest.raises(ValueError, match="pressure"):
-        gap_distribution(SPECTRUM, E_STAR, 0.0)
+        gap_distribution(SPECTRUM, E_STAR, pressure)

@@ -1,12 +1,16 @@
 """Gap-flow theory: reference table, exact limits, balances, branches, convergence."""
 
+from dataclasses import dataclass
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from contact_study.fields.spectrum import RadialSpectrum, SelfAffineSpectrum
-from contact_study.problem.laws import LennardJones104
+from contact_study.problem.laws import Exponential, LennardJones104
+from contact_study.problem.laws.base import TractionLaw
+from theory.edge_flow import edge_flow
 from theory.gap_flow import BRANCHES, GapFlow, gap_flow
 
 PRESSURES = (0.1, 0.5, 1, 2, 5, 10)  # GPa
@@ -294,6 +298,24 @@ def test_no_state_beyond_pull_off(paper):
         flow.states(np.array([1.0]))
     with pytest.raises(ValueError, match="branch"):
         flow_of(paper, 8, "sideways")
+
+
+@dataclass(frozen=True)
+class Coreless(TractionLaw):
+    """Attraction that nothing ends: its potential has no minimum."""
+
+    title = "attraction alone"
+    words = "attraction alone"
+
+    def potential(self, gap):
+        return -self.work_of_adhesion * np.exp(-np.asarray(gap) / self.length)
+
+
+@pytest.mark.parametrize("flow", [gap_flow, edge_flow])
+def test_laws_without_a_core_are_refused_by_name(paper, flow):
+    for law, words in ((Exponential(0.7, 3e-10), "exponential: has a wall"), (Coreless(0.7, 3e-10), "has no core")):
+        with pytest.raises(ValueError, match=words):
+            flow(paper.spectrum, paper.contact_modulus, law)
 
 
 def test_a_state_far_beyond_the_roughness_is_a_whole_distribution(paper):

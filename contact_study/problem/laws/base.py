@@ -125,10 +125,18 @@ class TractionLaw(ABC):
 
     @cached_property
     def equilibrium_distance(self) -> float:
-        """Gap at which the traction vanishes, at a wall the wall (m)."""
+        """Gap at which the traction vanishes, at a wall the wall (m).
+
+        Raises
+        ------
+        ValueError
+            If there is none: nothing keeps the bodies apart.
+        """
         if self.has_wall:
             return 0.0
         lowest = int(np.argmin(self.potential(self.length * _SAMPLES)))
+        if lowest in (0, _SAMPLES.size - 1):
+            raise ValueError(f"law: {self.title}: has no core, or none from 0.01 to 100 times its length: give it one")
         near, far = _SAMPLES[lowest - 1], _SAMPLES[lowest + 1]
         return self.length * float(brentq(lambda gap: float(self.traction(np.array(self.length * gap))), near, far))
 
