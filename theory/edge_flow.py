@@ -36,6 +36,7 @@ from contact_study.problem.elasticity import Elasticity, elasticity_of
 from contact_study.problem.laws.base import TractionLaw
 from theory.edge_equilibrium import KERNEL, Equilibrium, Problem, scales_of
 from theory.gap_flow import gap_nodes
+from theory.gap_nodes import GapNodes
 from theory.gap_state import GapState
 from theory.pressure_curve import PressureCurve, core_of, positions
 
@@ -96,6 +97,10 @@ class EdgeFlow(PressureCurve):
         return sum(found.sweeps for found in self.equilibria)
 
     @cached_property
+    def _nodes(self) -> GapNodes:
+        return GapNodes(self.law, self._problem.gaps)
+
+    @cached_property
     def mean_gap(self) -> np.ndarray:
         """Rising mean gaps, from the law's zero, at which :attr:`pressure` stands, shape (n,) (m)."""
         ends = np.array([found.gap for found in reversed(self.equilibria)])
@@ -150,13 +155,12 @@ class EdgeFlow(PressureCurve):
         rests_on = (found, *self.equilibria[max(after - 2, 0) : after + 2])
         return GapState(
             ("edge_flow",),
-            self.law,
+            self._nodes,
             self.length,
             self.contact_modulus,
             mean_gap,
             self.pressure_at(gap * self.length),
             found.elastic * self.contact_modulus * self.length,
-            self._problem.gaps,
             found.weights,
             all(self._solved(state) for state in rests_on),
             found.change,

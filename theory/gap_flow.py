@@ -27,6 +27,7 @@ import numpy as np
 from contact_study.fields.spectrum import RoughnessSpectrum
 from contact_study.problem.elasticity import Elasticity, elasticity_of
 from contact_study.problem.laws.base import TractionLaw
+from theory.gap_nodes import GapNodes
 from theory.gap_state import GapState
 from theory.pressure_curve import PressureCurve, core_of, positions
 from theory.scale_steps import BRANCHES, flow_through_scales, trace_back
@@ -94,6 +95,10 @@ class GapFlow(PressureCurve):
         return self.branch == "unloading"
 
     @cached_property
+    def _nodes(self) -> GapNodes:
+        return GapNodes(self.law, self.gaps)
+
+    @cached_property
     def mean_gap(self) -> np.ndarray:
         """Mean gaps, from the law's zero, at which :attr:`pressure` stands, shape (n − 1,) (m)."""
         return 0.5 * (self.gaps[1:] + self.gaps[:-1]) * self.length
@@ -124,13 +129,12 @@ class GapFlow(PressureCurve):
         return [
             GapState(
                 ("gap_flow",) if self.branch == "equilibrium" else ("gap_flow", self.branch),
-                self.law,
+                self._nodes,
                 self.length,
                 self.contact_modulus,
                 float(gap),
                 self.pressure_at(float(gap)),
                 float(energy) * self.contact_modulus * self.length,
-                self.gaps,
                 weight,
                 self.converged,
             )

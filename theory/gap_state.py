@@ -8,6 +8,7 @@ import numpy as np
 from scipy.interpolate import PchipInterpolator
 
 from contact_study.problem.laws.base import TractionLaw
+from theory.gap_nodes import GapNodes
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -18,9 +19,6 @@ _KEPT = 1e-6
 # Area of a node below which default bins need not reach it.
 _SEEN = 1e-9
 
-# Pieces of a node's interval over which the distribution of stress is summed.
-_PIECES = 32
-
 # Weights below it are none: a state at a gap far beyond the roughness falls off through all numbers.
 _NO_WEIGHT = 1e-200
 
@@ -29,14 +27,14 @@ _NO_WEIGHT = 1e-200
 class GapState:
     """The local gaps at one mean gap.
 
-    ``gaps`` and ``weights`` are in units of ``length``; energies and pressures are SI.
+    ``nodes`` are in units of ``length``; energies and pressures are SI.
 
     Attributes
     ----------
     labels : tuple of str
         Theory, and its metastable branch if it is one.
-    law : TractionLaw
-        The law in units of ``length`` and ``contact_modulus``.
+    nodes : GapNodes
+        The local gaps, and the law, in units of ``length`` and ``contact_modulus``.
     length, contact_modulus : float
         The units (m, Pa).
     mean_gap : float
@@ -45,8 +43,8 @@ class GapState:
         p = −∂U/∂ū (Pa).
     elastic_energy : float
         Elastic energy of all waves, per nominal area (J/m²).
-    gaps, weights : numpy.ndarray, shape (n,)
-        Nodes of the local gap and the fraction of the area at each.
+    weights : numpy.ndarray, shape (n,)
+        Fraction of the area at each node.
     converged : bool
         Whether the equations that the state rests on are solved.
     change : float, optional
@@ -54,16 +52,25 @@ class GapState:
     """
 
     labels: tuple[str, ...]
-    law: TractionLaw
+    nodes: GapNodes
     length: float
     contact_modulus: float
     mean_gap: float
     pressure: float
     elastic_energy: float
-    gaps: np.ndarray
     weights: np.ndarray
     converged: bool
     change: float | None = None
+
+    @property
+    def law(self) -> TractionLaw:
+        """The law in units of ``length`` and ``contact_modulus``."""
+        return self.nodes.law
+
+    @property
+    def gaps(self) -> np.ndarray:
+        """Nodes of the local gap in units of ``length``, shape (n,)."""
+        return self.nodes.gaps
 
     @property
     def residual(self) -> float:
@@ -93,19 +100,13 @@ class GapState:
         return -float(self.weights @ self.law.traction(self.gaps)) * self.contact_modulus
 
     @cached_property
-    def _edges(self) -> np.ndarray:
-        """Ends of the intervals over which the nodes' weights are spread."""
-        middle = 0.5 * (self.gaps[1:] + self.gaps[:-1])
-        return np.concatenate([self.gaps[:1], middle, self.gaps[-1:]])
-
-    @cached_property
     def _cumulative(self) -> PchipInterpolator:
         # Quotients of the interpolation overflow where a weight is next to no number.
         seen = np.where(np.abs(self.weights) > _NO_WEIGHT, self.weights, 0.0)
-        return PchipInterpolator(self._edges, np.concatenate([[0.0], np.cumsum(seen)]))
+        return PchipInterpolator(self.nodes.edges, np.concatenate([[0.0], np.cumsum(seen)]))
 
     def _below(self, gap: np.ndarray | float) -> np.ndarray:
-        return self._cumulative(np.clip(gap, self._edges[0], self._edges[-1]))
+        return self._cumulative(np.clip(gap, self.nodes.edges[0], self.nodes.edges[-1]))
 
     def fraction_below(self, gap: float) -> float:
         """Fraction of the area whose local gap is below ``gap`` (m)."""
@@ -123,15 +124,7 @@ class GapState:
     def pressure_density(self, edges: np.ndarray) -> np.ndarray:
         """Mean of P(σ), σ = −φ'(u), in bins (1/Pa), shape (n,) for n + 1 edges (Pa); includes non-contact."""
         bins = np.asarray(edges) / self.contact_modulus
-        # In each piece the area is spread evenly over its stresses, of which the steep repulsion holds many.
-        nodes = self.gaps.size
-        fine = np.interp(np.arange(_PIECES * nodes + 1) / _PIECES, np.arange(nodes + 1), self._edges)
-        mass = np.diff(self._cumulative(fine))
-        stress = -self.law.traction(fine)
-        low, high = np.minimum(stress[1:], stress[:-1]), np.maximum(stress[1:], stress[:-1])
-        occupied = mass > 0
-        mass, low, high = mass[occupied], low[occupied], high[occupied]
-        return np.diff(_mass_below(bins, low, high, mass)) / np.diff(edges)
+        return self.nodes.stress_masses(self._cumulative.c, bins) / np.diff(edges)
 
     def quantities(self, contact_distance: float | None = None) -> dict[str, Any]:
         """Everything that is read off the state, by its name in a dataset; distributions as functions of bin edges.
@@ -182,7 +175,7 @@ class GapState:
         from theory.datasets import dataset_of  # xarray is slow to import, and only needed here
 
         held = np.flatnonzero(self.weights > _SEEN)
-        low, high = (float(self._edges[end]) for end in (held[0], held[-1] + 1))
+        low, high = (float(self.nodes.edges[end]) for end in (held[0], held[-1] + 1))
         stress = -self.law.traction(np.linspace(low, high, 4 * self.gaps.size)) * self.contact_modulus
         beside = 1e-3 * np.ptp(stress)  # the peak of the law may lie between two of them
         return dataset_of(
@@ -194,15 +187,3 @@ class GapState:
                 "gap_pdf": (low * self.length, high * self.length),
             },
         )
-
-
-def _mass_below(edges: np.ndarray, low: np.ndarray, high: np.ndarray, mass: np.ndarray) -> np.ndarray:
-    """Mass below each edge of pieces that are spread evenly from ``low`` to ``high``."""
-    first = np.searchsorted(edges, low, side="right")
-    whole = np.maximum(np.searchsorted(edges, high, side="left"), first)  # from this edge on all of the piece is below
-    within = whole - first
-    piece = np.repeat(np.arange(mass.size), within)
-    edge = np.arange(piece.size) + np.repeat(first - np.cumsum(within) + within, within)
-    part = mass[piece] * (edges[edge] - low[piece]) / (high[piece] - low[piece])
-    passed = np.bincount(whole, weights=mass, minlength=edges.size + 1)[: edges.size]
-    return np.bincount(edge, weights=part, minlength=edges.size) + np.cumsum(passed)
