@@ -115,10 +115,7 @@ def bearing_area_pressure(
     spectrum, elasticity, work_of_adhesion, attraction_range
         As :func:`pastewka_robbins_ratio`.
     """
-    decay, prefactor = low_pressure_asymptote(spectrum, elasticity)
-    height = float(np.sqrt(spectrum.mean_square_height))
-    pull = work_of_adhesion / attraction_range * attracted_area(mean_gap, height, attraction_range)
-    return prefactor * np.exp(-np.asarray(mean_gap, dtype=float) / decay) - pull
+    return _bearing_area_curve(spectrum, elasticity, work_of_adhesion, attraction_range)(np.asarray(mean_gap, float))
 
 
 def bearing_area_pull_off(
@@ -126,10 +123,22 @@ def bearing_area_pull_off(
 ) -> float:
     """Lowest pressure of the bearing-area model (Pa), zero where it never pulls; as :func:`bearing_area_pressure`."""
     height = float(np.sqrt(spectrum.mean_square_height))
-    lowest = _lowest(
-        lambda gap: bearing_area_pressure(gap, spectrum, elasticity, work_of_adhesion, attraction_range), height
-    )
-    return min(float(lowest), 0.0)
+    lowest = _lowest(_bearing_area_curve(spectrum, elasticity, work_of_adhesion, attraction_range), height)
+    return min(lowest, 0.0)
+
+
+def _bearing_area_curve(
+    spectrum: RoughnessSpectrum, elasticity: Elasticity | float, work_of_adhesion: float, attraction_range: float
+) -> Callable[[np.ndarray], np.ndarray]:
+    """:func:`bearing_area_pressure` of mean gaps, with the asymptote found once for all of them."""
+    decay, prefactor = low_pressure_asymptote(spectrum, elasticity)
+    height = float(np.sqrt(spectrum.mean_square_height))
+
+    def pressure(gap: np.ndarray) -> np.ndarray:
+        pull = work_of_adhesion / attraction_range * attracted_area(gap, height, attraction_range)
+        return prefactor * np.exp(-gap / decay) - pull
+
+    return pressure
 
 
 def bearing_area_ratio(
