@@ -29,6 +29,7 @@ from scripts import (
     reproduce_yang2008,
     result_table,
     two_starts,
+    validate_energies,
     validate_spheres,
 )
 from tests.comparison.synthetic import AREA_FACTOR, GAP_SHIFT, area, gap, write_all
@@ -444,6 +445,15 @@ def test_richardson_finds_the_order_of_three_grids(order, limit):
     assert contact_challenge.extrapolated([1.0, 1.0, 1.0], spacing) == 1.0
     for wild in ([3.0, 2.0, 1.99], [3.0, 2.0, 1.2], [1.0, 3.0, 2.0]):  # sixth order, a third, none
         assert contact_challenge.extrapolated(wild, spacing) == pytest.approx(2 * wild[-1] - wild[-2])
+
+
+def test_the_work_of_the_load_goes_into_the_energies(capsys):
+    assert validate_energies.main(["--points", "32", "--steps", "4", "8"]) == 0
+    _, _, coarse, fine, order = (row.strip("| ").split(" | ") for row in capsys.readouterr().out.splitlines())
+    for one, half, shown in zip(*(map(float, row[1:]) for row in (coarse, fine)), map(float, order[1:]), strict=True):
+        # The trapezoidal rule's second order, as two digits and few points that touch show it; 2e-3 on 64² points.
+        assert 0 < half < one < 6e-3
+        assert shown == pytest.approx(2, abs=0.5)
 
 
 def test_grids_of_the_challenge_increase(capsys):
