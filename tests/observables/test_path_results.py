@@ -43,11 +43,20 @@ def test_loading_that_ends_under_tension_is_where_the_work_begins():
     assert found["work_of_separation"] == pytest.approx(-float(LAW.potential(np.array(closest))), rel=1e-3)
 
 
+def test_the_work_begins_where_the_pressure_is_none_between_two_states():
+    pressure, separation = np.array([2.0, 1.0, -1.0, -2.0, 0.0]), np.array([0.0, 1.0, 2.0, 3.0, 5.0])
+    series = PathSeries(pressure, separation, np.array([0.0, 0.0, 0.0, 0.0, -0.1]), ends_apart=True)
+    # From 1.5 on: a triangle of ½ by 1, 1.5, a triangle of 2 by 2; then what the last state holds.
+    assert path_results(series, "gap")["work_of_separation"] == pytest.approx(0.25 + 1.5 + 2 + 0.1)
+
+
 def test_what_a_path_does_not_show_is_not_said():
     gaps = there_and_back(3e-10, 2e-9)
     assert path_results(flat(gaps[: gaps.size // 2]), "gap") == {}, "approach alone"
     still_in_tension = gaps[gaps < LAW.peak_distance]
     assert path_results(flat(still_in_tension, ends_apart=False), "gap") == {}
+    beyond_the_peak = flat(there_and_back(1.2 * LAW.peak_distance, 2e-9))
+    assert set(path_results(beyond_the_peak, "gap")) == {"work_of_separation"}
     in_contact = path_results(flat(gaps, ends_apart=False), "gap")
     assert set(in_contact) == {"pull_off_pressure", "pull_off_pressure_resolution_error"}
     coarse = PathSeries(*(getattr(flat(gaps), name) for name in ("pressure", "separation")), ends_apart=True)
