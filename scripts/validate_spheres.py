@@ -17,20 +17,23 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
+from matplotlib.figure import Figure
 from scipy.optimize import brentq, minimize_scalar
 
 from bem_adhesion import Dugdale, HardWall, rough_contact
 from contact_study.campaign.command import Parser, guarded
+from contact_study.plots.style import COLOURS, DOUBLE, RESOLUTION, styled
 from theory.references import maugis_dugdale_contact
 
 TABOR_PARAMETERS = (0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 3.0, 5.0)
+DRAWN = (0.05, 0.2, 1.0, 3.0, 5.0)  # whose radius over force is drawn
 FORCES = (2.0, 0.0)  # over πwR, at which radius and approach are compared
 WORK_OF_ADHESION = 0.02  # in units of E* and of the reach of the tension: a scale, without consequence
 RAMP = 0.05
 RAMPS = (0.2, 0.1, 0.05, 0.02, 0.01)
 POINTS_PER_ZONE = 4
 FEWEST_POINTS, MOST_POINTS = 96, 192
-RESOLUTION = 0.005  # of the pull-off force, over πwR
+FORCE_RESOLUTION = 0.005  # of the pull-off force, over πwR
 # Of a sphere, beside its states, in its file.
 COLUMNS = ("tabor", "points", "points_per_zone", "held", "lost", "pairs", "seconds")
 HERTZ_POINTS = (32, 64, 128, 256)
@@ -202,7 +205,7 @@ def solved(
     for force in (*FORCES, -0.5 * held, -held):
         if not at(force):
             raise RuntimeError(f"Tabor parameter {tabor:g}: let go at {force:g} already")
-    while lost - held > RESOLUTION:
+    while lost - held > FORCE_RESOLUTION:
         tried = 0.5 * (held + lost)
         held, lost = (tried, lost) if at(-tried) else (held, tried)
     seconds = time.process_time() - began
@@ -269,28 +272,30 @@ def print_ramps() -> None:
         )
 
 
+@styled
 def draw(spheres: Sequence[Sphere], path: Path) -> None:
-    import matplotlib.pyplot as plt
-
-    figure, (left, right) = plt.subplots(1, 2, figsize=(9, 3.6), layout="constrained")
+    """Pull-off over the Tabor parameter, and contact radius over the force, of solver and Maugis."""
+    figure = Figure(figsize=(DOUBLE, 2.8), layout="constrained")
+    left, right = figure.subplots(1, 2)
     mu = np.geomspace(0.03, 8, 80)
     ratio = spheres[0].theory.parameter / spheres[0].tabor
     left.semilogx(mu, [Maugis(ratio * each).pull_off for each in mu], "0.5", label="Maugis")
-    left.semilogx([each.tabor for each in spheres], [each.pull_off for each in spheres], "o", label="solver")
-    for limit, name in ((1.5, "JKR"), (2.0, "DMT")):
-        left.axhline(limit, color="k", linestyle=":", linewidth=0.8)
-        left.text(mu[0], limit + 0.01, name)
+    tabor = [each.tabor for each in spheres]
+    left.plot(tabor, [each.pull_off for each in spheres], "o", color=COLOURS[0], ms=4, label="solver")
+    for limit, name, at in ((1.5, "JKR", "bottom"), (2.0, "DMT", "top")):
+        left.axhline(limit, color="k", linestyle=":", lw=0.8)
+        left.text(mu[0] if name == "JKR" else mu[-1], limit, name, va=at, ha="left" if name == "JKR" else "right")
     left.set(xlabel="Tabor parameter μ", ylabel="pull-off force / πwR")
     left.legend()
-    for each, colour in zip(spheres, plt.get_cmap("viridis")(np.linspace(0, 0.95, len(spheres))), strict=True):
+    drawn = [each for each in spheres if each.tabor in DRAWN]
+    for each, colour in zip(drawn, COLOURS, strict=False):
         points = np.array([state[:2] for state in each.states])
         forces = np.linspace(-0.9999 * each.theory.pull_off, 2.0, 200)
         right.plot(forces, [each.theory.at_force(force)[0] for force in forces], color=colour)
-        right.plot(*points.T, "o", color=colour, markersize=4, label=f"μ = {each.tabor:g}")
-    right.set(xlabel="force / πwR", ylabel="contact radius / (3πwR²/4E*)^(1/3)")
-    right.legend(fontsize="small")
-    figure.savefig(path, dpi=120)
-    plt.close(figure)
+        right.plot(*points.T, "o", color=colour, ms=3.2, label=f"μ = {each.tabor:g}")
+    right.set(xlabel="force / πwR", ylabel="contact radius / (3πwR²/4E*)$^{1/3}$")
+    right.legend()
+    figure.savefig(path, dpi=RESOLUTION)
 
 
 if __name__ == "__main__":
