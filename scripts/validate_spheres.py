@@ -26,7 +26,6 @@ from contact_study.plots.style import COLOURS, DOUBLE, RESOLUTION, styled
 from theory.references import maugis_dugdale_contact
 
 TABOR_PARAMETERS = (0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 3.0, 5.0)
-DRAWN = (0.05, 0.2, 1.0, 3.0, 5.0)  # whose radius over force is drawn
 FORCES = (2.0, 0.0)  # over πwR, at which radius and approach are compared
 WORK_OF_ADHESION = 0.02  # in units of E* and of the reach of the tension: a scale, without consequence
 RAMP = 0.05
@@ -287,7 +286,7 @@ def draw(spheres: Sequence[Sphere], path: Path) -> None:
         left.text(mu[0] if name == "JKR" else mu[-1], limit, name, va=at, ha="left" if name == "JKR" else "right")
     left.set(xlabel="Tabor parameter μ", ylabel="pull-off force / πwR")
     left.legend()
-    drawn = [each for each in spheres if each.tabor in DRAWN]
+    drawn = spheres[:: 1 + (len(spheres) - 1) // len(COLOURS)]
     for each, colour in zip(drawn, COLOURS, strict=False):
         points = np.array([state[:2] for state in each.states])
         forces = np.linspace(-0.9999 * each.theory.pull_off, 2.0, 200)

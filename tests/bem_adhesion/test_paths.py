@@ -154,6 +154,9 @@ def test_a_whole_study_and_its_continuation(control, tmp_path):
     assert np.all(whole.converged == 1)
     dissipated = whole.dissipated_energy.values
     assert np.all(np.diff(dissipated) >= 0)
+    for point in whole.isel(step=whole.detached.values == 0).transpose("step", ...).step.values:
+        passed = whole.passed_separation.sel(step=point).dropna("passed").values
+        assert passed[-1] == pytest.approx(float(whole.mean_separation.sel(step=point)), rel=1e-12), "itself comes last"
     if control == "pressure":
         assert dissipated[0] > 0, "surfaces snap in"
         assert whole.detached.values.tolist() == [0, 0, 1]
