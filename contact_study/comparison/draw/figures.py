@@ -1,7 +1,7 @@
 """The figures of Yang et al., EPL 84, 46004 (2008), with every model on the same axes.
 
-Each function draws curves of :mod:`contact_study.comparison.compute.plotted` and returns a figure; none reads or writes a
-file.
+Each function draws curves of :mod:`contact_study.comparison.compute.plotted` and returns a figure; none reads or writes
+a file.
 Colour tells the point of the sweep (or the pressure), the line and marker tell the model; where there is only one point
 of the sweep, the colour tells the model, too.
 """
