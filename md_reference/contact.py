@@ -35,7 +35,7 @@ class AtomisticContact:
     control : {"pressure", "gap"}
         What a step prescribes.
     tolerance, max_iterations, threads : optional
-        As :class:`EquilibriumSolver`.
+        As :class:`EquilibriumSolver`; the threads share the rows of atoms, too.
 
     Raises
     ------
@@ -133,7 +133,12 @@ class AtomisticContact:
 
 
 def interface_of(
-    heights: Callable[[tuple[int, int]], np.ndarray], lattice: Lattice, well_depth: float, length: float, cutoff: float
+    heights: Callable[[tuple[int, int]], np.ndarray],
+    lattice: Lattice,
+    well_depth: float,
+    length: float,
+    cutoff: float,
+    threads: int = 1,
 ) -> LennardJonesInterface:
     """Lennard-Jones atoms over the substrate's sites on a surface.
 
@@ -147,10 +152,12 @@ def interface_of(
         ε (J) and r0 (m).
     cutoff : float
         In units of r0.
+    threads : int, optional
+        That share the rows.
     """
     substrate = sample_substrate(heights, lattice.size, lattice.substrate_sites, HEIGHT_TOLERANCE * length)
     spacing = (lattice.size[0] / lattice.atoms[0], lattice.size[1] / lattice.atoms[1])
-    return LennardJonesInterface(substrate, lattice.atoms, spacing, well_depth, length, cutoff)
+    return LennardJonesInterface(substrate, lattice.atoms, spacing, well_depth, length, cutoff, threads)
 
 
 def rough_contact(
@@ -230,6 +237,8 @@ def rough_contact(
     lattice = lattice_of(grid_of(heights, size).size, lattice_constant)
     element = element_matrix("isotropic", lattice_constant, youngs_modulus, poissons_ratio)
     stiffness = surface_stiffness(element, lattice.atoms, lattice_constant, layers or max(lattice.atoms))
-    interface = interface_of(lambda shape: fourier.interpolate(heights, shape), lattice, well_depth, length, cutoff)
+    interface = interface_of(
+        lambda shape: fourier.interpolate(heights, shape), lattice, well_depth, length, cutoff, threads
+    )
     contact_modulus = youngs_modulus / (1 - poissons_ratio**2)
     return AtomisticContact(stiffness, interface, contact_modulus, control, tolerance, max_iterations, threads)

@@ -6,18 +6,22 @@ the lowest plane of the next: its displacements are bilinear in those (the prolo
 Pᵀ, so that the whole is one symmetric stiffness. The highest plane is rigid.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numba import njit
 
+from md_reference.row_blocks import RowBlocks
 from md_reference.slab import fill_ghosts, slab_constants, slab_force
 
 # Layers of the finest level and of the coarser ones below the last: E*(q) within 0.2 % of the full lattice's.
 _FINEST_LAYERS = 12
 _LAYERS = 8
 _FEWEST_NODES = 4  # of a level along an axis
+_NODES_OF_A_BLOCK = 8192  # of a plane, done in one go: three planes of displacements and the forces stay in the cache
+_FEWEST_ROWS = 8
 
 _OPTIONS = {"cache": True, "error_model": "numpy", "fastmath": {"contract", "reassoc", "arcp", "nsz"}}
 
@@ -82,6 +86,13 @@ class MultiscaleBlock:
         Layers of cells of each level, see :func:`level_layers`.
     atom_mass : float
         Of an atom (kg).
+    threads : int, optional
+        That share the rows.
+
+    Attributes
+    ----------
+    plane_mass : list of numpy.ndarray, each of shape (planes,)
+        Of a node of each plane of each level (kg); zero for planes that do not move on their own.
     """
 
     def __init__(
@@ -92,6 +103,7 @@ class MultiscaleBlock:
         shear_modulus: float,
         layers: Sequence[int],
         atom_mass: float,
+        threads: int = 1,
     ):
         self.atoms = atoms
         self.lattice_constant = lattice_constant
@@ -106,10 +118,8 @@ class MultiscaleBlock:
             for number, count in enumerate(layers)
         ]
         self._ends = np.cumsum([0, *(int(np.prod(level.shape)) for level in self.levels)])
-        self._work = [np.zeros((2, *level.shape[2:])) for level in self.levels]
-        self.mass = self._masses(atom_mass)
-        with np.errstate(divide="ignore"):
-            self.inverse_mass = np.where(self.mass > 0, 1 / self.mass, 0.0)
+        self._rows = RowBlocks(threads)
+        self.plane_mass = [self._plane_mass(number, atom_mass) for number in range(len(self.levels))]
         last = self.levels[-1]
         # Half of the highest layer of cells moves with the rigid plane.
         self.top_mass = 0.5 * last.size**3 * atom_mass * (last.shape[2] - 2) * (last.shape[3] - 2)
@@ -122,7 +132,19 @@ class MultiscaleBlock:
     @property
     def freedoms(self) -> int:
         """Nodes that move on their own, times three."""
-        return int(np.count_nonzero(self.mass))
+        total = 0
+        for level, mass in zip(self.levels, self.plane_mass, strict=True):
+            _, _, rows, columns = level.shape
+            total += 3 * int(np.count_nonzero(mass)) * (rows - 2) * (columns - 2)
+        return total
+
+    @property
+    def mass(self) -> np.ndarray:
+        """Mass of every node for each component (kg), shape (size,); zero for ghosts too, see :attr:`plane_mass`."""
+        vector = np.zeros(self.size)
+        for nodes, mass in zip(self.levels_of(vector), self.plane_mass, strict=True):
+            nodes[:, :, 1:-1, 1:-1] = mass[:, None, None]
+        return vector
 
     def levels_of(self, vector: np.ndarray) -> list[np.ndarray]:
         """The nodes of each level in a vector, with ghosts, shape (3, planes, ny + 2, nx + 2)."""
@@ -171,7 +193,7 @@ class MultiscaleBlock:
         Parameters
         ----------
         displacement, force : numpy.ndarray, shape (size,)
-            Ghosts and hanging planes of ``displacement`` are filled; those of ``force`` are zero.
+            Ghosts and hanging planes of ``displacement`` are filled; those of ``force`` mean nothing.
         """
         u, f = self.levels_of(displacement), self.levels_of(force)
         for number in reversed(range(len(u))):
@@ -181,10 +203,6 @@ class MultiscaleBlock:
             self._slab_force(number, u[number], f[number])
         for number in range(len(u) - 1):
             _restrict(f[number][:, -1], f[number + 1][:, 0])
-        for slab in f:
-            for edge in (0, -1):
-                slab[:, :, edge] = 0.0
-                slab[:, :, :, edge] = 0.0
 
     def elastic_energy(self, displacement: np.ndarray, force: np.ndarray) -> float:
         """½ u·Ku (J) of a displacement and its forces; the rigid plane's part is exact for any height of the whole."""
@@ -201,23 +219,27 @@ class MultiscaleBlock:
         first, shear = self.lame
         return pressure**2 * self.thickness / (2 * (first + 2 * shear))
 
+    def on_rows(self, number: int, kernel: Callable[[int, int], object]) -> None:
+        """Call ``kernel(first, end)`` for all blocks of rows of a level, see :class:`RowBlocks`."""
+        _, _, rows, columns = self.levels[number].shape
+        self._rows.run(kernel, rows - 2, max(_FEWEST_ROWS, _NODES_OF_A_BLOCK // columns))
+
     def _slab_force(self, number: int, displacement: np.ndarray, force: np.ndarray) -> None:
         """Write the forces of one level's cells on its nodes, ghosts filled."""
-        slab_force(displacement, force, self._work[number], *self.levels[number].constants)
+        self.on_rows(number, partial(slab_force, displacement, force, *self.levels[number].constants))
 
-    def _masses(self, atom_mass: float) -> np.ndarray:
-        """Mass of every node for each component (kg); zero for ghosts, hanging nodes and the rigid plane.
+    def _plane_mass(self, number: int, atom_mass: float) -> np.ndarray:
+        """Mass of a node of each plane of a level (kg).
 
         A node stands for its share of the cells above and below; where two levels meet for half a layer of each. An
-        atom of the surface is a whole one.
+        atom of the surface is a whole one. Hanging planes and the rigid one have none.
         """
-        vector = np.zeros(self.size)
-        for number, (level, nodes) in enumerate(zip(self.levels, self.levels_of(vector), strict=True)):
-            inside = nodes[:, :-1, 1:-1, 1:-1]
-            inside[...] = level.size**3 * atom_mass
-            if number:
-                inside[:, 0] *= 0.75
-        return vector
+        level = self.levels[number]
+        mass = np.full(level.shape[1], level.size**3 * atom_mass)
+        mass[-1] = 0.0
+        if number:
+            mass[0] *= 0.75
+        return mass
 
 
 @njit(**_OPTIONS)

@@ -7,13 +7,14 @@ block's own force.
 """
 
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
-from numba import njit
 from scipy import constants
 
 from md_reference.interface import Interaction
 from md_reference.multiscale_block import MultiscaleBlock
+from md_reference.verlet_pass import kick, kick_and_drift, kick_and_drift_with_friction
 
 _BRILLOUIN_POINTS = 24  # along each axis, where the fastest wave of the lattice is looked for
 
@@ -88,12 +89,9 @@ class NewtonianBlock:
         self._top_force = 0.0
         self._kept = float(np.exp(-friction * time_step))
         self._noise = constants.k * temperature * (1 - self._kept**2)
-        self._noise_scale = np.sqrt(self._noise * block.inverse_mass)
-        self._random = np.empty(block.size)
-        # What the plane's velocity is added to where a driven block is at rest against its plane.
-        self._carried = np.zeros(block.size)
-        for nodes, mass in zip(block.levels_of(self._carried), block.levels_of(block.mass), strict=True):
-            nodes[2] = mass[2] > 0
+        self._random = np.empty(block.size if self._noise else 0)
+        with np.errstate(divide="ignore"):
+            self._inverse_mass = [np.where(mass > 0, 1 / mass, 0.0) for mass in block.plane_mass]
 
     def start(self, displacement: np.ndarray, velocity: float = 0.0) -> Motion:
         """A block whose planes all have the height of its mean surface, moving as a whole.
@@ -127,21 +125,15 @@ class NewtonianBlock:
         FloatingPointError
             If an atom came to lie inside the substrate.
         """
-        half = 0.5 * self.time_step
-        self._kick(motion, half)
-        self._drift(motion, half if self._kept < 1 else self.time_step)
-        if self._kept < 1:
-            self._thermalise(motion, generator)
-            self._drift(motion, half)
+        self._advance(motion, generator)
         self._evaluate(motion, pressure)
-        self._kick(motion, half)
+        self._kick(motion)
         motion.steps += 1
         motion.time += self.time_step
 
     def kinetic_energy(self, motion: Motion) -> float:
         """Of all nodes and the rigid plane (J)."""
-        nodes = 0.5 * float(np.dot(self.block.mass, motion.velocity**2))
-        return nodes + 0.5 * self.block.top_mass * motion.top_velocity**2
+        return 0.5 * (self._mass_times_square(motion.velocity) + self.block.top_mass * motion.top_velocity**2)
 
     def elastic_energy(self, motion: Motion) -> float:
         """Of the block (J)."""
@@ -151,15 +143,22 @@ class NewtonianBlock:
 
     def temperature(self, motion: Motion) -> float:
         """Twice the kinetic energy of the nodes, against a driven plane, over k_B and their number of freedoms (K)."""
-        velocity = motion.velocity - motion.top_velocity * self._carried if self.driven else motion.velocity
-        moving = float(np.dot(self.block.mass, velocity**2))
-        return moving / (constants.k * self.block.freedoms)
+        velocity = motion.velocity
+        if self.driven:
+            velocity = velocity.copy()
+            for nodes in self.block.levels_of(velocity):
+                nodes[2, :-1, 1:-1, 1:-1] -= motion.top_velocity
+        return self._mass_times_square(velocity) / (constants.k * self.block.freedoms)
 
     def momentum(self, motion: Motion) -> float:
         """Along z, of everything that moves (kg m/s)."""
-        total = self.block.top_mass * motion.top_velocity
-        pairs = zip(self.block.levels_of(self.block.mass), self.block.levels_of(motion.velocity), strict=True)
-        return total + sum(float(np.sum(mass[2] * velocity[2])) for mass, velocity in pairs)
+        pairs = zip(self.block.plane_mass, self.block.levels_of(motion.velocity), strict=True)
+        total = sum(np.dot(mass, v[2].sum(axis=(1, 2))) for mass, v in pairs)
+        return float(total) + self.block.top_mass * motion.top_velocity
+
+    def _mass_times_square(self, velocity: np.ndarray) -> float:
+        pairs = zip(self.block.plane_mass, self.block.levels_of(velocity), strict=True)
+        return sum(float(np.dot(mass, np.einsum("ckji,ckji->k", v, v))) for mass, v in pairs)
 
     def unbalanced(self) -> float:
         """Largest force left on an atom of the surface after a step (N)."""
@@ -178,30 +177,44 @@ class NewtonianBlock:
         load = pressure * rows * columns * block.lattice_constant**2
         self._top_force = float(np.sum(block.top_of(self._force)[2])) - load
 
-    def _kick(self, motion: Motion, duration: float) -> None:
-        _add_product(motion.velocity, self._force, self.block.inverse_mass, duration)
-        if not self.driven:
-            motion.top_velocity += duration * self._top_force / self.block.top_mass
+    def _kick(self, motion: Motion) -> None:
+        """The second half kick of a step."""
+        half = 0.5 * self.time_step
+        velocity, force = self.block.levels_of(motion.velocity), self.block.levels_of(self._force)
+        for number, inverse_mass in enumerate(self._inverse_mass):
+            self.block.on_rows(number, partial(kick, velocity[number], force[number], inverse_mass, half))
+        self._kick_top(motion)
 
-    def _drift(self, motion: Motion, duration: float) -> None:
-        _add_multiple(motion.displacement, motion.velocity, duration)
-        motion.top += duration * motion.top_velocity
-
-    def _thermalise(self, motion: Motion, generator: np.random.Generator) -> None:
-        """Friction and noise of one step, on all nodes and the rigid plane.
+    def _advance(self, motion: Motion, generator: np.random.Generator) -> None:
+        """The first half kick and the drift; friction and noise in the middle of it, on all nodes and the rigid plane.
 
         A thermostat of the coarse levels alone would not reach the surface: its fast waves do not run there.
         """
-        motion.velocity *= self._kept
-        if self.driven:
-            motion.velocity += (1 - self._kept) * motion.top_velocity * self._carried
-        else:
-            motion.top_velocity *= self._kept
+        block, step, kept = self.block, self.time_step, self._kept
         if self._noise:
             generator.standard_normal(out=self._random)
-            _add_product(motion.velocity, self._random, self._noise_scale, 1.0)
-        if self._noise and not self.driven:
-            motion.top_velocity += float(generator.standard_normal()) * np.sqrt(self._noise / self.block.top_mass)
+        self._kick_top(motion)
+        wind = (1 - kept) * motion.top_velocity if self.driven else 0.0
+        velocity, displacement = block.levels_of(motion.velocity), block.levels_of(motion.displacement)
+        force = block.levels_of(self._force)
+        random = block.levels_of(self._random) if self._noise else displacement
+        for number, inverse_mass in enumerate(self._inverse_mass):
+            nodes = velocity[number], displacement[number], force[number], inverse_mass, step
+            if kept == 1:
+                block.on_rows(number, partial(kick_and_drift, *nodes))
+            else:
+                bath = kept, wind, self._noise, random[number]
+                block.on_rows(number, partial(kick_and_drift_with_friction, *nodes, *bath))
+        before = motion.top_velocity
+        if not self.driven:
+            motion.top_velocity *= kept
+            if self._noise:
+                motion.top_velocity += float(generator.standard_normal()) * np.sqrt(self._noise / block.top_mass)
+        motion.top += 0.5 * step * (before + motion.top_velocity)
+
+    def _kick_top(self, motion: Motion) -> None:
+        if not self.driven:
+            motion.top_velocity += 0.5 * self.time_step * self._top_force / self.block.top_mass
 
 
 def fastest_wave(element: np.ndarray, atom_mass: float) -> float:
@@ -222,15 +235,3 @@ def fastest_wave(element: np.ndarray, atom_mass: float) -> float:
     blocks = element.reshape(8, 3, 8, 3)
     dynamical = np.einsum("wp,pcqd,wq->wcd", shift.conj(), blocks, shift)
     return float(np.sqrt(np.max(np.linalg.eigvalsh(dynamical)) / atom_mass))
-
-
-@njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})
-def _add_product(to, one, other, factor):
-    for i in range(to.size):
-        to[i] += factor * one[i] * other[i]
-
-
-@njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})
-def _add_multiple(to, one, factor):
-    for i in range(to.size):
-        to[i] += factor * one[i]

@@ -20,6 +20,7 @@ from md_reference.interface import INSIDE
 from md_reference.measure import FlatInterface, effective_contact_modulus, measure_interface
 from md_reference.methods import METHODS, dynamics
 from md_reference.methods.base import Predictor
+from md_reference.row_blocks import ATOMS_FOR_THREADS
 from md_reference.system import build_stiffness
 
 MODEL = Model(
@@ -32,6 +33,7 @@ MODEL = Model(
     takes_predictor=True,
     ignores=("theory",),
     keeps=("fields", "atoms"),
+    points_for_threads=ATOMS_FOR_THREADS,
 )
 
 # Displacements, forces, Hessians, stiffness, transforms and substrate of one atom, as scripts/benchmark_atoms.py finds.

@@ -8,7 +8,7 @@ Arrays of nodes have shape (3, planes, ny + 2, nx + 2): a frame of ghosts holds 
 import numpy as np
 from numba import njit
 
-_OPTIONS = {"cache": True, "error_model": "numpy", "fastmath": {"contract", "reassoc", "arcp", "nsz"}}
+_OPTIONS = {"cache": True, "nogil": True, "error_model": "numpy", "fastmath": {"contract", "reassoc", "arcp", "nsz"}}
 
 
 def slab_constants(lattice_constant: float, first_lame: float, shear_modulus: float) -> tuple[float, float, float]:
@@ -41,126 +41,112 @@ def fill_ghosts(u):
 
 
 @njit(**_OPTIONS)
-def _dilatation(u, k, out):
-    """Sum of corner differences, 4a times the dilatation, of the cells between planes k and k + 1."""
-    for j in range(u.shape[2] - 1):
-        x_00 = u[0, k, j]
-        x_01 = u[0, k, j + 1]
-        x_10 = u[0, k + 1, j]
-        x_11 = u[0, k + 1, j + 1]
-        y_00 = u[1, k, j]
-        y_01 = u[1, k, j + 1]
-        y_10 = u[1, k + 1, j]
-        y_11 = u[1, k + 1, j + 1]
-        z_00 = u[2, k, j]
-        z_01 = u[2, k, j + 1]
-        z_10 = u[2, k + 1, j]
-        z_11 = u[2, k + 1, j + 1]
-        row = out[j]
-        for i in range(np.uint64(u.shape[3] - 1)):
-            e = i + np.uint64(1)
-            row[i] = (
-                (x_00[e] + x_01[e] + x_10[e] + x_11[e] - x_00[i] - x_01[i] - x_10[i] - x_11[i])
-                + (y_01[i] + y_11[i] + y_01[e] + y_11[e] - y_00[i] - y_10[i] - y_00[e] - y_10[e])
-                + (z_10[i] + z_11[i] + z_10[e] + z_11[e] - z_00[i] - z_01[i] - z_00[e] - z_01[e])
-            )
+def _add_plane(u, k, width, start, below, dilatation):
+    """Dilatation of the cells under plane k, as a sum of corner differences, 4a times it, nodes start on.
+
+    ``below`` has what the plane under it adds to that, and is given what plane k adds to the cells over it.
+    """
+    x = u[0, k]
+    y = u[1, k]
+    z = u[2, k]
+    for q in range(np.uint64(dilatation.size)):
+        i = start + q
+        e = i + np.uint64(1)
+        n = i + width
+        ne = n + np.uint64(1)
+        within = ((x[e] - x[i]) + (x[ne] - x[n])) + ((y[n] - y[i]) + (y[ne] - y[e]))
+        height = (z[i] + z[e]) + (z[n] + z[ne])
+        dilatation[q] = below[q] + (within + height)
+        below[q] = within - height
 
 
 @njit(**_OPTIONS)
-def slab_force(u, force, dilatation, edge, diagonal, volume):
-    """Write the forces on all nodes of a slab whose ghosts are filled.
+def slab_force(slab_u, slab_f, edge, diagonal, volume, first, end):
+    """Write the forces on the nodes of some rows of a slab whose ghosts are filled.
 
     Parameters
     ----------
-    u, force : numpy.ndarray, shape (3, planes, ny + 2, nx + 2)
-        Displacements (m) and forces (N); the ghosts of ``force`` are left alone.
-    dilatation : numpy.ndarray, shape (2, ny + 2, nx + 2)
-        Work array.
+    slab_u, slab_f : numpy.ndarray, shape (3, planes, ny + 2, nx + 2)
+        Displacements (m) and forces (N); what is written at the ghosts means nothing.
     edge, diagonal, volume : float
         As :func:`slab_constants`.
+    first, end : int
+        The rows, of ny without ghosts: from ``first`` to before ``end``.
     """
-    planes, rows, columns = u.shape[1:]
+    planes = slab_u.shape[1]
+    width = np.uint64(slab_u.shape[3])
     one = np.uint64(1)
+    # Row after row in one line: the ghosts between them cost less than to begin a loop anew.
+    u = slab_u.reshape(3, planes, -1)
+    force = slab_f.reshape(3, planes, -1)
+    begin = np.uint64(first) * width
+    # Of the cells under and over a plane, from the row of cells before ``first`` on.
+    dilatation = np.zeros((2, (end - first + 1) * slab_u.shape[3] - 1))
+    below = np.zeros(dilatation.shape[1])
+    _add_plane(u, 0, width, begin, below, dilatation[1])
     for k in range(planes):
         under = dilatation[(k + 1) & 1]
         over = dilatation[k & 1]
         if k < planes - 1:
-            _dilatation(u, k, over)
+            _add_plane(u, k + 1, width, begin, below, over)
         else:
             over[:] = 0.0
         if k == 0:
             under[:] = 0.0
         # Springs within a face of the slab belong to one cell instead of two.
         share = 1.0 if 0 < k < planes - 1 else 0.5
-        has_over = 1.0 if k < planes - 1 else 0.0
-        has_under = 1.0 if k > 0 else 0.0
-        k_o = k + 1 if k < planes - 1 else k
-        k_u = k - 1 if k > 0 else k
         edge_in = share * edge
         diagonal_in = share * diagonal
+        has_over = 1.0 if k < planes - 1 else 0.0
+        has_under = 1.0 if k > 0 else 0.0
         diagonal_o = has_over * diagonal
         diagonal_u = has_under * diagonal
         edge_o = has_over * edge
         edge_u = has_under * edge
-        for j in range(1, rows - 1):
-            x_c = u[0, k, j]
-            x_n = u[0, k, j + 1]
-            x_s = u[0, k, j - 1]
-            x_o = u[0, k_o, j]
-            x_u = u[0, k_u, j]
-            y_c = u[1, k, j]
-            y_n = u[1, k, j + 1]
-            y_s = u[1, k, j - 1]
-            y_on = u[1, k_o, j + 1]
-            y_os = u[1, k_o, j - 1]
-            y_un = u[1, k_u, j + 1]
-            y_us = u[1, k_u, j - 1]
-            z_c = u[2, k, j]
-            z_o = u[2, k_o, j]
-            z_u = u[2, k_u, j]
-            z_on = u[2, k_o, j + 1]
-            z_os = u[2, k_o, j - 1]
-            z_un = u[2, k_u, j + 1]
-            z_us = u[2, k_u, j - 1]
-            a_s = under[j - 1]
-            a_n = under[j]
-            b_s = over[j - 1]
-            b_n = over[j]
-            f_x = force[0, k, j]
-            f_y = force[1, k, j]
-            f_z = force[2, k, j]
-            for i in range(one, np.uint64(columns - 1)):
-                e = i + one
-                w = i - one
-                x = x_c[i]
-                y = y_c[i]
-                z = z_c[i]
-                ne = (x_n[e] - x) + (y_n[e] - y)
-                sw = (x_s[w] - x) + (y_s[w] - y)
-                nw = (x_n[w] - x) - (y_n[w] - y)
-                se = (x_s[e] - x) - (y_s[e] - y)
-                g_x = edge_in * (x_c[e] + x_c[w] - 2.0 * x) + diagonal_in * (ne + sw + nw + se)
-                g_y = edge_in * (y_n[i] + y_s[i] - 2.0 * y) + diagonal_in * (ne + sw - nw - se)
-                oe = diagonal_o * ((x_o[e] - x) + (z_o[e] - z))
-                uw = diagonal_u * ((x_u[w] - x) + (z_u[w] - z))
-                ow = diagonal_o * ((x_o[w] - x) - (z_o[w] - z))
-                ue = diagonal_u * ((x_u[e] - x) - (z_u[e] - z))
-                g_x += oe + uw + ow + ue
-                g_z = oe + uw - ow - ue + edge_o * (z_o[i] - z) + edge_u * (z_u[i] - z)
-                on = diagonal_o * ((y_on[i] - y) + (z_on[i] - z))
-                us = diagonal_u * ((y_us[i] - y) + (z_us[i] - z))
-                os = diagonal_o * ((y_os[i] - y) - (z_os[i] - z))
-                un = diagonal_u * ((y_un[i] - y) - (z_un[i] - z))
-                g_y += on + us + os + un
-                g_z += on + us - os - un
-                asw = a_s[w]
-                ase = a_s[i]
-                anw = a_n[w]
-                ane = a_n[i]
-                bsw = b_s[w]
-                bse = b_s[i]
-                bnw = b_n[w]
-                bne = b_n[i]
-                f_x[i] = g_x - volume * (asw - ase + anw - ane + bsw - bse + bnw - bne)
-                f_y[i] = g_y - volume * (asw + ase - anw - ane + bsw + bse - bnw - bne)
-                f_z[i] = g_z - volume * (asw + ase + anw + ane - bsw - bse - bnw - bne)
+        own_x = 2.0 * edge_in + 4.0 * diagonal_in + 2.0 * (diagonal_o + diagonal_u)
+        own_z = edge_o + edge_u + 4.0 * (diagonal_o + diagonal_u)
+        k_o = k + 1 if k < planes - 1 else k
+        k_u = k - 1 if k > 0 else k
+        x_c = u[0, k]
+        x_o = u[0, k_o]
+        x_u = u[0, k_u]
+        y_c = u[1, k]
+        y_o = u[1, k_o]
+        y_u = u[1, k_u]
+        z_c = u[2, k]
+        z_o = u[2, k_o]
+        z_u = u[2, k_u]
+        f_x = force[0, k]
+        f_y = force[1, k]
+        f_z = force[2, k]
+        for q in range(np.uint64((end - first) * slab_u.shape[3] - 2)):
+            sw = q
+            se = q + one
+            nw = q + width
+            ne = nw + one
+            i = begin + ne
+            e = i + one
+            w = i - one
+            n = i + width
+            s = i - width
+            # Diagonals within the plane; those of x with y change sides for the other.
+            rising = (x_c[n + one] + x_c[s - one]) + (y_c[n + one] + y_c[s - one])
+            falling = (x_c[n - one] + x_c[s + one]) - (y_c[n - one] + y_c[s + one])
+            g_x = edge_in * (x_c[e] + x_c[w]) + diagonal_in * (rising + falling)
+            g_y = edge_in * (y_c[n] + y_c[s]) + diagonal_in * (rising - falling)
+            g_x += diagonal_o * ((x_o[e] + x_o[w]) + (z_o[e] - z_o[w]))
+            g_x += diagonal_u * ((x_u[e] + x_u[w]) - (z_u[e] - z_u[w]))
+            g_y += diagonal_o * ((y_o[n] + y_o[s]) + (z_o[n] - z_o[s]))
+            g_y += diagonal_u * ((y_u[n] + y_u[s]) - (z_u[n] - z_u[s]))
+            g_z = diagonal_o * (((x_o[e] - x_o[w]) + (y_o[n] - y_o[s])) + ((z_o[e] + z_o[w]) + (z_o[n] + z_o[s])))
+            g_z += diagonal_u * (((z_u[e] + z_u[w]) + (z_u[n] + z_u[s])) - ((x_u[e] - x_u[w]) + (y_u[n] - y_u[s])))
+            g_z += edge_o * z_o[i] + edge_u * z_u[i]
+            t_sw = under[sw] + over[sw]
+            t_se = under[se] + over[se]
+            t_nw = under[nw] + over[nw]
+            t_ne = under[ne] + over[ne]
+            f_x[i] = (g_x - own_x * x_c[i]) - volume * ((t_sw - t_se) + (t_nw - t_ne))
+            f_y[i] = (g_y - own_x * y_c[i]) - volume * ((t_sw + t_se) - (t_nw + t_ne))
+            f_z[i] = (g_z - own_z * z_c[i]) - volume * (
+                ((under[sw] - over[sw]) + (under[se] - over[se])) + ((under[nw] - over[nw]) + (under[ne] - over[ne]))
+            )

@@ -1,5 +1,7 @@
 """What a case is made of: the condensed block, the interface, and both as a contact under load."""
 
+import math
+
 import numpy as np
 
 from contact_study.fields.fourier import POINTS_FOR_THREADS
@@ -10,6 +12,7 @@ from contact_study.problem.surface import Surface
 from md_reference.block import SurfaceStiffness, element_matrix, surface_stiffness
 from md_reference.contact import AtomisticContact, interface_of
 from md_reference.interface import LennardJonesInterface
+from md_reference.row_blocks import ATOMS_FOR_THREADS
 from md_reference.solution import Solution
 
 
@@ -20,9 +23,16 @@ def build_stiffness(case: Case) -> SurfaceStiffness:
     return surface_stiffness(element, lattice.atoms, lattice.constant, case.block_layers)
 
 
+def row_threads(case: Case) -> int:
+    """Threads that share the rows of atoms: those that the case is given, where they gain."""
+    enough = math.prod(case.lattice.atoms) >= ATOMS_FOR_THREADS
+    return max(case.solver.threads, 1) if enough else 1
+
+
 def build_interface(case: Case, surface: Surface) -> LennardJonesInterface:
     """Lennard-Jones atoms of a case over the substrate's sites."""
-    return interface_of(surface.heights, case.lattice, case.well_depth, case.law.length, case.atomistic.cutoff)
+    length, cutoff = case.law.length, case.atomistic.cutoff
+    return interface_of(surface.heights, case.lattice, case.well_depth, length, cutoff, row_threads(case))
 
 
 def build_contact(case: Case, surface: Surface) -> AtomisticContact:

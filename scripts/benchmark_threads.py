@@ -1,10 +1,12 @@
-"""Two threads of FFTW against one, with the other cores idle and with them busy.
+"""Two threads against one, with the other cores idle and with them busy.
 
-Ratios of interleaved transform pairs, the median of one thread over that of two: above one where the second thread
-gains. Once with OpenMP's threads asleep while they wait, as the project sets them, and once with threads that spin,
-their own default where cores are free.
+Ratios of interleaved runs, the median of one thread over that of two: above one where the second thread gains. Of
+FFTW's transform pairs, once with OpenMP's threads asleep while they wait, as the project sets them, and once with
+threads that spin, their own default where cores are free; of the atoms' interface and of a time step of their explicit
+block, whose threads sleep.
 
     python scripts/benchmark_threads.py --points 512 1024 2048
+    python scripts/benchmark_threads.py --of atoms --points 64 100 200 400
 """
 
 import argparse
@@ -12,32 +14,81 @@ import os
 import subprocess
 import sys
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
 from contact_study.fields.fourier import RealTransform
+from contact_study.problem.lattice import lattice_of
+from md_reference.block import isotropic_element, lame_constants
+from md_reference.contact import interface_of
+from md_reference.multiscale_block import MultiscaleBlock, level_layers
+from md_reference.newtonian import NewtonianBlock, fastest_wave
+
+# Of the paper's system, at any scale of the lengths.
+_CONSTANT, _LENGTH, _WELL_DEPTH, _CUTOFF = 2.6e-10, 3.28e-10, 2.98e-21, 4.0
+_YOUNGS_MODULUS, _POISSONS_RATIO, _ATOM_MASS = 77.2e9, 0.42, 3.27e-25
 
 
-def ratio(points: int, repetitions: int) -> float:
-    """Median time of a transform pair in one thread over that in two, interleaved."""
-    transforms = [RealTransform((points, points), np.float64, threads) for threads in (1, 2)]
+def transform_pair(points: int, threads: int) -> Callable[[], object]:
+    """Forward and back."""
+    transform = RealTransform((points, points), np.float64, threads)
+
+    def run() -> None:
+        transform.forward()
+        transform.backward()
+
+    return run
+
+
+def interface_pass(atoms: int, threads: int) -> Callable[[], object]:
+    """Forces and second derivatives of flat surfaces in contact."""
+    lattice = lattice_of((atoms * _CONSTANT,) * 2, _CONSTANT)
+    interface = interface_of(np.zeros, lattice, _WELL_DEPTH, _LENGTH, _CUTOFF, threads)
+    surface = np.zeros((3, atoms, atoms))
+    surface[2] = _LENGTH
+    force, hessian = np.empty(surface.shape), np.empty((6, atoms, atoms))
+    return lambda: interface.evaluate(surface, force, hessian)
+
+
+def time_step(atoms: int, threads: int) -> Callable[[], object]:
+    """A step of the explicit block out of reach, with friction."""
+    lame = lame_constants(_YOUNGS_MODULUS, _POISSONS_RATIO)
+    layers = level_layers((atoms, atoms), atoms)
+    block = MultiscaleBlock((atoms, atoms), _CONSTANT, *lame, layers, _ATOM_MASS, threads)
+    lattice = lattice_of((atoms * _CONSTANT,) * 2, _CONSTANT)
+    interface = interface_of(np.zeros, lattice, _WELL_DEPTH, _LENGTH, _CUTOFF)
+    step = 0.4 / fastest_wave(isotropic_element(_CONSTANT, _YOUNGS_MODULUS, _POISSONS_RATIO), _ATOM_MASS)
+    system = NewtonianBlock(block, interface, step, friction=0.01 / step)
+    surface = np.zeros((3, atoms, atoms))
+    surface[2] = 2 * _CUTOFF * _LENGTH
+    motion, generator = system.start(surface), np.random.default_rng(0)
+    system.prepare(motion, 0.0)
+    return lambda: system.step(motion, 0.0, generator)
+
+
+WORK = {"transforms": (transform_pair,), "atoms": (interface_pass, time_step)}
+WORDS = {"interface_pass": "interface", "time_step": "time step of the block"}
+
+
+def ratio(make: Callable[[int, int], Callable[[], object]], points: int, repetitions: int) -> float:
+    """Median time of a piece of work in one thread over that in two, interleaved."""
+    runs = [make(points, threads) for threads in (1, 2)]
     seconds: list[list[float]] = [[], []]
     for _ in range(repetitions):
-        for transform, times in zip(transforms, seconds, strict=True):
+        for run, times in zip(runs, seconds, strict=True):
             began = time.perf_counter()
-            transform.forward()
-            transform.backward()
+            run()
             times.append(time.perf_counter() - began)
     one, two = (float(np.median(times[1:])) for times in seconds)
     return one / two
 
 
-def measured(policy: str, busy: bool, points: Sequence[int], repetitions: int) -> list[float]:
-    """Ratios of all sizes in a process of its own, whose OpenMP has that policy."""
+def measured(policy: str, busy: bool, of: str, points: Sequence[int], repetitions: int) -> list[list[float]]:
+    """Ratios of all sizes, for each piece of work, in a process of its own, whose OpenMP has that policy."""
     spinning = [subprocess.Popen([sys.executable, "-c", "while True: pass"]) for _ in range(busy * (_cores() - 1))]
     try:
-        command = [sys.executable, __file__, "--here", "--repetitions", str(repetitions)]
+        command = [sys.executable, __file__, "--here", "--of", of, "--repetitions", str(repetitions)]
         command += ["--points", *map(str, points)]
         environment = os.environ | {"OMP_WAIT_POLICY": policy}
         out = subprocess.run(command, env=environment, capture_output=True, text=True, check=True).stdout
@@ -45,7 +96,7 @@ def measured(policy: str, busy: bool, points: Sequence[int], repetitions: int) -
         for process in spinning:
             process.kill()
             process.wait()
-    return [float(word) for word in out.split()]
+    return [[float(word) for word in line.split()] for line in out.splitlines()]
 
 
 def _cores() -> int:
@@ -55,21 +106,25 @@ def _cores() -> int:
 def main(arguments: Sequence[str] | None = None) -> int:
     """Print the table."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--points", type=int, nargs="+", default=[512, 1024, 2048], help="points a side")
-    parser.add_argument(
-        "--repetitions", type=int, default=15, help="transform pairs of each size and number of threads"
-    )
+    parser.add_argument("--of", choices=tuple(WORK), default="transforms", help="what is done")
+    parser.add_argument("--points", type=int, nargs="+", default=[512, 1024, 2048], help="points or atoms a side")
+    parser.add_argument("--repetitions", type=int, default=15, help="runs of each size and number of threads")
     parser.add_argument("--here", action="store_true", help=argparse.SUPPRESS)
     options = parser.parse_args(arguments)
     if options.here:
-        print(*(ratio(points, options.repetitions) for points in options.points))
+        for make in WORK[options.of]:
+            print(*(ratio(make, points, options.repetitions) for points in options.points))
         return 0
-    print("| threads that wait | other cores | " + " | ".join(f"{points}²" for points in options.points) + " |")
+    transforms = options.of == "transforms"
+    head = "threads that wait" if transforms else "of"
+    print(f"| {head} | other cores | " + " | ".join(f"{points}²" for points in options.points) + " |")
     print("|---|---|" + "---|" * len(options.points))
-    for policy, word in (("passive", "sleep"), ("active", "spin")):
+    for policy, word in (("passive", "sleep"), ("active", "spin"))[: 2 if transforms else 1]:
         for busy, cores in ((False, "idle"), (True, "busy")):
-            ratios = measured(policy, busy, options.points, options.repetitions)
-            print(f"| {word} | {cores} | " + " | ".join(f"{value:.2f}" for value in ratios) + " |")
+            found = measured(policy, busy, options.of, options.points, options.repetitions)
+            for make, ratios in zip(WORK[options.of], found, strict=True):
+                cells = [WORDS.get(make.__name__, word), cores, *(f"{value:.2f}" for value in ratios)]
+                print(f"| {' | '.join(cells)} |")
     return 0
 
 

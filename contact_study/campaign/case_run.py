@@ -19,7 +19,6 @@ from contact_study.campaign.record import Step, recorded
 from contact_study.campaign.resume.identity import content_hash
 from contact_study.campaign.schema import quantity_of
 from contact_study.fields.distributions import Bins
-from contact_study.fields.fourier import POINTS_FOR_THREADS
 from contact_study.observables.base import Ensemble, InterfaceState, Value
 from contact_study.observables.roughness import roughness_values
 from contact_study.problem.case import Case
@@ -74,7 +73,7 @@ def run_case(job: Job, threads: int, report: Report) -> None:
     _check_height_map(job)
     with _kept_warnings(job) as keep_warnings:
         surface = realise(job.case)
-        case = job.case if job.case.solver.threads else _with_threads(job.case, surface, threads)
+        case = job.case if job.case.solver.threads else _with_threads(job, surface, threads)
         if not store.has_constants(job.folder):
             constants = {
                 **roughness_values(surface.roughness, surface.filled),
@@ -175,10 +174,10 @@ def _summary(step: Step) -> Mapping[str, Any]:
     return {name: first.get(name) for name in ("relative_contact_area", "converged", "detached", "message")}
 
 
-def _with_threads(case: Case, surface: Surface, threads: int) -> Case:
+def _with_threads(job: Job, surface: Surface, threads: int) -> Case:
     """The case with the threads that are at hand, where the grid is large enough to gain from them."""
-    chosen = threads if surface.grid.points >= POINTS_FOR_THREADS else 1
-    return replace(case, solver=replace(case.solver, threads=chosen))
+    chosen = threads if surface.grid.points >= job.model.points_for_threads else 1
+    return replace(job.case, solver=replace(job.case.solver, threads=chosen))
 
 
 @contextmanager

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from contact_study.campaign.record import Step
+from contact_study.fields.fourier import POINTS_FOR_THREADS
 from contact_study.observables.base import Ensemble, InterfaceState, Value
 from contact_study.problem.case import Case
 from contact_study.problem.study import Study
@@ -50,6 +51,8 @@ class Model:
         Keys of [output] that say what a step keeps beyond its numbers.
     whole_path : bool
         Whether the numbers of a step follow from the whole path, not only from its points so far.
+    points_for_threads : int
+        Of a surface, from which on one case gains from more threads than one.
     """
 
     command: str
@@ -61,6 +64,7 @@ class Model:
     ignores: tuple[str, ...] = ()
     keeps: tuple[str, ...] = ("fields",)
     whole_path: bool = False
+    points_for_threads: int = POINTS_FOR_THREADS
 
     def check(self, case: Case) -> None:
         """Raise InputError if the model cannot serve the case."""

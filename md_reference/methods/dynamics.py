@@ -20,7 +20,7 @@ from md_reference.newtonian import Motion, NewtonianBlock, fastest_wave
 from md_reference.random_state import generator_of, packed
 from md_reference.rotating_block import RotatingBlock
 from md_reference.starts import separated
-from md_reference.system import build_interface
+from md_reference.system import build_interface, row_threads
 
 # Displacements, velocities, forces, masses and noise of a node, what a point goes on from, and the nodes that are kept.
 _BYTES_PER_NODE = 400
@@ -111,6 +111,7 @@ def build_block(case: Case) -> MultiscaleBlock:
         *lame(case),
         level_layers(atoms, case.block_layers),
         case.material.atom_mass,
+        row_threads(case),
     )
 
 

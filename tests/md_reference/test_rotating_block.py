@@ -54,7 +54,7 @@ def test_a_turn_costs_nothing():
     u = np.einsum("cd,dkji->ckji", turn - np.eye(3), position)
     found, linear = np.zeros_like(u), np.zeros_like(u)
     energy = rotating_slab_force(u, found, LATTICE_CONSTANT, LAME[1], LAME[0] - LAME[1])
-    slab_force(u, linear, np.zeros((2, *u.shape[2:])), *slab_constants(LATTICE_CONSTANT, *LAME))
+    slab_force(u, linear, *slab_constants(LATTICE_CONSTANT, *LAME), 0, u.shape[2] - 2)
     inside = np.s_[:, :, 1:-1, 1:-1]
     # Rounding of the displacements, over a spring's length.
     assert np.max(np.abs(found[inside])) < 1e-13 * SCALE
