@@ -120,6 +120,8 @@ def _lowest_of_retraction(series: PathSeries) -> dict[str, float]:
     if not (0 < lowest < pressure.size - 1 and pressure[lowest] < 0):
         return {}
     near = slice(lowest - 1, lowest + 2)
+    if not np.all(np.isfinite(separation[near])):  # torn off right after it: no parabola goes through infinity
+        return {"pull_off_pressure": float(pressure[lowest])}
     return {
         "pull_off_pressure": float(pressure[lowest]),
         "pull_off_pressure_resolution_error": _depth(separation[near], pressure[near]),
