@@ -174,9 +174,10 @@ def test_a_whole_study_and_its_continuation(control, tmp_path):
 
 
 def test_walls_without_adhesion_take_plain_steps():
-    table = study_table(32, size=500e-10, loading={"path": [1e9, 2e9], "adaptive": True})
+    table = study_table(32, size=500e-10, loading={"path": [1e9, 2e9, 1e9], "adaptive": True})
     table["interaction"] = {"law": "hard_wall"}
-    assert "dissipated_energy" not in contact_study.run(table, "continuum")
+    found = contact_study.run(table, "continuum")
+    assert not {"dissipated_energy", "pull_off_pressure"} & set(found)
 
 
 # Of spheres: E*, reach and work of Dugdale's tension in SI.
@@ -232,6 +233,8 @@ def test_a_sphere_jumps_in_pulls_off_and_costs_what_maugis_says():
     tip = sphere.size**2 / (12 * sphere.radius)  # over the heights' mean
     assert 1 < (float(found.jump_in_separation) - tip) / REACH < reach(Dugdale(WORK, REACH)) / REACH
     assert abs(float(found.jump_in_pressure)) < 0.01 * sphere.unit
+    # Out of reach the last of the tension falls tenfold from step to step: no rule can follow it, and none has to.
+    assert found.sizes["passed"] < 60
 
 
 def test_a_sphere_pulls_off_under_a_load_where_maugis_says():

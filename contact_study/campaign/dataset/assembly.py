@@ -74,7 +74,7 @@ def _results_of_path(case: Case, steps: Sequence[Mapping[str, Any]]) -> dict[str
     """What the path of a simulation tells of adhesion; theories say what they know themselves."""
     control = case.loading.control
     simulated = "mean_separation" in steps[0]
-    return path_results(series_of(steps, control), control) if simulated and case.law.attracts else {}
+    return path_results(series_of(steps, control), control) if simulated else {}
 
 
 def _last_states(run: Run, names: Sequence[str], parts: Parts) -> Iterator[dict[str, np.ndarray]]:
