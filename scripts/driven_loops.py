@@ -33,12 +33,13 @@ ANGSTROM = 1e-10
 
 @dataclass(frozen=True)
 class Loop:
-    """One motion: distance of the driven plane less r0 (m), mean stress (Pa), and whether it goes down."""
+    """One motion: distance of the driven plane less r0 (m), mean stress (Pa), whether it goes down, time steps."""
 
     words: str
     distance: np.ndarray
     stress: np.ndarray
     down: np.ndarray
+    steps: int
 
     @property
     def pull_off(self) -> float:
@@ -71,7 +72,8 @@ def parser() -> Parser:
     made.add_argument("-o", "--output", type=Path, help="figure to write")
     made.add_argument("--fraction", type=float, default=1.0, help="of the study's lengths: its cell and rms height")
     made.add_argument("--speed", default="20 m/s", help="of the driven plane")
-    made.add_argument("--temperature", default="300 K", help="of the warm atoms")
+    made.add_argument("--temperatures", nargs="+", default=["0 K", "300 K"], help="of the atoms")
+    made.add_argument("--ratios", type=float, nargs="+", help="multiples of the well depth; the study's by default")
     made.add_argument("--highest", type=float, default=18.0, help="separation that the way up ends at (Å)")
     made.add_argument("--lowest", type=float, default=-3.0, help="separation at which the plane turns (Å)")
     made.add_argument("--step", type=float, default=1.0, help="between points of the path (Å)")
@@ -84,20 +86,22 @@ def _main(arguments: Sequence[str] | None) -> int:
         writable_output(given.output)
     table = driven(given)
     loops = {}
-    for temperature in ("0 K", given.temperature):
+    for temperature in given.temperatures:
         table["atomistic"]["temperature"] = temperature
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder) / "md.nc"
             contact_study.run(table, "atomistic", output=path)
             with xr.open_datatree(path, decode_timedelta=False) as tree:
                 loops[temperature] = loops_of(tree["/"].to_dataset(), tree["/trajectory"].to_dataset())
-    print("| | T | " + " | ".join(loop.words for loop in loops["0 K"]) + " |")
-    print("|---" * (2 + len(loops["0 K"])) + "|")
+    names = [loop.words for loop in next(iter(loops.values()))]
+    print(f"| | T | {' | '.join(names)} |")
+    print("|---" * (2 + len(names)) + "|")
     for words, value in (
         ("attracted from (Å)", lambda loop: f"{loop.contact(True) / ANGSTROM:.1f}"),
         ("held up to (Å)", lambda loop: f"{loop.contact(False) / ANGSTROM:.1f}"),
         ("pull-off stress (GPa)", lambda loop: f"{loop.pull_off / 1e9:.2f}"),
         ("work left behind (J/m²)", lambda loop: f"{loop.dissipated:.3f}"),
+        ("time steps", lambda loop: f"{loop.steps}"),
     ):
         for temperature, of in loops.items():
             print(f"| {words} | {temperature} | " + " | ".join(map(value, of)) + " |")
@@ -122,6 +126,8 @@ def driven(given: argparse.Namespace) -> dict:
         "rms_height": given.fraction * surface.rms_height,
     }
     table = {name: content for name, content in whole.table.items() if name != "override"}
+    if given.ratios is not None:
+        table["sweep"] = {"interaction.well_depth_ratio": given.ratios}
     count = round((given.highest - given.lowest) / given.step) + 1
     points = np.linspace(given.highest, given.lowest, max(count, 2)) * ANGSTROM
     return {
@@ -145,7 +151,7 @@ def loops_of(root: xr.Dataset, series: xr.Dataset) -> list[Loop]:
         distance = np.append(end[0], end[:-1, None] + np.diff(end)[:, None] * share)
         stress = frames.mean_pressure.values.ravel()[FRAMES - 1 :]
         down = np.append(True, np.repeat(np.diff(end) < 0, FRAMES))
-        found.append(Loop(f"{ratio:g} ε₀", distance, stress, down))
+        found.append(Loop(f"{ratio:g} ε₀", distance, stress, down, int(case.iterations.values[-1])))
     return found
 
 

@@ -25,6 +25,7 @@ from contact_study.problem.errors import InputError
 from contact_study.problem.study import Study, make_study, read_study
 from md_reference.methods.dynamics import build_block, time_step
 
+_LONG = 10**5  # time steps of a long run
 _OF_THE_RUN = ("wall_time",)  # differs from run to run, as nothing else may
 
 
@@ -60,11 +61,12 @@ def _main(arguments: Sequence[str] | None) -> int:
         run([*command, str(folder / "stopped.nc"), "--resume"])
         same = identical(folder / "whole.nc", folder / "stopped.nc")
     steps, memory = given.frames * given.steps, 1024 * used.ru_maxrss / (block.freedoms / 3)
-    print("| atoms | nodes that move | steps | s a step | bytes a node, of the whole process | stopped | resumed |")
-    print("|---|---|---|---|---|---|---|")
+    hours = used.ru_utime / steps * _LONG / 3600
+    head = "atoms | nodes that move | steps | s a step | hours for 10⁵ | bytes a node, of the whole process"
+    print(f"| {head} | stopped | resumed |\n{'|---' * 8}|")
     print(
-        f"| {given.atoms}² | {block.freedoms // 3} | {steps} | {used.ru_utime / steps:.2f} | {memory:.0f} | "
-        f"{done} | {'the same bits' if same else 'other bits'} |"
+        f"| {given.atoms}² | {block.freedoms // 3} | {steps} | {used.ru_utime / steps:.2f} | {hours:.1f} | "
+        f"{memory:.0f} | {done} | {'the same bits' if same else 'other bits'} |"
     )
     return 0 if same else 1
 
