@@ -90,6 +90,18 @@ def test_momentum_changes_by_the_forces_from_outside_alone(shaken):
     assert system.momentum(motion) - before == pytest.approx(impulse, abs=1e-12 * moved)
 
 
+def test_friction_acts_in_the_middle_of_the_way():
+    """Half a step at the old velocity, half at what friction leaves of it; no force acts on a block that flies."""
+    rate = 0.3 * FASTEST
+    system = system_of(interface=NoInterface(), friction=rate)
+    motion = run(system, system.start(np.zeros((3, *ATOMS)), -10.0), 1, 0.0)
+    kept = np.exp(-rate * system.time_step)
+    way = -10.0 * system.time_step * (1 + kept) / 2
+    assert motion.top == pytest.approx(way, rel=1e-12)
+    np.testing.assert_allclose(system.block.bottom_of(motion.displacement)[2], way, rtol=1e-12)
+    np.testing.assert_allclose(system.block.bottom_of(motion.velocity)[2], -10.0 * kept, rtol=1e-9)
+
+
 def test_free_block_flies_on():
     system = system_of(interface=NoInterface())
     motion = run(system, system.start(np.zeros((3, *ATOMS)), -10.0), 100, 0.0)
