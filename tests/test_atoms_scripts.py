@@ -12,7 +12,8 @@ def series(end, stress, frames):
     share = (np.arange(frames) + 1) / frames
     start = np.concatenate([[end[0] + 1e-10], end[:-1]])
     distance = start[:, None] + (end - start)[:, None] * share
-    root = xr.Dataset({}, {"well_depth_ratio": [4.0], "applied_gap": ("step", end), "iterations": ("step", 10 * np.arange(end.size))})
+    done = 10 * np.arange(end.size)
+    root = xr.Dataset({"iterations": ("step", done)}, {"well_depth_ratio": [4.0], "applied_gap": ("step", end)})
     return root, xr.Dataset({"mean_pressure": (("well_depth_ratio", "step", "frame"), stress(distance, start)[None])})
 
 
