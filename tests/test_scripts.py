@@ -28,6 +28,7 @@ from scripts import (
     polymer_contact,
     reproduce_yang2008,
     result_table,
+    sphere_path,
     two_starts,
     validate_energies,
     validate_spheres,
@@ -445,6 +446,39 @@ def test_richardson_finds_the_order_of_three_grids(order, limit):
     assert contact_challenge.extrapolated([1.0, 1.0, 1.0], spacing) == 1.0
     for wild in ([3.0, 2.0, 1.99], [3.0, 2.0, 1.2], [1.0, 3.0, 2.0]):  # sixth order, a third, none
         assert contact_challenge.extrapolated(wild, spacing) == pytest.approx(2 * wild[-1] - wild[-2])
+
+
+def test_a_spheres_path_stands_beside_maugis(monkeypatch, capsys):
+    """Of numbers made up; `tests/bem_adhesion/test_paths.py` has the solver's."""
+
+    def made_up(radius, size, points, resolution):
+        unit, tip = np.pi * 0.02 * radius / size**2, size**2 / (12 * radius)
+        return {
+            "pull_off_pressure": -1.5 * unit,
+            "pull_off_pressure_resolution_error": 0.25 * unit,
+            "work_of_separation": 7 * (0.02**5 * radius**4 / 1e18) ** (1 / 3) / size**2,
+            "jump_in_separation": tip + 1.5e-9,
+            "jump_in_separation_resolution_error": 0.25e-9,
+            "jump_in_pressure": -0.125 * unit,
+        }
+
+    monkeypatch.setattr(sphere_path, "path", made_up)
+    assert sphere_path.main([]) == 0
+    cells = [row.strip("| ").split(" | ")[1:] for row in capsys.readouterr().out.splitlines()[2:]]
+    assert [row[0] for row in cells] == ["-1.750 to -1.500", "7.00", "1.25 to 1.50", "-0.125"]
+    assert [row[1] for row in cells[:2]] == ["-1.585", "12.98"]
+
+
+def test_the_work_of_separation_of_maugis_becomes_that_of_jkr():
+    """F = a³ − √(6a³) and δ = a² − ⅔√(6a) from F = 0, a³ = 6, to the least approach, a³ = 1/6: −∫F dδ."""
+
+    def primitive(a):
+        return 0.4 * a**5 - 2 / 3 * np.sqrt(6) * a**3.5 + a**2
+
+    work = primitive((1 / 6) ** (1 / 3)) - primitive(6 ** (1 / 3))
+    expected = work * np.pi * (3 * np.pi / 4) ** (2 / 3)
+    # What a range leaves: 5e-4 at λ = 20, a quarter at 40.
+    assert sphere_path.maugis_work(40.0) == pytest.approx(expected, rel=1e-3)
 
 
 def test_the_work_of_the_load_goes_into_the_energies(capsys):
