@@ -116,7 +116,8 @@ def rows(table: pd.DataFrame) -> Iterator[str]:
     yield f"| {' | '.join((*head, 'local / mean pressure', 'surfaces'))} |"
     yield "|---" * (len(head) + 2) + "|"
     simulated = pd.read_csv(SIMULATIONS)
-    simulated = simulated[(simulated["model"] == "continuum") & (simulated["pressure_GPa"] >= 0.2)]
+    simulated = simulated[(simulated["model"] == "continuum") & (simulated["branch"] == "loading")]
+    simulated = simulated[simulated["pressure_GPa"] >= 0.2]
     truth = simulated.pivot_table(index=["ratio", "pressure_GPa"], columns="quantity", values="mean")
     for words, kernel in kernels().items():
         own = table[(table["model"] == words) & (table["pressure_GPa"] >= 0.2)]

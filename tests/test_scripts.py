@@ -23,6 +23,7 @@ from scripts import (
     edge_flow_convergence,
     edge_flow_ensemble,
     edge_flow_kernels,
+    edge_flow_trials,
     gap_distributions,
     non_adhesive_shelf,
     polymer_contact,
@@ -34,7 +35,7 @@ from scripts import (
     validate_spheres,
 )
 from tests.comparison.synthetic import AREA_FACTOR, GAP_SHIFT, area, gap, write_all
-from theory import PerssonTheory, criteria, separation_curve
+from theory import LennardJones104, PerssonTheory, SelfAffineSpectrum, criteria, edge_flow, separation_curve
 from theory import references as reference
 
 
@@ -270,22 +271,36 @@ def test_conclusion_of_two_starts():
 def test_errors_of_the_theories_over_an_ensemble():
     table = pd.DataFrame(
         [
-            (model, name, ratio, pressure, mean, 0.02, 4, 64)
+            (branch, model, name, ratio, pressure, mean * (1 if branch == "loading" else 2), 0.02, 4, 64)
+            for branch in ("loading", "unloading")
             for name in ("relative_contact_area", "mean_gap")
             for ratio in (1.0, 8.0)
-            for pressure in (0.1, 0.5, 1.0)
+            for pressure in (0.1, 0.5, 5.0)
             for model, mean in (
                 ("continuum", 0.2),
                 ("gap_flow", 0.3 if pressure > 0.1 else 9.0),
                 ("edge_flow", 0.2 * (1 - 0.1 * pressure)),
             )
         ],
-        columns=["model", "quantity", "ratio", "pressure_GPa", "mean", "standard_error", "surfaces", "points"],
+        columns=[
+            "branch",
+            "model",
+            "quantity",
+            "ratio",
+            "pressure_GPa",
+            "mean",
+            "standard_error",
+            "surfaces",
+            "points",
+        ],
     )
     _, _, *rows = edge_flow_ensemble.rows(table)
-    # 0.1 GPa stands apart; 5 and 10 % below count as errors of their size.
-    assert rows[0] == "| ≤ 2 ε0 | A | 50.0 (50.0) % | 7.5 (10.0) % | 10.0 % | 4 |"
-    assert [row.split(" | ")[1] for row in rows] == ["A", "ū", "A", "ū"]
+    # The lowest and the highest pressure have lines of their own; 5 and 50 % below count as errors of their size.
+    assert rows[0] == "| ≤ 2 ε0 | loading | 0.2 to 5 | A | 50.0 (50.0) % | 27.5 (50.0) % | 10.0 % | 4 |"
+    assert rows[4] == "| ≤ 2 ε0 | loading | 0.1 | A | 4400.0 (4400.0) % | 1.0 (1.0) % | 10.0 % | 4 |"
+    assert rows[8] == "| ≤ 2 ε0 | loading | 5 | A | 50.0 (50.0) % | 50.0 (50.0) % | 10.0 % | 4 |"
+    assert rows[12] == "| ≤ 2 ε0 | unloading | 0.2 to 5 | A | 50.0 (50.0) % | 27.5 (50.0) % | 5.0 % | 4 |"
+    assert [row.split(" | ")[3] for row in rows] == ["A", "ū"] * 8
 
 
 @pytest.mark.filterwarnings("ignore:the grid spacing")  # a coarse grid is quick
@@ -293,8 +308,53 @@ def test_ensemble_of_small_surfaces():
     table = edge_flow_ensemble.ensemble(2, 32, [1.0])
     assert set(table["model"]) == {"continuum", "gap_flow", "edge_flow"}
     assert (table["surfaces"] == 2).all()
-    areas = table[table["quantity"] == "relative_contact_area"].pivot(index="pressure_GPa", columns="model")["mean"]
+    areas = table[table["quantity"] == "relative_contact_area"]
+    areas = areas.pivot(index="pressure_GPa", columns=["branch", "model"], values="mean")
     assert (areas.diff().iloc[1:] > 0).all().all()
+    assert areas.shape[1] == 6
+
+
+def test_trials_start_from_the_edge_flow_and_part_from_it():
+    spectrum = SelfAffineSpectrum(0.8, 1e-9, 6.04e7, 1.81e8, 7.25e8)
+    flow = edge_flow(spectrum, 93.7e9, LennardJones104(2.77, 3.28e-10), highest_pressure=2e9, gaps=60, scales=16)
+    state = next(one for one in flow.equilibria if one.gap < 3)
+    near = flow._problem.gaps < 1.12
+
+    def area_and_energy(**change):
+        found, _ = edge_flow_trials.TrialProblem(flow._problem, edge_flow_trials.Trial("", **change)).solve(
+            state.gap, state.response
+        )
+        assert found.change < 1e-3
+        return float(found.weights[near].sum()), found.elastic
+
+    area, energy = float(state.weights[near].sum()), state.elastic
+    # The trial's sweeps stop at a change of 1e-5, the edge flow's at 1e-6.
+    assert area_and_energy() == pytest.approx((area, energy), rel=1e-4)
+    assert area_and_energy(phase=True)[0] != pytest.approx(area, rel=1e-2)
+    approach, retraction = (area_and_energy(branch=branch)[0] for branch in ("loading", "unloading"))
+    assert approach < 0.97 * area < 1.03 * area < retraction
+
+
+def test_errors_of_trials_have_their_sign(capsys, tmp_path, monkeypatch):
+    truth = [
+        (branch, "continuum", quantity, 4.0, pressure, mean, 0.1, 2, 64)
+        for branch, mean in (("loading", 1.0), ("unloading", 2.0))
+        for quantity in ("relative_contact_area", "mean_gap")
+        for pressure in (0.1, 0.5, 1.0)
+    ]
+    columns = ["branch", "model", "quantity", "ratio", "pressure_GPa", "mean", "standard_error", "surfaces", "points"]
+    pd.DataFrame(truth, columns=columns).to_csv(tmp_path / "truth.csv", index=False)
+    monkeypatch.setattr(edge_flow_trials, "SIMULATIONS", tmp_path / "truth.csv")
+    found = [("phase", 4.0, pressure, 1.5, 0.5, 1.2, 2) for pressure in (0.1, 0.5, 1.0)]
+    found += [("nothing", 4.0, pressure, np.nan, np.nan, np.nan, 2) for pressure in (0.5, 1.0)]
+    columns = ["model", "ratio", "pressure_GPa", "relative_contact_area", "mean_gap", "pressures", "surfaces"]
+    pd.DataFrame(found, columns=columns).to_csv(tmp_path / "found.csv", index=False)
+    assert edge_flow_trials.main(["--from", str(tmp_path / "found.csv")]) == 0
+    _, _, *rows = capsys.readouterr().out.splitlines()
+    assert rows == [
+        "| phase | 4 ε0 | +50.0 % | −25.0 % | −50.0 % | −75.0 % | 1.20 |",
+        "| nothing | 4 ε0 | – | – | – | – | – |",
+    ]
 
 
 def test_settings_tell_the_way_in_from_the_way_back():
@@ -316,12 +376,14 @@ def test_settings_tell_the_way_in_from_the_way_back():
 def test_a_setting_goes_in_and_back(monkeypatch):
     for setting, (_, ratios) in edge_flow_ensemble.SETTINGS.items():
         made = make_study(edge_flow_ensemble.study(2, 32, ratios, setting))
+        cutoff = made.cases[0].surface.cutoff_mode
+        assert made.cases[0].surface.shape[0] >= (10 * cutoff if cutoff > 12 else 32)
         assert len(made.cases) == 2 * len(ratios)
         assert made.cases[0].loading.unload
     only = {"H = 0.5": (edge_flow_ensemble.SETTINGS["H = 0.5"][0], [4.0])}
     monkeypatch.setattr(edge_flow_ensemble, "PRESSURES", (0.5, 5.0))
     monkeypatch.setattr(edge_flow_ensemble, "SETTINGS", only)
-    table = edge_flow_ensemble.settings_ensemble(2, 32)
+    table = edge_flow_ensemble.settings_ensemble(2, 32, ["H = 0.5"])
     assert (table["surfaces"] == 2).all()
     chosen = table[(table["model"] == "continuum") & (table["quantity"] == "relative_contact_area")]
     at = chosen.pivot_table(index="pressure_GPa", columns="branch", values="mean")
