@@ -22,8 +22,8 @@ from md_reference.rotating_block import RotatingBlock
 from md_reference.starts import separated
 from md_reference.system import build_interface, row_threads
 
-# Displacements, velocities, forces, masses and noise of a node, what a point goes on from, and the nodes that are kept.
-_BYTES_PER_NODE = 400
+# Displacements, velocities, forces and noise of a node, what a point goes on from, and the nodes that are kept.
+_BYTES_PER_NODE = 350
 _SAFE_STEP = 0.2  # of the largest stable one, where the study says none: an energy error of a hundredth
 _SLOW = 0.1  # of the speed of sound, above which an approach is an impact
 _AT_REST = 1e-3  # unbalanced stress over E*, below which atoms without noise count as in equilibrium
