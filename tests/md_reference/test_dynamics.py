@@ -208,9 +208,9 @@ def test_block_beyond_the_memory_is_refused_with_what_it_needs(monkeypatch):
         taken = tracemalloc.get_traced_memory()[1]
         tracemalloc.stop()
     nodes = build_block(case).size / 3
-    assert 250 * nodes < taken < 400 * nodes
+    assert 250 * nodes < taken < 350 * nodes
     monkeypatch.setattr(memory, "_memory", lambda: 0.5 * taken)
-    with pytest.raises(InputError, match=r'"dynamics": a block of 3.98e\+04 nodes: needs at least 0.0159 GB'):
+    with pytest.raises(InputError, match=r'"dynamics": a block of 3.98e\+04 nodes: needs at least 0.0139 GB'):
         check(case)
 
 
