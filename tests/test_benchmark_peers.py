@@ -12,7 +12,7 @@ import pytest
 from bem_adhesion import Exponential, HardWall, rough_contact
 from scripts import benchmark_peers
 from scripts.benchmark_peers import MEAN_PRESSURE, AtomOnHalfSpace, Problem, measured, ours, surface
-from tests.test_docs_tables import ROOT
+from tests.documentation.pages import ROOT
 
 POINTS = 32
 

@@ -9,7 +9,7 @@ import contact_study
 from contact_study.campaign.examples import example_names
 from contact_study.problem.dotted_keys import all_keys
 
-ROOT = Path(__file__).parent.parent
+ROOT = Path(__file__).parents[2]
 PAGES = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").glob("*.md")])
 _LINK = re.compile(r"\]\(([^)\s]+)\)")
 _OPTION = re.compile(r"--([a-z]+\.[a-z_]+)")

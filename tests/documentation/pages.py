@@ -1,0 +1,45 @@
+"""The documentation's pages, and the blocks in them that a reader is to type."""
+
+import re
+from dataclasses import dataclass
+from pathlib import Path
+
+ROOT = Path(__file__).parents[2]
+PAGES = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").glob("*.md")])
+COMMANDS = {
+    "bem-adhesion": "bem_adhesion.run",
+    "md-reference": "md_reference.run",
+    "persson-theory": "theory.run",
+    "contact-compare": "contact_study.comparison.command",
+    "contact-merge": "contact_study.campaign.merge.command",
+}
+SHELL = ("", "bash")
+# A table of results: its command is run by scripts/docs_tables.py, see test_tables.py.
+_TABLE = re.compile(r"<!-- (?:checked )?table.*?<!-- end -->", re.DOTALL)
+_BLOCK = re.compile(
+    r"^(?:<!-- not run: (?P<reason>.+) -->\n)?```(?P<language>.*)\n(?P<text>(?:.*\n)*?)```$", re.MULTILINE
+)
+
+
+@dataclass(frozen=True)
+class Block:
+    """A fenced block of a page; ``reason`` says why no test can run it."""
+
+    language: str
+    text: str
+    reason: str | None
+
+    @property
+    def lines(self) -> list[str]:
+        """Its commands, without comments."""
+        return [line for line in self.text.splitlines() if line.strip() and not line.startswith("#")]
+
+
+def blocks_of(text: str) -> list[Block]:
+    """The blocks of a page in their order, without tables of results."""
+    return [Block(one["language"], one["text"], one["reason"]) for one in _BLOCK.finditer(_TABLE.sub("", text))]
+
+
+def blocks(page: Path) -> list[Block]:
+    """The blocks of a page's file."""
+    return blocks_of(page.read_text(encoding="utf-8"))

@@ -1,0 +1,88 @@
+"""Every block of the pages that teach runs as it is written, from an empty folder."""
+
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import matplotlib.pyplot as plt
+import numpy as np
+import pytest
+from scipy.ndimage import gaussian_filter
+
+import bem_adhesion.run
+import md_reference.run
+from contact_study.campaign.command import main
+from contact_study.campaign.examples import example
+from tests.documentation.pages import PAGES, SHELL, blocks
+
+RUN = [page for page in PAGES if page.stem in {"README", "installation", "many_machines", "studies", "dataset"}]
+RUN += [page for page in PAGES if page.stem.startswith("tutorial_")]
+# Fewer points than the paper's study, fewer workers than a cluster; the programs of this environment.
+INSTEAD = {"[400, 400]": "[40, 40]", '"1040 angstrom"': '"104 angstrom"', '"10 angstrom"': '"1 angstrom"'}
+INSTEAD |= {"--nworkers 8": "--nworkers 2", ".venv/bin/": ""}
+# What makes an environment; the tests are in one.
+_ENVIRONMENT = re.compile(r"^(?:pip install|git clone|make) .*\n", re.MULTILINE)
+_SMALL = ["--surface.size", "120 angstrom", "--surface.shape", "48", "--loading.path", "0.2 GPa, 1 GPa"]
+
+
+def prepare(page, folder):
+    """What a page takes for granted."""
+    if page.stem in ("tutorial_own_surface", "studies"):
+        heights = gaussian_filter(np.random.default_rng(1).standard_normal((64, 64)), 3, mode="wrap")
+        np.save(folder / "afm.npy", 10 * heights / heights.std())
+    if page.stem in ("many_machines", "studies", "dataset"):
+        study = folder / "study.toml"
+        study.write_text(example("first"))
+        sweep = ["--interaction.well_depth_ratio", "1,8", "--surface.seed", "1,2", *_SMALL]
+        for model, name in ((bem_adhesion.run.MODEL, "bem.nc"), (md_reference.run.MODEL, "md.nc")):
+            if page.stem == "studies" or (page.stem == "dataset" and name == "bem.nc"):
+                kept = ["--output.atoms", "surface"] if name == "md.nc" else []
+                assert main(model, [str(study), "-o", str(folder / name), "--workers", "1", *sweep, *kept]) == 0
+    if page.stem == "README":
+        (folder / "results").mkdir()
+        (folder / "results" / "yang2008-paper").symlink_to("..")
+
+
+def in_shell(text, folder, **variables):
+    """Run lines as Bash does; what they leave in the background ends with them."""
+    script = "set -e\ntrap 'kill $(jobs -p) 2> /dev/null || true' EXIT\n" + _ENVIRONMENT.sub("", text)
+    path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
+    environment = {**os.environ, "PATH": path, "MPLBACKEND": "Agg", **variables}
+    done = subprocess.run(["bash", "-c", script], cwd=folder, env=environment, capture_output=True, text=True)
+    assert done.returncode == 0, f"{text}\n{done.stderr}"
+
+
+@pytest.mark.validation
+@pytest.mark.parametrize("page", RUN, ids=lambda page: page.stem)
+@pytest.mark.filterwarnings("default")  # of coarse grids: the pages are about other things
+def test_a_page_runs_as_it_is_written(page, tmp_path, monkeypatch):
+    prepare(page, tmp_path)
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(plt, "show", lambda: None)
+    waves = 2 * np.pi * np.arange(32) / 32
+    names = {"height": 5e-10 * (np.cos(waves) + np.cos(2 * waves)[:, None])}
+    for block in blocks(page):
+        text = block.text
+        for one, other in INSTEAD.items():
+            text = text.replace(one, other)
+        if block.reason is not None:
+            continue
+        if block.language == "python":
+            exec(text, names)
+        elif block.language == "toml" and page.stem == "README":
+            Path("study.toml").write_text(text)
+        elif "SLURM_ARRAY_TASK_ID" in text:
+            for task in ("1", "2"):
+                in_shell(text, tmp_path, SLURM_ARRAY_TASK_ID=task)
+        elif block.language in SHELL:
+            in_shell(text, tmp_path)
+    plt.close("all")
+    assert any(tmp_path.iterdir())
+
+
+def test_what_no_test_runs_says_why():
+    assert {(page.stem, block.reason) for page in PAGES for block in blocks(page) if block.reason} == {
+        ("many_machines", "it needs Slurm")
+    }
