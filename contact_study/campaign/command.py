@@ -23,7 +23,7 @@ from contact_study.campaign.conduct import Conditions, check_inputs_kept, conduc
 from contact_study.campaign.dataset.provenance import unconverged
 from contact_study.campaign.engines import ENGINES, CampaignError
 from contact_study.campaign.examples import example, example_names, listed_examples
-from contact_study.campaign.files import writable_output
+from contact_study.campaign.files import named_file, writable_output
 from contact_study.campaign.inspection import inspect
 from contact_study.campaign.model import Model
 from contact_study.campaign.progress import Progress
@@ -112,22 +112,20 @@ def _main(model: Model, arguments: Sequence[str]) -> int:
     if unknown:
         options = [f"--{section}.{name}" for section, name, *_ in all_keys()]
         raise InputError(f"unknown argument {unknown[0]}{suggestion(unknown[0], options)}; see --help")
+    output = None if given.output is None else named_file(given.output)
     overrides = {
         name[4:]: value for name, value in vars(given).items() if name.startswith("key:") and value is not None
     }
     if given.example is not None:
         return _example(given)
     if given.inspect is not None:
-        return _inspect(given, overrides)
-    if given.study is None or given.output is None:
+        return _inspect(given, output, overrides)
+    if given.study is None or output is None:
         raise InputError("name a study and where its dataset goes, STUDY.toml -o OUT.nc; see --help")
-    if not given.output.name:
-        raise InputError(f"-o {given.output}: name a file")
     if given.resume and given.overwrite:
         raise InputError("--resume and --overwrite exclude each other")
     if given.workers is not None and given.workers < 1:
         raise InputError(f"--workers {given.workers}: must be at least 1")
-    output: Path = given.output
     study = read_study(given.study, overrides)
     predictor = getattr(given, "predictor", None)
     check_inputs_kept(output, [given.study, predictor, *(case.height_map for case in study.cases)])
@@ -146,16 +144,17 @@ def _example(given: argparse.Namespace) -> int:
     return DONE
 
 
-def _inspect(given: argparse.Namespace, overrides: Mapping[str, Any]) -> int:
+def _inspect(given: argparse.Namespace, output: Path | None, overrides: Mapping[str, Any]) -> int:
     """Look at a surface, and run nothing."""
     if given.study is not None:
         raise InputError(f"{given.study}: --inspect takes the map or the study, and runs none")
     if not given.inspect.is_file():
-        raise InputError(f"--inspect: {given.inspect} does not exist")
-    if given.output is not None:
-        check_inputs_kept(given.output, [given.inspect])
-        writable_output(given.output)
-    for line in inspect(given.inspect, overrides, given.output):
+        fault = "is no file" if given.inspect.exists() else "does not exist"
+        raise InputError(f"--inspect: {given.inspect} {fault}")
+    if output is not None:
+        check_inputs_kept(output, [given.inspect])
+        writable_output(output)
+    for line in inspect(given.inspect, overrides, output):
         print(line)
     return DONE
 
@@ -174,7 +173,7 @@ def _parser(model: Model) -> Parser:
         allow_abbrev=False,
     )
     parser.add_argument("study", type=Path, nargs="?", metavar="STUDY.toml", help="study file")
-    parser.add_argument("-o", "--output", type=Path, metavar="OUT.nc", help="dataset to write")
+    parser.add_argument("-o", "--output", metavar="OUT.nc", help="dataset to write, OUT.zarr for one of Zarr")
     parser.add_argument(
         "--inspect",
         type=Path,

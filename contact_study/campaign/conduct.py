@@ -10,7 +10,7 @@ from contact_study.campaign import engines
 from contact_study.campaign.check import checked
 from contact_study.campaign.dataset import provenance
 from contact_study.campaign.dataset.assembly import assembled
-from contact_study.campaign.dataset.formats import is_dataset
+from contact_study.campaign.dataset.formats import check_name, is_dataset
 from contact_study.campaign.files import writable_output
 from contact_study.campaign.model import Model
 from contact_study.campaign.predictor import check_predictor
@@ -89,6 +89,7 @@ def conduct(
         If it could not be brought to its end; finished steps are kept.
     """
     how = conditions or Conditions()
+    check_name(output)
     bins, said = checked(model, study)
     run = run_of(model, study, bins, predictor if predictor is not None and is_dataset(predictor) else None)
     if predictor is not None:

@@ -10,6 +10,20 @@ from contact_study.campaign.dataset.formats import check_format, is_zarr
 from contact_study.problem.errors import InputError
 
 
+def named_file(name: str | Path) -> Path:
+    """The path of an output as a user names it.
+
+    Raises
+    ------
+    InputError
+        If it is the name of a folder, by a slash at its end: a path would drop it. A folder of Zarr may have one.
+    """
+    path = Path(name)
+    if not path.name or (str(name).endswith(os.sep) and not is_zarr(path)):
+        raise InputError(f"{name}: is the name of a folder; name a file")
+    return path
+
+
 def writable_output(path: Path) -> None:
     """Make sure that a file can be written at ``path``, creating its folder.
 

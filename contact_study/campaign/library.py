@@ -11,6 +11,7 @@ import xarray as xr
 
 from contact_study.campaign.conduct import Conditions, check_inputs_kept, conduct
 from contact_study.campaign.dataset.provenance import unconverged
+from contact_study.campaign.files import named_file
 from contact_study.campaign.model import MODULES, Model, model_of
 from contact_study.campaign.progress import Progress, Warnings
 from contact_study.fields.arguments import field
@@ -94,7 +95,7 @@ def run(
     words = f"contact_study.run(..., {model!r})"
     with tempfile.TemporaryDirectory(prefix="contact_study") as folder:
         asked = _study(study, Path(folder))
-        path = Path(folder) / "dataset.nc" if output is None else Path(output)
+        path = Path(folder) / "dataset.nc" if output is None else named_file(output)
         given = study if isinstance(study, str | Path) else None
         check_inputs_kept(path, [None if given is None else Path(given), start, *(c.height_map for c in asked.cases)])
         how = Conditions(resume, overwrite, workers, engine, scheduler)

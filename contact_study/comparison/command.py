@@ -10,9 +10,8 @@ from typing import Any
 
 import contact_study
 from contact_study.campaign.command import DONE, NOT_CONVERGED, Parser, completed, guarded
-from contact_study.campaign.dataset.formats import is_zarr
 from contact_study.campaign.dataset.provenance import git_commit
-from contact_study.campaign.files import writable_output
+from contact_study.campaign.files import named_file, writable_output
 from contact_study.campaign.schema import CONVENTIONS, SCHEMA_VERSION
 from contact_study.comparison.compute.deviations import MISSING, compute_deviations, pairs_of
 from contact_study.comparison.compute.ensemble import ensemble_statistics
@@ -48,7 +47,8 @@ def _main(arguments: Sequence[str]) -> int:
     completed(parser)
     given = parser.parse_args(arguments)
     formats = list(dict.fromkeys(given.figure_format or ["png"]))
-    planned = [given.output, *([given.report] if given.report else [])]
+    output, report = named_file(given.output), named_file(given.report) if given.report else None
+    planned = [output, *([report] if report else [])]
     if given.figures:
         planned += [given.figures / f"{name}.{kind}" for kind in formats for name in FIGURE_FILES.values()]
     _check_outputs(planned, [*given.datasets, *([given.scatter] if given.scatter else [])], overwrite=given.overwrite)
@@ -65,21 +65,21 @@ def _main(arguments: Sequence[str]) -> int:
     if deviations is not None and (deviations["state"] == MISSING).all():
         raise InputError("these datasets have no point of their loading paths in common; run the same study")
     regime = compute_regime(inputs)
-    attrs = _attributes(inputs, given.output, arguments)
+    attrs = _attributes(inputs, output, arguments)
     of_surfaces = ensemble_statistics({scatter.model: scatter.dataset}) if scatter else {}
-    drawn = draw(inputs, wanted, formats, scatter) if given.figures or given.report else Figures({}, {})
+    drawn = draw(inputs, wanted, formats, scatter) if given.figures or report else Figures({}, {})
     tree = comparison_tree(inputs, deviations, regime, attrs, of_surfaces)
     outputs: dict[Path, Callable[[Path], Any]] = {
-        given.output: lambda path: tree.to_netcdf(path, engine="netcdf4", write_inherited_coords=True)
+        output: lambda path: tree.to_netcdf(path, engine="netcdf4", write_inherited_coords=True)
     }
     if given.figures:
         for kind in formats:
             files = drawn.files(kind).items()
             outputs |= {given.figures / f"{FIGURE_FILES[name]}.{kind}": _writer(content) for name, content in files}
-    if given.report:
+    if report:
         said = scatter_findings(inputs.models, of_surfaces)
-        page = render_report(inputs, deviations, regime, drawn, {**attrs, "file": given.output.name}, said)
-        outputs[given.report] = _writer(page.encode())
+        page = render_report(inputs, deviations, regime, drawn, {**attrs, "file": output.name}, said)
+        outputs[report] = _writer(page.encode())
     _write(outputs)
     print(*outputs, sep="\n")
     return _status(inputs)
@@ -100,7 +100,7 @@ def _parser() -> Parser:
         metavar="MODEL.nc",
         help="datasets of one contact: one to report on, or several to compare, in any order",
     )
-    parser.add_argument("-o", "--output", type=Path, required=True, metavar="OUT.nc", help="dataset to write")
+    parser.add_argument("-o", "--output", required=True, metavar="OUT.nc", help="dataset to write")
     parser.add_argument("--figures", type=Path, metavar="FOLDER", help="folder for the figures")
     parser.add_argument(
         "--figure-format",
@@ -108,7 +108,7 @@ def _parser() -> Parser:
         choices=FORMATS,
         help="format of the figures in their folder; may be given several times (default: png)",
     )
-    parser.add_argument("--report", type=Path, metavar="REPORT.html", help="report to write, one file with all in it")
+    parser.add_argument("--report", metavar="REPORT.html", help="report to write, one file with all in it")
     parser.add_argument("--overwrite", action="store_true", help="replace existing files")
     parser.add_argument(
         "--reference-pressure",
@@ -135,8 +135,8 @@ def _parser() -> Parser:
 def _check_outputs(planned: Sequence[Path], datasets: Sequence[Path], *, overwrite: bool) -> None:
     sources = {path.resolve() for path in datasets}
     seen: set[Path] = set()
-    if is_zarr(planned[0]):
-        raise InputError(f"{planned[0]}: a comparison is written as NetCDF; name a file that ends otherwise")
+    if planned[0].suffix != ".nc":
+        raise InputError(f"{planned[0]}: a comparison is written as NetCDF; expected a name that ends in .nc")
     for path in planned:
         if path.resolve() in sources:
             raise InputError(f"{path}: is one of the datasets to compare; choose another output")

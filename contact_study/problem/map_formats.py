@@ -153,7 +153,7 @@ def _table(
     path: Path, lines: Sequence[str], sides: tuple[str, str], said: Mapping[str, str], downwards: bool
 ) -> RawMap:
     """Rows of heights below a header with the lengths of both sides; ``downwards`` if they begin with the largest y."""
-    table = np.loadtxt(lines, ndmin=2)
+    table = _numbers(path, lines)
     size = None
     if all(side in said for side in sides):
         size = tuple(quantity(said[side], "m", f"surface.path: {path}, {side}") for side in sides)
@@ -166,7 +166,7 @@ def _points(path: Path, lines: Sequence[str]) -> RawMap:
     units = re.findall(r"[XYZ]\s*\[(.*?)\]", "\n".join(lines[:first]))
     if len(units) == 3 and units[0] != units[1]:
         raise InputError(f"surface.path: {path} has x in {units[0]} and y in {units[1]}; give both in one unit")
-    table = np.loadtxt(lines[first:], ndmin=2, delimiter="," if first < len(lines) and "," in lines[first] else None)
+    table = _numbers(path, lines[first:], "," if first < len(lines) and "," in lines[first] else None)
     if table.shape[1] < 3:
         raise InputError(f"surface.path: {path} has {table.shape[1]} columns; points need three, x, y and height")
     heights, size = gridded(path, table[:, :3])
@@ -187,13 +187,26 @@ def _lines(path: Path) -> list[str]:
         return content.decode("latin-1").splitlines()
 
 
+def _numbers(path: Path, lines: Sequence[str], delimiter: str | None = None) -> np.ndarray:
+    """Rows of numbers; ValueError, with the row, where there are other things or rows of other lengths."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", UserWarning)  # of no rows
+        try:
+            table = np.loadtxt(lines, ndmin=2, delimiter=delimiter)
+        except ValueError as error:
+            raise ValueError(str(error).partition(";")[0]) from None  # then come arguments of loadtxt
+    if not table.size:
+        raise InputError(f"surface.path: {path} holds no numbers")
+    return table
+
+
 def _esri(path: Path, lines: Sequence[str]) -> RawMap:
     """An ASCII grid of ESRI: columns, rows, corner, cell size and the mark of missing heights, then rows."""
     said: dict[str, float] = {}
     while re.match(r"\s*[A-Za-z_]", lines[len(said)]):
         name, number = lines[len(said)].split()
         said[name.lower()] = float(number)
-    heights = np.loadtxt(lines[len(said) :], ndmin=2)[::-1].copy()
+    heights = _numbers(path, lines[len(said) :])[::-1].copy()
     rows, columns = int(said.get("nrows", -1)), int(said["ncols"])
     if heights.shape != (rows, columns):
         raise InputError(
@@ -229,7 +242,10 @@ def _instrument(path: Path, channel: Channel, reason: str) -> RawMap:
             heights: np.ndarray = np.ma.filled(np.ma.asarray(topography.heights(), dtype=float), np.nan).T
             unit = topography.unit
     except CannotDetectFileFormat:
-        raise InputError(f"surface.path: {path} is in no format that is known ({reason})") from None
+        raise InputError(
+            f"surface.path: {path} is in no format that is known ({reason}); known are text, {', '.join(READERS)} "
+            "and those of SurfaceTopography"
+        ) from None
     return RawMap(heights, None if sides is None else (float(sides[1]), float(sides[0])), unit, unit)
 
 

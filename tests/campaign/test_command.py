@@ -454,10 +454,26 @@ def test_inputs_are_not_overwritten(study, tmp_path, capsys):
     assert np.load(tmp_path / "map.npy").shape == (8, 8)
 
 
-def test_output_that_is_a_device(study, capsys):
-    assert run(study, "-o", "/dev/null", "--overwrite") == 1
-    assert "/dev/null: is a device" in capsys.readouterr().err
-    assert Path("/dev/null").is_char_device()
+def test_output_that_is_a_device(study, tmp_path, capsys):
+    pipe = tmp_path / "bem.nc"
+    os.mkfifo(pipe)
+    assert run(study, "-o", pipe, "--overwrite") == 1
+    assert f"{pipe}: is a device" in capsys.readouterr().err
+    assert pipe.is_fifo()
+
+
+@pytest.mark.parametrize("name", ["bem", "bem.csv", "bem.xyz", "bem.pvd", "bem.zarr.gz"])
+def test_a_name_of_no_dataset(study, tmp_path, capsys, name):
+    assert run(study, "-o", tmp_path / name) == 1
+    said = capsys.readouterr().err
+    assert said == f"toy: error: {tmp_path / name}: expected a name that ends in .nc, for NetCDF, or .zarr\n"
+    assert not (tmp_path / name).exists()
+
+
+def test_a_slash_at_the_end_is_a_folder(study, tmp_path, capsys):
+    assert run(study, "-o", f"{tmp_path}/bem.nc/") == 1
+    assert capsys.readouterr().err == f"toy: error: {tmp_path}/bem.nc/: is the name of a folder; name a file\n"
+    assert not (tmp_path / "bem.nc").exists()
 
 
 def test_full_disk_is_said_in_one_line(study, tmp_path, monkeypatch, capsys):

@@ -69,10 +69,11 @@ def test_what_cannot_be_written(dataset, tmp_path, monkeypatch):
         (several, "contact.pvd", r"dataset\.isel\(seed=0\)"),
         (dataset.drop_vars("gap"), "contact.pvd", r"output\.fields"),
         (dataset, "contact.vtk", r"\.pvd"),
+        (dataset, "contact.pvd/", r"contact\.pvd/: is the name of a folder"),
     ]
     for given, name, culprit in cases:
         with pytest.raises(ValueError, match=culprit):
-            to_vtk(given, tmp_path / name)
+            to_vtk(given, f"{tmp_path}/{name}")
     monkeypatch.setitem(__import__("sys").modules, "pyevtk.hl", None)
     with pytest.raises(ValueError, match=re.escape("bem-adhesion[vtk]")):
         to_vtk(dataset, tmp_path / "contact.pvd")

@@ -150,12 +150,15 @@ def test_continuum_knows_no_atoms(tmp_path):
 
 
 def test_what_cannot_be_written(dataset, tmp_path, monkeypatch):
-    for given, culprit in (
-        (dataset.expand_dims({"seed": [1, 2]}), r"dataset\.isel\(seed=0\)"),
-        (dataset.drop_vars("atom_height"), r"output\.atoms"),
+    for given, name, culprit in (
+        (dataset.expand_dims({"seed": [1, 2]}), "atoms.xyz", r"dataset\.isel\(seed=0\)"),
+        (dataset.drop_vars("atom_height"), "atoms.xyz", r"output\.atoms"),
+        (dataset, "atoms.csv", r"atoms\.csv: expected a name that ends in \.xyz"),
+        (dataset, "atoms.xyz/", r"atoms\.xyz/: is the name of a folder"),
+        (dataset, "", r": is the name of a folder"),
     ):
         with pytest.raises(ValueError, match=culprit):
-            to_xyz(given, tmp_path / "atoms.xyz")
+            to_xyz(given, f"{tmp_path}/{name}")
     monkeypatch.setitem(__import__("sys").modules, "ase.io", None)
     with pytest.raises(ValueError, match=re.escape("bem-adhesion[xyz]")):
         to_xyz(dataset, tmp_path / "atoms.xyz")

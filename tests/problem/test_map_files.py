@@ -198,9 +198,25 @@ def test_an_instruments_file(tmp_path, heights):
 def test_unknown_formats(tmp_path, monkeypatch):
     (tmp_path / "map.spm").write_bytes(b"\0\1\2\3 nothing that anyone knows" * 100)
     pytest.importorskip("SurfaceTopography", reason="extra instruments")
-    assert "in no format that is known" in refused(tmp_path, "map.spm", size="1 um")
+    said = refused(tmp_path, "map.spm", size="1 um")
+    assert "in no format that is known" in said
+    assert ".npy, .npz, .nc, .nc4, .netcdf, .xyz and those of SurfaceTopography" in said
     (tmp_path / "words.txt").write_text("there are no numbers here\n")
     assert "words.txt" in refused(tmp_path, "words.txt", size="1 um")
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "words"),
+    [
+        ("empty.txt", "", "empty.txt holds no numbers"),
+        ("header.txt", "# Width: 1 um\n# Height: 1 um\n", "header.txt holds no numbers"),
+        ("empty.xyz", "X[nm] Y[nm] Z[nm]\n", "empty.xyz holds no numbers"),
+        ("short.xyz", "0 0 1\n0 1\n", "short.xyz cannot be read (the number of columns changed from 3 to 2 at row 2)"),
+    ],
+)
+def test_tables_without_rows_of_numbers(tmp_path, name, text, words):
+    (tmp_path / name).write_text(text)
+    assert words in refused(tmp_path, name, size="1 um")
 
 
 def test_a_text_as_long_as_a_square_of_integers_is_no_map(tmp_path, capfd):

@@ -1,4 +1,4 @@
-"""Formats of a dataset, told by the end of its name: ``.zarr`` is a folder of Zarr, all else a file of NetCDF."""
+"""Formats of a dataset, told by the end of its name: ``.nc`` is a file of NetCDF, ``.zarr`` a folder of Zarr."""
 
 import importlib.util
 from pathlib import Path
@@ -26,6 +26,18 @@ def is_dataset(path: Path) -> bool:
 def is_store(path: Path) -> bool:
     """Whether a folder is one of Zarr."""
     return any((path / name).is_file() for name in _STORE)
+
+
+def check_name(path: Path) -> None:
+    """Make sure that a dataset can have this name.
+
+    Raises
+    ------
+    InputError
+        If its end is of no format of datasets: what is read by its name, a table or a picture, would be something else.
+    """
+    if path.suffix not in (".nc", ".zarr"):
+        raise InputError(f"{path}: expected a name that ends in .nc, for NetCDF, or .zarr")
 
 
 def check_format(path: Path) -> None:

@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from contact_study.campaign.files import writable_output
+from contact_study.campaign.files import named_file, writable_output
 from contact_study.problem.errors import InputError
 
 # VTK has no units: the names of the arrays say them.
@@ -36,7 +36,7 @@ def to_vtk(dataset: xr.Dataset, path: str | Path) -> list[Path]:
         If the dataset has no fields or more than one case, the name does not end in ``.pvd`` or cannot be written, or
         the extra ``vtk`` is not installed.
     """
-    path = Path(path)
+    path = named_file(path)
     if path.suffix != ".pvd":
         raise InputError(f"{path}: expected a name that ends in .pvd")
     if "gap" not in dataset or "pressure" not in dataset:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray as xr
 
-from contact_study.campaign.files import writable_output, write_aside
+from contact_study.campaign.files import named_file, writable_output, write_aside
 from contact_study.problem.errors import InputError
 
 if TYPE_CHECKING:
@@ -47,10 +47,12 @@ def to_xyz(dataset: xr.Dataset, path: str | Path) -> list[Path]:
     Raises
     ------
     ValueError
-        If the dataset has no atoms or more than one case, the name cannot be written, or the extra ``xyz`` is not
-        installed.
+        If the dataset has no atoms or more than one case, the name does not end in ``.xyz`` or cannot be written, or
+        the extra ``xyz`` is not installed.
     """
-    path = Path(path)
+    path = named_file(path)
+    if path.suffix not in (".xyz", ".extxyz"):
+        raise InputError(f"{path}: expected a name that ends in .xyz")
     if "atom_height" not in dataset:
         raise InputError('dataset: holds no atoms; run its study with output.atoms = "surface"')
     others = [str(dim) for dim in dataset["atom_height"].dims if dim not in ("step", "y", "x")]

@@ -8,8 +8,8 @@ from pathlib import Path
 import contact_study
 from contact_study.campaign.command import DONE, NOT_CONVERGED, Parser, completed, guarded
 from contact_study.campaign.dataset.provenance import unconverged
+from contact_study.campaign.files import named_file
 from contact_study.campaign.merge.joining import merge
-from contact_study.problem.errors import InputError
 
 COMMAND = "contact-merge"
 
@@ -27,13 +27,12 @@ def _main(arguments: Sequence[str]) -> int:
     parser = _parser()
     completed(parser)
     given = parser.parse_args(arguments)
-    if not given.output.name:
-        raise InputError(f"-o {given.output}: name a file")
+    output = named_file(given.output)
     words = f"{COMMAND} {shlex.join(arguments)}"
-    groups, notes = merge(given.datasets, given.output, words, given.along, given.overwrite)
+    groups, notes = merge(given.datasets, output, words, given.along, given.overwrite)
     for note in notes:
         print(f"{COMMAND}: warning: {note}", file=sys.stderr)
-    print(given.output)
+    print(output)
     said = list(unconverged(groups))
     for line in said:
         print(f"{COMMAND}: {line}", file=sys.stderr)
@@ -52,7 +51,7 @@ def _parser() -> Parser:
     parser.add_argument(
         "datasets", type=Path, nargs="+", metavar="PART.nc", help="datasets of one model, version and study"
     )
-    parser.add_argument("-o", "--output", type=Path, required=True, metavar="OUT.nc", help="dataset to write")
+    parser.add_argument("-o", "--output", required=True, metavar="OUT.nc", help="dataset to write")
     parser.add_argument(
         "--along",
         action="append",

@@ -15,6 +15,7 @@ import xarray as xr
 from contact_study.campaign.check import checked
 from contact_study.campaign.dataset.assembly import assembled
 from contact_study.campaign.dataset.file import Earlier
+from contact_study.campaign.dataset.formats import check_name
 from contact_study.campaign.dataset.provenance import carried_warnings, provenance
 from contact_study.campaign.files import writable_output
 from contact_study.campaign.merge.joined_study import joined_study, place_of
@@ -63,6 +64,7 @@ def merge(
         If the datasets are of different studies, disagree where they overlap or leave points of the joined sweep out,
         or the output is there already; nothing is written then.
     """
+    check_name(output)
     if output.resolve() in {path.resolve() for path in paths}:
         raise InputError(f"{output}: is one of the datasets to join; choose another output")
     if output.exists() and not overwrite:
