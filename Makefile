@@ -27,10 +27,10 @@ paper: env
 	$(BIN)/python scripts/reproduce_yang2008.py --preset $(PRESET)
 
 test: env
-	$(BIN)/python -m pytest -n 2 --dist loadfile
+	$(BIN)/python -m pytest -n 2 --dist worksteal
 
 validation: env
-	$(BIN)/python -m pytest -n 2 --dist loadfile -m validation
+	$(BIN)/python -m pytest -n 2 --dist worksteal -m validation
 
 lint: env
 	$(BIN)/ruff check .

@@ -1,8 +1,10 @@
 """The example studies that come with the package: --example, and what the shell completes."""
 
+import io
 import os
 import subprocess
 import sys
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +13,8 @@ import pytest
 from bem_adhesion.run import MODEL
 from contact_study.campaign.command import main
 from contact_study.campaign.examples import example, example_names
+from contact_study.campaign.merge.command import main as merge
+from contact_study.comparison.command import main as compare
 from contact_study.problem.study import read_study
 
 MEASURED = "measured"  # waits for the map of a user
@@ -63,21 +67,60 @@ def test_the_sphere_comes_off_where_jkr_says():
     assert before > pull_off > after
 
 
+def shell(line):
+    """What a shell that asks sets."""
+    asked = {"_ARGCOMPLETE": "1", "COMP_LINE": line, "COMP_POINT": str(len(line)), "COMP_TYPE": "9"}
+    return {**asked, "_ARGCOMPLETE_IFS": "\n", "_ARGCOMPLETE_SUPPRESS_SPACE": "1"}
+
+
 def completions(line, tmp_path):
     """What the shell is offered behind a line."""
     command = Path(sys.executable).with_name(line.split()[0])
     answer = tmp_path / "answer"
-    shell = {"_ARGCOMPLETE": "1", "COMP_LINE": line, "COMP_POINT": str(len(line)), "COMP_TYPE": "9"}
-    shell |= {"_ARGCOMPLETE_STDOUT_FILENAME": str(answer), "_ARGCOMPLETE_IFS": "\n", "_ARGCOMPLETE_SUPPRESS_SPACE": "1"}
-    subprocess.run([command], env={**os.environ, **shell}, cwd=tmp_path, check=False, capture_output=True)
+    asked = {**os.environ, **shell(line), "_ARGCOMPLETE_STDOUT_FILENAME": str(answer)}
+    subprocess.run([command], env=asked, cwd=tmp_path, check=False, capture_output=True)
     return answer.read_text().split("\n") if answer.exists() else []
 
 
-def test_the_shell_completes_keys_and_examples(tmp_path):
+def completions_here(line, command, monkeypatch):
+    """The same from a command's main in this process, without the time that a command takes to start."""
+    import argcomplete
+
+    class Answered(BaseException):
+        """Where a command ends that was asked."""
+
+    def answered(_):
+        raise Answered
+
+    def not_opened(*_):
+        raise OSError
+
+    monkeypatch.setattr(os, "fdopen", not_opened)  # it debugs into file 9, which is another's here
+    for name, value in shell(line).items():
+        monkeypatch.setenv(name, value)
+    answer = io.StringIO()
+    finder = partial(argcomplete.CompletionFinder(), exit_method=answered, output_stream=answer)
+    monkeypatch.setattr(argcomplete, "autocomplete", finder)
+    with pytest.raises(Answered):
+        command([])
+    return answer.getvalue().split("\n")
+
+
+def test_the_shell_completes_keys(tmp_path):
     pytest.importorskip("argcomplete")
     assert "--surface.rms_height" in completions("bem-adhesion study.toml --surface.rms", tmp_path)
-    assert "hard_wall" in completions("bem-adhesion study.toml --interaction.law hard", tmp_path)
-    assert completions("bem-adhesion study.toml --theory.spectrum an", tmp_path) == ["analytic"]
-    assert completions("bem-adhesion --example yang", tmp_path) == ["yang2008", "yang2008_quick"]
-    assert "--scatter" in completions("contact-compare --sca", tmp_path)[0]
-    assert "--along" in completions("contact-merge --al", tmp_path)[0]
+
+
+@pytest.mark.parametrize(
+    ("line", "command", "offered"),
+    [
+        ("bem-adhesion study.toml --interaction.law hard", partial(main, MODEL), "hard_wall"),
+        ("bem-adhesion study.toml --theory.spectrum an", partial(main, MODEL), "analytic"),
+        ("bem-adhesion --example yang2008_", partial(main, MODEL), "yang2008_quick"),
+        ("contact-compare --sca", compare, "--scatter"),
+        ("contact-merge --al", merge, "--along"),
+    ],
+)
+def test_words_examples_and_other_commands_are_completed(line, command, offered, monkeypatch):
+    pytest.importorskip("argcomplete")
+    assert [word.strip() for word in completions_here(line, command, monkeypatch)] == [offered]

@@ -93,6 +93,7 @@ def test_differences_are_paired(seeded):
     assert "paired differences over seed" in found.relative_contact_area_deviation_standard_error.attrs["long_name"]
 
 
+@pytest.mark.usefixtures("unrendered")
 def test_any_swept_key_may_be_averaged_over(tmp_path):
     paths = [write(tmp_path / f"{kind}.nc", kind, HEIGHTS) for kind in ("continuum", "atomistic")]
     models = read_inputs(paths, "rms_height").models

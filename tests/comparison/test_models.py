@@ -56,6 +56,7 @@ def test_a_theory_without_an_entry_is_said_and_left_out(paths):
     assert f"{paths[2]}: holds the theory made_up, which is not shown" in inputs.notes
 
 
+@pytest.mark.usefixtures("unrendered")
 def test_a_theory_of_another_spectrum_is_a_model_of_its_own(paths, tmp_path):
     with xr.open_datatree(paths[2], decode_timedelta=False) as tree:
         root = tree.to_dataset().load()
@@ -79,6 +80,7 @@ def test_a_theory_of_another_spectrum_is_a_model_of_its_own(paths, tmp_path):
     assert "Persson's theory, own spectrum" in html.unescape((tmp_path / "report.html").read_text(encoding="utf-8"))
 
 
+@pytest.mark.usefixtures("unrendered")
 def test_an_entry_is_all_it_takes(paths, tmp_path, monkeypatch):
     monkeypatch.setattr(models, "MODELS", (*models.MODELS, MADE_UP))
     inputs = read_inputs(paths)

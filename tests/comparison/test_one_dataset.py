@@ -57,6 +57,7 @@ def test_one_dataset_is_reported_on(tmp_path, kind):
     assert drawn == (every if kind == "theory" else {*every, "gap_map", "interface"})
 
 
+@pytest.mark.usefixtures("unrendered")
 def test_extents_are_of_converged_states_in_contact(tmp_path):
     _, text, _ = reported(tmp_path, write(tmp_path / "one.nc", "continuum", unconverged=[(0, 0)], detached=[(1, 3)]))
     low, high = (f"{area(*at):.3g}" for at in ((1, 0.7799e9), (8, 0.7799e9)))
@@ -100,6 +101,7 @@ def test_the_theories_alone_are_shown_against_magnification(tmp_path):
     assert read_magnification(both, panel_points(both.models, both.control), None) is None
 
 
+@pytest.mark.usefixtures("unrendered")
 def test_one_theory_of_a_file(tmp_path):
     """What remains of a theory's file cut to Persson's: no gap distribution, nobody who counts gaps."""
     with xr.open_dataset(write(tmp_path / "t.nc", "theory"), decode_timedelta=False) as dataset:
@@ -113,6 +115,7 @@ def test_one_theory_of_a_file(tmp_path):
     assert not list((tmp_path / "figures").glob("*gap_distribution*"))
 
 
+@pytest.mark.usefixtures("unrendered")
 def test_one_dataset_without_fields(tmp_path):
     with xr.open_dataset(write(tmp_path / "c.nc", "continuum"), decode_timedelta=False) as dataset:
         dataset.drop_vars(["gap", "pressure", "height", "y", "x"]).to_netcdf(tmp_path / "bare.nc")
@@ -120,6 +123,7 @@ def test_one_dataset_without_fields(tmp_path):
     assert len(list((tmp_path / "figures").iterdir())) == 4
 
 
+@pytest.mark.usefixtures("unrendered")
 def test_constants_of_swept_keys_are_the_models_own(tmp_path):
     """Where h_rms is swept, gaps are in units of the roughness that the model has."""
     text = STUDY[: STUDY.index("[sweep]")] + '[sweep]\n"surface.rms_height" = ["8 angstrom", "10 angstrom"]\n'
@@ -131,6 +135,7 @@ def test_constants_of_swept_keys_are_the_models_own(tmp_path):
     assert reported(tmp_path, tmp_path / "c.nc")[0] == 0
 
 
+@pytest.mark.usefixtures("unrendered")
 def test_two_datasets_of_one_model(tmp_path):
     paths = write(tmp_path / "coarse.nc", "continuum"), write(tmp_path / "fine.nc", "continuum", FINER)
     inputs = read_inputs(paths)

@@ -93,6 +93,7 @@ def test_pressures_of_a_decade_are_plain_numbers(pressures, plain):
     assert not any(text.get_text() for text in axes.xaxis.get_minorticklabels())
 
 
+@pytest.mark.usefixtures("unrendered")
 def test_command(files, tmp_path, capsys):
     outputs = ["-o", tmp_path / "comparison.nc", "--figures", tmp_path / "figures", "--report", tmp_path / "r.html"]
     assert main([str(word) for word in [*files[0], "--scatter", files[1], *outputs]]) == 0
