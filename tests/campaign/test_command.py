@@ -1,61 +1,15 @@
 """The commands' face: exit status, one clear line for bad input, resume after a kill, the dataset's form."""
 
-import errno
 import os
-import re
-import signal
 import subprocess
 import sys
-import time
-from pathlib import Path
 
 import numpy as np
 import pytest
 import xarray as xr
 
-from contact_study.campaign import steps
-from contact_study.campaign.command import main
-from contact_study.campaign.dataset import provenance
 from contact_study.campaign.schema import COORDINATES, VARIABLES
-from tests.campaign.toy_model import TOY
-
-STUDY = """
-[study]
-title = "toy"
-[surface]
-kind = "self_affine"
-size = "100 angstrom"
-shape = [16, 16]
-rms_height = "1 angstrom"
-cutoff_mode = 4
-[material]
-youngs_modulus = "77.2 GPa"
-poissons_ratio = 0.42
-[interaction]
-work_of_adhesion = "0.69 J/m^2"
-length = "3.28 angstrom"
-[loading]
-path = ["0.1 GPa", "1 GPa", "2 GPa"]
-[output]
-fields = true
-[sweep]
-"interaction.well_depth_ratio" = [1, 4]
-"surface.seed" = [1, 2]
-[[override]]
-when = { "interaction.well_depth_ratio" = 4 }
-"loading.path" = ["0.1 GPa", "-0.5 GPa", "1 GPa", "2 GPa"]
-"""
-
-
-@pytest.fixture
-def study(tmp_path):
-    path = tmp_path / "study.toml"
-    path.write_text(STUDY)
-    return path
-
-
-def run(*arguments):
-    return main(TOY, [str(argument) for argument in arguments])
+from tests.campaign.toy_study import assert_same, run
 
 
 def test_writes_the_dataset_and_names_it(study, tmp_path, capsys):
@@ -114,63 +68,6 @@ def test_processes_give_the_same_numbers_as_one(study, tmp_path):
     assert_same(tmp_path / "one.nc", tmp_path / "two.nc")
 
 
-def assert_same(one: Path, two: Path):
-    for group in (None, "metastable"):
-        with xr.open_dataset(one, group=group) as left, xr.open_dataset(two, group=group) as right:
-            xr.testing.assert_equal(
-                left.drop_vars("wall_time", errors="ignore"), right.drop_vars("wall_time", errors="ignore")
-            )
-
-
-@pytest.mark.parametrize("workers", [1, 2])
-def test_killed_run_resumes_to_the_same_dataset(study, tmp_path, workers):
-    assert run(study, "-o", tmp_path / "whole.nc", "--workers", 1) == 0
-    output = tmp_path / "killed.nc"
-    command = [
-        sys.executable,
-        "-m",
-        "tests.campaign.toy_model",
-        str(study),
-        "-o",
-        str(output),
-        "--workers",
-        str(workers),
-    ]
-    slow = {**os.environ, "TOY_SECONDS": "0.2"}
-    process = subprocess.Popen(command, env=slow, stderr=subprocess.DEVNULL, start_new_session=True)
-    parts = tmp_path / "killed.nc.parts"
-    deadline = time.monotonic() + 60
-    while len(list(parts.glob("case-*/step-*.npz"))) < 3 and time.monotonic() < deadline:
-        time.sleep(0.02)
-    process.kill()
-    process.wait()
-    assert not output.exists()
-    kept = len(list(parts.glob("case-*/step-*.npz")))
-    assert 3 <= kept < 14
-    resumed = subprocess.run([*command, "--resume"], capture_output=True, text=True)
-    assert resumed.returncode == 0, resumed.stderr
-    assert re.search(r"\d+ of 14 steps were finished before", resumed.stderr)
-    assert_same(tmp_path / "whole.nc", output)
-    assert not parts.exists()
-
-
-def test_interrupt_keeps_steps_and_says_so(study, tmp_path):
-    output = tmp_path / "bem.nc"
-    command = [sys.executable, "-m", "tests.campaign.toy_model", str(study), "-o", str(output), "--workers", "2"]
-    process = subprocess.Popen(
-        command, env={**os.environ, "TOY_SECONDS": "0.3"}, stderr=subprocess.PIPE, text=True, start_new_session=True
-    )
-    while not list(tmp_path.glob("bem.nc.parts/case-*/step-*.npz")):
-        assert process.poll() is None
-        time.sleep(0.02)
-    os.killpg(process.pid, signal.SIGINT)  # what Ctrl-C does: the whole group
-    _, stderr = process.communicate(timeout=20)
-    assert process.returncode == 130
-    assert "continue with --resume" in stderr
-    assert "Traceback" not in stderr
-    assert list(tmp_path.glob("bem.nc.parts/case-*/step-*.npz"))
-
-
 def test_existing_output_is_refused(study, tmp_path, capsys):
     output = tmp_path / "bem.nc"
     output.write_text("precious")
@@ -192,117 +89,6 @@ def test_resume_of_a_finished_run_does_nothing(study, tmp_path, capsys):
     assert output.stat().st_mtime_ns == before
     assert run(study, "-o", output, "--resume", "--surface.hurst_exponent", "0.7") == 1
     assert "another study" in capsys.readouterr().err
-
-
-def test_steps_of_another_study_are_not_mixed(study, tmp_path, capsys):
-    output = tmp_path / "bem.nc"
-    folder = tmp_path / "bem.nc.parts"
-    folder.mkdir()
-    (folder / "manifest.json").write_text("{}")
-    assert run(study, "-o", output) == 1
-    assert run(study, "-o", output, "--resume") == 1
-    assert "another study" in capsys.readouterr().err
-    assert (folder / "manifest.json").read_text() == "{}"
-
-
-@pytest.mark.skipif(not Path("/proc/self/task").is_dir(), reason="finds the workers in /proc")
-def test_interrupt_while_workers_start(study, tmp_path):
-    command = [sys.executable, "-m", "tests.campaign.toy_model", study, "-o", tmp_path / "bem.nc", "--workers", "2"]
-    process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True, start_new_session=True)
-    children = Path(f"/proc/{process.pid}/task/{process.pid}/children")
-    while len(children.read_text().split()) < 3:  # the resource tracker and the two workers
-        assert process.poll() is None
-    time.sleep(0.2)  # into their imports
-    os.killpg(process.pid, signal.SIGINT)
-    _, stderr = process.communicate(timeout=20)
-    assert process.returncode == 130
-    assert "Traceback" not in stderr
-
-
-@pytest.fixture
-def interrupted(study, tmp_path, monkeypatch):
-    """An output whose run was interrupted after three steps, in the only case, which warns at its first."""
-    output = tmp_path / "bem.nc"
-    save = steps.save_step
-
-    def stop_after_three(folder, number, step):
-        save(folder, number, step)
-        if number == 2:
-            raise KeyboardInterrupt
-
-    study.write_text(study.read_text().replace("[1, 4]", "[2]").replace("[1, 2]", "[1]"))
-    study.write_text(study.read_text().replace('when = { "interaction.well_depth_ratio" = 4 }', OVERRIDE_ALL))
-    assert run(study, "-o", tmp_path / "whole.nc") == 0
-    with monkeypatch.context() as patch:
-        patch.setattr(steps, "save_step", stop_after_three)
-        assert run(study, "-o", output) == 130
-    assert not output.exists()
-    return output
-
-
-OVERRIDE_ALL = 'when = { "interaction.well_depth_ratio" = 2 }'
-
-
-def test_warnings_of_finished_steps_survive_a_resume(study, interrupted, capsys):
-    capsys.readouterr()
-    assert run(study, "-o", interrupted, "--resume") == 0
-    assert "warning: well_depth_ratio = 2.0, seed = 1: a grid too coarse" in capsys.readouterr().err
-    with xr.open_dataset(interrupted) as dataset:
-        assert "a grid too coarse" in dataset.attrs["warnings"]
-
-
-@pytest.mark.parametrize(
-    "pattern", ["case-*/step-0001.npz", "case-*/state-*.npz", "case-*/constants.npz", "case-*/*.json"]
-)
-@pytest.mark.parametrize("length", [None, 0, 30])
-def test_damaged_steps_are_computed_again(study, interrupted, tmp_path, capsys, pattern, length):
-    parts = tmp_path / "bem.nc.parts"
-    (damaged,) = parts.glob(pattern)
-    if length is None:
-        damaged.unlink()
-    else:
-        damaged.write_bytes(damaged.read_bytes()[:length])
-    capsys.readouterr()
-    assert run(study, "-o", interrupted, "--resume") == 0
-    assert ("1 damaged files" in capsys.readouterr().err) == (length is not None)
-    assert_same(tmp_path / "whole.nc", interrupted)
-
-
-@pytest.mark.parametrize("pattern", ["case-*/step-0001.npz", "case-*/state-*.npz", "case-*/constants.npz"])
-def test_changed_numbers_on_disk_are_computed_again(study, interrupted, tmp_path, capsys, pattern):
-    """One bit of the last array is another: each array stands under a checksum."""
-    (damaged,) = (tmp_path / "bem.nc.parts").glob(pattern)
-    content = bytearray(damaged.read_bytes())
-    content[content.index(b"PK\x01\x02") - 20] ^= 1  # the directory of the archive comes after its members
-    damaged.write_bytes(content)
-    capsys.readouterr()
-    assert run(study, "-o", interrupted, "--resume") == 0
-    assert "1 damaged files" in capsys.readouterr().err
-    assert_same(tmp_path / "whole.nc", interrupted)
-
-
-def test_another_commit_is_said(study, interrupted, monkeypatch, capsys):
-    """A run that is continued, or not repeated, after the program has changed."""
-    monkeypatch.setattr(provenance, "git_commit", lambda: "another")
-    assert run(study, "-o", interrupted, "--resume") == 0
-    assert "the next of another" in capsys.readouterr().err
-    monkeypatch.undo()
-    assert run(study, "-o", interrupted, "--resume") == 0
-    assert "is of commit another" in capsys.readouterr().err
-
-
-@pytest.mark.parametrize("content", [None, "", "[1]", "3"])
-def test_steps_without_a_manifest_are_not_mixed(study, interrupted, tmp_path, capsys, content):
-    manifest = tmp_path / "bem.nc.parts" / "manifest.json"
-    manifest.unlink()
-    if content is not None:
-        manifest.write_text(content)
-    before = sorted(tmp_path.rglob("*"))
-    assert run(study, "-o", interrupted) == 1
-    assert run(study, "-o", interrupted, "--resume") == 1
-    assert "--overwrite" in capsys.readouterr().err
-    assert sorted(tmp_path.rglob("*")) == before
-    assert run(study, "-o", interrupted, "--overwrite") == 0
 
 
 def test_coordinate_that_the_sweep_changes(study, tmp_path):
@@ -437,68 +223,6 @@ def test_wrong_arguments(study, tmp_path, capsys, arguments, culprit):
     assert not list(tmp_path.glob("bem.nc*"))
 
 
-@pytest.mark.parametrize("output", ["/dev/null/bem.nc", "/proc/nowhere/bem.nc"])
-def test_directory_that_cannot_be_written(study, capsys, output):
-    assert run(study, "-o", output) == 1
-    assert output in capsys.readouterr().err
-
-
-def test_inputs_are_not_overwritten(study, tmp_path, capsys):
-    text = study.read_text()
-    assert run(study, "-o", tmp_path / "sub" / ".." / "study.toml", "--overwrite") == 1
-    np.save(tmp_path / "map.npy", np.eye(8))
-    keys = ("--surface.kind", "file", "--surface.path", "map.npy")
-    assert run(study, "-o", tmp_path / "map.npy", "--overwrite", *keys) == 1
-    assert capsys.readouterr().err.count("is read by this run") == 2
-    assert study.read_text() == text
-    assert np.load(tmp_path / "map.npy").shape == (8, 8)
-
-
-def test_output_that_is_a_device(study, tmp_path, capsys):
-    pipe = tmp_path / "bem.nc"
-    os.mkfifo(pipe)
-    assert run(study, "-o", pipe, "--overwrite") == 1
-    assert f"{pipe}: is a device" in capsys.readouterr().err
-    assert pipe.is_fifo()
-
-
-@pytest.mark.parametrize("name", ["bem", "bem.csv", "bem.xyz", "bem.pvd", "bem.zarr.gz"])
-def test_a_name_of_no_dataset(study, tmp_path, capsys, name):
-    assert run(study, "-o", tmp_path / name) == 1
-    said = capsys.readouterr().err
-    assert said == f"toy: error: {tmp_path / name}: expected a name that ends in .nc, for NetCDF, or .zarr\n"
-    assert not (tmp_path / name).exists()
-
-
-def test_a_slash_at_the_end_is_a_folder(study, tmp_path, capsys):
-    assert run(study, "-o", f"{tmp_path}/bem.nc/") == 1
-    assert capsys.readouterr().err == f"toy: error: {tmp_path}/bem.nc/: is the name of a folder; name a file\n"
-    assert not (tmp_path / "bem.nc").exists()
-
-
-def test_full_disk_is_said_in_one_line(study, tmp_path, monkeypatch, capsys):
-    def fail(*_, **__):
-        raise RuntimeError("NetCDF: HDF error")
-
-    monkeypatch.setattr(xr.Dataset, "to_netcdf", fail)
-    assert run(study, "-o", tmp_path / "bem.nc", "--workers", 1) == 1
-    error = capsys.readouterr().err
-    assert "is the disk full?" in error
-    assert "Traceback" not in error
-    assert not list(tmp_path.rglob("*.tmp"))
-
-
-def test_disk_that_fills_while_steps_are_written(study, tmp_path, monkeypatch, capsys):
-    def fail(*_, **__):
-        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
-
-    monkeypatch.setattr(np, "savez", fail)
-    assert run(study, "-o", tmp_path / "bem.nc", "--workers", 1) == 1
-    error = capsys.readouterr().err.splitlines()[-1]
-    assert "constants.npz: cannot be written (No space left on device)" in error
-    assert not list(tmp_path.rglob("*.tmp"))
-
-
 def test_closed_log_does_not_stop_the_run(study, tmp_path):
     command = f"{sys.executable} -m tests.campaign.toy_model {study} -o {tmp_path}/bem.nc --workers 1 2>&1 >/dev/null"
     subprocess.run(["bash", "-c", f"{command} | true"], check=True)
@@ -511,13 +235,6 @@ def test_help_on_a_terminal_without_greek(encoding):
     done = subprocess.run(command, capture_output=True, env={**os.environ, "PYTHONIOENCODING": encoding})
     assert done.returncode == 0, done.stderr
     assert b"--material.poissons_ratio" in done.stdout
-
-
-def test_output_that_is_a_directory(study, tmp_path, capsys):
-    assert run(study, "-o", tmp_path) == 1
-    assert run(study, "-o", tmp_path, "--overwrite") == 1
-    assert capsys.readouterr().err.count("\n") == 2
-    assert study.exists()
 
 
 def test_help_shows_every_key(capsys):

@@ -14,8 +14,8 @@ from contact_study.campaign.command import main
 from contact_study.campaign.engines import ENGINES, CampaignError
 from contact_study.problem.errors import InputError
 from tests.campaign.tasks import die, fail, square, wait_for
-from tests.campaign.test_command import STUDY, assert_same
 from tests.campaign.toy_model import TOY
+from tests.campaign.toy_study import STUDY, assert_same
 
 distributed = pytest.importorskip("distributed")
 # Dask's own, on its way down.

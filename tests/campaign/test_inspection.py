@@ -7,7 +7,7 @@ import xarray as xr
 
 from contact_study.fields.grid import Grid
 from contact_study.fields.roughness import roughness_of
-from tests.campaign.test_command import run, study  # noqa: F401
+from tests.campaign.toy_study import run
 
 MAP = """
 [surface]
@@ -61,7 +61,7 @@ def test_a_map_is_looked_at_and_nothing_run(folder, capsys):
     assert np.sqrt(variance) == pytest.approx(41.23e-12, abs=0, rel=1e-3)
 
 
-def test_the_surface_of_a_study_is_looked_at(folder, study, capsys):  # noqa: F811
+def test_the_surface_of_a_study_is_looked_at(folder, study, capsys):
     assert run("--inspect", "study.toml", "-o", "looked.pdf") == 0
     said = capsys.readouterr().out
     assert "16 x 16 points" in said
@@ -124,7 +124,7 @@ def test_a_run_says_and_keeps_what_it_took(folder, capsys):
             assert dataset[name].attrs["long_name"]
 
 
-def test_what_is_kept_is_that_of_each_case(folder, study):  # noqa: F811
+def test_what_is_kept_is_that_of_each_case(folder, study):
     assert run("study.toml", "-o", "out.nc", "--workers", "1") == 0
     with xr.open_dataset(folder / "out.nc") as dataset:
         heights = dataset.height

@@ -12,8 +12,8 @@ import xarray as xr
 
 from contact_study.campaign import steps
 from contact_study.campaign.command import main
-from tests.campaign.test_command import STUDY, assert_same
 from tests.campaign.toy_model import SOLVED, TOY, TOY_ATOMS, TOY_OF_WHOLE_PATHS
+from tests.campaign.toy_study import STUDY, assert_same
 
 BASE = tomllib.loads(STUDY)
 del BASE["override"]

@@ -24,7 +24,7 @@ INSTEAD = {"[400, 400]": "[40, 40]", '"1040 angstrom"': '"104 angstrom"', '"10 a
 INSTEAD |= {"--nworkers 8": "--nworkers 2", ".venv/bin/": ""}
 # What makes an environment; the tests are in one.
 _ENVIRONMENT = re.compile(r"^(?:pip install|git clone|make) .*\n", re.MULTILINE)
-_SMALL = ["--surface.size", "120 angstrom", "--surface.shape", "48", "--loading.path", "0.2 GPa, 1 GPa"]
+_SMALL = ["--surface.size", "120 angstrom", "--surface.shape", "48, 48", "--loading.path", "0.2 GPa, 1 GPa"]
 
 
 def prepare(page, folder):

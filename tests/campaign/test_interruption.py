@@ -1,0 +1,176 @@
+"""Runs that are stopped, and what of their steps is taken up again."""
+
+import os
+import re
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+import xarray as xr
+
+from contact_study.campaign import steps
+from contact_study.campaign.dataset import provenance
+from tests.campaign.toy_study import assert_same, run
+
+
+@pytest.mark.parametrize("workers", [1, 2])
+def test_killed_run_resumes_to_the_same_dataset(study, tmp_path, workers):
+    assert run(study, "-o", tmp_path / "whole.nc", "--workers", 1) == 0
+    output = tmp_path / "killed.nc"
+    command = [
+        sys.executable,
+        "-m",
+        "tests.campaign.toy_model",
+        str(study),
+        "-o",
+        str(output),
+        "--workers",
+        str(workers),
+    ]
+    slow = {**os.environ, "TOY_SECONDS": "0.2"}
+    process = subprocess.Popen(command, env=slow, stderr=subprocess.DEVNULL, start_new_session=True)
+    parts = tmp_path / "killed.nc.parts"
+    deadline = time.monotonic() + 60
+    while len(list(parts.glob("case-*/step-*.npz"))) < 3 and time.monotonic() < deadline:
+        time.sleep(0.02)
+    process.kill()
+    process.wait()
+    assert not output.exists()
+    kept = len(list(parts.glob("case-*/step-*.npz")))
+    assert 3 <= kept < 14
+    resumed = subprocess.run([*command, "--resume"], capture_output=True, text=True)
+    assert resumed.returncode == 0, resumed.stderr
+    assert re.search(r"\d+ of 14 steps were finished before", resumed.stderr)
+    assert_same(tmp_path / "whole.nc", output)
+    assert not parts.exists()
+
+
+def test_interrupt_keeps_steps_and_says_so(study, tmp_path):
+    output = tmp_path / "bem.nc"
+    command = [sys.executable, "-m", "tests.campaign.toy_model", str(study), "-o", str(output), "--workers", "2"]
+    process = subprocess.Popen(
+        command, env={**os.environ, "TOY_SECONDS": "0.3"}, stderr=subprocess.PIPE, text=True, start_new_session=True
+    )
+    while not list(tmp_path.glob("bem.nc.parts/case-*/step-*.npz")):
+        assert process.poll() is None
+        time.sleep(0.02)
+    os.killpg(process.pid, signal.SIGINT)  # what Ctrl-C does: the whole group
+    _, stderr = process.communicate(timeout=20)
+    assert process.returncode == 130
+    assert "continue with --resume" in stderr
+    assert "Traceback" not in stderr
+    assert list(tmp_path.glob("bem.nc.parts/case-*/step-*.npz"))
+
+
+def test_steps_of_another_study_are_not_mixed(study, tmp_path, capsys):
+    output = tmp_path / "bem.nc"
+    folder = tmp_path / "bem.nc.parts"
+    folder.mkdir()
+    (folder / "manifest.json").write_text("{}")
+    assert run(study, "-o", output) == 1
+    assert run(study, "-o", output, "--resume") == 1
+    assert "another study" in capsys.readouterr().err
+    assert (folder / "manifest.json").read_text() == "{}"
+
+
+@pytest.mark.skipif(not Path("/proc/self/task").is_dir(), reason="finds the workers in /proc")
+def test_interrupt_while_workers_start(study, tmp_path):
+    command = [sys.executable, "-m", "tests.campaign.toy_model", study, "-o", tmp_path / "bem.nc", "--workers", "2"]
+    process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True, start_new_session=True)
+    children = Path(f"/proc/{process.pid}/task/{process.pid}/children")
+    while len(children.read_text().split()) < 3:  # the resource tracker and the two workers
+        assert process.poll() is None
+    time.sleep(0.2)  # into their imports
+    os.killpg(process.pid, signal.SIGINT)
+    _, stderr = process.communicate(timeout=20)
+    assert process.returncode == 130
+    assert "Traceback" not in stderr
+
+
+@pytest.fixture
+def interrupted(study, tmp_path, monkeypatch):
+    """An output whose run was interrupted after three steps, in the only case, which warns at its first."""
+    output = tmp_path / "bem.nc"
+    save = steps.save_step
+
+    def stop_after_three(folder, number, step):
+        save(folder, number, step)
+        if number == 2:
+            raise KeyboardInterrupt
+
+    study.write_text(study.read_text().replace("[1, 4]", "[2]").replace("[1, 2]", "[1]"))
+    study.write_text(study.read_text().replace('when = { "interaction.well_depth_ratio" = 4 }', OVERRIDE_ALL))
+    assert run(study, "-o", tmp_path / "whole.nc") == 0
+    with monkeypatch.context() as patch:
+        patch.setattr(steps, "save_step", stop_after_three)
+        assert run(study, "-o", output) == 130
+    assert not output.exists()
+    return output
+
+
+OVERRIDE_ALL = 'when = { "interaction.well_depth_ratio" = 2 }'
+
+
+def test_warnings_of_finished_steps_survive_a_resume(study, interrupted, capsys):
+    capsys.readouterr()
+    assert run(study, "-o", interrupted, "--resume") == 0
+    assert "warning: well_depth_ratio = 2.0, seed = 1: a grid too coarse" in capsys.readouterr().err
+    with xr.open_dataset(interrupted) as dataset:
+        assert "a grid too coarse" in dataset.attrs["warnings"]
+
+
+@pytest.mark.parametrize(
+    "pattern", ["case-*/step-0001.npz", "case-*/state-*.npz", "case-*/constants.npz", "case-*/*.json"]
+)
+@pytest.mark.parametrize("length", [None, 0, 30])
+def test_damaged_steps_are_computed_again(study, interrupted, tmp_path, capsys, pattern, length):
+    parts = tmp_path / "bem.nc.parts"
+    (damaged,) = parts.glob(pattern)
+    if length is None:
+        damaged.unlink()
+    else:
+        damaged.write_bytes(damaged.read_bytes()[:length])
+    capsys.readouterr()
+    assert run(study, "-o", interrupted, "--resume") == 0
+    assert ("1 damaged files" in capsys.readouterr().err) == (length is not None)
+    assert_same(tmp_path / "whole.nc", interrupted)
+
+
+@pytest.mark.parametrize("pattern", ["case-*/step-0001.npz", "case-*/state-*.npz", "case-*/constants.npz"])
+def test_changed_numbers_on_disk_are_computed_again(study, interrupted, tmp_path, capsys, pattern):
+    """One bit of the last array is another: each array stands under a checksum."""
+    (damaged,) = (tmp_path / "bem.nc.parts").glob(pattern)
+    content = bytearray(damaged.read_bytes())
+    content[content.index(b"PK\x01\x02") - 20] ^= 1  # the directory of the archive comes after its members
+    damaged.write_bytes(content)
+    capsys.readouterr()
+    assert run(study, "-o", interrupted, "--resume") == 0
+    assert "1 damaged files" in capsys.readouterr().err
+    assert_same(tmp_path / "whole.nc", interrupted)
+
+
+def test_another_commit_is_said(study, interrupted, monkeypatch, capsys):
+    """A run that is continued, or not repeated, after the program has changed."""
+    monkeypatch.setattr(provenance, "git_commit", lambda: "another")
+    assert run(study, "-o", interrupted, "--resume") == 0
+    assert "the next of another" in capsys.readouterr().err
+    monkeypatch.undo()
+    assert run(study, "-o", interrupted, "--resume") == 0
+    assert "is of commit another" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("content", [None, "", "[1]", "3"])
+def test_steps_without_a_manifest_are_not_mixed(study, interrupted, tmp_path, capsys, content):
+    manifest = tmp_path / "bem.nc.parts" / "manifest.json"
+    manifest.unlink()
+    if content is not None:
+        manifest.write_text(content)
+    before = sorted(tmp_path.rglob("*"))
+    assert run(study, "-o", interrupted) == 1
+    assert run(study, "-o", interrupted, "--resume") == 1
+    assert "--overwrite" in capsys.readouterr().err
+    assert sorted(tmp_path.rglob("*")) == before
+    assert run(study, "-o", interrupted, "--overwrite") == 0

@@ -1,0 +1,47 @@
+"""A small study of the toy model, its command, and when two of its datasets are the same."""
+
+from pathlib import Path
+
+import xarray as xr
+
+from contact_study.campaign.command import main
+from tests.campaign.toy_model import TOY
+
+STUDY = """
+[study]
+title = "toy"
+[surface]
+kind = "self_affine"
+size = "100 angstrom"
+shape = [16, 16]
+rms_height = "1 angstrom"
+cutoff_mode = 4
+[material]
+youngs_modulus = "77.2 GPa"
+poissons_ratio = 0.42
+[interaction]
+work_of_adhesion = "0.69 J/m^2"
+length = "3.28 angstrom"
+[loading]
+path = ["0.1 GPa", "1 GPa", "2 GPa"]
+[output]
+fields = true
+[sweep]
+"interaction.well_depth_ratio" = [1, 4]
+"surface.seed" = [1, 2]
+[[override]]
+when = { "interaction.well_depth_ratio" = 4 }
+"loading.path" = ["0.1 GPa", "-0.5 GPa", "1 GPa", "2 GPa"]
+"""
+
+
+def run(*arguments):
+    return main(TOY, [str(argument) for argument in arguments])
+
+
+def assert_same(one: Path, two: Path):
+    for group in (None, "metastable"):
+        with xr.open_dataset(one, group=group) as left, xr.open_dataset(two, group=group) as right:
+            xr.testing.assert_equal(
+                left.drop_vars("wall_time", errors="ignore"), right.drop_vars("wall_time", errors="ignore")
+            )

@@ -1,0 +1,83 @@
+"""The benchmarks print what they measure."""
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import bem_adhesion.operator
+from contact_study.fields.fourier import RealTransform
+from scripts import (
+    benchmark_adhesive,
+    benchmark_atoms,
+    benchmark_storage,
+)
+
+
+def test_benchmark_of_the_adhesive_solver(capsys):
+    assert benchmark_adhesive.main(["--points", "32", "40", "--surfaces", "2", "1", "--ratios", "1", "--times"]) == 0
+    head, rule, *rows = capsys.readouterr().out.splitlines()
+    assert head == "| points (seeds) | 1 ε₀ | worst | transforms | s a step |"
+    assert rule.count("---") == 5
+    assert [row.split(" | ")[0] for row in rows] == ["| 32² (1–2)", "| 40² (1)"]
+    for row in rows:
+        medians, worst, share = (re.findall(r"\d+", cell) for cell in row.split(" | ")[1:4])
+        assert len(medians) == 7
+        assert max(map(int, medians)) <= int(worst[0])
+        assert 0 < int(share[0]) < 100
+    assert bem_adhesion.operator.RealTransform is RealTransform, "the timed transform is put away"
+
+
+def test_worst_and_median_of_the_benchmark():
+    costs = [
+        benchmark_adhesive.PathCost(np.array(pairs), converged, 2.0, 1.0)
+        for pairs, converged in (([10, 20], True), ([30, 90], False), ([20, 40], True))
+    ]
+    found = benchmark_adhesive.line(64, 3, {4.0: costs}, times=True)
+    assert found == "| 64² (1–3) | 20 40 | 90 (not converged) | 50 % | 1.000 |"
+
+
+def test_surfaces_are_given_for_every_grid(capsys):
+    with pytest.raises(SystemExit):
+        benchmark_adhesive.main(["--points", "32", "40", "64", "--surfaces", "2", "1"])
+    assert "2 numbers for 3 grids" in capsys.readouterr().err
+
+
+def test_benchmark_of_the_atoms(capsys):
+    options = ["--pressures", "1 GPa", "2 GPa", "--ratios", "1"]
+    assert benchmark_atoms.main(["--atoms", "40", "48", *options]) == 0
+    head, rule, *rows = capsys.readouterr().out.splitlines()
+    assert head.count("|") == rule.count("|") == rows[0].count("|") == 5
+    assert [row.split(" | ")[0] for row in rows] == ["| 40²", "| 48²"]
+    for row in rows:
+        evaluations, pairs = (np.array(cell.split(), dtype=float) for cell in row.strip("| ").split(" | ")[2:])
+        assert evaluations.shape == pairs.shape == (2,)
+        # A step has an evaluation or more, each but the first from a linear solve and S u.
+        assert np.all(pairs > evaluations)
+    assert benchmark_atoms.main(["--atoms", "40", "--times", *options]) == 0
+    *_, evaluation, pair, memory = re.findall(r"[\d.]+", capsys.readouterr().out.splitlines()[2])
+    assert float(evaluation) > 0
+    assert float(pair) > 0
+    assert float(memory) >= 0
+
+
+def test_the_atoms_of_the_benchmark_keep_the_slopes():
+    from contact_study.problem.surface import realise
+
+    small, large = (realise(benchmark_atoms.case_of(Path("data/yang2008.toml"), n, 4.0)) for n in (40, 80))
+    assert large.rms_slope == pytest.approx(small.rms_slope, rel=1e-9)
+    assert large.rms_height == pytest.approx(2 * small.rms_height, rel=1e-9)
+    assert benchmark_atoms.case_of(Path("data/yang2008.toml"), 80, 4.0).lattice.atoms == (80, 80)
+
+
+def test_benchmark_of_the_storage(capsys, monkeypatch):
+    monkeypatch.setattr(benchmark_storage, "RATIOS", (1, 4))
+    monkeypatch.setattr(benchmark_storage, "PRESSURES", np.array([1e8, 1e9]))
+    assert benchmark_storage.main(["data/yang2008.toml"]) == 0
+    ran, written, read = capsys.readouterr().out.splitlines()
+    assert ran.startswith("persson-theory, 4 steps, 1 processes: ")
+    for line in (written, read):
+        milliseconds, share = re.findall(r"([\d.]+) (?:ms|%)", line)
+        assert float(milliseconds) > 0
+        assert 0 <= float(share) < 100  # of a slow run writing may round to nothing
