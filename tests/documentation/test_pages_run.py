@@ -13,11 +13,16 @@ from scipy.ndimage import gaussian_filter
 
 import bem_adhesion.run
 import md_reference.run
+import theory.run
 from contact_study.campaign.command import main
 from contact_study.campaign.examples import example
 from tests.documentation.pages import PAGES, SHELL, blocks
 
-RUN = [page for page in PAGES if page.stem in {"installation", "tutorial_own_surface"}]
+RUN = [
+    page
+    for page in PAGES
+    if page.stem in {"installation", "many_machines", "dataset", "tutorial_first_study", "tutorial_own_surface"}
+]
 # Fewer points than the paper's study, fewer workers than a cluster; the programs of this environment.
 INSTEAD = {"[400, 400]": "[40, 40]", '"1040 angstrom"': '"104 angstrom"', '"10 angstrom"': '"1 angstrom"'}
 INSTEAD |= {"--nworkers 8": "--nworkers 2", ".venv/bin/": ""}
@@ -39,9 +44,13 @@ def prepare(page, folder):
             if page.stem == "studies" or (page.stem == "dataset" and name == "bem.nc"):
                 kept = ["--output.atoms", "surface"] if name == "md.nc" else []
                 assert main(model, [str(study), "-o", str(folder / name), "--workers", "1", *sweep, *kept]) == 0
-    if page.stem == "README":
-        (folder / "results").mkdir()
-        (folder / "results" / "yang2008-paper").symlink_to("..")
+    if page.stem == "README":  # what `make paper` leaves
+        results = folder / "results" / "yang2008-paper"
+        results.mkdir(parents=True)
+        (results / "study.toml").write_text(example("first"))
+        for model, name in ((bem_adhesion.run.MODEL, "bem.nc"), (theory.run.MODEL, "theory.nc")):
+            arguments = ["-o", str(results / name), "--workers", "1", "--interaction.well_depth_ratio", "4,8", *_SMALL]
+            assert main(model, [str(results / "study.toml"), *arguments]) == 0
 
 
 def in_shell(text, folder, **variables):
