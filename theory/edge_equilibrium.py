@@ -212,6 +212,7 @@ class Problem:
         weights, gradients = np.empty((2, scales.steps.size + 1, x.size))
         answer, f = np.empty_like(response), np.empty_like(response)
         factors = np.empty((scales.steps.size, 3, x.size))
+        weight = np.empty_like(f)
         elastic = 0.0
 
         def update(logarithm: np.ndarray) -> tuple[np.ndarray, np.ndarray, float]:
@@ -234,9 +235,10 @@ class Problem:
                 answer,
                 factors,
             )
-            weight = np.empty_like(f)
             change = compare(weights, f, answer, _LEAST, _LARGEST, _UNSEEN, weight)
-            return np.log(answer) - logarithm, weight, change
+            residual = np.log(answer)
+            residual -= logarithm
+            return residual, weight, change
 
         logarithm, change, count = accelerated(
             update,

@@ -51,12 +51,14 @@ def accelerated(
     count = 1
     remembered = _Memory(values.size, memory, mixing, weight)
     while tolerance < change < np.inf and count < iterations:
-        before, moved = residual, np.clip(values + remembered.step(residual), *bounds)
+        before, moved = residual, remembered.step(residual)
+        moved += values
+        np.clip(moved, *bounds, out=moved)
         residual, _, change = update(moved)
         if not np.isfinite(change):  # what the caller keeps of the last update is to be numbers
             update(values)
             return values, np.inf, count + 2
-        remembered.add(moved - values, residual - before)
+        remembered.add(values, moved, before, residual)
         values = moved
         count += 1
     return values, change, count
@@ -69,19 +71,21 @@ class _Memory:
         self._mixing, self._weight = mixing, weight.ravel() ** 2
         self._turns = np.empty((states, size))
         self._steps = np.empty((states, size))  # the moves of the values, and plain mixing of the turns
-        self._normal, self._right = np.empty((states, states)), np.empty(states)
+        self._normal, self._right, self._weighted = np.empty((states, states)), np.empty(states), np.empty(size)
         self._count = 0
 
-    def add(self, move: np.ndarray, turn: np.ndarray) -> None:
-        """Remember a step instead of the oldest one."""
+    def add(self, values: np.ndarray, moved: np.ndarray, before: np.ndarray, residual: np.ndarray) -> None:
+        """Remember a step instead of the oldest one: the values and the residual before and after it."""
         newest = self._count % len(self._turns)
         self._count += 1
-        self._turns[newest] = turn.ravel()
-        np.multiply(self._turns[newest], self._mixing, out=self._steps[newest])
-        self._steps[newest] += move.ravel()
+        turn, step = self._turns[newest], self._steps[newest]
+        np.subtract(residual.ravel(), before.ravel(), out=turn)
+        np.subtract(moved.ravel(), values.ravel(), out=step)
+        _take_one(-self._mixing, turn, step)
         # As weights stay, one row and column of the normal equations is all that changes.
         held = self._held
-        _products(self._turns[:held], self._weight * self._turns[newest], self._normal[newest])
+        np.multiply(self._weight, turn, out=self._weighted)
+        _products(self._turns[:held], self._weighted, self._normal[newest])
         self._normal[:held, newest] = self._normal[newest, :held]
 
     def step(self, residual: np.ndarray) -> np.ndarray:
@@ -89,7 +93,8 @@ class _Memory:
         step = self._mixing * residual
         if held := self._held:
             normal = self._normal[:held, :held]
-            _products(self._turns[:held], self._weight * residual.ravel(), self._right)
+            np.multiply(self._weight, residual.ravel(), out=self._weighted)
+            _products(self._turns[:held], self._weighted, self._right)
             own = normal + _REGULARISATION * np.trace(normal) * np.eye(held)
             _take(np.linalg.solve(own, self._right[:held]), self._steps[:held], step.ravel())
         return step
@@ -127,5 +132,6 @@ def _take(shares, steps, step):
 
 @njit(cache=True, error_model="numpy", fastmath={"contract", "arcp", "nsz"})
 def _take_one(share, taken, step):
+    """Of its own for the reason of the product."""
     for k in range(step.size):
         step[k] -= share * taken[k]

@@ -6,7 +6,6 @@ sizes would need bins of area, which studies do not have.
 """
 
 import numpy as np
-from scipy import ndimage
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
@@ -27,6 +26,8 @@ def cluster_map(contact: np.ndarray) -> np.ndarray:
     numpy.ndarray of int, shape (ny, nx)
         0 without contact, 1 in the largest cluster, 2 in the next, and so on.
     """
+    from scipy import ndimage  # slow to import, and a run of a theory loads this file for its dataset entries alone
+
     labels, count = ndimage.label(contact)
     if not count:
         return labels

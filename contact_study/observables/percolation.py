@@ -8,7 +8,6 @@ join carries the period that it crosses, and two ways to one patch that differ i
 from collections import defaultdict
 
 import numpy as np
-from scipy import ndimage
 
 from contact_study.fields.distributions import Bins
 from contact_study.observables.base import InterfaceState, Observable, Value, Variable
@@ -23,6 +22,8 @@ def goes_around(points: np.ndarray) -> bool:
     points : numpy.ndarray of bool, shape (ny, nx)
         The map.
     """
+    from scipy import ndimage  # slow to import, and a run of a theory loads this file for its dataset entries alone
+
     labels, _ = ndimage.label(points)
     joins: dict[int, set[tuple[int, int, int]]] = defaultdict(set)
     for first, last, period in ((labels[0], labels[-1], (1, 0)), (labels[:, 0], labels[:, -1], (0, 1))):
