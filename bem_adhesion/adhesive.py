@@ -14,6 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from bem_adhesion.bed import bed_under
 from bem_adhesion.dragged_passes import DraggedPasses
 from bem_adhesion.free_boundary import Window
 from bem_adhesion.linearised import LinearisedContact
@@ -24,8 +25,10 @@ from bem_adhesion.wall_passes import passes_of
 from contact_study.fields.grid import Grid
 from contact_study.problem.laws.base import TractionLaw
 
-# Reduction of the residual asked of a linear solve: with the full curvature, and while it is faded.
+# Reduction of the residual asked of a linear solve: with the full curvature, and while it is faded. Below the residual
+# CLOSE (in units of the contact modulus) Newton's steps earn a better one, but none beyond the tolerance.
 REDUCTION, FADED_REDUCTION = 0.1, 0.3
+CLOSE, CLOSE_REDUCTION, BEYOND_TOLERANCE = 1e-3, 0.03, 0.5
 LINEAR_ITERATIONS = 60
 # Largest relative change of an attracted gap in one step.
 STEP_LIMIT = 0.4
@@ -119,14 +122,16 @@ class AdhesiveContact:
         self._single = make_operator(grid, np.float32)
         self._passes = passes_of(law, self.solid.largest, window)
         self._free_passes = self._passes
-        self._linearised = LinearisedContact(self._single, shift)
+        self._bed = bed_under(self._single, make_operator, shift)
+        self._linearised = LinearisedContact(self._single, shift, self._bed)
         self._traction = np.empty(grid.shape)
         self.curvature = np.empty(grid.shape, np.float32)
         self._right_side = np.empty(grid.shape, np.float32)
 
     def equivalent_pairs(self, grid: Grid) -> float:
         """Transform pairs done so far, as float64 pairs on ``grid``."""
-        return self.solid.equivalent_pairs(grid) + self._single.equivalent_pairs(grid)
+        single = self._single.equivalent_pairs(grid) + self._bed.equivalent_pairs(grid)
+        return self.solid.equivalent_pairs(grid) + single
 
     def tie(self, drag: float, anchor: np.ndarray) -> None:
         """Tie every point to a gap by springs of that stiffness; by none if it is zero.
@@ -169,14 +174,14 @@ class AdhesiveContact:
         tension = self.solid.mean_stiffness == 0 and state.total < 0 and self._passes is self._free_passes
         return tension and bool(self._window.inside(gap).min() > self.law.peak_distance)
 
-    def _newton_step(self, fading: float, largest: float) -> tuple[float, bool] | None:
+    def _newton_step(self, fading: float, largest: float, tolerance: float) -> tuple[float, bool] | None:
         """Leave a step in ``_linearised.solution``; returns the fading it took, and if that had to be raised.
 
         None where points are tied and yet there is negative curvature.
         """
         raised = False
         while True:
-            reduction = REDUCTION if fading == 0 else FADED_REDUCTION
+            reduction = _reduction(largest, tolerance) if fading == 0 else FADED_REDUCTION
             result = self._linearised.solve(self._right_side, self.curvature, 1 - fading, reduction, LINEAR_ITERATIONS)
             self._passes.hold(self.curvature, self._linearised.solution)
             self._passes.hold(self.curvature, self._linearised.direction)
@@ -294,7 +299,7 @@ class AdhesiveContact:
             iteration += 1
             if approach and state.largest > APPROACH_RESIDUAL:
                 fading = 1.0
-            taken = self._newton_step(fading, state.largest)
+            taken = self._newton_step(fading, state.largest, tolerance)
             if taken is None:
                 outcome = Outcome.STALLED
                 break
@@ -331,6 +336,13 @@ class AdhesiveContact:
             step *= np.float32(BACKTRACKING)
             fraction *= BACKTRACKING
         return None, fraction
+
+
+def _reduction(largest: float, tolerance: float) -> float:
+    """Reduction of the residual to ask of a linear solve with the full curvature."""
+    if largest > CLOSE:
+        return REDUCTION
+    return min(max(BEYOND_TOLERANCE * tolerance / largest, CLOSE_REDUCTION), FADED_REDUCTION)
 
 
 def _more(fading: float) -> float:

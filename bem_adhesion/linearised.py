@@ -14,6 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numba import njit
 
+from bem_adhesion.bed import Bed, FullBed
 from bem_adhesion.operator import Operator
 
 # Curvature below this fraction of |s|² counts as negative: the rounding of float32.
@@ -116,6 +117,8 @@ class LinearisedContact:
     shift : float
         Stiffness c above which a point belongs to the shift, and of the bed of springs that stands for the law in
         the tail (Pa/m).
+    bed : Bed, optional
+        The solid on that bed, inverted, in the operator's buffer; by its own transforms without one.
 
     Attributes
     ----------
@@ -125,12 +128,12 @@ class LinearisedContact:
         The last search direction (m): one of negative curvature if the solver stopped on it.
     """
 
-    def __init__(self, operator: Operator, shift: float):
+    def __init__(self, operator: Operator, shift: float, bed: Bed | None = None):
         shape = operator.grid.shape
         self._operator = operator
         self._shift = np.float32(shift)
         self._grid = np.float32(0.5 * operator.largest)
-        self._tail_inverse = operator.inverse_shifted(shift)
+        self._bed = bed or FullBed(operator, shift)
         self._residual = np.empty(shape, np.float32)
         self.direction = np.empty(shape, np.float32)
         self.solution = np.empty(shape, np.float32)
@@ -164,7 +167,7 @@ class LinearisedContact:
         target = reduction**2 * square
         previous = np.inf
         for iteration in range(1, iterations + 1):
-            product = core_product + operator.apply_and_sum(self._tail_inverse)
+            product = core_product + self._bed.apply_and_sum()
             beta = np.float32(product / previous)
             local, length = _direct(curvature, residual, *weights, kept, beta, direction, buffer)
             energy = local + operator.apply_and_sum(operator.stiffness)

@@ -73,7 +73,8 @@ def test_a_loose_tolerance_shows_in_the_complementarity():
     reaction = found.pressure + contact.law.traction(found.gap)
     pull = -reaction[found.gap == 0].min() / E_STAR
     assert found.complementarity_residual == pytest.approx(pull, rel=1e-6)
-    assert 1e-4 < pull <= found.residual <= 1e-2
+    # The pull may be the largest residual itself; it comes back from SI units by some roundings.
+    assert 1e-4 < pull <= found.residual * (1 + 1e-12) <= 1e-2
 
 
 def test_states_are_minima():
