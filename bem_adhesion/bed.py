@@ -6,8 +6,9 @@ answers the rest by one stiffness,
     P (K + c)⁻¹ Pᵀ / 4 + ω / K_max,
 
 P bilinear interpolation, the first term by the same on the coarser grid: symmetric and positive, as the additive
-multilevel preconditioner of J. H. Bramble, J. E. Pasciak and J. Xu, Math. Comp. 55, 1 (1990; from memory, unchecked).
-Conjugate gradients need as many iterations with it as with (K + c)⁻¹ of the finest grid, for a sixteenth of its transforms.
+multilevel preconditioner of J. H. Bramble, J. E. Pasciak and J. Xu, Math. Comp. 55, 1 (1990; the abstract was read).
+Conjugate gradients need as many iterations with it as with (K + c)⁻¹ of the finest grid, for a sixteenth of its
+transforms.
 """
 
 from typing import Protocol
