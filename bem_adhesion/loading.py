@@ -45,7 +45,9 @@ def reach(law: TractionLaw) -> float:
     no_tension = NO_TENSION * law.peak_tensile_stress
     while law.traction(np.array(farther)) > no_tension:
         nearer, farther = farther, 2 * farther
-    return float(brentq(lambda gap: float(law.traction(np.array(gap))) - no_tension, nearer, farther))
+    # SciPy's own tolerance is a length in metres, a hundredth of an atom's.
+    exact = 1e-12 * law.length
+    return float(brentq(lambda gap: float(law.traction(np.array(gap))) - no_tension, nearer, farther, xtol=exact))
 
 
 class LoadedContact:
