@@ -17,12 +17,9 @@ from contact_study.campaign.command import main
 from contact_study.campaign.examples import example
 from tests.documentation.pages import PAGES, SHELL, blocks
 
-RUN = [
-    page
-    for page in PAGES
-    if page.stem
-    in {"installation", "many_machines", "dataset", "studies", "tutorial_first_study", "tutorial_own_surface"}
-]
+# Not the sphere and rubber, which are large; the README's blocks are those of tests/test_examples.py and of `make paper`.
+TUTORIALS = {"tutorial_first_study", "tutorial_own_surface", "tutorial_ensemble"}
+RUN = [page for page in PAGES if page.stem in {"installation", "many_machines", "dataset", "studies", *TUTORIALS}]
 # Fewer workers than a cluster has.
 INSTEAD = {"--nworkers 8": "--nworkers 2"}
 # What makes an environment; the tests are in one.
