@@ -17,7 +17,7 @@ from contact_study.campaign.command import main
 from contact_study.campaign.examples import example
 from tests.documentation.pages import PAGES, SHELL, blocks
 
-# Not the sphere and rubber, which are large; the README's blocks are those of tests/test_examples.py and of `make paper`.
+# Not the sphere and rubber, which are large; the README's blocks are those of tests/test_examples.py, `make paper`.
 TUTORIALS = {"tutorial_first_study", "tutorial_own_surface", "tutorial_ensemble"}
 RUN = [page for page in PAGES if page.stem in {"installation", "many_machines", "dataset", "studies", *TUTORIALS}]
 # Fewer workers than a cluster has.
