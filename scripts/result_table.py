@@ -1,5 +1,7 @@
 """Contact area and mean gap of every model in one comparison, and what they amount to, as Markdown.
 
+Theories stand with the first spectrum that their study names.
+
 python scripts/result_table.py results/yang2008-paper/comparison.nc --pressures "0.1 GPa" "1 GPa" "10 GPa"
 """
 
@@ -10,7 +12,7 @@ from pathlib import Path
 
 import xarray as xr
 
-from contact_study.comparison.models import entry_of, file_kinds
+from contact_study.comparison.models import entry_of, file_kinds, spectrum_of
 from contact_study.comparison.read.files import models_in
 from contact_study.comparison.say.findings import headline, split_pair
 from contact_study.comparison.say.result_tables import results_tables
@@ -34,6 +36,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         roots = [tree[kind].to_dataset().load() for kind in file_kinds() if kind in there]
         deviations = tree["deviations"].to_dataset().load()
     models = {name: dataset for root in roots for name, dataset in models_in(root).items()}
+    models = {name: dataset for name, dataset in models.items() if not spectrum_of(name)}
     print(table(models, pressures))
     print()
     first = split_pair(deviations["pair"].values[0])[1]

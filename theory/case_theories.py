@@ -183,7 +183,7 @@ class _Asked:
 
 @lru_cache(maxsize=1)
 def _kept(asked: _Asked) -> tuple[CaseTheories, ...]:
-    kinds = asked.case.theory.spectra
+    kinds = asked.case.spectra
     return tuple(
         CaseTheories(asked.case, roughness(asked.case, asked.surface, kind), kind if number else "")
         for number, kind in enumerate(kinds)

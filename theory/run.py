@@ -73,7 +73,7 @@ def check(case: Case) -> None:
         raise InputError(f'elasticity.boundary = "{case.elasticity.boundary}": theories of roughness know no boundary')
     if not case.surface.rough:
         raise InputError(f'surface.kind = "{kind}": a theory of roughness needs a rough surface')
-    if case.surface.target_spectrum is None and "analytic" in case.theory.spectra:
+    if case.surface.target_spectrum is None and "analytic" in case.spectra:
         raise InputError(f'theory.spectrum = "analytic": surface.kind = "{kind}" has none; use "surface"')
 
 

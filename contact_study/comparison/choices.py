@@ -58,7 +58,7 @@ def theories(cases: Sequence[Case]) -> str:
     words = {"analytic": "the target spectrum", "surface": "the spectrum of the very surface", "table": "a table"}
 
     def spectra(case: Case) -> str:
-        return " and ".join(words[name] for name in case.theory.spectra)
+        return " and ".join(words[name] for name in case.spectra)
 
     caps = {False: "no limit to σ_a", True: "σ_a limited to σ_max"}
     chosen = {case.theory.cap_detachment_stress for case in cases}

@@ -28,7 +28,7 @@ from contact_study.comparison.say.report import Figures
 def draw(
     inputs: Inputs, wanted: float | None = None, formats: Sequence[str] = (), scatter: Scatter | None = None
 ) -> Figures:
-    """Every figure that these datasets allow.
+    """Every figure that these datasets allow; theories are shown with the first spectrum of their study.
 
     Parameters
     ----------
@@ -41,6 +41,7 @@ def draw(
     scatter : Scatter, optional
         Realisations whose scatter is shown behind the models.
     """
+    inputs = inputs.with_first_spectra
     models, control = inputs.models, inputs.control
     points = sweep_points(models)
     shown = panel_points(models, control, wanted)

@@ -120,6 +120,12 @@ class Case:
                 raise InputError(f'{name}: not known of elasticity.kind = "viscoelastic"; leave it out')
 
     @property
+    def spectra(self) -> tuple[str, ...]:
+        """The roughness spectra that theories are fed with, the first one under their own names."""
+        own = ("surface",) if self.surface.target_spectrum is None else ("surface", "analytic")
+        return self.theory.spectra or own
+
+    @property
     def durations(self) -> list[float]:
         """Time to each point of :attr:`path` from the one before it (s), of a viscoelastic solid."""
         given, points = self.loading.duration, len(self.loading.path)

@@ -200,11 +200,11 @@ class TheorySection:
         "theories beside Persson's; most of the time goes into them",
         ("gap_flow", "edge_flow"),
     )
-    spectrum: str | tuple[str, ...] = key(
+    spectrum: str | tuple[str, ...] | None = key(
         choices("analytic", "surface", "table", "file"),
         "roughness spectrum: the target, that of the very surface, the table below or that of a file, or several side "
-        "by side",
-        "analytic",
+        "by side, the first under the theories' own names; default that of the surface, then its target if it has one",
+        None,
     )
     wavevectors: tuple[float, ...] | None = key(
         sequence(quantity("m^-1", positive=True)), 'spectrum "table": rising wavevectors q', None
@@ -277,8 +277,8 @@ class TheorySection:
 
     @property
     def spectra(self) -> tuple[str, ...]:
-        """The spectra that the theories are fed with, the first one under their own names."""
-        return _each(self.spectrum)
+        """The spectra that are named, if any."""
+        return () if self.spectrum is None else _each(self.spectrum)
 
 
 @dataclass(frozen=True)

@@ -37,6 +37,8 @@ path = ["0.1 GPa", "0.7799 GPa", "5.8725 GPa"]
 fields = true
 pressure_bins = 40
 gap_bins = 30
+[theory]
+spectrum = "analytic"
 [sweep]
 "interaction.well_depth_ratio" = [1, 8]
 [[override]]

@@ -148,7 +148,7 @@ def test_realisations_are_those_of_the_datasets():
     words = described(six, five)["Surface"]
     assert "6 realisations (seed 1, 2, 3, 4, 5, 6), the atoms on seed 1, 2, 3, 4, 5 only" in words
     notes = " ".join(sample_notes(inputs_of(six, five)))
-    assert "the simulations 5 or 6 realisations of it" in notes
+    assert "the simulations have 5 or 6 realisations of it" in notes
     assert "same surfaces" in notes
     assert "one realisation of it" in " ".join(sample_notes(inputs_of(SINGLE)))
 

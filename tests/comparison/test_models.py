@@ -77,7 +77,13 @@ def test_a_theory_of_another_spectrum_is_a_model_of_its_own(paths, tmp_path):
     assert not models.known("persson@file")
     arguments = [*map(str, (*paths[:2], tmp_path / "two_spectra.nc")), "-o", str(tmp_path / "both.nc")]
     assert main([*arguments, "--report", str(tmp_path / "report.html")]) == 0
-    assert "Persson's theory, own spectrum" in html.unescape((tmp_path / "report.html").read_text(encoding="utf-8"))
+    page = html.unescape((tmp_path / "report.html").read_text(encoding="utf-8"))
+    assert "Persson's theory, own spectrum" in page, "in the tables"
+    assert models.entry_of("persson@surface").words not in page, "in no finding, in no caption"
+    shown = inputs.with_first_spectra
+    assert "persson@surface" not in shown.models
+    assert set(shown.models) == set(inputs.models) - {"persson@surface"}
+    assert shown.branches.keys() == inputs.branches.keys()
 
 
 @pytest.mark.usefixtures("unrendered")

@@ -40,6 +40,7 @@ STUDY = {
         "contact_distance": "3.68 angstrom",
     },
     "loading": {"path": ["1 GPa", "5 GPa"], "unload": True},
+    "theory": {"spectrum": "analytic"},
 }
 
 
@@ -478,6 +479,19 @@ def test_surfaces_without_spectrum_are_refused():
     with pytest.raises(InputError, match=r"surface\.kind"):
         run.check(flat)
     run.check(case_of(surface={"kind": "wavy", "amplitude": "1 nm"}, theory={"spectrum": "surface"}))
+
+
+def test_the_surface_s_own_spectrum_comes_first_unless_others_are_named():
+    named = copy.deepcopy(STUDY)
+    named.pop("theory")
+    (case,) = make_study(named).cases
+    assert case.spectra == ("surface", "analytic")
+    of_another_kind(named)
+    named["surface"] |= {"kind": "wavy", "amplitude": "1 nm"}
+    (wavy,) = make_study(named).cases
+    assert wavy.spectra == ("surface",), "a wave has no target"
+    run.check(wavy)
+    assert case_of().spectra == ("analytic",)
 
 
 def test_a_layer_is_held_by_its_base():

@@ -1,14 +1,14 @@
 """Datasets of one contact: their studies held against one another, their models side by side."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 import xarray as xr
 
-from contact_study.comparison.models import entry_of, file_kinds, in_order, kind_of, of_file
+from contact_study.comparison.models import entry_of, file_kinds, in_order, kind_of, of_file, spectrum_of
 from contact_study.comparison.read.carried_study import carried_study
 from contact_study.comparison.read.differences import check_height_maps, check_studies, same
 from contact_study.comparison.read.files import branches_in, models_in, open_groups, unknown_theories
@@ -61,6 +61,13 @@ class Inputs:
     def _ordered(self) -> list[Study]:
         kinds = file_kinds()
         return [self.studies[name] for name in sorted(self.studies, key=lambda name: kinds.index(kind_of(name)))]
+
+    @cached_property
+    def with_first_spectra(self) -> "Inputs":
+        """The same with each theory fed with the first spectrum of its study alone."""
+        models = {name: dataset for name, dataset in self.models.items() if not spectrum_of(name)}
+        branches = {name: found for name, found in self.branches.items() if not spectrum_of(name)}
+        return replace(self, models=models, branches=branches)
 
     @property
     def simulations(self) -> list[str]:

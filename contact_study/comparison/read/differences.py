@@ -52,9 +52,7 @@ def check_studies(
         pairs = _matching_cases(studies[first], studies[other])
         if not pairs:
             raise InputError(f"{where} cannot be compared: their sweeps have no point in common")
-        analytic = not is_simulated(other) and all(
-            case.theory.spectra == ("analytic",) for case in studies[other].cases
-        )
+        analytic = not is_simulated(other) and all(case.spectra == ("analytic",) for case in studies[other].cases)
         different: dict[str, tuple[Any, Any]] = {}
         for one, two in pairs:
             different |= {key: values for key, values in differences(one, two) if key not in different}

@@ -114,7 +114,8 @@ def _point_words(part: xr.Dataset, named: PathPoint | None) -> str:
 
 
 def headline(models: Mapping[str, xr.Dataset], deviations: xr.Dataset) -> list[str]:
-    """Which model comes nearest to the first reference in contact area, and one sentence for each pair of models."""
+    """Which model comes nearest to the first reference in contact area, a sentence for each pair of ``models``."""
+    deviations = deviations.sel(pair=[pair for pair in deviations["pair"].values if set(split_pair(pair)) <= {*models}])
     points = sweep_points(models)
     units = {point.label: scales(models, point) for point in points}
     sentences = _ranking(deviations, points)
@@ -206,8 +207,8 @@ def sample_notes(inputs: Inputs) -> list[str]:
     if ensembles:
         target, realised = _slopes(inputs, ensembles), _slopes(inputs, list(seeds))
         notes.append(
-            f"The theory knows the target spectrum{target}, the simulations {surfaces} of it{realised}: the scatter "
-            "between surfaces enters the deviations of the theory from the simulations."
+            f"A theory with the target spectrum{target} knows no surface, the simulations have {surfaces} of "
+            f"it{realised}: the scatter between surfaces enters its deviations from them."
         )
     notes.append(
         f"Medians and extremes are over states of the same {'surface' if counts == [1] else 'surfaces'}, which are no "
@@ -218,7 +219,7 @@ def sample_notes(inputs: Inputs) -> list[str]:
 
 def _knows_the_target(inputs: Inputs, model: str) -> bool:
     own = spectrum_of(model)
-    return any((own or case.theory.spectra[0]) == "analytic" for case in inputs.studies[entry_of(model).file].cases)
+    return any((own or case.spectra[0]) == "analytic" for case in inputs.studies[entry_of(model).file].cases)
 
 
 def _slopes(inputs: Inputs, models: Sequence[str]) -> str:

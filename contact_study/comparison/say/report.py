@@ -82,8 +82,8 @@ def render_report(
     models = inputs.models
     return environment.get_template("report.html.j2").render(
         attrs=attrs,
-        paragraphs=study_paragraphs(inputs),
-        findings=[*(extents(models) if deviations is None else headline(models, deviations)), *scatter],
+        paragraphs=study_paragraphs(inputs.with_first_spectra),
+        findings=[*_findings(inputs.with_first_spectra, deviations), *scatter],
         sample_notes=sample_notes(inputs),
         related=_related(inputs),
         file=next(iter(inputs.paths)),
@@ -108,6 +108,10 @@ def render_report(
         simulated=bool(inputs.simulations),
         averaged=inputs.average.replace("_", " ") if inputs.samples > 1 else "",
     )
+
+
+def _findings(inputs: Inputs, deviations: xr.Dataset | None) -> list[str]:
+    return extents(inputs.models) if deviations is None else headline(inputs.models, deviations)
 
 
 def collected_warnings(inputs: Inputs) -> list[str]:
