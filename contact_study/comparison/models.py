@@ -16,10 +16,12 @@ _PRESSED = "the surfaces are pressed closer than this distance on average"
 # Between the name of a model and the file that tells one of its datasets from another: "continuum:coarse".
 _OF = ":"
 
+TARGET = "analytic"  # the spectrum that surfaces are made from
+
 # What a theory's other spectra add to its label, words and short name.
 _SPECTRA = {
     "surface": ("own spectrum", "with the surface's own spectrum", "own"),
-    "analytic": ("target spectrum", "with the target spectrum", "target"),
+    TARGET: ("target spectrum", "with the target spectrum", "target"),
     "table": ("tabulated spectrum", "with the tabulated spectrum", "table"),
 }
 

@@ -138,6 +138,11 @@ def test_findings_are_the_numbers(files):
     )
     assert f"{within} of 7 states" in one
     assert GAP_SHIFT["persson"] < 0
+    # Where a theory is fed with the target, too, the mean over its surfaces is compared with that alone.
+    both = {**inputs.models, "persson@analytic": inputs.models["gap_flow"]}
+    _, theories, _ = scatter_findings(both, ensemble_statistics({scatter.model: scatter.dataset}))
+    assert f"Persson's theory with the target spectrum by {medians['the gap-flow theory']:.0f} %." in theories
+    assert "gap-flow" not in theories
 
 
 @pytest.mark.parametrize(

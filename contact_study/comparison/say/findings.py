@@ -9,7 +9,7 @@ import xarray as xr
 from contact_study.comparison.compute.cases import SweepPoint, case_points, select, sweep_points
 from contact_study.comparison.compute.deviations import COMPARED
 from contact_study.comparison.compute.scales import Scales, scales
-from contact_study.comparison.models import entry_of, spectrum_of
+from contact_study.comparison.models import TARGET, entry_of, spectrum_of
 from contact_study.comparison.read.datasets import Inputs
 from contact_study.comparison.read.path_points import samples_in, usable
 from contact_study.comparison.wording import PRESCRIBED, listed, number, percent, percent_of
@@ -219,7 +219,7 @@ def sample_notes(inputs: Inputs) -> list[str]:
 
 def _knows_the_target(inputs: Inputs, model: str) -> bool:
     own = spectrum_of(model)
-    return any((own or case.spectra[0]) == "analytic" for case in inputs.studies[entry_of(model).file].cases)
+    return any((own or case.spectra[0]) == TARGET for case in inputs.studies[entry_of(model).file].cases)
 
 
 def _slopes(inputs: Inputs, models: Sequence[str]) -> str:

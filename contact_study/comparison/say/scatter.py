@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 
 from contact_study.comparison.compute.cases import sweep_points
-from contact_study.comparison.models import entry_of
+from contact_study.comparison.models import TARGET, entry_of, spectrum_of
 from contact_study.comparison.read.path_points import on_common_path, usable
 from contact_study.comparison.say.findings import control_of, over_states
 from contact_study.comparison.wording import percent_of
@@ -43,8 +43,9 @@ def _findings(models: Mapping[str, xr.Dataset], name: str, found: xr.Dataset) ->
         f"({spread.high_at}), as standard deviation over mean; the mean is known to "
         f"{percent_of(float((error / mean).median()))} in the median state."
     ]
-    # The theories know the spectrum: what they are compared with is the mean over its surfaces.
+    # The mean over surfaces is that of their target spectrum.
     theories = {model: dataset for model, dataset in models.items() if not entry_of(model).simulation}
+    theories = {model: dataset for model, dataset in theories.items() if spectrum_of(model) == TARGET} or theories
     medians = {model: _median_off(found, dataset) for model, dataset in theories.items()}
     known = sorted((model for model in medians if np.isfinite(medians[model])), key=medians.__getitem__)
     if known:
