@@ -4,7 +4,7 @@ In second order a wave q on a half-space that a modulation p scatters gives way 
 directions, as if its stiffness were κK: κ = 1/<1/(|q+p|/q + c/K)> − c/K. A kernel s X + t + (1 − t) b/(X + b) with
 X = p²/q² is the edge flow's form of it. For three c it is given the exact growth for p → 0 and the exact value at
 p = 2q (t = 0); the last one is fitted to that of c = K from p = q/2 to 8q with all three numbers. The simulations are
-those of ``data/edge_flow_ensemble.csv``; the theory gets the same surfaces.
+those of ``data/edge_flow_trial_surfaces.csv``; the theory gets the same surfaces.
 
 python -m scripts.edge_flow_kernels --surfaces 6 --table data/edge_flow_kernels.csv   # minutes
 python -m scripts.edge_flow_kernels --from data/edge_flow_kernels.csv
@@ -26,7 +26,7 @@ from scripts.edge_flow_ensemble import PRESSURES, study
 from theory import EdgeFlow, edge_flow
 from theory.edge_equilibrium import KERNEL
 
-SIMULATIONS = Path(__file__).resolve().parent.parent / "data" / "edge_flow_ensemble.csv"
+SIMULATIONS = Path(__file__).resolve().parent.parent / "data" / "edge_flow_trial_surfaces.csv"
 SHOWN = (0.5, 1.0, 2.0, 4.0, 8.0)  # p/q at which κ is printed
 PRESSURE = 1.0  # GPa, of the ratio of both pressures
 Kernel = tuple[float, float, float]

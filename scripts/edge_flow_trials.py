@@ -10,7 +10,7 @@ takes its running minimum from large gaps downward, a retracting one its running
 response is that to the slope of this s, which is nowhere below −K. Their pressure is the coarsest traction. The edge
 flow itself is also followed from contact outward, each state from the last one.
 
-The simulations are those of ``data/edge_flow_ensemble.csv``, the theory gets the mean spectrum of as many of their
+The simulations are those of ``data/edge_flow_trial_surfaces.csv``, the theory gets the mean spectrum of as many of their
 surfaces. Its sweeps are written anew here, plainly, so that they can be changed; the first row, with nothing changed,
 checks them.
 
