@@ -20,7 +20,8 @@ AREA, GAP = "relative_contact_area", "mean_gap"
 
 def case_of(accuracy, **loading):
     table = copy.deepcopy(STUDY)
-    table["theory"] = {"accuracy": accuracy} if accuracy is not None else {}
+    if accuracy is not None:
+        table["theory"]["accuracy"] = accuracy
     table["loading"] = {"path": ["1 GPa", "5 GPa"], "unload": False} | loading
     return make_study(table).cases[0]
 
