@@ -11,8 +11,8 @@ response is that to the slope of this s, which is nowhere below −K. Their pres
 flow itself is also followed from contact outward, each state from the last one.
 
 The simulations are those of ``data/edge_flow_trial_surfaces.csv``, the theory gets the mean spectrum of as many of
-their surfaces. Its sweeps are written anew here, plainly, so that they can be changed; the first row, with nothing changed,
-checks them.
+their surfaces. Its sweeps are written anew here, plainly, so that they can be changed; the first row, with nothing
+changed, checks them.
 
 python -m scripts.edge_flow_trials --surfaces 12 --table data/edge_flow_trials.csv   # some minutes
 python -m scripts.edge_flow_trials --from data/edge_flow_trials.csv
