@@ -46,7 +46,7 @@ SETTINGS: dict[str, tuple[dict[str, dict[str, Any]], list[float]]] = {
     "9-3 attraction": ({"interaction": {"law": "lennard_jones_9_3"}}, [1.0, 4.0]),
     "H = 0.9, cutoff 48": (
         {"surface": {"hurst_exponent": 0.9, "cutoff_mode": 48, "shape": [512, 512]}},
-        [1.0, 4.0],
+        [1.0, 4.0, 8.0],
     ),
 }
 
