@@ -5,7 +5,7 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from contact_study.comparison.models import is_simulated
+from contact_study.comparison.models import TARGET, is_simulated
 from contact_study.problem.case import Case
 from contact_study.problem.dotted_keys import SECTIONS
 from contact_study.problem.errors import InputError
@@ -52,12 +52,12 @@ def check_studies(
         pairs = _matching_cases(studies[first], studies[other])
         if not pairs:
             raise InputError(f"{where} cannot be compared: their sweeps have no point in common")
-        analytic = not is_simulated(other) and all(case.spectra == ("analytic",) for case in studies[other].cases)
+        target_only = not is_simulated(other) and all(case.spectra == (TARGET,) for case in studies[other].cases)
         different: dict[str, tuple[Any, Any]] = {}
         for one, two in pairs:
             different |= {key: values for key, values in differences(one, two) if key not in different}
         for key, (one_value, two_value) in different.items():
-            if key in ignored or (key == "surface.seed" and analytic):
+            if key in ignored or (key == "surface.seed" and target_only):
                 continue  # a theory of the ensemble knows no realisation
             values = f"{key} is {_shown(one_value)} in the one and {_shown(two_value)} in the other"
             if key in ONE_CONTACT:
