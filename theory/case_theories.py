@@ -1,6 +1,8 @@
 """The theories of a case: which spectra they are fed with, and the curves that all points of its path are read from."""
 
 import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cached_property, lru_cache, partial
 
@@ -49,6 +51,16 @@ class CaseTheories:
         """The name of a theory's quantity, ``"gap_flow/mean_gap"``, with the spectrum where that is not the first."""
         theory, _, rest = quantity.partition("/")
         return f"{theory}{SPECTRUM_MARK}{self.other}/{rest}" if self.other else quantity
+
+    @contextmanager
+    def naming_the_spectrum(self) -> Iterator[None]:
+        """Where a case has several spectra, warnings of what is solved inside begin with the name of this one."""
+        with warnings.catch_warnings(record=True) as caught:
+            yield
+        kinds = self.case.spectra
+        prefix = f'spectrum "{self.other or kinds[0]}": ' if len(kinds) > 1 else ""
+        for item in caught:
+            warnings.warn(f"{prefix}{item.message}", item.category, stacklevel=3)
 
     @cached_property
     def persson(self) -> PerssonTheory:

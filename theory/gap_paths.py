@@ -34,7 +34,9 @@ def gap_flow_paths(theories: CaseTheories) -> list[list[dict[str, Any]]]:
         If a point of the path is beyond any contact.
     """
     try:
-        return [_gap_flow_values(theories.case, flow) for flow in theories.gap_flows]
+        with theories.naming_the_spectrum():
+            flows = theories.gap_flows
+        return [_gap_flow_values(theories.case, flow) for flow in flows]
     except ValueError as error:
         raise InputError(f"loading.path: {error}") from None
 
@@ -48,7 +50,8 @@ def edge_flow_paths(theories: CaseTheories) -> list[list[dict[str, Any]]]:
         If a point of the path is beyond any contact.
     """
     flow = theories.edge_flow
-    return [] if flow is None else [_edge_flow_values(theories.case, flow)]
+    with theories.naming_the_spectrum():
+        return [] if flow is None else [_edge_flow_values(theories.case, flow)]
 
 
 def flow_name(branch: str, quantity: str) -> str:

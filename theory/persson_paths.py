@@ -40,11 +40,12 @@ def persson_path(
     compression the separation curve, which follows the adhered branch, knows better where to start.
     """
     case, theory = theories.case, theories.persson
-    curve = _separation(theories)
     by_pressure = case.loading.control == "pressure"
     asked = 0 if theories.other else case.theory.magnifications
-    pressures = [value if by_pressure else _pressure_at(curve, value) for value, _ in case.path]
-    gaps = curve.mean_gap(np.array(pressures))
+    with theories.naming_the_spectrum():
+        curve = _separation(theories)
+        pressures = [value if by_pressure else _pressure_at(curve, value) for value, _ in case.path]
+        gaps = curve.mean_gap(np.array(pressures))
     for number in range(start, len(case.path)):
         if np.isnan(pressures[number]):
             values = _unreachable(case.path[number][0])

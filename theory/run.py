@@ -127,9 +127,11 @@ def constants(case: Case, surface: Surface) -> dict[str, Value]:
         rms_height=float(np.sqrt(spectrum.mean_square_height)),
         rms_slope=spectrum.rms_slope,
     )
+    with theories.naming_the_spectrum():
+        defect = energy_defect(theory, tolerance, max_iterations)
     values: dict[str, Value] = {
         **known.values,
-        "energy_defect": energy_defect(theory, tolerance, max_iterations),
+        "energy_defect": defect,
         "wavevector": stored_wavevectors(theory),
     }
     if case.theory.magnifications:
@@ -141,9 +143,11 @@ def constants(case: Case, surface: Surface) -> dict[str, Value]:
         )
     for theories in every:
         tolerance, max_iterations = theories.effort
-        pull = pull_off_pressure(theories.persson, tolerance=tolerance, max_iterations=max_iterations)
+        with theories.naming_the_spectrum():
+            pull = pull_off_pressure(theories.persson, tolerance=tolerance, max_iterations=max_iterations)
+            flows = theories.gap_flows
         values[theories.named("persson/pull_off_pressure")] = pull
-        for flow in theories.gap_flows:
+        for flow in flows:
             values[theories.named(flow_name(flow.branch, "pull_off_pressure"))] = flow.pull_off_pressure
         if theories.edge_flow is not None:
             values[theories.named("edge_flow/pull_off_pressure")] = theories.edge_flow.pull_off_pressure

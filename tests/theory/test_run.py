@@ -290,6 +290,32 @@ def test_two_spectra_stand_side_by_side_and_are_those_of_one_alone(case, steps):
             assert step.values[name] == again.values[name]
 
 
+def test_a_warning_names_its_spectrum_once_a_cause_where_there_are_several():
+    kinds = ["analytic", "surface"]
+
+    def heard(*asked):
+        case = case_of(
+            interaction={"work_of_adhesion": "8 J/m^2"},
+            solver={"max_iterations": 8},
+            loading={"path": ["70 GPa", "0.1 GPa"], "unload": False},
+            theory={"spectrum": list(asked), "flows": "none"},
+        )
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always")
+            run.constants(case, realise(case))
+            steps_of(case)
+        return [(item.category, str(item.message)) for item in caught]
+
+    assert not any("spectrum" in words for _, words in heard("analytic"))
+    both = heard(*kinds)
+    for kind in kinds:
+        of_it = [(category, words) for category, words in both if words.startswith(f'spectrum "{kind}": ')]
+        causes = [(category, words.split(": ")[1].split(" down to")[0]) for category, words in of_it]
+        assert {(NegativeSeparation, "mean separation"), (NotConverged, "mean gap")} <= set(causes)
+        assert len(causes) == len(set(causes))
+    assert all(words.startswith("spectrum ") for _, words in both)
+
+
 @pytest.mark.parametrize("asked", ["gap_flow", "edge_flow", "none", ["edge_flow", "gap_flow"]])
 def test_theories_that_are_not_asked_for_are_left_out_and_the_others_as_ever(steps, asked):
     chosen = case_of(theory={"flows": asked})
