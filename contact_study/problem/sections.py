@@ -1,6 +1,6 @@
 """The sections of a study file: every key with its unit, default and meaning, in SI once bound."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -18,7 +18,7 @@ from contact_study.problem.keys import (
     sequence,
     text,
 )
-from contact_study.problem.units import unit_of
+from contact_study.problem.units import is_a, unit_of
 
 
 @dataclass(frozen=True)
@@ -60,8 +60,8 @@ class LoadingSection:
 
     path: tuple[float, ...] = key(
         sequence((lambda value, name: value, "pressures or gaps")),
-        "pressures (control = pressure, Pa), mean gaps above equilibrium (control = gap, m) or approaches beyond first "
-        "touch (control = approach, m; free boundaries), in any order",
+        "pressures (control = pressure, Pa) or forces on the whole cell (with a unit, N), mean gaps above equilibrium "
+        "(control = gap, m) or approaches beyond first touch (control = approach, m; free boundaries), in any order",
     )
     control: str = key(choice("pressure", "gap", "approach"), "what is prescribed", "pressure")
     unload: bool = key(flag(), "go back through the path after its last point", False)
@@ -86,7 +86,7 @@ class LoadingSection:
     )
 
     def __post_init__(self):
-        si = "Pa" if self.control == "pressure" else "m"
+        si = "m" if self.control != "pressure" else "N" if is_a(self.path[0], "N") else "Pa"
         read = quantity(si)[0]
         values = tuple(read(value, f"loading.path[{i}]") for i, value in enumerate(self.path))
         with_unit = [isinstance(value, str) for value in self.path]
@@ -95,7 +95,20 @@ class LoadingSection:
             raise InputError(f"loading.path: mixes values with a unit and bare numbers; give {bare!r} its unit, too")
         unit = unit_of(str(self.path[0])) if all(with_unit) else si
         self.__dict__["_unit"] = unit, read(f"1 {unit}", "loading.path")
+        self.__dict__["_forces"] = si == "N"
         object.__setattr__(self, "path", values)
+
+    @property
+    def has_forces(self) -> bool:
+        """Whether the path is one of forces (N) still, not of pressures."""
+        return self.__dict__["_forces"]
+
+    def spread(self, area: float) -> "LoadingSection":
+        """The same with mean pressures on an area (m²) in place of forces."""
+        found = replace(self, path=tuple(force / area for force in self.path))
+        name, size = self.unit
+        found.__dict__["_unit"] = name, size / area
+        return found
 
     @property
     def unit(self) -> tuple[str, float]:

@@ -3,6 +3,7 @@
 A :class:`Study` is the file, a :class:`~contact_study.problem.case.Case` one point of its sweep.
 """
 
+import math
 import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -156,4 +157,6 @@ def _case(merged: dict[str, Any], point: dict[str, Any], index: tuple[int, ...],
     for name, declared in SECTIONS.items():
         asked = merged[name] if name != "interaction" else automatic.with_length(merged[name], bound, directory)
         bound[name] = bind(declared, asked, name)
+    if bound["loading"].has_forces:
+        bound["loading"] = bound["loading"].spread(math.prod(bound["surface"].cell(directory)))
     return Case(**bound, coordinates=coordinates_of(point), index=index, directory=directory)

@@ -62,6 +62,15 @@ def unit_of(text: str) -> str:
     return _split(text)[1]
 
 
+def is_a(value: Any, unit: str) -> bool:
+    """Whether a value is a string with a unit of the same kind as another unit."""
+    try:
+        quantity(value if isinstance(value, str) else "", unit, "")
+    except InputError:
+        return False
+    return True
+
+
 def _split(text: str) -> tuple[str, str]:
     """Number and unit; ValueError if the text is anything else."""
     match = _QUANTITY.fullmatch(text) if len(text) <= _LONGEST else None
@@ -98,6 +107,7 @@ EXAMPLES = {
     "J": "18.6 meV",
     "J/m^2": "0.69 J/m^2",
     "kg": "197 u",
+    "N": "10 nN",
     "K": "300 K",
     "s": "10 fs",
     "m/s": "10 m/s",

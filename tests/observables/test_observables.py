@@ -43,6 +43,7 @@ def test_observables_of_a_state_made_by_hand():
     assert passed == [[1e8, -1e8], [3e-10, np.inf], [-0.1, 0.0]]
     assert found.pop("mean_gap") == pytest.approx(26e-10 / 6 - 2e-10, rel=1e-12)
     assert found.pop("mean_pressure") == pytest.approx(2.5e9 / 6, rel=1e-12)
+    assert found.pop("total_force") == pytest.approx(2.5e9 * 2e-20, rel=1e-12)  # six points of 2 Å x 1 Å
     # Of the lags within half of the shorter side, 3 points along x, there is one: a third of it, in one pair of six.
     pairs = found.pop("contact_autocorrelation")
     np.testing.assert_allclose(pairs[~np.isnan(pairs)], [1 / 6])
