@@ -5,11 +5,15 @@ Area and stress: B. N. J. Persson, J. Chem. Phys. 115, 3840 (2001). Separation: 
 (2008).
 """
 
+from functools import cache
+
 import numpy as np
 from scipy.special import erf, exp1, roots_legendre
 
 from contact_study.fields.spectrum import RoughnessSpectrum
 from contact_study.problem.elasticity import Elasticity, elasticity_of
+
+_gauss = cache(roots_legendre)
 
 
 def relative_contact_area(pressure: np.ndarray | float, stress_variance: np.ndarray | float) -> np.ndarray:
@@ -90,7 +94,7 @@ def shared_points(root: np.ndarray, parts: np.ndarray) -> tuple[np.ndarray, np.n
 
     dU is shared over a band in √s, in which 1/w, singular at q_L, is linear.
     """
-    nodes, weights = roots_legendre(4)
+    nodes, weights = _gauss(4)
     stress = 0.5 * (root[1:] + root[:-1])[:, None] + 0.5 * np.diff(root)[:, None] * nodes
     share = stress * weights / np.sum(stress * weights, axis=1, keepdims=True)
     return stress.ravel(), (parts[:, None] * share).ravel()
@@ -105,7 +109,7 @@ def _stress_and_energy(spectrum: RoughnessSpectrum, solid: Elasticity, bands: in
 
 def _separation_kernel(x: np.ndarray, beta: float) -> np.ndarray:
     """∫_x^∞ (dy/y) [β + 3(1−β) erf²(y)] e^(−y²); the first part is β E₁(x²)/2."""
-    nodes, weights = roots_legendre(24)
+    nodes, weights = _gauss(24)
     # The second integrand is entire in y and below 1e-16 beyond 6.2.
     upper = np.maximum(6.2, x)
     smooth = np.zeros_like(x)

@@ -19,6 +19,7 @@ from contact_study.fields.spectrum import RoughnessSpectrum
 from contact_study.problem.elasticity import Elasticity, elasticity_of
 from contact_study.problem.laws import TractionLaw
 from theory.closed_forms import low_pressure_asymptote
+from theory.gap_distribution import attracted_at_light_load
 from theory.persson import true_area_factor
 
 if TYPE_CHECKING:
@@ -78,6 +79,27 @@ def pastewka_robbins_ratio(
     patch = 4 * slope / curvature
     asked = slope * reach * modulus / _KAPPA * (slope * patch / (4 * reach)) ** (2 / 3)
     return float(np.pi * (3 / 16) ** (2 / 3) * work_of_adhesion / asked)
+
+
+def violano_ratio(
+    spectrum: RoughnessSpectrum, elasticity: Elasticity | float, work_of_adhesion: float, attraction_range: float
+) -> float:
+    """Tension of the area within the range over the pressure of light contact, both of Persson's theory.
+
+    G. Violano, L. Afferrante, A. Papangelo, M. Ciavarella, J. Adhesion (2019), doi:10.1080/00218464.2019.1685384. This
+    is our numerical form of the criterion that its abstracts describe, not their equation, which was in no text that
+    was found: adhesion does not deform the contact, its tension is Δγ/Δr on all that is out of contact and within Δr,
+    P(u) is that of Almqvist et al. as first published (:func:`theory.gap_distribution.attracted_at_light_load`), and
+    the load vanishes. For hard solids, at small Tabor numbers. It hardly knows of waves whose height is below the
+    range, as the abstract says, while the waves above it count.
+
+    Parameters
+    ----------
+    spectrum, elasticity, work_of_adhesion, attraction_range
+        As :func:`pastewka_robbins_ratio`, for any solid.
+    """
+    area = attracted_at_light_load(spectrum, elasticity, attraction_range, regularised=False)
+    return work_of_adhesion / attraction_range * area
 
 
 def attracted_area(mean_gap: np.ndarray | float, rms_height: float, attraction_range: float) -> np.ndarray:
@@ -207,7 +229,7 @@ class StickinessCriteria:
     ----------
     tabor_number : float
         At the finest scale.
-    persson_tosatti, pastewka_robbins, bearing_area : float
+    persson_tosatti, pastewka_robbins, violano, bearing_area : float
         Δγ over what the criterion asks for.
     bearing_area_pull_off : float
         Lowest pressure of the bearing-area model (Pa).
@@ -216,6 +238,7 @@ class StickinessCriteria:
     tabor_number: float
     persson_tosatti: float
     pastewka_robbins: float
+    violano: float
     bearing_area: float
     bearing_area_pull_off: float
 
@@ -225,6 +248,7 @@ class StickinessCriteria:
             "finest_tabor_number": self.tabor_number,
             "persson_tosatti_ratio": self.persson_tosatti,
             "pastewka_robbins_ratio": self.pastewka_robbins,
+            "violano_ratio": self.violano,
             "bearing_area_ratio": self.bearing_area,
             "bearing_area_pull_off": self.bearing_area_pull_off,
         }
@@ -269,6 +293,7 @@ def stickiness(spectrum: RoughnessSpectrum, elasticity: Elasticity | float, law:
         float(local_tabor_number(spectrum.limits[1], *arguments, range_of(law))),
         persson_tosatti_ratio(*arguments),
         pastewka_robbins_ratio(*arguments, reach),
+        violano_ratio(*arguments, reach),
         bearing_area_ratio(*arguments, reach),
         bearing_area_pull_off(*arguments, reach),
     )

@@ -12,24 +12,32 @@ the equations of either form, which are written down from memory. The mean gap i
 folded Gaussian's own mean is larger.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.special import erf, ndtr
+from scipy.special import ndtr
 
 from contact_study.fields.arguments import positive
 from contact_study.fields.spectrum import RoughnessSpectrum
 from contact_study.problem.elasticity import Elasticity, elasticity_of
 from contact_study.problem.laws import TractionLaw
-from theory.closed_forms import separation, shared_points
+from theory.closed_forms import relative_contact_area, separation, shared_points
 
 if TYPE_CHECKING:
     import xarray as xr
 
-# Bands of the spectrum, and parts of equal area that come off one after the other: where next to nothing comes off, as
-# at the longest waves under heavy load, u₁ of a point of ζ has no bound.
-_BANDS, _PARTS = 100, 100
+# Bands of the spectrum, and parts that come off one after the other, as many of equal area and of equal ratios: where
+# next to nothing comes off, as at the longest waves under heavy load, u₁ of a point of ζ has no bound.
+_BANDS, _PARTS = 100, 50
+
+# Share of the stress variance, or of the spectrum's width, with which the finest division begins. Under light load what
+# comes off at less, e⁵ and more areas of contact, lies too far away to count for any but the longest ranges.
+_FIRST = 1e-12
+
+# What lies deeper than this under contact has a gap of zero, but a number as its deviation (m).
+_LEAST = 1e-100
 
 # Deviations of a part's Gaussian within which all but a billionth of it lies.
 _REACH = 6.0
@@ -131,6 +139,11 @@ def gap_distribution(
     beta : float, optional
         β of the energy's weight in ū.
 
+    Raises
+    ------
+    ValueError
+        If the pressure is none, or leaves no gap.
+
     Examples
     --------
     >>> from theory import SelfAffineSpectrum, gap_distribution
@@ -141,19 +154,60 @@ def gap_distribution(
     """
     positive("pressure", pressure, "Pa")
     solid = elasticity_of(elasticity)
-    q, ends = _wavevectors(spectrum, solid, pressure)
-    variance = spectrum.full_contact_stress_variance(solid.stiffness, q)
-    energy = spectrum.full_contact_energy(solid.stiffness, q)
-    contact = _contact(pressure, variance[ends])
-    gaps = [_separation(variance[i:], energy[i:], pressure / a, beta) for i, a in zip(ends[:-1], contact, strict=False)]
-    volume = contact * np.append(gaps, 0.0)
-    height = 2 * np.pi * np.maximum(spectrum.moment(1) - spectrum.moment(1, upper=q[ends]), 0.0)
-    shares = contact[:-1] - contact[1:]
-    centres = (volume[:-1] - volume[1:]) / shares
-    widths = np.sqrt(0.5 * (height[:-1] + height[1:]))
-    if regularised:
-        widths = widths * np.abs(centres) / np.hypot(widths, centres)
-    return GapDistribution(pressure, float(contact[-1]), shares, centres, widths)
+
+    def contact(variance: np.ndarray) -> np.ndarray:
+        return relative_contact_area(pressure, np.maximum(variance, np.finfo(float).tiny))
+
+    q, stress = _stress(spectrum, solid)
+    left = contact(stress)
+    whole = int(np.flatnonzero(left == left[0])[-1])  # area is lost from the last wavevector on that leaves it whole
+    if whole == q.size - 1:
+        raise ValueError(f"pressure = {pressure:g} Pa: presses the roughness flat, and leaves no gap to distribute")
+    steps = np.linspace(0.0, 1.0, _PARTS + 1)[1:-1]
+    # Under light load all of the area that matters is in the last of the equal parts: as many in equal ratios.
+    wanted = np.concatenate([left[0] + steps * (left[-1] - left[0]), left[0] * (left[-1] / left[0]) ** steps])
+    ends = np.interp(-np.unique(wanted)[::-1], -left[whole:], q[whole:])
+    ends = np.concatenate([q[:1], ends, q[-1:]])
+    parts = _parts(spectrum, solid, ends, contact, lambda area: pressure / area, regularised, beta)
+    return GapDistribution(pressure, float(left[-1]), *parts)
+
+
+def attracted_at_light_load(
+    spectrum: RoughnessSpectrum,
+    elasticity: Elasticity | float,
+    attraction_range: float,
+    regularised: bool = True,
+    beta: float = 0.4,
+) -> float:
+    """Area out of contact whose gap is within a range, over the pressure, as that vanishes (1/Pa).
+
+    At a magnification that carries the stress variance s the area in contact is √(2/πs) for every unit of pressure,
+    under √(πs/2): both no longer know the pressure. The sum is that of :func:`gap_distribution`, for an endless
+    surface.
+
+    Parameters
+    ----------
+    spectrum, elasticity, regularised, beta
+        As :func:`gap_distribution`.
+    attraction_range : float
+        Gap up to which the area counts (m).
+    """
+    reach = positive("attraction_range", attraction_range, "m")
+    solid = elasticity_of(elasticity)
+    q, stress = _stress(spectrum, solid)
+    rough = stress > _FIRST * stress[-1]
+    shares = np.concatenate([np.geomspace(_FIRST, 0.5, _PARTS + 1), 1 - np.geomspace(0.5, 1e-3, _PARTS)[1:]])
+    ends = np.exp(np.interp(np.log(shares * stress[-1]), np.log(stress[rough]), np.log(q[rough])))
+    areas, centres, widths = _parts(
+        spectrum,
+        solid,
+        np.append(ends, q[-1]),
+        lambda variance: np.sqrt(2 / (np.pi * variance)),
+        lambda area: 1 / area,
+        regularised,
+        beta,
+    )
+    return float((ndtr((reach - centres) / widths) - ndtr((-reach - centres) / widths)) @ areas)
 
 
 def dmt_limit(distribution: GapDistribution, law: TractionLaw) -> float:
@@ -177,24 +231,47 @@ def dmt_limit(distribution: GapDistribution, law: TractionLaw) -> float:
     return distribution.pressure - float(mass @ law.traction(law.equilibrium_distance + middle))
 
 
-def _contact(pressure: float, variance: np.ndarray) -> np.ndarray:
-    """A/A₀ = erf(p/√(2s)), one where there is no stress yet."""
-    rough = variance > 0
-    return np.where(rough, erf(pressure / np.sqrt(2 * np.where(rough, variance, 1.0))), 1.0)
-
-
-def _wavevectors(spectrum: RoughnessSpectrum, solid: Elasticity, pressure: float) -> tuple[np.ndarray, np.ndarray]:
-    """Wavevectors that divide the spectrum well, and which of them end parts of equal area (numbers)."""
+def _stress(spectrum: RoughnessSpectrum, solid: Elasticity) -> tuple[np.ndarray, np.ndarray]:
+    """Wavevectors that divide the spectrum finely, above all at its beginning (1/m), and the stress variance there."""
     edges = spectrum.band_edges(_BANDS)
-    fine = np.unique(np.concatenate([edges, np.geomspace(edges[0], edges[-1], 100 * _BANDS)]))
-    contact = _contact(pressure, spectrum.full_contact_stress_variance(solid.stiffness, fine))
-    # Area is lost from the last wavevector on that leaves it whole.
-    whole = int(np.flatnonzero(contact == contact[0])[-1])
-    wanted = np.linspace(contact[0], contact[-1], _PARTS + 1)[1:-1]
-    inner = np.interp(-wanted, -contact[whole:], fine[whole:])
-    ends = np.concatenate([edges[:1], inner, edges[-1:]])
-    q = np.unique(np.concatenate([edges, ends]))
-    return q, np.unique(np.searchsorted(q, ends))
+    first = edges[0] + (edges[-1] - edges[0]) * np.geomspace(_FIRST, 1e-2, 20 * _BANDS)
+    q = np.unique(np.concatenate([edges, first, np.geomspace(edges[0], edges[-1], 100 * _BANDS)]))
+    return q, spectrum.full_contact_stress_variance(solid.stiffness, q)
+
+
+def _parts(
+    spectrum: RoughnessSpectrum,
+    solid: Elasticity,
+    ends: np.ndarray,
+    contact: Callable[[np.ndarray], np.ndarray],
+    local: Callable[[np.ndarray], np.ndarray],
+    regularised: bool,
+    beta: float,
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Area, u₁ and deviation of what comes off between wavevectors (1/m).
+
+    ``contact`` is the area in contact at stress variances, ``local`` the pressure on such an area.
+    """
+    ends = np.unique(ends)
+    q = np.unique(np.concatenate([spectrum.band_edges(_BANDS), ends]))
+    variance = spectrum.full_contact_stress_variance(solid.stiffness, q)
+    energy = spectrum.full_contact_energy(solid.stiffness, q)
+    first = np.searchsorted(q, ends)
+    area = contact(variance[first])
+    gaps = [
+        _separation(variance[i:], energy[i:], float(pressure), beta)
+        for i, pressure in zip(first[:-1], local(area[:-1]), strict=True)
+    ]
+    volume = area * np.append(gaps, 0.0)
+    height = 2 * np.pi * np.maximum(spectrum.moment(1) - spectrum.moment(1, upper=ends), 0.0)
+    shares = area[:-1] - area[1:]
+    lost = shares > 0  # none where the spectrum is empty, or where pressure holds all in contact
+    shares = shares[lost]
+    centres = (volume[:-1] - volume[1:])[lost] / shares
+    widths = np.sqrt(0.5 * (height[:-1] + height[1:]))[lost]
+    if regularised:
+        widths = widths * np.abs(centres) / np.hypot(widths, centres)
+    return shares, centres, np.maximum(widths, _LEAST)
 
 
 def _separation(variance: np.ndarray, energy: np.ndarray, pressure: float, beta: float) -> float:

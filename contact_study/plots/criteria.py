@@ -15,6 +15,7 @@ from contact_study.plots.style import COLOURS, DOUBLE, axes_of, styled
 _CRITERIA = (
     ("persson_tosatti_ratio", "Persson and Tosatti", "s", True),
     ("pastewka_robbins_ratio", "Pastewka and Robbins", "^", False),
+    ("violano_ratio", "Violano et al.", "D", False),
     ("bearing_area_ratio", "bearing-area model", "o", False),
 )
 _DMT, _JKR = 0.1, 5.0  # Tabor numbers below and above which a sphere is within some per cent of these limits
@@ -69,6 +70,7 @@ def criteria_map(dataset: xr.Dataset, axes: Axes | None = None, name: str = "") 
             textcoords="offset points",
             ha="center",
             fontsize=6.5,
+            bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.5},  # a neighbour's line may run behind
         )
     _fit(axes)
     return axes

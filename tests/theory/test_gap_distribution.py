@@ -6,6 +6,7 @@ from scipy.special import erf
 
 from contact_study.problem.laws import Dugdale
 from theory import SelfAffineSpectrum, closed_forms, dmt_limit, gap_distribution
+from theory.gap_distribution import attracted_at_light_load
 
 E_STAR, Q = 93.7348e9, 6.0415e7
 SPECTRUM = SelfAffineSpectrum(0.8, 1e-9, Q, 3 * Q, 12 * Q)
@@ -56,12 +57,35 @@ def test_what_comes_off_beyond_a_magnification_is_a_contact_of_its_own(corner):
     assert np.interp(-contact, -left, volume) == pytest.approx(expected, rel=3e-3)
 
 
-def test_under_light_load_the_gaps_are_the_heights():
+def test_under_light_load_the_gaps_are_the_heights_and_the_spread_of_their_centres():
     found = gap_distribution(SPECTRUM, E_STAR, 1e-6 * E_STAR, regularised=False)
     mean, square = moment(found, 1), moment(found, 2)
     assert mean == pytest.approx(found.mean_gap, rel=1e-3)
-    # All but a few parts come off where all roughness is still to come.
-    assert np.sqrt(square - mean**2) == pytest.approx(1e-9, rel=0.05)
+    # All but a few parts come off where all roughness is still to come, at ū = u₀ ln(p₀A/p): u₁ = ū + u₀, and ln A of
+    # an area that falls evenly from one to zero has the variance one.
+    decay, _ = closed_forms.low_pressure_asymptote(SPECTRUM, E_STAR)
+    assert np.sqrt(square - mean**2) == pytest.approx(np.hypot(1e-9, decay), rel=2e-3)  # 50 parts: 4e-4
+
+
+@pytest.mark.parametrize("regularised", [True, False])
+def test_attracted_area_follows_the_pressure_down_to_the_limit_of_light_load(regularised):
+    limit = attracted_at_light_load(SPECTRUM, E_STAR, 2e-10, regularised)
+    over_pressure = []
+    for pressure in (1e-3 * E_STAR, 1e-5 * E_STAR, 1e-7 * E_STAR):
+        found = gap_distribution(SPECTRUM, E_STAR, pressure, regularised)
+        over_pressure.append((found.fraction_below(2e-10) - found.relative_contact_area) / pressure)
+    # Parts elsewhere: 50 and 100 of them, each within half a per cent of many.
+    assert over_pressure[-1] == pytest.approx(limit, rel=0.01)
+    assert over_pressure[0] < 0.9 * over_pressure[1] < over_pressure[2]
+
+
+def test_pressed_flat_there_is_no_gap_and_next_to_it_no_nonsense():
+    law = Dugdale(0.1, 2e-10)
+    nearly = gap_distribution(SPECTRUM, E_STAR, E_STAR)
+    assert nearly.relative_contact_area > 1 - 1e-12
+    assert dmt_limit(nearly, law) == pytest.approx(E_STAR, rel=1e-9)
+    with pytest.raises(ValueError, match="presses the roughness flat"):
+        gap_distribution(SPECTRUM, E_STAR, 10 * E_STAR)
 
 
 def test_dmt_limit_sums_the_traction_of_the_bare_gaps(found):
