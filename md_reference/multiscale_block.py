@@ -6,15 +6,18 @@ the lowest plane of the next: its displacements are bilinear in those (the prolo
 Pᵀ, so that the whole is one symmetric stiffness. The highest plane is rigid.
 """
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
+from itertools import accumulate
 
 import numpy as np
 from numba import njit
 
 from md_reference.row_blocks import RowBlocks
-from md_reference.slab import fill_ghosts, slab_constants, slab_force
+from md_reference.slab import fill_ghosts, move_slab, slab_constants, slab_force
+from md_reference.verlet_pass import Action, move_planes
 
 # Layers of the finest level and of the coarser ones below the last: E*(q) within 0.2 % of the full lattice's.
 _FINEST_LAYERS = 12
@@ -117,9 +120,13 @@ class MultiscaleBlock:
             )
             for number, count in enumerate(layers)
         ]
-        self._ends = np.cumsum([0, *(int(np.prod(level.shape)) for level in self.levels)])
+        self._ends = [0, *accumulate(math.prod(level.shape) for level in self.levels)]
         self._rows = RowBlocks(threads)
         self.plane_mass = [self._plane_mass(number, atom_mass) for number in range(len(self.levels))]
+        with np.errstate(divide="ignore"):
+            self._inverse_mass = [np.where(mass > 0, 1 / mass, 0.0) for mass in self.plane_mass]
+        # Forces on the lowest and highest plane of each level.
+        self._faces = [np.zeros((3, min(level.shape[1], 2), *level.shape[2:])) for level in self.levels]
         last = self.levels[-1]
         # Half of the highest layer of cells moves with the rigid plane.
         self.top_mass = 0.5 * last.size**3 * atom_mass * (last.shape[2] - 2) * (last.shape[3] - 2)
@@ -127,7 +134,7 @@ class MultiscaleBlock:
     @property
     def size(self) -> int:
         """Length of a vector of all nodes."""
-        return int(self._ends[-1])
+        return self._ends[-1]
 
     @property
     def freedoms(self) -> int:
@@ -148,16 +155,15 @@ class MultiscaleBlock:
 
     def levels_of(self, vector: np.ndarray) -> list[np.ndarray]:
         """The nodes of each level in a vector, with ghosts, shape (3, planes, ny + 2, nx + 2)."""
-        pairs = zip(self._ends, self._ends[1:], self.levels, strict=False)
-        return [vector[start:end].reshape(level.shape) for start, end, level in pairs]
+        return [self._level(vector, number) for number in range(len(self.levels))]
 
     def bottom_of(self, vector: np.ndarray) -> np.ndarray:
         """The atoms of the surface in a vector, shape (3, ny, nx)."""
-        return self.levels_of(vector)[0][:, 0, 1:-1, 1:-1]
+        return self._level(vector, 0)[:, 0, 1:-1, 1:-1]
 
     def top_of(self, vector: np.ndarray) -> np.ndarray:
         """The rigid plane in a vector, shape (3, ny, nx)."""
-        return self.levels_of(vector)[-1][:, -1, 1:-1, 1:-1]
+        return self._level(vector, len(self.levels) - 1)[:, -1, 1:-1, 1:-1]
 
     def nodes_of(self, vector: np.ndarray) -> np.ndarray:
         """All nodes of a vector without ghosts and hanging planes, shape (3, nodes): the atoms of the surface first."""
@@ -197,12 +203,51 @@ class MultiscaleBlock:
         """
         u, f = self.levels_of(displacement), self.levels_of(force)
         for number in reversed(range(len(u))):
-            if number + 1 < len(u):
-                _prolong(u[number + 1][:, 0], u[number][:, -1])
-            fill_ghosts(u[number])
+            self._hang(u, number)
             self._slab_force(number, u[number], f[number])
         for number in range(len(u) - 1):
             _restrict(f[number][:, -1], f[number + 1][:, 0])
+
+    def move(
+        self,
+        displacement: np.ndarray,
+        moved: np.ndarray,
+        velocity: np.ndarray,
+        surface_force: np.ndarray,
+        action: Action,
+    ) -> float:
+        """Let the forces act on all nodes but the rigid plane, in one pass over them.
+
+        Parameters
+        ----------
+        displacement, moved : numpy.ndarray, shape (size,)
+            Before and after (m); ghosts and hanging planes of the first are filled, the rigid plane is copied.
+        velocity : numpy.ndarray, shape (size,)
+            In m/s, in place.
+        surface_force : numpy.ndarray, shape (3, ny, nx)
+            From outside on the atoms of the surface (N).
+        action : Action
+            What a force does.
+
+        Returns
+        -------
+        float
+            Force of the block on the rigid plane along z (N).
+        """
+        u, new, v = map(self.levels_of, (displacement, moved, velocity))
+        for number in reversed(range(len(u))):
+            self._hang(u, number)
+            self._move_inside(number, u[number], new[number], v[number], action)
+        faces = self._faces
+        for number in range(len(u) - 1):
+            _restrict(faces[number][:, -1], faces[number + 1][:, 0])
+        faces[0][:, 0, 1:-1, 1:-1] += surface_force
+        for number, mass in enumerate(self._inverse_mass):
+            if mass[0]:
+                nodes = u[number], new[number], v[number], faces[number]
+                self.on_rows(number, partial(move_planes, *nodes, mass, action, self._first_node(number), 0, 1))
+        new[-1][:, -1] = u[-1][:, -1]
+        return float(faces[-1][2, -1, 1:-1, 1:-1].sum())
 
     def elastic_energy(self, displacement: np.ndarray, force: np.ndarray) -> float:
         """½ u·Ku (J) of a displacement and its forces; the rigid plane's part is exact for any height of the whole."""
@@ -223,6 +268,27 @@ class MultiscaleBlock:
         """Call ``kernel(first, end)`` for all blocks of rows of a level, see :class:`RowBlocks`."""
         _, _, rows, columns = self.levels[number].shape
         self._rows.run(kernel, rows - 2, max(_FEWEST_ROWS, _NODES_OF_A_BLOCK // columns))
+
+    def _level(self, vector: np.ndarray, number: int) -> np.ndarray:
+        return vector[self._ends[number] : self._ends[number + 1]].reshape(self.levels[number].shape)
+
+    def _hang(self, levels: list[np.ndarray], number: int) -> None:
+        """Fill a level's hanging plane from the next one and its ghosts."""
+        if number + 1 < len(levels):
+            _prolong(levels[number + 1][:, 0], levels[number][:, -1])
+        fill_ghosts(levels[number])
+
+    def _first_node(self, number: int) -> int:
+        """Number of a level's first node, ghosts counted."""
+        return self._ends[number] // 3
+
+    def _move_inside(
+        self, number: int, displacement: np.ndarray, moved: np.ndarray, velocity: np.ndarray, action: Action
+    ) -> None:
+        """Move the planes of one level but the lowest and highest, whose forces go to :attr:`_faces`."""
+        nodes = displacement, moved, velocity, self._faces[number], self._inverse_mass[number]
+        constants = self.levels[number].constants
+        self.on_rows(number, partial(move_slab, *nodes, action, *constants, self._first_node(number)))
 
     def _slab_force(self, number: int, displacement: np.ndarray, force: np.ndarray) -> None:
         """Write the forces of one level's cells on its nodes, ghosts filled."""

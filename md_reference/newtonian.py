@@ -7,14 +7,13 @@ block's own force.
 """
 
 from dataclasses import dataclass
-from functools import partial
 
 import numpy as np
 from scipy import constants
 
 from md_reference.interface import Interaction
 from md_reference.multiscale_block import MultiscaleBlock
-from md_reference.verlet_pass import kick, kick_and_drift, kick_and_drift_with_friction
+from md_reference.verlet_pass import Action
 
 _BRILLOUIN_POINTS = 24  # along each axis, where the fastest wave of the lattice is looked for
 
@@ -85,13 +84,11 @@ class NewtonianBlock:
         self.driven = driven
         self.interaction_energy = 0.0
         self.interface_force = np.empty((3, *block.atoms))
-        self._force = np.zeros(block.size)
-        self._top_force = 0.0
         self._kept = float(np.exp(-friction * time_step))
         self._noise = constants.k * temperature * (1 - self._kept**2)
-        self._random = np.empty(block.size if self._noise else 0)
-        with np.errstate(divide="ignore"):
-            self._inverse_mass = [np.where(mass > 0, 1 / mass, 0.0) for mass in block.plane_mass]
+        self._spare = np.empty(
+            block.size
+        )  # where the nodes go in a step, those before being needed by their neighbours
 
     def start(self, displacement: np.ndarray, velocity: float = 0.0) -> Motion:
         """A block whose planes all have the height of its mean surface, moving as a whole.
@@ -113,23 +110,25 @@ class NewtonianBlock:
         self.block.bottom_of(nodes)[...] = displacement
         return Motion(nodes, moving, height, velocity)
 
-    def prepare(self, motion: Motion, pressure: float) -> None:
-        """Evaluate the forces that the first step begins with."""
-        self._evaluate(motion, pressure)
+    def move(self, motion: Motion, pressure: float, generator: np.random.Generator, steps: int = 1) -> None:
+        """Some time steps, in place, under a mean pressure (Pa), which a driven plane does not feel.
 
-    def step(self, motion: Motion, pressure: float, generator: np.random.Generator) -> None:
-        """One time step, in place, under a mean pressure (Pa), which a driven plane does not feel.
+        From the end of a step to the middle of the next is one pass over the nodes, so that many steps at once take
+        half the work of as many by themselves.
 
         Raises
         ------
         FloatingPointError
             If an atom came to lie inside the substrate.
         """
-        self._advance(motion, generator)
-        self._evaluate(motion, pressure)
-        self._kick(motion)
-        motion.steps += 1
-        motion.time += self.time_step
+        half = 0.5 * self.time_step
+        kick = half
+        for _ in range(steps):
+            self._act(motion, pressure, self._through(motion, kick, generator), generator)
+            kick = self.time_step
+        self._act(motion, pressure, Action(half), generator)
+        motion.steps += steps
+        motion.time += steps * self.time_step
 
     def kinetic_energy(self, motion: Motion) -> float:
         """Of all nodes and the rigid plane (J)."""
@@ -160,61 +159,43 @@ class NewtonianBlock:
         pairs = zip(self.block.plane_mass, self.block.levels_of(velocity), strict=True)
         return sum(float(np.dot(mass, np.einsum("ckji,ckji->k", v, v))) for mass, v in pairs)
 
-    def unbalanced(self) -> float:
-        """Largest force left on an atom of the surface after a step (N)."""
-        return float(np.max(np.abs(self.block.bottom_of(self._force))))
+    def unbalanced(self, motion: Motion) -> float:
+        """Largest force left on an atom of the surface (N)."""
+        force = np.zeros(self.block.size)
+        self.block.force(motion.displacement, force)
+        return float(np.max(np.abs(self.block.bottom_of(force) + self.interface_force)))
 
-    def _evaluate(self, motion: Motion, pressure: float) -> None:
+    def _through(self, motion: Motion, kick: float, generator: np.random.Generator) -> Action:
+        """From a kick to the end of the way, with friction and noise in its middle, on all nodes.
+
+        A thermostat of the coarse levels alone would not reach the surface: its fast waves do not run there.
+        """
+        wind = (1 - self._kept) * motion.top_velocity if self.driven else 0.0
+        key = int(generator.integers(2**63)) if self._noise else 0
+        return Action(kick, self._kept, wind, 0.5 * self.time_step, self._noise, key)
+
+    def _act(self, motion: Motion, pressure: float, action: Action, generator: np.random.Generator) -> None:
+        """Let the forces of where all nodes are act on them and on the rigid plane."""
         block = self.block
         block.top_of(motion.displacement)[2] = motion.top
-        block.force(motion.displacement, self._force)
         surface = np.ascontiguousarray(block.bottom_of(motion.displacement))
         self.interaction_energy = self.interaction.evaluate(surface, self.interface_force, None)
         if not np.isfinite(self.interaction_energy):
             raise FloatingPointError("an atom ran into the substrate")
-        block.bottom_of(self._force)[...] += self.interface_force
-        rows, columns = block.atoms
-        load = pressure * rows * columns * block.lattice_constant**2
-        self._top_force = float(np.sum(block.top_of(self._force)[2])) - load
-
-    def _kick(self, motion: Motion) -> None:
-        """The second half kick of a step."""
-        half = 0.5 * self.time_step
-        velocity, force = self.block.levels_of(motion.velocity), self.block.levels_of(self._force)
-        for number, inverse_mass in enumerate(self._inverse_mass):
-            self.block.on_rows(number, partial(kick, velocity[number], force[number], inverse_mass, half))
-        self._kick_top(motion)
-
-    def _advance(self, motion: Motion, generator: np.random.Generator) -> None:
-        """The first half kick and the drift; friction and noise in the middle of it, on all nodes and the rigid plane.
-
-        A thermostat of the coarse levels alone would not reach the surface: its fast waves do not run there.
-        """
-        block, step, kept = self.block, self.time_step, self._kept
-        if self._noise:
-            generator.standard_normal(out=self._random)
-        self._kick_top(motion)
-        wind = (1 - kept) * motion.top_velocity if self.driven else 0.0
-        velocity, displacement = block.levels_of(motion.velocity), block.levels_of(motion.displacement)
-        force = block.levels_of(self._force)
-        random = block.levels_of(self._random) if self._noise else displacement
-        for number, inverse_mass in enumerate(self._inverse_mass):
-            nodes = velocity[number], displacement[number], force[number], inverse_mass, step
-            if kept == 1:
-                block.on_rows(number, partial(kick_and_drift, *nodes))
-            else:
-                bath = kept, wind, self._noise, random[number]
-                block.on_rows(number, partial(kick_and_drift_with_friction, *nodes, *bath))
-        before = motion.top_velocity
+        moved = self._spare if action.half else motion.displacement
+        pull = block.move(motion.displacement, moved, motion.velocity, self.interface_force, action)
+        if action.half:
+            motion.displacement, self._spare = moved, motion.displacement
+        before = after = motion.top_velocity
         if not self.driven:
-            motion.top_velocity *= kept
-            if self._noise:
-                motion.top_velocity += float(generator.standard_normal()) * np.sqrt(self._noise / block.top_mass)
-        motion.top += 0.5 * step * (before + motion.top_velocity)
-
-    def _kick_top(self, motion: Motion) -> None:
-        if not self.driven:
-            motion.top_velocity += 0.5 * self.time_step * self._top_force / self.block.top_mass
+            rows, columns = block.atoms
+            load = pressure * rows * columns * block.lattice_constant**2
+            before += action.kick * (pull - load) / block.top_mass
+            after = action.kept * before
+            if action.noise:
+                after += float(generator.standard_normal()) * np.sqrt(action.noise / block.top_mass)
+        motion.top_velocity = after
+        motion.top += action.half * (before + after)
 
 
 def fastest_wave(element: np.ndarray, atom_mass: float) -> float:

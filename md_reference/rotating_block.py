@@ -1,12 +1,14 @@
 """The explicit block with springs that turn with their atoms: what the linear block is the first order of."""
 
 import math
+from functools import partial
 
 import numpy as np
 from scipy import optimize
 
 from md_reference.multiscale_block import Level, MultiscaleBlock
 from md_reference.rotating_slab import rotating_slab_force
+from md_reference.verlet_pass import Action, move_planes
 
 
 class RotatingBlock(MultiscaleBlock):
@@ -38,6 +40,16 @@ class RotatingBlock(MultiscaleBlock):
         modulus = first + 2 * shear
         reach = 4 * abs(pressure) / modulus
         return self.thickness * energy(float(optimize.brentq(excess, -reach, reach))) if pressure else 0.0
+
+    def _move_inside(
+        self, number: int, displacement: np.ndarray, moved: np.ndarray, velocity: np.ndarray, action: Action
+    ) -> None:
+        force = np.empty(displacement.shape)
+        self._rotating_force(self.levels[number], displacement, force)
+        self._faces[number][:] = force[:, [0, -1]]
+        nodes = displacement, moved, velocity, force, self._inverse_mass[number]
+        planes = 1, displacement.shape[1] - 1
+        self.on_rows(number, partial(move_planes, *nodes, action, self._first_node(number), *planes))
 
     def _slab_force(self, number: int, displacement: np.ndarray, force: np.ndarray) -> None:
         self._rotating_force(self.levels[number], displacement, force)

@@ -63,8 +63,7 @@ def time_step(atoms: int, threads: int) -> Callable[[], object]:
     surface = np.zeros((3, atoms, atoms))
     surface[2] = 2 * _CUTOFF * _LENGTH
     motion, generator = system.start(surface), np.random.default_rng(0)
-    system.prepare(motion, 0.0)
-    return lambda: system.step(motion, 0.0, generator)
+    return lambda: system.move(motion, 0.0, generator)
 
 
 WORK = {"transforms": (transform_pair,), "atoms": (interface_pass, time_step)}

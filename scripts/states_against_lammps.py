@@ -156,11 +156,9 @@ def relaxed(here: System, residual: float) -> tuple[np.ndarray, int, float]:
     system = here.moving(FRICTION)
     motion = system.start(here.start())
     generator = np.random.default_rng(0)
-    system.prepare(motion, PRESSURE)
     left = np.inf
     while left > residual and motion.steps < MOST_EVALUATIONS:
-        for _ in range(50):
-            system.step(motion, PRESSURE, generator)
+        system.move(motion, PRESSURE, generator, 50)
         left = residual_of(system, motion)
     return system.block.levels_of(motion.displacement)[0][:, :, 1:-1, 1:-1].copy(), motion.steps, left
 
@@ -202,12 +200,10 @@ def in_motion(here: System, lammps: object, log: Path, temperature: float, steps
     """Print the thermal averages of both."""
     system = here.moving(FRICTION, temperature)
     motion = system.start(here.start())
-    system.prepare(motion, PRESSURE)
     generator = np.random.default_rng(1)
 
     def move(number: int) -> np.ndarray:
-        for _ in range(number):
-            system.step(motion, PRESSURE, generator)
+        system.move(motion, PRESSURE, generator, number)
         return system.block.bottom_of(motion.displacement)
 
     witness = here.witness(lammps, log)

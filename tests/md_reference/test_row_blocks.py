@@ -87,9 +87,7 @@ def test_any_number_of_threads_gives_the_same_bits(monkeypatch):
         surface = np.zeros((3, *ATOMS))
         surface[2] = interface.rest_heights().max() + interface.length
         motion, generator = system.start(surface), np.random.default_rng(0)
-        system.prepare(motion, 1e9)
-        for _ in range(20):
-            system.step(motion, 1e9, generator)
+        system.move(motion, 1e9, generator, 20)
         surface = np.ascontiguousarray(block.bottom_of(motion.displacement))
         force, hessian = np.empty(surface.shape), np.empty((6, *ATOMS))
         energy = interface.evaluate(surface, force, hessian)
