@@ -1,10 +1,11 @@
 """Approach and pull-off at a given speed: hysteresis of the atoms at zero temperature and warm.
 
 The rigid plane on top of the explicit block comes down at one speed, turns, and goes up until nothing is in reach. The
-stress and the work are those of the interface over the whole motion, frame by frame. `docs/temperature.md` shows figure
-and table.
+stress and the work are those of the interface over the whole motion, frame by frame. Loops that the table on disk has
+already are not run again. `docs/temperature.md` shows figure and table.
 
-    python scripts/driven_loops.py data/yang2008.toml --fraction 0.08 -o docs/images/driven_loops.png
+    python scripts/driven_loops.py data/yang2008.toml --fraction 0.5 --highest 26 --table data/driven_loops.csv
+    python scripts/driven_loops.py --from data/driven_loops.csv -o docs/images/driven_loops.png
 """
 
 import argparse
@@ -15,6 +16,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import xarray as xr
 from matplotlib.figure import Figure
 from scipy.integrate import trapezoid
@@ -33,13 +35,18 @@ ANGSTROM = 1e-10
 
 @dataclass(frozen=True)
 class Loop:
-    """One motion: distance of the driven plane less r0 (m), mean stress (Pa), whether it goes down, time steps."""
+    """A motion: ε over ε₀, distances of the driven plane less r0 (m), mean stresses (Pa), which go down, time steps."""
 
-    words: str
+    ratio: float
     distance: np.ndarray
     stress: np.ndarray
     down: np.ndarray
     steps: int
+
+    @property
+    def words(self) -> str:
+        """ε in words."""
+        return f"{self.ratio:g} ε₀"
 
     @property
     def pull_off(self) -> float:
@@ -68,8 +75,16 @@ def parser() -> Parser:
     made = Parser(
         description=__doc__.splitlines()[0], formatter_class=argparse.ArgumentDefaultsHelpFormatter, allow_abbrev=False
     )
-    made.add_argument("study", type=Path, help="study with lattice constant and atom mass, over well_depth_ratio")
+    made.add_argument(
+        "study",
+        type=Path,
+        nargs="?",
+        default=Path("data/yang2008.toml"),
+        help="study with lattice constant and atom mass, over well_depth_ratio",
+    )
     made.add_argument("-o", "--output", type=Path, help="figure to write")
+    made.add_argument("--table", type=Path, help="CSV to add the motions to")
+    made.add_argument("--from", type=Path, dest="source", help="CSV to print, in place of runs")
     made.add_argument("--fraction", type=float, default=1.0, help="of the study's lengths: its cell and rms height")
     made.add_argument("--speed", default="20 m/s", help="of the driven plane")
     made.add_argument("--temperatures", nargs="+", default=["0 K", "300 K"], help="of the atoms")
@@ -84,17 +99,9 @@ def _main(arguments: Sequence[str] | None) -> int:
     given = parser().parse_args(arguments)
     if given.output is not None:
         writable_output(given.output)
-    table = driven(given)
-    loops = {}
-    for temperature in given.temperatures:
-        table["atomistic"]["temperature"] = temperature
-        with tempfile.TemporaryDirectory() as folder:
-            path = Path(folder) / "md.nc"
-            contact_study.run(table, "atomistic", output=path)
-            with xr.open_datatree(path, decode_timedelta=False) as tree:
-                loops[temperature] = loops_of(tree["/"].to_dataset(), tree["/trajectory"].to_dataset())
-    names = [loop.words for loop in next(iter(loops.values()))]
-    print(f"| | T | {' | '.join(names)} |")
+    loops = read(given.source) if given.source is not None else moved(given)
+    names = sorted({loop.ratio: loop.words for of in loops.values() for loop in of}.items())
+    print(f"| | T | {' | '.join(words for _, words in names)} |")
     print("|---" * (2 + len(names)) + "|")
     for words, value in (
         ("attracted from (Å)", lambda loop: f"{loop.contact(True) / ANGSTROM:.1f}"),
@@ -104,10 +111,63 @@ def _main(arguments: Sequence[str] | None) -> int:
         ("time steps", lambda loop: f"{loop.steps}"),
     ):
         for temperature, of in loops.items():
-            print(f"| {words} | {temperature} | " + " | ".join(map(value, of)) + " |")
+            cells = {loop.ratio: value(loop) for loop in of}
+            print(f"| {words} | {temperature} | " + " | ".join(cells.get(ratio, "") for ratio, _ in names) + " |")
     if given.output is not None:
         picture(loops).savefig(given.output, dpi=RESOLUTION)
     return 0
+
+
+def moved(given: argparse.Namespace) -> dict[str, list[Loop]]:
+    """The motions of each temperature; those that the table on disk has are read, each new one is added to it."""
+    table = driven(given)
+    ratios = table["sweep"].pop("interaction.well_depth_ratio")
+    loops = read(given.table) if given.table is not None and given.table.exists() else {}
+    for temperature in given.temperatures:
+        table["atomistic"]["temperature"] = temperature
+        of = loops.setdefault(temperature, [])
+        for ratio in ratios:
+            if ratio in [loop.ratio for loop in of]:
+                continue
+            table["sweep"]["interaction.well_depth_ratio"] = [ratio]
+            with tempfile.TemporaryDirectory() as folder:
+                path = Path(folder) / "md.nc"
+                contact_study.run(table, "atomistic", output=path)
+                with xr.open_datatree(path, decode_timedelta=False) as tree:
+                    of += loops_of(tree["/"].to_dataset(), tree["/trajectory"].to_dataset())
+            of.sort(key=lambda loop: loop.ratio)
+            if given.table is not None:
+                write(loops, given.table)
+    return loops
+
+
+def write(loops: dict[str, list[Loop]], path: Path) -> None:
+    """Store motions, a row a frame."""
+    rows = [
+        pd.DataFrame(
+            {
+                "temperature": temperature,
+                "ratio": loop.ratio,
+                "steps": loop.steps,
+                "down": loop.down.astype(int),
+                "distance_A": loop.distance / ANGSTROM,
+                "stress_GPa": loop.stress / 1e9,
+            }
+        )
+        for temperature, of in loops.items()
+        for loop in of
+    ]
+    pd.concat(rows).to_csv(path, index=False, float_format="%.6g")
+
+
+def read(path: Path) -> dict[str, list[Loop]]:
+    """What :func:`write` stored."""
+    loops: dict[str, list[Loop]] = {}
+    for (temperature, ratio, steps), rows in pd.read_csv(path).groupby(["temperature", "ratio", "steps"]):
+        distance, stress = rows.distance_A.to_numpy() * ANGSTROM, rows.stress_GPa.to_numpy() * 1e9
+        loop = Loop(float(ratio), distance, stress, rows.down.to_numpy(bool), int(steps))
+        loops.setdefault(str(temperature), []).append(loop)
+    return loops
 
 
 def driven(given: argparse.Namespace) -> dict:
@@ -151,26 +211,31 @@ def loops_of(root: xr.Dataset, series: xr.Dataset) -> list[Loop]:
         distance = np.append(end[0], end[:-1, None] + np.diff(end)[:, None] * share)
         stress = frames.mean_pressure.values.ravel()[FRAMES - 1 :]
         down = np.append(True, np.repeat(np.diff(end) < 0, FRAMES))
-        found.append(Loop(f"{ratio:g} ε₀", distance, stress, down, int(case.iterations.values[-1])))
+        found.append(Loop(float(ratio), distance, stress, down, int(case.iterations.values[-1])))
     return found
 
 
 @styled
 def picture(loops: dict[str, list[Loop]]) -> Figure:
     """Stress against the distance of the driven plane, a panel a depth of the well."""
-    count = len(next(iter(loops.values())))
+    ratios = sorted({loop.ratio: loop.words for of in loops.values() for loop in of}.items())
     figure = Figure(figsize=(DOUBLE, 2.6), layout="constrained")
-    panels = np.atleast_1d(figure.subplots(1, count))
-    for number, axes in enumerate(panels):
-        for colour, (temperature, of) in zip(COLOURS, loops.items(), strict=False):
-            loop = of[number]
+    panels = np.atleast_1d(figure.subplots(1, len(ratios)))
+    for axes, (ratio, words) in zip(panels, ratios, strict=True):
+        drawn = [
+            (colour, temperature, loop)
+            for colour, (temperature, of) in zip(COLOURS, loops.items(), strict=False)
+            for loop in of
+            if loop.ratio == ratio
+        ]
+        for colour, temperature, loop in drawn:
             for side, line in ((loop.down, "-"), (~loop.down, "--")):
                 label = f"{temperature}, {'down' if line == '-' else 'up'}"
                 axes.plot(
                     loop.distance[side] / ANGSTROM, loop.stress[side] / 1e9, line, color=colour, lw=0.9, label=label
                 )
         axes.axhline(0, color="#909090", lw=0.7, zorder=1)
-        axes.set_title(loop.words, fontsize=8.5)
+        axes.set_title(words, fontsize=8.5)
         axes.set_xlabel("distance of the plane (Å)")
     panels[0].set_ylabel("mean stress (GPa)")
     panels[0].legend()

@@ -1,5 +1,7 @@
 """What the scripts about moving atoms make of their runs."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 import xarray as xr
@@ -37,6 +39,24 @@ def test_loop_of_a_motion_that_sticks_on_its_way_up():
     axes = driven_loops.picture({"0 K": [loop], "300 K": [loop]}).axes
     assert len(axes) == 1
     np.testing.assert_allclose(axes[0].lines[1].get_ydata(), loop.stress[~loop.down] / 1e9)
+
+
+def test_loops_are_read_as_they_were_written(tmp_path, capsys):
+    """To the six digits of the file; a temperature without one of the ratios leaves its cell empty."""
+    end = 1e-10 * np.array([8.0, 4.0, 2.0, 4.0, 8.0])
+    (loop,) = driven_loops.loops_of(*series(end, lambda distance, _: 1e19 * (3e-10 - distance), 5))
+    other = dataclasses.replace(loop, ratio=8.0, steps=77)
+    driven_loops.write({"0 K": [loop, other], "300 K": [other]}, tmp_path / "loops.csv")
+    found = driven_loops.read(tmp_path / "loops.csv")
+    assert {name: [one.ratio for one in of] for name, of in found.items()} == {"0 K": [4.0, 8.0], "300 K": [8.0]}
+    np.testing.assert_allclose(found["0 K"][0].stress, loop.stress, rtol=1e-5)
+    np.testing.assert_allclose(found["0 K"][0].distance, loop.distance, rtol=1e-5)
+    np.testing.assert_array_equal(found["300 K"][0].down, loop.down)
+    assert driven_loops.main(["--from", str(tmp_path / "loops.csv"), "-o", str(tmp_path / "loops.png")]) == 0
+    printed = capsys.readouterr().out.splitlines()
+    assert printed[0] == "| | T | 4 ε₀ | 8 ε₀ |"
+    assert printed[-1] == "| time steps | 300 K |  | 77 |"
+    assert (tmp_path / "loops.png").exists()
 
 
 def test_elastic_loop_leaves_nothing_behind():
