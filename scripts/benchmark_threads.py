@@ -27,6 +27,7 @@ from md_reference.newtonian import NewtonianBlock, fastest_wave
 
 # Of the paper's system, at any scale of the lengths.
 _CONSTANT, _LENGTH, _WELL_DEPTH, _CUTOFF = 2.6e-10, 3.28e-10, 2.98e-21, 4.0
+_STEPS = 5  # of the block in one go
 _YOUNGS_MODULUS, _POISSONS_RATIO, _ATOM_MASS = 77.2e9, 0.42, 3.27e-25
 
 
@@ -52,18 +53,18 @@ def interface_pass(atoms: int, threads: int) -> Callable[[], object]:
 
 
 def time_step(atoms: int, threads: int) -> Callable[[], object]:
-    """A step of the explicit block out of reach, with friction."""
+    """Steps of the explicit block out of reach, with friction."""
     lame = lame_constants(_YOUNGS_MODULUS, _POISSONS_RATIO)
     layers = level_layers((atoms, atoms), atoms)
     block = MultiscaleBlock((atoms, atoms), _CONSTANT, *lame, layers, _ATOM_MASS, threads)
     lattice = lattice_of((atoms * _CONSTANT,) * 2, _CONSTANT)
-    interface = interface_of(np.zeros, lattice, _WELL_DEPTH, _LENGTH, _CUTOFF)
+    interface = interface_of(np.zeros, lattice, _WELL_DEPTH, _LENGTH, _CUTOFF, threads)
     step = 0.4 / fastest_wave(isotropic_element(_CONSTANT, _YOUNGS_MODULUS, _POISSONS_RATIO), _ATOM_MASS)
     system = NewtonianBlock(block, interface, step, friction=0.01 / step)
     surface = np.zeros((3, atoms, atoms))
     surface[2] = 2 * _CUTOFF * _LENGTH
     motion, generator = system.start(surface), np.random.default_rng(0)
-    return lambda: system.move(motion, 0.0, generator)
+    return lambda: system.move(motion, 0.0, generator, _STEPS)
 
 
 WORK = {"transforms": (transform_pair,), "atoms": (interface_pass, time_step)}
