@@ -1,4 +1,4 @@
-"""A law on points that are dragged: springs of one stiffness tie each of them to where it was."""
+"""A law on points that are dragged: springs tie each of them to where it was."""
 
 import numpy as np
 
@@ -12,13 +12,13 @@ class DraggedPasses(LawPasses):
     ----------
     inner : LawPasses
         Those of the law.
-    drag : float
-        Stiffness of the springs (Pa/m).
+    drag : float or numpy.ndarray
+        Stiffness of the springs, of all or of each (Pa/m).
     anchor : numpy.ndarray
         Gap at which they are at rest (m).
     """
 
-    def __init__(self, inner: LawPasses, drag: float, anchor: np.ndarray):
+    def __init__(self, inner: LawPasses, drag: float | np.ndarray, anchor: np.ndarray):
         super().__init__(inner.law)
         self.margin = inner.margin
         self._inner = inner
@@ -28,15 +28,16 @@ class DraggedPasses(LawPasses):
     def evaluate(self, gap, traction, stiffness):
         potential = self._inner.evaluate(gap, traction, stiffness)
         stretch = gap - self._anchor
-        potential += 0.5 * self._drag * float(np.sum(stretch * stretch))
-        traction += self._drag * stretch
+        pull = self._drag * stretch
+        potential += 0.5 * float(np.vdot(pull, stretch))
+        traction += pull
         return potential
 
     def gradient(self, elastic, gap, traction, load, right_side, curvature):
         result = self._inner.gradient(elastic, gap, traction, load, right_side, curvature)
         free = np.ones_like(curvature)
         self._inner.hold(curvature, free)
-        curvature += np.float32(self._drag) * free
+        curvature += np.asarray(self._drag, np.float32) * free
         return result
 
     def hold(self, curvature, step):

@@ -18,6 +18,7 @@ from numba import njit
 
 from bem_adhesion.adhesive import AdhesiveContact, NewtonResult
 from bem_adhesion.free_boundary import Window
+from bem_adhesion.local_relaxation import LocalRelaxation
 from bem_adhesion.operator import MakeOperator
 from bem_adhesion.solution import Outcome
 from contact_study.fields.fourier import interpolate
@@ -80,6 +81,9 @@ class MultilevelContact:
         window: Window | None = None,
     ):
         self.finest = AdhesiveContact(grid, make_operator, law, shift, window)
+        # A square is periodic and held by its rim alone: not under free boundaries, nor with a spring on its mean.
+        if window is None and self.finest.solid.mean_stiffness == 0 and LocalRelaxation.fits(grid):
+            self.finest.relaxation = LocalRelaxation(grid, make_operator, law, shift)
         self.points_per_process_zone = process_zone(1.0, law) / max(grid.spacing)
         self.coarser: MultilevelContact | None = None
         half = grid.with_shape((grid.shape[0] // 2, grid.shape[1] // 2))

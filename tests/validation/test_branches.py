@@ -5,6 +5,8 @@ import pytest
 from scipy.fft import irfft2, rfft2
 
 from bem_adhesion.loading import LoadedContact
+from bem_adhesion.local_relaxation import LocalRelaxation
+from bem_adhesion.operator import periodic
 from contact_study.problem.elasticity import HalfSpace
 from contact_study.problem.study import make_study
 from contact_study.problem.surface import realise
@@ -54,6 +56,31 @@ def test_many_grids_end_in_the_states_of_one(system):
     assert compared > 20 * 20
     # Prediction is there to save work, the more the better the coarse grid resolves the process zone.
     assert np.median(saved) < {1.0: 0.9, 4.0: 1.0, 8.0: 1.1}[ratio]
+
+
+@pytest.mark.parametrize("system", SYSTEMS)
+def test_squares_end_in_the_states_of_the_whole(system):
+    compared, moved = 0, 0
+    for seed in range(1, 11):
+        squares, whole = on_one_grid(*system, seed), on_one_grid(*system, seed)
+        finest = squares._contact.finest
+        # Of 40 points, fewer than pay; here it is their states that count.
+        finest.relaxation = LocalRelaxation(finest.grid, periodic(HalfSpace(1.0)), finest.law, 0.05)
+        state = whole.separated()
+        tension = [-0.02e9 * np.sqrt(system[0]) * step for step in range(1, 60)]
+        for pressure in (*LOADING, *LOADING[-2::-1], *tension):
+            local, plain = squares.step(state, pressure), whole.step(state, pressure)
+            assert local.outcome is plain.outcome, f"seed {seed}, {pressure:g} Pa"
+            if plain.detached:
+                break
+            # As above: residuals of 1e-8 E* over the softest stiffness.
+            difference = np.abs(local.gap - plain.gap).max()
+            assert difference < 1e-3 * R0, f"seed {seed}, {pressure:g} Pa: {difference:g} m"
+            compared += 1
+            moved += local.fft_pairs != plain.fft_pairs
+            state = plain.displacement
+    assert compared > 10 * 20
+    assert moved > compared / 20  # else nothing was compared
 
 
 def slow_flow(problem, pressure):
