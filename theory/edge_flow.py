@@ -21,7 +21,8 @@ with g = 1. On another solid g(q) is what a modulation of twice the wavenumber c
 With E = <φ> + Σ ½ Δm <c f (1 − f)> the pressure is −dE/dū. The mean traction would be the same number if the trial
 field were exact: their difference is the theory's own measure of its error.
 
-There is no hull and no hysteresis: one state at each mean gap.
+There is no hull and no hysteresis: one state at each mean gap. Where adhesion dwarfs the stress of the roughness, none
+is found at some mean gaps between far and contact, and the curve has two pieces, each followed from its own end.
 """
 
 from dataclasses import dataclass
@@ -34,6 +35,7 @@ from contact_study.fields.arguments import finite
 from contact_study.fields.spectrum import RoughnessSpectrum
 from contact_study.problem.elasticity import Elasticity, elasticity_of
 from contact_study.problem.laws.base import TractionLaw
+from theory.edge_curve import curve
 from theory.edge_equilibrium import KERNEL, Equilibrium, Problem, scales_of
 from theory.gap_flow import gap_nodes
 from theory.gap_nodes import GapNodes
@@ -43,16 +45,11 @@ from theory.pressure_curve import PressureCurve, core_of, positions
 # Nodes of the gap and steps of the roughness.
 EDGE_FLOW_GAPS, EDGE_FLOW_SCALES = 240, 80
 
-# Approach: mean gap, in rms heights beyond twice the law's own, at which nothing is felt yet; the ratio of distances to
-# the lowest node from one mean gap to the next.
-_FAR, _RATIO = 7.0, 0.85
+# Mean gap, in rms heights beyond twice the law's own, at which nothing is felt yet.
+_FAR = 7.0
 
-# Halvings of the step between two mean gaps where the iteration does not find the next, and states that are not found
-# in a row before the curve ends.
-_HALVINGS, _LOST = 3, 3
-
-# Order of the spline through the energy, and points of its derivative between two mean gaps.
-_ORDER, _POINTS = 5, 16
+# Order of the spline through the energy, states that it needs, and points of its derivative between two mean gaps.
+_ORDER, _MANY, _POINTS = 5, 12, 16
 
 # States of the curve from which the start of one between them is interpolated.
 _NEIGHBOURS = 4
@@ -73,23 +70,30 @@ class EdgeFlow(PressureCurve):
         The units (m, Pa).
     equilibria : tuple of Equilibrium
         The states that make the curve, mean gaps falling, in these units.
+    outward : int
+        How many of them, the last ones, were followed from contact outward because the approach ended before; between
+        these and the others the curve has no state.
+    lost : int
+        Mean gaps where the approach ended because it found no state.
     """
 
     law: TractionLaw
     length: float
     contact_modulus: float
     equilibria: tuple[Equilibrium, ...]
+    outward: int
+    lost: int
     _problem: Problem
 
     @property
     def converged(self) -> bool:
         """Whether every state of the curve met the tolerance."""
-        return all(self._solved(found) for found in self.equilibria)
+        return self.unconverged_states == 0
 
     @property
     def unconverged_states(self) -> int:
-        """States of the curve that did not meet the tolerance."""
-        return sum(not self._solved(found) for found in self.equilibria)
+        """Mean gaps whose state did not meet the tolerance, lost ones too."""
+        return self.lost + sum(not self._solved(found) for found in self.equilibria)
 
     @property
     def sweeps(self) -> int:
@@ -101,38 +105,58 @@ class EdgeFlow(PressureCurve):
         return GapNodes(self.law, self._problem.gaps)
 
     @cached_property
+    def _pieces(self) -> tuple[tuple[Equilibrium, ...], ...]:
+        """The states of each piece of the curve, mean gaps rising, from contact on."""
+        approached = len(self.equilibria) - self.outward
+        ends = self.equilibria[:approached][::-1], self.equilibria[approached:][::-1]
+        return tuple(piece for piece in reversed(ends) if piece)
+
+    @cached_property
+    def _places(self) -> tuple[np.ndarray, ...]:
+        """Mean gaps, in the units of the flow, at which each piece has its pressures."""
+        pieces = np.arange(_POINTS) / _POINTS
+        ends = [np.array([found.gap for found in piece]) for piece in self._pieces]
+        return tuple(np.append((each[:-1, None] + np.diff(each)[:, None] * pieces).ravel(), each[-1]) for each in ends)
+
+    @cached_property
     def mean_gap(self) -> np.ndarray:
         """Rising mean gaps, from the law's zero, at which :attr:`pressure` stands, shape (n,) (m)."""
-        ends = np.array([found.gap for found in reversed(self.equilibria)])
-        pieces = np.arange(_POINTS) / _POINTS
-        return np.append((ends[:-1, None] + np.diff(ends)[:, None] * pieces).ravel(), ends[-1]) * self.length
+        return np.concatenate(self._places) * self.length
 
     @cached_property
     def pressure(self) -> np.ndarray:
         """p = −dE/dū, shape (n,) (Pa)."""
-        return -self._energy(self.mean_gap / self.length, 1) * self.contact_modulus
+        slopes = [energy(places, 1) for energy, places in zip(self._energies, self._places, strict=True)]
+        return -np.concatenate(slopes) * self.contact_modulus
 
     @cached_property
-    def _energy(self) -> BSpline:
-        """E over the mean gap, in the units of the flow."""
+    def _energies(self) -> tuple[BSpline, ...]:
+        """E of each piece over the mean gap, in the units of the flow."""
         potential = self.law.potential(self._problem.gaps)
-        rising = self.equilibria[::-1]
-        energies = [float(found.weights @ potential) + found.elastic for found in rising]
-        order = min(_ORDER, len(rising) // 2 * 2 - 1)  # odd, and less than the states: a curve that ended early has few
-        return make_interp_spline([found.gap for found in rising], energies, k=order)
+        found = []
+        for rising in self._pieces:
+            energies = [float(state.weights @ potential) + state.elastic for state in rising]
+            order = _ORDER if len(rising) >= _MANY else min(3, len(rising) - 1)  # of few states a high order swings
+            found.append(make_interp_spline([state.gap for state in rising], energies, k=order))
+        return tuple(found)
 
     @property
     def pull_off_pressure(self) -> float:
         """Lowest pressure of the curve, the end of adhesion under pressure control (Pa).
 
-        NaN where the curve does not reach as far as that: its lowest pressure is the one of its smallest mean gap.
+        NaN where the curve does not reach as far as that: its lowest pressure is at the end of a piece.
         """
         lowest = int(np.argmin(self.pressure))
-        return float(self.pressure[lowest]) if lowest > 0 else float("nan")
+        first = len(self._places[0])  # of the second piece
+        return float("nan") if lowest in (0, first - 1, first) else float(self.pressure[lowest])
 
     def pressure_at(self, mean_gap: float) -> float:
-        """Pressure at a mean gap within the curve (Pa)."""
-        return -float(self._energy(mean_gap / self.length, 1)) * self.contact_modulus
+        """Pressure at a mean gap within the curve (Pa); NaN between its pieces."""
+        gap = mean_gap / self.length
+        for energy, places in zip(self._energies, self._places, strict=True):
+            if places[0] <= gap <= places[-1]:
+                return -float(energy(gap, 1)) * self.contact_modulus
+        return float("nan")
 
     def states(self, mean_gaps: np.ndarray) -> list[GapState]:
         """Distribution of the local gap at each mean gap (m), each solved anew from its neighbours on the curve.
@@ -145,24 +169,27 @@ class EdgeFlow(PressureCurve):
         return [self._state(gap) for gap in positions(mean_gaps, self.mean_gap[0], self.mean_gap[-1])]
 
     def _state(self, mean_gap: float) -> GapState:
-        gaps = np.array([found.gap for found in self.equilibria])
-        after = int(np.clip(np.searchsorted(-gaps, -mean_gap / self.length), 1, gaps.size - 1))
+        gap = float(np.clip(mean_gap / self.length, self.equilibria[-1].gap, self.equilibria[0].gap))
+        piece = next(piece for piece in self._pieces if gap <= piece[-1].gap)  # between pieces the farther one
+        falling = piece[::-1]
+        gaps = np.array([found.gap for found in falling])
+        after = int(np.clip(np.searchsorted(-gaps, -gap), 1, gaps.size - 1))
         first = int(np.clip(after - _NEIGHBOURS // 2, 0, max(gaps.size - _NEIGHBOURS, 0)))
-        gap = float(np.clip(mean_gap / self.length, gaps[-1], gaps[0]))
-        start = self._problem.between(self.equilibria[first : first + _NEIGHBOURS], gap)
+        start = self._problem.between(falling[first : first + _NEIGHBOURS], gap)
         found = self._problem.solve(gap, start)
         # The spline's slope rests on the neighbours, a few of them on either side.
-        rests_on = (found, *self.equilibria[max(after - 2, 0) : after + 2])
+        rests_on = (found, *falling[max(after - 2, 0) : after + 2])
+        pressure = self.pressure_at(gap * self.length)
         return GapState(
             ("edge_flow",),
             self._nodes,
             self.length,
             self.contact_modulus,
             mean_gap,
-            self.pressure_at(gap * self.length),
+            pressure,
             found.elastic * self.contact_modulus * self.length,
             found.weights,
-            all(self._solved(state) for state in rests_on),
+            bool(np.isfinite(pressure)) and all(self._solved(state) for state in rests_on),
             found.change,
         )
 
@@ -249,39 +276,4 @@ def edge_flow(
     if near <= x[0]:
         raise ValueError(f"smallest_gap = {smallest_gap:g} m: the nodes begin at {x[0] * length:.6g} m")
     problem = Problem(x, traction, scales_of(spectrum, solid, length, scales), tolerance, iterations, kernel)
-    return EdgeFlow(reduced, length, modulus, _approach(problem, far, near, highest), problem)
-
-
-def _approach(problem: Problem, far: float, near: float, highest: float) -> tuple[Equilibrium, ...]:
-    """States along falling mean gaps until both the smallest and the highest pressure are passed.
-
-    They lie on nodes: a mean gap between nodes begins as a little scatter about it, whose energy depends on where
-    between and would stand in the pressure as a ripple.
-    """
-    x = problem.gaps
-    node = min(int(np.searchsorted(x, far)), x.size - 2)
-    found = [problem.solve(float(x[node]), problem.local())]
-    sound = found.copy()
-    passed = lost = 0
-    while passed < 2 and lost < _LOST and node > 1:  # one more: a spline is at its best between its points
-        before = node
-        node = min(int(np.searchsorted(x, x[0] + _RATIO * (x[before] - x[0]))), before - 1)
-        state = _next(problem, sound, float(x[node]))
-        for _ in range(_HALVINGS):
-            if state.change <= problem.tolerance or node == before - 1:
-                break
-            node = (before + node + 1) // 2
-            state = _next(problem, sound, float(x[node]))
-        found.append(state)
-        if state.change <= problem.tolerance:
-            sound = [sound[-1], state]
-            lost = 0
-        else:
-            lost += 1
-        passed += bool(x[node] <= near and -(state.weights @ problem.traction) >= highest)
-    return tuple(found)
-
-
-def _next(problem: Problem, sound: list[Equilibrium], gap: float) -> Equilibrium:
-    """The state at a mean gap, from the one or two last ones that converged."""
-    return problem.solve(gap, problem.between(sound, gap))
+    return EdgeFlow(reduced, length, modulus, *curve(problem, far, near, highest), problem)

@@ -85,7 +85,8 @@ def _gap_flow_values(case: Case, flow: GapFlow) -> list[dict[str, Any]]:
 def _edge_flow_values(case: Case, flow: EdgeFlow) -> list[dict[str, Any]]:
     if not flow.converged:
         warnings.warn(
-            f"edge flow: {flow.unconverged_states} of {len(flow.equilibria)} mean gaps did not converge",
+            f"edge flow: {flow.unconverged_states} of {len(flow.equilibria) + flow.lost} mean gaps did not converge"
+            + (", between separation and contact; states of either that it gives are sound" if flow.outward else ""),
             NotConverged,
             stacklevel=2,
         )

@@ -78,7 +78,9 @@ class PressureCurve(ABC):
         """
         gap = self.gap_at(pressure)
         if np.isnan(gap):
-            raise ValueError(f"pressure = {pressure:g} Pa: below the pull-off at {self.pull_off_pressure:.3g} Pa")
+            lowest = self.pull_off_pressure
+            reason = f"below the pull-off at {lowest:.3g} Pa" if np.isfinite(lowest) else "no state found carries it"
+            raise ValueError(f"pressure = {pressure:g} Pa: {reason}")
         return self.states(np.array([gap]))[0]
 
 

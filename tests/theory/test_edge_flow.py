@@ -7,7 +7,7 @@ import pytest
 
 from contact_study.problem.elasticity import HalfSpace, Layer
 from contact_study.problem.laws import LennardJones93
-from theory import edge_equilibrium
+from theory import SelfAffineSpectrum, edge_equilibrium
 from theory.edge_equilibrium import modulation_cost, scales_of
 from theory.edge_flow import edge_flow
 from theory.gap_flow import gap_flow
@@ -28,6 +28,12 @@ def flows(paper):
 def springs(paper):
     """A compressible layer so thin that every wave of the roughness is as stiff."""
     return Layer(paper.contact_modulus, 0.0, 5e-10)
+
+
+def smooth_spectrum():
+    """The paper's, at a tenth of its heights and lengths."""
+    wavevector = 2 * np.pi / 104e-10
+    return SelfAffineSpectrum(0.8, 1e-10, wavevector, 3 * wavevector, 12 * wavevector)
 
 
 def at_1_gpa(paper, flow):
@@ -159,6 +165,38 @@ def test_any_law_and_the_spectrum_of_a_surface(paper, filtered_spectrum):
     assert flow.converged
     areas = [flow.at_pressure(p).fraction_below(4.5e-10) for p in (1e8, 1e9, 5e9)]
     assert 0 < areas[0] < areas[1] < areas[2] <= 1
+
+
+def test_contact_that_the_approach_does_not_reach_is_followed_from_its_own_side(paper):
+    """A tenth of the paper's heights and lengths: adhesion some ten times that which whole contact asks for."""
+    flow = edge_flow(smooth_spectrum(), paper.contact_modulus, paper.law(8), gaps=120, scales=24, iterations=20)
+    assert flow.outward > 3
+    assert flow.unconverged_states == flow.lost > 0
+    assert not flow.converged
+    spectrum, law = smooth_spectrum(), paper.law(8)
+    edges = spectrum.band_edges(1000)
+    variance = 2 * np.pi * np.diff(spectrum.moment(1, upper=edges))
+    stiffness = 0.25 * paper.contact_modulus * (edges[1:] + edges[:-1])
+    for pressure in (1e9, 1e10, 2e10):
+        state = flow.at_pressure(pressure)
+        assert state.converged
+        assert state.fraction_below(paper.contact_distance) > 0.99
+        # Whole contact in second order: waves leave K/(K + s) of them as gaps, of which the traction's curvature makes
+        # a pressure; s is its slope.
+        low, middle, high = law.traction(state.mean_gap + 1e-12 * np.array([-1.0, 0.0, 1.0]))
+        left = stiffness / (stiffness + (high - low) / 2e-12)
+        expected = -middle - 0.5 * (high - 2 * middle + low) / 1e-24 * float(variance @ left**2)
+        # Roughness makes more than 1 GPa of it; the nodes, some hundredths of the law's length apart, miss a tenth.
+        assert expected + middle > 1e9
+        assert pressure == pytest.approx(expected, abs=2e8)
+    # Far away, where nothing touches, the local pressures are the mean one; few states lie there.
+    for state in flow.states(flow.length * np.array([found.gap for found in flow.equilibria[1:3]])):
+        assert state.pressure == pytest.approx(state.mean_traction, rel=0.1)
+    contact, separation = flow.equilibria[-flow.outward].gap, flow.equilibria[-flow.outward - 1].gap
+    between = 0.5 * (contact + separation) * flow.length
+    assert contact < 1.5 < 2 < separation
+    assert np.isnan(flow.pressure_at(between))
+    assert not flow.states(np.array([between]))[0].converged
 
 
 def test_states_that_are_not_found_are_flagged(paper):
