@@ -149,6 +149,11 @@ class Equilibrium:
     sweeps: int
     response: np.ndarray
 
+    @cached_property
+    def logarithm(self) -> np.ndarray:
+        """ln f, from which neighbours start."""
+        return np.log(self.response)
+
 
 @dataclass(frozen=True)
 class Problem:
@@ -196,9 +201,9 @@ class Problem:
         logarithm = np.zeros_like(states[-1].response)
         for own, state in zip(places, states, strict=True):
             others = places[places != own]
-            logarithm += np.prod((place - others) / (own - others)) * np.log(state.response)
+            logarithm += np.prod((place - others) / (own - others)) * state.logarithm
         if not places.min() <= place <= places.max():
-            last = np.log(states[-1].response)
+            last = states[-1].logarithm
             logarithm = last + np.clip(logarithm - last, -_FARTHEST, _FARTHEST)
         return np.clip(np.exp(logarithm), _LEAST, _LARGEST)
 

@@ -53,69 +53,86 @@ def accelerated(
     residual, weight, change = update(values)
     count = 1
     moves, turns = np.empty((2, memory, values.size))
-    normal, right = np.empty((memory, memory)), np.empty(memory)
+    products = np.empty((memory + 2, memory + 2))
     while tolerance < change < np.inf and count < iterations:
         held = min(count - 1, memory)
-        shares = np.zeros(held)
+        shares: np.ndarray = np.zeros(held)
         if held:
-            _normal_equations(turns[:held], weight.ravel(), residual.ravel(), normal, right)
-            own = normal[:held, :held] + _REGULARISATION * np.trace(normal[:held, :held]) * np.eye(held)
-            shares = np.linalg.solve(own, right[:held])
+            _weighted_products(turns[:held], weight.ravel(), residual.ravel(), products)
+            own = products[:held, :held].copy()
+            own.flat[:: held + 1] += _REGULARISATION * own.trace()
+            shares = np.linalg.solve(own, products[held, :held])
         step = np.empty_like(values)
-        _step(shares, mixing, moves[:held], turns[:held], residual.ravel(), step.ravel())
+        _step(shares, mixing, moves[:held], residual.ravel(), step.ravel())
         before, moved = residual, np.clip(values + step, *bounds)
         residual, weight, change = update(moved)
         if not np.isfinite(change):  # what the caller keeps of the last update is to be numbers
             update(values)
             return values, np.inf, count + 2
         oldest = (count - 1) % memory
-        moves[oldest], turns[oldest] = (moved - values).ravel(), (residual - before).ravel()
+        np.subtract(residual, before, out=turns[oldest].reshape(values.shape))
+        _remember(moved.ravel(), values.ravel(), mixing, turns[oldest], moves[oldest])
         values = moved
         count += 1
     return values, change, count
 
 
-# Products of a few long vectors, without the threads that a library of linear algebra would start for them.
+# Products of a few long vectors, without the threads that a library of linear algebra would start for them. Blocks of
+# vectors are arrays of their own: compilers make vectors of sums over these, not of sums over a part of another's.
 
 
 @njit(cache=True, error_model="numpy", fastmath={"contract", "arcp", "nsz", "reassoc"})
-def _normal_equations(turns, weight, residual, normal, right):
-    """Fill the weighted products of the turns with each other and with the residual."""
+def _weighted_products(turns, weight, residual, products):
+    """Fill the products of the turns, and in the row after them the residual's, all times the weight.
+
+    Above the diagonal, up to ``products[:held, :held]``, stands what is below it.
+    """
     held, size = turns.shape
-    scaled, aim = np.empty((held, _BLOCK)), np.empty(_BLOCK)
-    normal[:] = 0.0
-    right[:] = 0.0
+    rows = held + 1 + (held + 1) % 2  # two at a time, each of which is read once for two products
+    scaled = np.zeros((rows, _BLOCK))
+    products[:] = 0.0
     for first in range(0, size, _BLOCK):
         count = min(_BLOCK, size - first)
-        for k in range(count):
-            aim[k] = weight[first + k] * residual[first + k]
-        for i in range(held):
+        share = weight[first : first + count]
+        scaled[:, count:] = 0.0
+        for i in range(held + 1):
+            source = turns[i, first : first + count] if i < held else residual[first : first + count]
+            part = scaled[i]
             for k in range(count):
-                scaled[i, k] = weight[first + k] * turns[i, first + k]
+                part[k] = share[k] * source[k]
         # Sums in loops that write nothing: otherwise their order depends on where the arrays lie in memory.
-        for i in range(held):
-            total = 0.0
-            for k in range(count):
-                total += scaled[i, k] * aim[k]
-            right[i] += total
-            for j in range(i + 1):
-                total = 0.0
-                for k in range(count):
-                    total += scaled[i, k] * scaled[j, k]
-                normal[i, j] += total
+        for i in range(0, rows, 2):
+            one, two = scaled[i], scaled[i + 1]
+            for j in range(0, i + 1, 2):
+                three, four = scaled[j], scaled[j + 1]
+                a = b = c = d = 0.0
+                for k in range(_BLOCK):
+                    a += one[k] * three[k]
+                    b += one[k] * four[k]
+                    c += two[k] * three[k]
+                    d += two[k] * four[k]
+                products[i, j] += a
+                products[i, j + 1] += b
+                products[i + 1, j] += c
+                products[i + 1, j + 1] += d
     for i in range(held):
         for j in range(i):
-            normal[j, i] = normal[i, j]
+            products[j, i] = products[i, j]
 
 
 @njit(cache=True, error_model="numpy", fastmath={"contract", "arcp", "nsz"})
-def _step(shares, mixing, moves, turns, residual, step):
+def _remember(values, before, mixing, turn, move):
+    """Fill the move with that of the values and the mixed share of the turn: what a step takes back of it."""
+    for k in range(values.size):
+        move[k] = values[k] - before[k] + mixing * turn[k]
+
+
+@njit(cache=True, error_model="numpy", fastmath={"contract", "arcp", "nsz"})
+def _step(shares, mixing, moves, residual, step):
     """Fill the step from the residual and the shares of the remembered states."""
-    held, size = moves.shape
-    for first in range(0, size, _BLOCK):
-        last = min(first + _BLOCK, size)
-        for k in range(first, last):
-            step[k] = mixing * residual[k]
-        for j in range(held):
-            for k in range(first, last):
-                step[k] -= shares[j] * (moves[j, k] + mixing * turns[j, k])
+    for k in range(step.size):
+        step[k] = mixing * residual[k]
+    for j in range(shares.size):
+        share, move = shares[j], moves[j]
+        for k in range(step.size):
+            step[k] -= share * move[k]

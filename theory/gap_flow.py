@@ -28,7 +28,7 @@ from contact_study.fields.spectrum import RoughnessSpectrum
 from contact_study.problem.elasticity import Elasticity, elasticity_of
 from contact_study.problem.laws.base import TractionLaw
 from theory.gap_nodes import GapNodes
-from theory.gap_state import GapState
+from theory.gap_state import GapState, cumulatives
 from theory.pressure_curve import PressureCurve, core_of, positions
 from theory.scale_steps import BRANCHES, flow_through_scales, trace_back
 
@@ -126,6 +126,7 @@ class GapFlow(PressureCurve):
         weights[right, columns] = share
         elastic = np.zeros(reduced.size)
         trace_back(self.gaps, self._stiffness, self._steps, self._compliances, self._hull, weights, elastic)
+        shares = np.ascontiguousarray(weights.T)
         return [
             GapState(
                 ("gap_flow",) if self.branch == "equilibrium" else ("gap_flow", self.branch),
@@ -137,8 +138,9 @@ class GapFlow(PressureCurve):
                 float(energy) * self.contact_modulus * self.length,
                 weight,
                 self.converged,
+                cumulative=below,
             )
-            for gap, energy, weight in zip(asked, elastic, np.ascontiguousarray(weights.T), strict=True)
+            for gap, energy, weight, below in zip(asked, elastic, shares, cumulatives(self._nodes, shares), strict=True)
         ]
 
 

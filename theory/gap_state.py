@@ -5,7 +5,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from scipy.interpolate import PchipInterpolator
+from scipy.interpolate import PchipInterpolator, PPoly
 
 from contact_study.problem.laws.base import TractionLaw
 from theory.gap_nodes import GapNodes
@@ -21,6 +21,23 @@ _SEEN = 1e-9
 
 # Weights below it are none: a state at a gap far beyond the roughness falls off through all numbers.
 _NO_WEIGHT = 1e-200
+
+
+def cumulatives(nodes: GapNodes, weights: np.ndarray) -> list[PPoly]:
+    """Area below a gap of every state, monotone between the ends of the nodes' intervals.
+
+    Parameters
+    ----------
+    nodes : GapNodes
+        The nodes.
+    weights : numpy.ndarray, shape (states, n)
+        Fraction of the area at each node.
+    """
+    # Quotients of the interpolation overflow where a weight is next to no number.
+    seen = np.where(np.abs(weights) > _NO_WEIGHT, weights, 0.0)
+    below = np.concatenate([np.zeros((len(seen), 1)), np.cumsum(seen, axis=1)], axis=1)
+    curves = PchipInterpolator(nodes.edges, below, axis=1)
+    return [PPoly(np.ascontiguousarray(curves.c[..., state]), curves.x) for state in range(len(seen))]
 
 
 @dataclass(frozen=True)
@@ -49,6 +66,8 @@ class GapState:
         Whether the equations that the state rests on are solved.
     change : float, optional
         Largest change of a scale's mean response in the last iteration, of a theory that iterates.
+    cumulative : scipy.interpolate.PPoly, optional
+        Area below a gap, one of :func:`cumulatives`, where it was made for many states at once.
     """
 
     labels: tuple[str, ...]
@@ -61,6 +80,7 @@ class GapState:
     weights: np.ndarray
     converged: bool
     change: float | None = None
+    cumulative: PPoly | None = None
 
     @property
     def law(self) -> TractionLaw:
@@ -100,10 +120,8 @@ class GapState:
         return -float(self.weights @ self.law.traction(self.gaps)) * self.contact_modulus
 
     @cached_property
-    def _cumulative(self) -> PchipInterpolator:
-        # Quotients of the interpolation overflow where a weight is next to no number.
-        seen = np.where(np.abs(self.weights) > _NO_WEIGHT, self.weights, 0.0)
-        return PchipInterpolator(self.nodes.edges, np.concatenate([[0.0], np.cumsum(seen)]))
+    def _cumulative(self) -> PPoly:
+        return self.cumulative or cumulatives(self.nodes, self.weights[None, :])[0]
 
     def _below(self, gap: np.ndarray | float) -> np.ndarray:
         return self._cumulative(np.clip(gap, self.nodes.edges[0], self.nodes.edges[-1]))

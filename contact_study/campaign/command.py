@@ -189,7 +189,12 @@ def _parser(model: Model) -> Parser:
     ).completer = lambda **_: example_names()  # type: ignore[attr-defined]
     parser.add_argument("--resume", action="store_true", help="continue an interrupted run of the same study")
     parser.add_argument("--overwrite", action="store_true", help="replace an existing dataset")
-    parser.add_argument("--workers", type=int, metavar="N", help="processes; default: one per case, at most the cores")
+    parser.add_argument(
+        "--workers",
+        type=int,
+        metavar="N",
+        help="processes, this one among them; default: one per case, at most the cores",
+    )
     parser.add_argument("--engine", choices=ENGINES, help="where cases run; default: processes if there are several")
     parser.add_argument(
         "--scheduler", metavar="ADDRESS", help="address, or file, of the scheduler of a Dask cluster (--engine dask)"

@@ -13,6 +13,7 @@ fed with several spectra, those of the first stand under their own names, others
 """
 
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 
@@ -164,6 +165,7 @@ def group_of(key: str) -> str:
     return TRAJECTORY if labels == (TRAJECTORY,) else LABELLED_GROUPS[len(labels)]
 
 
+@cache
 def quantity_of(key: str) -> tuple[tuple[str, ...], str]:
     """Labels and name of a quantity as a model names it: ``"gap_flow/loading/mean_gap"``."""
     *labels, name = key.split("/")

@@ -6,6 +6,7 @@ are archives of NumPy arrays, each under a CRC-32; a file that a power cut has t
 """
 
 import json
+import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -21,9 +22,12 @@ from contact_study.observables.base import Value
 _NOTES = "warnings.json"
 _CONSTANTS = "constants.npz"
 
-# Member of an archive that holds all that is no array, as JSON: a member each would cost more than the numbers.
-_SCALARS = "scalars"
-_BINS = "bins"  # among the scalars, and no quantity
+# Members of an archive that hold all that is no array, as JSON, and one after the other the arrays of no more numbers
+# than so many: a member each would cost more than the numbers.
+_SCALARS, _SMALL = "scalars", "small"
+_SMALL_SIZE = 4096
+# Among the scalars, and no quantities: the spans of the bins; name, type and shape of each small array in their order.
+_BINS, _SHAPES = "bins", "shapes"
 
 
 def save_step(folder: Path, number: int, step: Step) -> None:
@@ -160,15 +164,21 @@ def _partial_file(folder: Path, number: int) -> Path:
 
 def _save(path: Path, values: Mapping[str, Any], extra: Mapping[str, Any] | None = None) -> None:
     scalars: dict[str, Any] = {}
-    arrays: dict[str, np.ndarray] = {}
+    small: dict[str, np.ndarray] = {}
+    packed: dict[str, np.ndarray] = {}
     for name, value in values.items():
-        if np.ndim(value):
-            arrays[name] = np.asarray(value)
+        array = np.asarray(value)
+        if not array.ndim:
+            scalars[name] = array.item()
+        elif array.size <= _SMALL_SIZE:
+            small[name] = array
         else:
-            scalars[name] = np.asarray(value).item()
+            packed[f"array/{name}"] = array
+    shapes = [(name, array.dtype.str, array.shape) for name, array in small.items()]
     # Python's JSON writes the shortest digits that give the same double again, and names NaN and infinities.
-    text = json.dumps([scalars, dict(extra or {})]).encode()
-    packed = {_SCALARS: np.frombuffer(text, np.uint8), **{f"array/{name}": value for name, value in arrays.items()}}
+    text = json.dumps([scalars, {**(extra or {}), _SHAPES: shapes}]).encode()
+    packed[_SCALARS] = np.frombuffer(text, np.uint8)
+    packed[_SMALL] = np.frombuffer(b"".join(array.tobytes() for array in small.values()), np.uint8)
 
     def write(partial: Path) -> None:
         with partial.open("wb") as stream:
@@ -181,7 +191,13 @@ def _save(path: Path, values: Mapping[str, Any], extra: Mapping[str, Any] | None
 def _load(path: Path) -> tuple[dict[str, Any], dict[str, Any]]:
     with _archive(path) as archive:
         scalars, extra = json.loads(archive[_SCALARS].tobytes())
-        arrays = {name.partition("/")[2]: archive[name] for name in archive if name != _SCALARS}
+        arrays = {name.partition("/")[2]: archive[name] for name in archive if name.startswith("array/")}
+        small = archive[_SMALL] if _SMALL in archive else np.empty(0, np.uint8)  # steps of an earlier version
+        first = 0
+        for name, kind, shape in extra.pop(_SHAPES, ()):
+            end = first + np.dtype(kind).itemsize * math.prod(shape)
+            arrays[name] = small[first:end].view(kind).reshape(shape).copy()  # where its numbers are aligned
+            first = end
     return {**scalars, **arrays}, extra
 
 

@@ -17,6 +17,29 @@ def die(report):
     os._exit(3)
 
 
+def meet(mine, others, report):
+    """Leave a file and report the process once another task has left its file: they run at the same time."""
+    mine.touch()
+    deadline = time.monotonic() + 60
+    while not others.exists() and time.monotonic() < deadline:
+        time.sleep(0.02)
+    assert others.exists()
+    report(os.getpid())
+
+
+def report_on(seconds, report):
+    """Report again and again for so long, and fail: somebody should have ended this."""
+    deadline = time.monotonic() + seconds
+    while time.monotonic() < deadline:
+        report("on")
+        time.sleep(0.02)
+    raise AssertionError
+
+
+def leave(path, report):
+    path.touch()
+
+
 def wait_for(path, report):
     """Report, wait for a file, report twice and leave another file."""
     report("begun")

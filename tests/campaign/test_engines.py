@@ -8,7 +8,7 @@ import pytest
 from contact_study.campaign import engines
 from contact_study.campaign.engines import ENGINES, REMOTE, CampaignError
 from contact_study.problem.errors import InputError
-from tests.campaign.tasks import die, fail, square
+from tests.campaign.tasks import die, fail, leave, meet, report_on, square, wait_for
 
 LOCAL = [name for name in ENGINES if name not in REMOTE]  # tests/campaign/test_dask.py has the others
 
@@ -20,8 +20,23 @@ def test_every_task_is_run_once_and_reports_here(name):
     values = sorted(value for number, value in reports if value == number**2)
     assert values == [0, 1, 4, 9, 16]
     assert len(reports) == 10
-    elsewhere = {pid for number, pid in reports if pid != number**2} - {os.getpid()}
-    assert bool(elsewhere) == (name == "processes")
+
+
+def test_processes_run_tasks_at_the_same_time_one_of_them_here(tmp_path):
+    one, two = tmp_path / "one", tmp_path / "two"
+    pids = []
+    engines.run([partial(meet, one, two), partial(meet, two, one)], 2, pids.append, "processes")
+    assert len(set(pids)) == 2
+    assert os.getpid() in pids
+
+
+def test_tasks_that_wait_go_to_the_process_that_is_free(tmp_path):
+    """This process has the last task until another one has run all others."""
+    ended, counted = tmp_path / "ended", []
+    tasks = [partial(leave, ended), *[partial(square, number) for number in range(3)], partial(wait_for, ended)]
+    engines.run(tasks, 2, lambda *event: counted.append(event), "processes")
+    assert {number**2 for number in range(3)} <= {event[1] for event in counted if len(event) == 2}
+    assert ("ended",) in counted
 
 
 @pytest.mark.parametrize("name", LOCAL)
@@ -35,11 +50,17 @@ def test_worker_that_dies_is_said():
         engines.run([die], 1, lambda *_: None, "processes")
 
 
-@pytest.mark.parametrize(("workers", "here"), [(0, True), (1, True), (2, False)])
-def test_engine_follows_from_the_workers(workers, here):
-    pids = []
-    engines.run([partial(square, 7)], workers, lambda _, value: pids.append(value))
-    assert (pids[1] == os.getpid()) == here
+def test_worker_that_dies_ends_what_this_process_is_at(tmp_path):
+    with pytest.raises(CampaignError, match="a worker process was killed"):
+        engines.run([die, partial(report_on, 60)], 2, lambda *_: None, "processes")
+
+
+@pytest.mark.parametrize(("workers", "name"), [(0, "serial"), (1, "serial"), (2, "processes")])
+def test_engine_follows_from_the_workers(monkeypatch, workers, name):
+    chosen = []
+    monkeypatch.setitem(ENGINES, name, lambda *given: chosen.append(given[1]))
+    engines.run([partial(square, 7)], workers, print)
+    assert chosen == [max(1, workers)]
 
 
 def test_nothing_to_do_starts_nothing(monkeypatch):

@@ -78,10 +78,11 @@ def test_steps_of_another_study_are_not_mixed(study, tmp_path, capsys):
 
 @pytest.mark.skipif(not Path("/proc/self/task").is_dir(), reason="finds the workers in /proc")
 def test_interrupt_while_workers_start(study, tmp_path):
-    command = [sys.executable, "-m", "tests.campaign.toy_model", study, "-o", tmp_path / "bem.nc", "--workers", "2"]
-    process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True, start_new_session=True)
+    command = [sys.executable, "-m", "tests.campaign.toy_model", study, "-o", tmp_path / "bem.nc", "--workers", "3"]
+    slow = {**os.environ, "TOY_SECONDS": "0.3"}
+    process = subprocess.Popen(command, env=slow, stderr=subprocess.PIPE, text=True, start_new_session=True)
     children = Path(f"/proc/{process.pid}/task/{process.pid}/children")
-    while len(children.read_text().split()) < 3:  # the resource tracker and the two workers
+    while len(children.read_text().split()) < 3:  # the resource tracker and two workers
         assert process.poll() is None
     time.sleep(0.2)  # into their imports
     os.killpg(process.pid, signal.SIGINT)

@@ -117,10 +117,10 @@ def assemble(
     arrays: dict[str, np.ndarray] = {}
     for index, constants, path in cases:
         for name, value in constants.items():
-            _place(arrays, f"{REALISED}{name}" if name in sweep else name, value, lengths, index)
-        for number, values in enumerate(path):
-            for name, value in values.items():
-                _place(arrays, name, value, (*lengths, steps), (*index, number))
+            _place(arrays, f"{REALISED}{name}" if name in sweep else name, {index: value}, lengths)
+        for name in dict.fromkeys(name for values in path for name in values):
+            along_path = {(*index, number): values[name] for number, values in enumerate(path) if name in values}
+            _place(arrays, name, along_path, (*lengths, steps))
     groups: dict[str, _Labelled] = {"": {}}
     # A group's dimensions are those of the groups above it, its labels too.
     along: dict[str, dict[str, None]] = {dim: {} for dim in LABELS}
@@ -153,23 +153,29 @@ def restart_group(states: Iterable[Mapping[str, np.ndarray]]) -> xr.Dataset:
 
 
 def _place(
-    arrays: dict[str, np.ndarray], name: str, value: Any, lengths: tuple[int, ...], index: tuple[int, ...]
+    arrays: dict[str, np.ndarray], name: str, values: Mapping[tuple[int, ...], Any], lengths: tuple[int, ...]
 ) -> None:
+    """Put the values of a quantity, by their places along the first axes, into its array, made or widened for them."""
     variable = variable_of(quantity_of(name)[1])
-    value = np.asarray(value)
+    some = {place: np.asarray(value) for place, value in values.items()}
+    first = next(iter(some.values()))
     # Fields may be kept in single precision.
-    dtype = value.dtype if value.dtype == np.float32 and variable.dtype == np.float64 else variable.dtype
-    there = arrays[name].shape[len(lengths) :] if name in arrays else ()
-    if name not in arrays or any(new > old for new, old in zip(value.shape, there, strict=True)):
-        shape = tuple(map(max, value.shape, there)) if name in arrays else value.shape
+    dtype = first.dtype if first.dtype == np.float32 and variable.dtype == np.float64 else variable.dtype
+    shapes = {value.shape for value in some.values()}
+    if name in arrays:
+        shapes.add(arrays[name].shape[len(lengths) :])
+    shape = tuple(map(max, zip(*shapes, strict=True)))
+    if name not in arrays or shape != arrays[name].shape[len(lengths) :]:
         larger = np.full((*lengths, *shape), variable.empty, dtype=dtype)
         if name in arrays:
             larger[_corner(arrays[name].shape)] = arrays[name]
         arrays[name] = larger
-    if value.shape:
-        arrays[name][index][_corner(value.shape)] = value
-    else:
-        arrays[name][index] = value.item()
+    if not shape:
+        everywhere = tuple(zip(*some, strict=True)) if lengths else ()
+        arrays[name][everywhere] = [value.item() for value in some.values()] if lengths else first.item()
+        return
+    for place, value in some.items():
+        arrays[name][place][_corner(value.shape)] = value
 
 
 def _corner(shape: tuple[int, ...]) -> tuple[slice, ...]:

@@ -15,9 +15,10 @@ class Engine(Protocol):
     """Runs tasks.
 
     A task keeps its own results on disk as they come. What an engine owes besides: every report reaches ``report`` in
-    this process; the first error of a task ends the campaign and is raised here; an interrupt of this process ends
-    the tasks; no task outlives this process, or on another machine its next step, lest it write beside the one that
-    resumes the run; and a worker that dies is replaced or a :class:`CampaignError`.
+    this process; the first error of a task ends the campaign and is raised here, at the next report where this process
+    runs tasks itself; an interrupt of this process ends the tasks; no task outlives this process, or on another machine
+    its next step, lest it write beside the one that resumes the run; and a worker that dies is replaced or a
+    :class:`CampaignError`.
     """
 
     def __call__(self, tasks: Sequence[Task], workers: int, report: Report) -> None:
