@@ -66,11 +66,11 @@ def criteria_map(dataset: xr.Dataset, axes: Axes | None = None, name: str = "") 
         axes.annotate(
             "\n".join(filter(None, (name, *words))),
             (tabor, max(ratios)),
-            xytext=(0, 6),
+            xytext=(-5, 0),  # beside it: above it the next column's line may run through
             textcoords="offset points",
-            ha="center",
+            ha="right",
+            va="center",
             fontsize=6.5,
-            bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.5},  # a neighbour's line may run behind
         )
     _fit(axes)
     return axes
@@ -98,7 +98,7 @@ def _fit(axes: Axes) -> None:
     """Limits with a margin about every column, one at least of each limit's region in view."""
     points = np.concatenate([line.get_xydata() for line in axes.lines if line.get_linestyle() == "-"][1:])
     low, high = points.min(axis=0), points.max(axis=0)
-    axes.set_xlim(min(0.5 * low[0], 0.5 * _DMT), max(2 * high[0], 2 * _JKR))
+    axes.set_xlim(min(0.2 * low[0], 0.5 * _DMT), max(2 * high[0], 2 * _JKR))
     axes.set_ylim(min(0.5 * low[1], 0.5), max(6 * high[1], 2))
     for axis in (axes.xaxis, axes.yaxis):
         axis.set_major_locator(LogLocator())

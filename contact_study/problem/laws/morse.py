@@ -1,6 +1,6 @@
 """Morse's law: φ(d) = Δγ [e^(−2(d−d0)/w) − 2 e^(−(d−d0)/w)], for covalent and metallic bonds across an interface.
 
-P. M. Morse, Phys. Rev. 34, 57 (1929), from memory. Its repulsion is finite at a gap of zero.
+P. M. Morse, Phys. Rev. 34, 57 (1929). Its repulsion is finite at a gap of zero.
 """
 
 from dataclasses import dataclass
