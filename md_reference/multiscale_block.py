@@ -13,8 +13,8 @@ from functools import partial
 from itertools import accumulate
 
 import numpy as np
-from numba import njit
 
+from md_reference.hanging_plane import prolong, restrict
 from md_reference.row_blocks import RowBlocks
 from md_reference.slab import fill_ghosts, move_slab, slab_constants, slab_force
 from md_reference.verlet_pass import Action, move_planes
@@ -25,8 +25,6 @@ _LAYERS = 8
 _FEWEST_NODES = 4  # of a level along an axis
 _NODES_OF_A_BLOCK = 8192  # of a plane, done in one go: three planes of displacements and the forces stay in the cache
 _FEWEST_ROWS = 8
-
-_OPTIONS = {"cache": True, "nogil": True, "error_model": "numpy", "fastmath": {"contract", "nsz"}}
 
 
 def level_layers(atoms: tuple[int, int], layers: int) -> tuple[int, ...]:
@@ -206,7 +204,7 @@ class MultiscaleBlock:
             self._hang(u, number)
             self._slab_force(number, u[number], f[number])
         for number in range(len(u) - 1):
-            self.on_rows(number + 1, partial(_restrict, f[number], f[number + 1]))
+            self.on_rows(number + 1, partial(restrict, f[number], f[number + 1]))
             f[number][:, -1] = 0.0
 
     def move(
@@ -241,7 +239,7 @@ class MultiscaleBlock:
             self._move_inside(number, u[number], new[number], v[number], action)
         faces = self._faces
         for number in range(len(u) - 1):
-            self.on_rows(number + 1, partial(_restrict, faces[number], faces[number + 1]))
+            self.on_rows(number + 1, partial(restrict, faces[number], faces[number + 1]))
         faces[0][:, 0, 1:-1, 1:-1] += surface_force
         for number, mass in enumerate(self._inverse_mass):
             if mass[0]:
@@ -276,7 +274,7 @@ class MultiscaleBlock:
     def _hang(self, levels: list[np.ndarray], number: int) -> None:
         """Fill a level's hanging plane from the next one and its ghosts."""
         if number + 1 < len(levels):
-            self.on_rows(number + 1, partial(_prolong, levels[number + 1], levels[number]))
+            self.on_rows(number + 1, partial(prolong, levels[number + 1], levels[number]))
         fill_ghosts(levels[number])
 
     def _first_node(self, number: int) -> int:
@@ -307,49 +305,3 @@ class MultiscaleBlock:
         if number:
             mass[0] *= 0.75
         return mass
-
-
-@njit(**_OPTIONS)
-def _prolong(coarse, fine, first, end):
-    """Bilinear values of a slab's lowest plane, ghosts filled, on some rows of the highest plane of a finer one.
-
-    Arrays of nodes have shape (3, planes, ny + 2, nx + 2); the rows, of the coarse plane without ghosts, are ``first``
-    to before ``end``.
-    """
-    top = fine.shape[1] - 1
-    one = np.uint64(1)
-    for c in range(3):
-        for j in range(first + 1, end + 1):
-            here, next_one = coarse[c, 0, j], coarse[c, 0, j + 1]
-            even, odd = fine[c, top, 2 * j - 1], fine[c, top, 2 * j]
-            for i in range(one, np.uint64(here.size - 1)):
-                e = i + one
-                west, east = 2 * i - one, 2 * i
-                even[west] = here[i]
-                even[east] = 0.5 * (here[i] + here[e])
-                odd[west] = 0.5 * (here[i] + next_one[i])
-                odd[east] = 0.25 * ((here[i] + here[e]) + (next_one[i] + next_one[e]))
-
-
-@njit(**_OPTIONS)
-def _restrict(fine, coarse, first, end):
-    """Add the transpose of :func:`_prolong` to some rows of the coarse plane."""
-    top = fine.shape[1] - 1
-    rows = fine.shape[2] - 2
-    one = np.uint64(1)
-    for c in range(3):
-        for j in range(first + 1, end + 1):
-            here = fine[c, top, 2 * j - 1]
-            north = fine[c, top, 2 * j]
-            south = fine[c, top, 2 * j - 2 if j > 1 else rows]
-            to = coarse[c, 0, j]
-            last = np.uint64(here.size - 2)
-            to[1] += here[1] + 0.5 * ((here[last] + here[2]) + (north[1] + south[1]))
-            to[1] += 0.25 * ((north[last] + north[2]) + (south[last] + south[2]))
-            for i in range(np.uint64(2), np.uint64(to.size - 1)):
-                m = 2 * i - one
-                w = m - one
-                e = m + one
-                sides = (here[w] + here[e]) + (north[m] + south[m])
-                corners = (north[w] + north[e]) + (south[w] + south[e])
-                to[i] += here[m] + (0.5 * sides + 0.25 * corners)
