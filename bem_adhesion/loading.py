@@ -12,13 +12,12 @@ from dataclasses import replace
 import numpy as np
 from scipy.optimize import brentq
 
-from bem_adhesion.adhesive import NewtonResult
 from bem_adhesion.arguments import check_arguments
 from bem_adhesion.free_boundary import FreeHalfSpace, Window
 from bem_adhesion.multilevel import MultilevelContact
 from bem_adhesion.operator import periodic
 from bem_adhesion.roughness import typical_wavenumber
-from bem_adhesion.solution import Outcome, Solution
+from bem_adhesion.solution import NewtonResult, Outcome, Solution
 from bem_adhesion.wall_passes import passes_of
 from contact_study.fields.arguments import check_step
 from contact_study.fields.grid import Grid

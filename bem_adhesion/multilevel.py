@@ -16,11 +16,11 @@ from dataclasses import replace
 import numpy as np
 from numba import njit
 
-from bem_adhesion.adhesive import AdhesiveContact, NewtonResult
+from bem_adhesion.adhesive import AdhesiveContact
 from bem_adhesion.free_boundary import Window
 from bem_adhesion.local_relaxation import LocalRelaxation
 from bem_adhesion.operator import MakeOperator
-from bem_adhesion.solution import Outcome
+from bem_adhesion.solution import NewtonResult, Outcome
 from contact_study.fields.fourier import interpolate
 from contact_study.fields.grid import Grid
 from contact_study.problem.laws.base import TractionLaw

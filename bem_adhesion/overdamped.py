@@ -9,9 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from bem_adhesion.adhesive import NewtonResult
 from bem_adhesion.loading import LoadedContact
-from bem_adhesion.solution import Outcome, Solution
+from bem_adhesion.solution import NewtonResult, Outcome, Solution
 
 _NEWTON_STEPS = 8
 # What a step's own minimum may be off: of the allowed error of a time step, and of the force that it begins with.

@@ -92,3 +92,28 @@ class Solution:
     def message(self) -> str:
         """How the solve ended, in words."""
         return self.outcome.value
+
+
+@dataclass(frozen=True)
+class NewtonResult:
+    """State that a Newton solve reached.
+
+    Parameters
+    ----------
+    gap : numpy.ndarray
+        The gap d, > 0, or >= 0 outside a wall.
+    reaction : numpy.ndarray or float
+        Pressure of the wall where the gap is zero; zero for a law without one.
+    residual : float
+        max|K d + φ'(d) + load|; where surfaces touch a wall, only what it would have to pull.
+    iterations : int
+        Newton iterations.
+    outcome : Outcome
+        How the solve ended.
+    """
+
+    gap: np.ndarray
+    reaction: np.ndarray | float
+    residual: float
+    iterations: int
+    outcome: Outcome

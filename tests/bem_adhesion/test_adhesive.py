@@ -216,3 +216,24 @@ def test_not_a_number_is_never_taken_for_a_solution():
     grid, the_law, load, gap = scaled_problem(26, 1.0)
     found = AdhesiveContact(grid, periodic(UNIT), the_law, 0.01).solve(gap, np.nan * load, 1e-8, 20)
     assert found.outcome in (Outcome.STALLED, Outcome.ITERATION_LIMIT)
+
+
+def test_a_residual_by_changes_is_that_of_the_gap_within_what_it_says():
+    grid, the_law, load, start = scaled_problem(128, 4.0)
+    solver = AdhesiveContact(grid, periodic(UNIT), the_law, 0.02)
+    result = solver.solve(start, load, 1e-8, 500)
+    assert result.outcome is Outcome.CONVERGED
+    anew, _ = AdhesiveContact(grid, periodic(UNIT), the_law, 0.02).imbalance_at(result.gap, load)
+    # What rounding in float32 may leave in it is a hundredth of the tolerance.
+    assert result.residual == pytest.approx(anew, abs=1e-10)
+
+    moved = result.gap * (1 + 0.1 * np.random.default_rng(0).random(grid.shape))
+    solver._evaluate(result.gap, load)
+    before = solver.solid.field.copy()
+    solver._evaluate_change(result.gap, moved, load)
+    by_change = solver.solid.field.copy()
+    solver._take_back()
+    scale = solver.solid.largest * np.abs(moved - result.gap).max()
+    np.testing.assert_allclose(solver.solid.field, before, rtol=0, atol=1e-15 * scale)  # roundings of float64
+    error = np.abs(by_change - solver.elastic_pressure(moved)).max()
+    assert 1e-9 * scale < error < solver._rounded
