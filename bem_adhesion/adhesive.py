@@ -165,7 +165,7 @@ class AdhesiveContact:
         return self._passes.imbalance(pressure, self._traction, gap)
 
     def _evaluate(self, gap: np.ndarray, load: np.ndarray) -> _State:
-        """Energy and gradient at a gap; fills traction, curvature and right side, and the field of the solid with K d."""
+        """Energy and gradient at a gap; fills traction, curvature, right side, and the field of the solid with K d."""
         self.elastic_pressure(gap)
         self._rounded = 0.0
         return self._state(gap, load)
