@@ -166,6 +166,20 @@ def test_noise_has_the_moments_of_normal_numbers_and_no_memory():
         assert abs(np.mean((one**2 - 1) * (two**2 - 1))) < 5 * 2 / np.sqrt(one.size)
 
 
+def test_levels_have_noise_of_their_own():
+    """Nodes of the same place in the arrays of two levels, after one step from rest: signs agree by chance."""
+    block = block_of((6, 6), (32, 32))
+    system = NewtonianBlock(block, NoInterface(), 1e-3 / FASTEST, friction=1e-3 * FASTEST, temperature=300.0)
+    motion = system.start(np.zeros((3, 32, 32)))
+    system.move(motion, 0.0, np.random.default_rng(0))
+    fine, coarse = (np.sign(nodes.reshape(3, -1)) for nodes in block.levels_of(motion.velocity))
+    fine = fine[:, : coarse.shape[1]]
+    both = (fine != 0) & (coarse != 0)  # inner nodes: forces leave none at 0
+    assert both.sum() > 1000
+    # Five standard errors of a mean of signs.
+    assert abs(np.mean((fine * coarse)[both])) < 5 / np.sqrt(both.sum())
+
+
 def test_friction_brings_the_block_to_rest_in_balance():
     system = system_of(0.3, friction=0.05 * FASTEST)
     motion = run(system, system.start(touching(system.interaction)), 6000, 1e9)
