@@ -86,9 +86,8 @@ class NewtonianBlock:
         self.interface_force = np.empty((3, *block.atoms))
         self._kept = float(np.exp(-friction * time_step))
         self._noise = constants.k * temperature * (1 - self._kept**2)
-        self._spare = np.empty(
-            block.size
-        )  # where the nodes go in a step, those before being needed by their neighbours
+        # Where the nodes go in a step: neighbours need where they were.
+        self._spare = np.empty(block.size)
 
     def start(self, displacement: np.ndarray, velocity: float = 0.0) -> Motion:
         """A block whose planes all have the height of its mean surface, moving as a whole.
