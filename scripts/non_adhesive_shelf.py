@@ -17,9 +17,14 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pandas as pd
+import xarray as xr
+from scipy.special import erfc
 
 import contact_study
+from contact_study.fields.spectrum import RoughnessSpectrum
+from contact_study.problem.elasticity import Elasticity
 from contact_study.problem.study import make_study, read_study
 from contact_study.problem.surface import realise
 from theory import NonAdhesiveTheory, PerssonTheory, closed_forms
@@ -28,7 +33,15 @@ from theory.non_adhesive import CORRECTIONS
 PAPER = Path(__file__).resolve().parent.parent / "data" / "yang2008.toml"
 PRESSURES = (0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0)  # GPa
 THEORIES = (*CORRECTIONS, "paper")
-SHOWN = {"relative_contact_area": "A", "mean_gap": "ū", "elastic_energy": "U"}
+# Symbol, unit and its size of what is shown. The stress that would press a surface flat has the deviation s.
+SHOWN = {
+    "relative_contact_area": ("A", "", 1.0),
+    "share_of_high_stress": ("A(σ > s)", "", 1.0),
+    "mean_gap": ("ū", " nm", 1e9),
+    "stiffness": ("−dp/dū", " GPa/nm", 1e-18),
+    "elastic_energy": ("U", " J/m²", 1.0),
+}
+STEP = 1e-3  # of the pressure, by which the stiffness of the paper's mean gap is found
 
 
 def parser() -> argparse.ArgumentParser:
@@ -49,38 +62,81 @@ def study(surfaces: int, points: int) -> dict[str, Any]:
         "interaction": {"law": "hard_wall"},
         "loading": {"path": [f"{pressure} GPa" for pressure in PRESSURES]},
         "sweep": {"surface.seed": list(range(1, surfaces + 1))},
+        "output": {"fields": True, "stiffness": True},
     }
 
 
 def ensemble(surfaces: int, points: int) -> pd.DataFrame:
     """Mean and standard error of every quantity: a model and a pressure a row."""
-    coarse, fine = (contact_study.run(study(surfaces, count), "continuum") for count in (points // 2, points))
-    truth = {name: fine[name] for name in SHOWN}
-    truth["relative_contact_area"] = 2 * fine["relative_contact_area"] - coarse["relative_contact_area"]
-    found = []
-
-    def row(model: str, name: str, pressure: float, values: pd.Series) -> None:
-        found.append((model, name, pressure, values.mean(), values.std(ddof=1) / len(values) ** 0.5, surfaces))
-
-    for name, values in truth.items():
-        for step, pressure in enumerate(PRESSURES):
-            row("continuum", name, pressure, values.isel(step=step).to_series())
     cases = make_study(study(surfaces, points), Path(tempfile.gettempdir())).cases
-    for correction in CORRECTIONS:
-        theories = [NonAdhesiveTheory(realise(case).measured_spectrum(), case.solid, correction) for case in cases]
-        for pressure in PRESSURES:
-            contacts = [theory.at_pressure(1e9 * pressure) for theory in theories]
-            for name in SHOWN:
-                row(correction, name, pressure, pd.Series([getattr(contact, name) for contact in contacts]))
-    spectra = [realise(case).measured_spectrum() for case in cases]
-    solid = cases[0].solid
+    spectra, solid = [realise(case).measured_spectrum() for case in cases], cases[0].solid
+    deviations = [float(np.sqrt(spectrum.full_contact_stress_variance(solid.stiffness))) for spectrum in spectra]
+    found = simulated(surfaces, points, deviations)
     for pressure in PRESSURES:
-        contacts = [PerssonTheory(spectrum, solid, 0.0).at_pressure(1e9 * pressure) for spectrum in spectra]
-        gaps = [float(closed_forms.mean_gap(1e9 * pressure, spectrum, solid)) for spectrum in spectra]
-        row("paper", "relative_contact_area", pressure, pd.Series([each.relative_contact_area for each in contacts]))
-        row("paper", "mean_gap", pressure, pd.Series(gaps))
-        row("paper", "elastic_energy", pressure, pd.Series([each.elastic_energy for each in contacts]))
-    return pd.DataFrame(found, columns=["model", "quantity", "pressure_GPa", "mean", "standard_error", "surfaces"])
+        of_theories: dict[str, list[dict[str, float]]] = {name: [] for name in THEORIES}
+        for spectrum, deviation in zip(spectra, deviations, strict=True):
+            for correction in CORRECTIONS:
+                of_theories[correction].append(corrected(spectrum, solid, correction, 1e9 * pressure, deviation))
+            of_theories["paper"].append(of_the_paper(spectrum, solid, 1e9 * pressure, deviation))
+        found += [
+            (name, quantity, pressure, pd.Series([each[quantity] for each in values]))
+            for name, values in of_theories.items()
+            for quantity in SHOWN
+        ]
+    rows = [(*keys, values.mean(), values.std(ddof=1) / len(values) ** 0.5, surfaces) for *keys, values in found]
+    return pd.DataFrame(rows, columns=["model", "quantity", "pressure_GPa", "mean", "standard_error", "surfaces"])
+
+
+def simulated(surfaces: int, points: int, deviations: list[float]) -> list[tuple[str, str, float, pd.Series]]:
+    """Model, quantity, pressure (GPa) and the values of all surfaces, by the hard wall."""
+    coarse, fine = (contact_study.run(study(surfaces, count), "continuum") for count in (points // 2, points))
+    high = xr.DataArray(deviations, dims="seed", coords={"seed": fine["seed"]})
+    truth = {
+        "relative_contact_area": 2 * fine["relative_contact_area"] - coarse["relative_contact_area"],
+        "share_of_high_stress": (fine["pressure"] > high).mean(("y", "x")),
+        "mean_gap": fine["mean_gap"],
+        "stiffness": fine["contact_stiffness"],
+        "elastic_energy": fine["elastic_energy"],
+    }
+    return [
+        ("continuum", name, pressure, values.isel(step=step).to_series())
+        for name, values in truth.items()
+        for step, pressure in enumerate(PRESSURES)
+    ]
+
+
+def corrected(
+    spectrum: RoughnessSpectrum, solid: Elasticity, correction: str, pressure: float, deviation: float
+) -> dict[str, float]:
+    """What is shown, by one of the corrections."""
+    contact = NonAdhesiveTheory(spectrum, solid, correction).at_pressure(pressure)
+    return {
+        "relative_contact_area": contact.relative_contact_area,
+        "share_of_high_stress": above(deviation, pressure, float(contact.stress_variance_at())),
+        "mean_gap": contact.mean_gap,
+        "stiffness": contact.stiffness,
+        "elastic_energy": contact.elastic_energy,
+    }
+
+
+def of_the_paper(spectrum: RoughnessSpectrum, solid: Elasticity, pressure: float, deviation: float) -> dict[str, float]:
+    """What is shown, by the theory of the paper."""
+    contact = PerssonTheory(spectrum, solid, 0.0).at_pressure(pressure)
+    around = pressure * np.array([1 - STEP, 1.0, 1 + STEP])
+    wide, gap, narrow = (float(closed_forms.mean_gap(each, spectrum, solid)) for each in around)
+    return {
+        "relative_contact_area": contact.relative_contact_area,
+        "share_of_high_stress": above(deviation, pressure, deviation**2),
+        "mean_gap": gap,
+        "stiffness": 2 * STEP * pressure / (wide - narrow),
+        "elastic_energy": contact.elastic_energy,
+    }
+
+
+def above(stress: float, pressure: float, variance: float) -> float:
+    """Share of the area under more than a stress, of P(σ) with a variance."""
+    width = np.sqrt(2 * variance)
+    return float(0.5 * (erfc((stress - pressure) / width) - erfc((stress + pressure) / width)))
 
 
 def rows(table: pd.DataFrame) -> Iterator[str]:
@@ -88,15 +144,14 @@ def rows(table: pd.DataFrame) -> Iterator[str]:
     yield f"| p (GPa) | quantity | continuum | standard error | {' | '.join(f'`{name}`' for name in THEORIES)} |"
     yield "|---" * (4 + len(THEORIES)) + "|"
     truth = table[table["model"] == "continuum"]
-    for name, symbol in SHOWN.items():
+    for name, (symbol, unit, size) in SHOWN.items():
         for _, own in truth[truth["quantity"] == name].iterrows():
             here = table[(table["quantity"] == name) & (table["pressure_GPa"] == own["pressure_GPa"])]
             means = here.set_index("model")["mean"]
             errors = [f"{100 * (means[theory] / own['mean'] - 1):+.1f} %" for theory in THEORIES]
-            unit, size = {"A": ("", 1), "ū": (" nm", 1e9), "U": (" J/m²", 1)}[symbol]
             error = 100 * own["standard_error"] / own["mean"]
             yield (
-                f"| {own['pressure_GPa']:g} | {symbol} | {own['mean'] * size:.4f}{unit} | {error:.1f} % | "
+                f"| {own['pressure_GPa']:g} | {symbol} | {own['mean'] * size:.4g}{unit} | {error:.1f} % | "
                 f"{' | '.join(errors).replace('-', '−')} |"
             )
 
