@@ -54,8 +54,8 @@ def test_many_grids_end_in_the_states_of_one(system):
             saved.append(predicted.fft_pairs / alone.fft_pairs)
     # At least the loading and unloading of twenty surfaces, and tension that ends in pull-off.
     assert compared > 20 * 20
-    # Prediction is there to save work, the more the better the coarse grid resolves the process zone. With four points to
-    # it and 160² in all it is as much work as the one grid takes since K d follows its changes (median 1.00).
+    # Prediction is there to save work, the more the better the coarse grid resolves the process zone. With four points
+    # to it, of 160², it takes as much work as the one grid does since K d follows its changes (median 1.00).
     assert np.median(saved) < {1.0: 0.9, 4.0: 1.05, 8.0: 1.1}[ratio]
 
 
