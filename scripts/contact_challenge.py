@@ -11,6 +11,7 @@ smaller cell has the same shortest waves, and so nearly the same error, on fewer
 
     python scripts/contact_challenge.py --points 2048 4096
     python scripts/contact_challenge.py --size "12.5 um" --points 256 512 1024
+    python scripts/contact_challenge.py --points 2048 4096 8192 --table data/contact_challenge.csv
 """
 
 import argparse
@@ -18,8 +19,10 @@ import itertools
 import resource
 import sys
 from collections.abc import Iterator, Sequence
+from pathlib import Path
 
 import numpy as np
+import pandas as pd
 
 from bem_adhesion import rough_contact
 from bem_adhesion.solution import Solution
@@ -63,6 +66,7 @@ def parser() -> Parser:
     made.add_argument("--seed", type=int, default=1, help="sample of the recipe")
     made.add_argument("--no-adhesion", action="store_true", help="the hard wall alone")
     made.add_argument("--threads", type=int, default=1, help="threads of the transforms")
+    made.add_argument("--table", type=Path, help="CSV of results: grids it has are not solved again, others are added")
     return made
 
 
@@ -78,8 +82,15 @@ def _main(arguments: Sequence[str] | None) -> int:
     law = HardWall() if given.no_adhesion else Exponential(WORK, RANGE)
     found = []
     for points in grids:
-        found.append([numbers(solution) for solution in path(sample, points, law, pressures, given.threads)])
-        print(f"{points}²: {sum(row['pairs'] for row in found[-1]):.0f} pairs", file=sys.stderr)
+        question = {"adhesion": not given.no_adhesion, "size": size, "seed": given.seed, "points": points}
+        rows = _known(given.table, question, pressures)
+        if rows is None:
+            solved = path(sample, points, law, pressures, given.threads)
+            rows = [numbers(pressure, solution) for pressure, solution in zip(pressures, solved, strict=True)]
+            if given.table:
+                _add(given.table, [question | row for row in rows])
+        found.append(rows)
+        print(f"{points}²: {sum(row['pairs'] for row in rows):.0f} pairs", file=sys.stderr)
     kind = "no adhesion" if given.no_adhesion else "with adhesion"
     print(
         f"Cell {size * 1e6:g} µm, seed {given.seed}, {kind}: rms height {sample.rms_height * 1e6:.3f} µm, rms slope "
@@ -109,12 +120,28 @@ def _main(arguments: Sequence[str] | None) -> int:
     pairs = ", ".join(
         f"{sum(row['pairs'] for row in rows):.0f} on {points}²" for points, rows in zip(grids, found, strict=True)
     )
-    memory = 1024 * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-    print(f"\nPairs of transforms: {pairs}. Peak memory {memory / 1e9:.1f} GB.")
+    memory = max(row["peak_memory"] for rows in found for row in rows)
+    print(f"\nPairs of transforms: {pairs}. Peak memory {memory:.1f} GB.")
     failed = sum(not row["converged"] for rows in found for row in rows)
     if failed:
         print(f"\n{failed} states did not converge.")
     return 2 if failed else 0
+
+
+def _known(table: Path | None, question: dict[str, float], pressures: Sequence[float]) -> list[dict[str, float]] | None:
+    """What a table has of a path on one grid; None if it lacks a state of it."""
+    if table is None or not table.exists():
+        return None
+    rows = pd.read_csv(table)
+    for name, value in question.items():
+        rows = rows[np.isclose(rows[name].astype(float), value, rtol=1e-12, atol=0)]
+    if len(rows) != len(pressures) or not np.allclose(rows["pressure"], pressures, rtol=1e-12, atol=0):
+        return None
+    return [{str(name): value for name, value in row.items()} for row in rows.to_dict("records")]
+
+
+def _add(table: Path, rows: list[dict[str, float]]) -> None:
+    pd.DataFrame(rows).to_csv(table, mode="a", header=not table.exists(), index=False)
 
 
 def error_of(value: float, limit: float) -> str:
@@ -157,17 +184,19 @@ def path(
         yield found
 
 
-def numbers(solution: Solution) -> dict[str, float]:
-    """What is compared of a state: touching area, mean gap (µm), stress in contact (MPa), tails; pairs it took."""
+def numbers(pressure: float, solution: Solution) -> dict[str, float]:
+    """What is compared of a state: area, mean gap (µm), stress in contact (MPa), tails; what it took (GB)."""
     touching = solution.gap <= 0
-    pressure = solution.pressure
+    stress = solution.pressure
     return {
+        "pressure": pressure,
         "area": float(np.mean(touching)),
         "gap": float(np.mean(solution.gap)) * 1e6,
-        "stress": float(np.mean(pressure[touching])) / 1e6 if touching.any() else 0.0,
-        **{f"tail {k:g}": float(np.mean(pressure > k * MODULUS / 2)) for k in TAILS},
+        "stress": float(np.mean(stress[touching])) / 1e6 if touching.any() else 0.0,
+        **{f"tail {k:g}": float(np.mean(stress > k * MODULUS / 2)) for k in TAILS},
         "pairs": solution.fft_pairs,
         "converged": solution.converged,
+        "peak_memory": 1024 * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e9,
     }
 
 

@@ -247,6 +247,20 @@ def test_the_contact_mechanics_challenge(capsys):
     assert re.search(r"48²: \d+ pairs\n96²: \d+ pairs", errors)
 
 
+def test_the_challenge_goes_on_from_its_table(tmp_path, capsys, monkeypatch):
+    table = tmp_path / "challenge.csv"
+    asked = ["--size", "2 um", "--pressures", "1 MPa", "--no-adhesion", "--table", str(table), "--points"]
+    assert contact_challenge.main([*asked, "48", "64"]) == 0
+    solved, path = [], contact_challenge.path
+    monkeypatch.setattr(contact_challenge, "path", lambda *given: solved.append(given[1]) or path(*given))
+    assert contact_challenge.main([*asked, "48", "96"]) == 0
+    assert contact_challenge.main([*asked, "48", "--seed", "2"]) == 0
+    assert solved == [96, 48]
+    first, second, _ = capsys.readouterr().out.split("Cell 2 µm")[1:]
+    areas = [re.search(r"A/A₀ \| (0\.\d+)", said).group(1) for said in (first, second)]
+    assert areas[0] == areas[1]
+
+
 def test_touching_points_of_the_challenge_carry_the_load(capsys):
     assert contact_challenge.main(["--size", "2 um", "--points", "64", "--pressures", "1 MPa", "--no-adhesion"]) == 0
     rows = [row.strip("| ").split(" | ") for row in capsys.readouterr().out.splitlines()[4:-2]]
