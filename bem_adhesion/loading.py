@@ -30,6 +30,8 @@ from contact_study.problem.laws.base import TractionLaw
 PRECONDITIONER_SHIFT = 0.22
 # Corrections of the spring's end under gap control.
 GAP_CORRECTIONS = 20
+# Solves at ever smaller tolerance until an approach is met.
+APPROACH_REFINEMENTS = 5
 # Tension, in units of the law's peak, that counts as none: the gap where it has fallen to this is out of reach.
 NO_TENSION = 1e-3
 # Gap outside a wall that is none, over the largest height: some roundings of both.
@@ -69,8 +71,8 @@ class LoadedContact:
         What a step prescribes. A prescribed mean gap is held by a stiff spring whose end is moved until the mean gap
         is met: the contact itself stays soft and may jump inside. An approach is that of :class:`FreeContact` alone.
     tolerance : float, optional
-        Largest max|K w + φ'(d) + p| / E* of a solution; under gap control also the largest error of the mean gap in
-        units of the law's length.
+        Largest max|K w + φ'(d) + p| / E* of a solution; under control of the gap or the approach also its largest error
+        in units of the law's length.
     max_iterations : int, optional
         Newton iterations of one step before it is flagged.
     threads : int, optional
@@ -167,7 +169,7 @@ class LoadedContact:
                 gap += max(mean_gap - gap.mean(), 0.0)
             result = self._hold(gap, mean_gap, out_of_reach)
         elif self.control == "approach":
-            result = self._solve(gap, -self._spring * target / self._length, out_of_reach)
+            result = self._lower(gap, target / self._length, out_of_reach)
         elif out_of_reach and target <= 0:
             return self._apart(Outcome.APART)
         else:
@@ -230,6 +232,21 @@ class LoadedContact:
             end -= error / compliance
         return replace(result, iterations=iterations, outcome=outcome)
 
+    def _lower(self, gap: np.ndarray, plane: float, approach: bool) -> NewtonResult:
+        """Solve until the undeformed surface is in its place, too: a residual moves what is soft in the mean far."""
+        tolerance, iterations = self.tolerance, 0
+        for _ in range(APPROACH_REFINEMENTS):
+            result = self._solve(gap, -self._spring * plane, approach, tolerance)
+            iterations += result.iterations
+            pressure, _ = self._pressure(result)
+            mean_pressure = float(pressure.mean()) / self.elasticity.contact_modulus
+            found = float(np.mean(self._height + result.gap)) - mean_pressure / self._spring
+            if result.outcome is not Outcome.CONVERGED or abs(found - plane) <= self.tolerance:
+                return replace(result, iterations=iterations)
+            gap, approach = result.gap, False
+            tolerance *= 0.1
+        return replace(result, iterations=iterations, outcome=Outcome.ITERATION_LIMIT)
+
     def _tension(self, gap: np.ndarray) -> float:
         """Mean tension under which a state is in equilibrium, in units of the contact modulus."""
         if not self.law.has_wall:
@@ -244,10 +261,7 @@ class LoadedContact:
     def _solution(self, result: NewtonResult, pairs: float) -> Solution:
         gap = result.gap * self._length
         displacement = self.height + gap
-        pressure = np.empty_like(gap)
-        interaction = self._passes.evaluate(gap, pressure, np.empty(gap.shape, np.float32)) / gap.size
-        np.negative(pressure, out=pressure)
-        pressure += result.reaction * self.elasticity.contact_modulus
+        pressure, interaction = self._pressure(result)
         # In equilibrium K w is the interface pressure less its mean: ½<w, K w> without another transform.
         elastic = 0.5 * np.mean((pressure - pressure.mean()) * displacement)
         elastic += self.elasticity.compression_energy(float(pressure.mean()))
@@ -264,6 +278,15 @@ class LoadedContact:
             result.outcome,
             max(0.0, -float(np.min(result.reaction))) if self.law.has_wall else None,
         )
+
+    def _pressure(self, result: NewtonResult) -> tuple[np.ndarray, float]:
+        """Of the interface (Pa), and its energy per area (J/m²)."""
+        gap = result.gap * self._length
+        pressure = np.empty_like(gap)
+        interaction = self._passes.evaluate(gap, pressure, np.empty(gap.shape, np.float32)) / gap.size
+        np.negative(pressure, out=pressure)
+        pressure += result.reaction * self.elasticity.contact_modulus
+        return pressure, interaction
 
     def _apart(self, outcome: Outcome, iterations: int = 0, pairs: float = 0.0) -> Solution:
         """No contact: infinite gaps, no pressure; a later step starts from separation."""
