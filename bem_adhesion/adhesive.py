@@ -12,7 +12,7 @@ order one for the sake of float32.
 """
 
 from dataclasses import dataclass
-from typing import Protocol
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -26,6 +26,9 @@ from bem_adhesion.tangent import mean_compliance
 from bem_adhesion.wall_passes import passes_of
 from contact_study.fields.grid import Grid
 from contact_study.problem.laws.base import TractionLaw
+
+if TYPE_CHECKING:
+    from bem_adhesion.local_relaxation import LocalRelaxation
 
 # Reduction of the residual asked of a linear solve: with the full curvature, and while it is faded. Below the residual
 # CLOSE (in units of the contact modulus) Newton's steps earn a better one, but none beyond the tolerance.
@@ -69,24 +72,6 @@ class _State:
     total: float
 
 
-class Relaxation(Protocol):
-    """What brings a contact to balance in the few places where it is not, see :mod:`bem_adhesion.local_relaxation`."""
-
-    def relax(
-        self,
-        gap: np.ndarray,
-        elastic: np.ndarray,
-        load: np.ndarray,
-        right_side: np.ndarray,
-        approach: bool,
-        out: np.ndarray,
-    ) -> bool:
-        """Write the relaxed gap into ``out``; False where the places are not few."""
-
-    def equivalent_pairs(self, grid: Grid) -> float:
-        """Transform pairs done so far, as float64 pairs on ``grid``."""
-
-
 class AdhesiveContact:
     """The discretised contact on one grid, with the work space of its solver.
 
@@ -127,7 +112,7 @@ class AdhesiveContact:
         self._free_passes = self._passes
         self._stalls = False
         self._rounded = 0.0
-        self.relaxation: Relaxation | None = None
+        self.relaxation: LocalRelaxation | None = None
         self._bed = bed_under(self._single, make_operator, shift)
         self._linearised = LinearisedContact(self._single, shift, self._bed)
         self._traction = np.empty(grid.shape)
@@ -155,7 +140,8 @@ class AdhesiveContact:
         return state.largest, self._runs_away(gap, state)
 
     def elastic_pressure(self, gap: np.ndarray) -> np.ndarray:
-        """K d in the buffer of the solid, which the next operation overwrites."""
+        """K d in the field of the solid; :meth:`solve` may go on from it."""
+        self._rounded = 0.0
         self.solid.field[...] = gap
         return self.solid.apply(self.solid.stiffness)
 
@@ -167,7 +153,6 @@ class AdhesiveContact:
     def _evaluate(self, gap: np.ndarray, load: np.ndarray) -> _State:
         """Energy and gradient at a gap; fills traction, curvature, right side, and the field of the solid with K d."""
         self.elastic_pressure(gap)
-        self._rounded = 0.0
         return self._state(gap, load)
 
     def _evaluate_change(self, gap: np.ndarray, new: np.ndarray, load: np.ndarray) -> _State:
@@ -176,9 +161,20 @@ class AdhesiveContact:
         np.subtract(new, gap, out=change, casting="same_kind")
         largest = max(float(change.max()), -float(change.min()))
         self.solid.field += self._single.apply(self._single.stiffness)
-        # A spring on the mean is soft beside the largest K: what float32 leaves in it moves the whole.
-        self._rounded += CHANGE_ROUNDING * largest * self.solid.largest if self.solid.mean_stiffness == 0 else np.inf
+        self._rounded += CHANGE_ROUNDING * largest * self.solid.largest
         return self._state(new, load)
+
+    def _evaluate_from(self, known: np.ndarray | None, gap: np.ndarray, load: np.ndarray) -> _State:
+        """As :meth:`_evaluate`, from the gap whose K d is there, if there is one."""
+        if known is None:
+            return self._evaluate(gap, load)
+        if known is gap:
+            return self._state(gap, load)
+        return self._unless_rounded(self._evaluate_change(known, gap, load), gap, load)
+
+    def _unless_rounded(self, state: _State, gap: np.ndarray, load: np.ndarray) -> _State:
+        """The state, evaluated anew where rounding may show in its residual."""
+        return self._evaluate(gap, load) if self._rounded > SHARE_OF_RESIDUAL * state.largest else state
 
     def _take_back(self) -> None:
         """K d as it was before the last change."""
@@ -276,11 +272,16 @@ class AdhesiveContact:
         self._passes.evaluate(gap, self._traction, self.curvature)
         return mean_compliance(self._linearised, self.curvature, self._passes.pin(self.curvature, gap))
 
-    def on_tangent(self, gap: np.ndarray, load: np.ndarray, limit: float, steps: int = 1) -> np.ndarray:
-        """The gap after Newton steps, as far as no gap changes by more than the fraction ``limit`` in all."""
+    def on_tangent(
+        self, gap: np.ndarray, load: np.ndarray, limit: float, steps: int = 1, known: np.ndarray | None = None
+    ) -> np.ndarray:
+        """The gap after Newton steps, as far as no gap changes by more than the fraction ``limit`` in all.
+
+        ``known`` as of :meth:`solve`.
+        """
         start = gap
         for _ in range(steps):
-            self._evaluate(gap, load)
+            self._evaluate_from(known, gap, load)
             result = self._linearised.solve(self._right_side, self.curvature, 1.0, REDUCTION, LINEAR_ITERATIONS)
             step = self._linearised.solution
             self._passes.hold(self.curvature, step)
@@ -289,11 +290,17 @@ class AdhesiveContact:
                 break
             moved = np.empty_like(gap)
             self._passes.advance(gap, step, STEP_LIMIT, moved)
-            gap = moved
+            known, gap = gap, moved
         return gap
 
     def solve(
-        self, gap: np.ndarray, load: np.ndarray, tolerance: float, max_iterations: int, approach: bool = False
+        self,
+        gap: np.ndarray,
+        load: np.ndarray,
+        tolerance: float,
+        max_iterations: int,
+        approach: bool = False,
+        known: np.ndarray | None = None,
     ) -> NewtonResult:
         """Descend from ``gap`` to the next equilibrium.
 
@@ -309,9 +316,11 @@ class AdhesiveContact:
             Largest number of Newton iterations.
         approach : bool, optional
             Whether the surfaces come together from separation, see :data:`APPROACH_RESIDUAL`.
+        known : numpy.ndarray, optional
+            A gap, this or another, whose K d was formed last: by :meth:`elastic_pressure`, or as that of a result.
         """
+        state = self._evaluate_from(known, gap, load)
         gap, trial = gap.copy(), np.empty_like(gap)
-        state = self._evaluate(gap, load)
         fading, iteration, stepped = 0.0, 0, True
         while True:
             if state.largest <= tolerance and self._rounded > SHARE_OF_TOLERANCE * tolerance:
@@ -379,9 +388,7 @@ class AdhesiveContact:
             new = self._evaluate_change(gap, trial, load)
             equal = new.energy <= state.energy + ENERGY_ROUNDING * abs(state.energy)
             if new.energy <= state.energy or (equal and new.square < state.square):
-                if self._rounded > SHARE_OF_RESIDUAL * new.largest:
-                    new = self._evaluate(trial, load)
-                return new, fraction
+                return self._unless_rounded(new, trial, load), fraction
             self._take_back()
             step *= np.float32(BACKTRACKING)
             fraction *= BACKTRACKING

@@ -120,19 +120,27 @@ class MultilevelContact:
         return self.finest.beside_saddle(gap, load) if self._has_negative_curvature() else None
 
     def _descend(
-        self, gap: np.ndarray, load: np.ndarray, tolerance: float, max_iterations: int, approach: bool
+        self,
+        gap: np.ndarray,
+        load: np.ndarray,
+        tolerance: float,
+        max_iterations: int,
+        approach: bool,
+        known: np.ndarray | None = None,
     ) -> NewtonResult:
+        """``known`` is None, or the gap itself if :attr:`finest` has formed its elastic pressure last."""
+        start = gap
         # The spring of gap control overshoots on its way to the gap: it takes no predictions but the first.
         if self.coarser and (approach or self.finest.solid.mean_stiffness == 0):
-            gap = self._predict(self.coarser, gap, load, max_iterations, approach)
-        return self.finest.solve(gap, load, tolerance, max_iterations, approach)
+            elastic = self.finest.elastic_pressure(gap) if known is None else self.finest.solid.field
+            start, known = self._predict(self.coarser, gap, elastic + load, max_iterations, approach), gap
+        return self.finest.solve(start, load, tolerance, max_iterations, approach, known)
 
     def _predict(
-        self, coarser: "MultilevelContact", gap: np.ndarray, load: np.ndarray, max_iterations: int, approach: bool
+        self, coarser: "MultilevelContact", gap: np.ndarray, pressure: np.ndarray, max_iterations: int, approach: bool
     ) -> np.ndarray:
-        """The gap that the coarser grids foresee; the start where they foresee none."""
+        """The gap that the coarser grids foresee, of one under K d + load; the start where they foresee none."""
         law = self.finest.law
-        pressure = self.finest.elastic_pressure(gap) + load
         change_of_load = self.finest.imbalance(pressure, gap)
         # Surfaces that come together snap in at any load.
         lag = 0.0 if approach else max(LAG / coarser.points_per_process_zone**4, LEAST_LAG) * law.peak_tensile_stress
@@ -141,13 +149,15 @@ class MultilevelContact:
         behind = float(np.copysign(lag, change_of_load))
         coarse_gap = np.ascontiguousarray(gap[::2, ::2])
         coarse_load = pressure[::2, ::2] - coarser.finest.elastic_pressure(coarse_gap)
-        result = coarser._descend(coarse_gap, coarse_load - behind, COARSE_TOLERANCE, max_iterations, approach)
+        result = coarser._descend(
+            coarse_gap, coarse_load - behind, COARSE_TOLERANCE, max_iterations, approach, coarse_gap
+        )
         if result.outcome is not Outcome.CONVERGED:
             return gap
         reached = result.gap
         if lag:
             steps = TANGENT_STEPS if coarser.points_per_process_zone >= POINTS_FOR_STEPS else 1
-            reached = coarser.finest.on_tangent(reached, coarse_load, TANGENT_LIMIT, steps)
+            reached = coarser.finest.on_tangent(reached, coarse_load, TANGENT_LIMIT, steps, reached)
         predicted = gap.copy()
         change = interpolate(reached - coarse_gap, self.finest.grid.shape)
         _correct(predicted.reshape(-1), change.reshape(-1), CLOSEST_PREDICTION * law.equilibrium_distance)

@@ -231,9 +231,9 @@ def test_a_residual_by_changes_is_that_of_the_gap_within_what_it_says():
     solver._evaluate(result.gap, load)
     before = solver.solid.field.copy()
     solver._evaluate_change(result.gap, moved, load)
-    by_change = solver.solid.field.copy()
+    by_change, said = solver.solid.field.copy(), solver._rounded
     solver._take_back()
     scale = solver.solid.largest * np.abs(moved - result.gap).max()
     np.testing.assert_allclose(solver.solid.field, before, rtol=0, atol=1e-15 * scale)  # roundings of float64
     error = np.abs(by_change - solver.elastic_pressure(moved)).max()
-    assert 1e-9 * scale < error < solver._rounded
+    assert 1e-9 * scale < error < said

@@ -33,56 +33,49 @@ def on_one_grid(ratio, points, spacing, rms_height, seed):
     return alone
 
 
+def steps_of_both(these, those, ratio, where):
+    """Solutions of two contacts on loading, unloading and tension up to pull-off, which must agree."""
+    tension = [-0.02e9 * np.sqrt(ratio) * step for step in range(1, 60)]
+    state = those.separated()
+    for pressure in (*LOADING, *LOADING[-2::-1], *tension):
+        # Each step from the state of the second: a difference does not outlive its step.
+        one, other = these.step(state, pressure), those.step(state, pressure)
+        assert one.outcome is other.outcome, f"{where}, {pressure:g} Pa"
+        if other.detached:
+            return
+        # Residuals of 1e-8 E* over the softest stiffness, about 1e-3 E*/r0 close to a fold.
+        difference = np.abs(one.gap - other.gap).max()
+        assert difference < 1e-3 * R0, f"{where}, {pressure:g} Pa: {difference:g} m"
+        state = other.displacement
+        yield one, other
+
+
 @pytest.mark.parametrize("system", SYSTEMS)
 def test_many_grids_end_in_the_states_of_one(system):
-    ratio = system[0]
-    tension = [-0.02e9 * np.sqrt(ratio) * step for step in range(1, 60)]
-    compared, saved = 0, []
+    saved = []
     for seed in range(1, 21):
-        many, one = contact(*system, seed), on_one_grid(*system, seed)
-        state = one.separated()
-        for pressure in (*LOADING, *LOADING[-2::-1], *tension):
-            # Each step from the state of one grid: a difference does not outlive its step.
-            predicted, alone = many.step(state, pressure), one.step(state, pressure)
-            assert predicted.outcome is alone.outcome, f"seed {seed}, {pressure:g} Pa"
-            if alone.detached:
-                break
-            # Residuals of 1e-8 E* over the softest stiffness, about 1e-3 E*/r0 close to a fold.
-            difference = np.abs(predicted.gap - alone.gap).max()
-            assert difference < 1e-3 * R0, f"seed {seed}, {pressure:g} Pa: {difference:g} m"
-            state, compared = alone.displacement, compared + 1
-            saved.append(predicted.fft_pairs / alone.fft_pairs)
+        both = contact(*system, seed), on_one_grid(*system, seed)
+        steps = steps_of_both(*both, system[0], f"seed {seed}")
+        saved += [predicted.fft_pairs / alone.fft_pairs for predicted, alone in steps]
     # At least the loading and unloading of twenty surfaces, and tension that ends in pull-off.
-    assert compared > 20 * 20
-    # Prediction is there to save work, the more the better the coarse grid resolves the process zone. With four points
-    # to it, of 160², it takes as much work as the one grid does since K d follows its changes (median 1.00).
-    assert np.median(saved) < {1.0: 0.9, 4.0: 1.05, 8.0: 1.1}[ratio]
+    assert len(saved) > 20 * 20
+    # Prediction is there to save work, the more the better the coarse grid resolves the process zone.
+    assert np.median(saved) < {1.0: 0.9, 4.0: 1.0, 8.0: 1.1}[system[0]]
 
 
 @pytest.mark.parametrize("system", SYSTEMS)
 def test_squares_end_in_the_states_of_the_whole(system):
-    compared, moved = 0, 0
+    moved = []
     for seed in range(1, 11):
         squares, whole = on_one_grid(*system, seed), on_one_grid(*system, seed)
         finest = squares._contact.finest
         # Of 40 points, fewer than pay; here it is their states that count.
         finest.relaxation = LocalRelaxation(finest.grid, periodic(HalfSpace(1.0)), finest.law, 0.05)
-        state = whole.separated()
-        tension = [-0.02e9 * np.sqrt(system[0]) * step for step in range(1, 60)]
-        for pressure in (*LOADING, *LOADING[-2::-1], *tension):
-            local, plain = squares.step(state, pressure), whole.step(state, pressure)
-            assert local.outcome is plain.outcome, f"seed {seed}, {pressure:g} Pa"
-            if plain.detached:
-                break
-            # As above: residuals of 1e-8 E* over the softest stiffness.
-            difference = np.abs(local.gap - plain.gap).max()
-            assert difference < 1e-3 * R0, f"seed {seed}, {pressure:g} Pa: {difference:g} m"
-            compared += 1
-            moved += local.fft_pairs != plain.fft_pairs
-            state = plain.displacement
-    assert compared > 10 * 20
+        steps = steps_of_both(squares, whole, system[0], f"seed {seed}")
+        moved += [local.fft_pairs != plain.fft_pairs for local, plain in steps]
+    assert len(moved) > 10 * 20
     # Else nothing was compared: only a jump leaves more than 0.05 E*, at 2 % (ε0) to 5 % of the steps.
-    assert moved > compared / 100
+    assert np.mean(moved) > 0.01
 
 
 def slow_flow(problem, pressure):
