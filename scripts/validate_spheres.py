@@ -3,7 +3,7 @@
 `docs/validation.md` explains the columns.
 
     python scripts/validate_spheres.py hertz
-    python scripts/validate_spheres.py maugis --most-points 940 --table data/maugis_spheres.csv
+    python scripts/validate_spheres.py maugis --tabor 2 3 5 --ramp 0.2 --most-points 940 --table data/maugis_spheres.csv
     python scripts/validate_spheres.py maugis --from data/maugis_spheres.csv --figure maugis_spheres.png
     python scripts/validate_spheres.py ramp
 """
@@ -34,7 +34,7 @@ POINTS_PER_ZONE = 4
 FEWEST_POINTS, MOST_POINTS = 96, 192
 FORCE_RESOLUTION = 0.005  # of the pull-off force, over πwR
 # Of a sphere, beside its states, in its file.
-COLUMNS = ("tabor", "points", "points_per_zone", "held", "lost", "pairs", "seconds")
+COLUMNS = ("tabor", "ramp", "points", "points_per_zone", "held", "lost", "pairs", "seconds")
 HERTZ_POINTS = (32, 64, 128, 256)
 
 
@@ -52,6 +52,7 @@ def parser() -> Parser:
     made.add_argument(
         "--points-per-zone", type=float, default=POINTS_PER_ZONE, help="points to the process zone, as far as these go"
     )
+    made.add_argument("--ramp", type=float, default=RAMP, help="width of the tension's end, over its reach (maugis)")
     made.add_argument("--table", type=Path, help="CSV to add the spheres' states to (maugis)")
     made.add_argument("--from", type=Path, dest="source", help="CSV to read them from, in place of a run (maugis)")
     made.add_argument("--figure", type=Path, help="draw pull-off and contact radius, too (maugis)")
@@ -152,6 +153,7 @@ class Sphere:
 
     tabor: float
     theory: Maugis
+    ramp: float
     points: int
     points_per_zone: float
     held: float
@@ -208,13 +210,13 @@ def solved(
         tried = 0.5 * (held + lost)
         held, lost = (tried, lost) if at(-tried) else (held, tried)
     seconds = time.process_time() - began
-    return Sphere(tabor, theory, points, points / (size * work), held, lost, states, pairs, seconds)
+    return Sphere(tabor, theory, ramp, points, points / (size * work), held, lost, states, pairs, seconds)
 
 
 def solved_spheres(given: argparse.Namespace) -> Iterator[Sphere]:
     """A sphere for each Tabor parameter, added to the file as soon as it is there."""
     for tabor in given.tabor:
-        found = solved(tabor, most_points=given.most_points, points_per_zone=given.points_per_zone)
+        found = solved(tabor, given.ramp, given.most_points, given.points_per_zone)
         if given.table:
             written(found).to_csv(
                 given.table, mode="a", header=not given.table.exists(), index=False, float_format="%.6g"
@@ -233,7 +235,7 @@ def written(sphere: Sphere) -> pd.DataFrame:
 def read(path: Path) -> list[Sphere]:
     """The spheres of a file that :func:`solved_spheres` wrote, by Tabor parameter."""
     spheres = []
-    for tabor, rows in pd.read_csv(path).groupby("tabor"):
+    for (tabor, _, _), rows in pd.read_csv(path).groupby(["tabor", "ramp", "points"]):
         states = list(rows[["force", "radius", "approach"]].itertuples(index=False, name=None))
         spheres.append(Sphere(theory=theory_of(tabor), states=states, **rows[list(COLUMNS)].iloc[0]))
     return spheres
@@ -241,8 +243,8 @@ def read(path: Path) -> list[Sphere]:
 
 def print_maugis_head() -> None:
     compared = " | ".join(f"a at {force:g} | δ at {force:g}" for force in FORCES)
-    print(f"| μ | λ | points | per zone | pull-off | Maugis | difference | {compared} |")
-    print("|---" * (7 + 2 * len(FORCES)) + "|")
+    print(f"| μ | λ | ramp | points | per zone | pull-off | Maugis | difference | {compared} |")
+    print("|---" * (8 + 2 * len(FORCES)) + "|")
 
 
 def print_maugis(found: Sphere) -> None:
@@ -252,7 +254,8 @@ def print_maugis(found: Sphere) -> None:
         own_radius, own_approach = found.theory.at_force(force)
         cells += [f"{100 * (radius / own_radius - 1):+.1f} %", f"{approach - own_approach:+.3f}"]
     print(
-        f"| {found.tabor:g} | {found.theory.parameter:.3g} | {found.points:.0f}² | {found.points_per_zone:.2g} | "
+        f"| {found.tabor:g} | {found.theory.parameter:.3g} | {found.ramp:g} | {found.points:.0f}² | "
+        f"{found.points_per_zone:.2g} | "
         f"{found.pull_off:.3f} | {expected:.3f} | {100 * (found.pull_off / expected - 1):+.1f} % | "
         f"{' | '.join(cells)} |",
         flush=True,

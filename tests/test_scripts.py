@@ -185,16 +185,16 @@ def test_spheres_against_closed_forms(capsys):
     """Two spheres, coarse: the search leaves 0.1 %, the grid less than 1 %."""
     assert validate_spheres.main(["maugis", "--tabor", "0.1", "0.5"]) == 0
     head, rule, *rows = capsys.readouterr().out.splitlines()
-    assert head.count("|") == rule.count("|") == 12
+    assert head.count("|") == rule.count("|") == 13
     for row, tabor in zip(rows, (0.1, 0.5), strict=True):
         radius, work = tabor**3 / 0.02**2, 0.02
         pull_off = reference.maugis_dugdale_pull_off(reference.maugis_parameter(radius, 1.0, work, work))
         cells = [cell.strip(" %") for cell in row.split("|")[1:-1]]
         assert float(cells[0]) == tabor
-        assert abs(float(cells[6])) < 1
-        assert float(cells[5]) == pytest.approx(pull_off, abs=6e-4)  # three digits
-        assert abs(float(cells[7])) < 2
-        assert abs(float(cells[8])) < 0.02
+        assert abs(float(cells[7])) < 1
+        assert float(cells[6]) == pytest.approx(pull_off, abs=6e-4)  # three digits
+        assert abs(float(cells[8])) < 2
+        assert abs(float(cells[9])) < 0.02
 
 
 def test_spheres_are_read_as_they_were_written(tmp_path, capsys):
@@ -204,7 +204,7 @@ def test_spheres_are_read_as_they_were_written(tmp_path, capsys):
     states = [(2.0, 2.1, 1.0), (0.0, 1.5, 0.25), (-1.7, 0.6, -0.5)]
     for tabor, held in ((0.5, 1.5), (0.1, 1.75)):
         sphere = validate_spheres.Sphere(
-            tabor, validate_spheres.theory_of(tabor), 96, 8.0, held, held + 0.1, states, 7, 12
+            tabor, validate_spheres.theory_of(tabor), 0.05, 96, 8.0, held, held + 0.1, states, 7, 12
         )
         validate_spheres.written(sphere).to_csv(path, mode="a", header=not path.exists(), index=False)
     low, high = validate_spheres.read(path)
@@ -214,7 +214,7 @@ def test_spheres_are_read_as_they_were_written(tmp_path, capsys):
     figure = tmp_path / "spheres.png"
     assert validate_spheres.main(["maugis", "--from", str(path), "--figure", str(figure)]) == 0
     *rows, empty, times = capsys.readouterr().out.splitlines()[2:]
-    assert [row.split(" | ")[4] for row in rows] == ["1.800", "1.550"]
+    assert [row.split(" | ")[5] for row in rows] == ["1.800", "1.550"]
     assert (empty, times) == ("", "CPU time: 12, 12 s.")
     assert figure.stat().st_size > 10_000
 
