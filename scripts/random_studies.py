@@ -10,7 +10,7 @@ converged
 
 A state that is none of that is wrong; one that is flagged is counted, and no fault.
 
-    python scripts/random_studies.py --studies 100
+    python -m scripts.random_studies --studies 100
 """
 
 import argparse
@@ -20,18 +20,16 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from scipy.fft import dctn, idctn
-from scipy.signal import fftconvolve
 
 from bem_adhesion import Contact, Solution, rough_contact
 from contact_study.campaign.command import Parser, guarded
 from contact_study.fields.grid import Grid
 from contact_study.problem.case import Case
-from contact_study.problem.elasticity import Elasticity, HalfSpace
 from contact_study.problem.errors import InputError
 from contact_study.problem.laws import LAWS, LennardJones104, TractionLaw
 from contact_study.problem.study import make_study
 from contact_study.problem.surface import realise
+from scripts.independent_balance import FreeSurface, PeriodicSurface
 
 SIZE = 100e-9
 MODULUS = (1e9, 100e9)  # Young's, log-uniform
@@ -320,7 +318,7 @@ def _changes(grid: Grid, rng: np.random.Generator) -> Iterator[np.ndarray]:
         yield change / np.abs(change).max()
 
 
-def _imbalance(solid: "PeriodicSurface | FreeSurface", law: TractionLaw, heights: np.ndarray, found: Solution) -> float:
+def _imbalance(solid: PeriodicSurface | FreeSurface, law: TractionLaw, heights: np.ndarray, found: Solution) -> float:
     """Largest stress that is out of balance, or that a wall would have to pull (Pa)."""
     interface = found.pressure + law.traction(found.gap)
     elastic = solid.imbalance(heights + found.gap, found)
@@ -329,92 +327,6 @@ def _imbalance(solid: "PeriodicSurface | FreeSurface", law: TractionLaw, heights
     free = found.gap > 0
     pulled = max(0.0, -float(interface[~free].min(initial=0.0)))
     return float(max(np.abs(interface[free]).max(initial=0.0), pulled, np.abs(elastic).max()))
-
-
-class PeriodicSurface:
-    """K(q) on the waves of a grid, by NumPy."""
-
-    def __init__(self, solid: Elasticity, grid: Grid):
-        self._solid = solid
-        q = np.hypot(
-            *np.meshgrid(
-                *(2 * np.pi * np.fft.fftfreq(n, s / n) for n, s in zip(grid.shape, grid.size, strict=True)),
-                indexing="ij",
-            )
-        )
-        self._stiffness = np.zeros(grid.shape)
-        self._stiffness[q > 0] = solid.stiffness(q[q > 0])
-
-    def _elastic(self, displacement: np.ndarray) -> np.ndarray:
-        return np.fft.ifft2(self._stiffness * np.fft.fft2(displacement)).real
-
-    def imbalance(self, displacement: np.ndarray, found: Solution) -> np.ndarray:
-        """Pressure of the interface that nothing elastic holds (Pa)."""
-        return self._elastic(displacement) + found.pressure.mean() - found.pressure
-
-    def energy(self, law: TractionLaw, heights: np.ndarray, found: Solution, gap: np.ndarray, control: str) -> float:
-        """Elastic energy, interaction and load at a gap, per area (J/m²)."""
-        displacement = heights + gap
-        load = found.pressure.mean() * gap.mean() if control == "pressure" else 0.0
-        elastic = 0.5 * np.mean(displacement * self._elastic(displacement))
-        return float(elastic + np.mean(law.potential(gap)) + load)
-
-
-class FreeSurface:
-    """The displacement of a cell's pressure, convolved directly."""
-
-    def __init__(self, solid: Elasticity, grid: Grid):
-        assert isinstance(solid, HalfSpace)
-        (rows, columns), (dy, dx) = grid.shape, grid.spacing
-        y = np.arange(1 - rows, rows)[:, None] * dy
-        x = np.arange(1 - columns, columns)[None, :] * dx
-        kernel = np.zeros((2 * rows - 1, 2 * columns - 1))
-        for a, sign_a in ((y + dy / 2, 1), (y - dy / 2, -1)):
-            for b, sign_b in ((x + dx / 2, 1), (x - dx / 2, -1)):
-                r = np.hypot(a, b)
-                kernel += sign_a * sign_b * (a * np.log(b + r) + b * np.log(a + r))
-        self._kernel = kernel / (np.pi * solid.contact_modulus)
-        q = np.hypot(
-            *np.meshgrid(
-                *(np.pi * np.arange(n) / length for n, length in zip(grid.shape, grid.size, strict=True)), indexing="ij"
-            )
-        )
-        self._stiffness = 0.5 * solid.contact_modulus * q
-        self._stiffness[0, 0] = 1 / np.mean(self._displaced(np.ones(grid.shape)))
-
-    def _displaced(self, pressure: np.ndarray) -> np.ndarray:
-        return fftconvolve(pressure, self._kernel, "same")
-
-    def imbalance(self, displacement: np.ndarray, found: Solution) -> np.ndarray:
-        """How far the surface is from where its pressures put it, as the stress that would move it there (Pa).
-
-        Of the patch's own cosine waves, each with its stiffness in the half-space: the scale of that stress, which a
-        patch without waves beyond its rim only has in the mean of many points.
-        """
-        away = found.plane + self._displaced(found.pressure) - displacement
-        return idctn(self._stiffness * dctn(away, norm="ortho"), norm="ortho")
-
-    def energy(self, law: TractionLaw, heights: np.ndarray, found: Solution, gap: np.ndarray, control: str) -> float:
-        """Energy at a gap near the one found, to second order (J/m²).
-
-        The compliance is known, its inverse is not: the pressures of the changed surface are bounded from below by
-        those of the change's own stiffest answer, so that the energy is no smaller than this.
-        """
-        change = gap - found.gap
-        first = np.mean(found.pressure * change)
-        return float(first + np.mean(law.potential(gap)) + 0.5 * self._least_stiffness(change))
-
-    def _least_stiffness(self, change: np.ndarray) -> float:
-        """<c, C⁻¹ c> >= <c, p>²/<p, C p> for any pressure p; taken for the p that c's own slopes suggest."""
-        pressure = self._suggested(change)
-        response = self._displaced(pressure)
-        work = float(np.mean(pressure * response))
-        return float(np.mean(change * pressure)) ** 2 / work if work else 0.0  # no change at all
-
-    def _suggested(self, change: np.ndarray) -> np.ndarray:
-        q = np.hypot(*np.meshgrid(*(np.fft.fftfreq(n) for n in change.shape), indexing="ij"))
-        q[0, 0] = 0.3 / max(change.shape)  # finite for the mean, too
-        return np.fft.ifft2(q * np.fft.fft2(change)).real
 
 
 if __name__ == "__main__":
