@@ -106,6 +106,22 @@ def test_states_satisfy_the_equations_of_a_free_half_space(law, control):
         assert found.interaction_energy == pytest.approx(law.potential(found.gap).mean(), rel=1e-10, abs=1e-15)
 
 
+@pytest.mark.parametrize("seed", range(4))
+def test_an_approach_is_met_within_the_tolerance(seed):
+    """The mean of a patch is soft: a residual within the tolerance can leave the plane farther off."""
+    rng = np.random.default_rng(seed)
+    law, tolerance = LennardJones104(2e-4, 0.02), 1e-5
+    height = 0.02 * rng.standard_normal((24, 24))
+    contact = rough_contact(height, 1.0, 1.0, law, "approach", boundary="free", tolerance=tolerance)
+    state = contact.separated()
+    for target in (0.0, 0.02, 0.04, 0.01):
+        found = contact.step(state, target)
+        state = found.state
+        assert found.converged
+        met = height.max() + law.equilibrium_distance - found.plane
+        assert met == pytest.approx(target, abs=tolerance * law.length)
+
+
 def sphere(points, size, radius=1.0):
     axis = (np.arange(points) - points / 2) * size / points
     r2 = axis[:, None] ** 2 + axis**2
