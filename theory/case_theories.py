@@ -3,7 +3,7 @@
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property, lru_cache, partial
 
 import numpy as np
@@ -13,8 +13,10 @@ from contact_study.fields.spectrum import RoughnessSpectrum
 from contact_study.problem.case import Case
 from contact_study.problem.errors import InputError
 from contact_study.problem.surface import Surface
+from theory.ahead import Ahead, Piece
 from theory.edge_flow import EDGE_FLOW_GAPS, EDGE_FLOW_SCALES, EdgeFlow, edge_flow
 from theory.gap_flow import BRANCHES, GAP_FLOW_GAPS, GAP_FLOW_SCALES, GapFlow, gap_flow
+from theory.gap_state import GapState
 from theory.persson import PerssonTheory
 from theory.persson_solver import TOLERANCE
 from theory.separation import NotConverged
@@ -40,12 +42,15 @@ class CaseTheories:
         The spectrum's name in the study where it is not the first one; else empty.
     coarsening : int
         By how much nodes, cells and scales are fewer than the theories' own.
+    ahead : Ahead
+        Threads that may begin with the flows.
     """
 
     case: Case
     spectrum: RoughnessSpectrum
     other: str = ""
     coarsening: int = 1
+    ahead: Ahead = field(default_factory=lambda: Ahead(1))
 
     def named(self, quantity: str) -> str:
         """The name of a theory's quantity, ``"gap_flow/mean_gap"``, with the spectrum where that is not the first."""
@@ -90,19 +95,14 @@ class CaseTheories:
         asked = self.case.solver.tolerance * self.persson.solid.contact_modulus / self.persson.stress_scale
         return float(np.clip(asked, _FINEST_TOLERANCE, TOLERANCE)), self.case.solver.max_iterations
 
+    def begin(self) -> None:
+        """Let other threads begin with the flows, the longest first."""
+        self._edge_flow_begun, self.gap_flow_states  # noqa: B018
+
     @cached_property
     def gap_flows(self) -> tuple[GapFlow, ...]:
         """The gap flow in each branch; none outside a wall, which no flow goes through, and where none is asked for."""
-        case = self.case
-        if case.law.has_wall or not case.theory.has("gap_flow"):
-            return ()
-        largest = 0.0
-        if case.loading.control == "gap":
-            largest = max(gap for gap, _ in case.path) + case.law.equilibrium_distance
-        gaps, scales = GAP_FLOW_GAPS // self.coarsening, GAP_FLOW_SCALES // self.coarsening
-        flows = tuple(
-            gap_flow(self.spectrum, case.solid, case.law, branch, largest, gaps, scales) for branch in BRANCHES
-        )
+        flows = tuple(begun.result() for begun in self._gap_flows_begun)
         for flow in flows:
             if not flow.converged:
                 warnings.warn(
@@ -114,6 +114,31 @@ class CaseTheories:
         return flows
 
     @cached_property
+    def _gap_flows_begun(self) -> tuple[Piece[GapFlow], ...]:
+        case = self.case
+        if case.law.has_wall or not case.theory.has("gap_flow"):
+            return ()
+        largest = 0.0
+        if case.loading.control == "gap":
+            largest = max(gap for gap, _ in case.path) + case.law.equilibrium_distance
+        gaps, scales = GAP_FLOW_GAPS // self.coarsening, GAP_FLOW_SCALES // self.coarsening
+        return tuple(
+            self.ahead.begin(partial(gap_flow, self.spectrum, case.solid, case.law, branch, largest, gaps, scales))
+            for branch in BRANCHES
+        )
+
+    @cached_property
+    def gap_flow_states(self) -> tuple[Piece[list[GapState | None]], ...]:
+        """The states of each branch along the path: None where none carries the pressure.
+
+        The result is an InputError if a point of the path is beyond any contact.
+        """
+        return tuple(
+            self.ahead.begin(lambda begun=begun: _states_along(self.case, begun.result()))  # type: ignore[misc]
+            for begun in self._gap_flows_begun
+        )
+
+    @cached_property
     def edge_flow(self) -> EdgeFlow | None:
         """The edge flow as far as the path asks; None outside a wall, or where it is not asked for.
 
@@ -122,21 +147,38 @@ class CaseTheories:
         InputError
             If a point of the path is beyond any contact.
         """
+        try:
+            return None if self._edge_flow_begun is None else self._edge_flow_begun.result()
+        except ValueError as error:
+            raise InputError(_too_close(self.case, str(error).rpartition(": ")[2])) from None
+
+    @cached_property
+    def _edge_flow_begun(self) -> Piece[EdgeFlow] | None:
         case = self.case
         if case.law.has_wall or not case.theory.has("edge_flow"):
             return None
         asked = np.array([value for value, _ in case.path])
         gaps, scales = EDGE_FLOW_GAPS // self.coarsening, EDGE_FLOW_SCALES // self.coarsening
         flow = partial(edge_flow, self.spectrum, case.solid, case.law, gaps=gaps, scales=scales)
-        try:
-            if case.loading.control == "pressure":
-                # Down to where contact begins to be whole: beyond the pull-off, wherever that is.
-                stress = np.sqrt(self.spectrum.full_contact_stress_variance(case.solid.stiffness))
-                return flow(max(_RESERVE * asked.max(), float(stress)))
-            reached = asked + case.law.equilibrium_distance
-            return flow(0.0, float(reached.max()), float(reached.min()))
-        except ValueError as error:
-            raise InputError(_too_close(case, str(error).rpartition(": ")[2])) from None
+        if case.loading.control == "pressure":
+            # Down to where contact begins to be whole: beyond the pull-off, wherever that is.
+            stress = np.sqrt(self.spectrum.full_contact_stress_variance(case.solid.stiffness))
+            return self.ahead.begin(partial(flow, max(_RESERVE * asked.max(), float(stress))))
+        reached = asked + case.law.equilibrium_distance
+        return self.ahead.begin(partial(flow, 0.0, float(reached.max()), float(reached.min())))
+
+
+def _states_along(case: Case, flow: GapFlow) -> list[GapState | None]:
+    try:
+        if case.loading.control == "pressure":
+            gaps = np.array([flow.gap_at(pressure) for pressure, _ in case.path])
+        else:
+            gaps = np.array([value + case.law.equilibrium_distance for value, _ in case.path])
+        held = np.isfinite(gaps)
+        states = iter(flow.states(gaps[held]))
+    except ValueError as error:
+        raise InputError(f"loading.path: {error}") from None
+    return [next(states) if there else None for there in held]
 
 
 def _too_close(case: Case, limit: str) -> str:
@@ -195,8 +237,12 @@ class _Asked:
 
 @lru_cache(maxsize=1)
 def _kept(asked: _Asked) -> tuple[CaseTheories, ...]:
-    kinds = asked.case.spectra
-    return tuple(
-        CaseTheories(asked.case, roughness(asked.case, asked.surface, kind), kind if number else "")
-        for number, kind in enumerate(kinds)
+    case = asked.case
+    ahead = Ahead(case.solver.threads)
+    every = tuple(
+        CaseTheories(case, roughness(case, asked.surface, kind), kind if number else "", ahead=ahead)
+        for number, kind in enumerate(case.spectra)
     )
+    for theories in every:
+        theories.begin()
+    return every

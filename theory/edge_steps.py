@@ -36,7 +36,7 @@ def differences(x: np.ndarray) -> np.ndarray:
     return found
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract", "arcp", "nsz"})
+@njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract", "arcp", "nsz"})
 def sweep(
     x,
     geometry,
@@ -123,7 +123,7 @@ def sweep(
     return elastic
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract", "arcp", "nsz"})
+@njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract", "arcp", "nsz"})
 def compare(weights, response, answer, least, largest, unseen, importance):
     """Largest change of a scale's mean response; bounds the answer, and fills the importance of each of its values.
 
@@ -144,7 +144,7 @@ def compare(weights, response, answer, least, largest, unseen, importance):
     return worst
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract", "arcp", "nsz"})
+@njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract", "arcp", "nsz"})
 def local_response(geometry, stiffness, steps, traction, response):
     """Fill f with that of a law which the finer scales only smooth: where the distribution is not known yet."""
     n = traction.size

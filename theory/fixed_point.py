@@ -81,7 +81,7 @@ def accelerated(
 # vectors are arrays of their own: compilers make vectors of sums over these, not of sums over a part of another's.
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract", "arcp", "nsz", "reassoc"})
+@njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract", "arcp", "nsz", "reassoc"})
 def _weighted_products(turns, weight, residual, products):
     """Fill the products of the turns, and in the row after them the residual's, all times the weight.
 
@@ -120,14 +120,14 @@ def _weighted_products(turns, weight, residual, products):
             products[j, i] = products[i, j]
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract", "arcp", "nsz"})
+@njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract", "arcp", "nsz"})
 def _remember(values, before, mixing, turn, move):
     """Fill the move with that of the values and the mixed share of the turn: what a step takes back of it."""
     for k in range(values.size):
         move[k] = values[k] - before[k] + mixing * turn[k]
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract", "arcp", "nsz"})
+@njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract", "arcp", "nsz"})
 def _step(shares, mixing, moves, residual, step):
     """Fill the step from the residual and the shares of the remembered states."""
     for k in range(step.size):

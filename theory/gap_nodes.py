@@ -61,7 +61,7 @@ class GapNodes:
         return -self.law.traction(np.interp(np.arange(_PIECES * count + 1) / _PIECES, np.arange(count + 1), self.edges))
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, nogil=True, error_model="numpy")
 def _spread(stress, shares, bins, masses):
     """Add the share of each piece, spread evenly from the stress at its one end to that at the other, to the bins."""
     last = masses.size - 1

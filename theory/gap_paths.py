@@ -2,16 +2,21 @@
 
 import warnings
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
 
 from contact_study.problem.case import Case
-from contact_study.problem.errors import InputError
+from theory.ahead import Ahead, Piece
 from theory.case_theories import CaseTheories
 from theory.edge_flow import EdgeFlow
 from theory.gap_flow import GapFlow
+from theory.gap_state import GapState
 from theory.separation import NotConverged
+
+# Values at the path point of a number; a mistake of input is raised at the first.
+PathValues = Callable[[int], dict[str, Any]]
 
 # What a block that has come off is, in every model; its mean gap is infinite where the model defines one.
 DETACHED: dict[str, Any] = {
@@ -25,24 +30,19 @@ DETACHED: dict[str, Any] = {
 }
 
 
-def gap_flow_paths(theories: CaseTheories) -> list[list[dict[str, Any]]]:
-    """Values of each path point in each branch; none outside a wall, which no flow goes through.
+def gap_flow_paths(theories: CaseTheories) -> list[PathValues]:
+    """Values in each branch; none outside a wall, which no flow goes through."""
+    with theories.naming_the_spectrum():
+        flows = theories.gap_flows
 
-    Raises
-    ------
-    InputError
-        If a point of the path is beyond any contact.
-    """
-    try:
-        with theories.naming_the_spectrum():
-            flows = theories.gap_flows
-        return [_gap_flow_values(theories.case, flow) for flow in flows]
-    except ValueError as error:
-        raise InputError(f"loading.path: {error}") from None
+    def in_branch(flow: GapFlow, begun: Piece[list[GapState | None]]) -> PathValues:
+        return lambda number: _gap_flow_values(theories.case, flow, begun.result()[number])
+
+    return [in_branch(*both) for both in zip(flows, theories.gap_flow_states, strict=True)]
 
 
-def edge_flow_paths(theories: CaseTheories) -> list[list[dict[str, Any]]]:
-    """Values of each path point, in a list of one; none outside a wall.
+def edge_flow_paths(theories: CaseTheories, start: int = 0) -> list[PathValues]:
+    """Values at the points from number ``start`` on, in a list of one; none outside a wall.
 
     Raises
     ------
@@ -51,7 +51,7 @@ def edge_flow_paths(theories: CaseTheories) -> list[list[dict[str, Any]]]:
     """
     flow = theories.edge_flow
     with theories.naming_the_spectrum():
-        return [] if flow is None else [_edge_flow_values(theories.case, flow)]
+        return [] if flow is None else [_edge_flow_values(theories.case, flow, theories.ahead, start)]
 
 
 def flow_name(branch: str, quantity: str) -> str:
@@ -64,25 +64,12 @@ def nowhere(edges: np.ndarray) -> np.ndarray:
     return np.zeros(edges.size - 1)
 
 
-def _gap_flow_values(case: Case, flow: GapFlow) -> list[dict[str, Any]]:
-    if case.loading.control == "pressure":
-        gaps = np.array([flow.gap_at(pressure) for pressure, _ in case.path])
-    else:
-        gaps = np.array([value + case.law.equilibrium_distance for value, _ in case.path])
-    held = np.isfinite(gaps)
-    states = iter(flow.states(gaps[held]))
-    found = []
-    for there in held:
-        if there:
-            state = next(states)
-            values = state.quantities(case.contact_distance)
-        else:
-            values = _come_off(flow.converged)
-        found.append({flow_name(flow.branch, key): value for key, value in values.items()})
-    return found
+def _gap_flow_values(case: Case, flow: GapFlow, state: GapState | None) -> dict[str, Any]:
+    values = _come_off(flow.converged) if state is None else state.quantities(case.contact_distance)
+    return {flow_name(flow.branch, key): value for key, value in values.items()}
 
 
-def _edge_flow_values(case: Case, flow: EdgeFlow) -> list[dict[str, Any]]:
+def _edge_flow_values(case: Case, flow: EdgeFlow, ahead: Ahead, start: int) -> PathValues:
     if not flow.converged:
         warnings.warn(
             f"edge flow: {flow.unconverged_states} of {len(flow.equilibria) + flow.lost} mean gaps did not converge"
@@ -90,23 +77,34 @@ def _edge_flow_values(case: Case, flow: EdgeFlow) -> list[dict[str, Any]]:
             NotConverged,
             stacklevel=2,
         )
-    zero = case.law.equilibrium_distance
-    found = []
-    for asked, _ in case.path:
-        if case.loading.control == "pressure":
-            # A curve that ended early does not say what is beyond it.
-            gap = flow.gap_at(asked) if asked <= flow.pressure.max() else None
-        else:
-            gap = asked + zero if flow.mean_gap[0] <= asked + zero <= flow.mean_gap[-1] else None
+    gaps = [_edge_flow_gap(case, flow, asked) for asked, _ in case.path]
+    begun = {
+        number: ahead.begin(partial(flow.states, np.array([gap])))
+        for number, gap in enumerate(gaps)
+        if number >= start and gap is not None and not np.isnan(gap)
+    }
+
+    def values(number: int) -> dict[str, Any]:
+        asked, gap = case.path[number][0], gaps[number]
         if gap is None:
-            values = _not_found(asked if case.loading.control == "gap" else np.nan)
+            found = _not_found(asked if case.loading.control == "gap" else np.nan)
         elif np.isnan(gap):
-            values = _come_off(flow.converged)
+            found = _come_off(flow.converged)
         else:
-            (state,) = flow.states(np.array([gap]))
-            values = state.quantities(case.contact_distance)
-        found.append({f"edge_flow/{key}": value for key, value in values.items()})
-    return found
+            (state,) = begun[number].result()
+            found = state.quantities(case.contact_distance)
+        return {f"edge_flow/{key}": value for key, value in found.items()}
+
+    return values
+
+
+def _edge_flow_gap(case: Case, flow: EdgeFlow, asked: float) -> float | None:
+    """Mean gap of a path point (m), NaN where no state carries its pressure; None where the curve does not say."""
+    if case.loading.control == "pressure":
+        # A curve that ended early does not say what is beyond it.
+        return flow.gap_at(asked) if asked <= flow.pressure.max() else None
+    gap = asked + case.law.equilibrium_distance
+    return gap if flow.mean_gap[0] <= gap <= flow.mean_gap[-1] else None
 
 
 def _come_off(converged: bool) -> dict[str, Any]:

@@ -37,6 +37,8 @@ MODEL = Model(
     kind="theory",
     module="theory.run",
     ignores=("atomistic", "overdamped", "sampling", "dynamics"),
+    threads=2,  # the edge flow beside Persson's theory and the gap flow
+    points_for_threads=0,
     whole_path=True,  # the separation curve, and the gaps of the gap flow, reach as far as the path asks
     description="Persson's theory of rough contact with adhesion, and beside it the gap-flow theory and the edge flow",
     references="C. Yang, B. N. J. Persson, J. Israelachvili, K. Rosenberg, EPL 84, 46004 (2008); "
@@ -205,7 +207,7 @@ def _along(
 ) -> Iterator[tuple[dict[str, Any], dict[str, np.ndarray]]]:
     """Values of all theories and what to go on from, at each path point from number ``start`` on."""
     paths = [persson_path(theories, restart.get(_stress_name(theories), "adhered"), start) for theories in every]
-    flows = [(theories, [*gap_flow_paths(theories), *edge_flow_paths(theories)]) for theories in every]
+    flows = [(theories, [*gap_flow_paths(theories), *edge_flow_paths(theories, start)]) for theories in every]
     for number, states in enumerate(zip(*paths, strict=True), start):
         values: dict[str, Any] = {}
         for theories, (own, _) in zip(every, states, strict=True):
@@ -215,7 +217,7 @@ def _along(
                 values |= {name: own[name] for name in PERSSONS_OWN if name in own}
         for theories, found in flows:
             for path in found:
-                values |= {theories.named(name): value for name, value in path[number].items()}
+                values |= {theories.named(name): value for name, value in path(number).items()}
         stresses = {_stress_name(theories): stress for theories, (_, stress) in zip(every, states, strict=True)}
         kept = {name: stress for name, stress in stresses.items() if not isinstance(stress, str)}
         yield _with_compression(values, every[0].case.solid), kept

@@ -60,7 +60,7 @@ def _jump_at_instability(x, energy, stiffness, loading, left):
         energy[i] = energy[i + 1] - slope * (x[i + 1] - x[i])
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract", "arcp", "nsz"})
+@njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract", "arcp", "nsz"})
 def flow_through_scales(x, stiffness, steps, branch, iterations, energy, compliances, hull):
     """Add all scales to ``energy`` in place; keeps v of every step and the coexisting states.
 
@@ -121,7 +121,7 @@ def flow_through_scales(x, stiffness, steps, branch, iterations, energy, complia
     return unconverged
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract", "arcp", "nsz"})
+@njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract", "arcp", "nsz"})
 def trace_back(x, stiffness, steps, compliances, hull, weights, elastic):
     """Carry distributions of the gap from coarse to fine in place, adding up the elastic energy of each scale.
 

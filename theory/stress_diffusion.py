@@ -129,7 +129,7 @@ def _split_delta(start: float, faces: np.ndarray, mass: np.ndarray) -> None:
     mass[right - 1], mass[right] = 1 - weight, weight
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract", "arcp", "nsz"})
+@njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract", "arcp", "nsz"})
 def _march(variance, detachment_stress, faces, mass, contact):
     """Advance the cell masses through all nodes in place; fills the contact area, returns the edge stress."""
     gamma = _GAMMA

@@ -193,7 +193,8 @@ def _parser(model: Model) -> Parser:
         "--workers",
         type=int,
         metavar="N",
-        help="processes, this one among them; default: one per case, at most the cores",
+        help="processes, this one among them; default: one per case, at most the cores"
+        + (f" ({model.threads} cores for each where these have fewer than two cases)" if model.threads > 1 else ""),
     )
     parser.add_argument("--engine", choices=ENGINES, help="where cases run; default: processes if there are several")
     parser.add_argument(

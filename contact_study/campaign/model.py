@@ -53,6 +53,8 @@ class Model:
         Whether the numbers of a step follow from the whole path, not only from its points so far.
     points_for_threads : int
         Of a surface, from which on one case gains from more threads than one.
+    threads : int
+        That a case of any surface keeps busy: where a study has few cases, each process has as many cores.
     """
 
     command: str
@@ -65,6 +67,7 @@ class Model:
     keeps: tuple[str, ...] = ("fields",)
     whole_path: bool = False
     points_for_threads: int = POINTS_FOR_THREADS
+    threads: int = 1
 
     def check(self, case: Case) -> None:
         """Raise InputError if the model cannot serve the case."""

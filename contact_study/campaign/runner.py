@@ -9,6 +9,7 @@ from contact_study.campaign import engines
 from contact_study.campaign import steps as store
 from contact_study.campaign.case_run import Job, finished, run_case
 from contact_study.campaign.engines import CampaignError
+from contact_study.campaign.model import Model
 from contact_study.campaign.progress import Progress
 from contact_study.campaign.resume.folder import Parts
 from contact_study.campaign.resume.identity import Run
@@ -48,9 +49,10 @@ def run_cases(
     if engine in engines.REMOTE:  # whose cores are not known here
         workers, threads = workers or len(unfinished), 1
     else:
-        given, workers = workers, min(workers or available_cores(), len(unfinished))
+        most = workers or _processes(run.model, len(jobs))
+        workers = min(most, len(unfinished))
         # Threads follow from the whole study, not from what is left of it: a resumed run repeats the arithmetic.
-        threads = max(1, available_cores() // max(1, min(given or available_cores(), len(jobs))))
+        threads = max(1, available_cores() // max(1, min(most, len(jobs))))
     engines.run([partial(run_case, job, threads) for job in unfinished], workers, progress.step, engine, scheduler)
     for job in unfinished:
         if finished(job) < len(job.case.path):
@@ -58,6 +60,15 @@ def run_cases(
                 f"{job.folder}: a worker has finished steps that are not here; share the folder with all"
             )
     return list(dict.fromkeys(note for job in jobs for note in store.load_notes(job.folder)))
+
+
+def _processes(model: Model, cases: int) -> int:
+    """Processes of a study that asks for no number: one for each core, or where these have not two cases each for more.
+
+    A process more costs a start, and an odd case at the end leaves the others idle.
+    """
+    cores = available_cores()
+    return cores if cases >= 2 * cores else max(1, cores // model.threads)
 
 
 def available_cores() -> int:

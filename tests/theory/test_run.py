@@ -15,6 +15,7 @@ from contact_study.problem.surface_scales import scales_of
 from tests.problem.test_study import of_another_kind
 from tests.recording import bins_of_case, recorded_path
 from theory import case_theories, closed_forms, gap_paths, run
+from theory.ahead import Ahead
 from theory.criteria import stickiness
 from theory.edge_flow import edge_flow
 from theory.gap_flow import gap_flow
@@ -65,6 +66,18 @@ def case():
 @pytest.fixture(scope="module")
 def steps(case):
     return steps_of(case)
+
+
+@pytest.mark.parametrize("threads", [2, 4])
+def test_threads_change_no_bit(case, steps, threads):
+    shared = case_of(solver={"threads": threads})
+    for one, other in zip(steps_of(shared), steps, strict=True):
+        assert one.values.keys() == other.values.keys()
+        for key, value in other.values.items():
+            np.testing.assert_array_equal(one.values[key], value, err_msg=key)
+    constants = run.constants(case, realise(case))
+    for key, value in run.constants(shared, realise(shared)).items():
+        np.testing.assert_array_equal(value, constants[key], err_msg=key)
 
 
 def test_names_are_those_of_the_schema(case, steps):
@@ -176,7 +189,8 @@ def test_what_the_edge_flow_does_not_find_is_said(case):
     surface = realise(case)
     flow = edge_flow(surface.spectrum, case.solid, case.law, gaps=60, scales=16, iterations=3)
     with pytest.warns(NotConverged, match=r"edge flow: \d+ of \d+ mean gaps"):
-        values = gap_paths._edge_flow_values(case, flow)
+        found = gap_paths._edge_flow_values(case, flow, Ahead(1), 0)
+    values = [found(number) for number in range(len(case.path))]
     assert not any(step["edge_flow/converged"] for step in values)
     beyond = [step for step in values if np.isnan(step["edge_flow/mean_pressure"])]
     assert beyond, "the curve ends early"
@@ -244,7 +258,8 @@ def test_tension_follows_the_adhered_branch_and_detaches():
 
 def test_flow_whose_steps_did_not_converge_is_flagged(case):
     flow = gap_flow(realise(case).spectrum, case.material.contact_modulus, case.law, iterations=3)
-    assert not any(values["gap_flow/converged"] for values in gap_paths._gap_flow_values(case, flow))
+    for state in case_theories._states_along(case, flow):
+        assert not gap_paths._gap_flow_values(case, flow, state)["gap_flow/converged"]
 
 
 def test_every_state_of_an_unconverged_branch_is_flagged(monkeypatch):
