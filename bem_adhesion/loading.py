@@ -238,7 +238,7 @@ class LoadedContact:
         for _ in range(APPROACH_REFINEMENTS):
             result = self._solve(gap, -self._spring * plane, approach, tolerance)
             iterations += result.iterations
-            pressure, _ = self._pressure(result)
+            pressure, _ = self._pressure(result.gap * self._length, result.reaction)
             mean_pressure = float(pressure.mean()) / self.elasticity.contact_modulus
             found = float(np.mean(self._height + result.gap)) - mean_pressure / self._spring
             if result.outcome is not Outcome.CONVERGED or abs(found - plane) <= self.tolerance:
@@ -259,11 +259,12 @@ class LoadedContact:
         return finest.imbalance(flexed, gap)
 
     def _solution(self, result: NewtonResult, pairs: float) -> Solution:
-        gap = result.gap * self._length
+        gap = result.gap
+        gap *= self._length  # in place: a field less at the height of a step's memory
         displacement = self.height + gap
-        pressure, interaction = self._pressure(result)
+        pressure, interaction = self._pressure(gap, result.reaction)
         # In equilibrium K w is the interface pressure less its mean: ½<w, K w> without another transform.
-        elastic = 0.5 * np.mean((pressure - pressure.mean()) * displacement)
+        elastic = 0.5 * np.vdot(pressure - pressure.mean(), displacement) / gap.size
         elastic += self.elasticity.compression_energy(float(pressure.mean()))
         return Solution(
             displacement,
@@ -279,13 +280,12 @@ class LoadedContact:
             max(0.0, -float(np.min(result.reaction))) if self.law.has_wall else None,
         )
 
-    def _pressure(self, result: NewtonResult) -> tuple[np.ndarray, float]:
-        """Of the interface (Pa), and its energy per area (J/m²)."""
-        gap = result.gap * self._length
+    def _pressure(self, gap: np.ndarray, reaction: np.ndarray | float) -> tuple[np.ndarray, float]:
+        """Of the interface at a gap in metres (Pa), and its energy per area (J/m²)."""
         pressure = np.empty_like(gap)
         interaction = self._passes.evaluate(gap, pressure, np.empty(gap.shape, np.float32)) / gap.size
         np.negative(pressure, out=pressure)
-        pressure += result.reaction * self.elasticity.contact_modulus
+        pressure += reaction * self.elasticity.contact_modulus
         return pressure, interaction
 
     def _apart(self, outcome: Outcome, iterations: int = 0, pairs: float = 0.0) -> Solution:

@@ -60,10 +60,10 @@ def process_zone(contact_modulus: float, law: TractionLaw) -> float:
 
 @njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "arcp", "nsz"})
 def _correct(gap, change, closest):
-    """Add the change in place, but let no gap fall below the smaller of itself and ``closest``; flat arrays."""
+    """Make the change the changed gap, but let none fall below the smaller of itself and ``closest``; flat arrays."""
     for i in range(gap.size):
         d = gap[i]
-        gap[i] = max(d + change[i], min(d, closest))
+        change[i] = max(d + change[i], min(d, closest))
 
 
 class MultilevelContact:
@@ -149,6 +149,7 @@ class MultilevelContact:
         behind = float(np.copysign(lag, change_of_load))
         coarse_gap = np.ascontiguousarray(gap[::2, ::2])
         coarse_load = pressure[::2, ::2] - coarser.finest.elastic_pressure(coarse_gap)
+        del pressure  # a field less while the coarse grids are at work
         result = coarser._descend(
             coarse_gap, coarse_load - behind, COARSE_TOLERANCE, max_iterations, approach, coarse_gap
         )
@@ -158,9 +159,8 @@ class MultilevelContact:
         if lag:
             steps = TANGENT_STEPS if coarser.points_per_process_zone >= POINTS_FOR_STEPS else 1
             reached = coarser.finest.on_tangent(reached, coarse_load, TANGENT_LIMIT, steps, reached)
-        predicted = gap.copy()
-        change = interpolate(reached - coarse_gap, self.finest.grid.shape)
-        _correct(predicted.reshape(-1), change.reshape(-1), CLOSEST_PREDICTION * law.equilibrium_distance)
+        predicted = interpolate(reached - coarse_gap, self.finest.grid.shape)
+        _correct(gap.reshape(-1), predicted.reshape(-1), CLOSEST_PREDICTION * law.equilibrium_distance)
         return predicted
 
     def _has_negative_curvature(self) -> bool:

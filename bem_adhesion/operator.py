@@ -11,7 +11,7 @@ from typing import Any, Protocol
 import numpy as np
 from numba import njit
 
-from contact_study.fields.fourier import RealTransform
+from contact_study.fields.fourier import RealTransform, Scratch
 from contact_study.fields.grid import Grid
 from contact_study.problem.elasticity import Elasticity
 
@@ -76,10 +76,11 @@ MakeOperator = Callable[[Grid, type], Operator]
 
 
 def periodic(elasticity: Elasticity, mean_stiffness: float = 0.0, threads: int = 1) -> MakeOperator:
-    """Operators of a periodically repeated solid, see :class:`PeriodicOperator`."""
+    """Operators of a periodically repeated solid, see :class:`PeriodicOperator`; they take turns in one spectrum."""
+    scratch = Scratch()
 
     def make(grid: Grid, dtype: type) -> Operator:
-        return PeriodicOperator(grid, elasticity, dtype, mean_stiffness, threads)
+        return PeriodicOperator(grid, elasticity, dtype, mean_stiffness, threads, scratch)
 
     return make
 
@@ -126,6 +127,8 @@ class PeriodicOperator:
         K at q = 0 (Pa/m): zero leaves the mean displacement to the load, a positive value ties it to a spring.
     threads : int, optional
         Threads of the transforms.
+    scratch : Scratch, optional
+        Memory of the spectrum, which no operator needs beyond the map it applies.
 
     Attributes
     ----------
@@ -140,11 +143,12 @@ class PeriodicOperator:
         dtype: type = np.float64,
         mean_stiffness: float = 0.0,
         threads: int = 1,
+        scratch: Scratch | None = None,
     ):
         self.grid = grid
         self.mean_stiffness = mean_stiffness
         self._elasticity = elasticity
-        self._transform = RealTransform(grid.shape, dtype, threads)
+        self._transform = RealTransform(grid.shape, dtype, threads, scratch)
         self.field = self._transform.field
 
     def _stiffness_q(self) -> np.ndarray:

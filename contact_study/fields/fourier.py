@@ -4,6 +4,7 @@ Plans are measured once per machine and shape and kept as FFTW "wisdom" in the u
 of one machine therefore runs the same plan, and a resumed run repeats the arithmetic of an uninterrupted one.
 """
 
+import math
 import os
 import pickle
 import sys
@@ -30,6 +31,8 @@ else:
 
 # Below it a second thread of FFTW gains little or nothing, and costs much when the other core is busy.
 POINTS_FOR_THREADS = 1024**2
+# Above it a transform for occasional use is planned anew each time, from the wisdom, rather than held.
+POINTS_TO_HOLD = 512**2
 
 
 def _wisdom_file() -> Path:
@@ -52,6 +55,20 @@ def _save_wisdom(path: Path) -> None:
 _planned: set[tuple[tuple[int, ...], np.dtype, int]] = set()  # what this process has planned and saved
 
 
+class Scratch:
+    """Memory for the spectra of transforms that never need theirs at the same time."""
+
+    def __init__(self) -> None:
+        self._memory = pyfftw.empty_aligned(0, np.uint8)
+
+    def array(self, shape: tuple[int, ...], dtype: np.dtype) -> np.ndarray:
+        """An array in the memory, of no defined content; more is taken where there is too little."""
+        size = math.prod(shape) * dtype.itemsize
+        if size > self._memory.size:
+            self._memory = pyfftw.empty_aligned(size, np.uint8)
+        return self._memory[:size].view(dtype).reshape(shape)
+
+
 class RealTransform:
     """A planned pair of real transforms over the last two axes, with its own aligned buffers.
 
@@ -66,6 +83,8 @@ class RealTransform:
         ``float64`` or ``float32``.
     threads : int, optional
         Threads of FFTW.
+    scratch : Scratch, optional
+        Where the spectrum lies, which then holds from a :meth:`forward` to the next use of any of its transforms.
 
     Attributes
     ----------
@@ -77,14 +96,16 @@ class RealTransform:
         Forward and backward transforms done so far, counted one half each.
     """
 
-    def __init__(self, shape: tuple[int, ...], dtype: type = np.float64, threads: int = 1):
+    def __init__(
+        self, shape: tuple[int, ...], dtype: type = np.float64, threads: int = 1, scratch: Scratch | None = None
+    ):
         self.shape = tuple(shape)
         self.dtype = np.dtype(dtype)
         self.points = shape[-2] * shape[-1]
         self.pairs = 0.0
-        complex_type = np.complex128 if self.dtype == np.float64 else np.complex64
+        complex_type = np.dtype(np.complex128 if self.dtype == np.float64 else np.complex64)
         self.field = pyfftw.zeros_aligned(self.shape, dtype=self.dtype)
-        self.spectrum = pyfftw.zeros_aligned((*self.shape[:-1], self.shape[-1] // 2 + 1), dtype=complex_type)
+        self.spectrum = (scratch or Scratch()).array((*self.shape[:-1], self.shape[-1] // 2 + 1), complex_type)
         self._plan(threads)
 
     def _plan(self, threads: int) -> None:
@@ -145,24 +166,31 @@ class RealTransform:
         return self.backward()
 
 
-@cache
-def shared_transform(shape: tuple[int, ...], dtype: type = np.float64) -> RealTransform:
-    """The process's single-threaded transform of that shape, for occasional use; its buffers are overwritten."""
-    return RealTransform(shape, dtype)
+_held = cache(RealTransform)
+
+
+def _is_held(shape: tuple[int, ...]) -> bool:
+    return math.prod(shape) <= POINTS_TO_HOLD
+
+
+def _occasional(shape: tuple[int, ...]) -> RealTransform:
+    """A single-threaded transform of that shape, its buffers overwritten; a large one holds no memory afterwards."""
+    return _held(shape) if _is_held(shape) else RealTransform(shape)
 
 
 def transform(field: np.ndarray) -> np.ndarray:
     """Coefficients h_q of ``h(x) = Σ_q h_q exp(i q·x)`` of a real field, in the layout of ``rfft2``."""
-    plan = shared_transform(field.shape)
+    plan = _occasional(field.shape)
     plan.field[...] = field
     return plan.forward() / plan.points
 
 
 def synthesise(coefficients: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
     """The real field on ``shape`` points whose coefficients :func:`transform` would return."""
-    plan = shared_transform(tuple(shape))
+    plan = _occasional(tuple(shape))
     plan.spectrum[...] = coefficients
-    return plan.backward().copy()
+    field = plan.backward()
+    return field.copy() if _is_held(plan.shape) else field
 
 
 def resize_spectrum(coefficients: np.ndarray, old: tuple[int, ...], new: tuple[int, ...]) -> np.ndarray:

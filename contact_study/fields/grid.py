@@ -52,9 +52,9 @@ class Grid:
         q_x = 2 * np.pi * np.fft.rfftfreq(self.shape[1], dx)
         return q_y[:, None], q_x[None, :]
 
-    @cached_property
+    @property
     def wavenumber(self) -> np.ndarray:
-        """|q| in the layout of ``rfft2``, shape ``spectrum_shape`` (1/m)."""
+        """|q| in the layout of ``rfft2``, shape ``spectrum_shape`` (1/m); made anew, a grid holds no field."""
         q_y, q_x = self.wavevectors
         return np.hypot(q_y, q_x)
 

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from bem_adhesion.active_set import ContactLevel
-from bem_adhesion.operator import PeriodicOperator
+from bem_adhesion.operator import PeriodicOperator, periodic
 from contact_study.fields.grid import Grid
 from contact_study.problem.elasticity import HalfSpace
 
@@ -106,3 +106,15 @@ def test_a_solver_can_be_given_the_operator_of_any_solid():
     level = ContactLevel(heights, Grid((64, 64), (1.0, 1.0)), make)
     level.start(1.0, 50)
     assert made == [(shape, dtype) for shape in ((64, 64), (32, 32)) for dtype in (np.float64, np.float32)]
+
+
+def test_the_operators_of_a_contact_take_turns_in_one_spectrum():
+    make, shape = periodic(HalfSpace(2.0)), (24, 18)
+    grid = Grid(shape, (1.0, 0.75))
+    together = [make(grid, np.float64), make(grid, np.float32), make(grid.with_shape((12, 9)), np.float64)]
+    spectra = [operator._transform.spectrum for operator in together]
+    assert all(np.shares_memory(spectra[0], spectrum) for spectrum in spectra[1:])
+    for operator in together:
+        alone = PeriodicOperator(operator.grid, HalfSpace(2.0), operator.field.dtype.type)
+        alone.field[...] = operator.field[...] = np.random.default_rng(0).standard_normal(operator.grid.shape)
+        np.testing.assert_array_equal(operator.apply(operator.stiffness), alone.apply(alone.stiffness))

@@ -96,3 +96,28 @@ def test_threads_that_wait_sleep_unless_told_otherwise(chosen, expected):
     command = [sys.executable, "-c", "import bem_adhesion.run, md_reference.run, theory.run"]
     shown = subprocess.run(command, env=environment, capture_output=True, text=True, check=True).stderr
     assert f"OMP_WAIT_POLICY = '{expected}'" in shown
+
+
+def test_transforms_take_turns_in_one_memory():
+    scratch, shapes = fourier.Scratch(), [(12, 8), (6, 5), (20, 16)]
+    kinds = [(shape, dtype) for shape in shapes for dtype in (np.float64, np.float32)]
+    shared = [fourier.RealTransform(shape, dtype, scratch=scratch) for shape, dtype in kinds]
+    # The largest came last but one and took memory of its own; what followed fits into it.
+    assert np.shares_memory(shared[0].spectrum, shared[3].spectrum)
+    assert np.shares_memory(shared[4].spectrum, shared[5].spectrum)
+    for plan, (shape, dtype) in zip(shared, kinds, strict=True):
+        field = random_field(shape)
+        plan.field[...] = field
+        expected = np.fft.rfft2(field)
+        rounding = 1e-14 if dtype == np.float64 else 1e-5  # of sums of some hundred numbers of order one
+        np.testing.assert_allclose(plan.forward(), expected, atol=rounding * shape[0] * shape[1])
+        assert plan.spectrum.ctypes.data % 16 == 0
+
+
+def test_a_large_field_leaves_no_buffers_behind(monkeypatch):
+    monkeypatch.setattr(fourier, "POINTS_TO_HOLD", 100)
+    fourier._held.cache_clear()
+    for shape, held in (((10, 10), 1), ((10, 11), 1), ((5, 4), 2)):
+        field = random_field(shape)
+        np.testing.assert_allclose(fourier.synthesise(fourier.transform(field), shape), field, atol=1e-14)
+        assert fourier._held.cache_info().currsize == held
