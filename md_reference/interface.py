@@ -89,8 +89,7 @@ class LennardJonesInterface:
         self.length = length
         self.cutoff = float(cutoff)
         reach = tuple(math.ceil(cutoff * length / b) + 1 for b in substrate.spacing)
-        # Rows are read in blocks of eight sites, which may end up to seven sites beyond the cutoff.
-        self._margin = (reach[0], reach[1] + 8)
+        self._margin = reach
         self._padded = substrate.padded(self._margin) / length
         self._highest = substrate.highest_within((reach[0], reach[1])) / length
         self._no_hessian = np.empty((6, 0, 0))
@@ -182,9 +181,13 @@ def _lennard_jones(
     start = _SWITCH_START**2 * cutoff2
     slope = 1.0 / (cutoff2 - start)
     heights = padded.ravel()
-    longest_row = 2 * int(cutoff * per_x) + 3
-    capacity = (2 * int(cutoff * per_y) + 3) * longest_row + 16
-    ladder = b_x * np.arange(longest_row + 8)
+    most_rows = 2 * int(cutoff * per_y) + 3
+    longest_row = 2 * int(cutoff * per_x) + 10
+    capacity = most_rows * longest_row + 16
+    ladder = b_x * np.arange(longest_row)
+    row_y = np.empty(most_rows)
+    row_first = np.empty(most_rows)
+    row_end = np.empty(most_rows)
     delta_x = np.empty(capacity)
     delta_y = np.empty(capacity)
     delta_z = np.empty(capacity)
@@ -221,21 +224,29 @@ def _lennard_jones(
             # Every site in reach lies at least ``clearance`` below the atom, which narrows the circle of neighbours.
             lateral2 = cutoff2 - max(clearance, 0.0) ** 2
             lateral = math.sqrt(lateral2)
-            count = np.uint64(0)
-            for j in range(math.ceil((y - lateral) * per_y), math.floor((y + lateral) * per_y) + 1):
-                dy = y - j * b_y
+            low = math.ceil((y - lateral) * per_y)
+            rows = np.uint64(max(math.floor((y + lateral) * per_y) + 1 - low, 0))
+            for r in range(rows):
+                dy = y - (low + np.float64(r)) * b_y
                 half = math.sqrt(max(lateral2 - dy * dy, 0.0))
-                first = math.ceil((x - half) * per_x)
-                number = math.floor((x + half) * per_x) + 1 - first
-                base = np.uint64((j + margin[0]) * padded.shape[1] + first + margin[1])
+                row_y[r] = dy
+                row_first[r] = math.ceil((x - half) * per_x)
+                row_end[r] = math.floor((x + half) * per_x) + 1.0
+            # One length for all rows, that of the longest and a site for rounding: one that changes is not foreseen by
+            # the processor. A multiple of four, known only at run time, becomes vector stores; a constant four would
+            # be unrolled into scalars. What a row writes beyond its end the next one overwrites.
+            length = np.uint64(math.floor(2.0 * lateral * per_x) + 5) // np.uint64(4) * np.uint64(4)
+            count = np.uint64(0)
+            for r in range(rows):
+                first = int(row_first[r])
+                base = np.uint64((low + int(r) + margin[0]) * padded.shape[1] + first + margin[1])
                 dx = x - first * b_x
-                # A multiple of eight, known only at run time, becomes vector stores; a constant eight would be unrolled
-                # into scalars. What a row writes beyond its end the next one overwrites.
-                for n in range(np.uint64((max(number, 0) + 7) // 8 * 8)):
+                dy = row_y[r]
+                for n in range(length):
                     delta_x[count + n] = dx - ladder[n]
                     delta_y[count + n] = dy
                     delta_z[count + n] = z - heights[base + n]
-                count += np.uint64(max(number, 0))
+                count += np.uint64(max(int(row_end[r]) - first, 0))
             for k in range(np.uint64(8)):
                 delta_x[count + k] = 2.0 * cutoff  # fills the last block of eight with pairs beyond the cutoff
                 delta_y[count + k] = 0.0

@@ -7,8 +7,8 @@ import numpy as np
 from scipy import optimize
 
 from md_reference.multiscale_block import Level, MultiscaleBlock
-from md_reference.rotating_slab import rotating_slab_force
-from md_reference.verlet_pass import Action, move_planes
+from md_reference.rotating_slab import move_rotating_slab, rotating_slab_force
+from md_reference.verlet_pass import Action
 
 
 class RotatingBlock(MultiscaleBlock):
@@ -20,9 +20,9 @@ class RotatingBlock(MultiscaleBlock):
 
     def elastic_energy(self, displacement: np.ndarray, force: np.ndarray) -> float:
         """Elastic energy (J) of a displacement; ``force`` is not needed, see the base class."""
-        scratch = np.zeros(self.size)
+        scratch = np.empty(self.size)
         pairs = zip(self.levels, self.levels_of(displacement), self.levels_of(scratch), strict=True)
-        return sum(self._rotating_force(level, u, f) for level, u, f in pairs)
+        return sum(rotating_slab_force(u, f, *self._constants(level), 0, u.shape[2] - 2) for level, u, f in pairs)
 
     def compression_energy(self, pressure: float) -> float:
         """Energy of the flat block under a mean pressure (Pa), per area (J/m²)."""
@@ -44,16 +44,15 @@ class RotatingBlock(MultiscaleBlock):
     def _move_inside(
         self, number: int, displacement: np.ndarray, moved: np.ndarray, velocity: np.ndarray, action: Action
     ) -> None:
-        force = np.empty(displacement.shape)
-        self._rotating_force(self.levels[number], displacement, force)
-        self._faces[number][:] = force[:, [0, -1]]
-        nodes = displacement, moved, velocity, force, self._inverse_mass[number]
-        planes = 1, displacement.shape[1] - 1
-        self.on_rows(number, partial(move_planes, *nodes, action, self._first_node(number), *planes))
+        nodes = displacement, moved, velocity, self._faces[number], self._inverse_mass[number]
+        constants = self._constants(self.levels[number])
+        self.on_rows(number, partial(move_rotating_slab, *nodes, action, *constants, self._first_node(number)))
 
     def _slab_force(self, number: int, displacement: np.ndarray, force: np.ndarray) -> None:
-        self._rotating_force(self.levels[number], displacement, force)
+        constants = self._constants(self.levels[number])
+        self.on_rows(number, partial(rotating_slab_force, displacement, force, *constants))
 
-    def _rotating_force(self, level: Level, displacement: np.ndarray, force: np.ndarray) -> float:
+    def _constants(self, level: Level) -> tuple[float, float, float]:
+        """Edge of a cell (m), μ and λ − μ (Pa)."""
         first, shear = self.lame
-        return rotating_slab_force(displacement, force, level.size * self.lattice_constant, shear, first - shear)
+        return level.size * self.lattice_constant, shear, first - shear

@@ -4,130 +4,195 @@ The cell of :func:`md_reference.block.isotropic_element` at any displacement: sp
 pull along the line between their atoms, ½k(|r| − r₀)², and the volume costs ½(λ − μ)a³(det F − 1)², F the mean of the
 deformation gradient over the cell's corners. A turn of the whole costs nothing; to first order both are the linear
 cell. Arrays of nodes have shape (3, planes, ny + 2, nx + 2): a frame of ghosts holds the periodic images.
+
+Every spring and every volume is met once, layer by layer: some rows of a plane, with the one before them and the one
+after, stand in a line, and a neighbour is a shift along it. At ghosts what is computed so means nothing.
 """
 
 import numpy as np
 from numba import njit
 
-_OPTIONS = {"cache": True, "error_model": "numpy", "fastmath": {"contract", "reassoc", "arcp", "nsz"}}
+from md_reference.verlet_pass import move_plane
 
-# Steps along z, y, x to the neighbours that an atom has springs to.
-_NEIGHBOURS = np.array(
-    [(z, y, x) for z in (-1, 0, 1) for y in (-1, 0, 1) for x in (-1, 0, 1) if 1 <= abs(z) + abs(y) + abs(x) <= 2]
-)
+_OPTIONS = {"cache": True, "nogil": True, "error_model": "numpy", "fastmath": {"contract", "nsz"}}
+
+# Steps along y and x to the neighbours in the plane, and in the plane above, that a node has springs to.
+_WITHIN = ((0, 1), (1, 0), (1, 1), (1, -1))
+_UPWARD = ((0, 0), (0, 1), (0, -1), (1, 0), (-1, 0))
 
 
-def rotating_slab_force(u: np.ndarray, force: np.ndarray, edge: float, shear_modulus: float, bulk: float) -> float:
-    """Write the forces on all nodes of a slab whose ghosts are filled; returns the elastic energy (J).
+@njit(**_OPTIONS)
+def rotating_slab_force(nodes, force, edge, shear_modulus, bulk, first, end):
+    """Write the forces on the nodes of some rows of a slab whose ghosts are filled; returns the rows' energy (J).
+
+    The energy is that of the springs and volumes whose lowest corner, of the least y and x, is a node of the rows.
 
     Parameters
     ----------
-    u, force : numpy.ndarray, shape (3, planes, ny + 2, nx + 2)
-        Displacements (m) and forces (N); the ghosts of ``force`` are left alone.
+    nodes, force : numpy.ndarray, shape (3, planes, ny + 2, nx + 2)
+        Displacements (m) and forces (N); what is written at the ghosts means nothing.
     edge : float
         Of a cell (m).
     shear_modulus, bulk : float
         μ and λ − μ (Pa).
+    first, end : int
+        The rows, of ny without ghosts: from ``first`` to before ``end``.
     """
-    force[:, :, 1:-1, 1:-1] = 0.0
-    energy = _springs(u, force, _NEIGHBOURS, edge, shear_modulus * edge)
-    # The volume is a product of differences over 4a.
-    return energy + _volumes(u, force, 1 / (4 * edge), bulk * edge**3) if bulk else energy
-
-
-@njit(**_OPTIONS)
-def _springs(u, force, neighbours, edge, stiffness):
-    """Add the forces of all springs, each met from both of its ends."""
-    planes, rows, columns = u.shape[1:]
-    inside = np.uint64(columns - 2)
+    forces, pull, stress = _start(nodes, bulk, first, end)
     energy = 0.0
-    for k in range(planes):
-        in_face = 0.5 if k == 0 or k == planes - 1 else 1.0
-        for n in range(neighbours.shape[0]):
-            dk, dj, di = neighbours[n]
-            if not 0 <= k + dk < planes:
-                continue
-            # Springs within a face of the slab belong to one cell instead of two.
-            strength = stiffness * (in_face if dk == 0 else 1.0)
-            r_x, r_y, r_z = edge * di, edge * dj, edge * dk
-            length2 = r_x * r_x + r_y * r_y + r_z * r_z
-            length = np.sqrt(length2)
-            for j in range(1, rows - 1):
-                # Each a slice of its own along the last axis: of several at once the compiler knows no stride.
-                x = u[0, k, j, 1 : columns - 1]
-                y = u[1, k, j, 1 : columns - 1]
-                z = u[2, k, j, 1 : columns - 1]
-                to_x = u[0, k + dk, j + dj, 1 + di : columns - 1 + di]
-                to_y = u[1, k + dk, j + dj, 1 + di : columns - 1 + di]
-                to_z = u[2, k + dk, j + dj, 1 + di : columns - 1 + di]
-                f_x = force[0, k, j, 1 : columns - 1]
-                f_y = force[1, k, j, 1 : columns - 1]
-                f_z = force[2, k, j, 1 : columns - 1]
-                row = 0.0
-                for i in range(inside):
-                    d_x = to_x[i] - x[i]
-                    d_y = to_y[i] - y[i]
-                    d_z = to_z[i] - z[i]
-                    # |r + d|² − |r|², without the cancellation of the two
-                    grown = 2.0 * (r_x * d_x + r_y * d_y + r_z * d_z) + (d_x * d_x + d_y * d_y + d_z * d_z)
-                    now = np.sqrt(length2 + grown)
-                    longer = grown / (now + length)
-                    pull = strength * longer / now
-                    f_x[i] += pull * (r_x + d_x)
-                    f_y[i] += pull * (r_y + d_y)
-                    f_z[i] += pull * (r_z + d_z)
-                    row += longer * longer
-                energy += 0.25 * strength * row
+    for k in range(nodes.shape[1]):
+        energy += _add_layer(nodes, k, forces, pull, stress, edge, shear_modulus, bulk, first, True)
+        force[:, k, first + 1 : end + 1] = forces[:, k & 1, 1:-1]
     return energy
 
 
 @njit(**_OPTIONS)
-def _volumes(u, force, scale, stiffness):
-    """Add the forces of the cells' volumes, a row of cells at a time."""
-    planes, rows, columns = u.shape[1:]
-    cells, one = np.uint64(columns - 1), np.uint64(1)
-    stress = np.empty((9, columns - 1))
+def move_rotating_slab(
+    nodes, moved, velocity, faces, inverse_mass, action, edge, shear_modulus, bulk, number, first, end
+):
+    """As :func:`md_reference.slab.move_slab`, by the forces of :func:`rotating_slab_force`."""
+    forces, pull, stress = _start(nodes, bulk, first, end)
+    last = nodes.shape[1] - 1
+    for k in range(last + 1):
+        _add_layer(nodes, k, forces, pull, stress, edge, shear_modulus, bulk, first, False)
+        if 0 < k < last:
+            move_plane(nodes, moved, velocity, forces, k & 1, 1, inverse_mass[k], action, number, k, first, end)
+        else:
+            faces[:, 0 if k == 0 else 1, first + 1 : end + 1] = forces[:, k & 1, 1:-1]
+
+
+@njit(**_OPTIONS)
+def _start(nodes, bulk, first, end):
+    """Forces on a plane and the one above, what every node's springs pull at it, and the stress of a layer's cells."""
+    rows, columns = end - first + 2, nodes.shape[3]
+    line = rows * columns
+    return np.zeros((3, 2, rows, columns)), np.empty((9, 3, line)), np.empty((10, line if bulk != 0.0 else 0))
+
+
+@njit(**_OPTIONS)
+def _add_layer(nodes, k, forces, pull, stress, edge, shear_modulus, bulk, first, with_energy):
+    """Complete the forces on plane k, in plane k & 1 of ``forces``, and begin those on the plane above.
+
+    Returns the energy of the springs within the plane, and of springs and volumes between it and the one above.
+    """
+    planes, _, columns = nodes.shape[1:]
+    lines, start = nodes.reshape((3, planes, -1)), first * columns
+    force = forces.reshape((3, 2, -1))
+    here, above = k & 1, (k + 1) & 1
     energy = 0.0
-    for k in range(planes - 1):
-        for j in range(rows - 1):
-            for c in range(3):
-                near, far = u[c, k, j], u[c, k, j + 1]
-                near_up, far_up = u[c, k + 1, j], u[c, k + 1, j + 1]
-                along_x, along_y, along_z = stress[3 * c], stress[3 * c + 1], stress[3 * c + 2]
-                for i in range(cells):
-                    e = i + one
-                    west, east = near[i] + near_up[i], near[e] + near_up[e]
-                    west_far, east_far = far[i] + far_up[i], far[e] + far_up[e]
-                    along_x[i] = scale * (east + east_far - west - west_far)
-                    along_y[i] = scale * (west_far + east_far - west - east)
-                    along_z[i] = scale * (
-                        (near_up[i] - near[i]) + (near_up[e] - near[e]) + (far_up[i] - far[i]) + (far_up[e] - far[e])
-                    )
-            row = _stresses(stress, stiffness * scale)
-            if j > 0:  # the first row is the image of the last
-                energy += 0.5 * stiffness * row
-            for up in range(2):
-                for over in range(2):
-                    if not 0 < j + over < rows - 1:
-                        continue
-                    sign_y, sign_z = 2.0 * over - 1.0, 2.0 * up - 1.0
-                    for c in range(3):
-                        to = force[c, k + up, j + over]
-                        of_x, of_y, of_z = stress[3 * c], stress[3 * c + 1], stress[3 * c + 2]
-                        for i in range(one, cells):
-                            w = i - one
-                            to[i] -= (of_x[w] - of_x[i]) + sign_y * (of_y[w] + of_y[i]) + sign_z * (of_z[w] + of_z[i])
+    # Springs within a face of the slab belong to one cell instead of two.
+    stiffness = shear_modulus * edge * (1.0 if 0 < k < planes - 1 else 0.5)
+    for n in range(4):
+        y, x = _WITHIN[n]
+        _spring(lines, start, k, k, y * columns + x, columns, edge * x, edge * y, 0.0, stiffness, pull[n])
+        if with_energy:
+            energy += _stored(pull[n], columns) / (2.0 * stiffness)
+    _share_within(pull, columns, force, here)
+    if k == planes - 1:
+        return energy
+    stiffness = shear_modulus * edge
+    for n in range(5):
+        y, x = _UPWARD[n]
+        _spring(lines, start, k, k + 1, y * columns + x, columns, edge * x, edge * y, edge, stiffness, pull[4 + n])
+        if with_energy:
+            energy += _stored(pull[4 + n], columns) / (2.0 * stiffness)
+    _share_upward(pull[4:], columns, force, here, above)
+    if bulk != 0.0:
+        # The volume is a product of differences over 4a.
+        _gradients(lines, start, k, columns, 1.0 / (4.0 * edge), stress)
+        _stresses(stress, bulk * edge**2 / 4.0)
+        _share_stresses(stress, columns, force, here, above)
+        if with_energy:
+            energy += 0.5 * bulk * edge**3 * _stored(stress[9:], columns)
     return energy
+
+
+@njit(**_OPTIONS)
+def _spring(lines, start, k, to_k, shift, columns, r_x, r_y, r_z, stiffness, pull):
+    """Pull on every node of plane k by its spring to the node ``shift`` further on in plane ``to_k``, at rest r away.
+
+    Nodes are those of which the rows' forces need it: the rows' own and those whose springs end there.
+    """
+    low = columns + 1 - max(shift, 0)
+    high = pull.shape[1] - columns - 1 - min(shift, 0)
+    f_x, f_y, f_z = pull[0, low:high], pull[1, low:high], pull[2, low:high]
+    low, high = start + low, start + high
+    x, y, z = lines[0, k, low:high], lines[1, k, low:high], lines[2, k, low:high]
+    low, high = low + shift, high + shift
+    to_x, to_y, to_z = lines[0, to_k, low:high], lines[1, to_k, low:high], lines[2, to_k, low:high]
+    per_square = 1.0 / (r_x * r_x + r_y * r_y + r_z * r_z)
+    for i in range(np.uint64(x.size)):
+        d_x = to_x[i] - x[i]
+        d_y = to_y[i] - y[i]
+        d_z = to_z[i] - z[i]
+        # Of the length s in units of that at rest: s² − 1 without the cancellation of the two, and (s − 1)/s.
+        grown = per_square * (2.0 * (r_x * d_x + r_y * d_y + r_z * d_z) + (d_x * d_x + d_y * d_y + d_z * d_z))
+        square = 1.0 + grown
+        tension = stiffness * grown / (square + np.sqrt(square))
+        f_x[i] = tension * (r_x + d_x)
+        f_y[i] = tension * (r_y + d_y)
+        f_z[i] = tension * (r_z + d_z)
+
+
+@njit(**_OPTIONS)
+def _share_within(pull, columns, force, here):
+    """Add the pulls of the springs of :data:`_WITHIN` to the forces on both of their nodes."""
+    low, high = np.uint64(columns + 1), np.uint64(pull.shape[2] - columns - 1)
+    one, width = np.uint64(1), np.uint64(columns)
+    for c in range(3):
+        along_x, along_y, rising, falling = pull[0, c], pull[1, c], pull[2, c], pull[3, c]
+        to = force[c, here]
+        for i in range(low, high):
+            s = i - width
+            straight = (along_x[i] - along_x[i - one]) + (along_y[i] - along_y[s])
+            to[i] += straight + ((rising[i] - rising[s - one]) + (falling[i] - falling[s + one]))
+
+
+@njit(**_OPTIONS)
+def _share_upward(pull, columns, force, here, above):
+    """Add the pulls of the springs of :data:`_UPWARD` to the forces on plane ``here``, begin those on ``above``."""
+    low, high = np.uint64(columns + 1), np.uint64(pull.shape[2] - columns - 1)
+    one, width = np.uint64(1), np.uint64(columns)
+    for c in range(3):
+        up, east, west, north, south = pull[0, c], pull[1, c], pull[2, c], pull[3, c], pull[4, c]
+        to, to_above = force[c, here], force[c, above]
+        for i in range(low, high):
+            to[i] += up[i] + ((east[i] + west[i]) + (north[i] + south[i]))
+            to_above[i] = -(up[i] + ((east[i - one] + west[i + one]) + (north[i - width] + south[i + width])))
+
+
+@njit(**_OPTIONS)
+def _stored(values, columns):
+    """Sum of squares over the rows' nodes without ghosts."""
+    total = 0.0
+    for begin in range(columns, values.shape[1] - columns, columns):
+        for of in values:
+            for i in range(begin + 1, begin + columns - 1):
+                total += of[i] * of[i]
+    return total
+
+
+@njit(**_OPTIONS)
+def _gradients(lines, start, k, columns, scale, gradient):
+    """Displacement gradients of the cells over the nodes of plane k, each at the index of its first corner."""
+    one, width, line = np.uint64(1), np.uint64(columns), gradient.shape[1]
+    for c in range(3):
+        near, up = lines[c, k, start : start + line], lines[c, k + 1, start : start + line]
+        along_x, along_y, along_z = gradient[3 * c], gradient[3 * c + 1], gradient[3 * c + 2]
+        for i in range(np.uint64(near.size - columns - 1)):
+            e, n = i + one, i + width
+            ne = n + one
+            sw, se, nw = near[i] + up[i], near[e] + up[e], near[n] + up[n]
+            far = near[ne] + up[ne]
+            along_x[i] = scale * ((se + far) - (sw + nw))
+            along_y[i] = scale * ((nw + far) - (sw + se))
+            along_z[i] = scale * (((up[i] - near[i]) + (up[e] - near[e])) + ((up[n] - near[n]) + (up[ne] - near[ne])))
 
 
 @njit(**_OPTIONS)
 def _stresses(gradient, strength):
-    """Turn displacement gradients G into strength (det F − 1) ∂det F/∂F, F = 1 + G, in place.
-
-    Returns the sum of (det F − 1)² over all cells but the first, which is the image of the last.
-    """
-    xx, xy, xz, yx, yy, yz, zx, zy, zz = gradient
-    total = 0.0
+    """Turn displacement gradients G into strength (det F − 1) ∂det F/∂F, F = 1 + G, in place, beside det F − 1."""
+    xx, xy, xz, yx, yy, yz, zx, zy, zz, growth = gradient
     for i in range(np.uint64(xx.size)):
         f_xx = 1.0 + xx[i]
         f_yy = 1.0 + yy[i]
@@ -143,8 +208,7 @@ def _stresses(gradient, strength):
         c_zz = f_xx * f_yy - xy[i] * yx[i]
         # det F − 1 from the gradient itself: a small one is not lost beside the one.
         grown = xx[i] * c_xx + (yy[i] * f_zz + zz[i] - yz[i] * zy[i]) + xy[i] * c_xy + xz[i] * c_xz
-        if i > 0:
-            total += grown * grown
+        growth[i] = grown
         g = strength * grown
         xx[i] = g * c_xx
         xy[i] = g * c_xy
@@ -155,4 +219,20 @@ def _stresses(gradient, strength):
         zx[i] = g * c_zx
         zy[i] = g * c_zy
         zz[i] = g * c_zz
-    return total
+
+
+@njit(**_OPTIONS)
+def _share_stresses(stress, columns, force, here, above):
+    """Add the forces of the cells' stresses on the corners below and above."""
+    low, high = np.uint64(columns + 1), np.uint64(stress.shape[1] - columns - 1)
+    one, width = np.uint64(1), np.uint64(columns)
+    for c in range(3):
+        of_x, of_y, of_z = stress[3 * c], stress[3 * c + 1], stress[3 * c + 2]
+        to, to_above = force[c, here], force[c, above]
+        for i in range(low, high):
+            w, s = i - one, i - width
+            sw = s - one
+            within = ((of_x[w] - of_x[i]) + (of_x[sw] - of_x[s])) + ((of_y[sw] + of_y[s]) - (of_y[w] + of_y[i]))
+            height = (of_z[w] + of_z[i]) + (of_z[sw] + of_z[s])
+            to[i] -= within - height
+            to_above[i] -= within + height

@@ -87,6 +87,7 @@ def parser() -> Parser:
     made.add_argument("--from", type=Path, dest="source", help="CSV to print, in place of runs")
     made.add_argument("--fraction", type=float, default=1.0, help="of the study's lengths: its cell and rms height")
     made.add_argument("--speed", default="20 m/s", help="of the driven plane")
+    made.add_argument("--time-step", help="of the motion; a fifth of the largest stable one by default")
     made.add_argument("--temperatures", nargs="+", default=["0 K", "300 K"], help="of the atoms")
     made.add_argument("--ratios", type=float, nargs="+", help="multiples of the well depth; the study's by default")
     made.add_argument("--highest", type=float, default=18.0, help="separation that the way up ends at (Å)")
@@ -195,7 +196,12 @@ def driven(given: argparse.Namespace) -> dict:
         "surface": {**table["surface"], **scaled},
         "loading": {"control": "gap", "path": points.tolist(), "unload": True},
         "atomistic": {**table.get("atomistic", {}), "method": "dynamics"},
-        "dynamics": {"damping": DAMPING, "approach_speed": given.speed, "frames": FRAMES},
+        "dynamics": {
+            "damping": DAMPING,
+            "approach_speed": given.speed,
+            "frames": FRAMES,
+            **({} if given.time_step is None else {"time_step": given.time_step}),
+        },
         "output": {},
     }
 

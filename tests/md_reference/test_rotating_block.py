@@ -10,7 +10,7 @@ from md_reference.multiscale_block import MultiscaleBlock
 from md_reference.rotating_block import RotatingBlock
 from md_reference.rotating_slab import rotating_slab_force
 from md_reference.run import check
-from md_reference.slab import slab_constants, slab_force
+from md_reference.slab import fill_ghosts, slab_constants, slab_force
 from tests.md_reference.systems import LATTICE_CONSTANT, POISSONS_RATIO, YOUNGS_MODULUS
 from tests.md_reference.test_dynamics import moving
 from tests.md_reference.test_multiscale_block import MASS, free_nodes, random_vector
@@ -53,7 +53,7 @@ def test_a_turn_costs_nothing():
     position = np.stack([x, y, z])
     u = np.einsum("cd,dkji->ckji", turn - np.eye(3), position)
     found, linear = np.zeros_like(u), np.zeros_like(u)
-    energy = rotating_slab_force(u, found, LATTICE_CONSTANT, LAME[1], LAME[0] - LAME[1])
+    energy = rotating_slab_force(u, found, LATTICE_CONSTANT, LAME[1], LAME[0] - LAME[1], 0, u.shape[2] - 2)
     slab_force(u, linear, *slab_constants(LATTICE_CONSTANT, *LAME), 0, u.shape[2] - 2)
     inside = np.s_[:, :, 1:-1, 1:-1]
     # Rounding of the displacements, over a spring's length.
@@ -78,6 +78,24 @@ def test_forces_are_the_gradient_of_the_energy():
     assert abs(errors[1]) < 1e-3
     linear = forces(block_of(MultiscaleBlock), at.copy())
     assert np.max(np.abs(linear - forces(block, at.copy()))) > 0.1 * SCALE
+
+
+def test_energy_is_a_sum_over_rows():
+    """Every spring and every volume belongs to one row, across the periodic edges, too."""
+    u = 0.1 * LATTICE_CONSTANT * np.random.default_rng(2).standard_normal((3, 4, 11, 8))
+    fill_ghosts(u)
+    constants = LATTICE_CONSTANT, LAME[1], LAME[0] - LAME[1]
+    force, parts = np.zeros_like(u), np.zeros_like(u)
+    energy = rotating_slab_force(u, force, *constants, 0, 9)
+    found = [rotating_slab_force(u, parts, *constants, *rows) for rows in ((0, 1), (1, 5), (5, 9))]
+    # Rounding of a sum of hundreds of terms.
+    assert sum(found) == pytest.approx(energy, rel=1e-13)
+    np.testing.assert_array_equal(parts[:, :, 1:-1, 1:-1], force[:, :, 1:-1, 1:-1])
+    # The same nodes seen from another row and column on.
+    moved = np.roll(u[:, :, 1:-1, 1:-1], (3, 2), axis=(2, 3))
+    u[:, :, 1:-1, 1:-1] = moved
+    fill_ghosts(u)
+    assert rotating_slab_force(u, parts, *constants, 0, 9) == pytest.approx(energy, rel=1e-13)
 
 
 @pytest.mark.parametrize("pressure", [1e8, 2e10, -5e9])

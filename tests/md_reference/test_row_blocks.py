@@ -9,6 +9,7 @@ from md_reference.block import isotropic_element, lame_constants
 from md_reference.interface import LennardJonesInterface
 from md_reference.multiscale_block import MultiscaleBlock
 from md_reference.newtonian import NewtonianBlock, fastest_wave
+from md_reference.rotating_block import RotatingBlock
 from md_reference.row_blocks import RowBlocks
 from md_reference.run import MODEL
 from md_reference.system import row_threads
@@ -70,7 +71,8 @@ def with_threads(interface, threads):
     )
 
 
-def test_any_number_of_threads_gives_the_same_bits(monkeypatch):
+@pytest.mark.parametrize("kind", [MultiscaleBlock, RotatingBlock])
+def test_any_number_of_threads_gives_the_same_bits(kind, monkeypatch):
     """Atoms in motion with a thermostat, over a rough substrate: forces, curvature, energy, and where all nodes end.
 
     One thread does all rows of a level in one block, the others eight at a time.
@@ -82,7 +84,7 @@ def test_any_number_of_threads_gives_the_same_bits(monkeypatch):
     for threads in (1, 2, 3):
         monkeypatch.setattr(multiscale_block, "_NODES_OF_A_BLOCK", 8192 if threads == 1 else 1)
         interface = with_threads(rough, threads)
-        block = MultiscaleBlock(ATOMS, LATTICE_CONSTANT, *lame, (4, 4), MASS, threads)
+        block = kind(ATOMS, LATTICE_CONSTANT, *lame, (4, 4), MASS, threads)
         system = NewtonianBlock(block, interface, step, friction=0.01 / step, temperature=300.0)
         surface = np.zeros((3, *ATOMS))
         surface[2] = interface.rest_heights().max() + interface.length
