@@ -88,10 +88,10 @@ class LennardJonesInterface:
         self.well_depth = well_depth
         self.length = length
         self.cutoff = float(cutoff)
-        reach = tuple(math.ceil(cutoff * length / b) + 1 for b in substrate.spacing)
-        self._margin = reach
+        reach_y, reach_x = (math.ceil(cutoff * length / b) + 1 for b in substrate.spacing)
+        self._margin = reach_y, reach_x
         self._padded = substrate.padded(self._margin) / length
-        self._highest = substrate.highest_within((reach[0], reach[1])) / length
+        self._highest = substrate.highest_within(self._margin) / length
         self._no_hessian = np.empty((6, 0, 0))
         self._rows = RowBlocks(threads)
         self._row_energy = np.empty(shape[0])

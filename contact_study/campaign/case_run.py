@@ -89,13 +89,15 @@ def run_case(job: Job, threads: int, report: Report) -> None:
         predictor = _predictor(job)
         began = time.perf_counter()
         for number, point in enumerate(job.model.solve_path(case, surface, restart, start, predictor), start):
-            now = time.perf_counter()
+            seconds = time.perf_counter() - began
             step = _recorded(job, number, point, averages)
+            if isinstance(point, Ensemble):  # its states are made as they are recorded
+                seconds = time.perf_counter() - began
             averages = None
             keep_warnings()
             started = {} if predictor is None else {"predictor_field": predictor.fingerprint(number)}
-            store.save_step(job.folder, number, _completed(case, number, step, now - began, started))
-            report(case.label, _point(case, number), dict(_summary(step)), now - began)
+            store.save_step(job.folder, number, _completed(case, number, step, seconds, started))
+            report(case.label, _point(case, number), dict(_summary(step)), seconds)
             began = time.perf_counter()
 
 

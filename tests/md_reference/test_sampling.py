@@ -1,6 +1,8 @@
 """Thermal averages as a user meets them: a study in, means with errors and series out, stopped and gone on with."""
 
 import copy
+import time
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -69,6 +71,21 @@ def assert_equal_groups(one, other):
     for name, dataset in one.items():
         again = other[name].drop_vars("wall_time", errors="ignore")
         xr.testing.assert_equal(dataset.drop_vars("wall_time", errors="ignore"), again)
+
+
+@pytest.mark.filterwarnings("ignore:the 10 thermal states")
+def test_the_time_of_a_point_is_that_of_all_its_states(monkeypatch):
+    """By a clock that ticks once a state."""
+    add, clock = Averages.add, [0]
+
+    def ticking(averages, state):
+        clock[0] += 1
+        add(averages, state)
+
+    monkeypatch.setattr(Averages, "add", ticking)
+    monkeypatch.setattr(case_run, "time", SimpleNamespace(perf_counter=lambda: clock[0], monotonic=time.monotonic))
+    dataset = contact_study.run(changed(sampling={"trajectories": 10, "equilibration": 10}), "atomistic")
+    assert dataset.wall_time.values.tolist() == [10, 10]
 
 
 def test_every_mean_has_its_error_and_every_number_its_series(sampled):
