@@ -4,8 +4,8 @@ The rigid plane on top of the explicit block comes down at one speed, turns, and
 stress and the work are those of the interface over the whole motion, frame by frame. Loops that the table on disk has
 already are not run again. `docs/temperature.md` shows figure and table.
 
-    python scripts/driven_loops.py data/yang2008.toml --fraction 0.5 --highest 26 --table data/driven_loops.csv
-    python scripts/driven_loops.py --from data/driven_loops.csv -o docs/images/driven_loops.png
+    python scripts/driven_loops.py data/yang2008.toml --fraction 0.5 --highest 28 --table data/driven_loops.csv
+    python scripts/driven_loops.py --from data/driven_loops.csv -o docs/images/driven_loops_200.png
 """
 
 import argparse
@@ -244,7 +244,7 @@ def picture(loops: dict[str, list[Loop]]) -> Figure:
         axes.set_title(words, fontsize=8.5)
         axes.set_xlabel("distance of the plane (Å)")
     panels[0].set_ylabel("mean stress (GPa)")
-    panels[0].legend()
+    max(panels, key=lambda axes: len(axes.lines)).legend()
     return figure
 
 
