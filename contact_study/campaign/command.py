@@ -14,23 +14,21 @@ import traceback
 from collections.abc import Mapping, Sequence
 from functools import partial
 from pathlib import Path
-from typing import Any, NoReturn
-
-import xarray as xr
+from typing import TYPE_CHECKING, Any, NoReturn
 
 import contact_study
-from contact_study.campaign.conduct import Conditions, check_inputs_kept, conduct
-from contact_study.campaign.dataset.provenance import unconverged
 from contact_study.campaign.engines import ENGINES, CampaignError
 from contact_study.campaign.examples import example, example_names, listed_examples
-from contact_study.campaign.files import named_file, writable_output
-from contact_study.campaign.inspection import inspect
+from contact_study.campaign.files import check_inputs_kept, named_file, writable_output
 from contact_study.campaign.model import Model
 from contact_study.campaign.progress import Progress
 from contact_study.problem.dotted_keys import all_keys
 from contact_study.problem.errors import InputError
 from contact_study.problem.keys import as_written, suggestion
 from contact_study.problem.study import read_study
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 DONE, WRONG_INPUT, NOT_CONVERGED, INTERRUPTED = 0, 1, 2, 130
 
@@ -56,8 +54,17 @@ def main(model: Model, arguments: Sequence[str] | None = None) -> int:
 
     0: done and converged; 1: wrong input; 2: some step did not converge (the dataset says which); 130: interrupted.
     """
-    arguments = sys.argv[1:] if arguments is None else list(arguments)
+    if arguments is None:  # a process of the command's own
+        arguments = sys.argv[1:]
+        _leave_out_dask(arguments)
     return guarded(model.command, lambda: _main(model, arguments))
+
+
+def _leave_out_dask(arguments: Sequence[str]) -> None:
+    """Where Dask is installed, Pint and xarray take it up, half a second, for what a command has no use for."""
+    asked = "dask" in arguments or "--engine=dask" in arguments
+    if not asked and "xarray" not in sys.modules:  # which knows by then whether there is one
+        sys.modules.setdefault("dask", None)  # type: ignore[arg-type]
 
 
 def guarded(command: str, body: Any, interrupted: str = "finished steps are kept, continue with --resume") -> int:
@@ -126,6 +133,8 @@ def _main(model: Model, arguments: Sequence[str]) -> int:
         raise InputError("--resume and --overwrite exclude each other")
     if given.workers is not None and given.workers < 1:
         raise InputError(f"--workers {given.workers}: must be at least 1")
+    from contact_study.campaign.conduct import Conditions, conduct  # and with it xarray, which is slow to import
+
     study = read_study(given.study, overrides)
     predictor = getattr(given, "predictor", None)
     check_inputs_kept(output, [given.study, predictor, *(case.height_map for case in study.cases)])
@@ -146,6 +155,8 @@ def _example(given: argparse.Namespace) -> int:
 
 def _inspect(given: argparse.Namespace, output: Path | None, overrides: Mapping[str, Any]) -> int:
     """Look at a surface, and run nothing."""
+    from contact_study.campaign.inspection import inspect
+
     if given.study is not None:
         raise InputError(f"{given.study}: --inspect takes the map or the study, and runs none")
     if not given.inspect.is_file():
@@ -248,8 +259,10 @@ def _toml_value(text: str) -> Any:
         return text
 
 
-def _status(model: Model, groups: Mapping[str, xr.Dataset]) -> int:
+def _status(model: Model, groups: "Mapping[str, xr.Dataset]") -> int:
     """Exit status of a dataset; names each group with steps that did not converge."""
+    from contact_study.campaign.dataset.provenance import unconverged
+
     said = list(unconverged(groups))
     for words in said:
         print(f"{model.command}: {words}", file=sys.stderr)

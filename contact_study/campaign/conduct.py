@@ -19,7 +19,6 @@ from contact_study.campaign.resume.folder import Parts
 from contact_study.campaign.resume.identity import Run, run_of
 from contact_study.campaign.resume.take_up import Finished, earlier_commits, finished_at, take_up
 from contact_study.campaign.runner import run_cases
-from contact_study.problem.errors import InputError
 from contact_study.problem.measured_surface import taken
 from contact_study.problem.study import Study
 from contact_study.problem.surface_scales import scales_of
@@ -134,10 +133,3 @@ def _already_done(run: Run, parts: Parts, finished: Finished, progress: Progress
     if commit != now:
         progress.warn(f"{finished.path} is of commit {commit}, this is {now}; use --overwrite to compute it anew")
     return provenance.read_flags(finished)
-
-
-def check_inputs_kept(output: Path, inputs: list[Path | None]) -> None:
-    """Raise InputError if the output is a file that the run reads."""
-    for path in inputs:
-        if path is not None and output.resolve() == path.resolve():
-            raise InputError(f"{output}: is read by this run; choose another output")

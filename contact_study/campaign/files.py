@@ -3,6 +3,7 @@
 import json
 import os
 import socket
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -44,6 +45,13 @@ def writable_output(path: Path) -> None:
         probe.unlink()
     except OSError as error:
         raise InputError(f"{path}: cannot be written ({error.strerror}); choose another output") from None
+
+
+def check_inputs_kept(output: Path, inputs: Sequence[Path | None]) -> None:
+    """Raise InputError if the output is a file that the run reads."""
+    for path in inputs:
+        if path is not None and output.resolve() == path.resolve():
+            raise InputError(f"{output}: is read by this run; choose another output")
 
 
 def write_aside(path: Path, write: Any) -> None:

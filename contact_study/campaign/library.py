@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from contact_study.campaign.conduct import Conditions, check_inputs_kept, conduct
+from contact_study.campaign.conduct import Conditions, conduct
 from contact_study.campaign.dataset.provenance import unconverged
-from contact_study.campaign.files import named_file
+from contact_study.campaign.files import check_inputs_kept, named_file
 from contact_study.campaign.model import MODULES, Model, model_of
 from contact_study.campaign.progress import Progress, Warnings
 from contact_study.fields.arguments import field

@@ -2,6 +2,8 @@
 
 import os
 import signal
+import subprocess
+import sys
 import threading
 import time
 from functools import partial
@@ -197,3 +199,19 @@ def test_without_dask_it_is_said(monkeypatch):
     monkeypatch.setitem(__import__("sys").modules, "distributed", None)
     with pytest.raises(InputError, match=r"pip install 'bem-adhesion\[dask\]'"):
         engines.check("dask", "tcp://127.0.0.1:8786")
+
+
+@pytest.mark.parametrize(("arguments", "imported"), [((), False), (("--engine", "dask"), True)])
+def test_a_command_imports_dask_only_where_it_is_asked_for(study, tmp_path, arguments, imported):
+    """It would take it half a second; this one reads units and writes a dataset, or asks for a cluster."""
+    program = (
+        "import sys\n"
+        f"sys.argv = ['toy', {str(study)!r}, '-o', {str(tmp_path / 'bem.nc')!r}, *{arguments!r}]\n"
+        "from tests.campaign.toy_model import main\n"
+        "main()\n"
+        "print(any(sys.modules.get(name) is not None for name in ('dask', 'distributed')))"
+    )
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
+    assert done.stdout.splitlines()[-1:] == [str(imported)], done.stderr
+    assert (tmp_path / "bem.nc").exists() != imported
+    assert ("needs --scheduler" in done.stderr) == imported
