@@ -40,8 +40,8 @@ class Piece(Generic[Result]):
 class Ahead:
     """Threads beside the one that asks; results do not depend on how many.
 
-    Warnings are caught for a whole process: work may not catch them. It may ask for
-    the result of work that asks for none.
+    Warnings are caught for a whole process: work may not catch them. It may ask for the result of work that asks for
+    none.
 
     Parameters
     ----------

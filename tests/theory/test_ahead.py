@@ -1,5 +1,7 @@
 """Work begun by other threads: done once, results and errors with the one that asks, nobody waits idly."""
 
+import subprocess
+import sys
 import threading
 import time
 
@@ -84,3 +86,10 @@ def test_threads_end_when_nothing_waits():
     while threading.active_count() > before and time.monotonic() < deadline:
         time.sleep(0.01)
     assert threading.active_count() == before
+
+
+def test_nobody_waits_for_work_at_the_end_of_a_process():
+    program = (
+        "import time; from theory.ahead import Ahead\nAhead(2).begin(lambda: time.sleep(600))\nraise SystemExit(130)"
+    )
+    assert subprocess.run([sys.executable, "-c", program], timeout=120).returncode == 130
