@@ -77,13 +77,16 @@ def _main(arguments: Sequence[str] | None) -> int:
     grids = given.points
     if any(fine <= coarse for coarse, fine in itertools.pairwise(grids)):
         raise InputError(f"--points {' '.join(map(str, grids))}: must increase")
-    require_memory(grids[-1] ** 2 * _BYTES_PER_POINT, f"--points {grids[-1]}", "fewer points")
-    sample = surface(size, grids[0], given.seed)
     law = HardWall() if given.no_adhesion else Exponential(WORK, RANGE)
+    questions = [
+        {"adhesion": not given.no_adhesion, "size": size, "seed": given.seed, "points": points} for points in grids
+    ]
+    known = [_known(given.table, question, pressures) for question in questions]
+    for points in (points for points, rows in zip(grids, known, strict=True) if rows is None):
+        require_memory(points**2 * _BYTES_PER_POINT, f"--points {points}", "fewer points")
+    sample = surface(size, grids[0], given.seed)
     found = []
-    for points in grids:
-        question = {"adhesion": not given.no_adhesion, "size": size, "seed": given.seed, "points": points}
-        rows = _known(given.table, question, pressures)
+    for question, points, rows in zip(questions, grids, known, strict=True):
         if rows is None:
             solved = path(sample, points, law, pressures, given.threads)
             rows = [numbers(pressure, solution) for pressure, solution in zip(pressures, solved, strict=True)]
