@@ -276,7 +276,8 @@ def print_ramps() -> None:
 
 @styled
 def draw(spheres: Sequence[Sphere], path: Path) -> None:
-    """Pull-off over the Tabor parameter, and contact radius over the force, of solver and Maugis."""
+    """Pull-off over the Tabor parameter, and contact radius over the force, of solver (finest grids) and Maugis."""
+    spheres = list({each.tabor: each for each in sorted(spheres, key=lambda each: (each.tabor, each.points))}.values())
     figure = Figure(figsize=(DOUBLE, 2.8), layout="constrained")
     left, right = figure.subplots(1, 2)
     mu = np.geomspace(0.03, 8, 80)
