@@ -36,8 +36,10 @@ def test_measures_of_a_gap(height, law):
     exact = measured(problem, found.gap)
     assert exact.error < 1e-8  # the solver's tolerance
     assert exact.area == np.mean(found.pressure > 0) if not law.has_wall else np.mean(found.gap == 0)
-    # Rounding of sums of a thousand terms.
-    assert exact.elastic == pytest.approx(found.elastic_energy, rel=1e-9)
+    # The solver takes the pressures of equilibrium for K w: what is out of balance does no more than this work. Else
+    # rounding of sums of a thousand terms.
+    out_of_balance = 0.5 * exact.error * np.mean(np.abs(found.displacement - found.displacement.mean()))
+    assert exact.elastic == pytest.approx(found.elastic_energy, rel=1e-9, abs=out_of_balance)
     assert exact.interaction == pytest.approx(found.interaction_energy, rel=1e-9)
     # A wave of all points out of contact by δ is out of balance by K δ at most, and there nearly so.
     wave = np.where(found.gap > 0.05, 1e-9 * (-1.0) ** np.arange(POINTS), 0.0)
