@@ -66,7 +66,6 @@ class LocalRelaxation:
         elastic: np.ndarray,
         load: np.ndarray,
         right_side: np.ndarray,
-        approach: bool,
         out: np.ndarray,
     ) -> bool:
         """Write the gap into ``out``, in balance in the few places where it is not; whether these are few.
@@ -77,8 +76,6 @@ class LocalRelaxation:
             The state of the whole, K d and the load on it.
         right_side : numpy.ndarray
             What it is out of balance by.
-        approach : bool
-            As of :meth:`AdhesiveContact.solve`.
         out : numpy.ndarray
             The new gap.
         """
@@ -95,7 +92,7 @@ class LocalRelaxation:
             # Where squares overlap, the next goes on from what the last one left.
             start = out[here]
             square.tie(self._springs, start, stalls=False)
-            out[here] = square.solve(start, local_load, CLOSE, STEPS, approach).gap
+            out[here] = square.solve(start, local_load, CLOSE, STEPS).gap
         return True
 
 
