@@ -8,7 +8,9 @@ from bem_adhesion.operator import periodic
 from bem_adhesion.solution import Outcome
 from contact_study.fields.grid import Grid
 from contact_study.problem.elasticity import HalfSpace
-from tests.bem_adhesion.paper_system import E_STAR, law, relative_contact_area, surface
+from contact_study.problem.study import make_study
+from contact_study.problem.surface import realise
+from tests.bem_adhesion.paper_system import E_STAR, R0, law, relative_contact_area, study_table, surface
 
 UNIT = HalfSpace(1.0)
 POINTS = 256
@@ -92,15 +94,18 @@ def test_tiles_of_a_grid_that_they_do_not_divide():
     assert largest.sum() == 3.0
 
 
-def test_an_approach_is_left_to_the_whole():
-    """Where everything snaps in, a place balanced before the others led to another state than the slow flow's."""
-    rough, found = surface(POINTS), []
+def test_a_first_load_ends_in_the_state_of_the_whole():
+    """Where everything snaps in; of 60 Newton steps in place of 3 squares fill a hole of 230 points besides."""
+    rough, found = realise(make_study(study_table(POINTS, 3)).cases[0]), []
     for relaxing in (True, False):
-        contact = LoadedContact(rough.sampled, rough.grid, E_STAR, law(8.0))
+        contact = LoadedContact(rough.heights(rough.shape), rough.grid, E_STAR, law(8.0))
         if not relaxing:
             contact._contact.finest.relaxation = None
-        found.append(contact.step(contact.separated(), 0.2e9))
-    np.testing.assert_array_equal(found[0].gap, found[1].gap)
+        found.append(contact.step(contact.separated(), 0.1e9))
+    relaxed, whole = found
+    # Residuals of 1e-8 E* over the softest stiffness, about 1e-3 E*/r0 close to a fold.
+    assert np.abs(relaxed.gap - whole.gap).max() < 1e-3 * R0
+    assert relaxed.fft_pairs < whole.fft_pairs
 
 
 def test_a_path_with_jumps_takes_fewer_pairs_to_the_same_states():
