@@ -12,6 +12,7 @@ keeps from giving way, is left to the next Newton step of the whole.
 """
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 
 from bem_adhesion.adhesive import CLOSE, AdhesiveContact
 from bem_adhesion.operator import MakeOperator
@@ -127,7 +128,8 @@ def _squares(largest: np.ndarray) -> list[tuple[int, int]] | None:
         if len(corners) == MOST_SQUARES:
             return None
         worst = np.unravel_index(magnitude.argmax(), magnitude.shape)
-        found = sum(np.roll(active, (-i, -j), (0, 1)).astype(int) for i in inside for j in inside)
+        around = np.pad(active, (0, inside.size), mode="wrap")[1:, 1:]
+        found = sliding_window_view(around, (inside.size, inside.size)).sum(axis=(2, 3))
         rows, columns = (worst[0] - inside) % active.shape[0], (worst[1] - inside) % active.shape[1]
         merit = found[np.ix_(rows, columns)] - 1e-2 * (from_middle[:, None] + from_middle[None, :])
         best = np.unravel_index(merit.argmax(), merit.shape)
