@@ -124,14 +124,19 @@ class LawPasses:
         """
         law = self.law
         equilibrium, tangent = law.equilibrium_distance, law.equilibrium_stiffness
+        np.add(gap, np.clip(step, -limit * gap, limit * gap), out=out)
+        # The law's functions are for these few alone.
+        near = np.minimum(gap, out) < equilibrium
+        gap, step, moved = gap[near], step[near], out[near]
         repelled = gap < equilibrium
-        moved = gap + np.clip(step, -limit * gap, limit * gap)
         # Without a peak there is nothing to overshoot into: points land on the tangent.
         largest = LANDING * law.peak_tensile_stress or np.inf
-        landing = np.maximum(tangent * (moved - equilibrium), -largest)
-        traction = np.where(repelled, law.traction(gap) + law.stiffness(gap) * step, landing)
-        left = np.where(repelled, equilibrium + np.minimum(traction / tangent, limit * equilibrium), moved)
-        out[...] = np.where(traction < 0, law.repulsive_gap(np.minimum(traction, 0.0)), left)
+        traction = np.maximum(tangent * (moved - equilibrium), -largest)
+        traction[repelled] = law.traction(gap[repelled]) + law.stiffness(gap[repelled]) * step[repelled]
+        moved[repelled] = equilibrium + np.minimum(traction[repelled] / tangent, limit * equilibrium)
+        pressed = traction < 0
+        moved[pressed] = law.repulsive_gap(traction[pressed])
+        out[near] = moved
 
 
 @njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "arcp", "nsz"})
