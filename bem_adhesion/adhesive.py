@@ -370,7 +370,7 @@ class AdhesiveContact:
         return NewtonResult(gap, reaction, state.largest, iteration, outcome)
 
     def _relax(self, gap: np.ndarray, load: np.ndarray, state: _State, out: np.ndarray) -> bool:
-        """Leave in ``out`` a gap in balance in the few places where ``gap`` is not; whether there is anything to it."""
+        """Leave in ``out`` a gap closer to balance in the few places far from it; whether there is anything to it."""
         tied = self._passes is not self._free_passes
         if self.relaxation is None or state.largest <= FAR or tied:
             return False

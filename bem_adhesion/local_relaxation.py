@@ -1,4 +1,4 @@
-"""What is out of balance in a few places only, brought to balance there: the contact on parts of the grid.
+"""What is out of balance in a few places only, brought closer to it there: the contact on parts of the grid.
 
 Where a patch of the contact snaps in or tears off, its edge runs for tens of Newton steps while all else stands still.
 :class:`LocalRelaxation` lets it take three of four on a periodic square of a quarter of the grid's points along each
@@ -71,7 +71,7 @@ class LocalRelaxation:
         right_side: np.ndarray,
         out: np.ndarray,
     ) -> bool:
-        """Write the gap into ``out``, in balance in the few places where it is not; whether these are few.
+        """Write into ``out`` a gap closer to balance where it is far from it; whether these places are few.
 
         Parameters
         ----------

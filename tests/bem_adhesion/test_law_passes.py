@@ -5,6 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from bem_adhesion import law_passes
 from bem_adhesion.law_passes import LawPasses
 from bem_adhesion.wall_passes import passes_of
 from tests.problem.test_laws import gaps, laws
@@ -33,6 +34,26 @@ def test_compiled_advance_equals_the_general_one(law, start, step):
     # Three Newton iterations instead of convergence: 3 % at a thousand times the peak stress, less below.
     moved = abs((general - gap).item())
     assert abs((compiled - general).item()) <= 0.03 * moved + 1e-12 * law.length
+
+
+@laws
+def test_blocks_of_points_are_as_single_points(law, monkeypatch):
+    """Of 26 points in rows of two, blocks of 10: the last one is shorter."""
+    monkeypatch.setattr(law_passes, "BLOCK", 10)
+    rng, passes = np.random.default_rng(1), LawPasses(law)
+    gap = law.length * rng.uniform(0.8, 2.0, (13, 2))
+    step = law.length * rng.uniform(-0.5, 0.5, gap.shape).astype(np.float32)
+    traction, stiffness, out = (np.full(gap.shape, np.nan) for _ in range(3))
+    total = passes.evaluate(gap, traction, stiffness)
+    passes.advance(gap, step, 0.4, out)
+    assert total == pytest.approx(sum(law.potential(each).item() for each in gap.reshape(-1, 1)), rel=1e-12)
+    for at in np.ndindex(gap.shape):
+        one = np.empty((1, 1))
+        passes.advance(gap[at].reshape(1, 1), step[at].reshape(1, 1), 0.4, one)
+        # Functions of single points and of vectors may round differently.
+        assert out[at] == pytest.approx(one.item(), rel=1e-12)
+        assert traction[at] == pytest.approx(law.traction(gap[at]), rel=1e-12, abs=1e-12 * law.peak_tensile_stress)
+        assert stiffness[at] == pytest.approx(law.stiffness(gap[at]), rel=1e-9, abs=1e-9 * law.equilibrium_stiffness)
 
 
 @laws
