@@ -1,5 +1,7 @@
 """Which of its many states a contact is loaded into: the same path by equilibria, by slow flow and by Newton's law.
 
+Beside them "after 3 GPa": equilibria on the way back, of a contact that was pressed harder before.
+
 Area and mean gap of atoms and continuum along one loading path from separation, by every way of going it. Rows that
 the file has already are not computed again, so that ways, sizes and surfaces can be added one after the other.
 
@@ -23,12 +25,14 @@ from contact_study.problem.units import quantity
 
 PRESSURES = ("0.1 GPa", "0.2 GPa", "0.5 GPa", "1 GPa", "2 GPa", "5 GPa", "10 GPa")
 _SMALL = 5  # small steps from one pressure to the next
+_PRESSED, _BACK = 3e9, "after 3 GPa"
 # Motion by Newton's law: friction so weak that the block's longest wave rings, for as long as it does.
 _NEWTON = {"damping": "0.1 ps^-1", "duration": "120 ps"}
 
 SECTIONS: dict[str, dict[str, Any]] = {
     "steps": {},
     "small steps": {},
+    _BACK: {},
     "flow 1e-2": {"overdamped": {"loading_rate": 1e-2}},
     "flow 1e-3": {"overdamped": {"loading_rate": 1e-3}},
     "flow 1e-3, half the error": {"overdamped": {"loading_rate": 1e-3, "step_error": 0.05}},
@@ -89,6 +93,8 @@ def _with(
     same = table[(table.model == model) & (table.atoms == given.atoms) & (table.seed == seed)]
     same = same[(same.ratio == ratio) & (same.way == way)]
     pressures = [quantity(text, "Pa", "--pressures") for text in given.pressures]
+    if way == _BACK:
+        pressures = [pressure for pressure in pressures if pressure < _PRESSED]
     if {round(pressure / 1e9, 6) for pressure in pressures} <= set(same.pressure_GPa):
         return table
     found = pd.DataFrame(walked(study, model, given.atoms, ratio, seed, way, pressures))
@@ -120,6 +126,8 @@ def walked(
             for low, high in zip(starts, pressures, strict=True)
             for step in range(1, _SMALL + 1)
         ]
+    if way == _BACK:
+        path += [_PRESSED, *pressures[::-1]]
     table["loading"] = {"path": path}
     table["output"] = {}
     # An equilibrium of a strong adhesion may take many steps; a flow takes more.
@@ -128,7 +136,7 @@ def walked(
     table |= {"atomistic": {"method": method}, **SECTIONS[way]}
     dataset = contact_study.run(table, model)
     for pressure in pressures:
-        state = dataset.isel(step=path.index(pressure))
+        state = dataset.isel(step=len(path) - 1 - path[::-1].index(pressure))
         yield {
             "model": model,
             "atoms": atoms,
