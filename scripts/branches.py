@@ -104,6 +104,20 @@ def _with(
     return table
 
 
+def _path(way: str, pressures: Sequence[float]) -> list[float]:
+    """The loading path (Pa) of one way; what counts is the state where it is last at a pressure."""
+    if way == "small steps":
+        starts = [0.0, *pressures[:-1]]
+        return [
+            low + (high - low) * step / _SMALL
+            for low, high in zip(starts, pressures, strict=True)
+            for step in range(1, _SMALL + 1)
+        ]
+    if way == _BACK:
+        return [*pressures, _PRESSED, *pressures[::-1]]
+    return list(pressures)
+
+
 def walked(
     study: Study, model: str, atoms: int, ratio: float, seed: int, way: str, pressures: Sequence[float]
 ) -> Iterator[dict[str, Any]]:
@@ -118,16 +132,7 @@ def walked(
         "seed": seed,
     }
     table["interaction"]["well_depth_ratio"] = ratio
-    path = list(pressures)
-    if way == "small steps":
-        starts = [0.0, *pressures[:-1]]
-        path = [
-            low + (high - low) * step / _SMALL
-            for low, high in zip(starts, pressures, strict=True)
-            for step in range(1, _SMALL + 1)
-        ]
-    if way == _BACK:
-        path += [_PRESSED, *pressures[::-1]]
+    path = _path(way, pressures)
     table["loading"] = {"path": path}
     table["output"] = {}
     # An equilibrium of a strong adhesion may take many steps; a flow takes more.

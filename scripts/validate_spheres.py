@@ -3,7 +3,7 @@
 `docs/validation.md` explains the columns.
 
     python scripts/validate_spheres.py hertz
-    python scripts/validate_spheres.py maugis --tabor 2 3 5 --ramp 0.2 --most-points 940 --table data/maugis_spheres.csv
+    python scripts/validate_spheres.py maugis --tabor 2 3 --ramp 0.2 --most-points 400 --table data/maugis_spheres.csv
     python scripts/validate_spheres.py maugis --from data/maugis_spheres.csv --figure maugis_spheres.png
     python scripts/validate_spheres.py ramp
 """
