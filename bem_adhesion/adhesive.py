@@ -1,7 +1,7 @@
 """Adhesive contact of an elastic solid with a rough rigid one under any traction-separation law.
 
-The gap d minimises ½<d, K d> + <φ(d)> + <load·d>: K is the elastic solid, φ the law, and ``load`` = p + K h the nominal
-pressure and the pressure that flattens the heights h. The energy is not convex; the solver descends from the given
+The gap d minimises ½<d, K d> + <φ(d)> + <load·d>: K is the elastic solid, φ the law, and ``load`` = K h + p the
+pressure that flattens the heights h and the nominal one. The energy is not convex; the solver descends from the given
 state into the minimum next to it.
 
 Newton's method with inexact linear solves in float32 (:mod:`bem_adhesion.linearised`). The residual is formed in
@@ -11,7 +11,6 @@ quadratic model, and restored after successful steps. Stresses are in units of t
 order one for the sake of float32.
 """
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -19,7 +18,9 @@ import numpy as np
 from bem_adhesion.bed import bed_under
 from bem_adhesion.dragged_passes import DraggedPasses
 from bem_adhesion.free_boundary import Window
+from bem_adhesion.law_passes import Balance
 from bem_adhesion.linearised import LinearisedContact
+from bem_adhesion.load import Load
 from bem_adhesion.operator import MakeOperator
 from bem_adhesion.solution import NewtonResult, Outcome
 from bem_adhesion.tangent import mean_compliance
@@ -59,16 +60,6 @@ ENERGY_ROUNDING = 1e-9
 # change times the largest K (at most 2.8e-7 of 3000 changes, 32² to 1024² points). K d is formed anew where all of it
 # since the last time may be more than a share of the residual, and at the end, of the tolerance.
 CHANGE_ROUNDING, SHARE_OF_RESIDUAL, SHARE_OF_TOLERANCE = 3e-7, 0.1, 0.01
-
-
-@dataclass(frozen=True)
-class _State:
-    """Energy, max|gradient|, Σ gradient² and Σ gradient at a gap; the sums run over all points."""
-
-    energy: float
-    largest: float
-    square: float
-    total: float
 
 
 class AdhesiveContact:
@@ -114,7 +105,6 @@ class AdhesiveContact:
         self.relaxation: LocalRelaxation | None = None
         self._bed = bed_under(self._single, make_operator, shift)
         self._linearised = LinearisedContact(self._single, shift, self._bed)
-        self._traction = np.empty(grid.shape)
         self.curvature = np.empty(grid.shape, np.float32)
         self._right_side = np.empty(grid.shape, np.float32)
 
@@ -133,7 +123,7 @@ class AdhesiveContact:
         self._passes = DraggedPasses(self._free_passes, drag, anchor) if tied else self._free_passes
         self._stalls = tied and stalls
 
-    def imbalance_at(self, gap: np.ndarray, load: np.ndarray) -> tuple[float, bool]:
+    def imbalance_at(self, gap: np.ndarray, load: Load) -> tuple[float, bool]:
         """max|gradient| at a gap, as of :class:`NewtonResult`, and whether the surfaces separate for ever."""
         state = self._evaluate(gap, load)
         return state.largest, self._runs_away(gap, state)
@@ -144,17 +134,20 @@ class AdhesiveContact:
         self.solid.field[...] = gap
         return self.solid.apply(self.solid.stiffness)
 
-    def imbalance(self, pressure: np.ndarray, gap: np.ndarray) -> float:
-        """Mean of K d + φ'(d) + load, given as ``pressure`` = K d + load, over the points that are free to move."""
-        self._passes.evaluate(gap, self._traction, self.curvature)
-        return self._passes.imbalance(pressure, self._traction, gap)
+    def interpolated(self, values: np.ndarray) -> np.ndarray:
+        """A field of a coarser grid on this one, to single precision; in a buffer of which a solve takes hold."""
+        return self._single.interpolate(values)
 
-    def _evaluate(self, gap: np.ndarray, load: np.ndarray) -> _State:
-        """Energy and gradient at a gap; fills traction, curvature, right side, and the field of the solid with K d."""
+    def imbalance(self, gap: np.ndarray, load: Load) -> float:
+        """Mean of K d + φ'(d) + load over the points that are free to move, of the gap whose K d is there."""
+        return self._passes.imbalance(self.solid.field, gap, load)
+
+    def _evaluate(self, gap: np.ndarray, load: Load) -> Balance:
+        """Energy and gradient at a gap; fills curvature, right side, and the field of the solid with K d."""
         self.elastic_pressure(gap)
         return self._state(gap, load)
 
-    def _evaluate_change(self, gap: np.ndarray, new: np.ndarray, load: np.ndarray) -> _State:
+    def _evaluate_change(self, gap: np.ndarray, new: np.ndarray, load: Load) -> Balance:
         """As :meth:`_evaluate` at a new gap, by the change from the one that was evaluated last."""
         change = self._single.field
         np.subtract(new, gap, out=change, casting="same_kind")
@@ -163,7 +156,7 @@ class AdhesiveContact:
         self._rounded += CHANGE_ROUNDING * largest * self.solid.largest
         return self._state(new, load)
 
-    def _evaluate_from(self, known: np.ndarray | None, gap: np.ndarray, load: np.ndarray) -> _State:
+    def _evaluate_from(self, known: np.ndarray | None, gap: np.ndarray, load: Load) -> Balance:
         """As :meth:`_evaluate`, from the gap whose K d is there, if there is one."""
         if known is None:
             return self._evaluate(gap, load)
@@ -171,7 +164,7 @@ class AdhesiveContact:
             return self._state(gap, load)
         return self._unless_rounded(self._evaluate_change(known, gap, load), gap, load)
 
-    def _unless_rounded(self, state: _State, gap: np.ndarray, load: np.ndarray) -> _State:
+    def _unless_rounded(self, state: Balance, gap: np.ndarray, load: Load) -> Balance:
         """The state, evaluated anew where rounding may show in its residual."""
         return self._evaluate(gap, load) if self._rounded > SHARE_OF_RESIDUAL * state.largest else state
 
@@ -179,17 +172,11 @@ class AdhesiveContact:
         """K d as it was before the last change."""
         self.solid.field -= self._single.field
 
-    def _state(self, gap: np.ndarray, load: np.ndarray) -> _State:
+    def _state(self, gap: np.ndarray, load: Load) -> Balance:
         """Energy and gradient at a gap whose K d is in the solid's field."""
-        potential = self._passes.evaluate(gap, self._traction, self.curvature)
-        energy, largest, square, total = self._passes.gradient(
-            self.solid.field, gap, self._traction, load, self._right_side, self.curvature
-        )
-        if not np.isfinite(square):
-            largest = np.inf  # a maximum passes over what is not a number
-        return _State(energy + potential, largest, square, total)
+        return self._passes.balance(self.solid.field, gap, load, self._right_side, self.curvature)
 
-    def _runs_away(self, gap: np.ndarray, state: _State) -> bool:
+    def _runs_away(self, gap: np.ndarray, state: Balance) -> bool:
         """Whether the surfaces separate for ever: pulled apart with every point past the peak of the law.
 
         The mean gap then has negative curvature and a gradient outwards, and both persist at any larger gap.
@@ -250,7 +237,7 @@ class AdhesiveContact:
         result = self._linearised.solve(self._right_side, curvature, softening, 0.0, CURVATURE_ITERATIONS)
         return result.negative_curvature
 
-    def beside_saddle(self, gap: np.ndarray, load: np.ndarray) -> np.ndarray | None:
+    def beside_saddle(self, gap: np.ndarray, load: Load) -> np.ndarray | None:
         """A gap of lower energy along the last search direction; None if rounding leaves none to be found."""
         energy = self._evaluate(gap, load).energy
         direction = self._linearised.direction
@@ -268,11 +255,11 @@ class AdhesiveContact:
 
     def mean_compliance(self, gap: np.ndarray) -> float:
         """How far the mean gap gives way to a unit pressure at an equilibrium, see :func:`tangent.mean_compliance`."""
-        self._passes.evaluate(gap, self._traction, self.curvature)
+        self._passes.evaluate(gap, np.empty_like(gap), self.curvature)
         return mean_compliance(self._linearised, self.curvature, self._passes.pin(self.curvature, gap))
 
     def on_tangent(
-        self, gap: np.ndarray, load: np.ndarray, limit: float, steps: int = 1, known: np.ndarray | None = None
+        self, gap: np.ndarray, load: Load, limit: float, steps: int = 1, known: np.ndarray | None = None
     ) -> np.ndarray:
         """The gap after Newton steps, as far as no gap changes by more than the fraction ``limit`` in all.
 
@@ -295,11 +282,12 @@ class AdhesiveContact:
     def solve(
         self,
         gap: np.ndarray,
-        load: np.ndarray,
+        load: Load,
         tolerance: float,
         max_iterations: int,
         approach: bool = False,
         known: np.ndarray | None = None,
+        overwrite: bool = False,
     ) -> NewtonResult:
         """Descend from ``gap`` to the next equilibrium.
 
@@ -307,8 +295,8 @@ class AdhesiveContact:
         ----------
         gap : numpy.ndarray, shape grid.shape
             Initial gap, > 0.
-        load : numpy.ndarray, shape grid.shape
-            Pressure p + K h on the block.
+        load : Load
+            Pressure K h + p on the block.
         tolerance : float
             Largest max|gradient| of a solution.
         max_iterations : int
@@ -317,9 +305,12 @@ class AdhesiveContact:
             Whether the surfaces come together from separation, see :data:`APPROACH_RESIDUAL`.
         known : numpy.ndarray, optional
             A gap, this or another, whose K d was formed last: by :meth:`elastic_pressure`, or as that of a result.
+        overwrite : bool, optional
+            Whether ``gap`` and ``known`` are given away: one array less, or two.
         """
         state = self._evaluate_from(known, gap, load)
-        gap, trial = gap.copy(), np.empty_like(gap)
+        trial = known if overwrite and known is not None and known is not gap else np.empty_like(gap)
+        gap = gap if overwrite else gap.copy()
         fading, iteration, stepped = 0.0, 0, True
         while True:
             if state.largest <= tolerance and self._rounded > SHARE_OF_TOLERANCE * tolerance:
@@ -366,10 +357,10 @@ class AdhesiveContact:
             gap, trial = trial, gap
             state = new_state
         # The solver has evaluated this gap last.
-        reaction = self._passes.reaction(self.solid.field, gap, self._traction, load)
+        reaction = self._passes.reaction(self.solid.field, gap, load)
         return NewtonResult(gap, reaction, state.largest, iteration, outcome)
 
-    def _relax(self, gap: np.ndarray, load: np.ndarray, state: _State, out: np.ndarray) -> bool:
+    def _relax(self, gap: np.ndarray, load: Load, state: Balance, out: np.ndarray) -> bool:
         """Leave in ``out`` a gap closer to balance in the few places far from it; whether there is anything to it."""
         tied = self._passes is not self._free_passes
         if self.relaxation is None or state.largest <= FAR or tied:
@@ -377,8 +368,8 @@ class AdhesiveContact:
         return self.relaxation.relax(gap, self.solid.field, load, self._right_side, out)
 
     def _line_search(
-        self, gap: np.ndarray, load: np.ndarray, state: _State, trial: np.ndarray
-    ) -> tuple[_State | None, float]:
+        self, gap: np.ndarray, load: Load, state: Balance, trial: np.ndarray
+    ) -> tuple[Balance | None, float]:
         """Shorten the step until the energy falls, leaving the new gap in ``trial``; None if it never does."""
         step, fraction = self._linearised.solution, 1.0
         while fraction > SHORTEST_STEP:

@@ -33,8 +33,8 @@ class DraggedPasses(LawPasses):
         traction += pull
         return potential
 
-    def gradient(self, elastic, gap, traction, load, right_side, curvature):
-        result = self._inner.gradient(elastic, gap, traction, load, right_side, curvature)
+    def gradient(self, elastic, gap, traction, load, pressure, right_side, curvature):
+        result = self._inner.gradient(elastic, gap, traction, load, pressure, right_side, curvature)
         free = np.ones_like(curvature)
         self._inner.hold(curvature, free)
         curvature += np.asarray(self._drag, np.float32) * free
@@ -46,11 +46,14 @@ class DraggedPasses(LawPasses):
     def pin(self, curvature, gap):
         return self._inner.pin(curvature, gap)
 
-    def reaction(self, elastic, gap, traction, load):
-        return self._inner.reaction(elastic, gap, traction, load)
+    def reaction(self, elastic, gap, load):
+        return self._inner.reaction(elastic, gap, load)
 
-    def imbalance(self, pressure, traction, gap):
-        return self._inner.imbalance(pressure, traction, gap)
+    def _parts(self, gap):
+        yield slice(None), np.empty_like(gap)
+
+    def _free(self, gap):
+        return self._inner._free(gap)
 
     def advance(self, gap, step, limit, out):
         self._inner.advance(gap, step, limit, out)

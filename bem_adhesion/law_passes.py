@@ -4,11 +4,13 @@
 compiled pass of its own, which does the same. Laws with a wall are in :mod:`bem_adhesion.wall_passes`.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
+from typing import NamedTuple
 
 import numpy as np
 from numba import njit
 
+from bem_adhesion.load import Load
 from contact_study.problem.laws.base import TractionLaw
 
 # Pressure at which a point lands that enters repulsion in one step, in units of the law's peak: enough to hold it
@@ -21,16 +23,26 @@ LANDING = 0.35
 # more closely, at a quarter less work.
 CAUTION = 1.0
 
-# Points that a law written in NumPy is asked for at a time: its intermediate fields stay in the cache. Flat optimum;
-# all points of 512² at once take three to four times as long.
+# Points at a time: what lies between the passes over them stays in the cache. Flat optimum; a law written in NumPy
+# that is asked for all points of 512² at once takes three to four times as long.
 BLOCK = 32768
 
 
+class Balance(NamedTuple):
+    """Energy, max|gradient|, Σ gradient² and Σ gradient at a gap; the sums run over all points."""
+
+    energy: float
+    largest: float
+    square: float
+    total: float
+
+
 @njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "arcp", "nsz"})
-def _gradient(elastic, gap, traction, load, equilibrium, peak, right_side, curvature):
+def _gradient(elastic, gap, traction, load, pressure, equilibrium, peak, right_side, curvature):
     """Write −(K d + φ' + load), raise the curvature of points out of balance beyond the law's peak.
 
-    Returns Σ ½ d·K d + load·d, max|gradient|, Σ gradient² and Σ gradient.
+    ``pressure`` is a part of the load that is the same at all points. Returns Σ ½ d·K d + load·d, max|gradient|,
+    Σ gradient² and Σ gradient.
     """
     energy = 0.0
     largest = 0.0
@@ -39,11 +51,12 @@ def _gradient(elastic, gap, traction, load, equilibrium, peak, right_side, curva
     for i in range(gap.shape[0]):
         for j in range(gap.shape[1]):
             d = gap[i, j]
-            gradient = elastic[i, j] + traction[i, j] + load[i, j]
+            pull = load[i, j] + pressure
+            gradient = elastic[i, j] + traction[i, j] + pull
             right_side[i, j] = -gradient
             if d > peak:
                 curvature[i, j] += CAUTION * abs(gradient) / (d - equilibrium if gradient > 0.0 else d)
-            energy += (0.5 * elastic[i, j] + load[i, j]) * d
+            energy += (0.5 * elastic[i, j] + pull) * d
             largest = max(largest, abs(gradient))
             square += gradient * gradient
             total += gradient
@@ -72,7 +85,7 @@ class LawPasses:
     def evaluate(self, gap: np.ndarray, traction: np.ndarray, stiffness: np.ndarray) -> float:
         """Write φ' and φ'' of ``gap`` into the two arrays; returns the sum of φ over all points (J/m²)."""
         total = 0.0
-        for here in _blocks(gap):
+        for here in blocks(gap):
             traction[here] = self.law.traction(gap[here])
             stiffness[here] = self.law.stiffness(gap[here])
             total += float(np.sum(self.law.potential(gap[here])))
@@ -84,6 +97,7 @@ class LawPasses:
         gap: np.ndarray,
         traction: np.ndarray,
         load: np.ndarray,
+        pressure: float,
         right_side: np.ndarray,
         curvature: np.ndarray,
     ) -> tuple[float, float, float, float]:
@@ -94,7 +108,53 @@ class LawPasses:
         law = self.law
         # Repulsion alone is convex: nothing to be cautious of, and its peak is no distance from its equilibrium.
         peak = law.peak_distance if law.attracts else np.inf
-        return _gradient(elastic, gap, traction, load, law.equilibrium_distance, peak, right_side, curvature)
+        return _gradient(elastic, gap, traction, load, pressure, law.equilibrium_distance, peak, right_side, curvature)
+
+    def balance(
+        self, elastic: np.ndarray, gap: np.ndarray, load: Load, right_side: np.ndarray, curvature: np.ndarray
+    ) -> Balance:
+        """Write −(K d + φ' + load) and φ'', raised where points are out of balance, given K d; the law part by part."""
+        energy, largest, square, total = 0.0, 0.0, 0.0, 0.0
+        for here, traction in self._parts(gap):
+            energy += self.evaluate(gap[here], traction, curvature[here])
+            found = self.gradient(
+                elastic[here], gap[here], traction, load.field[here], load.pressure, right_side[here], curvature[here]
+            )
+            energy, largest = energy + found[0], max(largest, found[1])
+            square, total = square + found[2], total + found[3]
+        # A maximum passes over what is not a number.
+        return Balance(energy, largest if np.isfinite(square) else np.inf, square, total)
+
+    def act(self, gap: np.ndarray, traction: np.ndarray) -> float:
+        """Write φ' alone, and return the sum of φ over all points (J/m²)."""
+        total = 0.0
+        for here, scratch in self._parts(gap):
+            total += self.evaluate(gap[here], scratch, np.empty(scratch.shape, np.float32))
+            traction[here] = scratch
+        return total
+
+    def imbalance(self, elastic: np.ndarray, gap: np.ndarray, load: Load) -> float:
+        """Mean of K d + φ' + load over the points that are free to move."""
+        total, free = 0.0, 0
+        for here, traction in self._parts(gap):
+            self.evaluate(gap[here], traction, np.empty(traction.shape, np.float32))
+            traction += elastic[here]
+            traction += load.field[here]
+            moving = self._free(gap[here])
+            total, free = total + float(traction.sum(where=moving)), free + int(np.count_nonzero(moving))
+        return total / free + load.pressure if free else 0.0
+
+    def _parts(self, gap: np.ndarray) -> Iterable[tuple[slice, np.ndarray]]:
+        """Rows to go through one after the other, and for each its part of a field that is not kept."""
+        scratch = None
+        for here in blocks(gap):
+            rows = len(gap[here])
+            scratch = np.empty_like(gap[here]) if scratch is None else scratch
+            yield here, scratch[:rows]
+
+    def _free(self, gap: np.ndarray) -> np.ndarray:
+        """Which points are free to move; without a wall all."""
+        return np.ones(gap.shape, bool)
 
     def hold(self, curvature: np.ndarray, step: np.ndarray) -> None:
         """Take a wall's points out of a step; without a wall none."""
@@ -103,15 +163,9 @@ class LawPasses:
         """Make points that touch a wall as stiff as those it holds; which they are. Without a wall none."""
         return np.zeros(gap.shape, bool)
 
-    def reaction(
-        self, elastic: np.ndarray, gap: np.ndarray, traction: np.ndarray, load: np.ndarray
-    ) -> np.ndarray | float:
-        """Pressure of a wall, K d + φ' + load where the gap is zero."""
+    def reaction(self, elastic: np.ndarray, gap: np.ndarray, load: Load) -> np.ndarray | float:
+        """Pressure of a wall, K d + φ' + load where the gap is zero; without a wall none."""
         return 0.0
-
-    def imbalance(self, pressure: np.ndarray, traction: np.ndarray, gap: np.ndarray) -> float:
-        """Mean of pressure and traction over the points that are free to move."""
-        return float(pressure.mean() + traction.mean())
 
     def advance(self, gap: np.ndarray, step: np.ndarray, limit: float, out: np.ndarray) -> None:
         """Write the gap after a Newton step into ``out``, moving each point in the variable it is nearly linear in.
@@ -131,11 +185,11 @@ class LawPasses:
         out : numpy.ndarray
             The new gap (m).
         """
-        for here in _blocks(gap):
+        for here in blocks(gap):
             _move(self.law, gap[here], step[here], limit, out[here])
 
 
-def _blocks(field: np.ndarray) -> Iterator[slice]:
+def blocks(field: np.ndarray) -> Iterator[slice]:
     """Rows of a field, so many at a time that they have some :data:`BLOCK` points."""
     rows = max(1, BLOCK // field[0].size)
     return (slice(first, first + rows) for first in range(0, len(field), rows))
@@ -157,68 +211,3 @@ def _move(law: TractionLaw, gap: np.ndarray, step: np.ndarray, limit: float, out
     pressed = traction < 0
     moved[pressed] = law.repulsive_gap(traction[pressed])
     out[near] = moved
-
-
-@njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "arcp", "nsz"})
-def _evaluate(gap, length, prefactor, traction, stiffness):
-    """Fused pass over flat arrays; returns Σ[(r0/d)⁴ − (2/5)(r0/d)¹⁰]."""
-    total = 0.0
-    for i in range(gap.size):
-        s = length / gap[i]
-        s2 = s * s
-        s4 = s2 * s2
-        s6 = s4 * s2
-        traction[i] = prefactor * s4 * s * (1.0 - s6)
-        stiffness[i] = prefactor / length * s6 * (11.0 * s6 - 5.0)
-        total += s4 - 0.4 * s4 * s6
-    return total
-
-
-@njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "arcp", "nsz"})
-def _advance(gap, step, limit, length, landing, out):
-    """Newton step over flat arrays, see :meth:`LawPasses.advance`; tractions in units of the prefactor."""
-    tangent = 6.0 / length
-    for i in range(gap.size):
-        d = gap[i]
-        x = step[i]
-        s = length / d
-        s2 = s * s
-        s4 = s2 * s2
-        s6 = s4 * s2
-        moved = min(max(x, -limit * d), limit * d) + d
-        if d < length:
-            y = s4 * s * (s6 - 1.0) - s6 * (11.0 * s6 - 5.0) * x / length
-            moved = length + min(-y / tangent, limit * length)
-        else:
-            y = min(tangent * (length - moved), landing)
-        # s¹¹ − s⁵ = y for s >= 1. The root is a concave function of y, so its tangents (here at s = 1, 1.1, 1.25
-        # and 1.6) bound it from above, as does the linear step; Newton descends from there.
-        y_root = max(y, 0.0)
-        root = min(1.0 + y_root / 6.0, 1.1 + (y_root - 1.2426067) / 21.210667)
-        root = min(root, min(1.25 + (y_root - 8.5897744) / 90.238452, 1.6 + (y_root - 165.4361) / 1176.6948))
-        if d < length:
-            root = min(root, max(s - s * x / d, s))
-        for _ in range(3):
-            r2 = root * root
-            r4 = r2 * r2
-            r10 = r4 * r4 * r2
-            root -= (r10 * root - r4 * root - y_root) / (11.0 * r10 - 5.0 * r4)
-        out[i] = length / root if y > 0.0 else moved
-
-
-class LennardJones104Passes(LawPasses):
-    """The 10-4 law, compiled."""
-
-    def evaluate(self, gap, traction, stiffness):
-        law = self.law
-        flat = gap.reshape(-1), law.length, _prefactor(law), traction.reshape(-1), stiffness.reshape(-1)
-        return -law.work_of_adhesion * 5 / 3 * float(_evaluate(*flat))
-
-    def advance(self, gap, step, limit, out):
-        law = self.law
-        landing = LANDING * law.peak_tensile_stress / _prefactor(law)
-        _advance(gap.reshape(-1), step.reshape(-1), limit, law.length, landing, out.reshape(-1))
-
-
-def _prefactor(law: TractionLaw) -> float:
-    return 20 * law.work_of_adhesion / (3 * law.length)

@@ -14,6 +14,8 @@ from scipy.optimize import brentq
 
 from bem_adhesion.arguments import check_arguments
 from bem_adhesion.free_boundary import FreeHalfSpace, Window
+from bem_adhesion.law_passes import blocks
+from bem_adhesion.load import Load
 from bem_adhesion.multilevel import MultilevelContact
 from bem_adhesion.operator import periodic
 from bem_adhesion.roughness import typical_wavenumber
@@ -109,7 +111,6 @@ class LoadedContact:
         self._reach = reach(law)
         self._length = law.length
         self._law = law.scaled(self._length, self.elasticity.contact_modulus)
-        self._height = height / self._length
         self._grid = Grid(grid.shape, (grid.size[0] / self._length, grid.size[1] / self._length))
         self._window = window or Window(grid.shape)
         self._passes = passes_of(law, window=window)
@@ -125,10 +126,10 @@ class LoadedContact:
         elif isinstance(solid, FreeHalfSpace) and control == "approach":
             self._spring = solid.mean_stiffness(self._grid)
         self._contact = MultilevelContact(self._grid, periodic(solid, self._spring, threads), self._law, shift, window)
-        self._flattening = self._contact.finest.elastic_pressure(self._height).copy()
+        self._flattening = self._contact.finest.elastic_pressure(height / self._length).copy()
 
     def _typical_wavenumber(self) -> float:
-        inside, (dy, dx) = self._window.inside(self._height), self._grid.spacing
+        inside, (dy, dx) = self._window.inside(self.height) / self._length, self._grid.spacing
         return typical_wavenumber(inside, Grid(inside.shape, (inside.shape[0] * dy, inside.shape[1] * dx)))
 
     def separated(self) -> np.ndarray:
@@ -152,15 +153,8 @@ class LoadedContact:
             If the target is not finite, or the state has another shape or touches or penetrates the surface.
         """
         check_step(self.control, target, state, self.height.shape)
-        gap = state / self._length - self._height
-        over_surface = self._window.inside(gap)
-        if self.law.has_wall:
-            # Points that touch, and the rounding of a displacement that was stored and read.
-            over_surface[np.abs(over_surface) <= TOUCHING * np.abs(self._height).max()] = 0.0
-            if over_surface.min() < 0:
-                raise ValueError("the state to start from has gaps < 0")
-        elif self.law.diverges and not over_surface.min() > 0:
-            raise ValueError("the state to start from has gaps <= 0")
+        gap = self._gap_of(state)
+        self._check_start(self._window.inside(gap))
         out_of_reach = self._out_of_reach(gap)
         before = self._contact.equivalent_pairs(self._grid)
         if self.control == "gap":
@@ -177,7 +171,27 @@ class LoadedContact:
         pairs = self._contact.equivalent_pairs(self._grid) - before
         if result.outcome is Outcome.DETACHED:
             return self._apart(Outcome.DETACHED, result.iterations, pairs)
+        del gap  # its memory was the solver's
         return self._solution(result, pairs)
+
+    def _gap_of(self, displacement: np.ndarray) -> np.ndarray:
+        """The gap, in units of the law's length, of a displacement (m); zero of points that touch a wall."""
+        gap = displacement - self.height
+        gap /= self._length
+        if self.law.has_wall:
+            # The rounding of a displacement, that was stored and read.
+            over_surface = self._window.inside(gap)
+            touching = TOUCHING * max(self.height.max(), -self.height.min()) / self._length
+            over_surface[np.abs(over_surface) <= touching] = 0.0
+        return gap
+
+    def _check_start(self, gap: np.ndarray) -> None:
+        """Refuse a gap over the surface in which the law has no force, or the wall is passed."""
+        if self.law.has_wall:
+            if gap.min() < 0:
+                raise ValueError("the state to start from has gaps < 0")
+        elif self.law.diverges and not gap.min() > 0:
+            raise ValueError("the state to start from has gaps <= 0")
 
     def _out_of_reach(self, gap: np.ndarray) -> bool:
         """Whether no point feels the law, of a gap in units of its length."""
@@ -194,14 +208,13 @@ class LoadedContact:
         """
         if solution.detached:
             return 0.0
-        gap = solution.state / self._length - self._height
-        gap[np.abs(gap) <= TOUCHING * np.abs(self._height).max()] = 0.0
+        gap = self._gap_of(solution.state)
         compliance = self._contact.finest.mean_compliance(gap)
         # What the spring of the control adds is no contact.
         return (1 / compliance - self._spring) * self.elasticity.contact_modulus / self._length
 
     def _solve(self, gap: np.ndarray, pressure: float, approach: bool, tolerance: float | None = None) -> NewtonResult:
-        load = self._flattening + pressure
+        load = Load(self._flattening, pressure)
         return self._contact.solve(gap, load, tolerance or self.tolerance, self.max_iterations, approach)
 
     def _hold(self, gap: np.ndarray, mean_gap: float, approach: bool) -> NewtonResult:
@@ -240,7 +253,8 @@ class LoadedContact:
             iterations += result.iterations
             pressure, _ = self._pressure(result.gap * self._length, result.reaction)
             mean_pressure = float(pressure.mean()) / self.elasticity.contact_modulus
-            found = float(np.mean(self._height + result.gap)) - mean_pressure / self._spring
+            displacement = float(np.mean(self.height)) / self._length + float(np.mean(result.gap))
+            found = displacement - mean_pressure / self._spring
             if result.outcome is not Outcome.CONVERGED or abs(found - plane) <= self.tolerance:
                 return replace(result, iterations=iterations)
             gap, approach = result.gap, False
@@ -255,8 +269,8 @@ class LoadedContact:
             return float(self._flattening.min()) + self._law.peak_tensile_stress
         # The wall's share is not in the law; points that are free are in balance without it.
         finest = self._contact.finest
-        flexed = finest.elastic_pressure(gap) - self._spring * gap.mean() + self._flattening
-        return finest.imbalance(flexed, gap)
+        finest.elastic_pressure(gap)
+        return finest.imbalance(gap, Load(self._flattening, -self._spring * float(gap.mean())))
 
     def _solution(self, result: NewtonResult, pairs: float) -> Solution:
         gap = result.gap
@@ -264,14 +278,15 @@ class LoadedContact:
         displacement = self.height + gap
         pressure, interaction = self._pressure(gap, result.reaction)
         # In equilibrium K w is the interface pressure less its mean: ½<w, K w> without another transform.
-        elastic = 0.5 * np.vdot(pressure - pressure.mean(), displacement) / gap.size
-        elastic += self.elasticity.compression_energy(float(pressure.mean()))
+        mean = float(pressure.mean())
+        work = sum(float(np.vdot(pressure[here] - mean, displacement[here])) for here in blocks(gap))
+        elastic = 0.5 * work / gap.size + self.elasticity.compression_energy(mean)
         return Solution(
             displacement,
             displacement,
             gap,
             pressure,
-            float(elastic),
+            elastic,
             interaction,
             result.residual,
             result.iterations,
@@ -283,7 +298,7 @@ class LoadedContact:
     def _pressure(self, gap: np.ndarray, reaction: np.ndarray | float) -> tuple[np.ndarray, float]:
         """Of the interface at a gap in metres (Pa), and its energy per area (J/m²)."""
         pressure = np.empty_like(gap)
-        interaction = self._passes.evaluate(gap, pressure, np.empty(gap.shape, np.float32)) / gap.size
+        interaction = self._passes.act(gap, pressure) / gap.size
         np.negative(pressure, out=pressure)
         pressure += reaction * self.elasticity.contact_modulus
         return pressure, interaction

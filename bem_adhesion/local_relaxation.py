@@ -15,6 +15,7 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
 from bem_adhesion.adhesive import CLOSE, AdhesiveContact
+from bem_adhesion.load import Load
 from bem_adhesion.operator import MakeOperator
 from contact_study.fields.grid import Grid
 from contact_study.problem.laws.base import TractionLaw
@@ -67,7 +68,7 @@ class LocalRelaxation:
         self,
         gap: np.ndarray,
         elastic: np.ndarray,
-        load: np.ndarray,
+        load: Load,
         right_side: np.ndarray,
         out: np.ndarray,
     ) -> bool:
@@ -75,8 +76,10 @@ class LocalRelaxation:
 
         Parameters
         ----------
-        gap, elastic, load : numpy.ndarray
-            The state of the whole, K d and the load on it.
+        gap, elastic : numpy.ndarray
+            The state of the whole, and K d.
+        load : Load
+            On the whole.
         right_side : numpy.ndarray
             What it is out of balance by.
         out : numpy.ndarray
@@ -91,7 +94,7 @@ class LocalRelaxation:
             rows = (row * self._tile[0] + np.arange(square.grid.shape[0])) % gap.shape[0]
             columns = (column * self._tile[1] + np.arange(square.grid.shape[1])) % gap.shape[1]
             here = np.ix_(rows, columns)
-            local_load = elastic[here] + load[here] - square.elastic_pressure(gap[here])
+            local_load = Load(elastic[here] + load.field[here] - square.elastic_pressure(gap[here]), load.pressure)
             # Where squares overlap, the next goes on from what the last one left.
             start = out[here]
             square.tie(self._springs, start, stalls=False)

@@ -18,10 +18,10 @@ from numba import njit
 
 from bem_adhesion.adhesive import AdhesiveContact
 from bem_adhesion.free_boundary import Window
+from bem_adhesion.load import Load
 from bem_adhesion.local_relaxation import LocalRelaxation
 from bem_adhesion.operator import MakeOperator
 from bem_adhesion.solution import NewtonResult, Outcome
-from contact_study.fields.fourier import interpolate
 from contact_study.fields.grid import Grid
 from contact_study.problem.laws.base import TractionLaw
 
@@ -61,11 +61,11 @@ def process_zone(contact_modulus: float, law: TractionLaw) -> float:
 
 
 @njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "arcp", "nsz"})
-def _correct(gap, change, closest):
-    """Make the change the changed gap, but let none fall below the smaller of itself and ``closest``; flat arrays."""
+def _correct(gap, change, closest, out):
+    """Write the changed gap, but let none fall below the smaller of itself and ``closest``; flat arrays."""
     for i in range(gap.size):
         d = gap[i]
-        change[i] = max(d + change[i], min(d, closest))
+        out[i] = max(d + change[i], min(d, closest))
 
 
 class MultilevelContact:
@@ -100,11 +100,12 @@ class MultilevelContact:
         return self.finest.equivalent_pairs(grid) + coarser
 
     def solve(
-        self, gap: np.ndarray, load: np.ndarray, tolerance: float, max_iterations: int, approach: bool = False
+        self, gap: np.ndarray, load: Load, tolerance: float, max_iterations: int, approach: bool = False
     ) -> NewtonResult:
-        """The minimum of the energy that the gap falls into; parameters as :meth:`AdhesiveContact.solve`.
+        """The minimum of the energy that the gap, which is overwritten, falls into.
 
-        An equilibrium with a direction of negative curvature is left along it.
+        Parameters as :meth:`AdhesiveContact.solve`. An equilibrium with a direction of negative curvature is left along
+        it.
         """
         result = self._descend(gap, load, tolerance, max_iterations, approach)
         while result.outcome is Outcome.CONVERGED:
@@ -112,19 +113,19 @@ class MultilevelContact:
             if lower is None:
                 break
             used = result.iterations + 1  # leaving a saddle counts: there may be one after the other
-            rest = self.finest.solve(lower, load, tolerance, max(max_iterations - used, 0))
+            rest = self.finest.solve(lower, load, tolerance, max(max_iterations - used, 0), overwrite=True)
             outcome = rest.outcome if used <= max_iterations else Outcome.ITERATION_LIMIT
             result = replace(rest, iterations=used + rest.iterations, outcome=outcome)
         return result
 
-    def beside_saddle(self, gap: np.ndarray, load: np.ndarray) -> np.ndarray | None:
+    def beside_saddle(self, gap: np.ndarray, load: Load) -> np.ndarray | None:
         """A gap of lower energy next to an equilibrium that :attr:`finest` has evaluated last; None at a minimum."""
         return self.finest.beside_saddle(gap, load) if self._has_negative_curvature() else None
 
     def _descend(
         self,
         gap: np.ndarray,
-        load: np.ndarray,
+        load: Load,
         tolerance: float,
         max_iterations: int,
         approach: bool,
@@ -134,35 +135,35 @@ class MultilevelContact:
         start = gap
         # The spring of gap control overshoots on its way to the gap: it takes no predictions but the first.
         if self.coarser and (approach or self.finest.solid.mean_stiffness == 0):
-            elastic = self.finest.elastic_pressure(gap) if known is None else self.finest.solid.field
-            start, known = self._predict(self.coarser, gap, elastic + load, max_iterations, approach), gap
-        return self.finest.solve(start, load, tolerance, max_iterations, approach, known)
+            if known is None:
+                self.finest.elastic_pressure(gap)
+            start, known = self._predict(self.coarser, gap, load, max_iterations, approach), gap
+        return self.finest.solve(start, load, tolerance, max_iterations, approach, known, overwrite=True)
 
     def _predict(
-        self, coarser: "MultilevelContact", gap: np.ndarray, pressure: np.ndarray, max_iterations: int, approach: bool
+        self, coarser: "MultilevelContact", gap: np.ndarray, load: Load, max_iterations: int, approach: bool
     ) -> np.ndarray:
-        """The gap that the coarser grids foresee, of one under K d + load; the start where they foresee none."""
+        """The gap that the coarser grids foresee, of one whose K d is there; the start where they foresee none."""
         law = self.finest.law
-        change_of_load = self.finest.imbalance(pressure, gap)
+        change_of_load = self.finest.imbalance(gap, load)
         # Surfaces that come together snap in at any load.
         lag = 0.0 if approach else max(LAG / coarser.points_per_process_zone**4, LEAST_LAG) * law.peak_tensile_stress
         if abs(change_of_load) <= lag:
             return gap
         behind = float(np.copysign(lag, change_of_load))
-        coarse_gap = np.ascontiguousarray(gap[::2, ::2])
-        coarse_load = pressure[::2, ::2] - coarser.finest.elastic_pressure(coarse_gap)
-        del pressure  # a field less while the coarse grids are at work
-        result = coarser._descend(
-            coarse_gap, coarse_load - behind, COARSE_TOLERANCE, max_iterations, approach, coarse_gap
-        )
+        start = np.ascontiguousarray(gap[::2, ::2])
+        field = self.finest.solid.field[::2, ::2] + load.field[::2, ::2] - coarser.finest.elastic_pressure(start)
+        coarse_load = Load(field, load.pressure)
+        result = coarser._descend(start, coarse_load - behind, COARSE_TOLERANCE, max_iterations, approach, start)
         if result.outcome is not Outcome.CONVERGED:
             return gap
         reached = result.gap
         if lag:
             steps = TANGENT_STEPS if coarser.points_per_process_zone >= POINTS_FOR_STEPS else 1
             reached = coarser.finest.on_tangent(reached, coarse_load, TANGENT_LIMIT, steps, reached)
-        predicted = interpolate(reached - coarse_gap, self.finest.grid.shape)
-        _correct(gap.reshape(-1), predicted.reshape(-1), CLOSEST_PREDICTION * law.equilibrium_distance)
+        change = self.finest.interpolated(reached - gap[::2, ::2])
+        predicted, closest = np.empty_like(gap), CLOSEST_PREDICTION * law.equilibrium_distance
+        _correct(gap.reshape(-1), change.reshape(-1), closest, predicted.reshape(-1))
         return predicted
 
     def _has_negative_curvature(self) -> bool:

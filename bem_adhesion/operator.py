@@ -63,6 +63,9 @@ class Operator(Protocol):
     def apply_and_sum(self, linear_map: Map) -> float:
         """As :meth:`apply`; returns the inner product of field and result, the sum over all points."""
 
+    def interpolate(self, values: np.ndarray) -> np.ndarray:
+        """Write a field of a coarser grid, interpolated, into :attr:`field`; returns it."""
+
     def equivalent_pairs(self, grid: Grid) -> float:
         """The work done so far, as pairs of transforms in float64 on ``grid``.
 
@@ -87,25 +90,29 @@ def periodic(elasticity: Elasticity, mean_stiffness: float = 0.0, threads: int =
 
 @njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "arcp", "nsz"})
 def _multiply_spectrum(spectrum, kernel):
-    """Spectrum times real kernel, in place, both flat; NumPy would first make the kernel complex."""
-    for i in range(kernel.size):
-        spectrum[i] *= kernel[i]
+    """Spectrum times real kernel, in place; NumPy would first make the kernel complex."""
+    rows, columns = spectrum.shape
+    for i in range(rows):
+        row, factor = spectrum[i], kernel[min(i, rows - i)]
+        for j in range(columns):
+            row[j] *= factor[j]
 
 
 @njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "arcp", "nsz"})
 def _multiply_and_sum(spectrum, kernel, has_nyquist_column):
     """Spectrum times real kernel, in place; returns Σ kernel·|spectrum|² over all wavevectors."""
-    rows, columns = kernel.shape
+    rows, columns = spectrum.shape
     total = 0.0
     for i in range(rows):
+        factor = kernel[min(i, rows - i)]
         # A row is summed in the precision of the data, which vectorises; the rows in float64.
-        row = kernel[i, 0] * (spectrum[i, 0].real ** 2 + spectrum[i, 0].imag ** 2) * kernel.dtype.type(-0.5)
+        row = factor[0] * (spectrum[i, 0].real ** 2 + spectrum[i, 0].imag ** 2) * kernel.dtype.type(-0.5)
         if has_nyquist_column:
             last = spectrum[i, columns - 1]
-            row -= kernel[i, columns - 1] * (last.real**2 + last.imag**2) * kernel.dtype.type(0.5)
+            row -= factor[columns - 1] * (last.real**2 + last.imag**2) * kernel.dtype.type(0.5)
         for j in range(columns):
             z = spectrum[i, j]
-            k = kernel[i, j]
+            k = factor[j]
             row += k * (z.real * z.real + z.imag * z.imag)
             spectrum[i, j] = k * z
         total += 2.0 * row
@@ -158,7 +165,9 @@ class PeriodicOperator:
         return stiffness_q
 
     def _kernel(self, kernel_q: np.ndarray) -> np.ndarray:
-        return (kernel_q / self.grid.points).astype(self._transform.dtype)
+        # K is even in both components of the wavevector: the rows of −qy are those of qy.
+        half = kernel_q[: self.grid.shape[0] // 2 + 1]
+        return (half / self.grid.points).astype(self._transform.dtype)
 
     @cached_property
     def _stiffness_and_largest(self) -> tuple[np.ndarray, float]:
@@ -190,7 +199,7 @@ class PeriodicOperator:
     def apply(self, linear_map: np.ndarray) -> np.ndarray:
         """Multiply the spectrum of :attr:`field`, in place, by a kernel; returns it."""
         self._transform.forward()
-        _multiply_spectrum(self._transform.spectrum.reshape(-1), linear_map.reshape(-1))
+        _multiply_spectrum(self._transform.spectrum, linear_map)
         return self._transform.backward()
 
     def apply_and_sum(self, linear_map: np.ndarray) -> float:
@@ -203,6 +212,10 @@ class PeriodicOperator:
         total = _multiply_and_sum(self._transform.spectrum, linear_map, self.grid.shape[1] % 2 == 0)
         self._transform.backward()
         return total
+
+    def interpolate(self, values: np.ndarray) -> np.ndarray:
+        """See :meth:`Operator.interpolate`; by its trigonometric polynomial."""
+        return self._transform.interpolate(values)
 
     @property
     def pairs(self) -> float:

@@ -11,7 +11,8 @@ import numpy as np
 from numba import njit
 
 from bem_adhesion.free_boundary import Window
-from bem_adhesion.law_passes import CAUTION, LawPasses, LennardJones104Passes
+from bem_adhesion.law_passes import CAUTION, LawPasses
+from bem_adhesion.lennard_jones_passes import LennardJones104Passes
 from bem_adhesion.tangent import PINNED
 from bem_adhesion.window_passes import WindowPasses
 from contact_study.problem.laws.base import TractionLaw
@@ -24,7 +25,7 @@ HELD = 1e3
 
 
 @njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "arcp", "nsz"})
-def _gradient(elastic, gap, traction, load, margin, held, right_side, curvature):
+def _gradient(elastic, gap, traction, load, pressure, margin, held, right_side, curvature):
     """As ``law_passes._gradient`` outside a wall; held points are balanced and get the curvature ``held``."""
     energy = 0.0
     largest = 0.0
@@ -33,8 +34,9 @@ def _gradient(elastic, gap, traction, load, margin, held, right_side, curvature)
     for i in range(gap.shape[0]):
         for j in range(gap.shape[1]):
             d = gap[i, j]
-            gradient = elastic[i, j] + traction[i, j] + load[i, j]
-            energy += (0.5 * elastic[i, j] + load[i, j]) * d
+            pull = load[i, j] + pressure
+            gradient = elastic[i, j] + traction[i, j] + pull
+            energy += (0.5 * elastic[i, j] + pull) * d
             if d == 0.0 and gradient > 0.0:
                 right_side[i, j] = 0.0
                 curvature[i, j] = held
@@ -84,8 +86,8 @@ class WallPasses(LawPasses):
         self.margin = law.length
         self._held = np.float32(HELD * largest)
 
-    def gradient(self, elastic, gap, traction, load, right_side, curvature):
-        return _gradient(elastic, gap, traction, load, self.margin, self._held, right_side, curvature)
+    def gradient(self, elastic, gap, traction, load, pressure, right_side, curvature):
+        return _gradient(elastic, gap, traction, load, pressure, self.margin, self._held, right_side, curvature)
 
     def hold(self, curvature, step):
         step[curvature == self._held] = 0
@@ -95,12 +97,16 @@ class WallPasses(LawPasses):
         curvature[held] = np.float32(PINNED / HELD) * self._held
         return held
 
-    def reaction(self, elastic, gap, traction, load):
-        return np.where(gap == 0, elastic + traction + load, 0.0)
+    def reaction(self, elastic, gap, load):
+        reaction = np.zeros_like(gap)
+        for here, traction in self._parts(gap):
+            self.evaluate(gap[here], traction, np.empty(traction.shape, np.float32))
+            pressure = elastic[here] + traction + (load.field[here] + load.pressure)
+            np.copyto(reaction[here], pressure, where=gap[here] == 0)
+        return reaction
 
-    def imbalance(self, pressure, traction, gap):
-        free = gap > 0
-        return float(np.mean((pressure + traction)[free])) if free.any() else 0.0
+    def _free(self, gap):
+        return gap > 0
 
     def advance(self, gap, step, limit, out):
         _advance(gap.reshape(-1), step.reshape(-1), limit, self.margin, out.reshape(-1))

@@ -4,6 +4,7 @@ import numpy as np
 
 from bem_adhesion.free_boundary import Window
 from bem_adhesion.law_passes import LawPasses
+from bem_adhesion.load import Load
 
 
 class WindowPasses(LawPasses):
@@ -33,8 +34,8 @@ class WindowPasses(LawPasses):
         self._window.inside(stiffness)[...] = own_stiffness
         return total
 
-    def gradient(self, elastic, gap, traction, load, right_side, curvature):
-        result = self._inner.gradient(elastic, gap, traction, load, right_side, curvature)
+    def gradient(self, elastic, gap, traction, load, pressure, right_side, curvature):
+        result = self._inner.gradient(elastic, gap, traction, load, pressure, right_side, curvature)
         # What the pass adds where points are out of balance is of the law; the padding is linear.
         own_curvature = self._window.inside(curvature).copy()
         curvature[...] = 0
@@ -50,11 +51,20 @@ class WindowPasses(LawPasses):
         inside(held)[...] = self._inner.pin(inside(curvature), inside(gap))
         return held
 
-    def reaction(self, elastic, gap, traction, load):
-        return self._inner.reaction(elastic, gap, traction, load)
+    def reaction(self, elastic, gap, load):
+        inside = self._window.inside
+        own = self._inner.reaction(inside(elastic), inside(gap), Load(inside(load.field), load.pressure))
+        if np.ndim(own) == 0:
+            return own
+        reaction = np.zeros_like(gap)
+        inside(reaction)[...] = own
+        return reaction
 
-    def imbalance(self, pressure, traction, gap):
-        return self._inner.imbalance(pressure, traction, gap)
+    def _parts(self, gap):
+        yield slice(None), np.empty_like(gap)
+
+    def _free(self, gap):
+        return self._inner._free(gap)
 
     def advance(self, gap, step, limit, out):
         np.add(gap, step, out=out)

@@ -60,6 +60,7 @@ TESTS = {
     "contact_study/problem/map_grid.py": ("test_map_files.py", ""),
     "contact_study/problem/surfaces/file.py": ("test_map_files.py", "test_surface.py"),
     "bem_adhesion/law_passes.py": ("test_law_passes.py", ""),
+    "bem_adhesion/lennard_jones_passes.py": ("test_law_passes.py", ""),
     "contact_study/problem/laws/base.py": ("test_laws.py", ""),
     "contact_study/problem/laws/lennard_jones_10_4.py": ("test_laws.py", ""),
     "contact_study/problem/laws/lennard_jones_9_3.py": ("test_laws.py", ""),

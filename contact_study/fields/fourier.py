@@ -153,6 +153,18 @@ class RealTransform:
         self.pairs += 0.5
         return self.field
 
+    def interpolate(self, values: np.ndarray) -> np.ndarray:
+        """Write a periodic field of fewer points, interpolated, into :attr:`field`, which is returned.
+
+        Parameters
+        ----------
+        values : numpy.ndarray
+            The field on a coarser grid of the same periods.
+        """
+        coefficients = transform(values).astype(self.spectrum.dtype)
+        resize_spectrum(coefficients, values.shape, self.shape, self.spectrum)
+        return self.backward()
+
     def filter(self, kernel: np.ndarray) -> np.ndarray:
         """Multiply the spectrum of :attr:`field` by ``kernel``, in place; returns :attr:`field`.
 
@@ -193,7 +205,9 @@ def synthesise(coefficients: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
     return field.copy() if _is_held(plan.shape) else field
 
 
-def resize_spectrum(coefficients: np.ndarray, old: tuple[int, ...], new: tuple[int, ...]) -> np.ndarray:
+def resize_spectrum(
+    coefficients: np.ndarray, old: tuple[int, ...], new: tuple[int, ...], out: np.ndarray | None = None
+) -> np.ndarray:
     """Coefficients of the same trigonometric polynomial on another number of points.
 
     Modes that the new grid cannot carry are dropped. A Nyquist mode of an even old grid is split evenly between
@@ -205,9 +219,12 @@ def resize_spectrum(coefficients: np.ndarray, old: tuple[int, ...], new: tuple[i
         As returned by :func:`transform`.
     old, new : tuple of int
         Shapes of the two grids.
+    out : numpy.ndarray, shape (new[0], new[1] // 2 + 1), optional
+        Where to write them.
     """
     rows = _resize_full_axis(coefficients, old[0], new[0])
-    out = np.zeros((new[0], new[1] // 2 + 1), dtype=coefficients.dtype)
+    out = np.empty((new[0], new[1] // 2 + 1), dtype=coefficients.dtype) if out is None else out
+    out[...] = 0
     keep = (min(old[1], new[1]) - 1) // 2 + 1  # modes strictly below both Nyquist modes
     out[:, :keep] = rows[:, :keep]
     if old[1] % 2 == 0 and new[1] > old[1]:

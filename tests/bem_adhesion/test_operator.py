@@ -3,6 +3,7 @@ import pytest
 
 from bem_adhesion.active_set import ContactLevel
 from bem_adhesion.operator import PeriodicOperator, periodic
+from contact_study.fields import fourier
 from contact_study.fields.grid import Grid
 from contact_study.problem.elasticity import HalfSpace
 
@@ -118,3 +119,22 @@ def test_the_operators_of_a_contact_take_turns_in_one_spectrum():
         alone = PeriodicOperator(operator.grid, HalfSpace(2.0), operator.field.dtype.type)
         alone.field[...] = operator.field[...] = np.random.default_rng(0).standard_normal(operator.grid.shape)
         np.testing.assert_array_equal(operator.apply(operator.stiffness), alone.apply(alone.stiffness))
+
+
+@pytest.mark.parametrize("grid", GRIDS, ids=lambda grid: f"{grid.shape}")
+def test_kernels_hold_half_of_the_rows_and_are_those_of_all(grid):
+    field = np.random.default_rng(2).standard_normal(grid.shape)
+    solid = PeriodicOperator(grid, HalfSpace(1.0))
+    solid.field[...] = field
+    whole = np.fft.irfft2(HalfSpace(1.0).stiffness_on(grid) * np.fft.rfft2(field), s=grid.shape)
+    np.testing.assert_allclose(solid.apply(solid.stiffness), whole, rtol=0, atol=1e-13 * np.abs(whole).max())
+    assert solid.stiffness.shape[0] == grid.shape[0] // 2 + 1
+
+
+def test_an_interpolated_field_goes_through_the_coarser_one():
+    coarse, fine = Grid((12, 20), (1.0, 2.0)), Grid((24, 40), (1.0, 2.0))
+    values = np.random.default_rng(3).standard_normal(coarse.shape)
+    single = PeriodicOperator(fine, HalfSpace(1.0), np.float32)
+    found = single.interpolate(values)
+    np.testing.assert_allclose(found[::2, ::2], values, atol=1e-5)  # rounding of single precision
+    np.testing.assert_allclose(found, fourier.interpolate(values, fine.shape), atol=1e-5)
