@@ -4,7 +4,7 @@ One surface of the paper's kind, 104 nm, under 0.5 GPa and then 1 GPa: on a hard
 (smooth) and with a shortest wave of eight points, another surface on every grid (broadband); and under the paper's
 adhesion. "first" and "second" are transform pairs of the two steps, as float64 pairs on that grid; "second anew" those
 of 1 GPa from separation; the memory is the largest of a process less what it held with the heights alone, in bytes a
-point (8 are one array). Each line is a process of its own.
+point (8 are one array), the fields of one solution and the state it starts from in it. Each line is a process of its own.
 
     python scripts/benchmark_grids.py --points 256 512 1024
     python scripts/benchmark_grids.py --points 256 512 1024 2048 4096 --table data/benchmark_grids.csv
@@ -60,18 +60,21 @@ def cost(kind: str, points: int, heights: Path) -> dict[str, str | float]:
     contact = rough_contact(height, *given)
     began, state, found = time.process_time(), contact.separated(), []
     for pressure in PRESSURES:
-        found.append(contact.step(state, pressure))
-        state = found[-1].state
+        solution = contact.step(state, pressure)
+        state, area = solution.state, float(np.mean(solution.pressure > 0))
+        found.append((solution.fft_pairs, solution.converged))
+        del solution  # a path goes on from the state alone
     seconds, held = time.process_time() - began, _peak() - held
+    del state
     anew = contact.step(contact.separated(), PRESSURES[-1])
     return {
         "kind": kind,
         "points": points,
-        "first": found[0].fft_pairs,
-        "second": found[1].fft_pairs,
+        "first": found[0][0],
+        "second": found[1][0],
         "anew": anew.fft_pairs,
-        "area": float(np.mean(found[1].pressure > 0)),
-        "converged": all(each.converged for each in (*found, anew)),
+        "area": area,
+        "converged": all(converged for _, converged in found) and anew.converged,
         "bytes": held / points**2,
         "seconds": seconds,
     }
