@@ -207,7 +207,7 @@ class _Run:
             if self._driven:
                 self._drive(at, target)
         while at.frame < self._case.dynamics.frames:
-            system.move(at.motion, pressure, at.generator, at.steps)
+            self._move(at, pressure)
             at.frame += 1
             apart = not system.interface_force.any()
             if not self._driven:
@@ -219,6 +219,17 @@ class _Run:
                 yield dataclasses.replace(state, restart=at.packed)
                 return
             yield dataclasses.replace(state, restart=at.packed)
+
+    def _move(self, at: _Place, pressure: float) -> None:
+        """The time steps of a frame."""
+        try:
+            self._system.move(at.motion, pressure, at.generator, at.steps)
+        except FloatingPointError as error:
+            raise InputError(
+                f"dynamics.time_step = {self._system.time_step:.3g} s: {error} {1e12 * at.motion.time:.3g} ps or more "
+                "after the start; a hard impact is stiffer than the contact at rest that the step is stable for: use "
+                "a shorter one, or a lower dynamics.approach_speed"
+            ) from None
 
     def _drive(self, at: _Place, gap: float) -> None:
         """Set the rigid plane's velocity and the steps of a frame: to a gap at the speed of approach, or a rest."""

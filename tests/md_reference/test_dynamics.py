@@ -227,3 +227,12 @@ def test_time_step_is_the_one_asked_for():
     assert time_step(make_study(moving(dynamics={"time_step": "3 fs"})).cases[0]) == pytest.approx(
         3e-15, rel=1e-12, abs=0
     )
+
+
+def test_a_blow_too_hard_for_the_time_step_says_so():
+    """A step just below what a contact at rest bears, and a compression under which the contact is stiffer."""
+    fast = {"approach_speed": "300 m/s", "damping": 0.0}
+    largest = largest_time_step(make_study(moving(interaction={"well_depth_ratio": 8})).cases[0])
+    study = moving(interaction={"well_depth_ratio": 8}, dynamics={**fast, "time_step": 0.98 * largest})
+    with pytest.raises(InputError, match=r"dynamics\.time_step = .* an atom ran into the substrate .* a shorter one"):
+        contact_study.run(study, "atomistic")
