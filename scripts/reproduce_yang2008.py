@@ -1,22 +1,29 @@
 """The whole comparison of Yang et al. 2008: continuum, theory, atoms, figures and report from one study file.
 
-Runs the four commands one after the other; each spreads its cases over the cores, shows progress and can be stopped
-and run again: finished steps are not repeated. Each model goes its own way from separated surfaces; --predictor starts
-every state of the atoms from the continuum's gap instead, as a cross-check. The continuum alone also runs over more
-surfaces of the same spectrum, whose scatter stands behind the points of the one surface in the figures. At the paper's
-size the atoms of half its lengths also stand at 1 GPa, cold and at 300 K.
+Runs the four commands; each spreads its cases over the cores, shows progress and can be stopped and run again: finished
+steps are not repeated. The atoms take longest, by the one path under the strongest adhesion: all else runs beside them
+at the lowest priority, on the cores that they leave idle. Each model goes its own way from separated surfaces;
+--predictor starts every state of the atoms from the continuum's gap instead, as a cross-check. The continuum alone also
+runs over more surfaces of the same spectrum, whose scatter stands behind the points of the one surface in the figures.
+At the paper's size the atoms of half its lengths also stand at 1 GPa, cold and at 300 K.
 """
 
 import argparse
+import os
+import signal
 import subprocess
 import sys
 import time
+from collections.abc import Sequence
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 SURFACES = {"paper": 12, "quick": 4}  # of the scatter
 STUDIES = {"paper": "data/yang2008.toml", "quick": "data/yang2008_quick.toml"}
 TRAJECTORIES = {"paper": 60, "quick": 0}  # thermal states at 300 K
+UNCONVERGED = 2  # exit status where some step did not converge; the dataset and the report say which
+INTERRUPTED = 130
+_PAUSE, _LOWEST_PRIORITY = 0.1, 19
 # Of half the paper's lengths, one state: what 300 K does to it.
 WARM_STUDY, WARM_STATE = "quick", ["--loading.path", "1 GPa", "--interaction.well_depth_ratio", "1"]
 WARM = ["--atomistic.method", "sampling", "--atomistic.temperature", "300 K", "--sampling.equilibration", "25"]
@@ -50,29 +57,26 @@ def main() -> int:
     figures, report = folder / "figures", folder / "report.html"
     again = "--overwrite" if given.overwrite else "--resume"
     compared = [bem, md, theory, "-o", comparison, "--figures", figures, "--report", report, "--overwrite"]
-    commands = [
-        ["bem-adhesion", study, "-o", bem, again],
-        ["persson-theory", study, "-o", theory, again],
-        ["md-reference", study, "-o", md, *(["--predictor", bem] if given.predictor else []), again],
-    ]
+    continuum = ["bem-adhesion", study, "-o", bem, again]
+    atoms = ["md-reference", study, "-o", md, *(["--predictor", bem] if given.predictor else []), again]
+    first, beside = ([continuum, atoms], []) if given.predictor else ([atoms], [continuum])
+    beside.append(["persson-theory", study, "-o", theory, again])
     if surfaces:
         numbers = ",".join(str(seed) for seed in range(1, surfaces + 1))
-        commands.append(
+        beside.append(
             ["bem-adhesion", study, "-o", seeds, "--surface.seed", numbers, "--output.fields", "false", again]
         )
         compared += ["--scatter", seeds]
     cold, warm = folder / "md_0K.nc", folder / "md_300K.nc"
     if trajectories:
         state = [*WARM_STATE, "--output.fields", "false", again]
-        commands.append(["md-reference", ROOT / STUDIES[WARM_STUDY], "-o", cold, *state])
+        beside.append(["md-reference", ROOT / STUDIES[WARM_STUDY], "-o", cold, *state])
         thermal = [*WARM, "--sampling.trajectories", str(trajectories)]
-        commands.append(["md-reference", ROOT / STUDIES[WARM_STUDY], "-o", warm, *state, *thermal])
-    commands.append(["contact-compare", *compared])
+        beside.append(["md-reference", ROOT / STUDIES[WARM_STUDY], "-o", warm, *state, *thermal])
     began, worst = time.monotonic(), 0
-    for command in commands:
-        print(f"\n$ {' '.join(str(part) for part in command)}", file=sys.stderr, flush=True)
-        status = run([str(part) for part in command])
-        if status not in (0, 2):  # 2: some step did not converge; the dataset and the report say which
+    for lanes in ([first, beside], [[["contact-compare", *compared]]]):
+        status = run(lanes)
+        if status not in (0, UNCONVERGED):
             return status
         worst = max(worst, status)
     print(f"\ndone in {time.monotonic() - began:.0f} s; results:", file=sys.stderr, flush=True)
@@ -81,16 +85,47 @@ def main() -> int:
     return worst
 
 
-def run(command: list[str]) -> int:
-    """Run one of the project's commands from this interpreter's environment."""
-    executable = Path(sys.executable).with_name(command[0])
-    # What the commands print on stdout is named once, at the end.
-    process = subprocess.Popen([str(executable), *command[1:]], stdout=subprocess.DEVNULL)
+def run(lanes: Sequence[Sequence[Sequence[object]]]) -> int:
+    """Run lists of the project's commands beside each other, all but the first at the lowest priority.
+
+    The first failure interrupts the others; returned is its status, or else the largest.
+    """
+    waiting = [[[str(part) for part in command] for command in lane] for lane in lanes]
+    running: dict[int, subprocess.Popen[bytes]] = {}
+    statuses, failed = [0], 0
     while True:
         try:
-            return process.wait()
+            for number, lane in enumerate(waiting):
+                if number in running and (status := running[number].poll()) is not None:
+                    del running[number]
+                    statuses.append(status)
+                    if status not in (0, UNCONVERGED) and not failed:
+                        failed = status
+                        if status != INTERRUPTED:  # Ctrl-C reached all
+                            for other in running.values():
+                                other.send_signal(signal.SIGINT)  # what it has finished is kept
+                if lane and number not in running and not failed:
+                    running[number] = _started(lane.pop(0), behind=number > 0)
+            if not running:
+                return failed or max(statuses)
+            time.sleep(_PAUSE)
         except KeyboardInterrupt:
-            continue  # the command got it too, says how to go on and ends
+            continue  # the commands got it too, say how to go on and end
+
+
+def _started(command: Sequence[str], behind: bool) -> "subprocess.Popen[bytes]":
+    """One of the project's commands, from this interpreter's environment."""
+    print(f"\n$ {' '.join(command)}", file=sys.stderr, flush=True)
+    executable = str(Path(sys.executable).with_name(command[0]))
+    # What the commands print on stdout is named once, at the end; a terminal has room for one bar.
+    if not behind:
+        return subprocess.Popen([executable, *command[1:]], stdout=subprocess.DEVNULL)
+    return subprocess.Popen(
+        [executable, *command[1:]],
+        stdout=subprocess.DEVNULL,
+        env={**os.environ, "TQDM_DISABLE": "1"},
+        preexec_fn=lambda: os.nice(_LOWEST_PRIORITY),
+    )
 
 
 if __name__ == "__main__":

@@ -1,5 +1,7 @@
 """The paper's study is run as it should be, and its tables say what its datasets hold."""
 
+import time
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -19,19 +21,53 @@ from tests.comparison.synthetic import AREA_FACTOR, GAP_SHIFT, area, gap, write_
 
 @pytest.mark.parametrize("predictor", [False, True])
 def test_the_paper_s_atoms_go_their_own_path_unless_told_otherwise(predictor, tmp_path, monkeypatch, capsys):
-    commands = {}
-    monkeypatch.setattr(reproduce_yang2008, "run", lambda command: commands.setdefault(command[0], command) and 0)
+    commands = recorded(monkeypatch)
     options = ["--predictor"] if predictor else []
     monkeypatch.setattr("sys.argv", ["reproduce_yang2008", "--output", str(tmp_path), *options])
     assert reproduce_yang2008.main() == 0
+    (atoms, *_) = (command for command in commands if command[0] == "md-reference")
     expected = ["--predictor", str(tmp_path / "bem.nc")] if predictor else []
-    assert commands["md-reference"][4:-1] == expected
-    assert commands["md-reference"][-1] == "--resume"
+    assert atoms[4:-1] == expected
+    assert atoms[-1] == "--resume"
+    assert commands[0][0] == ("bem-adhesion" if predictor else "md-reference"), "the gap before those who start from it"
+
+
+def recorded(monkeypatch):
+    """The list that the script's commands go to in place of a run, one lane after the other."""
+    commands = []
+
+    def record(lanes):
+        commands.extend([str(part) for part in command] for lane in lanes for command in lane)
+        return 0
+
+    monkeypatch.setattr(reproduce_yang2008, "run", record)
+    return commands
+
+
+def test_commands_run_beside_each_other_and_the_first_failure_stops_all(tmp_path, monkeypatch):
+    """Lanes of shell commands under the names of the project's."""
+    for name in ("quick", "slow", "odd", "wrong"):
+        command = tmp_path / name
+        text = {
+            "quick": 'nice > "$1"',
+            "slow": "exec sleep 60",
+            "odd": "exit 2",
+            "wrong": "exit 3",
+        }[name]
+        command.write_text(f"#!/bin/sh\n{text}\n")
+        command.chmod(0o755)
+    monkeypatch.setattr("sys.executable", str(tmp_path / "python"))
+    first, second = tmp_path / "first", tmp_path / "second"
+    assert reproduce_yang2008.run([[["quick", first]], [["odd"], ["quick", second]]]) == 2
+    assert int(second.read_text()) > int(first.read_text()), "behind the first lane"
+    began = time.monotonic()
+    assert reproduce_yang2008.run([[["slow"], ["quick", tmp_path / "never"]], [["wrong"], ["slow"]]]) == 3
+    assert time.monotonic() - began < 30  # half of the sleep that is cut short
+    assert not (tmp_path / "never").exists()
 
 
 def test_the_paper_s_scatter_is_of_twelve_surfaces(tmp_path, monkeypatch, capsys):
-    commands = []
-    monkeypatch.setattr(reproduce_yang2008, "run", lambda command: commands.append(command) or 0)
+    commands = recorded(monkeypatch)
     for options, count in (
         ([], 12),
         (["--preset", "quick"], 4),
@@ -61,8 +97,7 @@ def test_the_paper_s_scatter_is_of_twelve_surfaces(tmp_path, monkeypatch, capsys
     [([], "60"), (["--trajectories", "9"], "9"), (["--trajectories", "0"], ""), (["--preset", "quick"], "")],
 )
 def test_the_paper_s_atoms_stand_cold_and_warm_in_one_state(options, count, tmp_path, monkeypatch, capsys):
-    commands = []
-    monkeypatch.setattr(reproduce_yang2008, "run", lambda command: commands.append(command) or 0)
+    commands = recorded(monkeypatch)
     monkeypatch.setattr("sys.argv", ["reproduce_yang2008", "--output", str(tmp_path), *options])
     assert reproduce_yang2008.main() == 0
     cold, warm = ([each for each in commands if str(tmp_path / f"md_{word}.nc") in each] for word in ("0K", "300K"))
