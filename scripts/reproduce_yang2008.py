@@ -17,12 +17,12 @@ import time
 from collections.abc import Sequence
 from pathlib import Path
 
+from contact_study.campaign.command import INTERRUPTED, NOT_CONVERGED
+
 ROOT = Path(__file__).resolve().parent.parent
 SURFACES = {"paper": 12, "quick": 4}  # of the scatter
 STUDIES = {"paper": "data/yang2008.toml", "quick": "data/yang2008_quick.toml"}
 TRAJECTORIES = {"paper": 60, "quick": 0}  # thermal states at 300 K
-UNCONVERGED = 2  # exit status where some step did not converge; the dataset and the report say which
-INTERRUPTED = 130
 _PAUSE, _LOWEST_PRIORITY = 0.1, 19
 # Of half the paper's lengths, one state: what 300 K does to it.
 WARM_STUDY, WARM_STATE = "quick", ["--loading.path", "1 GPa", "--interaction.well_depth_ratio", "1"]
@@ -76,7 +76,7 @@ def main() -> int:
     began, worst = time.monotonic(), 0
     for lanes in ([first, beside], [[["contact-compare", *compared]]]):
         status = run(lanes)
-        if status not in (0, UNCONVERGED):
+        if status not in (0, NOT_CONVERGED):  # a step that is not is named in the dataset and the report
             return status
         worst = max(worst, status)
     print(f"\ndone in {time.monotonic() - began:.0f} s; results:", file=sys.stderr, flush=True)
@@ -99,7 +99,7 @@ def run(lanes: Sequence[Sequence[Sequence[object]]]) -> int:
                 if number in running and (status := running[number].poll()) is not None:
                     del running[number]
                     statuses.append(status)
-                    if status not in (0, UNCONVERGED) and not failed:
+                    if status not in (0, NOT_CONVERGED) and not failed:
                         failed = status
                         if status != INTERRUPTED:  # Ctrl-C reached all
                             for other in running.values():
