@@ -4,7 +4,8 @@ One surface of the paper's kind, 104 nm, under 0.5 GPa and then 1 GPa: on a hard
 (smooth) and with a shortest wave of eight points, another surface on every grid (broadband); and under the paper's
 adhesion. "first" and "second" are transform pairs of the two steps, as float64 pairs on that grid; "second anew" those
 of 1 GPa from separation; the memory is the largest of a process less what it held with the heights alone, in bytes a
-point (8 are one array), the fields of one solution and the state it starts from in it. Each line is a process of its own.
+point (8 are one array), the fields of one solution and the state it starts from in it. Each line is a process of its
+own.
 
     python scripts/benchmark_grids.py --points 256 512 1024
     python scripts/benchmark_grids.py --points 256 512 1024 2048 4096 --table data/benchmark_grids.csv
