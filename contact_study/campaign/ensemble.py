@@ -9,12 +9,9 @@ import numpy as np
 from contact_study.campaign.record import Step
 from contact_study.campaign.schema import STANDARD_ERROR, TRAJECTORY, VARIABLES
 from contact_study.fields.distributions import Bins
-from contact_study.fields.time_series import statistics_of
+from contact_study.fields.time_series import SHORTEST, statistics_of
 from contact_study.observables import AVERAGED, observed
 from contact_study.observables.base import InterfaceState
-
-# A standard error is known to some 20 % from a series of twenty autocorrelation times, and not at all from a few.
-_SHORTEST = 10
 
 _SERIES, _SUMS, _BINS, _FIELDS, _RESTART = "series/", "sum/", "bins", "fields", "restart/"
 
@@ -123,7 +120,7 @@ class Averages:
             if column.ndim == 1:
                 time = float(found.autocorrelation_time) if found.resolved else np.inf
                 longest = max(longest, (time, name))
-        if counted < _SHORTEST * longest[0]:
+        if counted < SHORTEST * longest[0]:
             warnings.warn(_too_short(last, counted, *longest), stacklevel=2)
         fields = {name: total / counted for name, total in self._sums.items()}
         return Step({**values, **report, **frames}, {**fields, **last.atoms}, last.restart, self._bins)
@@ -135,7 +132,7 @@ def _too_short(last: InterfaceState, counted: int, time: float, name: str) -> st
     longer = "sampling.trajectories" if last.motion is None else "dynamics.duration"
     return (
         f"the {counted} thermal states of a point {share} autocorrelation times of {name}: standard errors need at "
-        f"least {_SHORTEST}; raise {longer}"
+        f"least {SHORTEST}; raise {longer}"
     )
 
 

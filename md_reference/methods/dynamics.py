@@ -14,6 +14,7 @@ from contact_study.problem.errors import InputError
 from contact_study.problem.surface import Surface
 from md_reference.block import element_matrix, lame_constants
 from md_reference.interface import LennardJonesInterface
+from md_reference.methods.arrival import Descent, load_missing, still_moving
 from md_reference.methods.base import Predictor
 from md_reference.multiscale_block import MultiscaleBlock, level_layers, node_count
 from md_reference.newtonian import Motion, NewtonianBlock, fastest_wave
@@ -26,7 +27,6 @@ from md_reference.system import build_interface, row_threads
 _BYTES_PER_NODE = 300
 _SAFE_STEP = 0.2  # of the largest stable one, where the study says none: an energy error of a hundredth
 _SLOW = 0.1  # of the speed of sound, above which an approach is an impact
-_AT_REST = 1e-3  # unbalanced stress over E*, below which atoms without noise count as in equilibrium
 
 
 def check(case: Case) -> None:
@@ -158,8 +158,9 @@ class _Place:
     generator: np.random.Generator
     point: int
     frame: int = 0
-    pressure_sum: float = 0.0  # over the states that count
     steps: int = 0  # of each frame of the point
+    # Time (s), height of the rigid plane (m) and mean pressure of the interface (Pa) in each frame of the point so far.
+    series: list[tuple[float, float, float]] = dataclasses.field(default_factory=list)
 
     @property
     def packed(self) -> dict[str, np.ndarray]:
@@ -167,17 +168,19 @@ class _Place:
         return {
             "displacement": motion.displacement.copy(),
             "velocity": motion.velocity.copy(),
-            "rigid": np.array([motion.top, motion.top_velocity, motion.time, self.pressure_sum]),
+            "rigid": np.array([motion.top, motion.top_velocity, motion.time]),
             "counts": np.array([motion.steps, self.point, self.frame, self.steps]),
             "generator": packed(self.generator),
+            "series": np.array(self.series).reshape(-1, 3),
         }
 
     @classmethod
     def unpacked(cls, arrays: Mapping[str, np.ndarray]) -> "_Place":
-        top, top_velocity, time, pressure_sum = map(float, arrays["rigid"])
+        top, top_velocity, time = map(float, arrays["rigid"])
         done, point, frame, steps = map(int, arrays["counts"])
         motion = Motion(arrays["displacement"].copy(), arrays["velocity"].copy(), top, top_velocity, time, done)
-        return cls(motion, generator_of(arrays["generator"]), point, frame, pressure_sum, steps)
+        series = [(float(when), float(top), float(carried)) for when, top, carried in arrays["series"]]
+        return cls(motion, generator_of(arrays["generator"]), point, frame, steps, series)
 
 
 class _Run:
@@ -203,7 +206,7 @@ class _Run:
         """The states of a point from where it stands, in place; ends early where a pressure's block is torn off."""
         system, pressure = self._system, 0.0 if self._driven else target
         if at.frame == 0:
-            at.pressure_sum, at.steps = 0.0, self._steps
+            at.steps, at.series = self._steps, []
             if self._driven:
                 self._drive(at, target)
         while at.frame < self._case.dynamics.frames:
@@ -254,8 +257,7 @@ class _Run:
         # A half-space has no uniform compression: the block's own is taken off, a layer's put back by the solid.
         own = system.block.compression_energy(mean_pressure)
         elastic = system.elastic_energy(at.motion) / nominal - own + case.solid.compression_energy(mean_pressure)
-        if at.frame > discarded:
-            at.pressure_sum += mean_pressure
+        at.series.append((at.motion.time, at.motion.top, mean_pressure))
         return InterfaceState(
             gap=gap,
             pressure=stress.copy(),
@@ -294,18 +296,16 @@ class _Run:
                 else "detached: the block was torn off and moves away"
             )
         elif self._driven:  # a state of the motion that was asked for; none in balance
-            residual = self._system.unbalanced(at.motion) / case.lattice.constant**2 / case.material.contact_modulus
-        elif case.atomistic.temperature > 0:
-            counted = max(at.frame - discarded, 1)
-            residual = abs(at.pressure_sum / counted - pressure) / case.material.contact_modulus
+            residual = self._unbalanced(at) / case.material.contact_modulus
+        elif at.frame < case.dynamics.frames:  # the report of the last state is the point's
+            residual = np.nan
         else:
-            area = case.lattice.constant**2
-            carried = float(np.mean(self._system.interface_force[2])) / area
-            stress = max(self._system.unbalanced(at.motion) / area, abs(carried - pressure))
-            residual = stress / case.material.contact_modulus
-            converged = residual <= _AT_REST
-            if not converged:
-                message = "the atoms still move: raise dynamics.duration or dynamics.damping"
+            descent = self._descent(at, pressure, discarded)
+            if case.atomistic.temperature > 0:
+                residual, message = load_missing(descent, case.material.contact_modulus)
+            else:
+                residual, message = still_moving(descent, self._unbalanced(at), case.material.contact_modulus)
+            converged = not message
         return SolverReport(
             converged=converged,
             detached=apart,
@@ -314,4 +314,23 @@ class _Run:
             fft_pairs=0.0,
             force_evaluations=at.motion.steps,
             message=message,
+        )
+
+    def _unbalanced(self, at: _Place) -> float:
+        """Largest stress left on an atom of the surface (Pa)."""
+        return self._system.unbalanced(at.motion) / self._case.lattice.constant**2
+
+    def _descent(self, at: _Place, pressure: float, discarded: int) -> Descent:
+        """What the block did in the states that count, from the one before them on."""
+        case = self._case
+        time, top, carried = np.array(at.series[discarded - 1 :]).T
+        assert case.material.atom_mass is not None
+        weight = self._system.block.thickness * case.material.atom_mass / case.lattice.constant**3
+        friction = weight * case.dynamics.damping
+        return Descent(
+            carried=carried[1:],
+            load=pressure,
+            reached=bool(np.any(carried[1:])),
+            speed=float((top[0] - top[-1]) / (time[-1] - time[0])),
+            terminal_speed=pressure / friction if friction else math.inf,
         )
