@@ -37,4 +37,5 @@ def interface_state(
         spacing=spacing,
         contact_stiffness=stiffness,
         plasticity=None if yielded is None else Plasticity(yielded, case.material.hardness or 0.0),
+        periodic=case.elasticity.boundary == "periodic",
     )

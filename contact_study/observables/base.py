@@ -158,6 +158,8 @@ class InterfaceState:
         Of a contact with a hardness.
     relaxation : Relaxation or None
         Of a viscoelastic solid.
+    periodic : bool
+        Whether the map goes on over its edges at the opposite ones; of free boundaries the surface ends there.
     """
 
     gap: np.ndarray
@@ -176,6 +178,7 @@ class InterfaceState:
     atoms: Mapping[str, np.ndarray] = field(default_factory=dict)
     plasticity: Plasticity | None = None
     relaxation: Relaxation | None = None
+    periodic: bool = True
 
 
 @dataclass(frozen=True)

@@ -1,8 +1,8 @@
 """Contact clusters: how many separate patches the contact consists of, and how large the largest is.
 
 Points of contact belong to one cluster if a chain of contact points connects them, each beside the next along y or x,
-across the edges of the periodic cell too; points that share only a corner are not connected. A distribution of the
-sizes would need bins of area, which studies do not have.
+across the edges of the periodic cell too (a surface with free boundaries ends there); points that share only a corner
+are not connected. A distribution of the sizes would need bins of area, which studies do not have.
 """
 
 import numpy as np
@@ -13,13 +13,15 @@ from contact_study.fields.distributions import Bins
 from contact_study.observables.base import InterfaceState, Observable, Value, Variable
 
 
-def cluster_map(contact: np.ndarray) -> np.ndarray:
-    """Which cluster of a periodic map each point belongs to.
+def cluster_map(contact: np.ndarray, periodic: bool = True) -> np.ndarray:
+    """Which cluster of a map each point belongs to.
 
     Parameters
     ----------
     contact : numpy.ndarray of bool, shape (ny, nx)
         Whether a point is in contact.
+    periodic : bool, optional
+        Whether patches that end at an edge of the map go on at the opposite one.
 
     Returns
     -------
@@ -31,10 +33,9 @@ def cluster_map(contact: np.ndarray) -> np.ndarray:
     labels, count = ndimage.label(contact)
     if not count:
         return labels
-    # Patches that end at an edge of the map go on at the opposite one.
     one = np.concatenate([labels[0], labels[:, 0]])
     other = np.concatenate([labels[-1], labels[:, -1]])
-    meet = (one > 0) & (other > 0)
+    meet = (one > 0) & (other > 0) & periodic
     joined = coo_array((np.ones(np.count_nonzero(meet)), (one[meet] - 1, other[meet] - 1)), shape=(count, count))
     clusters, cluster_of = connected_components(joined, directed=False)
     points = np.bincount(labels.ravel(), minlength=count + 1)[1:]
@@ -44,13 +45,13 @@ def cluster_map(contact: np.ndarray) -> np.ndarray:
     return np.concatenate([[0], rank[cluster_of]])[labels]
 
 
-def cluster_sizes(contact: np.ndarray) -> np.ndarray:
-    """Points of each cluster of a periodic map (see :func:`cluster_map`), shape (clusters,), the largest first."""
-    return np.bincount(cluster_map(contact).ravel())[1:]
+def cluster_sizes(contact: np.ndarray, periodic: bool = True) -> np.ndarray:
+    """Points of each cluster of a map (see :func:`cluster_map`), shape (clusters,), the largest first."""
+    return np.bincount(cluster_map(contact, periodic).ravel())[1:]
 
 
 def _read(state: InterfaceState, _: Bins) -> dict[str, Value]:
-    sizes = cluster_sizes(state.contact)
+    sizes = cluster_sizes(state.contact, state.periodic)
     return {
         "cluster_count": sizes.size,
         "largest_cluster_area": float(sizes.max(initial=0) / state.contact.size),

@@ -9,7 +9,8 @@ off,
 
 S being the length of the edge along the sides of the points' cells, 4/π of the edge's own length where that has no
 preferred direction. On cells of any proportions S Δx is the number of sides between a point in contact and one that is
-not, times the area of a cell.
+not, times the area of a cell. Where the surface itself ends, with free boundaries, its rim is no such side: it is where
+it is, and nothing is to be taken off along it.
 """
 
 import numpy as np
@@ -20,15 +21,16 @@ from contact_study.observables.base import InterfaceState, Observable, Value, Va
 OVERCOUNT = (np.pi - 1 + np.log(2)) / 24
 
 
-def edge_sides(contact: np.ndarray) -> tuple[int, int]:
-    """Sides along x and along y of cells between contact and none, over the edges of the periodic cell too."""
-    along_x = int(np.count_nonzero(contact != np.roll(contact, 1, axis=0)))
-    along_y = int(np.count_nonzero(contact != np.roll(contact, 1, axis=1)))
+def edge_sides(contact: np.ndarray, periodic: bool = True) -> tuple[int, int]:
+    """Sides along x and along y of cells between contact and none, over the edges of a periodic map too."""
+    first = 0 if periodic else 1
+    along_x = int(np.count_nonzero((contact != np.roll(contact, 1, axis=0))[first:]))
+    along_y = int(np.count_nonzero((contact != np.roll(contact, 1, axis=1))[:, first:]))
     return along_x, along_y
 
 
 def _read(state: InterfaceState, _: Bins) -> dict[str, Value]:
-    along_x, along_y = edge_sides(state.contact)
+    along_x, along_y = edge_sides(state.contact, state.periodic)
     points = state.contact.size
     area = float(np.mean(state.contact)) - OVERCOUNT * (along_x + along_y) / points
     values: dict[str, Value] = {"corrected_contact_area": max(area, 0.0)}

@@ -1,8 +1,10 @@
-"""Percolation: whether contact, or the gap beside it, goes all the way around the periodic cell.
+"""Percolation: whether contact, or the gap beside it, goes all the way around the periodic cell, or through a free one.
 
 Points are connected to their neighbours along y and x, not over corners. A patch goes around if a chain of it leads
 from a point to the same point of a neighbouring period: the patches of the plain map are joined over its edges, each
-join carries the period that it crosses, and two ways to one patch that differ in periods make a way around.
+join carries the period that it crosses, and two ways to one patch that differ in periods make a way around. A surface
+with free boundaries has no neighbouring period: a patch goes through it if it touches two opposite rims, along y or
+along x (D. Stauffer & A. Aharony, Introduction to Percolation Theory, 1994; from memory, unchecked).
 """
 
 from collections import defaultdict
@@ -49,17 +51,39 @@ def goes_around(points: np.ndarray) -> bool:
     return False
 
 
+def goes_through(points: np.ndarray) -> bool:
+    """Whether a connected patch of a map that ends at its edges touches two opposite ones, along y or along x.
+
+    Parameters
+    ----------
+    points : numpy.ndarray of bool, shape (ny, nx)
+        The map.
+    """
+    from scipy import ndimage  # as above
+
+    labels, _ = ndimage.label(points)
+    opposite = ((labels[0], labels[-1]), (labels[:, 0], labels[:, -1]))
+    return any(bool(np.intersect1d(first[first > 0], last).size) for first, last in opposite)
+
+
 def _read(state: InterfaceState, _: Bins) -> dict[str, Value]:
-    return {"contact_percolates": goes_around(state.contact), "gap_percolates": goes_around(~state.contact)}
+    percolates = goes_around if state.periodic else goes_through
+    return {"contact_percolates": percolates(state.contact), "gap_percolates": percolates(~state.contact)}
 
 
 PERCOLATION = Observable(
     {
         "contact_percolates": Variable(
-            "1", "whether a connected contact goes around the periodic cell", kind="flag", attrs=FLAG
+            "1",
+            "whether a connected contact goes around the periodic cell, or joins opposite rims of a free one",
+            kind="flag",
+            attrs=FLAG,
         ),
         "gap_percolates": Variable(
-            "1", "whether a connected gap goes around the periodic cell", kind="flag", attrs=FLAG
+            "1",
+            "whether a connected gap goes around the periodic cell, or joins opposite rims of a free one",
+            kind="flag",
+            attrs=FLAG,
         ),
     },
     _read,

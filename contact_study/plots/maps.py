@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.colors import ListedColormap
 
 from contact_study.observables.contact_clusters import cluster_map
-from contact_study.plots.selection import extent, one_state, touching
+from contact_study.plots.selection import extent, is_periodic, one_state, touching
 from contact_study.plots.style import COLOURS, axes_of, styled
 from contact_study.plots.units import Unit, length_unit, pressure_unit
 
@@ -111,7 +111,7 @@ def contact_map(dataset: xr.Dataset, axes: Axes | None = None, largest: int = le
         As :func:`gap_map`.
     """
     state = one_state(dataset, "gap", "contact_distance")
-    clusters = cluster_map(touching(state))
+    clusters = cluster_map(touching(state), is_periodic(state))
     coloured = min(largest, len(COLOURS))
     colours = ListedColormap([_NONE, *COLOURS[:coloured], _OTHERS])
     axes = _map(state, np.minimum(clusters, coloured + 1), axes, None, cmap=colours, vmin=-0.5, vmax=coloured + 1.5)

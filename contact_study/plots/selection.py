@@ -1,6 +1,7 @@
 """What of a dataset a picture shows: one state, or lines over what it sweeps."""
 
 import itertools
+import tomllib
 from collections.abc import Iterator, Sequence
 
 import numpy as np
@@ -75,6 +76,13 @@ def touching(state: xr.Dataset) -> np.ndarray:
     if distance == 0 and "pressure" in state:
         return state["pressure"].values > 0
     return state["gap"].values <= distance
+
+
+def is_periodic(state: xr.Dataset) -> bool:
+    """Whether the surface goes on over its edges, by the study that a dataset carries; without one it does."""
+    study = tomllib.loads(state.attrs.get("study_toml", ""))
+    swept = state.coords.get("boundary", study.get("elasticity", {}).get("boundary", "periodic"))
+    return str(np.asarray(swept)) == "periodic"
 
 
 def lines(dataset: xr.Dataset, name: str, *along: str) -> Iterator[tuple[str, xr.Dataset]]:

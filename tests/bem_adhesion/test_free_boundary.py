@@ -248,6 +248,23 @@ def test_a_whole_study(control, tmp_path):
     np.testing.assert_array_equal(longer.mean_pressure, whole.mean_pressure)
 
 
+def test_ridges_at_opposite_rims_are_two_clusters():
+    heights = np.zeros((16, 16))
+    heights[4:12, [0, -1]] = 1e-9
+    found = {}
+    for boundary in ("free", "periodic"):
+        study = table(
+            surface={"heights": heights, "size": "20 nm"},
+            interaction={"law": "hard_wall"},
+            elasticity={"boundary": boundary},
+            loading={"path": ["1 MPa"]},
+        )
+        with warnings.catch_warnings():
+            warnings.filterwarnings("ignore", "surface: rms slope|surface.size: .*|.*contact reaches the rim")
+            found[boundary] = contact_study.run(study, "continuum").cluster_count.values.tolist()
+    assert found == {"free": [2], "periodic": [1]}
+
+
 def test_contact_at_the_rim_is_said():
     with pytest.warns(UserWarning, match="contact reaches the rim"):
         contact_study.run(table(loading={"path": ["200 MPa"]}), "continuum")

@@ -34,6 +34,11 @@ def test_clusters_by_hand(text, sizes):
     assert sorted(cluster_sizes(contact_map(text)), reverse=True) == sizes
 
 
+def test_with_free_boundaries_clusters_end_at_the_rim():
+    assert cluster_sizes(contact_map("#...# ..... #...#"), periodic=False).tolist() == [1, 1, 1, 1]
+    assert cluster_sizes(contact_map("#.#.# #.#.# #.#.#"), periodic=False).tolist() == [3, 3, 3]
+
+
 @pytest.mark.parametrize("shape", [(1, 5), (5, 1), (1, 1)])
 def test_cells_of_one_row(shape):
     assert cluster_sizes(np.ones(shape, bool)).tolist() == [max(shape)]

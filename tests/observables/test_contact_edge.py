@@ -24,6 +24,19 @@ def test_sides_by_hand(text, sides):
     assert edge_sides(contact_map(text)) == sides
 
 
+@pytest.mark.parametrize(
+    ("text", "sides"),
+    [
+        ("#...# ..... .....", (2, 2)),  # two patches whose other sides are the rim
+        ("##### ..... .....", (5, 0)),
+        ("##### ##### #####", (0, 0)),
+        (".#... ..... .....", (1, 2)),
+    ],
+)
+def test_the_rim_of_a_free_surface_is_no_side(text, sides):
+    assert edge_sides(contact_map(text), periodic=False) == sides
+
+
 def test_perimeter_and_area_of_cells_of_any_proportions():
     contact = contact_map("....... .##.... .##.... .##.... .......")
     found = CONTACT_EDGE.read(state(contact=contact, spacing=(2.0, 0.5)), BINS)

@@ -74,6 +74,32 @@ def test_observables_of_a_state_made_by_hand():
     np.testing.assert_allclose(gap_pdf, np.array([0, 3, 2, 1]) / (6 * 2e-10), rtol=1e-12)
 
 
+def test_free_boundaries_part_what_meets_over_the_edges():
+    """Two ridges at opposite rims, 4 by 1 points each, of a map of 4 by 6."""
+    ridges = np.zeros((4, 6), bool)
+    ridges[:, [0, -1]] = True
+    maps = {"gap": np.where(ridges, 3e-10, 5e-10), "pressure": 1e9 * ridges, "contact": ridges, "spacing": (1.0, 1.0)}
+    together, apart = (observed(state(**maps, periodic=periodic), BINS) for periodic in (True, False))
+    names = ("cluster_count", "largest_cluster_area", "contact_percolates", "gap_percolates")
+    assert [together[name] for name in names] == [1, 8 / 24, True, True]
+    assert [apart[name] for name in names] == [2, 4 / 24, True, True]
+    # One of them alone has four sides within the map, and over its edge four more.
+    maps["contact"] = maps["contact"] & (np.arange(6) == 0)
+    for periodic, sides in ((True, 8), (False, 4)):
+        found = observed(state(**maps, periodic=periodic), BINS)
+        assert found["contact_perimeter"] == pytest.approx(np.pi / 4 * sides / 24)
+        assert found["corrected_contact_area"] == pytest.approx((4 - OVERCOUNT * sides) / 24)
+    step = np.zeros((4, 6), bool)
+    step[0, :3] = step[1, 2:] = True  # from rim to rim, and its ends do not meet over the edge
+    maps["contact"] = step
+    for periodic, through in ((True, False), (False, True)):
+        assert observed(state(**maps, periodic=periodic), BINS)["contact_percolates"] is through
+    # Lags of one point, in the ring from 0.18 to 0.25 of the side: of 24 + 24 pairs 8 + 4, inside 6 of 18 + 20.
+    ring = ~np.isnan(together["contact_autocorrelation"])
+    assert together["contact_autocorrelation"][ring][0] == pytest.approx(12 / 48)
+    assert apart["contact_autocorrelation"][ring][0] == pytest.approx(6 / 38)
+
+
 def test_force_evaluations_are_of_models_that_count_them():
     report = SolverReport(True, False, 0.0, 1, 0.0, force_evaluations=7)
     assert observed(state(report=report), BINS)["force_evaluations"] == 7

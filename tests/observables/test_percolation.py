@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 from scipy import ndimage
 
-from contact_study.observables.percolation import goes_around
+from contact_study.observables.percolation import goes_around, goes_through
 from tests.observables.test_contact_clusters import contact_map
 
 
@@ -30,6 +30,23 @@ from tests.observables.test_contact_clusters import contact_map
 def test_by_hand(text, around):
     assert goes_around(contact_map(text)) is around
     assert goes_around(contact_map(text).T) is around
+
+
+@pytest.mark.parametrize(
+    ("text", "through"),
+    [
+        ("..... ..... .....", False),
+        ("##### ..... .....", True),
+        ("##.## ..... .....", False),
+        ("###.. ..### .....", True),  # though its ends do not meet over the edge
+        ("#.... .#... ..#.. ...#. ....#", False),  # corners do not connect
+        ("#...# ..... .....", False),  # a patch at either rim
+        ("##... #.... .....", False),  # neighbouring rims are not opposite
+    ],
+)
+def test_free_boundaries_by_hand(text, through):
+    assert goes_through(contact_map(text)) is through
+    assert goes_through(contact_map(text).T) is through
 
 
 @given(arrays.arrays(bool, st.tuples(st.integers(1, 7), st.integers(1, 7)), elements=st.booleans()))

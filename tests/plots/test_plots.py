@@ -96,6 +96,16 @@ def test_contact_map_colours_the_largest_clusters_first():
     assert axes.get_title() == f"contact area {19 / 256:.3g}, 2 clusters"
 
 
+def test_contact_map_of_a_free_surface_ends_at_its_rim():
+    both_rims = state()
+    both_rims["gap"] = both_rims["gap"] * 0 + 1e-9
+    both_rims["gap"][:, [0, -1]] = 0.1e-9
+    free = both_rims.assign_attrs(study_toml='[elasticity]\nboundary = "free"\n')
+    assert "one cluster" in plots.contact_map(both_rims).get_title()
+    for known in (free, both_rims.assign_coords(boundary="free")):
+        assert "2 clusters" in plots.contact_map(known).get_title()
+
+
 def test_a_bare_wall_is_in_contact_where_it_presses():
     wall = state(contact_distance=0.0)
     wall["gap"] = wall["gap"] * 0
