@@ -8,6 +8,7 @@ from scipy.fft import next_fast_len
 
 from bem_adhesion.multilevel import POINTS_PER_PROCESS_ZONE, process_zone
 from contact_study.campaign.memory import grid_fits
+from contact_study.fields.grid import Grid
 from contact_study.problem.case import Case
 from contact_study.problem.errors import InputError
 from contact_study.problem.plausibility import points
@@ -27,12 +28,13 @@ def review(study: Study, scales: Sequence[SurfaceScales]) -> list[str]:
 
 def _unresolved_layer(study: Study, scales: Sequence[SurfaceScales]) -> list[str]:
     """Below the grid spacing a layer's points hardly know of their neighbours: its edges, a depth wide, are lost."""
-    thin = [(case, scale) for case, scale in zip(study.cases, scales, strict=True) if case.solid.depth < scale.pixel]
+    pairs = zip(study.cases, scales, strict=True)
+    thin = [(case, scale) for case, scale in pairs if case.solid.layer_thickness < scale.pixel]
     if not thin:
         return []
-    case, scale = max(thin, key=lambda item: item[1].pixel / item[0].solid.depth)
+    case, scale = max(thin, key=lambda item: item[1].pixel / item[0].solid.layer_thickness)
     return [
-        f"the layer of {case.solid.depth:.3g} m is thinner than the grid spacing {scale.pixel:.3g} m"
+        f"the layer of {case.solid.layer_thickness:.3g} m is thinner than the grid spacing {scale.pixel:.3g} m"
         f"{points([case for case, _ in thin], len(study.cases))}: what happens at contact edges within a thickness is "
         "not resolved; use a finer surface.shape or a larger elasticity.thickness"
     ]
@@ -42,7 +44,8 @@ def _unresolved_law(study: Study, scales: Sequence[SurfaceScales]) -> list[str]:
     """Where the grid cannot resolve the law.
 
     A grid coarser than a quarter of the process zone E*Δγ/σ_max² lets contact edges lock in to its points ("lattice
-    trapping"): its hysteresis is then not the continuum's.
+    trapping"): its hysteresis is then not the continuum's. E* is the least of
+    the grid's waves: a bound, as a zone shorter than a stiff layer on a soft base feels the layer alone.
 
     Raises
     ------
@@ -52,7 +55,7 @@ def _unresolved_law(study: Study, scales: Sequence[SurfaceScales]) -> list[str]:
     unresolved = []
     for case, scale in zip(study.cases, scales, strict=True):
         if case.law.attracts:
-            zone = process_zone(case.solid.contact_modulus, case.law)
+            zone = process_zone(_modulus(case, scale), case.law)
             if scale.pixel * POINTS_PER_PROCESS_ZONE > zone:
                 unresolved.append((scale.pixel / zone, zone, case, scale))
             reach = max(zone, case.law.length)
@@ -83,16 +86,21 @@ def _unresolved_law(study: Study, scales: Sequence[SurfaceScales]) -> list[str]:
     ]
 
 
+def _modulus(case: Case, scale: SurfaceScales) -> float:
+    """E* of the wave of the grid for which the solid is softest (Pa)."""
+    return case.solid.softest_modulus(max(scale.size), 2 * min(Grid(scale.shape, scale.size).spacing))
+
+
 def _jkr_like(case: Case, scale: SurfaceScales, resolved: float) -> str:
     """Where a range that the grid resolves is too long, or may be longer: the longest that leaves JKR's contacts."""
-    modulus, work = case.solid.contact_modulus, case.law.work_of_adhesion
+    modulus, work = case.solid.contact_modulus, case.law.work_of_adhesion  # those of "auto"
     try:
         longest = longest_range(scale.rms_curvature, scale.rms_height, modulus, work)
     except ValueError:  # flat, or not soft
         return ""
     if longest <= case.law.length:
         return ""
-    needed = _resolving(scale.size, process_zone(modulus, replace(case.law, length=longest)))
+    needed = _resolving(scale.size, process_zone(_modulus(case, scale), replace(case.law, length=longest)))
     enough = "; the grid is fine enough for it" if longest >= resolved else f", on surface.shape = {needed}"
     return (
         f'. Up to interaction.length = {longest:.2g} m ("auto") contacts stay like those of the JKR theory (Tabor '

@@ -197,10 +197,25 @@ def test_layers_are_run_and_their_compression_parts_gap_and_separation(sections)
     assert one["relative_contact_area"] < 0.9 * near["relative_contact_area"]
 
 
-def test_a_layer_thinner_than_the_grid_is_said():
+def coated(thickness, base):
+    kind = {"kind": "layered", "thickness": thickness, "base_youngs_modulus": base, "base_poissons_ratio": 0.42}
+    return {"elasticity": kind}
+
+
+@pytest.mark.parametrize("solid", [layer, lambda thickness: coated(thickness, 100e9)])
+def test_a_layer_thinner_than_the_grid_is_said(solid):
     for thickness, said in ((9e-10, True), (12e-10, False)):
-        study = make_study(study_table(48, size=500e-10, loading={"path": [1e9]}, **layer(thickness)))
+        study = make_study(study_table(48, size=500e-10, loading={"path": [1e9]}, **solid(thickness)))
         notes = [note for note in run.review(study, scales_of(study)) if "layer" in note]
         assert len(notes) == said
         if said:
             assert "the layer of 9e-10 m is thinner than the grid spacing 1.04e-09 m" in notes[0]
+
+
+def test_the_process_zone_is_that_of_the_softest_wave():
+    """Of the coating itself it is 41 Å, five points of 64; long waves feel a softer or a stiffer base."""
+    (note,) = review(64, **coated(20e-10, 7.72e9))
+    zone = float(re.search(r"quarter of the process zone (\S+) m", note)[1])
+    # The longest wave, 500 Å, is 25 times as long as the coating is thick, and its modulus not quite the base's.
+    assert 4.1e-10 < zone < 1.5 * 4.1e-10
+    assert review(64, **coated(20e-10, 772e9)) == review(64) == []

@@ -1,5 +1,6 @@
 """What every elastic solid offers to the solvers and theories: the stiffness K(q) of a wave of its surface."""
 
+import math
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, replace
 from typing import ClassVar, Self
@@ -46,6 +47,11 @@ class Elasticity(ABC):
         return np.inf
 
     @property
+    def layer_thickness(self) -> float:
+        """Thickness of the layer under the surface, infinite without one (m)."""
+        return np.inf
+
+    @property
     def mean_compliance(self) -> float:
         """Displacement of the surface's mean towards what holds the block, per mean pressure (m/Pa).
 
@@ -66,6 +72,19 @@ class Elasticity(ABC):
         stiffness_q = np.zeros(grid.spectrum_shape)
         stiffness_q.reshape(-1)[1:] = self.stiffness(grid.wavenumber.reshape(-1)[1:])
         return stiffness_q
+
+    def softest_modulus(self, longest: float, shortest: float) -> float:
+        """The least E*(q) = 2 K(q)/q of waves between two lengths, that of a homogeneous half-space (Pa).
+
+        Parameters
+        ----------
+        longest, shortest : float
+            Wavelengths (m).
+        """
+        # Solids change over an octave at the earliest.
+        count = 2 + math.ceil(8 * math.log2(max(longest / shortest, 1.0)))
+        q = np.geomspace(2 * np.pi / longest, 2 * np.pi / shortest, count)
+        return float(np.min(contact_modulus_of(self.stiffness(q), q)))
 
     def scaled(self, length: float, stress: float) -> Self:
         """The same solid in other units: lengths divided by ``length`` (m), stresses by ``stress`` (Pa)."""

@@ -59,6 +59,10 @@ class Layered(Elasticity):
         positive("thickness", self.thickness, "m")
         positive("base_modulus", self.base_modulus, "Pa")
 
+    @property
+    def layer_thickness(self) -> float:
+        return self.thickness
+
     def stiffness(self, wavenumber: np.ndarray | float) -> np.ndarray:
         q, ratio, base_ratio = np.asarray(wavenumber, dtype=float), self.poissons_ratio, self.base_poissons_ratio
         # E* = 2μ/(1 − ν).
