@@ -117,7 +117,7 @@ class Averages:
             if counted == 1:  # where a motion without noise has ended
                 continue
             values[name + STANDARD_ERROR] = found.standard_error
-            if column.ndim == 1:
+            if column.ndim == 1 and np.isfinite(column).all():
                 time = float(found.autocorrelation_time) if found.resolved else np.inf
                 longest = max(longest, (time, name))
         if counted < SHORTEST * longest[0]:

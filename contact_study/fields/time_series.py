@@ -57,6 +57,8 @@ def autocovariance(series: np.ndarray) -> np.ndarray:
 def statistics_of(series: np.ndarray) -> SeriesStatistics:
     """Mean, its standard error and the memory of every column of a series.
 
+    A column with a value that is not finite has the mean that NumPy says, and nothing is known of its error: NaN.
+
     Parameters
     ----------
     series : numpy.ndarray, shape (n, ...)
@@ -65,7 +67,10 @@ def statistics_of(series: np.ndarray) -> SeriesStatistics:
     series = np.asarray(series, dtype=float)
     count = series.shape[0]
     columns = series.reshape(count, -1)
-    mean = np.mean(columns, axis=0)
+    finite = np.isfinite(columns).all(axis=0)
+    with np.errstate(invalid="ignore"):  # ∞ − ∞
+        mean = np.mean(columns, axis=0)
+    columns = np.where(finite, columns, 0.0)
     covariance = autocovariance(columns)
     # A constant column has a variance of its mean's rounding.
     varies = covariance[0] > (1e-14 * np.max(np.abs(columns), axis=0, initial=0.0)) ** 2
@@ -77,13 +82,13 @@ def statistics_of(series: np.ndarray) -> SeriesStatistics:
     time = np.take_along_axis(summed, last[None], axis=0)[0]
     time = np.maximum(time, 0.5)
     error = np.sqrt(covariance[0] * 2 * time / count)
-    resolved = ~varies | (2 * last < count)
+    resolved = finite & (~varies | (2 * last < count))
     time = np.where(varies, time, 0.5)
     shape = series.shape[1:]
     return SeriesStatistics(
         mean.reshape(shape),
-        np.where(varies, error, 0.0).reshape(shape),
-        time.reshape(shape),
+        np.where(finite, np.where(varies, error, 0.0), np.nan).reshape(shape),
+        np.where(finite, time, np.nan).reshape(shape),
         resolved.reshape(shape),
         (resolved & (count >= SHORTEST * time)).reshape(shape),
     )

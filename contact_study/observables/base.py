@@ -129,7 +129,7 @@ class InterfaceState:
     Attributes
     ----------
     gap : numpy.ndarray, shape (ny, nx)
-        Local gap (m), infinite where the surfaces are apart for good.
+        Local gap (m), infinite where the surfaces are apart for good; of a driven block its own.
     pressure : numpy.ndarray, shape (ny, nx)
         Local pressure (Pa), compression positive.
     contact : numpy.ndarray, shape (ny, nx)

@@ -212,11 +212,10 @@ class _Run:
         while at.frame < self._case.dynamics.frames:
             self._move(at, pressure)
             at.frame += 1
-            apart = not system.interface_force.any()
-            if not self._driven:
-                apart = apart and pressure <= 0 and at.motion.top_velocity >= 0
+            # A driven plane is somewhere, and can come back.
+            apart = not (self._driven or system.interface_force.any() or pressure > 0 or at.motion.top_velocity < 0)
             state = self._state(at, pressure, discarded, apart)
-            if apart and not self._driven:
+            if apart:
                 fresh = self.begin(at.point)
                 at.motion, at.frame = fresh.motion, self._case.dynamics.frames
                 yield dataclasses.replace(state, restart=at.packed)
@@ -289,12 +288,9 @@ class _Run:
         case = self._case
         message, converged = "", True
         if apart:
-            residual = 0.0
-            message = (
-                "detached: no atom is within reach"
-                if self._driven
-                else "detached: the block was torn off and moves away"
-            )
+            residual, message = 0.0, "detached: the block was torn off and moves away"
+        elif self._driven and not np.any(self._carried(at, discarded)):
+            residual, message, apart = 0.0, "detached: no atom is within reach", True
         elif self._driven:  # a state of the motion that was asked for; none in balance
             residual = self._unbalanced(at) / case.material.contact_modulus
         elif at.frame < case.dynamics.frames:  # the report of the last state is the point's
@@ -316,6 +312,11 @@ class _Run:
             message=message,
         )
 
+    @staticmethod
+    def _carried(at: _Place, discarded: int) -> np.ndarray:
+        """Mean pressure of the interface in the states that count (Pa); before there are any, of the last one."""
+        return np.array(at.series[min(discarded, len(at.series) - 1) :])[:, 2]
+
     def _unbalanced(self, at: _Place) -> float:
         """Largest stress left on an atom of the surface (Pa)."""
         return self._system.unbalanced(at.motion) / self._case.lattice.constant**2
@@ -323,14 +324,14 @@ class _Run:
     def _descent(self, at: _Place, pressure: float, discarded: int) -> Descent:
         """What the block did in the states that count, from the one before them on."""
         case = self._case
-        time, top, carried = np.array(at.series[discarded - 1 :]).T
+        (time, top, _), carried = np.array(at.series[discarded - 1 :]).T, self._carried(at, discarded)
         assert case.material.atom_mass is not None
         weight = self._system.block.thickness * case.material.atom_mass / case.lattice.constant**3
         friction = weight * case.dynamics.damping
         return Descent(
-            carried=carried[1:],
+            carried=carried,
             load=pressure,
-            reached=bool(np.any(carried[1:])),
+            reached=bool(np.any(carried)),
             speed=float((top[0] - top[-1]) / (time[-1] - time[0])),
             terminal_speed=pressure / friction if friction else math.inf,
         )

@@ -50,6 +50,16 @@ def test_values_that_do_not_change_have_no_error():
     assert found.mean == pytest.approx(0.1, rel=1e-15)
 
 
+def test_nothing_is_known_of_the_error_of_what_is_not_finite():
+    noise = np.random.default_rng(2).standard_normal(50)
+    found = statistics_of(np.stack([noise, np.append(noise[1:], np.inf), np.append(noise[2:], [np.inf, -np.inf])], 1))
+    assert found.mean[:2].tolist() == [pytest.approx(noise.mean()), np.inf]
+    assert np.isnan(found.mean[2])
+    assert np.isnan(found.standard_error).tolist() == [False, True, True]
+    assert np.isnan(found.autocorrelation_time).tolist() == [False, True, True]
+    assert found.resolved.tolist() == [True, False, False]
+
+
 def test_series_shorter_than_its_memory_is_told():
     drift = np.linspace(0, 1, 20)
     assert not statistics_of(drift).resolved

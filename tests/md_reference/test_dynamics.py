@@ -18,6 +18,8 @@ from md_reference.methods.arrival import Descent, load_missing, still_moving
 from md_reference.methods.dynamics import build_block, largest_time_step, longitudinal_modulus, time_step
 from md_reference.newtonian import NewtonianBlock
 from md_reference.run import check
+from md_reference.starts import separated
+from md_reference.system import build_interface
 from tests.md_reference.systems import CONTACT_MODULUS, LATTICE_CONSTANT, LENGTH
 from tests.md_reference.test_sampling import assert_equal_groups, changed, groups_of
 from tests.recording import stopper
@@ -215,6 +217,30 @@ def test_driven_plane_goes_where_it_is_told_at_its_speed():
     # Coarse levels leave 0.5 % of E*, and the forces left 1e-4 of it.
     assert at.mean_pressure.item() == pytest.approx(still.mean_pressure.item(), rel=0.005, abs=1e-4 * CONTACT_MODULUS)
     assert at.relative_contact_area.item() == pytest.approx(still.relative_contact_area.item(), abs=0.01)
+
+
+@pytest.mark.filterwarnings("ignore:.* thermal states of a point are too few")
+def test_a_driven_block_at_the_edge_of_reach_has_a_separation(tmp_path):
+    """Thermal motion brings it in and out of reach; a few Å above it is detached, and known to be there."""
+    case = make_study(moving()).cases[0]
+    interface = build_interface(case, realise(case))
+    edge = float(separated(interface)[2].max() - interface.rest_heights().mean()) - case.law.equilibrium_distance
+    gaps = [edge + 2e-11, edge + 2e-11, edge + 3e-10, edge + 3e-10]
+    study = moving(
+        atomistic={"temperature": 300.0},
+        loading={"control": "gap", "path": gaps},
+        dynamics={"duration": "1 ps", "damping": "3 ps^-1", "approach_speed": "50 m/s"},
+    )
+    contact_study.run(study, "atomistic", output=tmp_path / "md.nc")
+    groups = groups_of(tmp_path / "md.nc")
+    root, series = groups["/"], groups[f"/{TRAJECTORY}"]
+    carried = series.mean_pressure.values[1, 10:]
+    assert 0 < np.count_nonzero(carried) < 10
+    assert root.detached.values.tolist() == [0, 0, 1, 1]
+    assert np.isfinite(series.mean_gap).all()
+    # The surface of a block of 42 Å moves by a tenth of an ångström at 300 K.
+    np.testing.assert_allclose(root.mean_separation, gaps, rtol=0, atol=3e-11)
+    assert root["mean_separation" + STANDARD_ERROR][1] > 0
 
 
 def test_a_torn_off_block_comes_down_again():
