@@ -30,8 +30,6 @@ class Motion:
         Of the rigid plane (m, m/s).
     time : float
         Since the motion began (s).
-    steps : int
-        Done so far.
     """
 
     displacement: np.ndarray
@@ -39,7 +37,6 @@ class Motion:
     top: float
     top_velocity: float
     time: float = 0.0
-    steps: int = 0
 
 
 class NewtonianBlock:
@@ -126,7 +123,6 @@ class NewtonianBlock:
             self._act(motion, pressure, self._through(motion, kick, generator), generator)
             kick = self.time_step
         self._act(motion, pressure, Action(half), generator)
-        motion.steps += steps
         motion.time += steps * self.time_step
 
     def kinetic_energy(self, motion: Motion) -> float:

@@ -212,12 +212,14 @@ def loops_of(root: xr.Dataset, series: xr.Dataset) -> list[Loop]:
     for number, ratio in enumerate(root.well_depth_ratio.values):
         case, frames = root.isel(well_depth_ratio=number), series.isel(well_depth_ratio=number)
         end = case.applied_gap.values
-        # The first point is reached from out of reach; the plane moves evenly from one point to the next.
-        share = (np.arange(FRAMES) + 1) / FRAMES
+        # The first point is reached from out of reach; the plane moves evenly from one point to the next, in time steps
+        # that its frames share.
+        steps = case.iterations.values[1:, None]
+        share = steps * (np.arange(FRAMES) + 1) // FRAMES / steps
         distance = np.append(end[0], end[:-1, None] + np.diff(end)[:, None] * share)
         stress = frames.mean_pressure.values.ravel()[FRAMES - 1 :]
         down = np.append(True, np.repeat(np.diff(end) < 0, FRAMES))
-        found.append(Loop(float(ratio), distance, stress, down, int(case.iterations.values[-1])))
+        found.append(Loop(float(ratio), distance, stress, down, int(case.iterations.sum())))
     return found
 
 

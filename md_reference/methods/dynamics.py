@@ -138,15 +138,14 @@ def solve_path(
     """
     run = _Run(case, build_interface(case, surface))
     at = run.begin(start) if restart is None else _Place.unpacked(restart)
-    frames = case.dynamics.frames
     for number in range(start, len(case.path)):
         if at.point != number:
-            at.point, at.frame = number, 0
+            at.enter(number)
         # A driven motion passes a value once: there is no mean of it.
         passing = case.loading.control == "gap" and case.path[number][0] != (
             case.path[number - 1][0] if number else None
         )
-        discarded = frames - 1 if passing or case.atomistic.temperature == 0 else frames // 2
+        discarded = None if passing or case.atomistic.temperature == 0 else case.dynamics.frames // 2
         yield Ensemble(run.states(at, case.path[number][0], discarded), discarded)
 
 
@@ -157,10 +156,25 @@ class _Place:
     motion: Motion
     generator: np.random.Generator
     point: int
+    touched: bool = False  # whether an atom was within reach since the block last began to come down
     frame: int = 0
-    steps: int = 0  # of each frame of the point
+    frames: int = 0  # of the point
+    steps: int = 0  # of all frames of the point
     # Time (s), height of the rigid plane (m) and mean pressure of the interface (Pa) in each frame of the point so far.
     series: list[tuple[float, float, float]] = dataclasses.field(default_factory=list)
+
+    def enter(self, point: int) -> None:
+        """Stand before the first frame of a point."""
+        self.point, self.frame, self.series = point, 0, []
+
+    def share(self, steps: int, most: int) -> None:
+        """Have the point take so many steps, in at most so many frames."""
+        self.steps, self.frames = steps, min(most, steps)
+
+    @property
+    def taken(self) -> int:
+        """Steps of the point so far, shared out evenly to its frames."""
+        return self.steps * self.frame // self.frames
 
     @property
     def packed(self) -> dict[str, np.ndarray]:
@@ -169,7 +183,7 @@ class _Place:
             "displacement": motion.displacement.copy(),
             "velocity": motion.velocity.copy(),
             "rigid": np.array([motion.top, motion.top_velocity, motion.time]),
-            "counts": np.array([motion.steps, self.point, self.frame, self.steps]),
+            "counts": np.array([self.point, self.touched, self.frame, self.frames, self.steps]),
             "generator": packed(self.generator),
             "series": np.array(self.series).reshape(-1, 3),
         }
@@ -177,10 +191,10 @@ class _Place:
     @classmethod
     def unpacked(cls, arrays: Mapping[str, np.ndarray]) -> "_Place":
         top, top_velocity, time = map(float, arrays["rigid"])
-        done, point, frame, steps = map(int, arrays["counts"])
-        motion = Motion(arrays["displacement"].copy(), arrays["velocity"].copy(), top, top_velocity, time, done)
+        point, touched, frame, frames, steps = map(int, arrays["counts"])
+        motion = Motion(arrays["displacement"].copy(), arrays["velocity"].copy(), top, top_velocity, time)
         series = [(float(when), float(top), float(carried)) for when, top, carried in arrays["series"]]
-        return cls(motion, generator_of(arrays["generator"]), point, frame, steps, series)
+        return cls(motion, generator_of(arrays["generator"]), point, bool(touched), frame, frames, steps, series)
 
 
 class _Run:
@@ -195,37 +209,39 @@ class _Run:
         self._system = NewtonianBlock(
             build_block(case), interface, step, case.dynamics.damping, case.atomistic.temperature, self._driven
         )
-        self._steps = max(1, round(case.dynamics.duration / step / case.dynamics.frames))
+        self._steps = round(case.dynamics.duration / step)
 
-    def begin(self, point: int) -> _Place:
+    def begin(self, point: int, time: float = 0.0) -> _Place:
         """A block apart, at the speed of approach."""
         motion = self._system.start(separated(self._interface), -self._case.dynamics.approach_speed)
+        motion.time = time
         return _Place(motion, np.random.Generator(np.random.PCG64([self._case.atomistic.random_seed, point])), point)
 
-    def states(self, at: _Place, target: float, discarded: int) -> Iterator[InterfaceState]:
+    def states(self, at: _Place, target: float, discarded: int | None) -> Iterator[InterfaceState]:
         """The states of a point from where it stands, in place; ends early where a pressure's block is torn off."""
         system, pressure = self._system, 0.0 if self._driven else target
         if at.frame == 0:
-            at.steps, at.series = self._steps, []
-            if self._driven:
-                self._drive(at, target)
-        while at.frame < self._case.dynamics.frames:
+            at.share(self._drive(at, target) if self._driven else self._steps, self._case.dynamics.frames)
+        while at.frame < at.frames:
             self._move(at, pressure)
-            at.frame += 1
+            within_reach = bool(system.interface_force.any())
+            at.touched |= within_reach
             # A driven plane is somewhere, and can come back.
-            apart = not (self._driven or system.interface_force.any() or pressure > 0 or at.motion.top_velocity < 0)
+            apart = not (self._driven or within_reach or pressure > 0 or at.motion.top_velocity < 0)
             state = self._state(at, pressure, discarded, apart)
             if apart:
-                fresh = self.begin(at.point)
-                at.motion, at.frame = fresh.motion, self._case.dynamics.frames
+                fresh = self.begin(at.point, at.motion.time)
+                at.motion, at.touched, at.frame = fresh.motion, False, at.frames
                 yield dataclasses.replace(state, restart=at.packed)
                 return
             yield dataclasses.replace(state, restart=at.packed)
 
     def _move(self, at: _Place, pressure: float) -> None:
-        """The time steps of a frame."""
+        """The time steps of the next frame."""
+        before = at.taken
+        at.frame += 1
         try:
-            self._system.move(at.motion, pressure, at.generator, at.steps)
+            self._system.move(at.motion, pressure, at.generator, at.taken - before)
         except FloatingPointError as error:
             raise InputError(
                 f"dynamics.time_step = {self._system.time_step:.3g} s: {error} {1e12 * at.motion.time:.3g} ps or more "
@@ -233,18 +249,19 @@ class _Run:
                 "a shorter one, or a lower dynamics.approach_speed"
             ) from None
 
-    def _drive(self, at: _Place, gap: float) -> None:
-        """Set the rigid plane's velocity and the steps of a frame: to a gap at the speed of approach, or a rest."""
+    def _drive(self, at: _Place, gap: float) -> int:
+        """Set the rigid plane's velocity, to a gap at the speed of approach or for a rest; steps that it takes."""
         way = gap + self._mean_height + self._case.law.equilibrium_distance - at.motion.top
-        frames, step = self._case.dynamics.frames, self._system.time_step
         # The plane arrives within rounding, which is no way to go.
         if abs(way) < 1e-9 * self._case.law.equilibrium_distance:
             at.motion.top_velocity = 0.0
-            return
-        at.steps = math.ceil(abs(way) / (self._case.dynamics.approach_speed * step * frames))
-        at.motion.top_velocity = way / (at.steps * frames * step)
+            return self._steps
+        step = self._system.time_step
+        steps = math.ceil(abs(way) / (self._case.dynamics.approach_speed * step))
+        at.motion.top_velocity = way / (steps * step)
+        return steps
 
-    def _state(self, at: _Place, pressure: float, discarded: int, apart: bool) -> InterfaceState:
+    def _state(self, at: _Place, pressure: float, discarded: int | None, apart: bool) -> InterfaceState:
         case, system = self._case, self._system
         area = case.lattice.constant**2
         displacement = np.ascontiguousarray(system.block.bottom_of(at.motion.displacement))
@@ -268,7 +285,7 @@ class _Run:
             report=self._report(at, pressure, discarded, apart),
             spacing=(case.lattice.constant, case.lattice.constant),
             motion=ThermalMotion(at.motion.time, system.temperature(at.motion)),
-            atoms=self._atoms(at.motion) if apart or at.frame == case.dynamics.frames else {},
+            atoms=self._atoms(at.motion) if apart or at.frame == at.frames else {},
         )
 
     def _atoms(self, motion: Motion) -> dict[str, np.ndarray]:
@@ -284,16 +301,17 @@ class _Run:
             found |= block_nodes(block.rest_positions + block.nodes_of(motion.displacement), block.nodes_of(velocity))
         return found
 
-    def _report(self, at: _Place, pressure: float, discarded: int, apart: bool) -> SolverReport:
+    def _report(self, at: _Place, pressure: float, discarded: int | None, apart: bool) -> SolverReport:
         case = self._case
         message, converged = "", True
         if apart:
-            residual, message = 0.0, "detached: the block was torn off and moves away"
+            what = "was torn off and" if at.touched else "has not been within reach of the substrate, and"
+            residual, message = 0.0, f"detached: the block {what} moves away"
         elif self._driven and not np.any(self._carried(at, discarded)):
             residual, message, apart = 0.0, "detached: no atom is within reach", True
         elif self._driven:  # a state of the motion that was asked for; none in balance
             residual = self._unbalanced(at) / case.material.contact_modulus
-        elif at.frame < case.dynamics.frames:  # the report of the last state is the point's
+        elif at.frame < at.frames:  # the report of the last state is the point's
             residual = np.nan
         else:
             descent = self._descent(at, pressure, discarded)
@@ -306,25 +324,26 @@ class _Run:
             converged=converged,
             detached=apart,
             residual=residual,
-            iterations=at.motion.steps,
+            iterations=at.taken,
             fft_pairs=0.0,
-            force_evaluations=at.motion.steps,
+            force_evaluations=at.taken + at.frame,  # a frame ends with the forces of its last step, as the next begins
             message=message,
         )
 
     @staticmethod
-    def _carried(at: _Place, discarded: int) -> np.ndarray:
+    def _carried(at: _Place, discarded: int | None) -> np.ndarray:
         """Mean pressure of the interface in the states that count (Pa); before there are any, of the last one."""
-        return np.array(at.series[min(discarded, len(at.series) - 1) :])[:, 2]
+        last = len(at.series) - 1
+        return np.array(at.series[last if discarded is None else min(discarded, last) :])[:, 2]
 
     def _unbalanced(self, at: _Place) -> float:
         """Largest stress left on an atom of the surface (Pa)."""
         return self._system.unbalanced(at.motion) / self._case.lattice.constant**2
 
-    def _descent(self, at: _Place, pressure: float, discarded: int) -> Descent:
+    def _descent(self, at: _Place, pressure: float, discarded: int | None) -> Descent:
         """What the block did in the states that count, from the one before them on."""
-        case = self._case
-        (time, top, _), carried = np.array(at.series[discarded - 1 :]).T, self._carried(at, discarded)
+        case, carried = self._case, self._carried(at, discarded)
+        time, top, _ = np.array(at.series[-carried.size - 1 :]).T
         assert case.material.atom_mass is not None
         weight = self._system.block.thickness * case.material.atom_mass / case.lattice.constant**3
         friction = weight * case.dynamics.damping

@@ -67,9 +67,15 @@ def test_series_tells_the_approach(tmp_path):
     assert "still move" in str(root.message.values[0])
     case = make_study(study).cases[0]
     time = series.time.values[0]
-    steps = round(2e-12 / 20 / time_step(case))
-    np.testing.assert_allclose(np.diff(time, prepend=0), steps * time_step(case), rtol=1e-9)
+    # All the duration in whole steps, which the frames share evenly: here 6 and 7.
+    whole = round(2e-12 / time_step(case))
+    assert time[-1] == pytest.approx(whole * time_step(case), rel=1e-9, abs=0)
+    steps = np.diff(time, prepend=0) / time_step(case)
+    assert whole % 20
+    np.testing.assert_allclose(steps, np.diff(whole * np.arange(21) // 20), rtol=1e-9)
     assert root.time.item() == time[-1]
+    assert root.iterations.item() == whole
+    assert root.force_evaluations.item() == whole + 20
     # Out of reach the block falls freely: its mass takes up the pressure, the rest is its own vibration.
     height, density = series.mean_separation.values[0], case.material.atom_mass / case.lattice.constant**3
     fallen = 20 * time + 0.5 * 1e9 / (density * 16.25 * case.lattice.constant) * time**2
@@ -196,10 +202,11 @@ def test_driven_plane_goes_where_it_is_told_at_its_speed():
     dataset = contact_study.run(moving(**DRIVEN), "atomistic")
     case = make_study(moving(**DRIVEN)).cases[0]
     gaps, times = dataset.applied_gap.values, np.diff(dataset.time.values)
-    # Whole steps in each frame: up to one step a frame longer.
+    # Whole steps: up to one longer.
     for moved, taken in ((0.15e-9, times[0]), (1.15e-9, times[2])):
-        assert 0 <= taken * 50 / moved - 1 < 10 * time_step(case) * 50 / moved
-    assert times[1] == pytest.approx(40e-12, rel=0.05)  # at rest, for the duration, in whole steps
+        assert 0 <= taken - moved / 50 < time_step(case)
+    assert times[1] == pytest.approx(40e-12, abs=0.5 * time_step(case))  # at rest, for the duration
+    np.testing.assert_allclose(dataset.iterations[1:] * time_step(case), times, rtol=1e-9)
     assert dataset.detached.values.tolist() == [0, 0, 0, 1]
     # At rest the block is as much thinner than the gap tells as the pressure squeezes it.
     at = dataset.isel(step=2)
@@ -217,6 +224,20 @@ def test_driven_plane_goes_where_it_is_told_at_its_speed():
     # Coarse levels leave 0.5 % of E*, and the forces left 1e-4 of it.
     assert at.mean_pressure.item() == pytest.approx(still.mean_pressure.item(), rel=0.005, abs=1e-4 * CONTACT_MODULUS)
     assert at.relative_contact_area.item() == pytest.approx(still.relative_contact_area.item(), abs=0.01)
+
+
+def test_points_closer_than_their_frames_are_passed_at_the_speed_of_approach(tmp_path):
+    """0.025 Å at 50 m/s are four steps: four frames of one each."""
+    loading = {"control": "gap", "path": ["0.9 nm", "0.8975 nm", "0.895 nm"]}
+    study = moving(loading=loading, dynamics={"approach_speed": "50 m/s"})
+    contact_study.run(study, "atomistic", output=tmp_path / "md.nc")
+    groups = groups_of(tmp_path / "md.nc")
+    root, step = groups["/"], time_step(make_study(study).cases[0])
+    way = 2.5e-12 / 50
+    assert root.iterations[1:].values.tolist() == 2 * [np.ceil(way / step)]
+    np.testing.assert_allclose(np.diff(root.time), way, rtol=0, atol=step)
+    frames = np.isfinite(groups[f"/{TRAJECTORY}"].time.values).sum(axis=1)
+    assert frames.tolist() == [20, *root.iterations[1:].values]
 
 
 @pytest.mark.filterwarnings("ignore:.* thermal states of a point are too few")
@@ -248,8 +269,18 @@ def test_a_torn_off_block_comes_down_again():
     dataset = contact_study.run(study, "atomistic")
     assert dataset.detached.values.tolist() == [0, 1, 0]
     assert np.isinf(dataset.mean_gap[1])
+    assert "was torn off" in str(dataset.message.values[1])
+    # The clock goes on; steps are those of the point.
+    step = time_step(make_study(study).cases[0])
+    np.testing.assert_allclose(np.diff(dataset.time, prepend=0.0), dataset.iterations * step, rtol=1e-9)
     assert dataset.relative_contact_area[2] > 0.5
     assert dataset.relative_contact_area[2] == pytest.approx(dataset.relative_contact_area[0].item(), abs=0.01)
+
+
+def test_a_block_that_nothing_brings_down_was_not_torn_off():
+    dataset = contact_study.run(moving(loading={"path": ["-1 GPa"]}, dynamics={"approach_speed": 0.0}), "atomistic")
+    assert dataset.detached.item() == 1
+    assert "has not been within reach of the substrate" in str(dataset.message.values[0])
 
 
 @pytest.mark.parametrize(
