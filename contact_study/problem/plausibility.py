@@ -9,6 +9,7 @@ Every criterion is a ratio of the study's own scales, so that no unit, material 
   is larger. Atoms in contact stand at 0.9 to 1. Half the length takes stresses of 7000 times the law's peak (10-4
   law), and a contact distance then counts points as touching that carry nothing. Below 0.1 (4e11 times) it is no law
   for this modulus.
+- **table of a stiffness** against the waves of the grid, and its E* at the shortest of them against the material's.
 - **peak over tolerance**: the law's largest tension against the residual stress that ``solver.tolerance`` leaves.
 
 Of measured maps see :mod:`contact_study.problem.measured_surface`.
@@ -20,7 +21,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from contact_study.fields.grid import Grid
 from contact_study.problem.case import Case
+from contact_study.problem.elasticity import Measured, contact_modulus_of
 from contact_study.problem.errors import InputError
 from contact_study.problem.laws.base import TractionLaw
 from contact_study.problem.measured_surface import doubts
@@ -29,6 +32,8 @@ from contact_study.problem.surface_scales import SurfaceScales
 
 STEEP, IMPOSSIBLY_STEEP = 1.0, 100.0
 SQUEEZED, IMPOSSIBLY_SQUEEZED = 0.5, 0.1
+# Largest ratio of two contact moduli that are one in other words.
+SAME_MODULUS = 2.0
 
 
 def review(study: Study, scales: Sequence[SurfaceScales]) -> list[str]:
@@ -51,6 +56,8 @@ def review(study: Study, scales: Sequence[SurfaceScales]) -> list[str]:
     notes = _slopes(pairs)
     notes += _squeezes([item for item in adhesive if not item[2].has_wall])
     notes += _peaks(adhesive)
+    notes += _missing_waves(pairs)
+    notes += _other_moduli(pairs)
     notes += _maps(pairs)
     notes += dict.fromkeys(line for case, scale in pairs for line in doubts(str(case.surface.map_path), scale))
     notes += _idle_keys(study.cases)
@@ -125,6 +132,51 @@ def _peaks(adhesive: list[tuple[Case, SurfaceScales, TractionLaw]]) -> list[str]
         f"interaction: the law's peak, {case.law.peak_tensile_stress:.3g} Pa, is below the residual stress that "
         f"solver.tolerance leaves, {residual:.3g} Pa{points(lost, len(adhesive))}: adhesion is not resolved; use a "
         "smaller tolerance"
+    ]
+
+
+def _waves(scale: SurfaceScales) -> tuple[float, float]:
+    """Wavenumbers of the longest and of the shortest wave along an axis of the grid (1/m)."""
+    return 2 * np.pi / max(scale.size), np.pi / min(Grid(scale.shape, scale.size).spacing)
+
+
+def _missing_waves(pairs: list[tuple[Case, SurfaceScales]]) -> list[str]:
+    """Where a table of the stiffness leaves out waves of the grid."""
+    found = []
+    for case, scale in pairs:
+        if isinstance(case.solid, Measured):
+            table, grid = (float(case.solid.wavenumbers[0]), float(case.solid.wavenumbers[-1])), _waves(scale)
+            missing = max(table[0] / grid[0], grid[1] / table[1])
+            if missing > 1.01:  # tables written with three digits may end at the waves themselves
+                found.append((missing, case, table, grid))
+    if not found:
+        return []
+    _, case, table, grid = max(found, key=lambda item: item[0])
+    return [
+        f"elasticity.path: the table holds waves of {table[0]:.3g} to {table[1]:.3g} m^-1, the grid has waves of "
+        f"{grid[0]:.3g} to {grid[1]:.3g} m^-1{points([case for _, case, *_ in found], len(pairs))}: beyond the table "
+        "E*(q) is taken to be constant; check elasticity.wavenumber_unit, surface.size and shape"
+    ]
+
+
+def _other_moduli(pairs: list[tuple[Case, SurfaceScales]]) -> list[str]:
+    """Where a table of the stiffness is, at the grid's shortest wave, that of another solid than the material."""
+    found = []
+    for case, scale in pairs:
+        if isinstance(case.solid, Measured):
+            shortest = np.array(_waves(scale)[1])
+            modulus = float(contact_modulus_of(case.solid.stiffness(shortest), shortest))
+            ratio = modulus / case.solid.contact_modulus
+            if max(ratio, 1 / ratio) > SAME_MODULUS:
+                found.append((max(ratio, 1 / ratio), case, modulus))
+    if not found:
+        return []
+    _, case, modulus = max(found, key=lambda item: item[0])
+    return [
+        f"elasticity.path: at the grid's shortest wave the table's E* is {modulus:.3g} Pa, that of material, which "
+        f"datasets quote and stresses are measured in, {case.solid.contact_modulus:.3g} Pa"
+        f"{points([case for _, case, _ in found], len(pairs))}: check elasticity.stiffness_unit, or give the table's "
+        "in material.youngs_modulus"
     ]
 
 

@@ -164,3 +164,35 @@ def test_keys_without_effect_on_a_wall_are_said():
     table["interaction"] = {"law": "hard_wall"}
     study = make_study(table)
     assert review(study, scales_of(study)) == []
+
+
+def tabulated(low, high, modulus, **keys):
+    """A half-space of a modulus (Pa) as a table between two wavenumbers, with units if they have some."""
+    q = np.geomspace(low, high, 5)
+    return {"kind": "tabulated", "wavenumber": q.tolist(), "stiffness": (0.5 * modulus * q).tolist()} | keys
+
+
+def test_tables_of_a_stiffness_that_leave_out_waves_of_the_grid_are_said():
+    """The paper's cell of 1040 Å has waves from 2π/1040 Å on, down to two grid spacings."""
+    (case,) = make_study(table_of()).cases
+    ends = 2 * np.pi / 104e-9, np.pi * case.surface.shape[0] / 104e-9
+    modulus = case.material.contact_modulus
+    assert notes_of(elasticity=tabulated(*ends, modulus)) == []
+    for factor in (1e-9, 1e9):  # nm⁻¹ read as m⁻¹, and the other way about: the modulus changes as its unit does
+        (note,) = notes_of(elasticity=tabulated(factor * ends[0], factor * ends[1], modulus))
+        assert note.startswith("elasticity.path: the table holds waves of")
+        assert f"{factor * ends[0]:.3g} to {factor * ends[1]:.3g} m^-1" in note
+        assert f"waves of {ends[0]:.3g} to {ends[1]:.3g} m^-1:" in note
+        assert "\n" not in note
+    for part in ((1.1 * ends[0], ends[1]), (ends[0], 0.9 * ends[1])):
+        assert len(notes_of(elasticity=tabulated(*part, modulus))) == 1
+
+
+def test_tables_of_another_modulus_than_the_materials_are_said():
+    (case,) = make_study(table_of()).cases
+    ends = 2 * np.pi / 104e-9, np.pi * case.surface.shape[0] / 104e-9
+    modulus = case.material.contact_modulus
+    for ratio, said in ((0.4, True), (0.6, False), (1.8, False), (2.2, True)):
+        notes = notes_of(elasticity=tabulated(*ends, ratio * modulus))
+        assert len(notes) == said
+        assert all(f"the table's E* is {ratio * modulus:.3g} Pa" in note for note in notes)
