@@ -23,7 +23,7 @@ from bem_adhesion.linearised import LinearisedContact
 from bem_adhesion.load import Load
 from bem_adhesion.operator import MakeOperator
 from bem_adhesion.solution import NewtonResult, Outcome
-from bem_adhesion.tangent import mean_compliance
+from bem_adhesion.tangent import mean_stiffness
 from bem_adhesion.wall_passes import passes_of
 from contact_study.fields.grid import Grid
 from contact_study.problem.laws.base import TractionLaw
@@ -253,10 +253,10 @@ class AdhesiveContact:
             length *= BACKTRACKING
         return None
 
-    def mean_compliance(self, gap: np.ndarray) -> float:
-        """How far the mean gap gives way to a unit pressure at an equilibrium, see :func:`tangent.mean_compliance`."""
+    def mean_stiffness(self, gap: np.ndarray) -> float:
+        """By how much more pressure the mean gap gives way at an equilibrium, see :func:`tangent.mean_stiffness`."""
         self._passes.evaluate(gap, np.empty_like(gap), self.curvature)
-        return mean_compliance(self._linearised, self.curvature, self._passes.pin(self.curvature, gap))
+        return mean_stiffness(self._linearised, self.curvature, self._passes.pin(self.curvature, gap))
 
     def on_tangent(
         self, gap: np.ndarray, load: Load, limit: float, steps: int = 1, known: np.ndarray | None = None

@@ -16,7 +16,7 @@ from bem_adhesion.linearised import LinearisedContact
 from bem_adhesion.operator import periodic
 from bem_adhesion.roughness import typical_wavenumber
 from bem_adhesion.solution import Outcome, Solution
-from bem_adhesion.tangent import PINNED, mean_compliance
+from bem_adhesion.tangent import PINNED, mean_stiffness
 from contact_study.fields.arguments import check_step, positive
 from contact_study.fields.grid import Grid
 from contact_study.problem.elasticity import Elasticity, elasticity_of
@@ -160,8 +160,8 @@ class HardWallContact:
         shift = typical_wavenumber(np.where(np.isfinite(self._height), self._height, self._mean_height), self.grid)
         shift *= 0.5 * max(self.grid.size)  # K of that wave in units of the modulus over the period
         curvature = np.where(touching, np.float32(PINNED * single.largest), np.float32(0))
-        compliance = mean_compliance(LinearisedContact(single, shift), curvature, touching)
-        return self.elasticity.contact_modulus / (max(self.grid.size) * compliance)
+        found = mean_stiffness(LinearisedContact(single, shift), curvature, touching)
+        return found * self.elasticity.contact_modulus / max(self.grid.size)
 
     def _at_pressure(self, state: np.ndarray, mean_pressure: float) -> Solution:
         if self._flat:

@@ -122,6 +122,8 @@ class LinearisedContact:
 
     Attributes
     ----------
+    operator : Operator
+        The elastic solid.
     solution : numpy.ndarray
         The step x (m).
     direction : numpy.ndarray
@@ -130,7 +132,7 @@ class LinearisedContact:
 
     def __init__(self, operator: Operator, shift: float, bed: Bed | None = None):
         shape = operator.grid.shape
-        self._operator = operator
+        self.operator = operator
         self._shift = np.float32(shift)
         self._grid = np.float32(0.5 * operator.largest)
         self._bed = bed or FullBed(operator, shift)
@@ -159,7 +161,7 @@ class LinearisedContact:
         iterations : int
             Largest number of iterations.
         """
-        operator, buffer = self._operator, self._operator.field
+        operator, buffer = self.operator, self.operator.field
         weights = self._shift, self._grid
         kept = np.float32(softening)
         residual, direction, solution = self._residual, self.direction, self.solution

@@ -209,9 +209,7 @@ class LoadedContact:
         if solution.detached:
             return 0.0
         gap = self._gap_of(solution.state)
-        compliance = self._contact.finest.mean_compliance(gap)
-        # What the spring of the control adds is no contact.
-        return (1 / compliance - self._spring) * self.elasticity.contact_modulus / self._length
+        return self._contact.finest.mean_stiffness(gap) * self.elasticity.contact_modulus / self._length
 
     def _solve(self, gap: np.ndarray, pressure: float, approach: bool, tolerance: float | None = None) -> NewtonResult:
         load = Load(self._flattening, pressure)

@@ -38,6 +38,21 @@ def test_controls_agree():
         assert by_gap.stiffness(other) == pytest.approx(by_pressure.stiffness(one), rel=1e-4)
 
 
+@pytest.mark.parametrize("name", ["lennard_jones_10_4", "exponential", "dugdale"])
+def test_a_soft_state_is_not_lost_beside_the_spring_of_the_control(name):
+    """The spring is as stiff as the shortest wave, 1e22 Pa/m; out of reach the law's tail is all that is left."""
+    height, grid = self_affine(48)
+    law = EVERY_LAW[name]
+    contact = rough_contact(height, grid.size, E_STAR, law, "gap", tolerance=1e-11)
+    state, step = contact.separated(), 1e-3 * law.length
+    for gap in (2, 8, 16):
+        found, nearer, farther = (contact.step(state, gap * law.length + shift) for shift in (0.0, -step, step))
+        slope = (nearer.pressure.mean() - farther.pressure.mean()) / (2 * step)
+        # Central differences; of the Dugdale law's edge and the wall's points that come or go within them, a share.
+        assert contact.stiffness(found) == pytest.approx(slope, rel=3e-3, abs=1e6)
+        state = found.state
+
+
 @pytest.mark.parametrize("control", ["pressure", "approach"])
 def test_hertzs_sphere(control):
     """dF/dδ = 2E*a; the contact's points count whole, half a cell along the edge of 27 across."""
