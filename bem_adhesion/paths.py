@@ -3,11 +3,12 @@
 Between two states in equilibrium the load does the work −∫p ds, s the separation of the mean planes, and along a branch
 all of it is stored. What is not, D = −∫p ds − ΔU > 0 by the trapezoidal rule, was dissipated in a jump, or the step was
 too long for the rule. A step that leaves more than a given share unaccounted for, or that does not converge, is
-halved, down to the least step; what is left then is a jump, whose place is known to that step and whose D is added up.
-A step that succeeds is followed by one twice as long.
+halved, down to the least step; what is left then is a jump, whose place is known to that step and whose D is added up:
+to half the product of what pressure and separation change by in it. A step that succeeds is followed by one twice as
+long.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import astuple, dataclass, replace
 
 import numpy as np
 
@@ -35,6 +36,8 @@ class Account:
         Whether the surfaces are within reach of each other.
     dissipated : float
         In jumps so far, per area (J/m²).
+    uncertain : float
+        By how much that may be off: where within its step a jump lies is not known (J/m²).
     """
 
     position: float
@@ -43,6 +46,7 @@ class Account:
     energy: float
     attached: bool
     dissipated: float = 0.0
+    uncertain: float = 0.0
 
     @property
     def state(self) -> np.ndarray:
@@ -52,15 +56,13 @@ class Account:
     @property
     def array(self) -> np.ndarray:
         """To be stored between the points of a path."""
-        return np.array(
-            [self.position, self.pressure, self.separation, self.energy, float(self.attached), self.dissipated]
-        )
+        return np.array([float(value) for value in astuple(self)])
 
     @classmethod
     def of(cls, array: np.ndarray) -> "Account":
         """What :attr:`array` was made of."""
-        position, pressure, separation, energy, attached, dissipated = map(float, array)
-        return cls(position, pressure, separation, energy, bool(attached), dissipated)
+        position, pressure, separation, energy, attached, *books = map(float, array)
+        return cls(position, pressure, separation, energy, bool(attached), *books)
 
 
 def separation_of(solution: Solution, solid: Elasticity) -> float:
@@ -73,15 +75,15 @@ def separation_of(solution: Solution, solid: Elasticity) -> float:
     return separation if yielded is None else separation - float(np.mean(yielded))
 
 
-def account_of(solution: Solution, position: float, solid: Elasticity, dissipated: float = 0.0) -> Account:
-    """The account of a state; surfaces apart are where the next step finds them, out of reach."""
+def account_of(solution: Solution, position: float, solid: Elasticity, before: Account | None = None) -> Account:
+    """The account of a state, the books carried on; surfaces apart are where the next step finds them, out of reach."""
     return Account(
         position,
         float(np.mean(solution.pressure)),
         float(np.mean(solution.state)) if solution.detached else separation_of(solution, solid),
         solution.elastic_energy + solution.interaction_energy,
         not solution.detached,
-        dissipated,
+        *((before.dissipated, before.uncertain) if before else ()),
     )
 
 
@@ -122,13 +124,13 @@ def follow(
         The books of every state passed, from ``before`` on to the last that converged.
     """
     passed, length = [before], target - before.position
-    pairs, iterations = 0.0, 0
+    pairs, iterations, torn = 0.0, 0, False
     while True:
         now = passed[-1]
         last = abs(length) >= abs(target - now.position)
         found = contact.step(state, target if last else now.position + length)
         pairs, iterations = pairs + found.fft_pairs, iterations + found.iterations
-        new = account_of(found, target if last else now.position + length, solid, now.dissipated)
+        new = account_of(found, target if last else now.position + length, solid, now)
         lost, exchanged = map(float, unaccounted(now.state, new.state)) if new.attached else (0.0, 0.0)
         parted = now.attached and not new.attached
         jumped = parted or abs(lost) > max(UNACCOUNTED * exchanged, noise)
@@ -139,8 +141,12 @@ def follow(
             ended = replace(found, state=state, outcome=Outcome.LEAST_STEP, fft_pairs=pairs, iterations=iterations)
             return ended, passed
         if jumped and not parted:
-            new = replace(new, dissipated=now.dissipated + max(lost, 0.0))
+            unknown = 0.5 * abs((new.pressure - now.pressure) * (new.separation - now.separation))
+            new = replace(new, dissipated=now.dissipated + max(lost, 0.0), uncertain=now.uncertain + unknown)
         state, length = found.state, 2 * (new.position - now.position)
         passed.append(new)
+        torn |= parted
         if last:
-            return replace(found, fft_pairs=pairs, iterations=iterations), passed
+            # Surfaces that this point has torn apart, and a tension that finds them so, are none that never met.
+            outcome = Outcome.DETACHED if torn and found.outcome is Outcome.APART else found.outcome
+            return replace(found, fft_pairs=pairs, iterations=iterations, outcome=outcome), passed

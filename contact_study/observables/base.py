@@ -113,12 +113,15 @@ class OwnSteps:
     ----------
     dissipated : float
         Per nominal area (J/m²).
+    uncertain : float
+        By how much that may be off, as the steps do not say where within them a jump lies (J/m²).
     passed : numpy.ndarray, shape (n, 3)
         Mean pressure (Pa), mean separation (m) and energy (J/m²) of each state on the way to this point, itself last;
         of surfaces that come apart under a load that load and an infinite separation.
     """
 
     dissipated: float
+    uncertain: float
     passed: np.ndarray
 
 

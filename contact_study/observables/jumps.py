@@ -11,6 +11,7 @@ def _read(state: InterfaceState, _: Bins) -> dict[str, Value]:
     columns = zip(PASSED, state.own_steps.passed.T, strict=True)
     return {
         "dissipated_energy": state.own_steps.dissipated,
+        "dissipated_energy_resolution_error": state.own_steps.uncertain,
         **{f"passed_{name}": column for name, column in columns},
     }
 
@@ -19,6 +20,9 @@ JUMPS = Observable(
     {
         "dissipated_energy": Variable(
             "J m-2", "energy dissipated in jumps of the path up to this point per nominal area, detachments apart"
+        ),
+        "dissipated_energy_resolution_error": Variable(
+            "J m-2", "by how much dissipated_energy may be off: where within its step a jump lies is not known"
         ),
         "passed_pressure": Variable(
             "Pa",

@@ -10,7 +10,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy.integrate import trapezoid
 
 from contact_study.observables.base import Variable
 
@@ -31,7 +30,7 @@ PATH_RESULTS: dict[str, Variable] = {
     "jump_in_separation": Variable("m", "mean separation of the last state before the first jump of an approach", ()),
     "work_of_separation": Variable(
         "J m-2",
-        "work of the load per nominal area from balance, or from the end of loading, to full separation",
+        "work of the load per nominal area of the last retraction, from balance or its beginning to full separation",
         (),
     ),
 }
@@ -51,12 +50,20 @@ class PathSeries:
         Elastic and of the interaction, per area (J/m²); None of a path whose points are too far apart to integrate.
     ends_apart : bool
         Whether there was contact on the path, and none is left at its end.
+    points : numpy.ndarray of int, optional
+        Which of the states are the path's own points, between which it goes one way; all, if not given.
     """
 
     pressure: np.ndarray
     separation: np.ndarray
     energy: np.ndarray | None = None
     ends_apart: bool = False
+    points: np.ndarray | None = None
+
+    def part(self, states: slice) -> "PathSeries":
+        """Some of the states."""
+        energy = None if self.energy is None else self.energy[states]
+        return PathSeries(self.pressure[states], self.separation[states], energy, self.ends_apart)
 
 
 def unaccounted(before: np.ndarray, after: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -67,9 +74,11 @@ def unaccounted(before: np.ndarray, after: np.ndarray) -> tuple[np.ndarray, np.n
     before, after : numpy.ndarray, shape (..., 3)
         Mean pressure (Pa), mean separation (m) and energy (J/m²) of two states.
     """
-    work = -0.5 * (before[..., 0] + after[..., 0]) * (after[..., 1] - before[..., 1])
+    way = 0.5 * (after[..., 1] - before[..., 1])
+    work = -(before[..., 0] + after[..., 0]) * way
     stored = after[..., 2] - before[..., 2]
-    return work - stored, np.abs(work) + np.abs(stored)
+    # Beside balance the work of push and of pull cancel; both are exchanged.
+    return work - stored, (np.abs(before[..., 0]) + np.abs(after[..., 0])) * np.abs(way) + np.abs(stored)
 
 
 def path_results(series: PathSeries, control: str) -> dict[str, float]:
@@ -107,16 +116,41 @@ def _lost_under_load(series: PathSeries) -> dict[str, float]:
     }
 
 
-def _turn(series: PathSeries) -> int:
-    """Where approach ends and retraction begins."""
-    return int(np.argmin(series.separation)) if series.separation.size else 0
+def _last_retraction(series: PathSeries) -> slice:
+    """The last of the path's ways outwards, from the point where it turned."""
+    points, distance = _points(series)
+    end = len(points) - 1
+    while end > 0 and distance[end] < distance[end - 1]:
+        end -= 1
+    start = end
+    while start > 0 and distance[start - 1] <= distance[start]:
+        start -= 1
+    return slice(int(points[start]), int(points[end]) + 1)
+
+
+def _first_approach(series: PathSeries) -> slice:
+    """The path up to the point where it first turns back."""
+    points, distance = _points(series)
+    start = 0
+    while start + 1 < len(points) and distance[start + 1] >= distance[start]:
+        start += 1
+    end = start
+    while end + 1 < len(points) and distance[end + 1] <= distance[end]:
+        end += 1
+    return slice(0, int(points[end]) + 1)
+
+
+def _points(series: PathSeries) -> tuple[np.ndarray, np.ndarray]:
+    """The path's points and their separations."""
+    points = np.arange(series.separation.size) if series.points is None else series.points
+    return points, series.separation[points]
 
 
 def _lowest_of_retraction(series: PathSeries) -> dict[str, float]:
-    """The lowest state passed, and how far the parabola through it and its neighbours goes below."""
-    turn = _turn(series)
-    pressure, separation = series.pressure[turn:], series.separation[turn:]
-    lowest = int(np.argmin(pressure)) if pressure.size else 0
+    """The lowest state of the last retraction, and how far the parabola through it and its neighbours goes below."""
+    retraction = series.part(_last_retraction(series))
+    pressure, separation = retraction.pressure, retraction.separation
+    lowest = int(np.argmin(pressure))
     if not (0 < lowest < pressure.size - 1 and pressure[lowest] < 0):
         return {}
     near = slice(lowest - 1, lowest + 2)
@@ -136,35 +170,54 @@ def _depth(x: np.ndarray, y: np.ndarray) -> float:
     return float(slope**2 / (4 * curvature)) if curvature > 0 else 0.0
 
 
-def _jump_in(series: PathSeries) -> dict[str, float]:
+def _jumps(series: PathSeries) -> tuple[np.ndarray, np.ndarray]:
+    """Of each step from one state to the next what it lost (J/m²), and whether that is a jump."""
     assert series.energy is not None
-    states = np.stack([series.pressure, series.separation, series.energy], axis=-1)[: _turn(series) + 1]
+    states = np.stack([series.pressure, series.separation, series.energy], axis=-1)
     lost, exchanged = unaccounted(states[:-1], states[1:])
-    jumps = np.flatnonzero((lost > UNACCOUNTED * exchanged) & (lost > _NOISE * np.abs(states[:, 2]).max(initial=0.0)))
-    if not jumps.size:
+    noise = _NOISE * np.abs(series.energy).max(initial=0.0)
+    return lost, (lost > UNACCOUNTED * exchanged) & (lost > noise)
+
+
+def _jump_in(series: PathSeries) -> dict[str, float]:
+    approach = series.part(_first_approach(series))
+    _, jumped = _jumps(approach)
+    if not jumped.any():
         return {}
-    first = int(jumps[0])
+    first = int(np.argmax(jumped))
     return {
-        "jump_in_pressure": float(series.pressure[first]),
-        "jump_in_separation": float(series.separation[first]),
-        "jump_in_separation_resolution_error": float(series.separation[first] - series.separation[first + 1]),
+        "jump_in_pressure": float(approach.pressure[first]),
+        "jump_in_separation": float(approach.separation[first]),
+        "jump_in_separation_resolution_error": float(approach.separation[first] - approach.separation[first + 1]),
     }
 
 
 def _work_of_separation(series: PathSeries) -> dict[str, float]:
-    """∫−p ds of the last retraction from p = 0 on; beyond its end, where nothing touches, the energy left is due."""
-    assert series.energy is not None
-    turn = _turn(series)
-    pressure, separation = series.pressure[turn:], series.separation[turn:]
-    if not series.ends_apart or not (pressure < 0).any():
+    """∫−p ds of the last retraction from p = 0 on: what its branches store, and what its jumps lose.
+
+    Beyond its end, where nothing touches, the energy left is due: the work is the energy of full separation, zero, less
+    that of balance, and the jumps. A sum of p ds would add the rule's errors along the branches.
+    """
+    retraction = series.part(_last_retraction(series))
+    pressure, separation, energy = retraction.pressure, retraction.separation, retraction.energy
+    assert energy is not None
+    if not series.ends_apart or pressure.size < 2 or not (pressure < 0).any():
         return {}
+    lost, jumped = _jumps(retraction)
+    first, begun = 0, float(energy[0])
     balances = np.flatnonzero((pressure[:-1] >= 0) & (pressure[1:] < 0))
     if balances.size:
-        last = int(balances[-1])
-        share = pressure[last] / (pressure[last] - pressure[last + 1])
-        at = separation[last] + share * (separation[last + 1] - separation[last])
-        pressure, separation = np.append(0.0, pressure[last + 1 :]), np.append(at, separation[last + 1 :])
-    return {"work_of_separation": float(trapezoid(-pressure, separation) - series.energy[-1])}
+        before, first = int(balances[-1]), int(balances[-1]) + 1
+        share = pressure[before] / (pressure[before] - pressure[first])
+        balance = separation[before] + share * (separation[first] - separation[before])
+        nearer = first if jumped[before] or -pressure[first] <= pressure[before] else before
+        begun = float(energy[nearer] + 0.5 * pressure[nearer] * (separation[nearer] - balance))
+    lost, jumped = lost[first:], jumped[first:]
+    within = 0.5 * np.abs(np.diff(pressure) * np.diff(separation))[first:]
+    return {
+        "work_of_separation": float(lost[jumped].sum()) - begun,
+        "work_of_separation_resolution_error": float(within[jumped].sum() + abs(lost[~jumped].sum())),
+    }
 
 
 def series_of(steps: Sequence[Mapping[str, Any]], control: str) -> PathSeries:
@@ -181,7 +234,9 @@ def series_of(steps: Sequence[Mapping[str, Any]], control: str) -> PathSeries:
     ends_apart = any(touching) and not touching[-1]
     if all("passed_pressure" in step for step in steps):
         pressure, separation, energy = (np.concatenate([step[f"passed_{name}"] for step in steps]) for name in PASSED)
-        return PathSeries(pressure, separation, energy, ends_apart)
+        last = np.cumsum([len(step[f"passed_{PASSED[0]}"]) for step in steps]) - 1
+        # A point that did not converge may have passed none.
+        return PathSeries(pressure, separation, energy, ends_apart, np.unique(last[last >= 0]))
     known = [step for step in steps if step["converged"]]
     lost = np.array([bool(step["detached"]) for step in known], bool)
     load = np.array([step["applied_pressure" if control == "pressure" else "mean_pressure"] for step in known])

@@ -31,7 +31,7 @@ def state(**changes):
         "restart": {"state": np.arange(3.0)},
         "spacing": (2e-10, 1e-10),
         "contact_stiffness": 3e18,
-        "own_steps": OwnSteps(0.02, np.array([[1e8, 3e-10, -0.1], [-1e8, np.inf, 0.0]])),
+        "own_steps": OwnSteps(0.02, 0.003, np.array([[1e8, 3e-10, -0.1], [-1e8, np.inf, 0.0]])),
     }
     return InterfaceState(**{**content, **changes})
 
@@ -60,6 +60,7 @@ def test_observables_of_a_state_made_by_hand():
         "corrected_contact_area": pytest.approx(3 / 6 - OVERCOUNT * (2 + 4) / 6),
         "contact_stiffness": 3e18,
         "dissipated_energy": 0.02,
+        "dissipated_energy_resolution_error": 0.003,
         "contact_percolates": True,
         "gap_percolates": True,
         "converged": True,

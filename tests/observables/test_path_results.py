@@ -50,13 +50,43 @@ def test_the_work_begins_where_the_pressure_is_none_between_two_states():
     assert path_results(series, "gap")["work_of_separation"] == pytest.approx(0.25 + 1.5 + 2 + 0.1)
 
 
+def test_the_work_is_that_of_the_last_retraction():
+    """Of a cycle that ends in contact and one that ends under tension nothing but the second way out counts."""
+    deep, shallow = there_and_back(3e-10, 2e-9), there_and_back(1.1 * LAW.equilibrium_distance, 2e-9)
+    both, last = (path_results(flat(gaps), "gap") for gaps in (np.concatenate([deep, shallow[1:]]), shallow))
+    assert both == pytest.approx(last, rel=1e-12)
+    turned_again = np.concatenate([shallow, deep[: deep.size // 3]])  # and not what comes after it
+    assert path_results(flat(turned_again), "gap")["work_of_separation"] == last["work_of_separation"]
+
+
+def test_what_the_rule_leaves_and_where_a_jump_lies_is_the_error_of_the_work():
+    coarse = path_results(flat(there_and_back(3e-10, 2e-9, 30)), "gap")
+    # Branches count by their energy: only the way to balance is the rule's, of a step of 7 % where the core is stiff.
+    assert coarse["work_of_separation"] == pytest.approx(0.69, rel=1e-2)
+    assert 1e-3 * 0.69 < coarse["work_of_separation_resolution_error"] < 0.05 * 0.69
+    pressure, separation = np.array([0.0, -1.0, -0.2, 0.0]), np.array([0.0, 1.0, 1.2, 2.0])
+    energy = np.array([-2.0, -1.5, -2.0, -1.92])
+    jump = path_results(PathSeries(pressure, separation, energy, ends_apart=True), "gap")
+    assert jump["work_of_separation"] == pytest.approx(2.0 + 0.62)  # ½ (1 + 0.2) 0.2 and the half that was stored
+    assert jump["work_of_separation_resolution_error"] == pytest.approx(0.5 * 0.8 * 0.2)
+
+
+def test_states_between_the_points_of_a_path_are_no_turns():
+    """A layer's mean separation goes back a little where the surfaces jump apart, at a mean gap that grows."""
+    separation = np.array([5.0, 1.0, 2.0, 1.9, 3.0, 5.0])
+    pressure = np.array([0.0, 1.0, -2.0, -1.0, -0.5, 0.0])
+    whole = PathSeries(pressure, separation, np.zeros(6), ends_apart=True, points=np.array([0, 1, 5]))
+    assert path_results(whole, "gap")["pull_off_pressure"] == -2.0
+
+
 def test_what_a_path_does_not_show_is_not_said():
     gaps = there_and_back(3e-10, 2e-9)
     assert path_results(flat(gaps[: gaps.size // 2]), "gap") == {}, "approach alone"
     still_in_tension = gaps[gaps < LAW.peak_distance]
     assert path_results(flat(still_in_tension, ends_apart=False), "gap") == {}
     beyond_the_peak = flat(there_and_back(1.2 * LAW.peak_distance, 2e-9))
-    assert set(path_results(beyond_the_peak, "gap")) == {"work_of_separation"}
+    work = {"work_of_separation", "work_of_separation_resolution_error"}
+    assert set(path_results(beyond_the_peak, "gap")) == work
     in_contact = path_results(flat(gaps, ends_apart=False), "gap")
     assert set(in_contact) == {"pull_off_pressure", "pull_off_pressure_resolution_error"}
     coarse = PathSeries(*(getattr(flat(gaps), name) for name in ("pressure", "separation")), ends_apart=True)
@@ -124,4 +154,5 @@ def test_what_steps_passed_makes_a_finer_series():
     arrays = {name: np.array(values) for name, values in passed.items()}
     series = series_of([point(1.0, 4.0, **arrays), point(1.0, 4.0, **arrays)], "gap")
     assert series.pressure.tolist() == [2, 1, 2, 1]
+    assert series.points.tolist() == [1, 3]
     assert series.energy.tolist() == [0, 7, 0, 7]
