@@ -72,8 +72,8 @@ class LoadingSection:
     )
     resolution: float = key(
         quantity("1", positive=True, maximum=1.0),
-        "least step of adaptive, to which jumps and pull-off are located, over the largest value of the path; of a gap or "
-        "approach over five lengths of the law where those are less",
+        "least step of adaptive, to which jumps and pull-off are located, over the largest value of the path; of a gap "
+        "or approach over five lengths of the law where those are less",
         0.01,
     )
 
