@@ -11,9 +11,9 @@ from contact_study.campaign.memory import grid_fits
 from contact_study.fields.grid import Grid
 from contact_study.problem.case import Case
 from contact_study.problem.errors import InputError
-from contact_study.problem.plausibility import points
 from contact_study.problem.study import Study
 from contact_study.problem.surface_scales import SurfaceScales
+from contact_study.problem.sweep import points
 from contact_study.problem.tabor import JKR_LIKE, longest_range, tabor_parameter
 
 # Grid spacing, in units of the longer of process zone and law's length, beyond which a study is refused: steps stop

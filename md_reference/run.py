@@ -12,10 +12,11 @@ from contact_study.observables.base import Ensemble, InterfaceState, Value
 from contact_study.observables.constants import InterfaceConstants, heights_on
 from contact_study.problem.case import Case
 from contact_study.problem.errors import InputError
-from contact_study.problem.plausibility import contact_stress, points, squeeze
+from contact_study.problem.plausibility import contact_stress, squeeze
 from contact_study.problem.study import Study
 from contact_study.problem.surface import Surface
 from contact_study.problem.surface_scales import SurfaceScales
+from contact_study.problem.sweep import points
 from md_reference.interface import INSIDE
 from md_reference.measure import FlatInterface, effective_contact_modulus, measure_interface
 from md_reference.methods import METHODS, dynamics

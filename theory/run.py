@@ -19,10 +19,10 @@ from contact_study.observables.constants import InterfaceConstants
 from contact_study.problem.case import Case
 from contact_study.problem.elasticity import Elasticity
 from contact_study.problem.errors import InputError
-from contact_study.problem.plausibility import points
 from contact_study.problem.study import Study
 from contact_study.problem.surface import Surface
 from contact_study.problem.surface_scales import SurfaceScales
+from contact_study.problem.sweep import points
 from theory import resolution
 from theory.case_theories import CaseTheories, case_theories
 from theory.criteria import local_tabor_number, range_of, stickiness

@@ -25,10 +25,12 @@ from contact_study.fields.grid import Grid
 from contact_study.problem.case import Case
 from contact_study.problem.elasticity import Measured, contact_modulus_of
 from contact_study.problem.errors import InputError
+from contact_study.problem.idle_keys import idle_keys
 from contact_study.problem.laws.base import TractionLaw
 from contact_study.problem.measured_surface import doubts
 from contact_study.problem.study import Study
 from contact_study.problem.surface_scales import SurfaceScales
+from contact_study.problem.sweep import points
 
 STEEP, IMPOSSIBLY_STEEP = 1.0, 100.0
 SQUEEZED, IMPOSSIBLY_SQUEEZED = 0.5, 0.1
@@ -60,7 +62,7 @@ def review(study: Study, scales: Sequence[SurfaceScales]) -> list[str]:
     notes += _other_moduli(pairs)
     notes += _maps(pairs)
     notes += dict.fromkeys(line for case, scale in pairs for line in doubts(str(case.surface.map_path), scale))
-    notes += _idle_keys(study.cases)
+    notes += idle_keys(study.cases)
     return notes
 
 
@@ -73,13 +75,6 @@ def contact_stress(case: Case, scales: SurfaceScales) -> float:
 def squeeze(law: TractionLaw, stress: float) -> float:
     """Gap at which the law's repulsion carries a stress >= 0 (Pa), over its equilibrium distance."""
     return float(law.repulsive_gap(np.array(-stress))) / law.equilibrium_distance
-
-
-def points(cases: Sequence[Case], study_size: int) -> str:
-    """Which part of the sweep is meant, in brackets; nothing for all of it."""
-    if len(cases) == study_size:
-        return ""
-    return f" ({len(cases)} of {study_size} points of the sweep, such as {cases[0].label})"
 
 
 def _slopes(pairs: list[tuple[Case, SurfaceScales]]) -> list[str]:
@@ -197,18 +192,6 @@ def _maps(pairs: list[tuple[Case, SurfaceScales]]) -> list[str]:
 
 def _change(left: float, whole: float) -> str:
     return f"{100 * (left / whole - 1):+.2g} %" if whole else "flat"
-
-
-def _idle_keys(cases: Sequence[Case]) -> list[str]:
-    names = ("work_of_adhesion", "well_depth", "length", "contact_distance")
-    walls = [case.interaction for case in cases if case.law.has_wall and not case.law.attracts]
-    idle = [f"interaction.{name}" for name in names if any(getattr(wall, name) is not None for wall in walls)]
-    if not idle:
-        return []
-    return [
-        f'{", ".join(idle)}: without effect where interaction.law = "{walls[0].law}", which neither attracts nor '
-        "reaches"
-    ]
 
 
 def _at(case: Case) -> str:

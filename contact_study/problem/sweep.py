@@ -117,6 +117,13 @@ def _matches(merged: dict[str, Any], when: dict[str, Any]) -> bool:
     return True
 
 
+def points(cases: Sequence[Case], study_size: int) -> str:
+    """Which part of the sweep is meant, in brackets; nothing for all of it."""
+    if len(cases) == study_size:
+        return ""
+    return f" ({len(cases)} of {study_size} points of the sweep, such as {cases[0].label})"
+
+
 def swept_key(dotted: str, written: Sequence[Any], cases: Sequence[Case]) -> SweptKey:
     """A key that the cases vary over the values written in the file.
 

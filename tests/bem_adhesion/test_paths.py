@@ -176,7 +176,8 @@ def test_a_whole_study_and_its_continuation(control, tmp_path):
 def test_walls_without_adhesion_take_plain_steps():
     table = study_table(32, size=500e-10, loading={"path": [1e9, 2e9, 1e9], "adaptive": True})
     table["interaction"] = {"law": "hard_wall"}
-    found = contact_study.run(table, "continuum")
+    with pytest.warns(UserWarning, match=r"loading\.adaptive = true: without effect"):
+        found = contact_study.run(table, "continuum")
     assert not {"dissipated_energy", "pull_off_pressure"} & set(found)
 
 

@@ -1,5 +1,7 @@
 """Numbers that do not fit each other are named before any work, in one line; soft and weak laws are not refused."""
 
+import re
+
 import numpy as np
 import pytest
 
@@ -164,6 +166,44 @@ def test_keys_without_effect_on_a_wall_are_said():
     table["interaction"] = {"law": "hard_wall"}
     study = make_study(table)
     assert review(study, scales_of(study)) == []
+
+
+VISCOELASTIC = {"kind": "viscoelastic", "branch_youngs_moduli": [1e9], "relaxation_times": [1.0]}
+
+
+@pytest.mark.parametrize(
+    ("idle", "used", "words"),
+    [
+        (
+            {"loading": {"adaptive": True}, "interaction": {"law": "hard_wall"}},
+            {"loading": {"adaptive": True}},
+            r"loading\.adaptive = true: without effect; it belongs to laws that attract",
+        ),
+        (
+            {"loading": {"resolution": 0.02}},
+            {"loading": {"resolution": 0.02, "adaptive": True}},
+            r"loading\.resolution: without effect; it belongs to loading\.adaptive = true",
+        ),
+        (
+            {"loading": {"time_steps": 5}},
+            {"loading": {"time_steps": 5, "duration": 1.0}, "elasticity": VISCOELASTIC},
+            r'loading\.time_steps: without effect; it belongs to elasticity\.kind = "viscoelastic"',
+        ),
+    ],
+)
+def test_keys_of_the_loading_without_effect_are_said(idle, used, words):
+    # Those of the interaction have no effect on the wall either.
+    (note,) = (note for note in notes_of(**idle) if not note.startswith("interaction."))
+    assert re.fullmatch(words, note)
+    assert notes_of(**used) == []
+
+
+def test_keys_without_effect_at_some_points_of_a_sweep_are_said():
+    table = table_of(loading={"resolution": 0.02})
+    table["sweep"] = {"loading.adaptive": [True, False]}
+    study = make_study(table)
+    (note,) = review(study, scales_of(study))
+    assert "without effect (1 of 2 points of the sweep, such as adaptive = False)" in note
 
 
 def tabulated(low, high, modulus, **keys):
