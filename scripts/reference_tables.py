@@ -14,7 +14,7 @@ from types import ModuleType
 
 from contact_study.campaign import schema
 from contact_study.campaign.command import Parser, guarded
-from contact_study.campaign.schema import COORDINATES, VARIABLES
+from contact_study.campaign.schema import COORDINATES, OF_A_MEAN, VARIABLES
 from contact_study.comparison.compute import regime
 from contact_study.comparison.compute.regime import MEANINGS
 from contact_study.observables import OBSERVABLES, constants, roughness
@@ -49,6 +49,9 @@ def _variables() -> Iterable[str]:
         for name, it in known.items():
             units = "" if it.units == "1" else it.units
             yield f"| `{name}` | {', '.join(it.dims)} | {units} | {_cell(it.long_name)} |"
+    for suffix, (unit, words) in OF_A_MEAN.items():
+        units = "of the mean" if unit is None else "" if unit == "1" else unit
+        yield f"| `<name>{suffix}` | of the mean | {units} | {_cell(words)} |"
 
 
 def _keys() -> Iterable[str]:

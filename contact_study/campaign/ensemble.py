@@ -7,9 +7,15 @@ from typing import Any
 import numpy as np
 
 from contact_study.campaign.record import Step
-from contact_study.campaign.schema import STANDARD_ERROR, TRAJECTORY, VARIABLES
+from contact_study.campaign.schema import (
+    AUTOCORRELATION_STATES,
+    AUTOCORRELATION_TIME,
+    STANDARD_ERROR,
+    TRAJECTORY,
+    VARIABLES,
+)
 from contact_study.fields.distributions import Bins
-from contact_study.fields.time_series import SHORTEST, statistics_of
+from contact_study.fields.time_series import statistics_of
 from contact_study.observables import AVERAGED, observed
 from contact_study.observables.base import InterfaceState
 
@@ -105,8 +111,9 @@ class Averages:
             fields = {"gap": last.gap, "pressure": last.pressure} if self._fields else {}
             return Step({**observed(last, self._bins), **frames}, {**fields, **last.atoms}, last.restart, self._bins)
         values: dict[str, Any] = {}
-        longest = (0.0, "")
+        untold = []
         counted = self._counted
+        memory, interval = _clock_of(series, counted)
         for name, whole in series.items():
             if name == _TIME:
                 continue
@@ -117,22 +124,33 @@ class Averages:
             if counted == 1:  # where a motion without noise has ended
                 continue
             values[name + STANDARD_ERROR] = found.standard_error
-            if column.ndim == 1 and np.isfinite(column).all():
-                time = float(found.autocorrelation_time) if found.resolved else np.inf
-                longest = max(longest, (time, name))
-        if counted < SHORTEST * longest[0]:
-            warnings.warn(_too_short(last, counted, *longest), stacklevel=2)
+            if column.ndim > 1:
+                continue
+            values[name + memory] = found.autocorrelation_time * interval if found.resolved else np.nan
+            if not found.resolved and np.isfinite(column).all():
+                untold.append(name)
+        if untold:
+            warnings.warn(_too_short(counted, interval, memory, untold), stacklevel=2)
         fields = {name: total / counted for name, total in self._sums.items()}
         return Step({**values, **report, **frames}, {**fields, **last.atoms}, last.restart, self._bins)
 
 
-def _too_short(last: InterfaceState, counted: int, time: float, name: str) -> str:
-    """That a number is remembered for too many of a point's states; infinitely many: it cannot be told how long."""
-    share = f"are {counted / time:.2g}" if np.isfinite(time) else "are too few to tell the"
-    longer = "sampling.trajectories" if last.motion is None else "dynamics.duration"
+def _clock_of(series: Mapping[str, np.ndarray], counted: int) -> tuple[str, float]:
+    """What the memory of a series is called, and what lies between two of its states, in s where they have a time."""
+    if _TIME not in series:
+        return AUTOCORRELATION_STATES, 1.0
+    return AUTOCORRELATION_TIME, float(np.mean(np.diff(series[_TIME][-counted:]))) if counted > 1 else 0.0
+
+
+def _too_short(counted: int, interval: float, memory: str, untold: list[str]) -> str:
+    """That a point's states do not tell how long some of its numbers are remembered for."""
+    moving = memory == AUTOCORRELATION_TIME
+    span = f", {1e12 * counted * interval:.3g} ps," if moving else ""
+    more = f" and {len(untold) - 1} more" if len(untold) > 1 else ""
+    longer = "dynamics.duration" if moving else "sampling.trajectories"
     return (
-        f"the {counted} thermal states of a point {share} autocorrelation times of {name}: standard errors need at "
-        f"least {SHORTEST}; raise {longer}"
+        f"the {counted} thermal states of a point{span} are too few to tell the autocorrelation time of "
+        f"{untold[0]}{more}: their standard errors need a series of ten such times; raise {longer}"
     )
 
 

@@ -41,6 +41,21 @@ FRAME = "frame"
 
 # After the name of a mean over thermal states.
 STANDARD_ERROR = "_standard_error"
+AUTOCORRELATION_TIME = "_autocorrelation_time"
+AUTOCORRELATION_STATES = "_autocorrelation_states"
+
+# What each of them is, and its unit; None: that of the mean.
+OF_A_MEAN: dict[str, tuple[str | None, str]] = {
+    STANDARD_ERROR: (None, "standard error of the mean"),
+    AUTOCORRELATION_TIME: (
+        "s",
+        "integrated autocorrelation time of the states in motion that count; NaN where too few to tell",
+    ),
+    AUTOCORRELATION_STATES: (
+        "1",
+        "integrated autocorrelation time of the sampled states that count, in states; NaN where too few to tell",
+    ),
+}
 
 # After the name of a theory's quantity: what half its resolution makes of it less what it is, without sign.
 RESOLUTION_ERROR = "_resolution_error"
@@ -150,9 +165,11 @@ def variable_of(name: str) -> Variable:
     if name.startswith(REALISED):
         known = VARIABLES[name.removeprefix(REALISED)]
         return replace(known, long_name=f"{known.long_name}, as the model has it")
-    if name.endswith(STANDARD_ERROR):
-        known = VARIABLES[name.removesuffix(STANDARD_ERROR)]
-        return replace(known, long_name=f"standard error of the mean: {known.long_name}", kind="float", attrs={})
+    for suffix, (units, words) in OF_A_MEAN.items():
+        if name.endswith(suffix):
+            known = VARIABLES[name.removesuffix(suffix)]
+            named = f"{words}: {known.long_name}"
+            return replace(known, units=units or known.units, long_name=named, kind="float", attrs={})
     if name.endswith(RESOLUTION_ERROR):
         known = VARIABLES[name.removesuffix(RESOLUTION_ERROR)]
         return replace(known, long_name=f"estimated error of the resolution: {known.long_name}")

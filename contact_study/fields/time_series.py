@@ -12,9 +12,6 @@ import numpy as np
 
 _WINDOW = 5.0
 
-# A standard error is known to some 20 % from a series of twenty autocorrelation times, and not at all from a few.
-SHORTEST = 10
-
 
 @dataclass(frozen=True)
 class SeriesStatistics:
@@ -27,16 +24,14 @@ class SeriesStatistics:
     autocorrelation_time : numpy.ndarray, shape (...)
         τ in steps of the series; ½ where the values are independent, or all equal.
     resolved : numpy.ndarray of bool, shape (...)
-        Whether the window that τ was summed over is less than half of the series; a shorter one shows no τ.
-    long_enough : numpy.ndarray of bool, shape (...)
-        Whether τ is resolved and the series :data:`SHORTEST` τ or longer, so that the error is known.
+        Whether the window that τ was summed over is less than half of the series, which is then longer than ten τ; a
+        shorter one shows no τ, and its error is not known.
     """
 
     mean: np.ndarray
     standard_error: np.ndarray
     autocorrelation_time: np.ndarray
     resolved: np.ndarray
-    long_enough: np.ndarray
 
 
 def autocovariance(series: np.ndarray) -> np.ndarray:
@@ -90,5 +85,4 @@ def statistics_of(series: np.ndarray) -> SeriesStatistics:
         np.where(finite, np.where(varies, error, 0.0), np.nan).reshape(shape),
         np.where(finite, time, np.nan).reshape(shape),
         resolved.reshape(shape),
-        (resolved & (count >= SHORTEST * time)).reshape(shape),
     )

@@ -83,10 +83,25 @@ class SolverReport:
 
 @dataclass(frozen=True)
 class ThermalMotion:
-    """Of atoms in motion: the time since it began (s), and the temperature of their kinetic energy (K)."""
+    """Of atoms in motion.
+
+    Attributes
+    ----------
+    time : float
+        Since it began (s).
+    temperature : float
+        Of the kinetic energy, against a driven plane (K).
+    kinetic_energy : float
+        Of all nodes and the rigid plane against the substrate, per nominal area (J/m²).
+    mechanical_energy : float
+        That, the whole elastic and the interaction energy, and the load's, its pressure times the height of the rigid
+        plane over the substrate's mean plane (J/m²).
+    """
 
     time: float
     temperature: float
+    kinetic_energy: float
+    mechanical_energy: float
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,14 @@ def _read(state: InterfaceState, _: Bins) -> dict[str, float]:
 
 ENERGIES = Observable(
     {
-        "elastic_energy": Variable("J m-2", "elastic energy per nominal area"),
+        "elastic_energy": Variable(
+            "J m-2",
+            "elastic energy per nominal area",
+            attrs={
+                "comment": "of sampled atoms thermal energy of the bottom layer is in it, of warm atoms in motion "
+                "that of all nodes of the block"
+            },
+        ),
         "interaction_energy": Variable("J m-2", "interaction energy per nominal area"),
     },
     _read,

@@ -5,7 +5,8 @@ from contact_study.observables.base import InterfaceState, Observable, Variable
 
 
 def _read(state: InterfaceState, _: Bins) -> dict[str, float]:
-    return {} if state.motion is None else {"temperature": state.motion.temperature}
+    motion = state.motion
+    return {} if motion is None else {name: getattr(motion, name) for name in MOTION.variables}
 
 
 def _read_time(state: InterfaceState, _: Bins) -> dict[str, float]:
@@ -14,7 +15,21 @@ def _read_time(state: InterfaceState, _: Bins) -> dict[str, float]:
 
 
 MOTION = Observable(
-    {"temperature": Variable("K", "twice the kinetic energy over Boltzmann's constant and the number of freedoms")},
+    {
+        "temperature": Variable(
+            "K",
+            "twice the kinetic energy of the nodes, against a driven plane, over Boltzmann's constant and the number "
+            "of freedoms",
+        ),
+        "kinetic_energy": Variable(
+            "J m-2", "kinetic energy of all nodes and the rigid plane against the substrate per nominal area"
+        ),
+        "mechanical_energy": Variable(
+            "J m-2",
+            "kinetic, whole elastic and interaction energy of atoms in motion and the potential of the load, applied "
+            "pressure times height of the rigid plane, per nominal area",
+        ),
+    },
     _read,
 )
 TIME = Observable(

@@ -26,8 +26,10 @@ SOLVER_REPORT = Observable(
                 "a wall only what it would have to pull; hard wall without adhesion: largest gap inside or penetration "
                 "outside the contact over rms height; Persson's theory: last change of the detachment stress over "
                 "contact modulus; gap-flow theory: mean traction less pressure over contact modulus, an error of its "
-                "grid; edge flow: last change of a scale's mean response; thermal atoms: mean pressure less the "
-                "applied one over contact modulus, an error of sampling"
+                "grid; edge flow: last change of a scale's mean response; atoms at a temperature: mean pressure less "
+                "the applied one over contact modulus, NaN where sampled at a prescribed gap; atoms in motion without "
+                "one: largest unbalanced stress or load missing over contact modulus; of a driven block, which is not "
+                "in balance, the largest unbalanced stress, thermal forces in it"
             },
         ),
         "complementarity_residual": Variable(

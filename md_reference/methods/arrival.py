@@ -71,7 +71,7 @@ def load_missing(descent: Descent, modulus: float) -> tuple[float, str]:
     mean, error = float(found.mean), float(found.standard_error)
     missing = abs(mean - descent.load)
     allowed = max(_BY_CHANCE * error, _NEGLIGIBLE * abs(descent.load))
-    if not found.long_enough:
+    if not found.resolved:
         allowed = min(allowed, _LARGE * abs(descent.load))
     if descent.reached and missing <= allowed:
         return missing / modulus, ""

@@ -271,8 +271,11 @@ class _Run:
         gap = np.full(stress.shape, np.inf) if apart else self._interface.gap(displacement)
         separation = float(np.mean(displacement[2])) - self._mean_height - case.law.equilibrium_distance
         # A half-space has no uniform compression: the block's own is taken off, a layer's put back by the solid.
+        whole = system.elastic_energy(at.motion) / nominal
         own = system.block.compression_energy(mean_pressure)
-        elastic = system.elastic_energy(at.motion) / nominal - own + case.solid.compression_energy(mean_pressure)
+        elastic = whole - own + case.solid.compression_energy(mean_pressure)
+        interaction, kinetic = system.interaction_energy / nominal, system.kinetic_energy(at.motion) / nominal
+        lifted = pressure * (at.motion.top - self._mean_height)
         at.series.append((at.motion.time, at.motion.top, mean_pressure))
         return InterfaceState(
             gap=gap,
@@ -281,10 +284,12 @@ class _Run:
             equilibrium_distance=case.law.equilibrium_distance,
             mean_separation=np.inf if apart else separation - case.solid.compression(mean_pressure),
             elastic_energy=0.0 if apart else elastic,
-            interaction_energy=system.interaction_energy / nominal,
+            interaction_energy=interaction,
             report=self._report(at, pressure, discarded, apart),
             spacing=(case.lattice.constant, case.lattice.constant),
-            motion=ThermalMotion(at.motion.time, system.temperature(at.motion)),
+            motion=ThermalMotion(
+                at.motion.time, system.temperature(at.motion), kinetic, kinetic + whole + interaction + lifted
+            ),
             atoms=self._atoms(at.motion) if apart or at.frame == at.frames else {},
         )
 

@@ -11,7 +11,7 @@ import xarray as xr
 import contact_study
 from contact_study.campaign import case_run
 from contact_study.campaign.ensemble import Averages
-from contact_study.campaign.schema import STANDARD_ERROR, TRAJECTORY, VARIABLES
+from contact_study.campaign.schema import AUTOCORRELATION_STATES, STANDARD_ERROR, TRAJECTORY, VARIABLES
 from contact_study.fields.time_series import statistics_of
 from contact_study.problem.errors import InputError
 from contact_study.problem.study import make_study
@@ -104,6 +104,10 @@ def test_every_mean_has_its_error_and_every_number_its_series(sampled):
                 rounded = 0.5 if VARIABLES[name].kind != "float" else 0
                 assert value.values[step] == pytest.approx(found.mean, abs=rounded, rel=1e-14)
                 assert error.values[step] == pytest.approx(found.standard_error, rel=1e-12, abs=0)
+                memory = root[name + AUTOCORRELATION_STATES]
+                assert memory.units == "1"
+                told = found.autocorrelation_time if found.resolved else np.nan
+                assert memory.values[step] == pytest.approx(told, rel=1e-12, abs=0, nan_ok=True)
     # A field is the mean of the fields.
     np.testing.assert_allclose(root.pressure.mean(("y", "x")), root.mean_pressure, rtol=1e-12)
     np.testing.assert_allclose(root.gap.mean(("y", "x")) - LENGTH, root.mean_gap, rtol=1e-10)
@@ -201,7 +205,9 @@ def test_a_block_that_thermal_motion_tears_off_is_detached():
 
 
 def test_short_series_are_warned_of():
-    words = "the 4 thermal states .* autocorrelation times of .*: standard errors need at least 10; raise sampling.traj"
+    words = (
+        "the 4 thermal states of a point are too few to tell the autocorrelation time of .* ten .*; raise sampling.traj"
+    )
     with pytest.warns(UserWarning, match=words):
         contact_study.run(changed(sampling={"trajectories": 4}, loading={"path": ["1 GPa"]}), "atomistic")
 

@@ -107,8 +107,9 @@ def test_force_evaluations_are_of_models_that_count_them():
 
 
 def test_time_and_temperature_are_of_states_in_motion():
-    found = observed(state(motion=ThermalMotion(time=2e-12, temperature=300.0)), BINS)
+    found = observed(state(motion=ThermalMotion(2e-12, 300.0, 0.02, 0.03)), BINS)
     assert (found["time"], found["temperature"]) == (2e-12, 300.0)
+    assert (found["kinetic_energy"], found["mechanical_energy"]) == (0.02, 0.03)
 
 
 def test_what_has_given_way():
@@ -129,7 +130,11 @@ def test_names_are_spelt_once_and_have_entries():
     assert len(names) == len(set(names))
     report = SolverReport(True, False, 0.0, 1, 0.0, 1, complementarity_residual=0.0, acceptance_rate=0.8)
     plasticity = Plasticity(np.zeros((2, 3)), 1e9)
-    of_all = {"motion": ThermalMotion(1e-12, 300.0), "plasticity": plasticity, "relaxation": Relaxation(2.0, 0.1)}
+    of_all = {
+        "motion": ThermalMotion(1e-12, 300.0, 0.02, 0.03),
+        "plasticity": plasticity,
+        "relaxation": Relaxation(2.0, 0.1),
+    }
     found = observed(state(report=report, **of_all), BINS)
     assert set(found) == set(names) == set(ENTRIES)
     for name, value in found.items():
