@@ -37,7 +37,7 @@ class SolverReport:
     converged : bool
         Whether the question is answered within the tolerance.
     detached : bool
-        Whether the surfaces are apart.
+        Whether the surfaces have come apart under the load; not where a gap or an approach holds them apart.
     residual : float
         Error left in the equations, in units of their own scales.
     iterations : int

@@ -17,7 +17,13 @@ def _read(state: InterfaceState, _: Bins) -> dict[str, Value]:
 SOLVER_REPORT = Observable(
     {
         "converged": Variable("1", "whether the step met the tolerance", kind="flag", attrs=FLAG),
-        "detached": Variable("1", "whether no contact survives at this point", kind="flag", attrs=FLAG),
+        "detached": Variable(
+            "1",
+            "whether the surfaces have come apart: no contact carries the load, or no atom is in reach of a driven "
+            "block; a continuum held at a gap or an approach does not",
+            kind="flag",
+            attrs=FLAG,
+        ),
         "residual": Variable(
             "1",
             "error left in the equations of the model, in units of their own scales; see comment",

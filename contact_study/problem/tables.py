@@ -11,7 +11,7 @@ from contact_study.problem import units
 from contact_study.problem.errors import InputError
 
 
-def read_columns(path: Path, name: str, column_units: Sequence[tuple[str, str]]) -> list[list[float]]:
+def read_columns(path: Path, name: str, column_units: Sequence[tuple[str, str, str]]) -> list[list[float]]:
     """The columns of a text table, in SI.
 
     Parameters
@@ -20,13 +20,13 @@ def read_columns(path: Path, name: str, column_units: Sequence[tuple[str, str]])
         Numbers separated by blanks, tabs or commas, a row a line; what follows ``#`` is left out.
     name : str
         The key that named the file, for messages.
-    column_units : sequence of (str, str)
-        Unit that the numbers of each column are in, and the SI unit of its kind.
+    column_units : sequence of (str, str, str)
+        Of each column the key that gives its unit, for messages, that unit, and the SI unit of its kind.
 
     Raises
     ------
     InputError
-        If the file cannot be read or holds other than that many columns of finite numbers.
+        If the file cannot be read, holds other than that many columns of finite numbers, or a unit is of another kind.
     """
     try:
         table = np.loadtxt(io.StringIO(text_of(path, name).replace(",", " ")), ndmin=2)
@@ -37,10 +37,16 @@ def read_columns(path: Path, name: str, column_units: Sequence[tuple[str, str]])
             f"{name}: {path} holds a table of shape {table.shape}; expected {len(column_units)} columns of finite "
             "numbers"
         )
-    return [
-        [float(value) * units.quantity(f"1 {given}", si, f"{name}, unit") for value in column]
-        for column, (given, si) in zip(table.T, column_units, strict=True)
-    ]
+    sizes = [_size(*unit) for unit in column_units]
+    return [[float(value) * size for value in column] for column, size in zip(table.T, sizes, strict=True)]
+
+
+def _size(key: str, unit: str, si: str) -> float:
+    """What a unit, given by a key, is in SI."""
+    try:
+        return units.quantity(f"1 {unit}", si, key)
+    except InputError:
+        raise InputError(f"{key} = {unit!r}: is no unit that can be converted to {si}") from None
 
 
 def text_of(path: Path, name: str) -> str:
@@ -93,7 +99,7 @@ def with_columns(
     beside = [name for name in columns if name in table]
     if beside:
         raise InputError(f"{section}.path and {section}.{beside[0]}: give the file or its numbers, not both")
-    given = [(str(table.get(key, default)), si) for key, default, si in columns.values()]
+    given = [(f"{section}.{key}", str(table.get(key, default)), si) for key, default, si in columns.values()]
     read = read_columns(directory / table["path"], f"{section}.path", given)
     left_behind = {"path", *(key for key, _, _ in columns.values())}
     kept = {name: value for name, value in table.items() if name not in left_behind}

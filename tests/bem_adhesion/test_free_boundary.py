@@ -1,5 +1,6 @@
 """Free boundaries: the padded convolution against direct sums, spheres against closed forms, both controls."""
 
+import re
 import warnings
 
 import numpy as np
@@ -10,6 +11,8 @@ import contact_study
 from bem_adhesion import Dugdale, Exponential, HardWall, Layer, LennardJones104, Repulsive, rough_contact
 from bem_adhesion.free_boundary import FreeHalfSpace, Window, padded_grid
 from contact_study.fields.grid import Grid
+from contact_study.problem.elasticity import ELASTICITIES
+from contact_study.problem.elasticity.layer import LayerSection
 from contact_study.problem.errors import InputError
 from contact_study.problem.study import make_study
 from tests.problem.test_study import changed
@@ -248,6 +251,20 @@ def test_a_whole_study(control, tmp_path):
     np.testing.assert_array_equal(longer.mean_pressure, whole.mean_pressure)
 
 
+@pytest.mark.parametrize(("boundary", "control", "apart"), [("free", "approach", "-1 nm"), ("periodic", "gap", "9 nm")])
+def test_surfaces_held_apart_are_not_detached(boundary, control, apart):
+    """Their gaps are known, unlike those of surfaces that have come apart."""
+    study = table(
+        interaction={"law": "hard_wall"},
+        elasticity={"boundary": boundary},
+        loading={"path": [apart], "control": control},
+    )
+    found = contact_study.run(study, "continuum").isel(step=0)
+    assert found.relative_contact_area == found.mean_pressure == 0
+    assert found.detached == 0
+    assert np.isfinite(found.mean_gap)
+
+
 def test_ridges_at_opposite_rims_are_two_clusters():
     heights = np.zeros((16, 16))
     heights[4:12, [0, -1]] = 1e-9
@@ -289,7 +306,7 @@ def test_contact_at_the_rim_is_said():
         (
             {"elasticity": {"boundary": "free", "kind": "layer", "thickness": 1e-8}},
             "continuum",
-            r'elasticity\.boundary = "free": known of kind = "half_space" only',
+            r'elasticity\.boundary = "free": known of kind = "half_space" and "transversely_isotropic" only',
         ),
         ({}, "theory", r'elasticity\.boundary = "free"'),
         (
@@ -302,6 +319,13 @@ def test_contact_at_the_rim_is_said():
 def test_what_free_boundaries_cannot_have_is_one_line(sections, model, words):
     with pytest.raises(InputError, match=words):
         contact_study.run(table(**sections), model)
+
+
+def test_the_kinds_that_may_be_free_are_those_that_the_refusal_names():
+    with pytest.raises(InputError) as refusal:
+        LayerSection(kind="layer", boundary="free", thickness=1.0)
+    named = re.search("known of kind = (.*) only", str(refusal.value))[1].replace('"', "").split(" and ")
+    assert named == [kind for kind, section in ELASTICITIES.declared.items() if section.may_be_free]
 
 
 def test_library_arguments_are_named():

@@ -365,6 +365,9 @@ def test_a_table_is_met_at_its_points_and_near_its_source_between():
     assert law._core[2] == pytest.approx(11.0, rel=0.15)  # that of the source, its other power 0.18 of it there
 
 
+PEAK = int(np.argmax(TABLE_TRACTIONS))
+
+
 def table_of(gap=TABLE_GAPS, traction=TABLE_TRACTIONS):
     return np.array(gap, dtype=float), np.array(traction, dtype=float)
 
@@ -387,6 +390,8 @@ def changed_point(index, value):
         (table_of(TABLE_GAPS[:30], TABLE_TRACTIONS[:30]), "ends at a tension"),
         (changed_point(5, TABLE_TRACTIONS[4]), "fall steadily"),
         (changed_point(70, -1e3), "repels again"),
+        (changed_point(70, TABLE_TRACTIONS[69] * 1.001), "second peak"),
+        (changed_point(PEAK - 2, 0.99 * TABLE_TRACTIONS[PEAK - 3]), "second peak"),
         (changed_point(0, TABLE_TRACTIONS[1] * 1.001), "grows as the power"),
         (changed_point(50, np.nan), "no finite number"),
     ],
@@ -422,7 +427,8 @@ def test_a_table_from_a_file_has_units_and_goes_into_the_study(tmp_path):
         ({"path": "law.txt", "gap": [1e-10]}, r"interaction\.path and interaction\.gap"),
         ({"path": "words.txt"}, r"interaction\.path: .*words\.txt is no table of numbers"),
         ({"path": "law.txt"}, r"expected 2 columns"),
-        ({"path": "two.txt", "gap_unit": "Pa"}, r"interaction\.path, unit"),
+        ({"path": "two.txt", "gap_unit": "MPa"}, r"^interaction\.gap_unit = 'MPa': is no unit that .* to m$"),
+        ({"path": "two.txt", "traction_unit": "m"}, r"^interaction\.traction_unit = 'm': is no unit that .* to Pa$"),
         ({"path": "two.txt"}, "interaction: the table of the law needs at least 5 gaps"),
         ({"path": "two.txt", "work_of_adhesion": 1.0}, r"interaction\.work_of_adhesion: .* from the table"),
     ],

@@ -116,8 +116,8 @@ class ElasticitySection(ABC):
     def __post_init__(self) -> None:
         if self.boundary == "free" and not self.may_be_free:
             raise InputError(
-                f'elasticity.boundary = "free": known of kind = "half_space" only, not of "{self.kind}"; '
-                'use boundary = "periodic"'
+                f'elasticity.boundary = "free": known of kind = "half_space" and "transversely_isotropic" only, not of '
+                f'"{self.kind}"; use boundary = "periodic"'
             )
 
     @abstractmethod

@@ -239,6 +239,15 @@ def _check(gap: np.ndarray, traction: np.ndarray) -> None:
     if np.any(traction[first:] < 0):
         at = gap[first + int(np.argmax(traction[first:] < 0))]
         raise ValueError(f"repels again at a gap of {at:g} m: there may be one distance of zero stress, no more")
+    # Solvers take surfaces pulled past the peak to part for good, and to be out of reach where the tension is gone.
+    peak = int(np.argmax(traction))
+    rises = np.diff(traction) > 0
+    strays = np.flatnonzero(np.concatenate([np.diff(traction[first : peak + 1]) < 0, rises[peak:]]))
+    if strays.size:
+        raise ValueError(
+            f"has a second peak of tension, near a gap of {gap[first + int(strays[0])]:g} m: it has to rise to "
+            "one and fall from there on; smooth the measurement there"
+        )
     if traction[-1] > _LARGEST_END * traction.max():
         raise ValueError(
             f"ends at a tension of {traction[-1] / traction.max():.2g} of its peak; go on to where it is below "
