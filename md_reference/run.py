@@ -120,6 +120,9 @@ def review(study: Study, scales: Sequence[SurfaceScales]) -> list[str]:
     InputError
         If the pair potential is too weak to hold the atoms of the block out of the substrate.
     """
+    notes = []
+    if any(case.solver.path == "overdamped" != case.atomistic.method for case in study.cases):
+        notes.append('solver.path = "overdamped": atoms do not read it; their way is atomistic.method')
     filtered = []
     for case, scale in zip(study.cases, scales, strict=True):
         # Six deviations of the stress in full contact, to which the highest pressures of a rough contact come near.
@@ -135,12 +138,13 @@ def review(study: Study, scales: Sequence[SurfaceScales]) -> list[str]:
         if scale.shortest_wave < 2 * spacing:
             filtered.append((case, scale.shortest_wave, spacing))
     if not filtered:
-        return []
+        return notes
     case, wave, spacing = filtered[0]
     where = points([case for case, *_ in filtered], len(study.cases))
     return [
+        *notes,
         f"surface: its shortest wave, {wave:.3g} m, is below two distances of the substrate's sites, {spacing:.3g} m"
-        f"{where}: what the sites cannot carry is left out"
+        f"{where}: what the sites cannot carry is left out",
     ]
 
 

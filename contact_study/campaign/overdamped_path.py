@@ -12,7 +12,7 @@ from typing import Protocol, TypeVar
 import numpy as np
 
 from contact_study.fields.gradient_flow import Advance, Fate, Instant, Overdamped, Pace, at_rest, follow
-from contact_study.observables.base import Ensemble, InterfaceState, SolverReport
+from contact_study.observables.base import Ensemble, InterfaceState, SlowMotion, SolverReport
 from contact_study.problem.case import Case
 from contact_study.problem.errors import InputError
 
@@ -114,15 +114,15 @@ class _Place:
         return {
             "state": at.state,
             "move": np.atleast_1d(at.move),
-            "clock": np.array([at.load, at.duration, at.wanted, self.pairs]),
+            "clock": np.array([at.load, at.duration, at.wanted, at.time, self.pairs]),
             "counts": np.array([at.steps, self.evaluations]),
         }
 
     @classmethod
     def unpacked(cls, arrays: Mapping[str, np.ndarray]) -> "_Place":
-        load, duration, wanted, pairs = map(float, arrays["clock"])
+        load, duration, wanted, time, pairs = map(float, arrays["clock"])
         steps, evaluations = map(int, arrays["counts"])
-        return cls(Instant(arrays["state"], load, arrays["move"], duration, wanted, steps), pairs, evaluations)
+        return cls(Instant(arrays["state"], load, arrays["move"], duration, wanted, steps, time), pairs, evaluations)
 
 
 def _states(moving: Moving[Found], pace: Pace, at: _Place, target: float) -> Iterator[InterfaceState]:
@@ -130,7 +130,8 @@ def _states(moving: Moving[Found], pace: Pace, at: _Place, target: float) -> Ite
     if target <= 0 and at.instant.steps == 0:
         found = moving.standing(at.instant.state, target)
         if found.apart:
-            yield replace(moving.described(found), restart=at.packed)
+            slow = SlowMotion(at.instant.time, target)
+            yield replace(moving.described(found), slow_motion=slow, restart=at.packed)
             return
     for instant in follow(moving, at.instant, target, pace):
         stuck = instant.fate is Fate.STUCK
@@ -138,10 +139,10 @@ def _states(moving: Moving[Found], pace: Pace, at: _Place, target: float) -> Ite
         at.instant = instant
         at.pairs += state.report.fft_pairs
         at.evaluations += state.report.force_evaluations or 0
-        report = _report(at, state.report)
+        report, slow = _report(at, state.report), SlowMotion(instant.time, instant.load)
         if instant.fate is not Fate.MOVING:
             _settle(moving, pace, at)
-        yield replace(state, report=report, restart=at.packed)
+        yield replace(state, report=report, slow_motion=slow, restart=at.packed)
 
 
 def _known(instant: Instant[Found]) -> Found:
@@ -167,4 +168,4 @@ def _settle(moving: Moving[Found], pace: Pace, at: _Place) -> None:
     """Ready for the next load: at rest, or out of reach."""
     apart = at.instant.fate is Fate.APART
     state, load = (moving.separated(), 0.0) if apart else (at.instant.state, at.instant.load)
-    at.instant, at.pairs, at.evaluations = at_rest(state, load, pace), 0.0, 0
+    at.instant, at.pairs, at.evaluations = at_rest(state, load, pace, at.instant.time), 0.0, 0

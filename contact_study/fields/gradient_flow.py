@@ -85,6 +85,8 @@ class Instant(Generic[Found]):
         τ of the last step, and that to try next.
     steps : int
         Done so far.
+    time : float
+        Since the motion began.
     fate : Fate
         How it stands.
     found : Advance or None
@@ -97,13 +99,14 @@ class Instant(Generic[Found]):
     duration: float
     wanted: float
     steps: int = 0
+    time: float = 0.0
     fate: Fate = Fate.MOVING
     found: Found | None = None
 
 
-def at_rest(state: np.ndarray, load: float, pace: "Pace") -> Instant[Found]:
-    """Where a motion begins."""
-    return Instant(state, load, 0.0, pace.first, pace.first)
+def at_rest(state: np.ndarray, load: float, pace: "Pace", time: float = 0.0) -> Instant[Found]:
+    """Where a motion begins, or goes on from a rest."""
+    return Instant(state, load, 0.0, pace.first, pace.first, time=time)
 
 
 @dataclass(frozen=True)
@@ -185,6 +188,6 @@ def _stepped(system: Overdamped[Found], at: Instant[Found], target: float, pace:
         growth = min(max(growth, _SMALLEST_GROWTH), _LARGEST_GROWTH)
         if error <= pace.allowed:
             wanted = min(growth * tau, _LONGEST * pace.first)
-            return Instant(found.state, load, move, tau, wanted, at.steps + 1, found=found)
+            return Instant(found.state, load, move, tau, wanted, at.steps + 1, at.time + tau, found=found)
         tau *= growth
     return None

@@ -11,7 +11,7 @@ from contact_study.observables.distributions import DISTRIBUTIONS
 from contact_study.observables.energies import ENERGIES
 from contact_study.observables.jumps import JUMPS
 from contact_study.observables.means import MEANS
-from contact_study.observables.motion import MOTION, TIME
+from contact_study.observables.motion import MOTION, SLOW_MOTION, TIME
 from contact_study.observables.percolation import PERCOLATION
 from contact_study.observables.plasticity import PLASTICITY
 from contact_study.observables.relaxation import RELAXATION
@@ -31,6 +31,7 @@ OBSERVABLES: tuple[Observable, ...] = (
     PLASTICITY,
     RELAXATION,
     MOTION,
+    SLOW_MOTION,
     TIME,
     SOLVER_REPORT,
 )

@@ -105,6 +105,14 @@ class ThermalMotion:
 
 
 @dataclass(frozen=True)
+class SlowMotion:
+    """Of overdamped motion: time over the friction of a unit of area (m/Pa) and mean pressure that acts (Pa)."""
+
+    time: float
+    load: float
+
+
+@dataclass(frozen=True)
 class Plasticity:
     """Of a contact that yields: by how much each point has so far (m), shape (ny, nx), and at what pressure (Pa)."""
 
@@ -170,6 +178,8 @@ class InterfaceState:
         Of a path with steps of its own.
     motion : ThermalMotion or None
         Of atoms in motion.
+    slow_motion : SlowMotion or None
+        Of a state in overdamped motion.
     atoms : mapping
         The atoms one by one, as :mod:`contact_study.observables.atoms` names them, where the study asks for them.
     plasticity : Plasticity or None
@@ -193,6 +203,7 @@ class InterfaceState:
     contact_stiffness: float | None = None
     own_steps: OwnSteps | None = None
     motion: ThermalMotion | None = None
+    slow_motion: SlowMotion | None = None
     atoms: Mapping[str, np.ndarray] = field(default_factory=dict)
     plasticity: Plasticity | None = None
     relaxation: Relaxation | None = None

@@ -1,4 +1,4 @@
-"""When a state of atoms in motion was met, and how warm they were."""
+"""When a state of a motion was met, under what load, how warm and with what energy."""
 
 from contact_study.fields.distributions import Bins
 from contact_study.observables.base import InterfaceState, Observable, Variable
@@ -7,6 +7,11 @@ from contact_study.observables.base import InterfaceState, Observable, Variable
 def _read(state: InterfaceState, _: Bins) -> dict[str, float]:
     motion = state.motion
     return {} if motion is None else {name: getattr(motion, name) for name in MOTION.variables}
+
+
+def _read_slow(state: InterfaceState, _: Bins) -> dict[str, float]:
+    slow = state.slow_motion
+    return {} if slow is None else {"overdamped_time": slow.time, "overdamped_load": slow.load}
 
 
 def _read_time(state: InterfaceState, _: Bins) -> dict[str, float]:
@@ -31,6 +36,16 @@ MOTION = Observable(
         ),
     },
     _read,
+)
+SLOW_MOTION = Observable(
+    {
+        "overdamped_time": Variable(
+            "m Pa-1",
+            "time of overdamped motion since the path began, over the friction of a unit of area, which sets no scale",
+        ),
+        "overdamped_load": Variable("Pa", "mean pressure that acts on a state in overdamped motion"),
+    },
+    _read_slow,
 )
 TIME = Observable(
     {

@@ -169,6 +169,19 @@ def test_loop_of_contact_pull_off_and_new_contact(loop):
     np.testing.assert_array_equal(lengths[[0, 1, 4]], root.iterations[[0, 1, 4]])
     for step in (0, 1, 4):
         assert area[step, lengths[step] - 1] == root.relative_contact_area[step]
+    # The load goes at most at the rate of the study, and time goes on from point to point.
+    case = make_study(changed(**FLOW)).cases[0]
+    pace = pace_of(case, realise(case).size)
+    time, load = (series[name].values[np.isfinite(area)] for name in ("overdamped_time", "overdamped_load"))
+    np.testing.assert_array_equal(root.overdamped_load[[0, 1, 3, 4]], root.applied_pressure[[0, 1, 3, 4]])
+    assert -10e9 < root.overdamped_load[2] < -1e9  # torn off on the way
+    taken = np.diff(time[: lengths[0]])
+    assert np.all(taken > 0)
+    changes = np.diff(load[: lengths[0]])
+    assert np.all(changes <= pace.rate * taken * (1 + 1e-9))
+    assert np.count_nonzero(np.isclose(changes, pace.rate * taken, rtol=1e-9)) > 5
+    assert np.all(np.diff(root.overdamped_time) >= 0)
+    assert root.overdamped_time[1] > root.overdamped_time[0] == time[lengths[0] - 1]
     assert np.all(root.force_evaluations[[0, 1, 2, 4]] > root.iterations[[0, 1, 2, 4]])
     assert lengths[3] == 1
     still = contact_study.run(

@@ -255,6 +255,13 @@ def test_a_potential_too_weak_to_stand_on_is_refused():
             assert review(study, scales_of(study)) == []
 
 
+def test_a_path_of_the_continuum_is_not_the_atoms():
+    for method, said in (("quasi_static", 1), ("overdamped", 0)):
+        case = case_of((32, 32), solver={"path": "overdamped"}, atomistic={"method": method})
+        notes = review(Study({}, Path(), (case,), {}), scales_of(Study({}, Path(), (case,), {})))
+        assert [note.startswith('solver.path = "overdamped": atoms do not read it') for note in notes] == [True] * said
+
+
 def test_waves_that_the_sites_cannot_carry_are_said():
     fine = case_of((16, 48), surface={"shape": [128, 128], "cutoff_mode": 40, "rms_height": "0.1 angstrom"})
     study = Study({}, Path(), (fine,), {})

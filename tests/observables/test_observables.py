@@ -10,7 +10,15 @@ from contact_study.campaign.schema import VARIABLES
 from contact_study.fields.distributions import Bins
 from contact_study.fields.grid import Grid
 from contact_study.observables import ENTRIES, OBSERVABLES, observed
-from contact_study.observables.base import InterfaceState, OwnSteps, Plasticity, Relaxation, SolverReport, ThermalMotion
+from contact_study.observables.base import (
+    InterfaceState,
+    OwnSteps,
+    Plasticity,
+    Relaxation,
+    SlowMotion,
+    SolverReport,
+    ThermalMotion,
+)
 from contact_study.observables.constants import CONSTANTS, InterfaceConstants, heights_on
 from contact_study.observables.contact_edge import OVERCOUNT
 
@@ -132,6 +140,7 @@ def test_names_are_spelt_once_and_have_entries():
     plasticity = Plasticity(np.zeros((2, 3)), 1e9)
     of_all = {
         "motion": ThermalMotion(1e-12, 300.0, 0.02, 0.03),
+        "slow_motion": SlowMotion(2.0, 1e9),
         "plasticity": plasticity,
         "relaxation": Relaxation(2.0, 0.1),
     }
