@@ -50,6 +50,11 @@ def parser() -> Parser:
     )
     made.add_argument("--studies", type=int, default=500, help="how many")
     made.add_argument("--first", type=int, default=0, help="number of the first: each study follows from its number")
+    made.add_argument(
+        "--extreme",
+        action="store_true",
+        help="thinner layers, bases of more different moduli, transversely isotropic half-spaces with free boundaries",
+    )
     return made
 
 
@@ -57,7 +62,7 @@ def _main(arguments: Sequence[str] | None) -> int:
     given = parser().parse_args(arguments)
     tallies: dict[str, Tally] = {}
     for number in range(given.first, given.first + given.studies):
-        verdict = checked(number)
+        verdict = checked(number, given.extreme)
         tallies.setdefault(verdict.law, Tally()).add(verdict)
         for fault in verdict.faults:
             print(f"study {number}: {fault}", file=sys.stderr, flush=True)
@@ -125,8 +130,9 @@ class Tally:
         )
 
 
-def study_of(number: int) -> dict[str, Any]:
-    """The table of a random study; the number decides all."""
+def study_of(number: int, extreme: bool = False) -> dict[str, Any]:
+    """The table of a random study; the number decides all, but how far solids go and which may be free."""
+    thinnest, least, most = (1e-10, 1e-3, 1e3) if extreme else (5e-9, 0.1, 10)
     rng = np.random.default_rng([20, number])
 
     def between(low: float, high: float) -> float:
@@ -146,10 +152,10 @@ def study_of(number: int) -> dict[str, Any]:
     work = contact_modulus * length * between(1e-3, 0.1)
     solids = {
         "half_space": {},
-        "layer": {"thickness": between(5e-9, 1e-7)},
+        "layer": {"thickness": between(thinnest, 1e-7)},
         "layered": {
-            "thickness": between(5e-9, 1e-7),
-            "base_youngs_modulus": modulus * between(0.1, 10),
+            "thickness": between(thinnest, 1e-7),
+            "base_youngs_modulus": modulus * between(least, most),
             "base_poissons_ratio": 0.3,
         },
         "transversely_isotropic": {
@@ -161,7 +167,7 @@ def study_of(number: int) -> dict[str, Any]:
     kind = str(rng.choice(list(solids)))
     if kind == "transversely_isotropic":  # constants that a solid can have
         ratio = min(ratio, 0.3)
-    free = kind == "half_space" and rng.random() < 0.5
+    free = (kind == "half_space" and rng.random() < 0.5) or (extreme and kind == "transversely_isotropic")
     control = str(rng.choice(["pressure", "approach" if free else "gap"]))
     return {
         "surface": {
@@ -217,9 +223,9 @@ def _path(
     return [float(value) * height for value in (*sorted(rng.uniform(0.2, 2.0, 3)), 0.1)]
 
 
-def checked(number: int) -> Verdict:
+def checked(number: int, extreme: bool = False) -> Verdict:
     """Solve and check one study."""
-    table = study_of(number)
+    table = study_of(number, extreme)
     verdict = Verdict(number, table["interaction"]["law"])
     try:
         case = make_study(table).cases[0]

@@ -1,4 +1,4 @@
-"""Forty random studies of the continuum, none of whose states is wrong; and the check, which must find faults."""
+"""Random studies of the continuum, of extreme solids too, none of whose states is wrong; the check finds faults."""
 
 from dataclasses import replace
 
@@ -13,14 +13,25 @@ from scripts import random_studies
 
 
 @pytest.mark.validation
+@pytest.mark.parametrize("extreme", [False, True])
 @pytest.mark.parametrize("first", range(0, 40, 10))
-def test_no_state_is_wrong(first):
-    verdicts = [random_studies.checked(number) for number in range(first, first + 10)]
+def test_no_state_is_wrong(first, extreme):
+    verdicts = [random_studies.checked(number, extreme) for number in range(first, first + 10)]
     assert {verdict.law for verdict in verdicts} == set(LAWS)
     assert [fault for verdict in verdicts for fault in verdict.faults] == []
     # All of these converge; a flag here is a solver that has got worse.
     assert [flag for verdict in verdicts for flag in verdict.flagged] == []
     assert sum(verdict.states for verdict in verdicts) >= 40
+
+
+def test_extreme_studies_differ_in_the_solid_alone():
+    for number in range(40):
+        plain, extreme = random_studies.study_of(number), random_studies.study_of(number, extreme=True)
+        kind, boundary = (extreme["elasticity"][name] for name in ("kind", "boundary"))
+        same = {"surface", "material", "interaction"} | ({"loading"} if kind != "transversely_isotropic" else set())
+        assert all(plain[name] == extreme[name] for name in same)
+        assert (plain["elasticity"] == extreme["elasticity"]) == (kind == "half_space")
+        assert kind != "transversely_isotropic" or boundary == "free"
 
 
 @pytest.mark.parametrize("number", [0, 1, 6, 9])
