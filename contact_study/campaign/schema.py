@@ -25,7 +25,7 @@ from contact_study.observables.path_results import PATH_RESULTS
 from contact_study.observables.roughness import ROUGHNESS, SPECTRUM_WAVEVECTOR
 from contact_study.observables.solver_report import FLAG
 
-SCHEMA_VERSION = "2.1"
+SCHEMA_VERSION = "2.2"
 CONVENTIONS = "CF-1.11"
 
 # Between a theory and the spectrum that it is fed with, where that is not the first of the study: "edge_flow@surface".
