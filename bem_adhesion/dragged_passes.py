@@ -3,9 +3,10 @@
 import numpy as np
 
 from bem_adhesion.law_passes import LawPasses
+from bem_adhesion.wrapped_passes import WrappedPasses
 
 
-class DraggedPasses(LawPasses):
+class DraggedPasses(WrappedPasses):
     """The passes of a law, and of springs in parallel to it.
 
     Parameters
@@ -19,14 +20,12 @@ class DraggedPasses(LawPasses):
     """
 
     def __init__(self, inner: LawPasses, drag: float | np.ndarray, anchor: np.ndarray):
-        super().__init__(inner.law)
-        self.margin = inner.margin
-        self._inner = inner
+        super().__init__(inner)
         self._drag = drag
         self._anchor = anchor
 
     def evaluate(self, gap, traction, stiffness):
-        potential = self._inner.evaluate(gap, traction, stiffness)
+        potential = super().evaluate(gap, traction, stiffness)
         stretch = gap - self._anchor
         pull = self._drag * stretch
         potential += 0.5 * float(np.vdot(pull, stretch))
@@ -34,26 +33,8 @@ class DraggedPasses(LawPasses):
         return potential
 
     def gradient(self, elastic, gap, traction, load, pressure, right_side, curvature):
-        result = self._inner.gradient(elastic, gap, traction, load, pressure, right_side, curvature)
+        result = super().gradient(elastic, gap, traction, load, pressure, right_side, curvature)
         free = np.ones_like(curvature)
         self._inner.hold(curvature, free)
         curvature += np.asarray(self._drag, np.float32) * free
         return result
-
-    def hold(self, curvature, step):
-        self._inner.hold(curvature, step)
-
-    def pin(self, curvature, gap):
-        return self._inner.pin(curvature, gap)
-
-    def reaction(self, elastic, gap, load):
-        return self._inner.reaction(elastic, gap, load)
-
-    def _parts(self, gap):
-        yield slice(None), np.empty_like(gap)
-
-    def _free(self, gap):
-        return self._inner._free(gap)
-
-    def advance(self, gap, step, limit, out):
-        self._inner.advance(gap, step, limit, out)

@@ -5,9 +5,10 @@ import numpy as np
 from bem_adhesion.free_boundary import Window
 from bem_adhesion.law_passes import LawPasses
 from bem_adhesion.load import Load
+from bem_adhesion.wrapped_passes import WrappedPasses
 
 
-class WindowPasses(LawPasses):
+class WindowPasses(WrappedPasses):
     """The passes of a law inside a window.
 
     Parameters
@@ -19,9 +20,7 @@ class WindowPasses(LawPasses):
     """
 
     def __init__(self, inner: LawPasses, window: Window):
-        super().__init__(inner.law)
-        self.margin = inner.margin
-        self._inner = inner
+        super().__init__(inner)
         self._window = window
 
     def evaluate(self, gap, traction, stiffness):
@@ -35,15 +34,12 @@ class WindowPasses(LawPasses):
         return total
 
     def gradient(self, elastic, gap, traction, load, pressure, right_side, curvature):
-        result = self._inner.gradient(elastic, gap, traction, load, pressure, right_side, curvature)
+        result = super().gradient(elastic, gap, traction, load, pressure, right_side, curvature)
         # What the pass adds where points are out of balance is of the law; the padding is linear.
         own_curvature = self._window.inside(curvature).copy()
         curvature[...] = 0
         self._window.inside(curvature)[...] = own_curvature
         return result
-
-    def hold(self, curvature, step):
-        self._inner.hold(curvature, step)
 
     def pin(self, curvature, gap):
         held = np.zeros(gap.shape, bool)
@@ -59,12 +55,6 @@ class WindowPasses(LawPasses):
         reaction = np.zeros_like(gap)
         inside(reaction)[...] = own
         return reaction
-
-    def _parts(self, gap):
-        yield slice(None), np.empty_like(gap)
-
-    def _free(self, gap):
-        return self._inner._free(gap)
 
     def advance(self, gap, step, limit, out):
         np.add(gap, step, out=out)
