@@ -14,7 +14,7 @@ import numpy as np
 
 from bem_adhesion.contact import Contact
 from bem_adhesion.solution import Outcome, Solution
-from contact_study.observables.path_results import UNACCOUNTED, unaccounted
+from contact_study.observables.path_results import UNACCOUNTED, unaccounted, undecided
 from contact_study.problem.elasticity import Elasticity
 
 
@@ -141,7 +141,7 @@ def follow(
             ended = replace(found, state=state, outcome=Outcome.LEAST_STEP, fft_pairs=pairs, iterations=iterations)
             return ended, passed
         if jumped and not parted:
-            unknown = 0.5 * abs((new.pressure - now.pressure) * (new.separation - now.separation))
+            unknown = float(undecided(now.state, new.state))
             new = replace(new, dissipated=now.dissipated + max(lost, 0.0), uncertain=now.uncertain + unknown)
         state, length = found.state, 2 * (new.position - now.position)
         passed.append(new)

@@ -81,6 +81,18 @@ def unaccounted(before: np.ndarray, after: np.ndarray) -> tuple[np.ndarray, np.n
     return work - stored, (np.abs(before[..., 0]) + np.abs(after[..., 0])) * np.abs(way) + np.abs(stored)
 
 
+def undecided(before: np.ndarray, after: np.ndarray) -> np.ndarray:
+    """By how much the work of a step that is a jump may be off (J/m²): where within it the jump lies is not known.
+
+    Parameters
+    ----------
+    before, after : numpy.ndarray, shape (..., 3)
+        As of :func:`unaccounted`.
+    """
+    change = after - before
+    return 0.5 * np.abs(change[..., 0] * change[..., 1])
+
+
 def path_results(series: PathSeries, control: str) -> dict[str, float]:
     """What a path tells of adhesion, by names of the schema; what it does not tell is left out.
 
@@ -170,18 +182,18 @@ def _depth(x: np.ndarray, y: np.ndarray) -> float:
     return float(slope**2 / (4 * curvature)) if curvature > 0 else 0.0
 
 
-def _jumps(series: PathSeries) -> tuple[np.ndarray, np.ndarray]:
-    """Of each step from one state to the next what it lost (J/m²), and whether that is a jump."""
+def _jumps(series: PathSeries) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Of each step from one state to the next what it lost, whether that is a jump, and what is undecided then."""
     assert series.energy is not None
     states = np.stack([series.pressure, series.separation, series.energy], axis=-1)
     lost, exchanged = unaccounted(states[:-1], states[1:])
     noise = _NOISE * np.abs(series.energy).max(initial=0.0)
-    return lost, (lost > UNACCOUNTED * exchanged) & (lost > noise)
+    return lost, (lost > UNACCOUNTED * exchanged) & (lost > noise), undecided(states[:-1], states[1:])
 
 
 def _jump_in(series: PathSeries) -> dict[str, float]:
     approach = series.part(_first_approach(series))
-    _, jumped = _jumps(approach)
+    _, jumped, _ = _jumps(approach)
     if not jumped.any():
         return {}
     first = int(np.argmax(jumped))
@@ -203,7 +215,7 @@ def _work_of_separation(series: PathSeries) -> dict[str, float]:
     assert energy is not None
     if not series.ends_apart or pressure.size < 2 or not (pressure < 0).any():
         return {}
-    lost, jumped = _jumps(retraction)
+    lost, jumped, unknown = _jumps(retraction)
     first, begun = 0, float(energy[0])
     balances = np.flatnonzero((pressure[:-1] >= 0) & (pressure[1:] < 0))
     if balances.size:
@@ -212,11 +224,10 @@ def _work_of_separation(series: PathSeries) -> dict[str, float]:
         balance = separation[before] + share * (separation[first] - separation[before])
         nearer = first if jumped[before] or -pressure[first] <= pressure[before] else before
         begun = float(energy[nearer] + 0.5 * pressure[nearer] * (separation[nearer] - balance))
-    lost, jumped = lost[first:], jumped[first:]
-    within = 0.5 * np.abs(np.diff(pressure) * np.diff(separation))[first:]
+    lost, jumped, unknown = lost[first:], jumped[first:], unknown[first:]
     return {
         "work_of_separation": float(lost[jumped].sum()) - begun,
-        "work_of_separation_resolution_error": float(within[jumped].sum() + abs(lost[~jumped].sum())),
+        "work_of_separation_resolution_error": float(unknown[jumped].sum() + abs(lost[~jumped].sum())),
     }
 
 
