@@ -8,7 +8,6 @@ from scipy.fft import next_fast_len
 
 from bem_adhesion.multilevel import POINTS_PER_PROCESS_ZONE, process_zone
 from contact_study.campaign.memory import grid_fits
-from contact_study.fields.grid import Grid
 from contact_study.problem.case import Case
 from contact_study.problem.errors import InputError
 from contact_study.problem.study import Study
@@ -88,7 +87,7 @@ def _unresolved_law(study: Study, scales: Sequence[SurfaceScales]) -> list[str]:
 
 def _modulus(case: Case, scale: SurfaceScales) -> float:
     """E* of the wave of the grid for which the solid is softest (Pa)."""
-    return case.solid.softest_modulus(max(scale.size), 2 * min(Grid(scale.shape, scale.size).spacing))
+    return case.solid.softest_modulus(*scale.grid_waves)
 
 
 def _jkr_like(case: Case, scale: SurfaceScales, resolved: float) -> str:

@@ -21,7 +21,6 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from contact_study.fields.grid import Grid
 from contact_study.problem.case import Case
 from contact_study.problem.elasticity import Measured, contact_modulus_of
 from contact_study.problem.errors import InputError
@@ -132,7 +131,8 @@ def _peaks(adhesive: list[tuple[Case, SurfaceScales, TractionLaw]]) -> list[str]
 
 def _waves(scale: SurfaceScales) -> tuple[float, float]:
     """Wavenumbers of the longest and of the shortest wave along an axis of the grid (1/m)."""
-    return 2 * np.pi / max(scale.size), np.pi / min(Grid(scale.shape, scale.size).spacing)
+    longest, shortest = scale.grid_waves
+    return 2 * np.pi / longest, 2 * np.pi / shortest
 
 
 def _missing_waves(pairs: list[tuple[Case, SurfaceScales]]) -> list[str]:

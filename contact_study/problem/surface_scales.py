@@ -70,6 +70,11 @@ class SurfaceScales:
         return max(Grid(self.shape, self.size).spacing)
 
     @property
+    def grid_waves(self) -> tuple[float, float]:
+        """Wavelengths of the longest and of the shortest wave along an axis of the grid (m)."""
+        return max(self.size), 2 * min(Grid(self.shape, self.size).spacing)
+
+    @property
     def rms_curvature(self) -> float:
         """Root mean square of the mean curvature, half of the rms Laplacian (1/m)."""
         if self.apex_curvature is not None:

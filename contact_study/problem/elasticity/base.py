@@ -48,8 +48,8 @@ class Elasticity(ABC):
 
     @property
     def layer_thickness(self) -> float:
-        """Thickness of the layer under the surface, infinite without one (m)."""
-        return np.inf
+        """Thickness of the layer under the surface, which may be all there is; infinite without one (m)."""
+        return self.depth
 
     @property
     def mean_compliance(self) -> float:

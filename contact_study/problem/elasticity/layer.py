@@ -70,10 +70,6 @@ class Layer(Elasticity):
         return self.thickness
 
     @property
-    def layer_thickness(self) -> float:
-        return self.thickness
-
-    @property
     def mean_compliance(self) -> float:
         """(1+ν)(1−2ν) d / [(1−ν) E]: compression without lateral strain, none if incompressible (m/Pa)."""
         ratio = self.poissons_ratio
