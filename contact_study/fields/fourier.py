@@ -201,7 +201,11 @@ def synthesise(coefficients: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
     """The real field on ``shape`` points whose coefficients :func:`transform` would return."""
     plan = _occasional(tuple(shape))
     plan.spectrum[...] = coefficients
-    field = plan.backward()
+    return _kept(plan, plan.backward())
+
+
+def _kept(plan: RealTransform, field: np.ndarray) -> np.ndarray:
+    """The field of an occasional transform, for good."""
     return field.copy() if _is_held(plan.shape) else field
 
 
@@ -257,4 +261,5 @@ def interpolate(field: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
     """Trigonometric interpolation of a periodic field on another number of points."""
     if field.shape == tuple(shape):
         return field.copy()
-    return synthesise(resize_spectrum(transform(field), field.shape, shape), shape)
+    plan = _occasional(tuple(shape))
+    return _kept(plan, plan.interpolate(field))
