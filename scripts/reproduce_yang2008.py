@@ -14,7 +14,7 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from contact_study.campaign.command import INTERRUPTED, NOT_CONVERGED
@@ -95,15 +95,13 @@ def run(lanes: Sequence[Sequence[Sequence[object]]]) -> int:
     statuses, failed = [0], 0
     while True:
         try:
+            for number in [number for number, command in running.items() if command.poll() is not None]:
+                status = running.pop(number).returncode
+                statuses.append(status)
+                if status not in (0, NOT_CONVERGED) and not failed:
+                    failed = status
+                    _stop(running.values(), status)
             for number, lane in enumerate(waiting):
-                if number in running and (status := running[number].poll()) is not None:
-                    del running[number]
-                    statuses.append(status)
-                    if status not in (0, NOT_CONVERGED) and not failed:
-                        failed = status
-                        if status != INTERRUPTED:  # Ctrl-C reached all
-                            for other in running.values():
-                                other.send_signal(signal.SIGINT)  # what it has finished is kept
                 if lane and number not in running and not failed:
                     running[number] = _started(lane.pop(0), behind=number > 0)
             if not running:
@@ -111,6 +109,13 @@ def run(lanes: Sequence[Sequence[Sequence[object]]]) -> int:
             time.sleep(_PAUSE)
         except KeyboardInterrupt:
             continue  # the commands got it too, say how to go on and end
+
+
+def _stop(others: Iterable["subprocess.Popen[bytes]"], status: int) -> None:
+    """Interrupt the commands beside one that failed, which keep what they have finished; Ctrl-C has reached all."""
+    if status != INTERRUPTED:
+        for other in others:
+            other.send_signal(signal.SIGINT)
 
 
 def _started(command: Sequence[str], behind: bool) -> "subprocess.Popen[bytes]":
