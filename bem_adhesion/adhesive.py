@@ -11,6 +11,7 @@ quadratic model, and restored after successful steps. Stresses are in units of t
 order one for the sake of float32.
 """
 
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -26,6 +27,7 @@ from bem_adhesion.solution import NewtonResult, Outcome
 from bem_adhesion.tangent import mean_stiffness
 from bem_adhesion.wall_passes import passes_of
 from contact_study.fields.grid import Grid
+from contact_study.fields.memory import Memory
 from contact_study.problem.laws.base import TractionLaw
 
 if TYPE_CHECKING:
@@ -78,9 +80,13 @@ class AdhesiveContact:
         Stiffness of the preconditioner, see :class:`LinearisedContact`.
     window : Window, optional
         Where on the grid there is a surface; everywhere without one.
+    memory : Memory, optional
+        Where its arrays lie. Between two calls they hold K d alone, see ``known`` of :meth:`solve`.
 
     Attributes
     ----------
+    idle : numpy.ndarray of uint8
+        Memory that it does not need between two of its linear solves, for what else is to be solved there.
     curvature : numpy.ndarray of float32, shape grid.shape
         φ'' at the last gap that was evaluated.
     """
@@ -92,21 +98,25 @@ class AdhesiveContact:
         law: TractionLaw,
         shift: float,
         window: Window | None = None,
+        memory: Memory | None = None,
     ):
+        memory = memory or Memory()
+        make = partial(make_operator, memory=memory)
         self.grid = grid
         self._window = window or Window(grid.shape)
         self.law = law
-        self.solid = make_operator(grid, np.float64)
-        self._single = make_operator(grid, np.float32)
+        self.solid = make(grid, np.float64)
+        self._single = make(grid, np.float32)
         self._passes = passes_of(law, self.solid.largest, window)
         self._free_passes = self._passes
         self._stalls = False
         self._rounded = 0.0
         self.relaxation: LocalRelaxation | None = None
-        self._bed = bed_under(self._single, make_operator, shift)
-        self._linearised = LinearisedContact(self._single, shift, self._bed)
-        self.curvature = np.empty(grid.shape, np.float32)
-        self._right_side = np.empty(grid.shape, np.float32)
+        self._bed = bed_under(self._single, make, shift)
+        self._linearised = LinearisedContact(self._single, shift, self._bed, memory)
+        self.idle = self._linearised.idle
+        self.curvature = memory.array(grid.shape, np.float32)
+        self._right_side = memory.array(grid.shape, np.float32)
 
     def equivalent_pairs(self, grid: Grid) -> float:
         """Transform pairs done so far, as float64 pairs on ``grid``."""
@@ -134,9 +144,10 @@ class AdhesiveContact:
         self.solid.field[...] = gap
         return self.solid.apply(self.solid.stiffness)
 
-    def interpolated(self, values: np.ndarray) -> np.ndarray:
-        """A field of a coarser grid on this one, to single precision; in a buffer of which a solve takes hold."""
-        return self._single.interpolate(values)
+    def interpolated(self, coarser: "AdhesiveContact", values: np.ndarray) -> np.ndarray:
+        """A field on a coarser grid, on this one, to single precision; in a buffer of which a solve takes hold."""
+        coarser._single.field[...] = values
+        return self._single.interpolate(coarser._single)
 
     def imbalance(self, gap: np.ndarray, load: Load) -> float:
         """Mean of K d + φ'(d) + load over the points that are free to move, of the gap whose K d is there."""

@@ -16,6 +16,7 @@ from numba import njit
 
 from bem_adhesion.bed import Bed, FullBed
 from bem_adhesion.operator import Operator
+from contact_study.fields.memory import Memory
 
 # Curvature below this fraction of |s|² counts as negative: the rounding of float32.
 CURVATURE_ROUNDING = 1e-7
@@ -119,6 +120,8 @@ class LinearisedContact:
         the tail (Pa/m).
     bed : Bed, optional
         The solid on that bed, inverted, in the operator's buffer; by its own transforms without one.
+    memory : Memory, optional
+        Where its arrays lie.
 
     Attributes
     ----------
@@ -128,17 +131,19 @@ class LinearisedContact:
         The step x (m).
     direction : numpy.ndarray
         The last search direction (m): one of negative curvature if the solver stopped on it.
+    idle : numpy.ndarray of uint8
+        The memory of its arrays. Between two solves another may use it who has no need of ``solution`` and
+        ``direction``.
     """
 
-    def __init__(self, operator: Operator, shift: float, bed: Bed | None = None):
-        shape = operator.grid.shape
+    def __init__(self, operator: Operator, shift: float, bed: Bed | None = None, memory: Memory | None = None):
         self.operator = operator
         self._shift = np.float32(shift)
         self._grid = np.float32(0.5 * operator.largest)
         self._bed = bed or FullBed(operator, shift)
-        self._residual = np.empty(shape, np.float32)
-        self.direction = np.empty(shape, np.float32)
-        self.solution = np.empty(shape, np.float32)
+        arrays = (memory or Memory()).array((3, *operator.grid.shape), np.float32)
+        self._residual, self.direction, self.solution = arrays
+        self.idle = arrays.reshape(-1).view(np.uint8)
 
     def solve(
         self,

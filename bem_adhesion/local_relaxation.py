@@ -18,6 +18,7 @@ from bem_adhesion.adhesive import CLOSE, AdhesiveContact
 from bem_adhesion.load import Load
 from bem_adhesion.operator import MakeOperator
 from contact_study.fields.grid import Grid
+from contact_study.fields.memory import Memory
 from contact_study.problem.laws.base import TractionLaw
 
 # The grid has so many tiles along an axis, a square so many, of which one at each rim is held.
@@ -43,15 +44,18 @@ class LocalRelaxation:
     ----------
     grid : Grid
         The grid of the whole contact.
-    make_operator, law, shift
+    make_operator, law, shift, memory
         As of :class:`AdhesiveContact`.
     """
 
-    def __init__(self, grid: Grid, make_operator: MakeOperator, law: TractionLaw, shift: float):
+    def __init__(
+        self, grid: Grid, make_operator: MakeOperator, law: TractionLaw, shift: float, memory: Memory | None = None
+    ):
         self._tile = grid.shape[0] // TILES, grid.shape[1] // TILES
         shape = TILES_OF_SQUARE * self._tile[0], TILES_OF_SQUARE * self._tile[1]
         dy, dx = grid.spacing
-        self._contact = AdhesiveContact(Grid(shape, (shape[0] * dy, shape[1] * dx)), make_operator, law, shift)
+        square = Grid(shape, (shape[0] * dy, shape[1] * dx))
+        self._contact = AdhesiveContact(square, make_operator, law, shift, memory=memory)
         rim = np.maximum(_ramp(shape[0])[:, None], _ramp(shape[1])[None, :])
         self._springs = self._contact.solid.largest * rim**2
 

@@ -23,6 +23,7 @@ from bem_adhesion.local_relaxation import LocalRelaxation
 from bem_adhesion.operator import MakeOperator
 from bem_adhesion.solution import NewtonResult, Outcome
 from contact_study.fields.grid import Grid
+from contact_study.fields.memory import Memory
 from contact_study.problem.laws.base import TractionLaw
 
 # A grid that resolves the process zone E*Δγ/σ_max² by at least this many points is free of lattice trapping.
@@ -71,7 +72,7 @@ def _correct(gap, change, closest, out):
 class MultilevelContact:
     """An :class:`AdhesiveContact` whose load steps are predicted on coarser grids where these resolve the law.
 
-    Parameters as for :class:`AdhesiveContact`.
+    Parameters as for :class:`AdhesiveContact`. The coarser grids lie in memory that the finest does without meanwhile.
     """
 
     def __init__(
@@ -81,18 +82,20 @@ class MultilevelContact:
         law: TractionLaw,
         shift: float,
         window: Window | None = None,
+        memory: Memory | None = None,
     ):
-        self.finest = AdhesiveContact(grid, make_operator, law, shift, window)
+        self.finest = AdhesiveContact(grid, make_operator, law, shift, window, memory)
+        idle = self.finest.idle
         # A square is periodic and held by its rim alone: not under free boundaries, nor with a spring on its mean.
         if window is None and self.finest.solid.mean_stiffness == 0 and LocalRelaxation.fits(grid):
-            self.finest.relaxation = LocalRelaxation(grid, make_operator, law, shift)
+            self.finest.relaxation = LocalRelaxation(grid, make_operator, law, shift, Memory(idle))
         self.points_per_process_zone = process_zone(1.0, law) / max(grid.spacing)
         self.coarser: MultilevelContact | None = None
         half = grid.with_shape((grid.shape[0] // 2, grid.shape[1] // 2))
         even = grid.shape[0] % 2 == 0 and grid.shape[1] % 2 == 0
         if even and min(half.shape) >= FEWEST_POINTS and self.points_per_process_zone >= 2 * POINTS_FOR_PREDICTION:
             coarse_window = None if window is None else window.halved
-            self.coarser = MultilevelContact(half, make_operator, law, shift, coarse_window)
+            self.coarser = MultilevelContact(half, make_operator, law, shift, coarse_window, Memory(idle))
 
     def equivalent_pairs(self, grid: Grid) -> float:
         """Transform pairs done so far on all grids, as float64 pairs on ``grid``."""
@@ -161,7 +164,7 @@ class MultilevelContact:
         if lag:
             steps = TANGENT_STEPS if coarser.points_per_process_zone >= POINTS_FOR_STEPS else 1
             reached = coarser.finest.on_tangent(reached, coarse_load, TANGENT_LIMIT, steps, reached)
-        change = self.finest.interpolated(reached - gap[::2, ::2])
+        change = self.finest.interpolated(coarser.finest, reached - gap[::2, ::2])
         predicted, closest = np.empty_like(gap), CLOSEST_PREDICTION * law.equilibrium_distance
         _correct(gap.reshape(-1), change.reshape(-1), closest, predicted.reshape(-1))
         return predicted

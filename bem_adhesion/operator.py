@@ -4,15 +4,15 @@
 for any grid and precision, so that its coarser grids have the same solid under them, and never asks what it is.
 """
 
-from collections.abc import Callable
 from functools import cached_property
 from typing import Any, Protocol
 
 import numpy as np
 from numba import njit
 
-from contact_study.fields.fourier import RealTransform, Scratch
+from contact_study.fields.fourier import RealTransform
 from contact_study.fields.grid import Grid
+from contact_study.fields.memory import Memory, Scratch
 from contact_study.problem.elasticity import Elasticity
 
 Map = Any
@@ -63,8 +63,11 @@ class Operator(Protocol):
     def apply_and_sum(self, linear_map: Map) -> float:
         """As :meth:`apply`; returns the inner product of field and result, the sum over all points."""
 
-    def interpolate(self, values: np.ndarray) -> np.ndarray:
-        """Write a field of a coarser grid, interpolated, into :attr:`field`; returns it."""
+    def interpolate(self, coarser: Any) -> np.ndarray:
+        """Write the field of an operator of its kind on a coarser grid, interpolated, into :attr:`field`; returns it.
+
+        What the other's field was is lost.
+        """
 
     def equivalent_pairs(self, grid: Grid) -> float:
         """The work done so far, as pairs of transforms in float64 on ``grid``.
@@ -74,16 +77,18 @@ class Operator(Protocol):
         """
 
 
-MakeOperator = Callable[[Grid, type], Operator]
-"""The operator of a solid on a grid in ``numpy.float64`` or ``numpy.float32``."""
+class MakeOperator(Protocol):
+    """The operator of a solid on a grid, in ``numpy.float64`` or ``numpy.float32``; its field lies in the memory."""
+
+    def __call__(self, grid: Grid, dtype: type, memory: Memory | None = None) -> Operator: ...
 
 
 def periodic(elasticity: Elasticity, mean_stiffness: float = 0.0, threads: int = 1) -> MakeOperator:
     """Operators of a periodically repeated solid, see :class:`PeriodicOperator`; they take turns in one spectrum."""
     scratch = Scratch()
 
-    def make(grid: Grid, dtype: type) -> Operator:
-        return PeriodicOperator(grid, elasticity, dtype, mean_stiffness, threads, scratch)
+    def make(grid: Grid, dtype: type, memory: Memory | None = None) -> Operator:
+        return PeriodicOperator(grid, elasticity, dtype, mean_stiffness, threads, scratch, memory)
 
     return make
 
@@ -136,6 +141,8 @@ class PeriodicOperator:
         Threads of the transforms.
     scratch : Scratch, optional
         Memory of the spectrum, which no operator needs beyond the map it applies.
+    memory : Memory, optional
+        Memory of the field.
 
     Attributes
     ----------
@@ -151,11 +158,12 @@ class PeriodicOperator:
         mean_stiffness: float = 0.0,
         threads: int = 1,
         scratch: Scratch | None = None,
+        memory: Memory | None = None,
     ):
         self.grid = grid
         self.mean_stiffness = mean_stiffness
         self._elasticity = elasticity
-        self._transform = RealTransform(grid.shape, dtype, threads, scratch)
+        self._transform = RealTransform(grid.shape, dtype, threads, scratch, memory)
         self.field = self._transform.field
 
     def _stiffness_q(self) -> np.ndarray:
@@ -213,9 +221,9 @@ class PeriodicOperator:
         self._transform.backward()
         return total
 
-    def interpolate(self, values: np.ndarray) -> np.ndarray:
+    def interpolate(self, coarser: "PeriodicOperator") -> np.ndarray:
         """See :meth:`Operator.interpolate`; by its trigonometric polynomial."""
-        return self._transform.interpolate(values)
+        return self._transform.interpolate(coarser._transform)
 
     @property
     def pairs(self) -> float:

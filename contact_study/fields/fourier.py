@@ -15,6 +15,7 @@ import numpy as np
 from filelock import FileLock
 
 from contact_study.fields.cache import cache_folder
+from contact_study.fields.memory import Memory, Scratch
 
 # OpenMP's threads spin while they wait for one another. Where another process holds a core they then wait for the
 # scheduler at every barrier, and two threads take up to a hundred times as long as one. Read when FFTW is loaded.
@@ -55,20 +56,6 @@ def _save_wisdom(path: Path) -> None:
 _planned: set[tuple[tuple[int, ...], np.dtype, int]] = set()  # what this process has planned and saved
 
 
-class Scratch:
-    """Memory for the spectra of transforms that never need theirs at the same time."""
-
-    def __init__(self) -> None:
-        self._memory = pyfftw.empty_aligned(0, np.uint8)
-
-    def array(self, shape: tuple[int, ...], dtype: np.dtype) -> np.ndarray:
-        """An array in the memory, of no defined content; more is taken where there is too little."""
-        size = math.prod(shape) * dtype.itemsize
-        if size > self._memory.size:
-            self._memory = pyfftw.empty_aligned(size, np.uint8)
-        return self._memory[:size].view(dtype).reshape(shape)
-
-
 class RealTransform:
     """A planned pair of real transforms over the last two axes, with its own aligned buffers.
 
@@ -85,6 +72,8 @@ class RealTransform:
         Threads of FFTW.
     scratch : Scratch, optional
         Where the spectrum lies, which then holds from a :meth:`forward` to the next use of any of its transforms.
+    memory : Memory, optional
+        Where the field lies.
 
     Attributes
     ----------
@@ -97,14 +86,19 @@ class RealTransform:
     """
 
     def __init__(
-        self, shape: tuple[int, ...], dtype: type = np.float64, threads: int = 1, scratch: Scratch | None = None
+        self,
+        shape: tuple[int, ...],
+        dtype: type = np.float64,
+        threads: int = 1,
+        scratch: Scratch | None = None,
+        memory: Memory | None = None,
     ):
         self.shape = tuple(shape)
         self.dtype = np.dtype(dtype)
         self.points = shape[-2] * shape[-1]
         self.pairs = 0.0
         complex_type = np.dtype(np.complex128 if self.dtype == np.float64 else np.complex64)
-        self.field = pyfftw.zeros_aligned(self.shape, dtype=self.dtype)
+        self.field = (memory or Memory()).array(self.shape, dtype)
         self.spectrum = (scratch or Scratch()).array((*self.shape[:-1], self.shape[-1] // 2 + 1), complex_type)
         self._plan(threads)
 
@@ -153,16 +147,16 @@ class RealTransform:
         self.pairs += 0.5
         return self.field
 
-    def interpolate(self, values: np.ndarray) -> np.ndarray:
-        """Write a periodic field of fewer points, interpolated, into :attr:`field`, which is returned.
+    def interpolate(self, coarser: "RealTransform") -> np.ndarray:
+        """Write the field of a transform of fewer points, interpolated, into :attr:`field`, which is returned.
 
         Parameters
         ----------
-        values : numpy.ndarray
-            The field on a coarser grid of the same periods.
+        coarser : RealTransform
+            That of a coarser grid of the same periods.
         """
-        coefficients = transform(values).astype(self.spectrum.dtype)
-        resize_spectrum(coefficients, values.shape, self.shape, self.spectrum)
+        coefficients = coarser.forward() / np.float32(coarser.points)  # a copy: the spectra may lie in one memory
+        resize_spectrum(coefficients, coarser.shape, self.shape, self.spectrum)
         return self.backward()
 
     def filter(self, kernel: np.ndarray) -> np.ndarray:
@@ -261,5 +255,4 @@ def interpolate(field: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
     """Trigonometric interpolation of a periodic field on another number of points."""
     if field.shape == tuple(shape):
         return field.copy()
-    plan = _occasional(tuple(shape))
-    return _kept(plan, plan.interpolate(field))
+    return synthesise(resize_spectrum(transform(field), field.shape, shape), shape)

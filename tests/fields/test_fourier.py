@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 
 from contact_study.fields import fourier
 from contact_study.fields.grid import Grid
+from contact_study.fields.memory import Scratch
 
 SHAPES = [(8, 8), (9, 9), (8, 9), (9, 8), (12, 5), (5, 12), (1, 6), (6, 1)]
 
@@ -99,7 +100,7 @@ def test_threads_that_wait_sleep_unless_told_otherwise(chosen, expected):
 
 
 def test_transforms_take_turns_in_one_memory():
-    scratch, shapes = fourier.Scratch(), [(12, 8), (6, 5), (20, 16)]
+    scratch, shapes = Scratch(), [(12, 8), (6, 5), (20, 16)]
     kinds = [(shape, dtype) for shape in shapes for dtype in (np.float64, np.float32)]
     shared = [fourier.RealTransform(shape, dtype, scratch=scratch) for shape, dtype in kinds]
     # The largest came last but one and took memory of its own; what followed fits into it.
