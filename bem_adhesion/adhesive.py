@@ -1,11 +1,11 @@
 """Adhesive contact of an elastic solid with a rough rigid one under any traction-separation law.
 
-The gap d minimises ½<d, K d> + <φ(d)> + <load·d>: K is the elastic solid, φ the law, and ``load`` = K h + p the
-pressure that flattens the heights h and the nominal one. The energy is not convex; the solver descends from the given
-state into the minimum next to it.
+The gap d minimises ½<d, K d> + <φ(d)> + <load·d>: K is the elastic solid, φ the law, and the load K h + p the
+pressure that flattens the heights h and the nominal one (:mod:`bem_adhesion.load`). The energy is not convex; the
+solver descends from the given state into the minimum next to it.
 
 Newton's method with inexact linear solves in float32 (:mod:`bem_adhesion.linearised`). The residual is formed in
-float64, and on the way to it K d follows its changes, whose transforms are in float32.
+float64, and on the way to it K (d + h) follows the changes of d, whose transforms are in float32.
 Negative curvature of the law is faded by a factor 1 − fading when a linear solve meets a descent of the whole
 quadratic model, and restored after successful steps. Stresses are in units of the contact modulus; lengths in any, of
 order one for the sake of float32.
@@ -21,7 +21,7 @@ from bem_adhesion.dragged_passes import DraggedPasses
 from bem_adhesion.free_boundary import Window
 from bem_adhesion.law_passes import Balance
 from bem_adhesion.linearised import LinearisedContact
-from bem_adhesion.load import Load
+from bem_adhesion.load import FieldLoad, Load
 from bem_adhesion.operator import MakeOperator
 from bem_adhesion.solution import NewtonResult, Outcome
 from bem_adhesion.tangent import mean_stiffness
@@ -58,9 +58,9 @@ FAR = 5e-3
 BACKTRACKING, SHORTEST_STEP = 0.4, 1e-4
 # Energies closer than this (relative) are equal to rounding; the residual decides then.
 ENERGY_ROUNDING = 1e-9
-# A step changes K d by K of the change, in float32. What that rounds off is less than this fraction of the largest
-# change times the largest K (at most 2.8e-7 of 3000 changes, 32² to 1024² points). K d is formed anew where all of it
-# since the last time may be more than a share of the residual, and at the end, of the tolerance.
+# A step changes K (d + h) by K of the change, in float32. What that rounds off is less than this fraction of the largest
+# change times the largest K (at most 2.8e-7 of 3000 changes, 32² to 1024² points). K (d + h) is formed anew where all of
+# it since the last time may be more than a share of the residual, and at the end, of the tolerance.
 CHANGE_ROUNDING, SHARE_OF_RESIDUAL, SHARE_OF_TOLERANCE = 3e-7, 0.1, 0.01
 
 
@@ -81,7 +81,7 @@ class AdhesiveContact:
     window : Window, optional
         Where on the grid there is a surface; everywhere without one.
     memory : Memory, optional
-        Where its arrays lie. Between two calls they hold K d alone, see ``known`` of :meth:`solve`.
+        Where its arrays lie. Between two calls they hold ``solid.field`` alone, see ``known`` of :meth:`solve`.
 
     Attributes
     ----------
@@ -138,11 +138,18 @@ class AdhesiveContact:
         state = self._evaluate(gap, load)
         return state.largest, self._runs_away(gap, state)
 
-    def elastic_pressure(self, gap: np.ndarray) -> np.ndarray:
-        """K d in the field of the solid; :meth:`solve` may go on from it."""
+    def press(self, gap: np.ndarray, load: Load) -> np.ndarray:
+        """K d and the load's field in the field of the solid; :meth:`solve` may go on from it."""
+        self._rounded = 0.0
+        return load.press(gap, self.solid)
+
+    def load_that_presses(self, pressing: np.ndarray, gap: np.ndarray, pressure: float) -> FieldLoad:
+        """The load whose field and K d of a gap are given together; :meth:`solve` may go on from them."""
         self._rounded = 0.0
         self.solid.field[...] = gap
-        return self.solid.apply(self.solid.stiffness)
+        load = FieldLoad(pressing - self.solid.apply(self.solid.stiffness), pressure)
+        self.solid.field[...] = pressing
+        return load
 
     def interpolated(self, coarser: "AdhesiveContact", values: np.ndarray) -> np.ndarray:
         """A field on a coarser grid, on this one, to single precision; in a buffer of which a solve takes hold."""
@@ -150,12 +157,12 @@ class AdhesiveContact:
         return self._single.interpolate(coarser._single)
 
     def imbalance(self, gap: np.ndarray, load: Load) -> float:
-        """Mean of K d + φ'(d) + load over the points that are free to move, of the gap whose K d is there."""
-        return self._passes.imbalance(self.solid.field, gap, load)
+        """Mean of K d + φ'(d) + load over the points that are free to move, of a gap that was evaluated last."""
+        return self._passes.imbalance(self.solid.field, gap, load.pressure)
 
     def _evaluate(self, gap: np.ndarray, load: Load) -> Balance:
-        """Energy and gradient at a gap; fills curvature, right side, and the field of the solid with K d."""
-        self.elastic_pressure(gap)
+        """Energy and gradient at a gap; fills curvature, right side, and the field of the solid as :meth:`press`."""
+        self.press(gap, load)
         return self._state(gap, load)
 
     def _evaluate_change(self, gap: np.ndarray, new: np.ndarray, load: Load) -> Balance:
@@ -168,7 +175,7 @@ class AdhesiveContact:
         return self._state(new, load)
 
     def _evaluate_from(self, known: np.ndarray | None, gap: np.ndarray, load: Load) -> Balance:
-        """As :meth:`_evaluate`, from the gap whose K d is there, if there is one."""
+        """As :meth:`_evaluate`, from the gap that was pressed last, if there is one."""
         if known is None:
             return self._evaluate(gap, load)
         if known is gap:
@@ -180,11 +187,11 @@ class AdhesiveContact:
         return self._evaluate(gap, load) if self._rounded > SHARE_OF_RESIDUAL * state.largest else state
 
     def _take_back(self) -> None:
-        """K d as it was before the last change."""
+        """The solid's field as it was before the last change."""
         self.solid.field -= self._single.field
 
     def _state(self, gap: np.ndarray, load: Load) -> Balance:
-        """Energy and gradient at a gap whose K d is in the solid's field."""
+        """Energy and gradient at a gap that was pressed last, or by its change."""
         return self._passes.balance(self.solid.field, gap, load, self._right_side, self.curvature)
 
     def _runs_away(self, gap: np.ndarray, state: Balance) -> bool:
@@ -307,7 +314,7 @@ class AdhesiveContact:
         gap : numpy.ndarray, shape grid.shape
             Initial gap, > 0.
         load : Load
-            Pressure K h + p on the block.
+            On the block.
         tolerance : float
             Largest max|gradient| of a solution.
         max_iterations : int
@@ -315,7 +322,7 @@ class AdhesiveContact:
         approach : bool, optional
             Whether the surfaces come together from separation, see :data:`APPROACH_RESIDUAL`.
         known : numpy.ndarray, optional
-            A gap, this or another, whose K d was formed last: by :meth:`elastic_pressure`, or as that of a result.
+            A gap, this or another, that was evaluated last under this load's field: by :meth:`press`, or as a result.
         overwrite : bool, optional
             Whether ``gap`` and ``known`` are given away: one array less, or two.
         """
@@ -368,7 +375,7 @@ class AdhesiveContact:
             gap, trial = trial, gap
             state = new_state
         # The solver has evaluated this gap last.
-        reaction = self._passes.reaction(self.solid.field, gap, load)
+        reaction = self._passes.reaction(self.solid.field, gap, load.pressure)
         return NewtonResult(gap, reaction, state.largest, iteration, outcome)
 
     def _relax(self, gap: np.ndarray, load: Load, state: Balance, out: np.ndarray) -> bool:

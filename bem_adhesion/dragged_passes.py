@@ -32,8 +32,8 @@ class DraggedPasses(WrappedPasses):
         traction += pull
         return potential
 
-    def gradient(self, elastic, gap, traction, load, pressure, right_side, curvature):
-        result = super().gradient(elastic, gap, traction, load, pressure, right_side, curvature)
+    def gradient(self, pressing, gap, traction, pressure, right_side, curvature):
+        result = super().gradient(pressing, gap, traction, pressure, right_side, curvature)
         free = np.ones_like(curvature)
         self._inner.hold(curvature, free)
         curvature += np.asarray(self._drag, np.float32) * free

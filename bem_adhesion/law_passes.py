@@ -38,11 +38,10 @@ class Balance(NamedTuple):
 
 
 @njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "arcp", "nsz"})
-def _gradient(elastic, gap, traction, load, pressure, equilibrium, peak, right_side, curvature):
-    """Write −(K d + φ' + load), raise the curvature of points out of balance beyond the law's peak.
+def _gradient(pressing, gap, traction, pressure, equilibrium, peak, right_side, curvature):
+    """Write −(pressing + φ' + pressure), raise the curvature of points out of balance beyond the law's peak.
 
-    ``pressure`` is a part of the load that is the same at all points. Returns Σ ½ d·K d + load·d, max|gradient|,
-    Σ gradient² and Σ gradient.
+    Returns Σ (½ pressing + pressure)·d, max|gradient|, Σ gradient² and Σ gradient.
     """
     energy = 0.0
     largest = 0.0
@@ -51,12 +50,11 @@ def _gradient(elastic, gap, traction, load, pressure, equilibrium, peak, right_s
     for i in range(gap.shape[0]):
         for j in range(gap.shape[1]):
             d = gap[i, j]
-            pull = load[i, j] + pressure
-            gradient = elastic[i, j] + traction[i, j] + pull
+            gradient = pressing[i, j] + traction[i, j] + pressure
             right_side[i, j] = -gradient
             if d > peak:
                 curvature[i, j] += CAUTION * abs(gradient) / (d - equilibrium if gradient > 0.0 else d)
-            energy += (0.5 * elastic[i, j] + pull) * d
+            energy += (0.5 * pressing[i, j] + pressure) * d
             largest = max(largest, abs(gradient))
             square += gradient * gradient
             total += gradient
@@ -93,33 +91,31 @@ class LawPasses:
 
     def gradient(
         self,
-        elastic: np.ndarray,
+        pressing: np.ndarray,
         gap: np.ndarray,
         traction: np.ndarray,
-        load: np.ndarray,
         pressure: float,
         right_side: np.ndarray,
         curvature: np.ndarray,
     ) -> tuple[float, float, float, float]:
-        """Write −(K d + φ' + load) into ``right_side``, and raise ``curvature`` where points are out of balance.
+        """Write −(pressing + φ' + pressure) into ``right_side``; raise ``curvature`` where points are out of balance.
 
-        Returns Σ ½ d·K d + load·d, max|gradient|, Σ gradient² and Σ gradient.
+        Returns Σ (½ pressing + pressure)·d, max|gradient|, Σ gradient² and Σ gradient.
         """
         law = self.law
         # Repulsion alone is convex: nothing to be cautious of, and its peak is no distance from its equilibrium.
         peak = law.peak_distance if law.attracts else np.inf
-        return _gradient(elastic, gap, traction, load, pressure, law.equilibrium_distance, peak, right_side, curvature)
+        return _gradient(pressing, gap, traction, pressure, law.equilibrium_distance, peak, right_side, curvature)
 
     def balance(
-        self, elastic: np.ndarray, gap: np.ndarray, load: Load, right_side: np.ndarray, curvature: np.ndarray
+        self, pressing: np.ndarray, gap: np.ndarray, load: Load, right_side: np.ndarray, curvature: np.ndarray
     ) -> Balance:
-        """Write −(K d + φ' + load) and φ'', raised where points are out of balance, given K d; the law part by part."""
-        energy, largest, square, total = 0.0, 0.0, 0.0, 0.0
+        """Write −gradient and φ'', raised where points are out of balance, given K d + field; the law part by part."""
+        energy, largest, square, total = load.energy, 0.0, 0.0, 0.0
         for here, traction in self._parts(gap):
             energy += self.evaluate(gap[here], traction, curvature[here])
-            found = self.gradient(
-                elastic[here], gap[here], traction, load.field[here], load.pressure, right_side[here], curvature[here]
-            )
+            energy += load.rest_of_energy(pressing, gap, here)
+            found = self.gradient(pressing[here], gap[here], traction, load.pressure, right_side[here], curvature[here])
             energy, largest = energy + found[0], max(largest, found[1])
             square, total = square + found[2], total + found[3]
         # A maximum passes over what is not a number.
@@ -133,16 +129,15 @@ class LawPasses:
             traction[here] = scratch
         return total
 
-    def imbalance(self, elastic: np.ndarray, gap: np.ndarray, load: Load) -> float:
-        """Mean of K d + φ' + load over the points that are free to move."""
+    def imbalance(self, pressing: np.ndarray, gap: np.ndarray, pressure: float) -> float:
+        """Mean of pressing + φ' + pressure over the points that are free to move."""
         total, free = 0.0, 0
         for here, traction in self._parts(gap):
             self.evaluate(gap[here], traction, np.empty(traction.shape, np.float32))
-            traction += elastic[here]
-            traction += load.field[here]
+            traction += pressing[here]
             moving = self._free(gap[here])
             total, free = total + float(traction.sum(where=moving)), free + int(np.count_nonzero(moving))
-        return total / free + load.pressure if free else 0.0
+        return total / free + pressure if free else 0.0
 
     def _parts(self, gap: np.ndarray) -> Iterable[tuple[slice, np.ndarray]]:
         """Rows to go through one after the other, and for each its part of a field that is not kept."""
@@ -163,8 +158,8 @@ class LawPasses:
         """Make points that touch a wall as stiff as those it holds; which they are. Without a wall none."""
         return np.zeros(gap.shape, bool)
 
-    def reaction(self, elastic: np.ndarray, gap: np.ndarray, load: Load) -> np.ndarray | float:
-        """Pressure of a wall, K d + φ' + load where the gap is zero; without a wall none."""
+    def reaction(self, pressing: np.ndarray, gap: np.ndarray, pressure: float) -> np.ndarray | float:
+        """Pressure of a wall, pressing + φ' + pressure where the gap is zero; without a wall none."""
         return 0.0
 
     def advance(self, gap: np.ndarray, step: np.ndarray, limit: float, out: np.ndarray) -> None:

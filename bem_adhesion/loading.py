@@ -15,7 +15,7 @@ from scipy.optimize import brentq
 from bem_adhesion.arguments import check_arguments
 from bem_adhesion.free_boundary import FreeHalfSpace, Window
 from bem_adhesion.law_passes import blocks
-from bem_adhesion.load import Load
+from bem_adhesion.load import HeightLoad
 from bem_adhesion.multilevel import MultilevelContact
 from bem_adhesion.operator import periodic
 from bem_adhesion.roughness import typical_wavenumber
@@ -126,7 +126,7 @@ class LoadedContact:
         elif isinstance(solid, FreeHalfSpace) and control == "approach":
             self._spring = solid.mean_stiffness(self._grid)
         self._contact = MultilevelContact(self._grid, periodic(solid, self._spring, threads), self._law, shift, window)
-        self._flattening = self._contact.finest.elastic_pressure(height / self._length).copy()
+        self._heights = HeightLoad.on(self._contact.finest.solid, height, 1 / self._length)
 
     def _typical_wavenumber(self) -> float:
         inside, (dy, dx) = self._window.inside(self.height) / self._length, self._grid.spacing
@@ -212,8 +212,13 @@ class LoadedContact:
         return self._contact.finest.mean_stiffness(gap) * self.elasticity.contact_modulus / self._length
 
     def _solve(self, gap: np.ndarray, pressure: float, approach: bool, tolerance: float | None = None) -> NewtonResult:
-        load = Load(self._flattening, pressure)
-        return self._contact.solve(gap, load, tolerance or self.tolerance, self.max_iterations, approach)
+        return self._contact.solve(
+            gap, self._load(pressure), tolerance or self.tolerance, self.max_iterations, approach
+        )
+
+    def _load(self, pressure: float) -> HeightLoad:
+        """What presses on the solid at a mean pressure, in units of the contact modulus."""
+        return replace(self._heights, pressure=pressure)
 
     def _hold(self, gap: np.ndarray, mean_gap: float, approach: bool) -> NewtonResult:
         """Move the end of the spring by the secant method until the mean gap is met."""
@@ -263,12 +268,12 @@ class LoadedContact:
         """Mean tension under which a state is in equilibrium, in units of the contact modulus."""
         if not self.law.has_wall:
             return float(np.mean(self._law.traction(gap)))
+        finest, load = self._contact.finest, self._load(-self._spring * float(gap.mean()))
+        pressing = finest.press(gap, load)
         if not gap.any():  # in full contact the one at which a first point is pulled off
-            return float(self._flattening.min()) + self._law.peak_tensile_stress
+            return float(pressing.min()) + self._law.peak_tensile_stress
         # The wall's share is not in the law; points that are free are in balance without it.
-        finest = self._contact.finest
-        finest.elastic_pressure(gap)
-        return finest.imbalance(gap, Load(self._flattening, -self._spring * float(gap.mean())))
+        return finest.imbalance(gap, load)
 
     def _solution(self, result: NewtonResult, pairs: float) -> Solution:
         gap = result.gap

@@ -71,7 +71,7 @@ class LocalRelaxation:
     def relax(
         self,
         gap: np.ndarray,
-        elastic: np.ndarray,
+        pressing: np.ndarray,
         load: Load,
         right_side: np.ndarray,
         out: np.ndarray,
@@ -80,8 +80,8 @@ class LocalRelaxation:
 
         Parameters
         ----------
-        gap, elastic : numpy.ndarray
-            The state of the whole, and K d.
+        gap, pressing : numpy.ndarray
+            The state of the whole, and K d with the load's field.
         load : Load
             On the whole.
         right_side : numpy.ndarray
@@ -98,7 +98,7 @@ class LocalRelaxation:
             rows = (row * self._tile[0] + np.arange(square.grid.shape[0])) % gap.shape[0]
             columns = (column * self._tile[1] + np.arange(square.grid.shape[1])) % gap.shape[1]
             here = np.ix_(rows, columns)
-            local_load = Load(elastic[here] + load.field[here] - square.elastic_pressure(gap[here]), load.pressure)
+            local_load = square.load_that_presses(pressing[here], gap[here], load.pressure)
             # Where squares overlap, the next goes on from what the last one left.
             start = out[here]
             square.tie(self._springs, start, stalls=False)

@@ -134,19 +134,19 @@ class MultilevelContact:
         approach: bool,
         known: np.ndarray | None = None,
     ) -> NewtonResult:
-        """``known`` is None, or the gap itself if :attr:`finest` has formed its elastic pressure last."""
+        """``known`` is None, or the gap itself if :attr:`finest` has evaluated it last under this load's field."""
         start = gap
         # The spring of gap control overshoots on its way to the gap: it takes no predictions but the first.
         if self.coarser and (approach or self.finest.solid.mean_stiffness == 0):
             if known is None:
-                self.finest.elastic_pressure(gap)
+                self.finest.press(gap, load)
             start, known = self._predict(self.coarser, gap, load, max_iterations, approach), gap
         return self.finest.solve(start, load, tolerance, max_iterations, approach, known, overwrite=True)
 
     def _predict(
         self, coarser: "MultilevelContact", gap: np.ndarray, load: Load, max_iterations: int, approach: bool
     ) -> np.ndarray:
-        """The gap that the coarser grids foresee, of one whose K d is there; the start where they foresee none."""
+        """The gap that the coarser grids foresee, of one that was pressed last; the start where they foresee none."""
         law = self.finest.law
         change_of_load = self.finest.imbalance(gap, load)
         # Surfaces that come together snap in at any load.
@@ -155,8 +155,7 @@ class MultilevelContact:
             return gap
         behind = float(np.copysign(lag, change_of_load))
         start = np.ascontiguousarray(gap[::2, ::2])
-        field = self.finest.solid.field[::2, ::2] + load.field[::2, ::2] - coarser.finest.elastic_pressure(start)
-        coarse_load = Load(field, load.pressure)
+        coarse_load = coarser.finest.load_that_presses(self.finest.solid.field[::2, ::2], start, load.pressure)
         result = coarser._descend(start, coarse_load - behind, COARSE_TOLERANCE, max_iterations, approach, start)
         if result.outcome is not Outcome.CONVERGED:
             return gap

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from bem_adhesion.load import Load
+from bem_adhesion.load import HeightLoad
 from bem_adhesion.loading import LoadedContact
 from bem_adhesion.solution import NewtonResult, Outcome, Solution
 
@@ -74,9 +74,9 @@ class OverdampedContact(LoadedContact):
         found = self._in_motion(replace(result, residual=left))
         return Moved(found.gap, found, left)
 
-    def _scaled(self, state: np.ndarray, load: float) -> tuple[np.ndarray, Load]:
-        """Gap and load in the units of the levels, the load with the pressure that flattens the heights."""
-        return state / self._length, Load(self._flattening, load / self.elasticity.contact_modulus)
+    def _scaled(self, state: np.ndarray, load: float) -> tuple[np.ndarray, HeightLoad]:
+        """Gap and load in the units of the levels."""
+        return state / self._length, self._load(load / self.elasticity.contact_modulus)
 
     def _work(self) -> float:
         """Transform pairs since it was asked for last."""
@@ -85,7 +85,7 @@ class OverdampedContact(LoadedContact):
 
     def _in_motion(self, result: NewtonResult) -> Solution:
         """A state whose law does not balance its flexure: ½<w, K w> takes a transform."""
-        flexure = self._contact.finest.elastic_pressure(result.gap) + self._flattening
+        flexure = self._contact.finest.press(result.gap, self._heights)
         elastic = 0.5 * float(np.mean(flexure * (result.gap + self.height / self._length)))
         elastic *= self.elasticity.contact_modulus * self._length
         found = self._solution(result, self._work())

@@ -25,7 +25,7 @@ HELD = 1e3
 
 
 @njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "arcp", "nsz"})
-def _gradient(elastic, gap, traction, load, pressure, margin, held, right_side, curvature):
+def _gradient(pressing, gap, traction, pressure, margin, held, right_side, curvature):
     """As ``law_passes._gradient`` outside a wall; held points are balanced and get the curvature ``held``."""
     energy = 0.0
     largest = 0.0
@@ -34,9 +34,8 @@ def _gradient(elastic, gap, traction, load, pressure, margin, held, right_side, 
     for i in range(gap.shape[0]):
         for j in range(gap.shape[1]):
             d = gap[i, j]
-            pull = load[i, j] + pressure
-            gradient = elastic[i, j] + traction[i, j] + pull
-            energy += (0.5 * elastic[i, j] + pull) * d
+            gradient = pressing[i, j] + traction[i, j] + pressure
+            energy += (0.5 * pressing[i, j] + pressure) * d
             if d == 0.0 and gradient > 0.0:
                 right_side[i, j] = 0.0
                 curvature[i, j] = held
@@ -86,8 +85,8 @@ class WallPasses(LawPasses):
         self.margin = law.length
         self._held = np.float32(HELD * largest)
 
-    def gradient(self, elastic, gap, traction, load, pressure, right_side, curvature):
-        return _gradient(elastic, gap, traction, load, pressure, self.margin, self._held, right_side, curvature)
+    def gradient(self, pressing, gap, traction, pressure, right_side, curvature):
+        return _gradient(pressing, gap, traction, pressure, self.margin, self._held, right_side, curvature)
 
     def hold(self, curvature, step):
         step[curvature == self._held] = 0
@@ -97,12 +96,11 @@ class WallPasses(LawPasses):
         curvature[held] = np.float32(PINNED / HELD) * self._held
         return held
 
-    def reaction(self, elastic, gap, load):
+    def reaction(self, pressing, gap, pressure):
         reaction = np.zeros_like(gap)
         for here, traction in self._parts(gap):
             self.evaluate(gap[here], traction, np.empty(traction.shape, np.float32))
-            pressure = elastic[here] + traction + (load.field[here] + load.pressure)
-            np.copyto(reaction[here], pressure, where=gap[here] == 0)
+            np.copyto(reaction[here], pressing[here] + traction + pressure, where=gap[here] == 0)
         return reaction
 
     def _free(self, gap):

@@ -4,7 +4,6 @@ import numpy as np
 
 from bem_adhesion.free_boundary import Window
 from bem_adhesion.law_passes import LawPasses
-from bem_adhesion.load import Load
 from bem_adhesion.wrapped_passes import WrappedPasses
 
 
@@ -33,8 +32,8 @@ class WindowPasses(WrappedPasses):
         self._window.inside(stiffness)[...] = own_stiffness
         return total
 
-    def gradient(self, elastic, gap, traction, load, pressure, right_side, curvature):
-        result = super().gradient(elastic, gap, traction, load, pressure, right_side, curvature)
+    def gradient(self, pressing, gap, traction, pressure, right_side, curvature):
+        result = super().gradient(pressing, gap, traction, pressure, right_side, curvature)
         # What the pass adds where points are out of balance is of the law; the padding is linear.
         own_curvature = self._window.inside(curvature).copy()
         curvature[...] = 0
@@ -47,9 +46,9 @@ class WindowPasses(WrappedPasses):
         inside(held)[...] = self._inner.pin(inside(curvature), inside(gap))
         return held
 
-    def reaction(self, elastic, gap, load):
+    def reaction(self, pressing, gap, pressure):
         inside = self._window.inside
-        own = self._inner.reaction(inside(elastic), inside(gap), Load(inside(load.field), load.pressure))
+        own = self._inner.reaction(inside(pressing), inside(gap), pressure)
         if np.ndim(own) == 0:
             return own
         reaction = np.zeros_like(gap)

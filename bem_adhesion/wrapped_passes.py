@@ -22,8 +22,8 @@ class WrappedPasses(LawPasses):
     def evaluate(self, gap, traction, stiffness):
         return self._inner.evaluate(gap, traction, stiffness)
 
-    def gradient(self, elastic, gap, traction, load, pressure, right_side, curvature):
-        return self._inner.gradient(elastic, gap, traction, load, pressure, right_side, curvature)
+    def gradient(self, pressing, gap, traction, pressure, right_side, curvature):
+        return self._inner.gradient(pressing, gap, traction, pressure, right_side, curvature)
 
     def hold(self, curvature, step):
         self._inner.hold(curvature, step)
@@ -31,8 +31,8 @@ class WrappedPasses(LawPasses):
     def pin(self, curvature, gap):
         return self._inner.pin(curvature, gap)
 
-    def reaction(self, elastic, gap, load):
-        return self._inner.reaction(elastic, gap, load)
+    def reaction(self, pressing, gap, pressure):
+        return self._inner.reaction(pressing, gap, pressure)
 
     def advance(self, gap, step, limit, out):
         self._inner.advance(gap, step, limit, out)

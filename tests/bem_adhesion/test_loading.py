@@ -4,7 +4,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from bem_adhesion import multilevel
-from bem_adhesion.load import Load
 from bem_adhesion.loading import LoadedContact, reach, typical_wavenumber
 from bem_adhesion.solution import Outcome
 from contact_study.fields.grid import Grid
@@ -253,7 +252,7 @@ def test_tangent_covers_small_changes_only():
     contact = rough_contact(1.0)
     solver = contact._contact.finest
     start = contact.step(contact.separated(), 1e9).gap / contact.law.length
-    load = Load(contact._flattening, 1.001e9 / contact.elasticity.contact_modulus)
+    load = contact._load(1.001e9 / contact.elasticity.contact_modulus)
     target = solver.solve(start, load, 1e-10, 50).gap
     moved = solver.on_tangent(start, load, 0.1)
     # A linear solve to a tenth, and curvature: what is left is a small part of the way.
@@ -265,7 +264,7 @@ def test_further_tangent_steps_close_in_within_the_same_limit():
     contact = rough_contact(1.0)
     solver = contact._contact.finest
     start = contact.step(contact.separated(), 1e9).gap / contact.law.length
-    load = Load(contact._flattening, 1.01e9 / contact.elasticity.contact_modulus)
+    load = contact._load(1.01e9 / contact.elasticity.contact_modulus)
     target = solver.solve(start, load, 1e-10, 50).gap
     one, three = (solver.on_tangent(start, load, 0.1, steps) for steps in (1, 3))
     # Each linear solve goes to a tenth of the residual.

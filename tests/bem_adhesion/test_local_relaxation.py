@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from bem_adhesion.adhesive import CLOSE, AdhesiveContact
-from bem_adhesion.load import Load
+from bem_adhesion.load import FieldLoad
 from bem_adhesion.loading import LoadedContact
 from bem_adhesion.local_relaxation import MOST_SQUARES, LocalRelaxation, _largest_of_tiles, _squares
 from bem_adhesion.operator import periodic
@@ -26,7 +26,7 @@ def test_a_place_out_of_balance_relaxes_as_in_the_whole(place):
     away = [np.minimum((i - at) % POINTS, (at - i) % POINTS) for i, at in zip((y, x), place, strict=True)]
     bump = 0.05 * np.exp(-(away[0] ** 2 + away[1] ** 2) / 50.0)
     start = np.full(grid.shape, 1.0)  # flat surfaces at the law's equilibrium
-    load = Load(-the_law.traction(start) + bump)
+    load = FieldLoad(-the_law.traction(start) + bump)
     assert whole.imbalance_at(start, load)[0] == pytest.approx(0.05)
 
     local, out = LocalRelaxation(grid, periodic(UNIT), the_law, 0.05), np.empty_like(start)
@@ -48,7 +48,7 @@ def test_the_rim_stays_where_nothing_else_holds_it():
     start = np.full(grid.shape, the_law.peak_distance)  # there the law has no stiffness
     push = np.zeros(grid.shape)
     push[120:128, 120:128] = 0.02
-    load = Load(push - the_law.traction(start))
+    load = FieldLoad(push - the_law.traction(start))
     whole.imbalance_at(start, load)
     local, out = LocalRelaxation(grid, periodic(UNIT), the_law, 0.05), np.empty_like(start)
     assert local.relax(start, whole.solid.field.copy(), load, whole._right_side, out)
@@ -62,7 +62,7 @@ def test_springs_that_hold_the_rim_leave_negative_curvature_to_the_descent():
     the_law = law().scaled(law().length, E_STAR)
     contact = AdhesiveContact(Grid((32, 32), (16.0, 16.0)), periodic(UNIT), the_law, 0.05)
     start = np.full(contact.grid.shape, 1.3)  # beyond the peak: balanced, but for a push, and unstable
-    load = Load(-the_law.traction(start), 1e-4)
+    load = FieldLoad(-the_law.traction(start), 1e-4)
     for stalls, outcome in [(True, Outcome.STALLED), (False, Outcome.CONVERGED)]:
         contact.tie(np.full(contact.grid.shape, 1e-3), start, stalls)
         assert contact.solve(start, load, 1e-8, 100).outcome is outcome
