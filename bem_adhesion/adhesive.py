@@ -58,9 +58,9 @@ FAR = 5e-3
 BACKTRACKING, SHORTEST_STEP = 0.4, 1e-4
 # Energies closer than this (relative) are equal to rounding; the residual decides then.
 ENERGY_ROUNDING = 1e-9
-# A step changes K (d + h) by K of the change, in float32. What that rounds off is less than this fraction of the largest
-# change times the largest K (at most 2.8e-7 of 3000 changes, 32² to 1024² points). K (d + h) is formed anew where all of
-# it since the last time may be more than a share of the residual, and at the end, of the tolerance.
+# A step changes K (d + h) by K of the change, in float32. What that rounds off is less than this fraction of the
+# largest change times the largest K (at most 2.8e-7 of 3000 changes, 32² to 1024² points). It is formed anew where all
+# that was rounded off since the last time may be more than a share of the residual, and at the end, of the tolerance.
 CHANGE_ROUNDING, SHARE_OF_RESIDUAL, SHARE_OF_TOLERANCE = 3e-7, 0.1, 0.01
 
 
