@@ -11,7 +11,7 @@ import numpy as np
 from numba import njit
 
 from bem_adhesion.free_boundary import Window
-from bem_adhesion.law_passes import CAUTION, LawPasses
+from bem_adhesion.law_passes import CAUTION, LawPasses, blocks
 from bem_adhesion.lennard_jones_passes import LennardJones104Passes
 from bem_adhesion.tangent import PINNED
 from bem_adhesion.window_passes import WindowPasses
@@ -57,18 +57,6 @@ def _advance(gap, step, limit, margin, out):
         out[i] = max(d + min(max(step[i], -most), most), 0.0)
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "arcp", "nsz"})
-def _exponential(gap, length, work, traction, stiffness):
-    """φ' and φ'' of −work·exp(−gap/length) over flat arrays; returns Σ φ."""
-    total = 0.0
-    for i in range(gap.size):
-        energy = work * np.exp(-gap[i] / length)
-        traction[i] = energy / length
-        stiffness[i] = -energy / (length * length)
-        total -= energy
-    return total
-
-
 class WallPasses(LawPasses):
     """The passes of a law outside a wall.
 
@@ -111,12 +99,17 @@ class WallPasses(LawPasses):
 
 
 class ExponentialPasses(WallPasses):
-    """The exponential law, compiled."""
+    """The exponential law, by one exponential a point; NumPy's is a vector's, unlike that of a compiled loop."""
 
     def evaluate(self, gap, traction, stiffness):
-        law = self.law
-        flat = gap.reshape(-1), law.length, law.work_of_adhesion, traction.reshape(-1), stiffness.reshape(-1)
-        return float(_exponential(*flat))
+        law, total = self.law, 0.0
+        for here in blocks(gap):
+            tension = np.multiply(gap[here], -1 / law.length, out=traction[here])
+            np.exp(tension, out=tension)
+            tension *= law.work_of_adhesion / law.length
+            np.multiply(tension, -1 / law.length, out=stiffness[here], casting="same_kind")
+            total -= law.length * float(tension.sum())
+        return total
 
 
 def passes_of(law: TractionLaw, largest: float = 1.0, window: Window | None = None) -> LawPasses:
