@@ -12,6 +12,7 @@ keeps from giving way, is left to the next Newton step of the whole.
 """
 
 import numpy as np
+from numba import njit
 from numpy.lib.stride_tricks import sliding_window_view
 
 from bem_adhesion.adhesive import CLOSE, AdhesiveContact
@@ -115,10 +116,20 @@ def _ramp(points: int) -> np.ndarray:
 
 def _largest_of_tiles(field: np.ndarray, tile: tuple[int, int]) -> np.ndarray:
     """Largest magnitude in every tile; the last of an axis may be smaller."""
-    starts = np.arange(0, field.shape[0], tile[0]), np.arange(0, field.shape[1], tile[1])
-    largest = np.maximum.reduceat(np.maximum.reduceat(field, starts[0], axis=0), starts[1], axis=1)
-    least = np.minimum.reduceat(np.minimum.reduceat(field, starts[0], axis=0), starts[1], axis=1)
-    return np.maximum(largest, -least)
+    largest = np.zeros([-(-points // along) for points, along in zip(field.shape, tile, strict=True)], field.dtype)
+    _raise_to_largest(field, *tile, largest)
+    return largest
+
+
+@njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "arcp", "nsz"})
+def _raise_to_largest(field, rows, columns, largest):
+    for i in range(field.shape[0]):
+        of_row = largest[i // rows]
+        for tile in range(of_row.size):
+            found = of_row[tile]
+            for j in range(tile * columns, min((tile + 1) * columns, field.shape[1])):
+                found = max(found, abs(field[i, j]))
+            of_row[tile] = found
 
 
 def _squares(largest: np.ndarray) -> list[tuple[int, int]] | None:
