@@ -306,6 +306,25 @@ def test_the_library_names_what_is_wrong(arguments, words):
         rough_contact(np.zeros((4, 4)), 1.0, 1e9, **given)
 
 
+def test_a_gap_is_met_where_every_touching_point_yields():
+    """A few soft points: the pressure stands still at a whole number of them while the surfaces come nearer."""
+    height, grid = random_heights((12, 12), 1.0, seed=3)
+    hardness = 1e-4 * height.std() / max(grid.size) * CONTACT_MODULUS
+    contact = plastic(height, grid, hardness, control="gap")
+    highest = np.sort(height, axis=None)[-4:]
+    # Midway between the third and the fourth point from above: three touch, next to undeformed.
+    level = 0.5 * (highest[0] + highest[1])
+    target = float(np.maximum(level - height, 0).mean())
+    [found] = walked(contact, [target])
+    assert found.gap.mean() == pytest.approx(target, rel=1e-9)
+    assert found.pressure.mean() == pytest.approx(3 / 144 * hardness, rel=1e-12)
+    assert_conditions(found, np.zeros(grid.shape), height, grid, hardness, found.pressure.mean())
+    # Solid and load move by a ten-thousandth of the heights.
+    np.testing.assert_allclose(np.sort(found.plastic_indentation, axis=None)[-3:], highest[1:] - level, rtol=1e-2)
+    [near, nearer] = walked(contact, [target, 0.999 * target])
+    assert np.all((nearer.plastic_indentation > near.plastic_indentation) == (near.pressure == hardness))
+
+
 def test_a_load_that_no_state_carries_is_refused():
     height, grid = self_affine(32)
     contact = plastic(height, grid, 1e9)

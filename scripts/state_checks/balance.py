@@ -8,10 +8,10 @@ import numpy as np
 from scipy.fft import dctn, idctn
 from scipy.signal import fftconvolve
 
-from bem_adhesion import Solution
 from contact_study.fields.grid import Grid
 from contact_study.problem.elasticity import Elasticity, HalfSpace
 from contact_study.problem.laws import TractionLaw
+from scripts.state_checks.point import Point
 
 
 class PeriodicSurface:
@@ -28,19 +28,26 @@ class PeriodicSurface:
         self._stiffness = np.zeros(grid.shape)
         self._stiffness[q > 0] = solid.stiffness(q[q > 0])
 
-    def _elastic(self, displacement: np.ndarray) -> np.ndarray:
+    def elastic(self, displacement: np.ndarray) -> np.ndarray:
+        """The pressure that a displacement takes, but for its mean (Pa)."""
         return np.fft.ifft2(self._stiffness * np.fft.fft2(displacement)).real
 
-    def imbalance(self, displacement: np.ndarray, found: Solution) -> np.ndarray:
+    def imbalance(self, displacement: np.ndarray, found: Point) -> np.ndarray:
         """Pressure of the interface that nothing elastic holds (Pa)."""
-        return self._elastic(displacement) + found.pressure.mean() - found.pressure
+        return self.elastic(displacement) + found.pressure.mean() - found.pressure
 
-    def energy(self, law: TractionLaw, heights: np.ndarray, found: Solution, gap: np.ndarray, control: str) -> float:
+    def energy(self, law: TractionLaw, heights: np.ndarray, found: Point, gap: np.ndarray, control: str) -> float:
         """Elastic energy, interaction and load at a gap, per area (J/m²)."""
         displacement = heights + gap
         load = found.pressure.mean() * gap.mean() if control == "pressure" else 0.0
-        elastic = 0.5 * np.mean(displacement * self._elastic(displacement))
-        return float(elastic + np.mean(law.potential(gap)) + load)
+        return float(self._energy_of(displacement) + np.mean(law.potential(gap)) + load)
+
+    def stored(self, heights: np.ndarray, found: Point) -> float:
+        """Elastic energy of a state but for its uniform compression, per area (J/m²)."""
+        return self._energy_of(heights + found.gap)
+
+    def _energy_of(self, displacement: np.ndarray) -> float:
+        return 0.5 * float(np.mean(displacement * self.elastic(displacement)))
 
 
 class FreeSurface:
@@ -68,7 +75,7 @@ class FreeSurface:
     def _displaced(self, pressure: np.ndarray) -> np.ndarray:
         return fftconvolve(pressure, self._kernel, "same")
 
-    def imbalance(self, displacement: np.ndarray, found: Solution) -> np.ndarray:
+    def imbalance(self, displacement: np.ndarray, found: Point) -> np.ndarray:
         """How far the surface is from where its pressures put it, as the stress that would move it there (Pa).
 
         Of the patch's own cosine waves, each with its stiffness in the half-space: the scale of that stress, which a
@@ -77,7 +84,7 @@ class FreeSurface:
         away = found.plane + self._displaced(found.pressure) - displacement
         return idctn(self._stiffness * dctn(away, norm="ortho"), norm="ortho")
 
-    def energy(self, law: TractionLaw, heights: np.ndarray, found: Solution, gap: np.ndarray, control: str) -> float:
+    def energy(self, law: TractionLaw, heights: np.ndarray, found: Point, gap: np.ndarray, control: str) -> float:
         """Energy at a gap near the one found, to second order (J/m²).
 
         The compliance is known, its inverse is not: the pressures of the changed surface are bounded from below by
@@ -86,6 +93,10 @@ class FreeSurface:
         change = gap - found.gap
         first = np.mean(found.pressure * change)
         return float(first + np.mean(law.potential(gap)) + 0.5 * self._least_stiffness(change))
+
+    def stored(self, heights: np.ndarray, found: Point) -> float:
+        """Elastic energy of a state, per area of the surface (J/m²)."""
+        return 0.5 * float(np.mean(found.pressure * self._displaced(found.pressure)))
 
     def _least_stiffness(self, change: np.ndarray) -> float:
         """<c, C⁻¹ c> >= <c, p>²/<p, C p> for any pressure p; taken for the p that c's own slopes suggest."""

@@ -1,0 +1,173 @@
+"""A path in steps of its own: its points are equilibria, its books add up, small steps come to the same."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from bem_adhesion import Contact, Solution, rough_contact
+from bem_adhesion.run import solve_path
+from contact_study.observables.base import InterfaceState
+from contact_study.problem.case import Case
+from contact_study.problem.surface import Surface
+from scripts.state_checks import equilibrium
+from scripts.state_checks.equilibrium import Surfaces
+from scripts.state_checks.point import Point
+from scripts.state_checks.verdict import Verdict
+
+SMALL_STEPS = 24
+# Share of what was exchanged by which the losses of two ways through the same states may differ.
+SAME = 1e-3
+# Times the median that a gap changes by at most in a small step of no jump.
+JUMP = 5
+# What a step may leave unaccounted for of what it exchanged (docs, "Loading"), and of the work of adhesion.
+SHARE, NOISE = 0.02, 1e-6
+
+
+@dataclass
+class Books:
+    """Pressures, separations and energies of the states of a path, one after the other.
+
+    Parameters
+    ----------
+    states : numpy.ndarray, shape (n, 3)
+        Pa, m, J/m².
+    """
+
+    states: np.ndarray
+
+    @property
+    def lost(self) -> np.ndarray:
+        """Work of the load that is not in the energy, by the trapezoidal rule, of each step (J/m²)."""
+        return self._work - np.diff(self.states[:, 2])
+
+    @property
+    def exchanged(self) -> np.ndarray:
+        """Work and energy exchanged in each step, of either sign (J/m²)."""
+        pressure, separation, energy = self.states.T
+        pushed = 0.5 * (np.abs(pressure[1:]) + np.abs(pressure[:-1])) * np.abs(np.diff(separation))
+        return pushed + np.abs(np.diff(energy))
+
+    @property
+    def undecided(self) -> float:
+        """By how much that may be off as the places of jumps within their steps are unknown (J/m²)."""
+        pressure, separation, _ = np.diff(self.states, axis=0).T
+        return 0.5 * float(np.abs(pressure * separation)[self.jumps(0.0)].sum())
+
+    @property
+    def _work(self) -> np.ndarray:
+        pressure, separation, _ = self.states.T
+        return -0.5 * (pressure[1:] + pressure[:-1]) * np.diff(separation)
+
+    def jumps(self, noise: float) -> np.ndarray:
+        """Which steps hold more than the rule may leave: jumps, if they were short."""
+        return np.abs(self.lost) > np.maximum(SHARE * self.exchanged, noise)
+
+
+def follow(case: Case, surface: Surface, surfaces: Surfaces, rng: np.random.Generator, verdict: Verdict) -> None:
+    """Solve a case's path and check its points; parameters as of :func:`scripts.state_checks.relaxing.follow`."""
+    contact = rough_contact(
+        surfaces.heights,
+        surfaces.grid.size,
+        case.solid,
+        case.law,
+        case.loading.control,
+        boundary=case.elasticity.boundary,
+    )
+    points: list[InterfaceState] = []
+    for written, (target, _) in zip(solve_path(case, surface), case.path, strict=True):
+        verdict.states += 1
+        points.append(written)
+        if not written.report.converged:
+            verdict.flagged.append(written.report.message)
+            return
+        if written.report.detached:
+            verdict.detached += 1
+            continue
+        point = Point.on_path(written, surfaces.free)
+        equilibrium.check(surfaces, point, target, lambda start, to=target: contact.step(start, to), rng, verdict)
+        compression = case.solid.compression_energy(float(point.pressure.mean()))
+        equilibrium.check_energies(surfaces, point, target, compression, verdict)
+    _check_books(case, points, verdict)
+    number = int(rng.integers(1, len(points)))
+    _check_small_steps(case, contact, surfaces, points[number - 1], points[number], number, verdict)
+
+
+def _check_books(case: Case, points: list[InterfaceState], verdict: Verdict) -> None:
+    """Each written energy is a state's; the jumps' losses add up to what is said to be dissipated."""
+    noise = NOISE * case.law.work_of_adhesion
+    previous = None
+    for number, point in enumerate(points):
+        where = f"adaptive, point {number}"
+        own = point.own_steps
+        assert own is not None
+        if not point.report.detached:
+            energy = point.elastic_energy + point.interaction_energy
+            last = np.array([point.pressure.mean(), point.mean_separation, energy])
+            if not np.allclose(own.passed[-1], last, rtol=1e-9, atol=0):
+                verdict.faults.append(f"{where}: the last state passed is not the point's")
+        before = points[number - 1].own_steps if number else None
+        if previous is not None and before is not None and np.isfinite(previous).all() and len(own.passed):
+            books = Books(np.vstack([previous, own.passed]))
+            if np.isfinite(books.states).all():
+                booked = float(np.maximum(books.lost, 0)[books.jumps(noise)].sum())
+                added = own.dissipated - before.dissipated
+                if abs(added - booked) > 1e-6 * booked + noise:
+                    verdict.faults.append(f"{where}: dissipated {added:.6g}, its jumps lost {booked:.6g} J/m²")
+        previous = own.passed[-1] if len(own.passed) else previous
+
+
+def _check_small_steps(
+    case: Case,
+    contact: Contact,
+    surfaces: Surfaces,
+    before: InterfaceState,
+    after: InterfaceState,
+    number: int,
+    verdict: Verdict,
+) -> None:
+    """From one point to the next in many even steps: to the same state, unless one of the two ways jumps."""
+    begin, end = case.path[number - 1][0], case.path[number][0]
+    where = f"adaptive, {surfaces.control} {begin:.4g} to {end:.4g}"
+    if before.report.detached:
+        return
+    state, gap, passed, moves = before.restart["state"], before.gap, [_last(before)], []
+    for position in np.linspace(begin, end, SMALL_STEPS + 1)[1:]:
+        found = contact.step(state, float(position))
+        if not found.converged:
+            return
+        if found.detached:
+            break
+        passed.append(_books_of(case, found))
+        moves.append(float(np.abs(found.gap - gap).max()) / surfaces.length)
+        state, gap = found.state, found.gap
+    small = Books(np.array(passed))
+    assert after.own_steps is not None
+    own = Books(np.vstack([_last(before), after.own_steps.passed]))
+    if found.detached or after.report.detached:
+        if found.detached != after.report.detached:
+            verdict.faults.append(f"{where}: apart in the one way only")
+        return
+    apart = abs(own.lost.sum() - small.lost.sum())
+    if apart > SHARE * own.exchanged.sum() + own.undecided + small.undecided:
+        verdict.faults.append(f"{where}: lost {own.lost.sum():.4g}, in small steps {small.lost.sum():.4g} J/m²")
+    # Where points move further in one step than in the others they jump, and the length of steps may decide where to;
+    # so may jumps that cost less than a step may leave.
+    if max(moves) > JUMP * np.median(moves) or apart > SAME * own.exchanged.sum():
+        return
+    away = float(np.abs(found.gap - after.gap).max()) / surfaces.length
+    if away > 1e-3:
+        verdict.faults.append(f"{where}: small steps end {away:.1e} lengths away without a jump")
+
+
+def _books_of(case: Case, found: Solution) -> np.ndarray:
+    """Mean pressure, separation and energy of a state, as the books of a path have them."""
+    pressure = float(found.pressure.mean())
+    plane = found.plane
+    separation = float(found.gap.mean()) - case.solid.compression(pressure) if plane is None else plane
+    energy = found.elastic_energy + found.interaction_energy
+    return np.array([pressure, separation - case.law.equilibrium_distance, energy])
+
+
+def _last(point: InterfaceState) -> np.ndarray:
+    energy = point.elastic_energy + point.interaction_energy
+    return np.array([point.pressure.mean(), point.mean_separation, energy])

@@ -1,0 +1,122 @@
+"""A path of a hard wall with a hardness: bounds, what yields and where, unloading, what stays."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from bem_adhesion import Solution, rough_contact
+from contact_study.problem.case import Case
+from contact_study.problem.elasticity import HalfSpace
+from scripts.state_checks import equilibrium
+from scripts.state_checks.equilibrium import CHANGE, Surfaces, changes
+from scripts.state_checks.point import Point
+from scripts.state_checks.verdict import Verdict
+
+# Share of the hardness by which a pressure that is at it may be off in float64.
+ROUNDED = 1e-14
+
+
+def follow(case: Case, surfaces: Surfaces, rng: np.random.Generator, verdict: Verdict) -> None:
+    """Solve a case's path and check its states; parameters as of :func:`scripts.state_checks.plain_steps.follow`."""
+    hardness = case.material.hardness
+    assert hardness is not None
+    contact = rough_contact(
+        surfaces.heights,
+        surfaces.grid.size,
+        case.solid,
+        case.law,
+        case.loading.control,
+        boundary=case.elasticity.boundary,
+        hardness=hardness,
+    )
+    state, before = contact.separated(), np.zeros(surfaces.grid.shape)
+    earlier: dict[float, Solution] = {}
+    for target, _ in case.path:
+        found = contact.step(state, target)
+        verdict.states += 1
+        if not found.converged:
+            verdict.flagged.append(found.message)
+            return
+        where = f"hardness, {surfaces.control} {target:.4g}"
+        yielded = found.plastic_indentation
+        assert yielded is not None
+        if found.pressure.max() > hardness * (1 + ROUNDED) or found.pressure.min() < 0:
+            verdict.faults.append(f"{where}: pressures from {found.pressure.min():g} to {found.pressure.max():g} Pa")
+        if np.any(yielded < before) or np.any((yielded > before) & (found.pressure < hardness * (1 - ROUNDED))):
+            verdict.faults.append(f"{where}: yields where it may not, or back")
+        if np.any(found.gap[found.pressure > 0]):
+            verdict.faults.append(f"{where}: a gap under pressure")
+        # With what has yielded taken off, it is an elastic contact like any other; which start it has been found from
+        # decides nothing, what had yielded before it everything.
+        worn = replace(surfaces, heights=surfaces.heights - yielded)
+        point = replace(Point.of(found), state=found.state[0])
+        kept = state[1]
+
+        def again(start: np.ndarray, kept: np.ndarray = kept, target: float = target) -> Solution:
+            return contact.step(np.stack([start, kept]), target)
+
+        equilibrium.check(worn, point, target, again, rng, verdict)
+        compression = case.solid.compression_energy(float(point.pressure.mean()))
+        equilibrium.check_energies(worn, point, target, compression, verdict)
+        _check_work(surfaces, found, before, hardness, where, rng, verdict)
+        _check_unloading(case, found, target, earlier, where, verdict)
+        earlier[target] = found
+        state, before = found.state, yielded
+
+
+def _check_work(
+    surfaces: Surfaces,
+    found: Solution,
+    before: np.ndarray,
+    hardness: float,
+    where: str,
+    rng: np.random.Generator,
+    verdict: Verdict,
+) -> None:
+    """No other way to yield, of no less than had yielded before, takes less energy under the mean pressure found.
+
+    Work at the hardness and that of the load are part of it; under a prescribed gap, too, for that is one of surfaces
+    as they are after yielding and bounds no way to yield.
+    """
+    if surfaces.free:  # only bounds of the energy beside a state are known there
+        return
+    yielded, length = found.plastic_indentation, float(surfaces.heights.std())
+    assert yielded is not None
+
+    def energy(gap: np.ndarray, indentation: np.ndarray) -> float:
+        heights = surfaces.heights - indentation
+        elastic = surfaces.elastic.energy(surfaces.law, heights, Point.of(found), gap, "pressure")
+        # The mean of the surfaces moves with what yields.
+        return elastic + (hardness - float(found.pressure.mean())) * float(indentation.mean())
+
+    lowest = energy(found.gap, yielded)
+    for less, other in zip(changes(surfaces.grid, rng), changes(surfaces.grid, rng), strict=True):
+        indentation = np.maximum(yielded + CHANGE * length * less, before)
+        gap = np.maximum(found.gap + CHANGE * length * other, 0)
+        if energy(gap, indentation) < lowest - 1e-10 * abs(lowest):
+            verdict.faults.append(f"{where}: another way to yield takes less energy")
+
+
+def _check_unloading(
+    case: Case, found: Solution, target: float, earlier: dict[float, Solution], where: str, verdict: Verdict
+) -> None:
+    """Below a load that it has carried nothing yields, and at that load it is as it was; of half-spaces.
+
+    Of a layer that resists flow a pressure may rise somewhere as the load falls.
+    """
+    if not isinstance(case.solid, HalfSpace) or not earlier:
+        return
+    sign = 1 if case.loading.control == "pressure" else -1
+    carried = max(sign * at for at in earlier)
+    if sign * target > carried:
+        return
+    most = earlier[sign * carried]
+    assert found.plastic_indentation is not None
+    assert most.plastic_indentation is not None
+    length = float(found.plastic_indentation.max())
+    if np.abs(found.plastic_indentation - most.plastic_indentation).max() > 1e-9 * length:
+        verdict.faults.append(f"{where}: unloading yields")
+    if target in earlier and sign * target == carried:
+        away = float(np.abs(found.pressure - most.pressure).max())
+        if away > 1e-6 * case.solid.contact_modulus:
+            verdict.faults.append(f"{where}: loaded again pressures differ by {away:.1e} Pa")
