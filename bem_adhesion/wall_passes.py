@@ -12,12 +12,12 @@ from numba import njit
 
 from bem_adhesion.free_boundary import Window
 from bem_adhesion.law_passes import CAUTION, LawPasses, blocks
-from bem_adhesion.lennard_jones_passes import LennardJones104Passes
+from bem_adhesion.lennard_jones_passes import LennardJonesPasses
 from bem_adhesion.tangent import PINNED
 from bem_adhesion.window_passes import WindowPasses
 from contact_study.problem.laws.base import TractionLaw
 from contact_study.problem.laws.exponential import Exponential
-from contact_study.problem.laws.lennard_jones_10_4 import LennardJones104
+from contact_study.problem.laws.lennard_jones import LennardJones
 
 # Stiffness of a point that is held, over the largest of the solid: infinite to the accuracy of a linear solve, and far
 # from the rounding of single precision.
@@ -129,8 +129,8 @@ def passes_of(law: TractionLaw, largest: float = 1.0, window: Window | None = No
 
 
 def _passes_of(law: TractionLaw, largest: float) -> LawPasses:
-    if isinstance(law, LennardJones104):
-        return LennardJones104Passes(law)
+    if isinstance(law, LennardJones):
+        return LennardJonesPasses(law)
     if isinstance(law, Exponential):
         return ExponentialPasses(law, largest)
     return WallPasses(law, largest) if law.has_wall else LawPasses(law)

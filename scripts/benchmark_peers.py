@@ -37,6 +37,7 @@ import numpy as np
 import pandas as pd
 
 from bem_adhesion import Dugdale, Exponential, HardWall, TractionLaw, rough_contact
+from contact_study.problem.laws.lennard_jones import LennardJones
 from contact_study.problem.study import make_study
 from contact_study.problem.surface import realise
 
@@ -48,35 +49,12 @@ TAMAAS_HARD, TAMAAS_ADHESIVE, PENETRATION, IMBALANCE = 1e-10, 1e-6, 1e-10, 1e-6
 MOST_ITERATIONS = 20000
 
 
-class AtomOnHalfSpace(TractionLaw):
+class AtomOnHalfSpace(LennardJones):
     """φ(d) = Δγ[½(r0/d)⁹ − (3/2)(r0/d)³], the 9-3 law of Adhesion's ``LJ93``; ``length`` is r0."""
 
     title = "9-3 of an atom"
     words = "in the 9-3 law of an atom on a half-space"
-
-    def potential(self, gap):
-        s3 = (self.length / np.asarray(gap)) ** 3
-        return 0.5 * self.work_of_adhesion * s3 * (s3 * s3 - 3)
-
-    def traction(self, gap):
-        s = self.length / np.asarray(gap)
-        s2 = s * s
-        return 4.5 * self.work_of_adhesion / self.length * s2 * s2 * (1 - s2 * s2 * s2)
-
-    def stiffness(self, gap):
-        s = self.length / np.asarray(gap)
-        s2 = s * s
-        return 4.5 * self.work_of_adhesion / self.length**2 * s2 * s2 * s * (10 * s2 * s2 * s2 - 4)
-
-    def repulsive_gap(self, traction):
-        y = -np.asarray(traction, dtype=float) * self.length / (4.5 * self.work_of_adhesion)
-        # s¹⁰ − s⁴ = y: bounds from above as for the 9-3 law of half-spaces, from which Newton descends.
-        s = np.minimum(1 + y / 6, np.maximum(2 ** (1 / 6), (2 * y) ** 0.1))
-        for _ in range(6):
-            s2 = s * s
-            s4, s6 = s2 * s2, s2 * s2 * s2
-            s = s - (s4 * (s6 - 1) - y) / (s2 * s * (10 * s6 - 4))
-        return self.length / s
+    exponent = 4
 
 
 @dataclass(frozen=True)

@@ -21,6 +21,7 @@ from contact_study.problem.laws import (
     make_law,
 )
 from contact_study.problem.laws.interaction import SmoothInteraction
+from contact_study.problem.laws.lennard_jones import LennardJones
 from contact_study.problem.laws.lennard_jones_9_3 import LennardJones93
 from contact_study.problem.laws.lennard_jones_10_4 import LennardJones104, work_of_adhesion
 from contact_study.problem.study import make_study
@@ -28,11 +29,21 @@ from tests.laws_of_all_kinds import ADHESIVE, EVERY_LAW, KEYS, TABLE_GAPS, TABLE
 from tests.problem.test_study import changed
 
 R0 = 3.28e-10
+
+
+class AtomOnHalfSpace(LennardJones):
+    """The family's third, between the two that study files name."""
+
+    title = words = "9-3 of an atom"
+    exponent = 4
+
+
 LAWS = [
     LennardJones104(0.69, R0),
     LennardJones104(5.52, R0),
     LennardJones104(0.05, 2e-9),
     LennardJones93(0.69, R0),
+    AtomOnHalfSpace(0.69, R0),
     Morse(0.69, R0, 0.6e-10),
     ExponentialCore(0.05, 2e-9, 1e-9, 0.2e-9),
 ]
