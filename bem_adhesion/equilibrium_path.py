@@ -34,8 +34,12 @@ def path_of_equilibria(
         stiffness = contact.stiffness(solution) if case.output.stiffness and solution.converged else None
         found = interface_state(case, solution, surface.grid.spacing, stiffness)
         if account is not None:
-            own = OwnSteps(account.dissipated, account.uncertain, _states(passed, case.law.equilibrium_distance))
-            found = replace(found, own_steps=own, restart={**found.restart, "account": account.array})
+            found = replace(
+                found,
+                own_steps=OwnSteps(account.dissipated, account.uncertain),
+                passed=_states(passed, case.law.equilibrium_distance),
+                restart={**found.restart, "account": account.array},
+            )
         _warn_of_rim(case, found.contact)
         yield found
 

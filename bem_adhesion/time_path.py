@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from bem_adhesion.interface import interface_state
+from bem_adhesion.paths import separation_of
 from bem_adhesion.solution import Solution
 from bem_adhesion.viscoelastic import ViscoelasticContact
 from contact_study.observables.base import InterfaceState, Relaxation
@@ -33,9 +34,9 @@ class Moment:
         return cls(*map(float, array))
 
 
-def follow_in_time(
+def steps_in_time(
     contact: ViscoelasticContact, state: np.ndarray, before: Moment, target: float, duration: float, steps: int
-) -> tuple[Solution, Moment]:
+) -> Iterator[tuple[Solution, Moment]]:
     """Go from one point of a path to the next, the load changing evenly.
 
     Parameters
@@ -53,10 +54,10 @@ def follow_in_time(
     steps : int
         In how many steps.
 
-    Returns
-    -------
+    Yields
+    ------
     Solution
-        At the target, with the work of all steps. A step that did not converge ends them where it stands.
+        After each step, with the work of all so far. One that did not converge ends them where it stands.
     Moment
         The same place in time.
     """
@@ -67,10 +68,18 @@ def follow_in_time(
         solution, dissipated = contact.step(state, position, duration / steps)
         now = Moment(position, before.time + share * duration, now.dissipated + dissipated)
         pairs, iterations = pairs + solution.fft_pairs, iterations + solution.iterations
+        yield replace(solution, fft_pairs=pairs, iterations=iterations), now
         if not solution.converged:
-            break
+            return
         state = solution.state
-    return replace(solution, fft_pairs=pairs, iterations=iterations), now
+
+
+def follow_in_time(
+    contact: ViscoelasticContact, state: np.ndarray, before: Moment, target: float, duration: float, steps: int
+) -> tuple[Solution, Moment]:
+    """Where :func:`steps_in_time` ends: at the target, or at a step that did not converge; parameters as there."""
+    *_, last = steps_in_time(contact, state, before, target, duration, steps)
+    return last
 
 
 def path_in_time(
@@ -108,8 +117,23 @@ def path_in_time(
     else:
         state, now = restart["state"], Moment.of(restart["moment"])
     for (target, _), duration in list(zip(case.path, case.durations, strict=True))[start:]:
-        solution, now = follow_in_time(contact, state, now, target, duration, loading.time_steps)
+        passed = []
+        for solution, now in steps_in_time(contact, state, now, target, duration, loading.time_steps):
+            if solution.converged:
+                passed.append(_state(case, solution, now.position))
         state = solution.state
         found = interface_state(case, solution, surface.grid.spacing)
-        kept = {**found.restart, "moment": now.array}
-        yield replace(found, relaxation=Relaxation(now.time, now.dissipated), restart=kept)
+        yield replace(
+            found,
+            relaxation=Relaxation(now.time, now.dissipated),
+            passed=np.array(passed).reshape(-1, 3),
+            restart={**found.restart, "moment": now.array},
+        )
+
+
+def _state(case: Case, solution: Solution, position: float) -> tuple[float, float, float]:
+    """Mean pressure, separation and energy of a state; apart, the load that it is under."""
+    if solution.detached:
+        return position, np.inf, 0.0
+    separation = separation_of(solution, case.solid) - case.law.equilibrium_distance
+    return float(solution.pressure.mean()), separation, solution.elastic_energy + solution.interaction_energy

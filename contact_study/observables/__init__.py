@@ -12,6 +12,7 @@ from contact_study.observables.energies import ENERGIES
 from contact_study.observables.jumps import JUMPS
 from contact_study.observables.means import MEANS
 from contact_study.observables.motion import MOTION, SLOW_MOTION, TIME
+from contact_study.observables.passed_states import PASSED_STATES
 from contact_study.observables.percolation import PERCOLATION
 from contact_study.observables.plasticity import PLASTICITY
 from contact_study.observables.relaxation import RELAXATION
@@ -28,6 +29,7 @@ OBSERVABLES: tuple[Observable, ...] = (
     PERCOLATION,
     CONTACT_STIFFNESS,
     JUMPS,
+    PASSED_STATES,
     PLASTICITY,
     RELAXATION,
     MOTION,

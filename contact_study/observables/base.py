@@ -130,7 +130,7 @@ class Relaxation:
 
 @dataclass(frozen=True)
 class OwnSteps:
-    """Of a path with steps of its own: what its jumps have dissipated so far (J/m²), and what it has passed.
+    """Of a path with steps of its own: what its jumps have dissipated so far.
 
     Attributes
     ----------
@@ -138,14 +138,10 @@ class OwnSteps:
         Per nominal area (J/m²).
     uncertain : float
         By how much that may be off, as the steps do not say where within them a jump lies (J/m²).
-    passed : numpy.ndarray, shape (n, 3)
-        Mean pressure (Pa), mean separation (m) and energy (J/m²) of each state on the way to this point, itself last;
-        of surfaces that come apart under a load that load and an infinite separation.
     """
 
     dissipated: float
     uncertain: float
-    passed: np.ndarray
 
 
 @dataclass(frozen=True)
@@ -176,6 +172,10 @@ class InterfaceState:
         −dp/dū (Pa/m), of a model that was asked for it.
     own_steps : OwnSteps or None
         Of a path with steps of its own.
+    passed : numpy.ndarray, shape (n, 3), or None
+        Of a path with steps between its points: mean pressure (Pa), mean separation (m) and energy (J/m²) of each state
+        on the way to this point, itself last; of surfaces that come apart under a load that load and an infinite
+        separation.
     motion : ThermalMotion or None
         Of atoms in motion.
     slow_motion : SlowMotion or None
@@ -202,6 +202,7 @@ class InterfaceState:
     spacing: tuple[float, float] | None = None
     contact_stiffness: float | None = None
     own_steps: OwnSteps | None = None
+    passed: np.ndarray | None = None
     motion: ThermalMotion | None = None
     slow_motion: SlowMotion | None = None
     atoms: Mapping[str, np.ndarray] = field(default_factory=dict)

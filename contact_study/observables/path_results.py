@@ -19,7 +19,7 @@ UNACCOUNTED = 0.02
 # Of the largest energy of a path, below which what a step leaves is the solver's error and no jump.
 _NOISE = 1e-6
 
-# What is kept of each state that a step of the path's own passes.
+# What is kept of each state that a path passes in steps of its own or of time.
 PASSED = ("pressure", "separation", "energy")
 
 PATH_RESULTS: dict[str, Variable] = {
@@ -47,7 +47,8 @@ class PathSeries:
     separation : numpy.ndarray, shape (n,)
         Mean separation (m); infinite where they came apart under a load.
     energy : numpy.ndarray, shape (n,), or None
-        Elastic and of the interaction, per area (J/m²); None of a path whose points are too far apart to integrate.
+        Elastic and of the interaction, per area (J/m²); None of a path whose points are too far apart to integrate, or
+        whose solid dissipates.
     ends_apart : bool
         Whether there was contact on the path, and none is left at its end.
     points : numpy.ndarray of int, optional
@@ -246,8 +247,10 @@ def series_of(steps: Sequence[Mapping[str, Any]], control: str) -> PathSeries:
     if all("passed_pressure" in step for step in steps):
         pressure, separation, energy = (np.concatenate([step[f"passed_{name}"] for step in steps]) for name in PASSED)
         last = np.cumsum([len(step[f"passed_{PASSED[0]}"]) for step in steps]) - 1
+        # Of a solid that relaxes work goes into it, too, and what is not in the energy is no jump.
+        books = energy if all("dissipated_energy" in step for step in steps) else None
         # A point that did not converge may have passed none.
-        return PathSeries(pressure, separation, energy, ends_apart, np.unique(last[last >= 0]))
+        return PathSeries(pressure, separation, books, ends_apart, np.unique(last[last >= 0]))
     known = [step for step in steps if step["converged"]]
     lost = np.array([bool(step["detached"]) for step in known], bool)
     load = np.array([step["applied_pressure" if control == "pressure" else "mean_pressure"] for step in known])

@@ -132,7 +132,10 @@ def _passed(part: xr.Dataset) -> tuple[np.ndarray, np.ndarray, int]:
     """Pressure and separation of all states passed before the surfaces came apart, and where retraction begins."""
     pressure, separation = part["passed_pressure"].values.ravel(), part["passed_separation"].values.ravel()
     fit = np.isfinite(pressure) & np.isfinite(separation)
-    return pressure[fit], separation[fit], int(np.argmin(separation[fit]))
+    back = np.repeat(part["branch"].values == UNLOADING, part.sizes["passed"])[fit]
+    # What relaxes may still come nearer on its way back.
+    turn = int(np.argmax(back)) - 1 if back.any() else int(np.argmin(separation[fit]))
+    return pressure[fit], separation[fit], max(turn, 0)
 
 
 def _sorted(along: np.ndarray, response: np.ndarray) -> _Branch:

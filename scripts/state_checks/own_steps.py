@@ -98,22 +98,23 @@ def _check_books(case: Case, points: list[InterfaceState], verdict: Verdict) -> 
     previous = None
     for number, point in enumerate(points):
         where = f"adaptive, point {number}"
-        own = point.own_steps
+        own, passed = point.own_steps, point.passed
         assert own is not None
+        assert passed is not None
         if not point.report.detached:
             energy = point.elastic_energy + point.interaction_energy
             last = np.array([point.pressure.mean(), point.mean_separation, energy])
-            if not np.allclose(own.passed[-1], last, rtol=1e-9, atol=0):
+            if not np.allclose(passed[-1], last, rtol=1e-9, atol=0):
                 verdict.faults.append(f"{where}: the last state passed is not the point's")
         before = points[number - 1].own_steps if number else None
-        if previous is not None and before is not None and np.isfinite(previous).all() and len(own.passed):
-            books = Books(np.vstack([previous, own.passed]))
+        if previous is not None and before is not None and np.isfinite(previous).all() and len(passed):
+            books = Books(np.vstack([previous, passed]))
             if np.isfinite(books.states).all():
                 booked = float(np.maximum(books.lost, 0)[books.jumps(noise)].sum())
                 added = own.dissipated - before.dissipated
                 if abs(added - booked) > 1e-6 * booked + noise:
                     verdict.faults.append(f"{where}: dissipated {added:.6g}, its jumps lost {booked:.6g} J/m²")
-        previous = own.passed[-1] if len(own.passed) else previous
+        previous = passed[-1] if len(passed) else previous
 
 
 def _check_small_steps(
@@ -141,8 +142,8 @@ def _check_small_steps(
         moves.append(float(np.abs(found.gap - gap).max()) / surfaces.length)
         state, gap = found.state, found.gap
     small = Books(np.array(passed))
-    assert after.own_steps is not None
-    own = Books(np.vstack([_last(before), after.own_steps.passed]))
+    assert after.passed is not None
+    own = Books(np.vstack([_last(before), after.passed]))
     if found.detached or after.report.detached:
         if found.detached != after.report.detached:
             verdict.faults.append(f"{where}: apart in the one way only")

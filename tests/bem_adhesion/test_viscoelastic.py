@@ -210,6 +210,27 @@ def test_mean_gaps_are_met_in_time():
     assert np.all(found.mean_pressure > 0)
 
 
+def test_the_pull_off_of_a_path_in_time_lies_between_its_points():
+    """Of the steps of time, not of the points alone: under a load the bracket, under a gap the lowest passed."""
+    sticky = {"law": "lennard_jones_10_4", "work_of_adhesion": 0.05, "length": 1e-9}
+    torn = table({"path": [2e7, -4e7], "duration": 1.0, "time_steps": 12}, interaction=sticky)
+    found = contact_study.run(torn, "continuum")
+    assert found.detached.values.tolist() == [0, 1]
+    held, off = float(found.pull_off_pressure), float(found.pull_off_pressure_resolution_error)
+    assert -4e7 < held - off < held < 0
+    assert off == pytest.approx(6e7 / 12)  # a step of the load
+    loading = {"path": [1e-9, 12e-9], "control": "gap", "duration": 1.0, "time_steps": 12}
+    found = contact_study.run(table(loading, interaction=sticky), "continuum")
+    passed = found.passed_pressure.values
+    assert passed.shape == (2, 12)
+    np.testing.assert_allclose(passed[:, -1], found.mean_pressure, rtol=1e-12)
+    np.testing.assert_allclose(found.passed_separation[:, -1], found.mean_separation, rtol=1e-12)
+    assert float(found.pull_off_pressure) == passed[1].min()
+    assert float(found.pull_off_pressure) < 3 * float(found.mean_pressure[-1]) < 0
+    # Work goes into the solid as well: what the energy does not hold is no jump.
+    assert not {"work_of_separation", "jump_in_pressure", "dissipated_energy"} & set(found)
+
+
 @pytest.mark.parametrize(
     ("changes", "words"),
     [
