@@ -17,6 +17,10 @@ from bem_adhesion.solution import Outcome, Solution
 from contact_study.observables.path_results import UNACCOUNTED, unaccounted, undecided
 from contact_study.problem.elasticity import Elasticity
 
+# Share of the way between two points that the first step tries. In a step of the whole way jumps may be lost in what the
+# rule makes of so long a way; that they are in each of three is less likely.
+FIRST_STEP = 0.25
+
 
 @dataclass(frozen=True)
 class Account:
@@ -123,7 +127,7 @@ def follow(
     list of Account
         The books of every state passed, from ``before`` on to the last that converged.
     """
-    passed, length = [before], target - before.position
+    passed, length = [before], FIRST_STEP * (target - before.position)
     pairs, iterations, torn = 0.0, 0, False
     while True:
         now = passed[-1]

@@ -115,6 +115,26 @@ class Spring:
         return Solution(at, at, 10 - at, at, 0.5 * target**2, 0.0, 0.0, 1, 1.0, outcome)
 
 
+class Dropping(Spring):
+    """Pulled by 2s − s² at a distance s, and at s = 0.6 falling by 1/6: by what the rule leaves of the way to s = 1."""
+
+    def __init__(self):
+        super().__init__(np.inf, np.inf)
+
+    def step(self, state, target):
+        at = np.full((2, 2), target)
+        energy = target**2 - target**3 / 3 - (target > 0.6) / 6
+        return Solution(at, at, at, at**2 - 2 * at, energy, 0.0, 0.0, 1, 1.0, Outcome.CONVERGED)
+
+
+def test_a_jump_is_not_lost_in_what_the_rule_leaves_of_a_long_way():
+    begin = Account(0.0, 0.0, 0.0, 0.0, True)
+    _, passed = follow(Dropping(), np.zeros((2, 2)), begin, 1.0, 0.01, HalfSpace(1.0))
+    # The jump, and what the rule leaves of the least step it is in.
+    assert passed[-1].dissipated == pytest.approx(1 / 6, abs=1e-5)
+    assert passed[-1].uncertain < 0.01**2
+
+
 def test_steps_that_do_not_converge_are_shortened():
     begin = Account(0.0, 0.0, 10.0, 0.0, True)
     found, (*_, account) = follow(Spring(0.3, np.inf), np.zeros((2, 2)), begin, 1.0, 0.01, HalfSpace(1.0))

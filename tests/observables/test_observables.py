@@ -39,7 +39,8 @@ def state(**changes):
         "restart": {"state": np.arange(3.0)},
         "spacing": (2e-10, 1e-10),
         "contact_stiffness": 3e18,
-        "own_steps": OwnSteps(0.02, 0.003, np.array([[1e8, 3e-10, -0.1], [-1e8, np.inf, 0.0]])),
+        "own_steps": OwnSteps(0.02, 0.003),
+            "passed": np.array([[1e8, 3e-10, -0.1], [-1e8, np.inf, 0.0]]),
     }
     return InterfaceState(**{**content, **changes})
 

@@ -152,7 +152,11 @@ def test_points_make_a_series_and_those_that_did_not_converge_none():
 def test_what_steps_passed_makes_a_finer_series():
     passed = {"passed_pressure": [2.0, 1.0], "passed_separation": [5.0, 4.0], "passed_energy": [0.0, 7.0]}
     arrays = {name: np.array(values) for name, values in passed.items()}
-    series = series_of([point(1.0, 4.0, **arrays), point(1.0, 4.0, **arrays)], "gap")
+    booked = {**arrays, "dissipated_energy": 0.0}
+    series = series_of([point(1.0, 4.0, **booked), point(1.0, 4.0, **booked)], "gap")
     assert series.pressure.tolist() == [2, 1, 2, 1]
     assert series.points.tolist() == [1, 3]
     assert series.energy.tolist() == [0, 7, 0, 7]
+    relaxing = series_of([point(1.0, 4.0, **arrays), point(1.0, 4.0, **arrays)], "gap")
+    assert relaxing.pressure.tolist() == [2, 1, 2, 1]
+    assert relaxing.energy is None, "where no jumps are booked the solid dissipates, too"
