@@ -17,8 +17,8 @@ from bem_adhesion.solution import Outcome, Solution
 from contact_study.observables.path_results import UNACCOUNTED, unaccounted, undecided
 from contact_study.problem.elasticity import Elasticity
 
-# Share of the way between two points that the first step tries. In a step of the whole way jumps may be lost in what the
-# rule makes of so long a way; that they are in each of three is less likely.
+# Share of the way between two points that the first step tries. In a step of the whole way a jump may be lost in what
+# the rule makes of so long a way; that one is in each of three is less likely.
 FIRST_STEP = 0.25
 
 

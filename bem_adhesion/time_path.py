@@ -118,10 +118,10 @@ def path_in_time(
         state, now = restart["state"], Moment.of(restart["moment"])
     for (target, _), duration in list(zip(case.path, case.durations, strict=True))[start:]:
         passed = []
-        for solution, now in steps_in_time(contact, state, now, target, duration, loading.time_steps):
+        for solution, moment in steps_in_time(contact, state, now, target, duration, loading.time_steps):
             if solution.converged:
-                passed.append(_state(case, solution, now.position))
-        state = solution.state
+                passed.append(_state(case, solution, moment.position))
+        state, now = solution.state, moment
         found = interface_state(case, solution, surface.grid.spacing)
         yield replace(
             found,

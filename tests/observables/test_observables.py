@@ -40,7 +40,7 @@ def state(**changes):
         "spacing": (2e-10, 1e-10),
         "contact_stiffness": 3e18,
         "own_steps": OwnSteps(0.02, 0.003),
-            "passed": np.array([[1e8, 3e-10, -0.1], [-1e8, np.inf, 0.0]]),
+        "passed": np.array([[1e8, 3e-10, -0.1], [-1e8, np.inf, 0.0]]),
     }
     return InterfaceState(**{**content, **changes})
 
