@@ -9,7 +9,7 @@ own.
 
     python scripts/benchmark_grids.py --points 256 512 1024
     python scripts/benchmark_grids.py --points 256 512 1024 2048 4096 --table data/benchmark_grids.csv
-    python scripts/benchmark_grids.py --points 8192 --table more.csv     # 16 GB, ten minutes
+    python scripts/benchmark_grids.py --points 8192 --table more.csv     # 9 GB, ten minutes
     python scripts/benchmark_grids.py --from data/benchmark_grids.csv
 """
 
@@ -35,7 +35,7 @@ STUDY = Path(__file__).resolve().parent.parent / "data" / "yang2008.toml"
 PRESSURES = (0.5e9, 1e9)
 POINTS_PER_WAVE = 8  # the shortest of the broadband surface
 KINDS = ("hard wall, smooth", "hard wall, broadband", "adhesion, smooth")
-BYTES_PER_POINT = 250
+BYTES_PER_POINT = 130
 SMALL = 64  # points of a first solve
 
 

@@ -36,8 +36,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from bem_adhesion import Dugdale, Exponential, HardWall, TractionLaw, rough_contact
-from contact_study.problem.laws.lennard_jones import LennardJones
+from bem_adhesion import Dugdale, Exponential, HardWall, LennardJones, TractionLaw, rough_contact
 from contact_study.problem.study import make_study
 from contact_study.problem.surface import realise
 

@@ -26,9 +26,11 @@ from contact_study.problem.units import quantity
 PRESSURES = ("0.1 GPa", "0.2 GPa", "0.5 GPa", "1 GPa", "2 GPa", "5 GPa", "10 GPa")
 _SMALL = 5  # small steps from one pressure to the next
 _PRESSED, _BACK = 3e9, "after 3 GPa"
-# Motion by Newton's law: friction so weak that the block's longest wave rings, at each pressure for as long as it does.
-# The time step is a third of the largest stable one: half of it is too long for the impact at 8 ε0.
-_NEWTON = {"damping": "0.1 ps^-1", "duration": "120 ps", "time_step": "20 fs", "frames": 20}
+# Motion by Newton's law: friction so weak that the block's longest wave rings, at each pressure for as long as it does,
+# on larger blocks in proportion. The time step is a third of the largest stable one: half of it is too long for the
+# impact at 8 ε0.
+_NEWTON = {"damping": "0.1 ps^-1", "time_step": "20 fs", "frames": 20}
+_RINGING_PS, _ON_ATOMS = 120, 200
 
 SECTIONS: dict[str, dict[str, Any]] = {
     "steps": {},
@@ -140,6 +142,8 @@ def walked(
     table["solver"] = {"max_iterations": 20000, "path": "overdamped" if way.startswith("flow") else "quasi_static"}
     method = {"flow": "overdamped", "Newton": "dynamics"}.get(way.split()[0], "quasi_static")
     table |= {"atomistic": {"method": method}, **SECTIONS[way]}
+    if method == "dynamics":
+        table["dynamics"] = table["dynamics"] | {"duration": f"{_RINGING_PS * max(1, atoms / _ON_ATOMS):g} ps"}
     dataset = contact_study.run(table, model)
     for pressure in pressures:
         state = dataset.isel(step=len(path) - 1 - path[::-1].index(pressure))

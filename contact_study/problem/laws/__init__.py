@@ -9,6 +9,7 @@ from contact_study.problem.laws.dugdale_core import DugdaleCore
 from contact_study.problem.laws.exponential import Exponential
 from contact_study.problem.laws.exponential_core import ExponentialCore
 from contact_study.problem.laws.hard_wall import HardWall
+from contact_study.problem.laws.lennard_jones import LennardJones
 from contact_study.problem.laws.lennard_jones_9_3 import LennardJones93
 from contact_study.problem.laws.lennard_jones_10_4 import LennardJones104
 from contact_study.problem.laws.morse import Morse
@@ -23,6 +24,7 @@ __all__ = [
     "Exponential",
     "ExponentialCore",
     "HardWall",
+    "LennardJones",
     "LennardJones93",
     "LennardJones104",
     "Morse",
