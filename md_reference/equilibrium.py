@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from md_reference.block import SurfaceStiffness
-from md_reference.interface import Interaction
+from md_reference.interface import AtomwiseInteraction
 from md_reference.landscape import Landscape, Load, Place
 from md_reference.solution import Equilibrium, Outcome
 
@@ -32,6 +32,7 @@ _FADING_START, _FADING_GROWTH, _FADING_DECAY = 0.1, 3.0, 0.6
 _SADDLE_RESIDUAL, _ALONG_SADDLE = 0.2, 0.1
 _SADDLE_ITERATIONS = 10  # of conjugate gradients that look for negative curvature at an equilibrium
 _SADDLE_STEP = 0.03
+_EXPANSION = 0.003  # of the residual: error allowed to forces of atoms that have moved little
 _REFRESH = 20  # accepted steps after which S u is computed anew from u
 
 
@@ -60,7 +61,7 @@ class EquilibriumSolver:
     ----------
     stiffness : SurfaceStiffness
         The condensed block.
-    interaction : Interaction
+    interaction : AtomwiseInteraction
         The interface.
     contact_modulus : float
         E*, the scale of the residual (Pa).
@@ -82,7 +83,7 @@ class EquilibriumSolver:
     def __init__(
         self,
         stiffness: SurfaceStiffness,
-        interaction: Interaction,
+        interaction: AtomwiseInteraction,
         contact_modulus: float,
         control: str = "pressure",
         tolerance: float = 1e-8,
@@ -129,6 +130,9 @@ class EquilibriumSolver:
                 continue
             at.iteration += 1
             self._advance(at, gradient, residual, load)
+        if not place.fresh:
+            landscape.refresh(place)
+            residual = landscape.residual(landscape.gradient(place, load))
         return equilibrium_of(landscape, place, residual, outcome, at.iteration, landscape.pairs - transforms)
 
     def _outcome(self, at: _Descent, residual: float, pressure: float) -> Outcome | None:
@@ -183,13 +187,13 @@ class EquilibriumSolver:
     def _advance(self, at: _Descent, gradient: np.ndarray, residual: float, load: Load) -> None:
         """Take a step as far as the energy follows it, and adapt what the next one may rely on."""
         step, raised = self._newton_step(at, gradient, residual)
-        fraction = self.landscape.search(at.place, step, load)
+        fraction = self.landscape.search(at.place, step, load, _EXPANSION * residual * self.landscape.force_scale)
         if fraction < 1:
             at.fade()
         elif not raised:
             at.restore()
         if at.iteration % _REFRESH == 0:
-            self.landscape.refresh(at.place)
+            self.landscape.stretch_anew(at.place)
 
 
 def leave_saddle(landscape: Landscape, place: Place) -> bool:
@@ -211,7 +215,7 @@ def equilibrium_of(
         residual=residual,
         outcome=outcome,
         iterations=iterations,
-        evaluations=place.evaluations,
+        evaluations=round(place.evaluations),
         fft_pairs=pairs,
         elastic_energy=0.5 * float(np.sum(place.displacement * place.stretch)),
         interaction_energy=place.energy,

@@ -27,7 +27,7 @@ _ROWS_OF_A_BLOCK = 8  # that a thread does in one go: some tenths of a milliseco
 
 
 class Interaction(Protocol):
-    """What the minimiser needs of an interface.
+    """What moves atoms over a substrate.
 
     Displacements have shape (3, ny, nx): components 0 and 1 are the moves along x and y from the atoms' rest positions,
     component 2 is the height over the substrate's mean plane (m).
@@ -51,6 +51,29 @@ class Interaction(Protocol):
 
     def gap_and_cosine(self, displacement: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """:meth:`gap` and the cosine of the surface's tilt there, each of shape (ny, nx)."""
+
+
+class AtomwiseInteraction(Protocol):
+    """What the minimiser needs of an interface, as of :class:`Interaction`, and of some atoms without the others."""
+
+    length: float
+    cutoff: float  # in units of it
+
+    @property
+    def force_prefactor(self) -> float: ...
+
+    def evaluate_some(
+        self, displacement: np.ndarray, due: np.ndarray, force: np.ndarray, hessian: np.ndarray, energy: np.ndarray
+    ) -> bool:
+        """Write forces, second derivatives and energies of the atoms that are ``due``, and of no other.
+
+        ``due`` and ``energy`` have shape (ny, nx), and an atom at least is due; False, with what is written undefined,
+        if one of them is inside the substrate.
+        """
+
+    def gap(self, displacement: np.ndarray) -> np.ndarray: ...
+
+    def gap_and_cosine(self, displacement: np.ndarray) -> tuple[np.ndarray, np.ndarray]: ...
 
 
 class LennardJonesInterface:
@@ -94,7 +117,8 @@ class LennardJonesInterface:
         self._highest = substrate.highest_within(self._margin) / length
         self._no_hessian = np.empty((6, 0, 0))
         self._rows = RowBlocks(threads)
-        self._row_energy = np.empty(shape[0])
+        self._all = np.ones(shape, dtype=np.bool_)
+        self._energy = np.empty(shape)
         self._row_inside = np.empty(shape[0], dtype=np.int64)
 
     def evaluate(self, displacement: np.ndarray, force: np.ndarray, hessian: np.ndarray | None = None) -> float:
@@ -106,9 +130,19 @@ class LennardJonesInterface:
             Energy of all pairs (J); infinite, with the other results undefined, if an atom is less than 0.3 r0 above
             the site below it, or nowhere (NaN).
         """
+        derivatives = self._no_hessian if hessian is None else hessian
+        if not self.evaluate_some(displacement, self._all, force, derivatives, self._energy):
+            return math.inf
+        return float(np.sum(self._energy))
+
+    def evaluate_some(
+        self, displacement: np.ndarray, due: np.ndarray, force: np.ndarray, hessian: np.ndarray, energy: np.ndarray
+    ) -> bool:
+        """Some of the atoms; see :class:`AtomwiseInteraction`."""
         kernel = partial(
             _lennard_jones,
             displacement,
+            due,
             1 / self.length,
             (self.spacing[0] / self.length, self.spacing[1] / self.length),
             (self.substrate.spacing[0] / self.length, self.substrate.spacing[1] / self.length),
@@ -118,13 +152,13 @@ class LennardJonesInterface:
             4 * self.well_depth,
             self.cutoff,
             force,
-            hessian is not None,
-            self._no_hessian if hessian is None else hessian,
-            self._row_energy,
+            hessian is not self._no_hessian,
+            hessian,
+            energy,
             self._row_inside,
         )
         self._rows.run(kernel, self.shape[0], _ROWS_OF_A_BLOCK)
-        return math.inf if self._row_inside.any() else float(np.sum(self._row_energy))
+        return not self._row_inside.any()
 
     @property
     def force_prefactor(self) -> float:
@@ -150,6 +184,7 @@ class LennardJonesInterface:
 @njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract", "reassoc", "arcp", "nsz"})
 def _lennard_jones(
     displacement,
+    due,
     scale,
     atom_spacing,
     spacing,
@@ -161,14 +196,14 @@ def _lennard_jones(
     force,
     with_hessian,
     hessian,
-    row_energy,
+    energy,
     row_inside,
     first_row,
     end_row,
 ):
-    """Sum over pairs of some rows, ``first_row`` to before ``end_row``, with lengths in units of r0.
+    """Sum over pairs of due atoms in some rows, ``first_row`` to before ``end_row``, with lengths in units of r0.
 
-    Writes the energy of each row and the number of its atoms inside the substrate, beside forces and Hessians.
+    Writes the energy of each and the number of a row's atoms inside the substrate, beside forces and Hessians.
     ``scale`` is 1/r0, ``strength`` 4ε. For s = r²/r0² and the switch w(s): V = strength (s⁻⁶ − s⁻³) w, the force is
     −2V'Δ and the Hessian 2V' 1 + 4V'' ΔΔᵀ, so no square root is taken.
     """
@@ -195,9 +230,10 @@ def _lennard_jones(
     to_hessian = to_force * scale
     far = 1e9 * (site_rows + site_columns)
     for iy in range(first_row, end_row):
-        energy = 0.0
         inside = 0
         for ix in range(columns):
+            if not due[iy, ix]:
+                continue
             x = ix * atom_spacing[1] + scale * displacement[0, iy, ix]
             y = iy * atom_spacing[0] + scale * displacement[1, iy, ix]
             z = scale * displacement[2, iy, ix]
@@ -210,6 +246,7 @@ def _lennard_jones(
             hy = jy % site_rows
             clearance = z - highest[hy, hx]
             if clearance >= cutoff:
+                energy[iy, ix] = 0.0
                 for c in range(3):
                     force[c, iy, ix] = 0.0
                 if with_hessian:
@@ -322,6 +359,5 @@ def _lennard_jones(
             force[0, iy, ix] = -2.0 * to_force * f_x
             force[1, iy, ix] = -2.0 * to_force * f_y
             force[2, iy, ix] = -2.0 * to_force * f_z
-            energy += e
-        row_energy[iy] = strength * energy
+            energy[iy, ix] = strength * e
         row_inside[iy] = inside

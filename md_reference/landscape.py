@@ -10,7 +10,8 @@ import numpy as np
 
 from contact_study.fields.fourier import RealTransform
 from md_reference.block import SurfaceStiffness
-from md_reference.interface import Interaction
+from md_reference.followed_interface import FollowedInterface
+from md_reference.interface import AtomwiseInteraction
 from md_reference.newton_step import NewtonSolver
 from md_reference.snap_in import land, raised_curvature
 from md_reference.stiffness_pass import multiply
@@ -53,9 +54,9 @@ class Place:
     stretch: np.ndarray
     gap: np.ndarray
     cosine: np.ndarray
-    fresh: bool = True  # S u computed from u itself, not updated
+    fresh: bool = True  # S u computed from u itself, not updated, and every atom evaluated here
     vanishing: int = 0  # steps of no length in a row
-    evaluations: int = 1
+    evaluations: float = 1.0  # of the interface, those of some atoms counted by their share
 
 
 class Landscape:
@@ -65,7 +66,7 @@ class Landscape:
     ----------
     stiffness : SurfaceStiffness
         The condensed block.
-    interaction : Interaction
+    interaction : AtomwiseInteraction
         The interface.
     contact_modulus : float
         E*, the scale of forces (Pa).
@@ -85,7 +86,7 @@ class Landscape:
     def __init__(
         self,
         stiffness: SurfaceStiffness,
-        interaction: Interaction,
+        interaction: AtomwiseInteraction,
         contact_modulus: float,
         fixed_mean: bool,
         threads: int = 1,
@@ -104,7 +105,7 @@ class Landscape:
         self._multiplicity = stiffness.grid.multiplicity[0]
         self.force = np.empty(shape)
         self._trial_force = np.empty(shape)
-        self._hessian = np.empty((6, *shape[1:]))
+        self._interface = FollowedInterface(interaction, shape[1:])
 
     @property
     def pairs(self) -> float:
@@ -120,14 +121,11 @@ class Landscape:
             If an atom lies inside the substrate or is not finite.
         """
         u = displacement.copy()
-        energy = self.evaluate(u)
+        self._interface.forget()
+        energy = self._interface.evaluate(u, self.force)
         if not np.isfinite(energy):
             raise ValueError("the starting state has atoms inside the substrate (or not finite): start it higher")
         return Place(u, energy, self.apply_stiffness(u).copy(), *self.interaction.gap_and_cosine(u))
-
-    def evaluate(self, u: np.ndarray) -> float:
-        """Energy of the interface at a state (J); leaves forces and curvature."""
-        return self.interaction.evaluate(u, self.force, self._hessian)
 
     def gradient(self, at: Place, load: Load) -> np.ndarray:
         """Force out of balance on each atom, negated (N)."""
@@ -144,12 +142,15 @@ class Landscape:
     def set_curvature(self, at: Place, gradient: np.ndarray, fading: float, drag: float = 0.0) -> None:
         """Put the curvature of interface and drag into the linear solver, see :mod:`md_reference.snap_in`."""
         length, diagonal = self.interaction.length, self.newton.diagonal
-        raised_curvature(self._hessian, gradient, at.gap, at.cosine, fading, length, diagonal)
+        raised_curvature(self._interface.hessian, gradient, at.gap, at.cosine, fading, length, diagonal)
         if drag:
             diagonal[:3] += np.float32(drag)
 
-    def search(self, at: Place, step: np.ndarray, load: Load) -> float:
-        """Shorten the step until the energy falls, and move there; the fraction taken, zero if it never falls."""
+    def search(self, at: Place, step: np.ndarray, load: Load, error: float = 0.0) -> float:
+        """Shorten the step until the energy falls, and move there; the fraction taken, zero if it never falls.
+
+        Forces there may be off by ``error`` (N), see :mod:`md_reference.followed_interface`.
+        """
         # Where next to nothing acts, rounding is all that keeps a block from moving for ever.
         excess = float(np.max(np.abs(step))) / (_LARGEST_STEP * self.interaction.length)
         if excess > 1:
@@ -158,8 +159,7 @@ class Landscape:
         fraction = 1.0
         while fraction > _SHORTEST_FRACTION:
             trial, gap, cosine = self._trial(at, fraction * step)
-            energy = self.interaction.evaluate(trial, self._trial_force, self._hessian)
-            at.evaluations += 1
+            energy = self._evaluate(at, trial, self._trial_force, error)
             if np.isfinite(energy):
                 move = trial - at.displacement
                 stretch = self.apply_stiffness(move)
@@ -176,7 +176,7 @@ class Landscape:
                     return fraction
             fraction *= _BACKTRACK
         at.vanishing += 1
-        self.evaluate(at.displacement)
+        at.energy = self._evaluate(at, at.displacement, self.force, error)
         return 0.0
 
     def step_downhill(self, at: Place, direction: np.ndarray, length: float) -> bool:
@@ -195,27 +195,38 @@ class Landscape:
         while length > _VANISHING_STEP * self.interaction.length:
             for move in (length, -length):
                 trial = at.displacement + move * direction
-                energy = self.evaluate(trial)
-                at.evaluations += 1
+                energy = self._evaluate(at, trial, self.force)
                 if move * elastic_slope + 0.5 * move**2 * elastic_curvature + energy < at.energy:
                     at.displacement, at.energy, at.vanishing = trial, energy, 0
                     at.gap, at.cosine = self.interaction.gap_and_cosine(trial)
                     self.refresh(at)
                     return True
             length *= _BACKTRACK
-        self.evaluate(at.displacement)
+        self._evaluate(at, at.displacement, self.force)
         return False
 
     def refresh(self, at: Place) -> None:
-        """Compute S u anew, free of the rounding of its updates."""
-        at.stretch = self.apply_stiffness(at.displacement).copy()
+        """Evaluate the interface wherever it is expanded, and compute S u anew."""
+        at.energy = self._evaluate(at, at.displacement, self.force)
+        self.stretch_anew(at)
         at.fresh = True
+
+    def stretch_anew(self, at: Place) -> None:
+        """Compute S u free of the rounding of its updates."""
+        at.stretch = self.apply_stiffness(at.displacement).copy()
 
     def apply_stiffness(self, u: np.ndarray) -> np.ndarray:
         """S u, in the transform's own buffer."""
         self._transform.field[...] = u
         multiply(self._transform.forward().view(np.float64), self._coefficients, self._multiplicity, 1.0)
         return self._transform.backward()
+
+    def _evaluate(self, at: Place, u: np.ndarray, force: np.ndarray, error: float = 0.0) -> float:
+        """Energy of the interface at a state near a place (J), whose work it counts as; writes the forces."""
+        before = self._interface.evaluations
+        energy = self._interface.evaluate(u, force, error)
+        at.evaluations += self._interface.evaluations - before
+        return energy
 
     def _trial(self, at: Place, step: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Displacement, gap and cosine of the tilt after a step in which every atom lands softly."""

@@ -56,7 +56,7 @@ class OverdampedBlock:
         self._tolerance = tolerance
         self._accuracy = _ACCURACY * allowed / landscape.force_scale
         self._last: Place | None = None  # where the landscape was last evaluated
-        self._evaluations, self._pairs = 0, landscape.pairs  # of steps that were not found, and the pairs before them
+        self._evaluations, self._pairs = 0.0, landscape.pairs  # of steps that were not found, and the pairs before them
 
     def advance(self, state: np.ndarray, load: float, drag: float) -> Moved | None:
         """The layer after a time step; see :class:`contact_study.fields.gradient_flow.Overdamped`."""
@@ -90,7 +90,7 @@ class OverdampedBlock:
         landscape = self._landscape
         place.evaluations += self._evaluations
         pairs = landscape.pairs - self._pairs
-        self._evaluations, self._pairs = 0, landscape.pairs
+        self._evaluations, self._pairs = 0.0, landscape.pairs
         residual = landscape.residual(landscape.gradient(place, Load(load * landscape.area)))
         apart = load <= 0 and not landscape.force.any()
         outcome = Outcome.DETACHED if apart else Outcome.CONVERGED

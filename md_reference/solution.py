@@ -33,7 +33,7 @@ class Equilibrium:
     outcome : Outcome
         How the solve ended.
     iterations, evaluations : int
-        Newton steps and evaluations of the interface.
+        Newton steps and evaluations of the interface, those of some atoms counted by their share.
     fft_pairs : float
         Transform pairs of three components, a single-precision pair counted one half.
     elastic_energy, interaction_energy : float
@@ -79,7 +79,7 @@ class Solution:
     residual : float
         Largest force component left on an atom, over a² E*.
     iterations, force_evaluations : int
-        Newton steps and evaluations of the interface.
+        Newton steps and evaluations of the interface, those of some atoms counted by their share.
     fft_pairs : float
         Transform pairs of three components, a single-precision pair counted one half.
     outcome : Outcome

@@ -1,9 +1,10 @@
 """Work of the atoms' minimiser along a loading path from separation, over layers of atoms, as a Markdown table.
 
-For each layer and adhesion: evaluations of the interface and transform pairs (of three components, in float64; one in
-float32 counts one half) of every load step, which do not depend on the machine's speed. The study's cell is scaled to
-the number of atoms, heights with it, so that slopes and contact stay. ``--times`` adds microseconds an atom for an
-evaluation and for a pair, with what goes with it, and the bytes an atom at the peak: give layers in rising order.
+For each layer and adhesion: evaluations of the interface (of some atoms counted by their share) and transform pairs
+(of three components, in float64; one in float32 counts one half) of every load step, which do not depend on the
+machine's speed. The study's cell is scaled to the number of atoms, heights with it, so that slopes and contact stay.
+``--times`` adds microseconds an atom for an evaluation and for a pair, with what goes with it, and the bytes an atom at
+the peak: give layers in rising order.
 
     python scripts/benchmark_atoms.py data/yang2008.toml --atoms 200 400 --pressures "0.1 GPa" "1 GPa" --times
 """
@@ -39,16 +40,16 @@ class PathCost:
 def cost_of_path(case: Case, pressures: Sequence[float]) -> PathCost:
     """Load one case from separation through the pressures (Pa)."""
     contact = build_contact(case, realise(case))
-    evaluate, in_interface = contact.interface.evaluate, 0.0
+    evaluate, in_interface = contact.interface.evaluate_some, 0.0
 
-    def timed(*arguments: np.ndarray) -> float:
+    def timed(*arguments: np.ndarray) -> bool:
         nonlocal in_interface
         began = time.perf_counter()
-        energy = evaluate(*arguments)
+        outside = evaluate(*arguments)
         in_interface += time.perf_counter() - began
-        return energy
+        return outside
 
-    contact.interface.evaluate = timed  # type: ignore[method-assign]
+    contact.interface.evaluate_some = timed  # type: ignore[method-assign]
     state, steps, began = contact.separated(), [], time.perf_counter()
     for pressure in pressures:
         steps.append(contact.step(state, pressure))

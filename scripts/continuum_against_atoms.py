@@ -36,7 +36,7 @@ from contact_study.problem.surface import Surface, realise
 from contact_study.problem.units import quantity
 from md_reference.block import SurfaceStiffness, without_lateral_freedom
 from md_reference.equilibrium import EquilibriumSolver
-from md_reference.interface import Interaction
+from md_reference.interface import AtomwiseInteraction
 from md_reference.solution import Equilibrium
 from md_reference.solution import Outcome as AtomisticOutcome
 from md_reference.starts import predicted
@@ -89,23 +89,26 @@ class SmearedLayers:
     def __init__(self, law: TractionLaw, heights: np.ndarray, area_per_atom: float, cosine: np.ndarray):
         self.law = law
         self.length = law.length
+        self.cutoff = math.inf
         self.heights = heights
         self.area_per_atom = area_per_atom
         self.cosine = cosine
 
-    def evaluate(self, displacement: np.ndarray, force: np.ndarray, hessian: np.ndarray | None = None) -> float:
-        """Energy (J), force and second derivatives; infinite where a gap is closed."""
-        gap = self.gap(displacement)
+    def evaluate_some(
+        self, displacement: np.ndarray, due: np.ndarray, force: np.ndarray, hessian: np.ndarray, energy: np.ndarray
+    ) -> bool:
+        """Forces, second derivatives and energies of some atoms; False where a gap is closed."""
+        gap = self.gap(displacement)[due]
         if not gap.min() > 0.3 * self.length:  # as the atoms' own interface
-            return math.inf
-        law, cosine, area = self.law, self.cosine, self.area_per_atom
+            return False
+        law, cosine, area = self.law, self.cosine[due], self.area_per_atom
         distance = cosine * gap
-        force[...] = 0.0
-        force[2] = -area * cosine**2 * law.traction(distance)
-        if hessian is not None:
-            hessian[...] = 0.0
-            hessian[2] = area * cosine**3 * law.stiffness(distance)
-        return area * float(np.sum(cosine * law.potential(distance)))
+        force[:, due] = 0.0
+        force[2, due] = -area * cosine**2 * law.traction(distance)
+        hessian[:, due] = 0.0
+        hessian[2, due] = area * cosine**3 * law.stiffness(distance)
+        energy[due] = area * cosine * law.potential(distance)
+        return True
 
     def gap(self, displacement: np.ndarray) -> np.ndarray:
         """Vertical gap at the rest positions (m)."""
@@ -126,24 +129,26 @@ class OnRails:
 
     Parameters
     ----------
-    interaction : Interaction
+    interaction : AtomwiseInteraction
         The interface.
     """
 
-    def __init__(self, interaction: Interaction):
+    def __init__(self, interaction: AtomwiseInteraction):
         self._interaction = interaction
         self.length = interaction.length
+        self.cutoff = interaction.cutoff
         self.force_prefactor = interaction.force_prefactor
         self.gap = interaction.gap
         self.gap_and_cosine = interaction.gap_and_cosine
 
-    def evaluate(self, displacement: np.ndarray, force: np.ndarray, hessian: np.ndarray | None = None) -> float:
-        """Energy (J); of force and second derivatives the normal ones."""
-        energy = self._interaction.evaluate(displacement, force, hessian)
+    def evaluate_some(
+        self, displacement: np.ndarray, due: np.ndarray, force: np.ndarray, hessian: np.ndarray, energy: np.ndarray
+    ) -> bool:
+        """As the interface, but of force and second derivatives the normal ones."""
+        outside = self._interaction.evaluate_some(displacement, due, force, hessian, energy)
         force[:2] = 0.0
-        if hessian is not None:
-            hessian[[0, 1, 3, 4, 5]] = 0.0
-        return energy
+        hessian[[0, 1, 3, 4, 5]] = 0.0
+        return outside
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -204,7 +209,7 @@ def solve(case: Case, surface: Surface, measured: dict[str, float]) -> list[list
         given = case.solver
         return LoadedContact(heights, grid, solid, law, tolerance=given.tolerance, max_iterations=given.max_iterations)
 
-    def minimiser(block: SurfaceStiffness, interaction: Interaction) -> EquilibriumSolver:
+    def minimiser(block: SurfaceStiffness, interaction: AtomwiseInteraction) -> EquilibriumSolver:
         given = case.solver
         scale = case.material.contact_modulus
         return EquilibriumSolver(
@@ -246,7 +251,7 @@ def _of_continuum(solution: Solution, case: Case) -> tuple[float, float, bool]:
     return _state(solution.gap, solution.outcome is ContinuumOutcome.CONVERGED, case)
 
 
-def _of_atoms(interaction: Interaction, found: Equilibrium, case: Case) -> tuple[float, float, bool]:
+def _of_atoms(interaction: AtomwiseInteraction, found: Equilibrium, case: Case) -> tuple[float, float, bool]:
     return _state(interaction.gap(found.displacement), found.outcome is AtomisticOutcome.CONVERGED, case)
 
 

@@ -173,3 +173,18 @@ def test_no_equilibrium_on_top_of_a_barrier(control, distance):
         assert np.ptp(interface.gap(found.displacement)) > 0.2 * LENGTH
     else:
         assert np.abs(found.displacement[:2]).max() > 0.3 * LATTICE_CONSTANT
+
+
+def test_a_balance_found_by_expansion_is_that_of_the_atoms(monkeypatch):
+    # Forces on the way may be off by a tenth of the residual: what is returned is evaluated, wherever the solve ends.
+    monkeypatch.setattr("md_reference.equilibrium._EXPANSION", 0.1)
+    interface, solver = solver_of((40, 40), 4, max_iterations=12)
+    for _ in range(2):
+        found = solver.solve(separated(interface), 1e9)
+        force = np.empty_like(found.displacement)
+        energy = interface.evaluate(found.displacement, force, np.empty((6, 40, 40)))
+        np.testing.assert_array_equal(found.force, force)
+        assert found.interaction_energy == pytest.approx(energy, rel=1e-12)  # the order of summation
+        assert found.evaluations < found.iterations
+        solver.max_iterations = 2000
+    assert found.outcome is Outcome.CONVERGED
