@@ -1,14 +1,14 @@
 """A loading path of equilibria: each point, or each step of the path's own, is the one that the last falls into."""
 
 import warnings
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
 import numpy as np
 
 from bem_adhesion.contact import Contact, rough_contact
 from bem_adhesion.interface import interface_state
-from bem_adhesion.paths import Account, account_of, follow
+from bem_adhesion.paths import Account, account_of, follow, states_of
 from bem_adhesion.solution import Solution
 from contact_study.observables.base import InterfaceState, OwnSteps
 from contact_study.problem.case import Case
@@ -37,7 +37,7 @@ def path_of_equilibria(
             found = replace(
                 found,
                 own_steps=OwnSteps(account.dissipated, account.uncertain),
-                passed=_states(passed, case.law.equilibrium_distance),
+                passed=states_of(passed, case.law.equilibrium_distance),
                 restart={**found.restart, "account": account.array},
             )
         _warn_of_rim(case, found.contact)
@@ -66,15 +66,6 @@ def _least_step(case: Case) -> float:
     if case.loading.control != "pressure":
         largest = min(largest, _LENGTHS * case.law.length)
     return case.loading.resolution * largest
-
-
-def _states(passed: Sequence[Account], equilibrium_distance: float) -> np.ndarray:
-    """The states of the books as a dataset has them."""
-    rows = [
-        (at.pressure, at.separation - equilibrium_distance, at.energy) if at.attached else (at.position, np.inf, 0.0)
-        for at in passed
-    ]
-    return np.array(rows).reshape(-1, 3)
 
 
 def _contact_of(case: Case, surface: Surface) -> Contact:

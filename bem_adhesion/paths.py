@@ -8,6 +8,7 @@ to half the product of what pressure and separation change by in it. A step that
 long.
 """
 
+from collections.abc import Sequence
 from dataclasses import astuple, dataclass, replace
 
 import numpy as np
@@ -89,6 +90,15 @@ def account_of(solution: Solution, position: float, solid: Elasticity, before: A
         not solution.detached,
         *((before.dissipated, before.uncertain) if before else ()),
     )
+
+
+def states_of(passed: Sequence[Account], equilibrium_distance: float) -> np.ndarray:
+    """The states of the books as a dataset has them, see :attr:`InterfaceState.passed`."""
+    rows = [
+        (at.pressure, at.separation - equilibrium_distance, at.energy) if at.attached else (at.position, np.inf, 0.0)
+        for at in passed
+    ]
+    return np.array(rows).reshape(-1, 3)
 
 
 def follow(

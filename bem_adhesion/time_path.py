@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from bem_adhesion.interface import interface_state
-from bem_adhesion.paths import separation_of
+from bem_adhesion.paths import account_of, states_of
 from bem_adhesion.solution import Solution
 from bem_adhesion.viscoelastic import ViscoelasticContact
 from contact_study.observables.base import InterfaceState, Relaxation
@@ -120,20 +120,12 @@ def path_in_time(
         passed = []
         for solution, moment in steps_in_time(contact, state, now, target, duration, loading.time_steps):
             if solution.converged:
-                passed.append(_state(case, solution, moment.position))
+                passed.append(account_of(solution, moment.position, case.solid))
         state, now = solution.state, moment
         found = interface_state(case, solution, surface.grid.spacing)
         yield replace(
             found,
             relaxation=Relaxation(now.time, now.dissipated),
-            passed=np.array(passed).reshape(-1, 3),
+            passed=states_of(passed, case.law.equilibrium_distance),
             restart={**found.restart, "moment": now.array},
         )
-
-
-def _state(case: Case, solution: Solution, position: float) -> tuple[float, float, float]:
-    """Mean pressure, separation and energy of a state; apart, the load that it is under."""
-    if solution.detached:
-        return position, np.inf, 0.0
-    separation = separation_of(solution, case.solid) - case.law.equilibrium_distance
-    return float(solution.pressure.mean()), separation, solution.elastic_energy + solution.interaction_energy

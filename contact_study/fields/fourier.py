@@ -155,7 +155,7 @@ class RealTransform:
         coarser : RealTransform
             That of a coarser grid of the same periods.
         """
-        coefficients = coarser.forward() / np.float32(coarser.points)  # a copy: the spectra may lie in one memory
+        coefficients = coarser.forward() / coarser.points  # a copy: the spectra may lie in one memory
         resize_spectrum(coefficients, coarser.shape, self.shape, self.spectrum)
         return self.backward()
 

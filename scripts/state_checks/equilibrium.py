@@ -6,8 +6,9 @@ from functools import cached_property
 
 import numpy as np
 
-from bem_adhesion import Solution
+from bem_adhesion import Contact, Solution, rough_contact
 from contact_study.fields.grid import Grid
+from contact_study.problem.case import Case
 from contact_study.problem.elasticity import Elasticity
 from contact_study.problem.laws import TractionLaw
 from scripts.state_checks.balance import FreeSurface, PeriodicSurface
@@ -69,6 +70,33 @@ class Surfaces:
         # A wall alone bounds gaps, 1e-10 of the rms height, which stiff short waves turn into stress.
         wall = 1e-8 * float(self.heights.std()) / max(self.grid.size) if self.bare else 0.0
         return (ALLOWED + wall) * self.solid.contact_modulus + ROUNDING * float(np.abs(found.pressure).max())
+
+
+def contact_of(case: Case, surfaces: Surfaces) -> Contact:
+    """The solver of a case, as exact as the library's own: a study asks less of a wall."""
+    return rough_contact(
+        surfaces.heights,
+        surfaces.grid.size,
+        case.solid,
+        case.law,
+        case.loading.control,
+        boundary=case.elasticity.boundary,
+        hardness=case.material.hardness,
+    )
+
+
+def check_with_energies(
+    case: Case,
+    surfaces: Surfaces,
+    found: Point,
+    target: float,
+    again: Callable[[np.ndarray], Solution],
+    rng: np.random.Generator,
+    verdict: Verdict,
+) -> None:
+    """:func:`check`, and the energies of a case's solid; the other parameters as there."""
+    check(surfaces, found, target, again, rng, verdict)
+    check_energies(surfaces, found, target, case.solid.compression_energy(float(found.pressure.mean())), verdict)
 
 
 def check(

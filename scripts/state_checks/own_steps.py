@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from bem_adhesion import Contact, Solution, rough_contact
+from bem_adhesion import Contact, Solution
 from bem_adhesion.run import solve_path
 from contact_study.observables.base import InterfaceState
 from contact_study.problem.case import Case
@@ -65,14 +65,7 @@ class Books:
 
 def follow(case: Case, surface: Surface, surfaces: Surfaces, rng: np.random.Generator, verdict: Verdict) -> None:
     """Solve a case's path and check its points; parameters as of :func:`scripts.state_checks.relaxing.follow`."""
-    contact = rough_contact(
-        surfaces.heights,
-        surfaces.grid.size,
-        case.solid,
-        case.law,
-        case.loading.control,
-        boundary=case.elasticity.boundary,
-    )
+    contact = equilibrium.contact_of(case, surfaces)
     points: list[InterfaceState] = []
     for written, (target, _) in zip(solve_path(case, surface), case.path, strict=True):
         verdict.states += 1
@@ -84,9 +77,11 @@ def follow(case: Case, surface: Surface, surfaces: Surfaces, rng: np.random.Gene
             verdict.detached += 1
             continue
         point = Point.on_path(written, surfaces.free)
-        equilibrium.check(surfaces, point, target, lambda start, to=target: contact.step(start, to), rng, verdict)
-        compression = case.solid.compression_energy(float(point.pressure.mean()))
-        equilibrium.check_energies(surfaces, point, target, compression, verdict)
+
+        def again(start: np.ndarray, target: float = target) -> Solution:
+            return contact.step(start, target)
+
+        equilibrium.check_with_energies(case, surfaces, point, target, again, rng, verdict)
     _check_books(case, points, verdict)
     number = int(rng.integers(1, len(points)))
     _check_small_steps(case, contact, surfaces, points[number - 1], points[number], number, verdict)
@@ -101,11 +96,8 @@ def _check_books(case: Case, points: list[InterfaceState], verdict: Verdict) -> 
         own, passed = point.own_steps, point.passed
         assert own is not None
         assert passed is not None
-        if not point.report.detached:
-            energy = point.elastic_energy + point.interaction_energy
-            last = np.array([point.pressure.mean(), point.mean_separation, energy])
-            if not np.allclose(passed[-1], last, rtol=1e-9, atol=0):
-                verdict.faults.append(f"{where}: the last state passed is not the point's")
+        if not point.report.detached and not np.allclose(passed[-1], _last(point), rtol=1e-9, atol=0):
+            verdict.faults.append(f"{where}: the last state passed is not the point's")
         before = points[number - 1].own_steps if number else None
         if previous is not None and before is not None and np.isfinite(previous).all() and len(passed):
             books = Books(np.vstack([previous, passed]))
@@ -171,5 +163,6 @@ def _books_of(case: Case, found: Solution) -> np.ndarray:
 
 
 def _last(point: InterfaceState) -> np.ndarray:
+    """The same of a point as it is written."""
     energy = point.elastic_energy + point.interaction_energy
     return np.array([point.pressure.mean(), point.mean_separation, energy])

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from bem_adhesion import rough_contact
+from bem_adhesion import Solution
 from contact_study.problem.case import Case
 from scripts.state_checks import equilibrium
 from scripts.state_checks.equilibrium import Surfaces
@@ -24,14 +24,7 @@ def follow(case: Case, surfaces: Surfaces, rng: np.random.Generator, verdict: Ve
     verdict : Verdict
         What is found is added there.
     """
-    contact = rough_contact(
-        surfaces.heights,
-        surfaces.grid.size,
-        case.solid,
-        case.law,
-        case.loading.control,
-        boundary=case.elasticity.boundary,
-    )
+    contact = equilibrium.contact_of(case, surfaces)
     state = contact.separated()
     for target, _ in case.path:
         found = contact.step(state, target)
@@ -42,7 +35,8 @@ def follow(case: Case, surfaces: Surfaces, rng: np.random.Generator, verdict: Ve
         elif not found.converged:
             verdict.flagged.append(found.message)
         else:
-            point = Point.of(found)
-            equilibrium.check(surfaces, point, target, lambda start, to=target: contact.step(start, to), rng, verdict)
-            compression = case.solid.compression_energy(float(point.pressure.mean()))
-            equilibrium.check_energies(surfaces, point, target, compression, verdict)
+
+            def again(start: np.ndarray, target: float = target) -> Solution:
+                return contact.step(start, target)
+
+            equilibrium.check_with_energies(case, surfaces, Point.of(found), target, again, rng, verdict)

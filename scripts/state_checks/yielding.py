@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from bem_adhesion import Solution, rough_contact
+from bem_adhesion import Solution
 from contact_study.problem.case import Case
 from contact_study.problem.elasticity import HalfSpace
 from scripts.state_checks import equilibrium
@@ -20,15 +20,7 @@ def follow(case: Case, surfaces: Surfaces, rng: np.random.Generator, verdict: Ve
     """Solve a case's path and check its states; parameters as of :func:`scripts.state_checks.plain_steps.follow`."""
     hardness = case.material.hardness
     assert hardness is not None
-    contact = rough_contact(
-        surfaces.heights,
-        surfaces.grid.size,
-        case.solid,
-        case.law,
-        case.loading.control,
-        boundary=case.elasticity.boundary,
-        hardness=hardness,
-    )
+    contact = equilibrium.contact_of(case, surfaces)
     state, before = contact.separated(), np.zeros(surfaces.grid.shape)
     earlier: dict[float, Solution] = {}
     for target, _ in case.path:
@@ -55,9 +47,7 @@ def follow(case: Case, surfaces: Surfaces, rng: np.random.Generator, verdict: Ve
         def again(start: np.ndarray, kept: np.ndarray = kept, target: float = target) -> Solution:
             return contact.step(np.stack([start, kept]), target)
 
-        equilibrium.check(worn, point, target, again, rng, verdict)
-        compression = case.solid.compression_energy(float(point.pressure.mean()))
-        equilibrium.check_energies(worn, point, target, compression, verdict)
+        equilibrium.check_with_energies(case, worn, point, target, again, rng, verdict)
         _check_work(surfaces, found, before, hardness, where, rng, verdict)
         _check_unloading(case, found, target, earlier, where, verdict)
         earlier[target] = found

@@ -57,11 +57,16 @@ def _exact(u, out):
     return out
 
 
-def test_without_an_error_allowed_only_atoms_that_stood_are_left():
+def _followed_from_start():
     start = state_at(np.full(ATOMS, 1.1))
     followed = FollowedInterface(ROUGH, ATOMS)
     force, exact = np.empty_like(start), np.empty_like(start)
     followed.evaluate(start, force)
+    return start, followed, force, exact
+
+
+def test_without_an_error_allowed_only_atoms_that_stood_are_left():
+    start, followed, force, exact = _followed_from_start()
     there = start.copy()
     there[2, :3] += 1e-6 * LENGTH
     followed.evaluate(there, force)
@@ -73,10 +78,7 @@ def test_without_an_error_allowed_only_atoms_that_stood_are_left():
 
 
 def test_an_atom_inside_the_substrate_is_no_place_to_follow_from():
-    start = state_at(np.full(ATOMS, 1.1))
-    followed = FollowedInterface(ROUGH, ATOMS)
-    force, exact = np.empty_like(start), np.empty_like(start)
-    followed.evaluate(start, force)
+    start, followed, force, exact = _followed_from_start()
     inside = start.copy()
     inside[2, 4, 5] -= LENGTH
     assert followed.evaluate(inside, force, 1e-3 * SCALE) == np.inf

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from bem_adhesion import equilibrium_path, rough_contact
+from bem_adhesion import equilibrium_path
 from bem_adhesion.plastic import PlasticContact
 from bem_adhesion.viscoelastic import ViscoelasticContact
 from contact_study.problem.elasticity import Measured
@@ -62,23 +62,16 @@ def test_faults_are_found(number):
     surface, free = realise(case), case.elasticity.boundary == "free"
     solid = case.solid if study.closed_form is None else make_study(study.closed_form).cases[0].solid
     surfaces = Surfaces(case.law, solid, surface.sampled, surface.grid, case.loading.control, free)
-    contact = rough_contact(
-        surface.sampled,
-        surface.grid.size,
-        case.solid,
-        case.law,
-        case.loading.control,
-        boundary=case.elasticity.boundary,
-    )
+    contact = equilibrium.contact_of(case, surfaces)
     target = case.path[1][0]
     found = contact.step(contact.separated(), target)
 
     def faults(state, wanted=target):
         verdict = Verdict(number, case.interaction.law)
         point, rng = Point.of(state), np.random.default_rng(0)
-        equilibrium.check(surfaces, point, wanted, lambda start: contact.step(start, wanted), rng, verdict)
-        compression = case.solid.compression_energy(float(point.pressure.mean()))
-        equilibrium.check_energies(surfaces, point, wanted, compression, verdict)
+        equilibrium.check_with_energies(
+            case, surfaces, point, wanted, lambda start: contact.step(start, wanted), rng, verdict
+        )
         return " ".join(verdict.faults)
 
     assert faults(found) == ""

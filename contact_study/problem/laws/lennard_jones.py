@@ -31,27 +31,26 @@ class LennardJones(TractionLaw):
         m = self.exponent
         return (m - 1) * (m + 5) * self.work_of_adhesion / (6 * self.length)
 
-    def _powers(self, gap: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """s, s⁶ and s^m."""
-        s = self.length / np.asarray(gap)
+    def _powers(self, s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """s⁶ and s^m."""
         s3 = s * s * s
         power = s3
         for _ in range(self.exponent - 3):
             power = power * s
-        return s, s3 * s3, power
+        return s3 * s3, power
 
     def potential(self, gap):
-        m = self.exponent
-        s, s6, power = self._powers(gap)
+        m, s = self.exponent, self.length / np.asarray(gap)
+        s6, power = self._powers(s)
         return self.prefactor * self.length * power / s * (s6 / (m + 5) - 1 / (m - 1))
 
     def traction(self, gap):
-        _, s6, power = self._powers(gap)
+        s6, power = self._powers(self.length / np.asarray(gap))
         return self.prefactor * power * (1 - s6)
 
     def stiffness(self, gap):
-        m = self.exponent
-        s, s6, power = self._powers(gap)
+        m, s = self.exponent, self.length / np.asarray(gap)
+        s6, power = self._powers(s)
         return self.prefactor / self.length * power * s * ((m + 6) * s6 - m)
 
     def repulsive_gap(self, traction):
@@ -62,7 +61,7 @@ class LennardJones(TractionLaw):
         # six iterations.
         s = np.minimum(1 + y / 6, np.maximum(2 ** (1 / 6), (2 * y) ** (1 / (m + 6))))
         for _ in range(6):
-            _, s6, power = self._powers(self.length / s)
+            s6, power = self._powers(s)
             s = s - (power * (s6 - 1) - y) / (power / s * ((m + 6) * s6 - m))
         return self.length / s
 
