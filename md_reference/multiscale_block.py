@@ -144,6 +144,13 @@ class MultiscaleBlock:
         return total
 
     @property
+    def total_mass(self) -> float:
+        """Of all nodes and the rigid plane (kg)."""
+        pairs = zip(self.levels, self.plane_mass, strict=True)
+        nodes = sum(float(mass.sum()) * (level.shape[2] - 2) * (level.shape[3] - 2) for level, mass in pairs)
+        return nodes + self.top_mass
+
+    @property
     def mass(self) -> np.ndarray:
         """Mass of every node for each component (kg), shape (size,); zero for ghosts too, see :attr:`plane_mass`."""
         vector = np.zeros(self.size)

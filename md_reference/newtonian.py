@@ -144,6 +144,13 @@ class NewtonianBlock:
                 nodes[2, :-1, 1:-1, 1:-1] -= motion.top_velocity
         return self._mass_times_square(velocity) / (constants.k * self.block.freedoms)
 
+    def temperature_of_whole(self, motion: Motion) -> float:
+        """Square of the momentum along z over k_B and all mass (K): in equilibrium the temperature on average.
+
+        The slowest waves along z, in which a block rings after an impact, make nearly all of it.
+        """
+        return self.momentum(motion) ** 2 / (constants.k * self.block.total_mass)
+
     def momentum(self, motion: Motion) -> float:
         """Along z, of everything that moves (kg m/s)."""
         pairs = zip(self.block.plane_mass, self.block.levels_of(motion.velocity), strict=True)

@@ -4,6 +4,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from scipy import special
 
 from contact_study.fields.time_series import statistics_of
 
@@ -15,6 +16,8 @@ _BY_CHANCE = 4.0
 _NEGLIGIBLE = 0.01
 # Of the load. More is missing by no chance where the series is too short to tell its own error.
 _LARGE = 0.1
+# The share of blocks in equilibrium that are found to ring: as rare on one side as _BY_CHANCE errors are on two.
+_RARE = 6e-5
 # Of the speed that friction allows, above which a block counts as on its way down.
 _FALLING = 0.5
 
@@ -44,6 +47,37 @@ class Descent:
     terminal_speed: float
 
 
+@dataclass(frozen=True)
+class Warmth:
+    """How warm a block under a thermostat was on average over the states of a point that count.
+
+    Attributes
+    ----------
+    nodes : float
+        Temperature of all nodes (K).
+    whole : float
+        That of the block as one body, see :meth:`md_reference.newtonian.NewtonianBlock.temperature_of_whole` (K).
+    bath : float
+        The thermostat's (K).
+    freedoms : int
+        Of the nodes.
+    states : int
+        That count.
+    forgotten : float
+        Times that friction takes a wave's energy over these states: friction times time.
+    step_error : float
+        Share of its temperature that the fastest wave lacks by the time step, (ω dt)²/4.
+    """
+
+    nodes: float
+    whole: float
+    bath: float
+    freedoms: int
+    states: int
+    forgotten: float
+    step_error: float
+
+
 def still_moving(descent: Descent, unbalanced: float, modulus: float) -> tuple[float, str]:
     """What is left over E* of a block without noise in its last state, and what to do where it is not at rest.
 
@@ -60,6 +94,47 @@ def still_moving(descent: Descent, unbalanced: float, modulus: float) -> tuple[f
     if descent.reached and residual <= _AT_REST:
         return residual, ""
     return residual, _on_its_way(descent) or "the atoms still move: raise dynamics.duration or dynamics.damping"
+
+
+def not_in_equilibrium(descent: Descent, warmth: Warmth, modulus: float) -> tuple[float, str]:
+    """What a warm block's interface does not carry of the load over E*, and what to do if it is in no equilibrium yet.
+
+    A block that rings carries its load on average over many swings and is off by swings over few of them; one that is
+    still cold carries it, too. Equipartition tells both.
+    """
+    residual, message = load_missing(descent, modulus)
+    if message and _on_its_way(descent):
+        return residual, message
+    return residual, _ringing(warmth) or message or _still_cold(warmth)
+
+
+def _ringing(warmth: Warmth) -> str:
+    """That a block moves up and down by more than thermal motion, as after an impact; empty if it does not.
+
+    The square of one momentum is χ²-distributed with one freedom. Friction takes a wave's energy at its rate, so that
+    states which see all swings alike remember the square for the inverse of it, others for less: a mean over time has
+    half as many freedoms as friction times time at least, or one, and one a state at most.
+    """
+    freedoms = min(max(0.5 * warmth.forgotten, 1.0), warmth.states)
+    largest = special.chdtri(freedoms, _RARE) / freedoms
+    found = warmth.whole / warmth.bath
+    if found <= largest:
+        return ""
+    return (
+        f"the block still moves up and down as a whole, with {found:.3g} times the energy of thermal motion, by chance "
+        f"with {largest:.3g} at most: raise dynamics.duration or dynamics.damping"
+    )
+
+
+def _still_cold(warmth: Warmth) -> str:
+    """That the nodes have not the thermostat's temperature; empty if they have."""
+    by_chance = _BY_CHANCE * math.sqrt(2 / warmth.freedoms)  # as if all states were one
+    if abs(warmth.nodes / warmth.bath - 1) <= warmth.step_error + by_chance:
+        return ""
+    return (
+        f"the atoms moved at {warmth.nodes:.4g} K on average, not at the thermostat's {warmth.bath:.4g} K: raise "
+        "dynamics.duration or dynamics.damping"
+    )
 
 
 def load_missing(descent: Descent, modulus: float) -> tuple[float, str]:

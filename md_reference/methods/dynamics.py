@@ -3,6 +3,7 @@
 import dataclasses
 import math
 from collections.abc import Iterator, Mapping
+from typing import NamedTuple
 
 import numpy as np
 
@@ -14,7 +15,7 @@ from contact_study.problem.errors import InputError
 from contact_study.problem.surface import Surface
 from md_reference.block import element_matrix, lame_constants
 from md_reference.interface import LennardJonesInterface
-from md_reference.methods.arrival import Descent, load_missing, still_moving
+from md_reference.methods.arrival import Descent, Warmth, not_in_equilibrium, still_moving
 from md_reference.methods.base import Predictor
 from md_reference.multiscale_block import MultiscaleBlock, level_layers, node_count
 from md_reference.newtonian import Motion, NewtonianBlock, fastest_wave
@@ -149,6 +150,16 @@ def solve_path(
         yield Ensemble(run.states(at, case.path[number][0], discarded), discarded)
 
 
+class _Frame(NamedTuple):
+    """What is to be known of a state once the point ends."""
+
+    time: float  # (s)
+    top: float  # height of the rigid plane (m)
+    carried: float  # mean pressure of the interface (Pa)
+    temperature: float  # of the nodes (K)
+    whole: float  # temperature of the block as one body (K)
+
+
 @dataclasses.dataclass
 class _Place:
     """Where a run stands."""
@@ -160,8 +171,7 @@ class _Place:
     frame: int = 0
     frames: int = 0  # of the point
     steps: int = 0  # of all frames of the point
-    # Time (s), height of the rigid plane (m) and mean pressure of the interface (Pa) in each frame of the point so far.
-    series: list[tuple[float, float, float]] = dataclasses.field(default_factory=list)
+    series: list[_Frame] = dataclasses.field(default_factory=list)  # of the point so far
 
     def enter(self, point: int) -> None:
         """Stand before the first frame of a point."""
@@ -185,7 +195,7 @@ class _Place:
             "rigid": np.array([motion.top, motion.top_velocity, motion.time]),
             "counts": np.array([self.point, self.touched, self.frame, self.frames, self.steps]),
             "generator": packed(self.generator),
-            "series": np.array(self.series).reshape(-1, 3),
+            "series": np.array(self.series).reshape(-1, len(_Frame._fields)),
         }
 
     @classmethod
@@ -193,7 +203,7 @@ class _Place:
         top, top_velocity, time = map(float, arrays["rigid"])
         point, touched, frame, frames, steps = map(int, arrays["counts"])
         motion = Motion(arrays["displacement"].copy(), arrays["velocity"].copy(), top, top_velocity, time)
-        series = [(float(when), float(top), float(carried)) for when, top, carried in arrays["series"]]
+        series = [_Frame(*map(float, frame)) for frame in arrays["series"]]
         return cls(motion, generator_of(arrays["generator"]), point, bool(touched), frame, frames, steps, series)
 
 
@@ -210,6 +220,7 @@ class _Run:
             build_block(case), interface, step, case.dynamics.damping, case.atomistic.temperature, self._driven
         )
         self._steps = round(case.dynamics.duration / step)
+        self._step_error = (step / largest_time_step(case)) ** 2
 
     def begin(self, point: int, time: float = 0.0) -> _Place:
         """A block apart, at the speed of approach."""
@@ -276,7 +287,9 @@ class _Run:
         elastic = whole - own + case.solid.compression_energy(mean_pressure)
         interaction, kinetic = system.interaction_energy / nominal, system.kinetic_energy(at.motion) / nominal
         lifted = pressure * (at.motion.top - self._mean_height)
-        at.series.append((at.motion.time, at.motion.top, mean_pressure))
+        temperature = system.temperature(at.motion)
+        whole_moves = system.temperature_of_whole(at.motion)
+        at.series.append(_Frame(at.motion.time, at.motion.top, mean_pressure, temperature, whole_moves))
         return InterfaceState(
             gap=gap,
             pressure=stress.copy(),
@@ -287,9 +300,7 @@ class _Run:
             interaction_energy=interaction,
             report=self._report(at, pressure, discarded, apart),
             spacing=(case.lattice.constant, case.lattice.constant),
-            motion=ThermalMotion(
-                at.motion.time, system.temperature(at.motion), kinetic, kinetic + whole + interaction + lifted
-            ),
+            motion=ThermalMotion(at.motion.time, temperature, kinetic, kinetic + whole + interaction + lifted),
             atoms=self._atoms(at.motion) if apart or at.frame == at.frames else {},
         )
 
@@ -321,7 +332,8 @@ class _Run:
         else:
             descent = self._descent(at, pressure, discarded)
             if case.atomistic.temperature > 0:
-                residual, message = load_missing(descent, case.material.contact_modulus)
+                warmth = self._warmth(at.series[-descent.carried.size :])
+                residual, message = not_in_equilibrium(descent, warmth, case.material.contact_modulus)
             else:
                 residual, message = still_moving(descent, self._unbalanced(at), case.material.contact_modulus)
             converged = not message
@@ -348,7 +360,7 @@ class _Run:
     def _descent(self, at: _Place, pressure: float, discarded: int | None) -> Descent:
         """What the block did in the states that count, from the one before them on."""
         case, carried = self._case, self._carried(at, discarded)
-        time, top, _ = np.array(at.series[-carried.size - 1 :]).T
+        time, top, *_ = np.array(at.series[-carried.size - 1 :]).T
         assert case.material.atom_mass is not None
         weight = self._system.block.thickness * case.material.atom_mass / case.lattice.constant**3
         friction = weight * case.dynamics.damping
@@ -358,4 +370,16 @@ class _Run:
             reached=bool(np.any(carried)),
             speed=float((top[0] - top[-1]) / (time[-1] - time[0])),
             terminal_speed=pressure / friction if friction else math.inf,
+        )
+
+    def _warmth(self, counted: list[_Frame]) -> Warmth:
+        case = self._case
+        return Warmth(
+            nodes=float(np.mean([frame.temperature for frame in counted])),
+            whole=float(np.mean([frame.whole for frame in counted])),
+            bath=case.atomistic.temperature,
+            freedoms=self._system.block.freedoms,
+            states=len(counted),
+            forgotten=case.dynamics.damping * (counted[-1].time - counted[0].time),
+            step_error=self._step_error,
         )

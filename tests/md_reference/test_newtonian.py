@@ -106,6 +106,9 @@ def test_free_block_flies_on():
     np.testing.assert_allclose(system.block.bottom_of(motion.displacement)[2], motion.top, rtol=1e-9)
     energy = 0.5 * (system.block.mass.sum() / 3) * 10.0**2
     assert system.temperature(motion) == pytest.approx(2 * energy / (constants.k * system.block.freedoms), rel=1e-9)
+    # As one body: all of the energy in one freedom.
+    whole = energy + 0.5 * system.block.top_mass * 10.0**2
+    assert system.temperature_of_whole(motion) == pytest.approx(2 * whole / constants.k, rel=1e-9)
 
 
 def test_driven_block_goes_with_its_plane():
