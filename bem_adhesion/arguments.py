@@ -1,11 +1,10 @@
 """Checks of the arguments that both solvers share."""
 
-from collections.abc import Sequence
-
 import numpy as np
 
 from contact_study.fields.arguments import check_control
 from contact_study.fields.grid import Grid
+from contact_study.problem.elasticity import Elasticity
 
 
 def check_arguments(
@@ -14,17 +13,23 @@ def check_arguments(
     control: str,
     tolerance: float,
     max_iterations: int,
-    controls: Sequence[str] = ("pressure", "gap"),
+    elasticity: Elasticity,
 ) -> None:
     """Make sure that a solver can begin.
 
     Raises
     ------
     ValueError
-        If the heights do not fit the grid or are not numbers, ``control`` is unknown, or a limit is not positive.
+        If the heights do not fit the grid or are not numbers, ``control`` is unknown or not known of the solid, or a
+        limit is not positive.
     """
     if height.shape != grid.shape:
         raise ValueError(f"height has shape {height.shape}, the grid {grid.shape}")
     if not np.all(np.isfinite(height)):
         raise ValueError("height is not finite everywhere")
-    check_control(control, tolerance, max_iterations, controls)
+    check_control(control, tolerance, max_iterations, ("pressure", "gap", "approach"))
+    if control == "approach" and not elasticity.mean_stiffness_on(grid):
+        raise ValueError(
+            "control = 'approach': a uniform pressure moves this solid by no finite distance, or not at all; use "
+            "'pressure' or 'gap'"
+        )

@@ -54,9 +54,9 @@ def rough_contact(
     law : TractionLaw
         How the surfaces interact.
     control : {"pressure", "gap", "approach"}
-        What a step prescribes: the mean pressure (Pa), or the mean gap less the law's equilibrium distance (m), or,
-        with free boundaries, how far the half-space comes beyond the place where it would first touch (m), see
-        :class:`FreeContact`.
+        What a step prescribes: the mean pressure (Pa), or the mean gap less the law's equilibrium distance (m), or how
+        far the solid comes beyond the place where, undeformed, its surface has that distance to the highest point (m).
+        The gap is for periodic boundaries, the approach for free ones and for compressible layers.
     tolerance, max_iterations : optional
         As the solvers' own: :class:`HardWallContact`, :class:`LoadedContact`.
     threads : int, optional
@@ -100,8 +100,6 @@ def rough_contact(
     if hardness is not None:
         if not bare_wall:
             raise ValueError(f"hardness: known of a hard wall without adhesion, not of {law.words}")
-        if control == "approach":
-            raise ValueError("hardness: free boundaries need control = 'pressure', above some approach none is left")
         options["hardness"] = positive("hardness", hardness, "Pa")
     if boundary == "free":
         if hardness is None:

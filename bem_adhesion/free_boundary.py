@@ -74,7 +74,7 @@ class FreeHalfSpace(HalfSpace):
         stiffness_q[0, 0] = 0.0
         return stiffness_q
 
-    def mean_stiffness(self, grid: Grid) -> float:
+    def mean_stiffness_on(self, grid: Grid) -> float:
         """Stiffness of the mean displacement of a padded grid against the plane at infinity (Pa/m)."""
         return float(1 / np.sum(self._compliance(grid)))
 

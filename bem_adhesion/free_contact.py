@@ -4,7 +4,6 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from scipy.optimize import brentq
 
 from bem_adhesion.free_boundary import FreeHalfSpace, Window, padded_grid
 from bem_adhesion.hard_wall import HardWallContact
@@ -14,9 +13,6 @@ from contact_study.fields.grid import Grid
 from contact_study.problem.elasticity import Elasticity, elasticity_of
 from contact_study.problem.elasticity.half_space import HalfSpace
 from contact_study.problem.laws.base import TractionLaw
-
-# A force is looked for from this share of E* × the extent on, and not below this share of it.
-_FIRST_PRESSURE, _LEAST_PRESSURE = 1e-3, 1e-15
 
 
 class FreeContact:
@@ -63,22 +59,20 @@ class FreeContact:
         self.control = control
         self._window = Window(grid.shape)
         self._grid = padded_grid(grid)
-        self._size = max(grid.size)
-        self._modulus = solid.contact_modulus
         free = FreeHalfSpace(solid.contact_modulus)
-        self._mean_stiffness = free.mean_stiffness(self._grid)
+        self._mean_stiffness = free.mean_stiffness_on(self._grid)
         self._share = grid.points / self._grid.points
-        self._closest = float(height.max()) + law.equilibrium_distance
-        self._wall: HardWallContact | None = None
+        self._padded: HardWallContact | LoadedContact
         if law.has_wall and not law.attracts:
-            self._wall = HardWallContact(self._window.padded(height, self._grid, -np.inf), self._grid, free, **options)
+            heights = self._window.padded(height, self._grid, -np.inf)
+            self._padded = HardWallContact(heights, self._grid, free, control, **options)
         else:
             heights = self._window.padded(height, self._grid, float(height.min()))
-            self._law = LoadedContact(heights, self._grid, free, law, control, window=self._window, **options)
+            self._padded = LoadedContact(heights, self._grid, free, law, control, window=self._window, **options)
 
     def separated(self) -> np.ndarray:
         """The state of surfaces out of reach of each other, on the padded grid."""
-        return self._wall.separated() if self._wall else self._law.separated()
+        return self._padded.separated()
 
     def step(self, state: np.ndarray, target: float) -> Solution:
         """The state that follows from one under a new load.
@@ -96,52 +90,15 @@ class FreeContact:
             Fields on the grid of the surface, the state on the padded one; ``plane`` is where the half-space's
             surface would be undeformed.
         """
-        if self.control == "pressure":
-            solver = self._wall or self._law
-            return self._cropped(solver.step(state, target * self._share))
-        if self._wall:
-            return self._pressed_to(self._wall, state, target)
-        return self._cropped(self._law.step(state, self._closest - target))
+        return self._cropped(self._padded.step(state, target * self._share if self.control == "pressure" else target))
 
     def stiffness(self, solution: Solution) -> float:
         """−dp/d(position of the undeformed surface), p the force over the area of the grid (Pa/m)."""
-        inner = (self._wall or self._law).stiffness(solution)
+        inner = self._padded.stiffness(solution)
         if inner == 0:
             return 0.0
         # The mean of the padded surface gives way, and beyond it the plane.
         return 1 / (self._share * (1 / inner + 1 / self._mean_stiffness))
-
-    def _pressed_to(self, wall: HardWallContact, state: np.ndarray, approach: float) -> Solution:
-        """Of a wall the force that brings about an approach, found by its logarithm: it grows steadily with it."""
-        if not np.isfinite(approach):
-            raise ValueError(f"target = {approach:g}: must be finite")
-        if approach <= 0:
-            touching = self._cropped(wall.step(wall.separated(), 0.0))
-            apart = -approach
-            displacement = touching.displacement + apart
-            return replace(touching, displacement=displacement, gap=touching.gap + apart, plane=self._closest + apart)
-        start, pairs = state, 0.0
-
-        def at(log_pressure: float) -> Solution:
-            nonlocal start, pairs
-            found = wall.step(start, float(np.exp(log_pressure)))
-            start, pairs = found.state, pairs + found.fft_pairs
-            return self._cropped(found)
-
-        def excess(log_pressure: float) -> float:
-            found = at(log_pressure)
-            assert found.plane is not None  # of every state with free boundaries
-            difference = self._closest - found.plane - approach
-            return difference if abs(difference) > wall.tolerance * approach else 0.0
-
-        unit = self._modulus * self._share
-        low = high = np.log(max(_FIRST_PRESSURE * approach / self._size, _LEAST_PRESSURE) * unit)
-        while excess(low) > 0:
-            low -= 2.0
-        while excess(high) < 0:
-            high += 2.0
-        root = low if low == high else brentq(excess, low, high, xtol=1e-15, rtol=1e-14)
-        return replace(at(root), fft_pairs=pairs)
 
     def _cropped(self, found: Solution) -> Solution:
         inside = self._window.inside

@@ -13,7 +13,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from bem_adhesion.arguments import check_arguments
-from bem_adhesion.free_boundary import FreeHalfSpace, Window
+from bem_adhesion.free_boundary import Window
 from bem_adhesion.law_passes import blocks
 from bem_adhesion.load import HeightLoad
 from bem_adhesion.multilevel import MultilevelContact
@@ -71,7 +71,8 @@ class LoadedContact:
         The law of interaction.
     control : {"pressure", "gap", "approach"}
         What a step prescribes. A prescribed mean gap is held by a stiff spring whose end is moved until the mean gap
-        is met: the contact itself stays soft and may jump inside. An approach is that of :class:`FreeContact` alone.
+        is met: the contact itself stays soft and may jump inside. An approach is held by the solid's own stiffness
+        against a uniform pressure.
     tolerance : float, optional
         Largest max|K w + φ'(d) + p| / E* of a solution; under control of the gap or the approach also its largest error
         in units of the law's length.
@@ -85,7 +86,7 @@ class LoadedContact:
     Raises
     ------
     ValueError
-        If the heights do not fit the grid or are not finite, or ``control`` is unknown.
+        If the heights do not fit the grid or are not finite, or ``control`` is unknown or not known of the solid.
     """
 
     def __init__(
@@ -100,10 +101,9 @@ class LoadedContact:
         threads: int = 1,
         window: Window | None = None,
     ):
-        controls = ("pressure", "gap") if window is None else ("pressure", "approach")
-        check_arguments(height, grid, control, tolerance, max_iterations, controls)
-        self.height = height
         self.elasticity = elasticity_of(elasticity)
+        check_arguments(height, grid, control, tolerance, max_iterations, self.elasticity)
+        self.height = height
         self.law = law
         self.control = control
         self.tolerance = tolerance
@@ -123,8 +123,8 @@ class LoadedContact:
         if control == "gap":
             # As stiff as the solid at its stiffest wave: stiffer would only spread the spectrum of the operator.
             self._spring = float(solid.stiffness_on(self._grid).max())
-        elif isinstance(solid, FreeHalfSpace) and control == "approach":
-            self._spring = solid.mean_stiffness(self._grid)
+        elif control == "approach":
+            self._spring = solid.mean_stiffness_on(self._grid)
         self._contact = MultilevelContact(self._grid, periodic(solid, self._spring, threads), self._law, shift, window)
         self._heights = HeightLoad.on(self._contact.finest.solid, height, 1 / self._length)
 
@@ -144,8 +144,9 @@ class LoadedContact:
         state : numpy.ndarray, shape grid.shape
             ``Solution.state`` of an earlier step, or :meth:`separated`: a displacement (m).
         target : float
-            Mean pressure (Pa) or mean gap above the law's equilibrium distance (m), as ``control`` says; of an
-            approach the position of the undeformed surface (m).
+            Mean pressure (Pa), mean gap above the law's equilibrium distance (m) or approach (m), as ``control`` says:
+            how far the solid has come beyond the place where, undeformed, its surface has the equilibrium distance to
+            the highest point.
 
         Raises
         ------
@@ -163,7 +164,8 @@ class LoadedContact:
                 gap += max(mean_gap - gap.mean(), 0.0)
             result = self._hold(gap, mean_gap, out_of_reach)
         elif self.control == "approach":
-            result = self._lower(gap, target / self._length, out_of_reach)
+            closest = float(self._window.inside(self.height).max()) + self.law.equilibrium_distance
+            result = self._lower(gap, (closest - target) / self._length, out_of_reach)
         elif out_of_reach and target <= 0:
             return self._apart(Outcome.APART)
         else:

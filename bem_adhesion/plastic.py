@@ -51,7 +51,8 @@ class PlasticContact:
             ``Solution.state`` of the step before, or :meth:`separated`: its pressure (Pa) and the indentation that it
             leaves (m), the second deciding, the first a matter of work alone.
         target : float
-            Mean pressure or mean gap, as the hard wall takes it.
+            Mean pressure, mean gap or approach, as the hard wall takes it; the approach from first touch of the
+            surface before it yielded.
 
         Returns
         -------
@@ -68,7 +69,10 @@ class PlasticContact:
         before = self._indentation(state)
         if before.min() < 0:
             raise ValueError("the state to start from has an indentation < 0")
-        found = self._wall(before).step(state[0], target)
+        wall = self._wall(before)
+        if wall.control == "approach":
+            target -= float(self.height.max() - (self.height - before).max())
+        found = wall.step(state[0], target)
         indentation = before if found.plastic_indentation is None else before + found.plastic_indentation
         kept = np.zeros(self._untouched.shape)
         kept[tuple(map(slice, self.height.shape))] = indentation

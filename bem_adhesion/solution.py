@@ -16,6 +16,9 @@ class Outcome(Enum):
         "the iteration limit was reached before the tolerance: take smaller loading steps or raise "
         "solver.max_iterations"
     )
+    YIELDED = (
+        "the whole surface gives way: every point carries material.hardness, at this approach and beyond it; give less"
+    )
     LEAST_STEP = (
         "no step converged, not even the least of loading.resolution; the path goes on from the state before it: raise "
         "solver.max_iterations, lower loading.resolution or take a finer grid"

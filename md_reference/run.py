@@ -57,8 +57,8 @@ def check(case: Case) -> None:
     Raises
     ------
     InputError
-        If the law is not that of Lennard-Jones atoms, the solid is another or its boundaries are free, the block is
-        incompressible, or the lattice does not fit the cell or the layer.
+        If the law is not that of Lennard-Jones atoms, the solid is another or its boundaries are free, an approach is
+        prescribed, the block is incompressible, or the lattice does not fit the cell or the layer.
     """
     if case.interaction.law != "lennard_jones_10_4":
         raise InputError(
@@ -69,6 +69,10 @@ def check(case: Case) -> None:
         raise InputError(f'elasticity.kind = "{case.elasticity.kind}": the block of atoms is a half-space or a layer')
     if case.elasticity.boundary != "periodic":
         raise InputError(f'elasticity.boundary = "{case.elasticity.boundary}": the block of atoms is periodic')
+    if case.loading.control == "approach":
+        raise InputError(
+            'loading.control = "approach": the block of atoms takes "pressure", or its separation as "gap"'
+        )
     if case.material.poissons_ratio > _MOST_INCOMPRESSIBLE:
         raise InputError(
             f"material.poissons_ratio = {case.material.poissons_ratio:.12g}: springs cannot make a block "

@@ -63,8 +63,8 @@ def check(case: Case) -> None:
     Raises
     ------
     InputError
-        If the surface is flat, it yields, the boundaries are free, or the analytic spectrum is asked of a surface that
-        has none.
+        If the surface is flat, it yields, the boundaries are free, an approach is prescribed, or the analytic spectrum
+        is asked of a surface that has none.
     """
     kind = case.surface.kind
     if case.elasticity.kind == "viscoelastic":
@@ -73,6 +73,8 @@ def check(case: Case) -> None:
         raise InputError(f"material.hardness = {case.material.hardness:g} Pa: the theories know of none; leave it out")
     if case.elasticity.boundary != "periodic":
         raise InputError(f'elasticity.boundary = "{case.elasticity.boundary}": theories of roughness know no boundary')
+    if case.loading.control == "approach":
+        raise InputError('loading.control = "approach": the theories follow "pressure" or "gap"')
     if not case.surface.rough:
         raise InputError(f'surface.kind = "{kind}": a theory of roughness needs a rough surface')
     if case.surface.target_spectrum is None and "analytic" in case.spectra:

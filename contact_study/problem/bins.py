@@ -56,7 +56,7 @@ def _ranges(case: Case, scales: SurfaceScales) -> tuple[float, float, float]:
     peak = law.peak_tensile_stress
     # Full contact has a Gaussian stress; six deviations leave 1e-9 of it outside.
     fluctuation = 6 * scales.full_contact_stress(case.solid)
-    applied = max((abs(p) for p in case.loading.path), default=0.0) if case.loading.control == "pressure" else 0.0
+    applied = _applied(case)
     # A flat hard wall under a prescribed gap carries nothing: any range will do.
     compression = (fluctuation + applied + peak) or modulus
     # The 10-4 law's peak stress is exceeded nowhere in tension; a quarter more shows that it is not. Persson's theory
@@ -71,6 +71,15 @@ def _ranges(case: Case, scales: SurfaceScales) -> tuple[float, float, float]:
     elif case.loading.control == "approach":
         gap += max(0.0, -min(case.loading.path))
     return tension, compression, gap or 1.0
+
+
+def _applied(case: Case) -> float:
+    """Largest mean pressure of either sign that the path says (Pa)."""
+    path, control, compliance = case.loading.path, case.loading.control, case.solid.mean_compliance
+    if control == "pressure":
+        return max(map(abs, path))
+    # What a compressible layer takes where no gap closes; less if one does.
+    return max(0.0, *path) / compliance if control == "approach" and compliance else 0.0
 
 
 def _detachment_stress(case: Case, scales: SurfaceScales) -> float:

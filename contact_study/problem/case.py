@@ -55,12 +55,7 @@ class Case:
             )
         self._check_hardness()
         self._check_time()
-        free = self.elasticity.boundary == "free"
-        if self.loading.control == ("gap" if free else "approach"):
-            raise InputError(
-                f'loading.control = "{self.loading.control}": elasticity.boundary = "{self.elasticity.boundary}" takes '
-                f'"pressure" or "{"approach" if free else "gap"}"'
-            )
+        self._check_control()
         lowest_gap = min(self.loading.path) + self.law.equilibrium_distance
         # Only a wall can be met everywhere, at a mean gap of zero.
         if self.loading.control == "gap" and (lowest_gap < 0 or (lowest_gap == 0 and not self.law.has_wall)):
@@ -76,6 +71,18 @@ class Case:
                     "no state can carry it"
                 )
 
+    def _check_control(self) -> None:
+        free, control = self.elasticity.boundary == "free", self.loading.control
+        if free and control == "gap":
+            raise InputError('loading.control = "gap": elasticity.boundary = "free" takes "pressure" or "approach"')
+        if not free and control == "approach" and not self.solid.mean_compliance:
+            held = math.isfinite(self.solid.depth)
+            moved = "not at all, being incompressible" if held else "by no finite distance, repeated periodically"
+            raise InputError(
+                f'loading.control = "approach": a uniform pressure moves elasticity.kind = "{self.elasticity.kind}" '
+                f'{moved}; use "pressure" or "gap"'
+            )
+
     def _check_hardness(self) -> None:
         hardness, control = self.material.hardness, self.loading.control
         if hardness is None:
@@ -90,8 +97,6 @@ class Case:
                 f"loading.path: a mean pressure of {max(self.loading.path):g} Pa is not below {given}: no state can "
                 "carry it, all of the surface would give way"
             )
-        if control == "approach":
-            raise InputError(f'{given}: loading.control = "approach" knows no end of yielding; use "pressure"')
         if control == "gap" and min(self.loading.path) <= 0:
             raise InputError(f"loading.path: with {given} surfaces close at no one pressure; give gaps above zero")
 

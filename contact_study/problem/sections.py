@@ -61,7 +61,8 @@ class LoadingSection:
     path: tuple[float, ...] = key(
         sequence((lambda value, name: value, "pressures or gaps")),
         "pressures (control = pressure, Pa) or forces on the whole cell (with a unit, N), mean gaps above equilibrium "
-        "(control = gap, m) or approaches beyond first touch (control = approach, m; free boundaries), in any order",
+        "(control = gap, m) or approaches beyond first touch (control = approach, m; free boundaries or a compressible "
+        "layer), in any order",
     )
     control: str = key(choice("pressure", "gap", "approach"), "what is prescribed", "pressure")
     unload: bool = key(flag(), "go back through the path after its last point", False)

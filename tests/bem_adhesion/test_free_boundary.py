@@ -62,7 +62,7 @@ def test_padded_convolution_is_the_free_one(shape):
     padded = np.fft.irfft2(compliance_q * np.fft.rfft2(window.padded(pressure, wide, 0.0)), wide.shape)
     expected = displacement_by_sums(pressure, grid, 3.0)
     np.testing.assert_allclose(window.inside(padded), expected, rtol=0, atol=1e-13 * np.abs(expected).max() * 100)
-    assert solid.mean_stiffness(wide) == pytest.approx(1 / compliance_q[0, 0], rel=1e-13)
+    assert solid.mean_stiffness_on(wide) == pytest.approx(1 / compliance_q[0, 0], rel=1e-13)
     assert solid.stiffness_on(wide)[0, 0] == 0
 
 
@@ -91,7 +91,8 @@ def test_states_satisfy_the_equations_of_a_free_half_space(law, control):
         assert found.gap.shape == found.pressure.shape == grid.shape
         surface = found.plane + displacement_by_sums(found.pressure, grid, 1.0)
         np.testing.assert_allclose(surface, found.displacement, atol=1e-7)  # 1e-8 of stress on a cell of 0.1
-        np.testing.assert_allclose(found.displacement - height, found.gap, atol=1e-12)
+        # Rounding; of a wall what its tolerance leaves of gaps where surfaces touch.
+        np.testing.assert_allclose(found.displacement - height, found.gap, atol=max(1e-12, 1e-10 * height.std()))
         if control == "pressure":
             assert found.pressure.mean() == pytest.approx(load, abs=1e-7)
         else:

@@ -278,7 +278,6 @@ def test_a_study_is_gone_on_from_with_what_has_yielded(tmp_path):
         ({"loading": {"path": [1e9, 4e9]}}, "4e[+]09 Pa is not below material.hardness = 4e[+]09"),
         ({"loading": {"path": [0.0], "control": "gap"}}, "gaps above zero"),
         ({"interaction": {"law": "dugdale", "length": 1e-10, "work_of_adhesion": 0.1}}, "hard_wall"),
-        ({"elasticity": {"boundary": "free"}, "loading": {"path": [1e-9], "control": "approach"}}, '"approach"'),
     ],
 )
 def test_what_no_hardness_allows_is_one_clear_line(changes, words):
@@ -297,7 +296,6 @@ def test_theories_refuse_it():
     [
         ({"law": LennardJones104(0.1, 3e-10)}, "hard wall without adhesion"),
         ({"hardness": -1.0}, "hardness = -1"),
-        ({"control": "approach", "boundary": "free"}, "control = 'pressure'"),
     ],
 )
 def test_the_library_names_what_is_wrong(arguments, words):
@@ -325,11 +323,84 @@ def test_a_gap_is_met_where_every_touching_point_yields():
     assert np.all((nearer.plastic_indentation > near.plastic_indentation) == (near.pressure == hardness))
 
 
+BODIES = {"layer": (Layer(CONTACT_MODULUS, 0.3, 0.05 * SIZE), "periodic"), "free": (HalfSpace(CONTACT_MODULUS), "free")}
+
+
+def approach_of(found, height, solid):
+    """Of the undeformed surface beyond first touch of the surface that had not yielded."""
+    if found.plane is not None:
+        return height.max() - found.plane
+    return height.max() - float(np.mean(found.displacement)) + solid.mean_compliance * float(found.pressure.mean())
+
+
+@pytest.mark.parametrize("hardness", [0.1, 0.003])
+@pytest.mark.parametrize(("solid", "boundary"), BODIES.values(), ids=BODIES)
+def test_an_approach_yields_as_its_pressure_does(solid, boundary, hardness):
+    """Up, down, up again, beyond: the way by pressures and the way by the approaches found there, and back."""
+    height, grid = self_affine(32)
+    hardness *= CONTACT_MODULUS
+    pressures = hardness * np.array([0.1, 0.4, 0.05, 0.4, 0.9])
+    pressed = walked(plastic(height, grid, hardness, solid, boundary=boundary), pressures)
+    approaches = [approach_of(found, height, solid) for found in pressed]
+    contact = plastic(height, grid, hardness, solid, boundary=boundary, control="approach")
+    for found, one, target in zip(walked(contact, approaches), pressed, approaches, strict=True):
+        assert found.converged
+        assert approach_of(found, height, solid) == pytest.approx(target, abs=3 * TOLERANCE * height.std())
+        assert 0 <= found.pressure.min() <= found.pressure.max() <= hardness * (1 + 1e-14)
+        # Two solves to the tolerance, and what the earlier ones of a path leave of it.
+        np.testing.assert_allclose(found.plastic_indentation, one.plastic_indentation, atol=1e-8 * height.std())
+        np.testing.assert_allclose(found.gap, one.gap, atol=1e-8 * height.std())
+        assert found.pressure.mean() == pytest.approx(one.pressure.mean(), rel=1e-6)
+    assert 0 < approaches[2] < approaches[1], "unloaded it stands where it yielded to, less what springs back"
+
+
+@pytest.mark.parametrize(("solid", "boundary"), BODIES.values(), ids=BODIES)
+def test_where_the_whole_surface_yields_the_state_says_so(solid, boundary):
+    height, grid = self_affine(32)
+    hardness = 0.03 * CONTACT_MODULUS
+    nearly = walked(plastic(height, grid, hardness, solid, boundary=boundary), [0.999 * hardness])[0]
+    contact = plastic(height, grid, hardness, solid, boundary=boundary, control="approach")
+    last = approach_of(nearly, height, solid)
+    held, beyond, lifted, apart = walked(contact, [last, 3 * last, 3 * last - 0.05 * height.std(), last])
+    assert held.converged
+    assert held.pressure.max() == pytest.approx(hardness, rel=1e-14)
+    assert beyond.outcome is Outcome.YIELDED
+    assert not beyond.converged
+    assert "whole surface gives way" in beyond.message
+    assert "\n" not in beyond.message
+    np.testing.assert_array_equal(beyond.pressure, hardness)
+    np.testing.assert_array_equal(beyond.gap, 0)
+    assert approach_of(beyond, height, solid) == pytest.approx(3 * last, rel=1e-8)  # at 1 − 1e-9 of the hardness
+    # Surfaces stay as deep as they have been pressed, but for what both spring back.
+    assert beyond.plastic_indentation.mean() > held.plastic_indentation.mean() + 1.5 * last
+    for found in (lifted, apart):
+        assert found.converged
+        np.testing.assert_array_equal(found.plastic_indentation, beyond.plastic_indentation)
+    assert 0 < lifted.pressure.mean() < hardness
+    assert not apart.pressure.any()
+
+
+def test_an_approach_is_met_where_every_touching_point_yields():
+    height, grid = random_heights((12, 12), 1.0, seed=3)
+    hardness = 1e-4 * height.std() / max(grid.size) * CONTACT_MODULUS
+    layer = Layer(CONTACT_MODULUS, 0.3, 0.05)
+    contact = plastic(height, grid, hardness, layer, control="approach")
+    highest = np.sort(height, axis=None)[-4:]
+    level = 0.5 * (highest[0] + highest[1])  # three touch, next to undeformed
+    [found] = walked(contact, [highest[-1] - level])
+    assert found.pressure.mean() == pytest.approx(3 / 144 * hardness, rel=1e-12)
+    assert approach_of(found, height, layer) == pytest.approx(highest[-1] - level, rel=1e-9)
+    assert_conditions(found, np.zeros(grid.shape), height, grid, hardness, found.pressure.mean(), layer)
+
+
 def test_a_load_that_no_state_carries_is_refused():
     height, grid = self_affine(32)
     contact = plastic(height, grid, 1e9)
     with pytest.raises(ValueError, match="no state carries the hardness"):
         contact.step(contact.separated(), 1e9)
+    free = plastic(height, grid, 1e9, boundary="free")
+    with pytest.raises(ValueError, match=r"target = 1e\+09: no state carries the hardness"):
+        free.step(free.separated(), 1e9)
     with pytest.raises(ValueError, match=r"needs \(2, 32, 32\)"):
         contact.step(np.zeros((32, 32)), 1e8)
     with pytest.raises(ValueError, match="indentation < 0"):

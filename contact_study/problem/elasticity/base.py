@@ -59,6 +59,10 @@ class Elasticity(ABC):
         """
         return 0.0
 
+    def mean_stiffness_on(self, grid: Grid) -> float:
+        """Stiffness of the mean displacement of a grid against what holds the block (Pa/m); zero where nothing does."""
+        return 1 / self.mean_compliance if self.mean_compliance else 0.0
+
     def compression(self, mean_pressure: float) -> float:
         """How far a mean pressure (Pa), known or not, moves the surface's mean towards what holds the block (m)."""
         return self.mean_compliance * mean_pressure if self.mean_compliance else 0.0

@@ -1,0 +1,67 @@
+"""The pressure on a hard wall at which its surfaces are where they are wanted."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+from scipy.optimize import brentq
+
+from bem_adhesion.solution import Solution
+
+# In the logarithm of the pressure, until the root is between two.
+_STRIDE = 2.0
+
+
+def pressed_until(
+    press: Callable[[np.ndarray, float], Solution],
+    state: np.ndarray,
+    excess: Callable[[Solution], float],
+    tolerance: float,
+    first: float,
+    most: float = np.inf,
+) -> Solution:
+    """The state at the pressure at which an excess distance, which falls with it, is none.
+
+    Parameters
+    ----------
+    press : callable
+        A state to start from and a mean pressure (Pa) -> the contact.
+    state : numpy.ndarray
+        To start from.
+    excess : callable
+        By how much a contact's surfaces are too far from one another (m).
+    tolerance : float
+        Excess that is none (m).
+    first : float
+        Pressure to begin with (Pa).
+    most : float, optional
+        The largest that may be asked for (Pa).
+
+    Returns
+    -------
+    Solution
+        With the work of all solves; where surfaces are too far even at the largest pressure, that state.
+    """
+    start, pairs = state, 0.0
+
+    def at(log_pressure: float) -> Solution:
+        nonlocal start, pairs
+        found = press(start, float(np.exp(log_pressure)))
+        start, pairs = found.state, pairs + found.fft_pairs
+        return found
+
+    @cache
+    def left(log_pressure: float) -> float:
+        away = excess(at(log_pressure))
+        return away if abs(away) > tolerance else 0.0
+
+    top = float(np.log(most))
+    low = high = min(float(np.log(first)), top)
+    while left(low) < 0:
+        low, high = low - _STRIDE, low
+    while left(high) > 0 and high < top:
+        low, high = high, min(high + _STRIDE, top)
+    root = high if left(high) >= 0 else brentq(left, low, high, xtol=1e-15, rtol=1e-14)
+    found = at(root)
+    return replace(found, fft_pairs=pairs)
