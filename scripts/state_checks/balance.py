@@ -39,8 +39,21 @@ class PeriodicSurface:
     def energy(self, law: TractionLaw, heights: np.ndarray, found: Point, gap: np.ndarray, control: str) -> float:
         """Elastic energy, interaction and load at a gap, per area (J/m²)."""
         displacement = heights + gap
-        load = found.pressure.mean() * gap.mean() if control == "pressure" else 0.0
+        load = 0.0
+        if control == "pressure":
+            load = found.pressure.mean() * gap.mean()
+        elif control == "approach":
+            load = 0.5 * self._uniform * (displacement.mean() - self.plane(heights, found)) ** 2
         return float(self._energy_of(displacement) + np.mean(law.potential(gap)) + load)
+
+    def plane(self, heights: np.ndarray, found: Point) -> float:
+        """Where the surface would be undeformed (m)."""
+        return float(np.mean(heights + found.gap) - found.pressure.mean() / self._uniform)
+
+    @property
+    def _uniform(self) -> float:
+        """Stiffness of the mean (Pa/m): that of a wave a million times as long as the layer is thick."""
+        return float(self._solid.stiffness(np.array([1e-6 / self._solid.depth]))[0])
 
     def stored(self, heights: np.ndarray, found: Point) -> float:
         """Elastic energy of a state but for its uniform compression, per area (J/m²)."""
@@ -93,6 +106,11 @@ class FreeSurface:
         change = gap - found.gap
         first = np.mean(found.pressure * change)
         return float(first + np.mean(law.potential(gap)) + 0.5 * self._least_stiffness(change))
+
+    def plane(self, heights: np.ndarray, found: Point) -> float:
+        """Where the surface would be undeformed (m), as is said: the balance holds it to that."""
+        assert found.plane is not None
+        return found.plane
 
     def stored(self, heights: np.ndarray, found: Point) -> float:
         """Elastic energy of a state, per area of the surface (J/m²)."""

@@ -12,7 +12,7 @@ from contact_study.problem.study import make_study
 SIZE = 100e-9
 MODULUS = (1e9, 100e9)  # Young's, log-uniform
 SHAPES = ((32, 32), (48, 48), (33, 33), (31, 45), (24, 64), (64, 40))
-SUBJECTS = ("hardness", "viscoelastic", "adaptive", "tabulated_stiffness")
+SUBJECTS = ("hardness", "viscoelastic", "adaptive", "approach", "tabulated_stiffness")
 # Wavenumbers that differ by less than this share are one wave's, in other roundings.
 SAME = 1e-9
 
@@ -49,10 +49,24 @@ def drawn(number: int, extreme: bool = False) -> Drawn:
     elif subject == "adaptive":
         table["loading"] |= {"adaptive": True, "resolution": _between(rng, 0.005, 0.05)}
     subjects = (subject,) if subject else ()
-    if subject == "viscoelastic" or not tabulated or table["elasticity"]["boundary"] == "free":
-        return Drawn(table, subjects)
-    measured = _tabulated(table)
-    return Drawn(table, subjects) if measured is None else Drawn(measured, (*subjects, SUBJECTS[-1]), table)
+    if subject != "viscoelastic" and tabulated and table["elasticity"]["boundary"] == "periodic":
+        measured = _tabulated(table)
+        if measured is not None:
+            return Drawn(measured, (*subjects, "tabulated_stiffness"), table)
+    elif _has_approach(table) and rng.random() < 0.4:
+        table["loading"] |= {"control": "approach", "path": _approaches(table["surface"]["rms_height"], rng)}
+    return Drawn(table, (*subjects, "approach") if table["loading"]["control"] == "approach" else subjects)
+
+
+def _has_approach(table: dict[str, Any]) -> bool:
+    """Whether boundaries are periodic and a uniform pressure moves the solid."""
+    return table["elasticity"]["kind"] == "layer" and table["material"]["poissons_ratio"] < 0.5
+
+
+def _approaches(height: float, rng: np.random.Generator) -> list[float]:
+    """Nearer, less near, as near again, beyond; from light contact of a layer to next to full contact."""
+    first, most = sorted(float(value) * height for value in rng.uniform(0.1, 5, 2))
+    return [first, most, 0.3 * first, most, 1.3 * most]
 
 
 def _subject(law: str, rng: np.random.Generator) -> str | None:
@@ -168,7 +182,9 @@ def _hard(table: dict[str, Any], rng: np.random.Generator) -> dict[str, Any]:
     slope = surface["rms_height"] * 2 * np.pi * surface["cutoff_mode"] / max(surface["size"])
     hardness = material["youngs_modulus"] * slope * _between(rng, 0.02, 1.0)
     first, most = sorted(_between(rng, 3e-3, 0.95) for _ in range(2))
-    if loading["control"] != "gap":
+    if loading["control"] == "approach":
+        loading = {"control": "approach", "path": _approaches(surface["rms_height"], rng)}
+    elif loading["control"] == "pressure":
         shares = [first, most, 0.3 * first, most, 0.5 * (1 + most)]
         loading = {"control": "pressure", "path": [hardness * share for share in shares]}
     return {**table, "material": {**material, "hardness": hardness}, "loading": loading}

@@ -198,11 +198,10 @@ def changes(grid: Grid, rng: np.random.Generator) -> Iterator[np.ndarray]:
 
 def _check_load(surfaces: Surfaces, found: Point, target: float, where: str, verdict: Verdict) -> None:
     distance = surfaces.law.equilibrium_distance
-    held = {
-        "pressure": found.pressure.mean(),
-        "gap": found.gap.mean() - distance,
-        "approach": surfaces.heights.max() + distance - (found.plane or 0.0),
-    }[surfaces.control]
+    if surfaces.control == "approach":
+        held = surfaces.heights.max() + distance - surfaces.elastic.plane(surfaces.heights, found)
+    else:
+        held = found.pressure.mean() if surfaces.control == "pressure" else found.gap.mean() - distance
     under_load = surfaces.control == "pressure"
     margin = ALLOWED * surfaces.solid.contact_modulus if under_load else 2e-8 * surfaces.length
     if abs(held - target) > margin + 1e-8 * abs(target):

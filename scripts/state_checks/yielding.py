@@ -47,7 +47,9 @@ def follow(case: Case, surfaces: Surfaces, rng: np.random.Generator, verdict: Ve
         def again(start: np.ndarray, kept: np.ndarray = kept, target: float = target) -> Solution:
             return contact.step(np.stack([start, kept]), target)
 
-        equilibrium.check_with_energies(case, worn, point, target, again, rng, verdict)
+        # An approach counts from where the surface was highest before it yielded.
+        lost = surfaces.heights.max() - worn.heights.max() if surfaces.control == "approach" else 0.0
+        equilibrium.check_with_energies(case, worn, point, target - lost, again, rng, verdict)
         _check_work(surfaces, found, before, hardness, where, rng, verdict)
         _check_unloading(case, found, target, earlier, where, verdict)
         earlier[target] = found
@@ -96,7 +98,7 @@ def _check_unloading(
     """
     if not isinstance(case.solid, HalfSpace) or not earlier:
         return
-    sign = 1 if case.loading.control == "pressure" else -1
+    sign = -1 if case.loading.control == "gap" else 1
     carried = max(sign * at for at in earlier)
     if sign * target > carried:
         return

@@ -8,7 +8,7 @@ import pytest
 from bem_adhesion import equilibrium_path
 from bem_adhesion.plastic import PlasticContact
 from bem_adhesion.viscoelastic import ViscoelasticContact
-from contact_study.problem.elasticity import Measured
+from contact_study.problem.elasticity import Layer, Measured
 from contact_study.problem.laws import LAWS
 from contact_study.problem.study import make_study
 from contact_study.problem.surface import realise
@@ -19,8 +19,8 @@ from scripts.state_checks.equilibrium import Surfaces
 from scripts.state_checks.point import Point
 from scripts.state_checks.verdict import Verdict
 
-# Numbers of studies of the four subjects.
-HARD, RELAXING, STEPPING, TABULATED = 29, 26, 21, 12
+# Numbers of studies of the five subjects.
+HARD, RELAXING, STEPPING, APPROACHED, TABULATED = 29, 26, 47, 8, 12
 
 
 @pytest.mark.validation
@@ -144,6 +144,11 @@ def _forgets_a_jump(patch):
     patch.setattr(equilibrium_path, "follow", cheaper)
 
 
+def _is_too_soft_as_a_whole(patch):
+    compliance = Layer.mean_compliance.fget
+    patch.setattr(Layer, "mean_compliance", property(lambda self: 1.0001 * compliance(self)))
+
+
 def _is_too_stiff(patch):
     stiffness = Measured.stiffness
     patch.setattr(Measured, "stiffness", lambda self, q: 1.0001 * stiffness(self, q))
@@ -158,6 +163,7 @@ def _is_too_stiff(patch):
         (RELAXING, _relaxes_too_slowly, "from the hereditary integral"),
         (RELAXING, _dissipates_too_little, "dissipated"),
         (STEPPING, _forgets_a_jump, "its jumps lost"),
+        (APPROACHED, _is_too_soft_as_a_whole, "approach is"),
         (TABULATED, _is_too_stiff, "out of balance"),
     ],
 )
