@@ -44,11 +44,12 @@ def pressed_until(
         With the work of all solves; where surfaces are too far even at the largest pressure, that state.
     """
     start, pairs = state, 0.0
+    latest: tuple[float, Solution] | None = None
 
     def at(log_pressure: float) -> Solution:
-        nonlocal start, pairs
+        nonlocal start, pairs, latest
         found = press(start, float(np.exp(log_pressure)))
-        start, pairs = found.state, pairs + found.fft_pairs
+        start, pairs, latest = found.state, pairs + found.fft_pairs, (log_pressure, found)
         return found
 
     @cache
@@ -63,5 +64,5 @@ def pressed_until(
     while left(high) > 0 and high < top:
         low, high = high, min(high + _STRIDE, top)
     root = high if left(high) >= 0 else brentq(left, low, high, xtol=1e-15, rtol=1e-14)
-    found = at(root)
+    found = latest[1] if latest and latest[0] == root else at(root)
     return replace(found, fft_pairs=pairs)

@@ -66,7 +66,7 @@ def test_both_controls_have_the_same_states(law, layer):
         assert approach_of(back, height, law, layer) == pytest.approx(target, abs=1e-5 * R0)
 
 
-@pytest.mark.parametrize("pressed", [1e-6, 0.3, 20.0])
+@pytest.mark.parametrize("pressed", [1e-6, 0.3, 20.0, 3e4])
 def test_a_hard_wall_under_flat_and_far_pressed_surfaces(pressed):
     """Flat ones carry δ/c; of rough ones the same from where they are in full contact on, less their height."""
     layer = Layer(E_STAR, 0.2, 0.02 * SIZE)
@@ -79,7 +79,7 @@ def test_a_hard_wall_under_flat_and_far_pressed_surfaces(pressed):
     found = rough.step(rough.separated(), pressed * 1e-9)
     assert found.converged
     assert approach_of(found, height, HardWall(), layer) == pytest.approx(pressed * 1e-9, rel=1e-9)
-    closed = pressed == 20.0
+    closed = pressed >= 20
     assert np.all(found.pressure > 0) == closed
     if closed:
         expected = (pressed * 1e-9 - height.max() + height.mean()) / layer.mean_compliance
