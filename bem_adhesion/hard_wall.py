@@ -104,8 +104,14 @@ class HardWallContact(PressedWall):
             shape.
         """
         check_step(self.control, target, state, self.grid.shape)
+        self._check_target(target)
+        solve = {"pressure": self._at_pressure, "gap": self._at_gap, "approach": self._at_approach}[self.control]
+        before = self._pairs()
+        return replace(solve(state, target), fft_pairs=self._pairs() - before)
+
+    def _check_target(self, target: float) -> None:
         if self.control == "approach":
-            return self._at_approach(state, target)
+            return
         if target < 0:
             raise ValueError(f"target = {target:g}: a hard wall without adhesion has no negative mean {self.control}")
         if self.control == "pressure" and target >= self._share * self.hardness:
@@ -113,7 +119,6 @@ class HardWallContact(PressedWall):
             raise ValueError(f"target = {asked:g}: no state carries the hardness, {self.hardness:g} Pa, or more")
         if self.control == "gap" and target == 0 and np.isfinite(self.hardness):
             raise ValueError("target = 0: with a hardness surfaces close at no one pressure; give a gap above zero")
-        return self._at_pressure(state, target) if self.control == "pressure" else self._at_gap(state, target)
 
     def _at_gap(self, state: np.ndarray, mean_gap: float) -> Solution:
         """Found as the pressure that leaves that gap."""
@@ -198,7 +203,6 @@ class HardWallContact(PressedWall):
             gap,
             found.residual,
             found.iterations,
-            found.fft_pairs,
             surface=found.displacement + lift,
             indentation=indentation,
         )
@@ -212,7 +216,6 @@ class HardWallContact(PressedWall):
             np.where(there, 0.0, np.inf),
             found.residual,
             found.iterations,
-            found.fft_pairs,
             Outcome.YIELDED,
             surface,
             np.where(there, np.maximum(self._height - surface, 0.0), 0.0),

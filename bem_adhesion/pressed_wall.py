@@ -100,7 +100,6 @@ class PressedWall:
         if mean_pressure == 0:
             return self._apart(float(self._height.max()))
         level, load = self._level, mean_pressure / self._pressure_unit
-        before = level.equivalent_pairs(level.grid)
         full_contact, surface, indentation = False, None, None
         if _similar(state, mean_pressure):
             level.start_from(state, load)
@@ -118,9 +117,12 @@ class PressedWall:
                 indentation *= self._unit
             if not self._bounded or indentation is not None:
                 surface = level.surface() * self._unit + self._mean_height
-        pairs = level.equivalent_pairs(level.grid) - before
         pressure = level.pressure * self._pressure_unit
-        return self._solution(pressure, gap, residual, iterations, pairs, outcome, surface, indentation)
+        return self._solution(pressure, gap, residual, iterations, outcome, surface, indentation)
+
+    def _pairs(self) -> float:
+        """Transform pairs done so far, as float64 pairs on the grid."""
+        return 0.0 if self._flat else self._level.equivalent_pairs(self._level.grid)
 
     def _least_full_contact_pressure(self) -> float:
         return self._level.least_full_contact_pressure() * self._pressure_unit
@@ -136,7 +138,6 @@ class PressedWall:
         gap: np.ndarray,
         residual: float = 0.0,
         iterations: int = 0,
-        pairs: float = 0.0,
         outcome: Outcome = Outcome.CONVERGED,
         surface: np.ndarray | None = None,
         indentation: np.ndarray | None = None,
@@ -158,7 +159,7 @@ class PressedWall:
             0.0,
             residual,
             iterations,
-            pairs,
+            0.0,
             outcome,
             complementarity_residual=beyond,
             plastic_indentation=indentation,

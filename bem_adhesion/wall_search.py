@@ -1,7 +1,6 @@
 """The pressure on a hard wall at which its surfaces are where they are wanted."""
 
 from collections.abc import Callable
-from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -41,15 +40,15 @@ def pressed_until(
     Returns
     -------
     Solution
-        With the work of all solves; where surfaces are too far even at the largest pressure, that state.
+        Where surfaces are too far even at the largest pressure, that state.
     """
-    start, pairs = state, 0.0
+    start = state
     latest: tuple[float, Solution] | None = None
 
     def at(log_pressure: float) -> Solution:
-        nonlocal start, pairs, latest
+        nonlocal start, latest
         found = press(start, float(np.exp(log_pressure)))
-        start, pairs, latest = found.state, pairs + found.fft_pairs, (log_pressure, found)
+        start, latest = found.state, (log_pressure, found)
         return found
 
     @cache
@@ -64,5 +63,4 @@ def pressed_until(
     while left(high) > 0 and high < top:
         low, high = high, min(high + _STRIDE, top)
     root = high if left(high) >= 0 else brentq(left, low, high, xtol=1e-15, rtol=1e-14)
-    found = latest[1] if latest and latest[0] == root else at(root)
-    return replace(found, fft_pairs=pairs)
+    return latest[1] if latest and latest[0] == root else at(root)

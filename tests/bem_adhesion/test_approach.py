@@ -6,6 +6,7 @@ from scipy.optimize import brentq
 
 import contact_study
 from bem_adhesion import HardWall, Layer, LennardJones104, rough_contact
+from bem_adhesion.hard_wall import HardWallContact
 from contact_study.fields.grid import Grid
 from contact_study.problem.bins import bins_of
 from contact_study.problem.elasticity import HalfSpace, Layered
@@ -86,6 +87,18 @@ def test_a_hard_wall_under_flat_and_far_pressed_surfaces(pressed):
         assert found.pressure.mean() == pytest.approx(expected, rel=1e-12)
     # Nothing that the approach does not pay for: no point is pressed further than the base has come.
     assert found.pressure.mean() <= pressed * 1e-9 / layer.mean_compliance
+
+
+@pytest.mark.parametrize(("control", "target"), [("gap", 1e-9), ("approach", 2e-9)])
+def test_the_work_of_all_solves_is_counted(control, target):
+    height, grid = self_affine(32, 8)
+    contact = HardWallContact(height, grid, Layer(E_STAR, 0.2, 0.02 * SIZE), control)
+    found = contact.step(contact.separated(), target)
+    assert found.converged
+    assert found.fft_pairs == pytest.approx(contact._level.equivalent_pairs(grid), rel=1e-12)
+    pressed = HardWallContact(height, grid, contact.elasticity)
+    once = pressed.step(pressed.separated(), float(found.pressure.mean()))
+    assert found.fft_pairs > 2 * once.fft_pairs, "several solves"
 
 
 def test_before_first_touch_nothing_deforms():
