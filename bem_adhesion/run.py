@@ -43,8 +43,10 @@ def check(case: Case) -> None:
     Raises
     ------
     InputError
-        If motion against friction is asked for under another control than pressure, or with what it has no part in.
+        If a prescribed gap leaves none, or motion against friction is asked for under another control than pressure, or
+        with what it has no part in.
     """
+    case.require_gap()
     if case.solver.path == "overdamped":
         overdamped_path.check(case, "solver.path")
         if case.elasticity.boundary == "free":

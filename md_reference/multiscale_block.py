@@ -265,10 +265,19 @@ class MultiscaleBlock:
             total -= float(np.sum((u[2][inside] - height) * f[2][inside]))
         return 0.5 * total
 
-    def compression_energy(self, pressure: float) -> float:
-        """Energy of the flat block under a mean pressure (Pa), per area (J/m²)."""
+    def compression_energy(self, displacement: np.ndarray) -> float:
+        """Energy of the mean strain of every layer along z, per area (J/m²); of a displacement with hanging planes."""
+        total = 0.0
+        for level, u in zip(self.levels, self.levels_of(displacement), strict=True):
+            edge = level.size * self.lattice_constant
+            strain = np.diff(u[2, :, 1:-1, 1:-1].mean(axis=(1, 2))) / edge
+            total += edge * float(np.sum(self._compression_density(strain)))
+        return total
+
+    def _compression_density(self, strain: np.ndarray) -> np.ndarray:
+        """Energy of a uniform strain along z, per volume (J/m³)."""
         first, shear = self.lame
-        return pressure**2 * self.thickness / (2 * (first + 2 * shear))
+        return 0.5 * (first + 2 * shear) * strain**2
 
     def on_rows(self, number: int, kernel: Callable[[int, int], object]) -> None:
         """Call ``kernel(first, end)`` for all blocks of rows of a level, see :class:`RowBlocks`."""

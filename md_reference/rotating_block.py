@@ -4,7 +4,6 @@ import math
 from functools import partial
 
 import numpy as np
-from scipy import optimize
 
 from md_reference.multiscale_block import Level, MultiscaleBlock
 from md_reference.rotating_slab import move_rotating_slab, rotating_slab_force
@@ -24,22 +23,10 @@ class RotatingBlock(MultiscaleBlock):
         pairs = zip(self.levels, self.levels_of(displacement), self.levels_of(scratch), strict=True)
         return sum(rotating_slab_force(u, f, *self._constants(level), 0, u.shape[2] - 2) for level, u, f in pairs)
 
-    def compression_energy(self, pressure: float) -> float:
-        """Energy of the flat block under a mean pressure (Pa), per area (J/m²)."""
+    def _compression_density(self, strain: np.ndarray) -> np.ndarray:
         first, shear = self.lame
-        diagonal = math.sqrt(2)
-
-        def energy(strain: float) -> float:  # of all springs and the volume, over μ and λ − μ, per volume
-            longer = math.hypot(1, 1 + strain) - diagonal
-            return 0.5 * first * strain**2 + 2 * shear * longer**2
-
-        def excess(strain: float) -> float:
-            length = math.hypot(1, 1 + strain)
-            return first * strain + 4 * shear * (length - diagonal) * (1 + strain) / length + pressure
-
-        modulus = first + 2 * shear
-        reach = 4 * abs(pressure) / modulus
-        return self.thickness * energy(float(optimize.brentq(excess, -reach, reach))) if pressure else 0.0
+        longer = np.hypot(1, 1 + strain) - math.sqrt(2)  # of the springs across a face that stands upright
+        return 0.5 * first * strain**2 + 2 * shear * longer**2
 
     def _move_inside(
         self, number: int, displacement: np.ndarray, moved: np.ndarray, velocity: np.ndarray, action: Action

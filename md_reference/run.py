@@ -91,6 +91,8 @@ def check(case: Case) -> None:
         )
     if case.atomistic.method == "dynamics":
         dynamics.check(case)
+    else:
+        case.require_gap()
     if case.atomistic.method == "overdamped":
         overdamped_path.check(case, "atomistic.method")
     _ = case.block_layers  # raises where no number of cells makes the layer

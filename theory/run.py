@@ -63,9 +63,10 @@ def check(case: Case) -> None:
     Raises
     ------
     InputError
-        If the surface is flat, it yields, the boundaries are free, an approach is prescribed, or the analytic spectrum
-        is asked of a surface that has none.
+        If a prescribed gap leaves none, the surface is flat, it yields, the boundaries are free, an approach is
+        prescribed, or the analytic spectrum is asked of a surface that has none.
     """
+    case.require_gap()
     kind = case.surface.kind
     if case.elasticity.kind == "viscoelastic":
         raise InputError('elasticity.kind = "viscoelastic": the theories know of no time')

@@ -56,13 +56,6 @@ class Case:
         self._check_hardness()
         self._check_time()
         self._check_control()
-        lowest_gap = min(self.loading.path) + self.law.equilibrium_distance
-        # Only a wall can be met everywhere, at a mean gap of zero.
-        if self.loading.control == "gap" and (lowest_gap < 0 or (lowest_gap == 0 and not self.law.has_wall)):
-            raise InputError(
-                f"loading.path: a mean gap of {min(self.loading.path):g} m above the equilibrium distance, "
-                f"{self.law.equilibrium_distance:g} m, leaves no gap between the surfaces"
-            )
         if self.law.attracts and self.loading.control == "pressure":
             lowest = -self.law.peak_tensile_stress
             if min(self.loading.path) < lowest:
@@ -81,6 +74,16 @@ class Case:
             raise InputError(
                 f'loading.control = "approach": a uniform pressure moves elasticity.kind = "{self.elasticity.kind}" '
                 f'{moved}; use "pressure" or "gap"'
+            )
+
+    def require_gap(self) -> None:
+        """Raise InputError if a prescribed mean gap is none; that of a driven block is another distance."""
+        lowest = min(self.loading.path) + self.law.equilibrium_distance
+        # Only a wall can be met everywhere, at a mean gap of zero.
+        if self.loading.control == "gap" and (lowest < 0 or (lowest == 0 and not self.law.has_wall)):
+            raise InputError(
+                f"loading.path: a mean gap of {min(self.loading.path):g} m above the equilibrium distance, "
+                f"{self.law.equilibrium_distance:g} m, leaves no gap between the surfaces"
             )
 
     def _check_hardness(self) -> None:

@@ -36,7 +36,7 @@ def check(case: Case) -> None:
     Raises
     ------
     InputError
-        If the atoms have no mass, the time step is unstable, the approach an impact, or the gap prescribed.
+        If the atoms have no mass, the time step is unstable, the approach an impact, or a gap presses the block flat.
     """
     given, mass = case.dynamics, case.material.atom_mass
     if mass is None:
@@ -51,6 +51,12 @@ def check(case: Case) -> None:
         raise InputError(
             'loading.control = "gap": atomistic.method = "dynamics" moves the block from one gap to the next; give '
             "dynamics.approach_speed"
+        )
+    thickness = case.block_layers * case.lattice.constant
+    if case.loading.control == "gap" and min(case.loading.path) <= -thickness:
+        raise InputError(
+            f"loading.path: a gap of {min(case.loading.path):g} m presses a block of {thickness:g} m flat; the rigid "
+            "plane above it is driven to the gap that the block would have without compression"
         )
     if given.time_step is not None and given.time_step >= (largest := largest_time_step(case)):
         raise InputError(
@@ -280,11 +286,11 @@ class _Run:
         mean_pressure = float(np.mean(stress))
         nominal = area * stress.size
         gap = np.full(stress.shape, np.inf) if apart else self._interface.gap(displacement)
-        separation = float(np.mean(displacement[2])) - self._mean_height - case.law.equilibrium_distance
-        # A half-space has no uniform compression: the block's own is taken off, a layer's put back by the solid.
-        whole = system.elastic_energy(at.motion) / nominal
-        own = system.block.compression_energy(mean_pressure)
-        elastic = whole - own + case.solid.compression_energy(mean_pressure)
+        held = math.isfinite(case.solid.depth)  # a layer, whose separation is that of what holds it
+        height = at.motion.top if held else float(np.mean(displacement[2]))
+        elastic = whole = system.elastic_energy(at.motion) / nominal
+        if not held:  # a half-space has no uniform compression: the block's is taken off
+            elastic -= system.block.compression_energy(at.motion.displacement)
         interaction, kinetic = system.interaction_energy / nominal, system.kinetic_energy(at.motion) / nominal
         lifted = pressure * (at.motion.top - self._mean_height)
         temperature = system.temperature(at.motion)
@@ -295,7 +301,7 @@ class _Run:
             pressure=stress.copy(),
             contact=case.law.in_contact(gap, stress, case.contact_distance),
             equilibrium_distance=case.law.equilibrium_distance,
-            mean_separation=np.inf if apart else separation - case.solid.compression(mean_pressure),
+            mean_separation=np.inf if apart else height - self._mean_height - case.law.equilibrium_distance,
             elastic_energy=0.0 if apart else elastic,
             interaction_energy=interaction,
             report=self._report(at, pressure, discarded, apart),

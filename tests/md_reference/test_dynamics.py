@@ -192,6 +192,8 @@ def test_driven_plane_goes_where_it_is_told_at_its_speed():
     assert times[1] == pytest.approx(40e-12, abs=0.5 * time_step(case))  # at rest, for the duration
     np.testing.assert_allclose(dataset.iterations[1:] * time_step(case), times, rtol=1e-9)
     assert dataset.detached.values.tolist() == [0, 0, 0, 1]
+    # What the interface carries has not compressed all of the block yet: 0.2 nm is passed while it snaps in.
+    assert np.all(dataset.elastic_energy > 0)
     # At rest the block is as much thinner than the gap tells as the pressure squeezes it.
     at = dataset.isel(step=2)
     squeezed = at.mean_pressure * 16 * LATTICE_CONSTANT / longitudinal_modulus(case)
@@ -208,6 +210,31 @@ def test_driven_plane_goes_where_it_is_told_at_its_speed():
     # Coarse levels leave 0.5 % of E*, and the forces left 1e-4 of it.
     assert at.mean_pressure.item() == pytest.approx(still.mean_pressure.item(), rel=0.005, abs=1e-4 * CONTACT_MODULUS)
     assert at.relative_contact_area.item() == pytest.approx(still.relative_contact_area.item(), abs=0.01)
+
+
+def test_a_driven_plane_presses_as_far_as_the_block_gives_way():
+    """Beyond the law's equilibrium distance, which no mean gap goes: 3.5 Å of 41.6 Å."""
+    path = ["0.5 nm", "-0.35 nm", "-0.35 nm"]
+    options = {**DRIVEN, "loading": {"control": "gap", "path": path}}
+    dataset = contact_study.run(moving(**options), "atomistic").isel(step=2)
+    assert dataset.mean_pressure > 1e10
+    squeezed = (
+        dataset.mean_pressure.item() * 16 * LATTICE_CONSTANT / longitudinal_modulus(make_study(moving()).cases[0])
+    )
+    assert dataset.mean_separation.item() == pytest.approx(-0.35e-9 + squeezed, abs=1e-4 * 16 * LATTICE_CONSTANT)
+
+
+def test_a_driven_layer_is_where_what_holds_it_is():
+    """Not by what the interface carries, of which the layer's base has felt nothing yet when the block snaps in."""
+    options = {**DRIVEN, "loading": {"control": "gap", "path": ["0.2 nm"]}}
+    layer = {"kind": "layer", "thickness": "41.6 angstrom"}
+    dataset = contact_study.run(moving(elasticity=layer, **options), "atomistic")
+    assert abs(dataset.mean_pressure.item()) > 1e9
+    assert dataset.mean_separation.item() == pytest.approx(0.2e-9, rel=1e-6)
+    free = contact_study.run(moving(**options), "atomistic")
+    # All of the same motion but for its compression.
+    assert free.mean_pressure.item() == pytest.approx(dataset.mean_pressure.item(), rel=1e-9)
+    assert free.elastic_energy.item() < dataset.elastic_energy.item()
 
 
 def test_points_closer_than_their_frames_are_passed_at_the_speed_of_approach(tmp_path):
@@ -276,6 +303,7 @@ def test_a_block_that_nothing_brings_down_was_not_torn_off():
         ({"dynamics": {"duration": "10 fs"}}, "dynamics.duration = 1e-14 s: shorter than dynamics.frames = 20 steps"),
         ({"atomistic": {"temperature": 300}, "dynamics": {"damping": 0}}, "needs dynamics.damping above zero"),
         ({"loading": {"control": "gap", "path": ["1 nm"]}, "dynamics": {"approach_speed": 0}}, "approach_speed"),
+        ({"loading": {"control": "gap", "path": ["1 nm", "-4.2 nm"]}}, "presses a block of 4.16e-09 m flat"),
     ],
 )
 def test_impossible_motion_is_refused(sections, words):

@@ -140,6 +140,20 @@ def test_uniform_strain_and_rigid_motion_are_exact_across_levels():
     assert energy == pytest.approx(0.5 * (LAME[0] + 2 * LAME[1]) * strain**2 * volume * LATTICE_CONSTANT**3, rel=1e-12)
 
 
+def test_compression_is_what_planes_do_as_a_whole():
+    """Exactly so if they move as a whole, and part of the energy of any displacement."""
+    block = block_of((16, 16), (4, 3))
+    nodes, force = random_vector(block), np.empty(block.size)
+    area = 256 * LATTICE_CONSTANT**2
+    block.force(nodes, force)
+    assert 0 < block.compression_energy(nodes) < block.elastic_energy(nodes, force) / area
+    for level in block.levels_of(nodes):
+        level[:2] = 0.0
+        level[2] = level[2, :, 1:2, 1:2].copy()
+    block.force(nodes, force)
+    assert block.compression_energy(nodes) == pytest.approx(block.elastic_energy(nodes, force) / area, rel=1e-9)
+
+
 def test_nodes_weigh_what_they_stand_for():
     block = block_of((16, 16), (2, 2, 2))
     total = block.mass[: block.size].sum() / 3 + block.top_mass

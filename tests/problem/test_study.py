@@ -7,6 +7,9 @@ import numpy as np
 import pytest
 import tomli_w
 
+import bem_adhesion.run
+import md_reference.run
+import theory.run
 from contact_study.problem.errors import InputError
 from contact_study.problem.lattice import lattice_of
 from contact_study.problem.study import make_study, read_study
@@ -264,8 +267,6 @@ WRONG = [
     (changed("output", gap_bins=10**9), "output.gap_bins"),
     (changed("loading", path=["1 GPa", "much"]), "loading.path[1]"),
     (changed("loading", path=""), "loading.path[0]"),
-    (changed("loading", control="gap", path=["1 nm", "-1 nm"]), "no gap between"),
-    (changed("loading", control="gap", path=["-3.28 angstrom"]), "no gap between"),
     ({**TABLE, "sweep": 3}, "sweep = 3"),
     (changed("sweep", **{"loading.path": ["1 GPa, 2 GPa", "1 GPa"]}), "sweep.loading.path"),
     (changed("sweep", **{"output.gap_bins": [10, 20]}), "sweep.output.gap_bins"),
@@ -294,6 +295,21 @@ def test_wrong_input_is_named_in_one_line(table, culprit):
         make_study(copy.deepcopy(table))
     assert culprit in str(failure.value)
     assert "\n" not in str(failure.value)
+
+
+@pytest.mark.parametrize("lowest", ["-1 nm", "-3.28 angstrom"])
+@pytest.mark.parametrize("method", ["quasi_static", "dynamics"])
+@pytest.mark.parametrize("model", [bem_adhesion.run, md_reference.run, theory.run])
+def test_a_gap_that_is_none_is_for_driven_blocks(model, method, lowest):
+    """Whose plane goes as far as the block is compressed, 0.6 GPa at -3.28 angstrom and the paper's size."""
+    table = changed("loading", control="gap", path=["1 nm", lowest])
+    table["material"]["atom_mass"] = "197 u"
+    table.update(atomistic={"method": method}, dynamics={"approach_speed": "20 m/s"})
+    case = make_study(table).cases[0]
+    if model is md_reference.run and method == "dynamics":
+        return model.check(case)
+    with pytest.raises(InputError, match="leaves no gap between"):
+        model.check(case)
 
 
 @pytest.mark.parametrize(
