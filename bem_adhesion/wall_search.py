@@ -18,7 +18,7 @@ def pressed_until(
     excess: Callable[[Solution], float],
     tolerance: float,
     first: float,
-    most: float = np.inf,
+    most: float,
 ) -> Solution:
     """The state at the pressure at which an excess distance, which falls with it, is none.
 
@@ -34,8 +34,8 @@ def pressed_until(
         Excess that is none (m).
     first : float
         Pressure to begin with (Pa).
-    most : float, optional
-        The largest that may be asked for (Pa).
+    most : float
+        The largest that may be asked for (Pa); infinite without one.
 
     Returns
     -------

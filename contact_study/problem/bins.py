@@ -78,8 +78,10 @@ def _applied(case: Case) -> float:
     path, control, compliance = case.loading.path, case.loading.control, case.solid.mean_compliance
     if control == "pressure":
         return max(map(abs, path))
+    if control == "gap" or not compliance:
+        return 0.0
     # What a compressible layer takes where no gap closes; less if one does.
-    return max(0.0, *path) / compliance if control == "approach" and compliance else 0.0
+    return min(max(0.0, *path) / compliance, case.material.hardness or np.inf)
 
 
 def _detachment_stress(case: Case, scales: SurfaceScales) -> float:

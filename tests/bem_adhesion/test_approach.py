@@ -214,6 +214,14 @@ def test_the_pressures_of_a_deep_approach_fit_the_bins():
     (case,) = study.cases
     highest = bins_of(study).pressure_edges[-1]
     assert 40e-9 / case.solid.mean_compliance < highest < 2 * 40e-9 / case.solid.mean_compliance
+    hard = make_study(
+        table(
+            loading={"path": ["40 nm"], "control": "approach"},
+            interaction={"law": "hard_wall"},
+            material={"poissons_ratio": 0.3, "hardness": "4 GPa"},
+        )
+    )
+    assert 4e9 < bins_of(hard).pressure_edges[-1] < 0.2 * highest
 
 
 @pytest.mark.parametrize(

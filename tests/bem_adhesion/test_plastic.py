@@ -1,5 +1,7 @@
 """A hard wall with a hardness: the conditions of each step, what stays from step to step, energies, limits, edges."""
 
+import warnings
+
 import numpy as np
 import pytest
 from scipy.optimize import lsq_linear
@@ -378,6 +380,27 @@ def test_where_the_whole_surface_yields_the_state_says_so(solid, boundary):
         np.testing.assert_array_equal(found.plastic_indentation, beyond.plastic_indentation)
     assert 0 < lifted.pressure.mean() < hardness
     assert not apart.pressure.any()
+
+
+@pytest.mark.parametrize(
+    "elasticity", [{"kind": "layer", "thickness": "5 nm"}, {"boundary": "free"}], ids=["layer", "free"]
+)
+def test_a_study_of_approaches_says_where_the_whole_surface_yields(elasticity, tmp_path):
+    study = table({"path": [5e-10, 2e-9, 1e-9, 5e-8], "control": "approach"}, elasticity=elasticity)
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", message=".*contact reaches the rim")
+        with pytest.warns(UserWarning, match="1 of 4 steps did not converge"):
+            found = contact_study.run(study, "continuum")
+    assert found.converged.values.tolist() == [1, 1, 1, 0]
+    assert "whole surface gives way" in str(found.message.values[3])
+    (case,) = make_study(study).cases
+    peak = case.surface.realise(tmp_path).sampled.max()
+    # What is held is the undeformed surface, of the bodies as they were; at 1 − 1e-9 of the hardness last.
+    np.testing.assert_allclose(peak - found.mean_separation, found.applied_approach, rtol=1e-7)
+    work = found.plastic_work.values
+    assert 0 < work[0] < work[1]
+    assert work[2] == pytest.approx(work[1], rel=1e-9), "unloading yields nothing"
+    assert found.relative_contact_area.values[3] == found.relative_plastic_area.values[3] == 1
 
 
 def test_an_approach_is_met_where_every_touching_point_yields():
