@@ -48,11 +48,13 @@ def mean_stiffness(linearised: LinearisedContact, curvature: np.ndarray, held: n
     right_side = -(_flexure(linearised, displacement) + local)
     right_side -= right_side.mean(where=~held, dtype=float)
     right_side[held] = 0
-    if right_side.any():
-        result = linearised.solve(right_side, curvature, 1.0, REDUCTION, ITERATIONS)
+    largest = float(np.abs(right_side).max())
+    if largest > 0:
+        # At unit size: squares of what is left of a tail may be nothing in single precision.
+        result = linearised.solve(right_side / np.float32(largest), curvature, 1.0, REDUCTION, ITERATIONS)
         if result.negative_curvature or result.iterations == ITERATIONS:
             return np.nan
-        displacement += np.where(held, 0, linearised.solution)
+        displacement += np.where(held, 0, largest * linearised.solution.astype(float))
     bent = displacement - displacement.mean()
     energy = np.vdot(bent, _flexure(linearised, displacement)) + np.vdot(displacement, local * displacement)
     return float(energy / displacement.size / displacement.mean() ** 2)

@@ -53,6 +53,17 @@ def test_a_soft_state_is_not_lost_beside_the_spring_of_the_control(name):
         state = found.state
 
 
+@pytest.mark.parametrize(("name", "gap"), [("dugdale", 14), ("dugdale_core", 20), ("dugdale_core", 24)])
+def test_where_next_to_nothing_is_left_of_the_law_it_is_its_mean_stiffness(name, gap):
+    """Tensions of 1e-24 Pa and less, whose squares single precision does not know: nothing bends any more."""
+    height, grid = self_affine(48)
+    law = EVERY_LAW[name]
+    contact = rough_contact(height, grid.size, E_STAR, law, "gap")
+    found = contact.step(contact.separated(), gap * law.length)
+    # Numbers of single precision near its end have three digits and fewer.
+    assert contact.stiffness(found) == pytest.approx(float(law.stiffness(found.gap).mean()), rel=0.02, abs=0)
+
+
 @pytest.mark.parametrize("control", ["pressure", "approach"])
 def test_hertzs_sphere(control):
     """dF/dδ = 2E*a; the contact's points count whole, half a cell along the edge of 27 across."""
