@@ -110,6 +110,15 @@ def test_the_first_state_that_loses_energy_on_approach_is_the_jump():
     assert "jump_in_pressure" not in path_results(PathSeries(pressure, separation, smooth), "gap")
 
 
+def test_a_pressure_that_rises_all_at_once_near_balance_is_no_jump():
+    """p = −1 down to s = 1.5 and from there on a spring of 3, in steps of one: the rule misses 0.375 at the bend."""
+    separation, pressure = np.array([4.0, 3.0, 2.0, 1.0, 0.5]), np.array([-1.0, -1.0, -1.0, 0.5, 2.0])
+    energy = np.array([0.0, -1.0, -2.0, -2.625, -2.0])  # ∫−p ds in closed form
+    assert "jump_in_pressure" not in path_results(PathSeries(pressure, separation, energy), "gap")
+    jumped = energy - np.array([0.0, 0.0, 0.0, 1.0, 1.0])
+    assert path_results(PathSeries(pressure, separation, jumped), "gap")["jump_in_separation"] == 2.0
+
+
 @pytest.mark.parametrize(
     ("pressures", "separations", "lowest", "error"),
     [
