@@ -28,8 +28,11 @@ def read_columns(path: Path, name: str, column_units: Sequence[tuple[str, str, s
     InputError
         If the file cannot be read, holds other than that many columns of finite numbers, or a unit is of another kind.
     """
+    text = text_of(path, name)
+    if not any(line.split("#")[0].strip() for line in text.splitlines()):
+        raise InputError(f"{name}: {path} is empty; expected {len(column_units)} columns of numbers")
     try:
-        table = np.loadtxt(io.StringIO(text_of(path, name).replace(",", " ")), ndmin=2)
+        table = np.loadtxt(io.StringIO(text.replace(",", " ")), ndmin=2)
     except ValueError as error:
         raise InputError(f"{name}: {path} is no table of numbers ({error})") from None
     if table.shape[1] != len(column_units) or not np.all(np.isfinite(table)):

@@ -434,9 +434,10 @@ def test_a_table_from_a_file_has_units_and_goes_into_the_study(tmp_path):
     ("keys", "words"),
     [
         ({}, r"missing key interaction\.path"),
-        ({"path": "none.txt"}, r"interaction\.path: .*none\.txt cannot be read"),
+        ({"path": "none.txt"}, r"^interaction\.path: \S*none\.txt cannot be read"),
         ({"path": "law.txt", "gap": [1e-10]}, r"interaction\.path and interaction\.gap"),
         ({"path": "words.txt"}, r"interaction\.path: .*words\.txt is no table of numbers"),
+        ({"path": "empty.txt"}, r"interaction\.path: .*empty\.txt is empty; expected 2 columns"),
         ({"path": "law.txt"}, r"expected 2 columns"),
         ({"path": "two.txt", "gap_unit": "MPa"}, r"^interaction\.gap_unit = 'MPa': is no unit that .* to m$"),
         ({"path": "two.txt", "traction_unit": "m"}, r"^interaction\.traction_unit = 'm': is no unit that .* to Pa$"),
@@ -448,6 +449,7 @@ def test_a_table_that_cannot_be_used_is_one_line(tmp_path, keys, words):
     (tmp_path / "law.txt").write_text("1 2 3\n4 5 6\n")
     (tmp_path / "two.txt").write_text("1 -2\n4 5\n")
     (tmp_path / "words.txt").write_text("gap traction\n")
+    (tmp_path / "empty.txt").write_text("# gap traction\n\n")
     with pytest.raises(InputError, match=words):
         study_with(tmp_path, **keys)
 
