@@ -111,7 +111,7 @@ class Averages:
             fields = {"gap": last.gap, "pressure": last.pressure} if self._fields else {}
             return Step({**observed(last, self._bins), **frames}, {**fields, **last.atoms}, last.restart, self._bins)
         values: dict[str, Any] = {}
-        untold = []
+        untold: dict[str, float] = {}  # and how long they are remembered for at least, in states
         counted = self._counted
         memory, interval = _clock_of(series, counted)
         for name, whole in series.items():
@@ -128,7 +128,7 @@ class Averages:
                 continue
             values[name + memory] = found.autocorrelation_time * interval if found.resolved else np.nan
             if not found.resolved and np.isfinite(column).all():
-                untold.append(name)
+                untold[name] = float(found.autocorrelation_time)
         if untold:
             warnings.warn(_too_short(counted, interval, memory, untold), stacklevel=2)
         fields = {name: total / counted for name, total in self._sums.items()}
@@ -142,15 +142,18 @@ def _clock_of(series: Mapping[str, np.ndarray], counted: int) -> tuple[str, floa
     return AUTOCORRELATION_TIME, float(np.mean(np.diff(series[_TIME][-counted:]))) if counted > 1 else 0.0
 
 
-def _too_short(counted: int, interval: float, memory: str, untold: list[str]) -> str:
-    """That a point's states do not tell how long some of its numbers are remembered for."""
+def _too_short(counted: int, interval: float, memory: str, untold: Mapping[str, float]) -> str:
+    """That a point's states do not tell how long some of its numbers are remembered for, and how long at least."""
     moving = memory == AUTOCORRELATION_TIME
-    span = f", {1e12 * counted * interval:.3g} ps," if moving else ""
+    name = max(untold, key=lambda name: untold[name])
+    span, least = "", f"{untold[name]:.2g} states"
+    if moving:
+        span, least = f", {1e12 * counted * interval:.3g} ps,", f"{1e12 * untold[name] * interval:.2g} ps"
     more = f" and {len(untold) - 1} more" if len(untold) > 1 else ""
     longer = "dynamics.duration" if moving else "sampling.trajectories"
     return (
-        f"the {counted} thermal states of a point{span} are too few to tell the autocorrelation time of "
-        f"{untold[0]}{more}: their standard errors need a series of ten such times; raise {longer}"
+        f"the {counted} thermal states of a point{span} are too few to tell the autocorrelation time "
+        f"of {name}{more}, {least} at least: their standard errors need a series of ten such times; raise {longer}"
     )
 
 

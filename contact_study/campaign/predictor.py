@@ -21,6 +21,8 @@ from contact_study.problem.study import Study, make_study
 # place, and the lattice and the distance that counts as contact are nothing to a gap field.
 _CONTACT = ("surface", "material", "elasticity", "interaction")
 _APART = ("shape", "path", "atom_mass", "lattice_constant", "contact_distance")
+# Ways of the atoms that begin with none of another model's states.
+_WITHOUT_START = ("overdamped", "dynamics")
 # What stands for these is Δγ.
 _ADHESION = ("well_depth", "well_depth_ratio", "work_of_adhesion")
 
@@ -48,8 +50,15 @@ def check_predictor(path: Path, study: Study, height_maps: Mapping[str, str]) ->
     Raises
     ------
     InputError
-        If it cannot be read, holds no gap fields, or is of another surface or control.
+        If it cannot be read, holds no gap fields, or is of another surface or control, or if atoms of the study come
+        down by themselves.
     """
+    for case in study.cases:
+        if case.atomistic.method in _WITHOUT_START:
+            raise InputError(
+                f'--predictor {path}: atoms of atomistic.method = "{case.atomistic.method}" come down by themselves; '
+                "leave it out"
+            )
     if not is_dataset(path):
         raise InputError(f"--predictor: {path} does not exist")
     try:

@@ -50,6 +50,14 @@ def case(ratio):
     return make_study(table).cases[0]
 
 
+@pytest.mark.parametrize("method", ["overdamped", "dynamics"])
+def test_atoms_that_come_down_by_themselves_take_none(dataset, method):
+    """A dataset would say of their steps that they started from its fields."""
+    assert check_predictor(dataset, study(), {}) == []
+    with pytest.raises(InputError, match=f'--predictor .*: atoms of atomistic.method = "{method}" come down'):
+        check_predictor(dataset, study(atomistic={"method": method}), {})
+
+
 def test_field_of_the_same_visit(dataset):
     fields = GapFields(dataset, case(4.0))
     assert [fields(number)[0, 0] for number in (0, 2, 3)] == [4.0, 6.0, 7.0]
