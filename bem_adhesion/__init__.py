@@ -8,7 +8,15 @@ from bem_adhesion.contact import Contact, rough_contact
 from bem_adhesion.solution import Outcome, Solution
 from bem_adhesion.viscoelastic import ViscoelasticContact
 from contact_study import __version__
-from contact_study.problem.elasticity import Elasticity, HalfSpace, Layer, Viscoelastic
+from contact_study.problem.elasticity import (
+    Elasticity,
+    HalfSpace,
+    Layer,
+    Layered,
+    Measured,
+    Tabulated,
+    Viscoelastic,
+)
 from contact_study.problem.laws import (
     Dugdale,
     DugdaleCore,
@@ -34,13 +42,16 @@ __all__ = [
     "HalfSpace",
     "HardWall",
     "Layer",
+    "Layered",
     "LennardJones",
     "LennardJones93",
     "LennardJones104",
+    "Measured",
     "Morse",
     "Outcome",
     "Repulsive",
     "Solution",
+    "Tabulated",
     "TabulatedLaw",
     "TractionLaw",
     "Viscoelastic",

@@ -99,7 +99,9 @@ def rough_contact(
     bare_wall = law.has_wall and not law.attracts
     if hardness is not None:
         if not bare_wall:
-            raise ValueError(f"hardness: known of a hard wall without adhesion, not of {law.words}")
+            raise ValueError(
+                f"hardness: known of a hard wall without adhesion, not of {type(law).__name__}; leave one out"
+            )
         options["hardness"] = positive("hardness", hardness, "Pa")
     if boundary == "free":
         if hardness is None:

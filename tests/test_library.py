@@ -6,9 +6,13 @@ import importlib
 import numpy as np
 import pytest
 
+import bem_adhesion
 import theory
+from bem_adhesion import Elasticity
 from contact_study.fields.grid import Grid
 from contact_study.fields.spectrum import radial_spectrum
+from contact_study.problem import elasticity
+from contact_study.problem.laws import LAWS
 from theory import LennardJones104, PerssonTheory, gap_flow, spectrum_of
 
 PACKAGES = ("contact_study", "bem_adhesion", "md_reference", "theory", "theory.references")
@@ -22,6 +26,12 @@ def test_what_is_exported_is_there_and_explained(package):
     for name in module.__all__:
         assert hasattr(module, name)
         assert name == "__version__" or getattr(module, name).__doc__
+
+
+def test_every_solid_and_law_of_a_study_is_at_hand_from_python():
+    solids = {name for name, of in vars(elasticity).items() if isinstance(of, type) and issubclass(of, Elasticity)}
+    assert {"Layered", "Measured", "Tabulated"} < solids
+    assert solids | {law.__name__ for law in LAWS.values()} <= set(bem_adhesion.__all__)
 
 
 @pytest.mark.parametrize(

@@ -58,6 +58,7 @@ def test_sides_options_and_solids_reach_the_solvers():
         ({"tolerance": 0.0}, "tolerance"),
         ({"max_iterations": "many"}, "max_iterations"),
         ({"law": "lennard_jones_10_4"}, "law = 'lennard_jones_10_4'"),
+        ({"hardness": 1e9}, "hardness: known of a hard wall without adhesion, not of LennardJones104; leave"),
     ],
 )
 def test_bad_arguments_are_named(arguments, message):
