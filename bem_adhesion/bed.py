@@ -14,10 +14,10 @@ transforms.
 from typing import Protocol
 
 import numpy as np
-from numba import njit
 
 from bem_adhesion.operator import MakeOperator, Operator
 from contact_study.fields.grid import Grid
+from contact_study.fields.halving import prolong, restrict
 
 # ω. Pairs of the paper's path at 512² points, ε0, two surfaces: 371 with 1.5, 394 with 2, 405 with 2.5. Below 1 the
 # iterations grow.
@@ -61,43 +61,6 @@ class FullBed:
         return 0.0
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "arcp", "nsz"})
-def _restrict(fine, coarse):
-    """Pᵀ/4: at every second point the mean of its neighbourhood with weights 1, ½ and ¼."""
-    rows, columns = coarse.shape
-    quarter, half = fine.dtype.type(0.25), fine.dtype.type(0.5)
-    line = np.empty(2 * columns, fine.dtype)
-    for i in range(rows):
-        above, here, below = fine[2 * i - 1], fine[2 * i], fine[2 * i + 1]
-        for j in range(2 * columns):
-            line[j] = half * here[j] + quarter * (above[j] + below[j])
-        coarse[i, 0] = half * line[0] + quarter * (line[2 * columns - 1] + line[1])
-        for j in range(1, columns):
-            coarse[i, j] = half * line[2 * j] + quarter * (line[2 * j - 1] + line[2 * j + 1])
-
-
-@njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "arcp", "nsz"})
-def _prolong(coarse, weight, fine):
-    """fine = weight·fine + P·coarse; returns weight·Σ fine² of what was there."""
-    rows, columns = coarse.shape
-    half = fine.dtype.type(0.5)
-    line = np.empty(columns + 1, fine.dtype)
-    total = 0.0
-    for i in range(2 * rows):
-        here, below = coarse[i // 2], coarse[(i // 2 + i % 2) % rows]
-        for j in range(columns):
-            line[j] = half * (here[j] + below[j])
-        line[columns] = line[0]
-        row = fine.dtype.type(0)
-        for j in range(columns):
-            left, right = fine[i, 2 * j], fine[i, 2 * j + 1]
-            row += left * left + right * right
-            fine[i, 2 * j] = weight * left + line[j]
-            fine[i, 2 * j + 1] = weight * right + half * (line[j] + line[j + 1])
-        total += row
-    return weight * total
-
-
 class HalvedBed:
     """The inverse with long waves on a grid of half the resolution.
 
@@ -120,9 +83,9 @@ class HalvedBed:
         self._short = np.float32(SHORT_WAVES / largest)
 
     def apply_and_sum(self) -> float:
-        _restrict(self.field, self._coarser.field)
+        restrict(self.field, self._coarser.field)
         long_waves = 4 * self._coarser.apply_and_sum()
-        return long_waves + _prolong(self._coarser.field, self._short, self.field)
+        return long_waves + prolong(self._coarser.field, self._short, self.field)
 
     def equivalent_pairs(self, grid: Grid) -> float:
         return self._operator.equivalent_pairs(grid) + self._coarser.equivalent_pairs(grid)

@@ -110,7 +110,7 @@ class Landscape:
     @property
     def pairs(self) -> float:
         """Transform pairs of three components so far, a single-precision pair counted one half."""
-        return self._transform.pairs + 0.5 * self.newton.transform.pairs
+        return self._transform.pairs + 0.5 * self.newton.pairs
 
     def place(self, displacement: np.ndarray) -> Place:
         """A state to start from.

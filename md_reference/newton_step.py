@@ -6,9 +6,10 @@ apart, and
 
     z = (1 − β²)/(k + ½ S_max) n nᵀ r + B (S + c)⁻¹ B r
 
-inverts D in the core and S in the tail. It takes two transform pairs an iteration, and far fewer iterations than
-(S + c)⁻¹ alone, which takes one. The arithmetic is single precision on a right-hand side scaled to one: the step only
-has to be good to the forcing term of the truncated Newton method, whose residual is evaluated in double precision.
+inverts D in the core and S in the tail (:mod:`md_reference.bed`: long waves on coarser layers). It takes far fewer
+iterations than (S + c)⁻¹ alone, each of a transform pair and a sixteenth of one. The arithmetic is single precision on
+a right-hand side scaled to one: the step only has to be good to the forcing term of the truncated Newton method, whose
+residual is evaluated in double precision.
 """
 
 from dataclasses import dataclass
@@ -17,6 +18,7 @@ import numpy as np
 from numba import njit
 
 from contact_study.fields.fourier import RealTransform
+from md_reference.bed import HALVINGS, bed_under
 from md_reference.block import SurfaceStiffness
 from md_reference.split import split
 from md_reference.stiffness_pass import multiply
@@ -36,7 +38,7 @@ class NewtonStep:
     step : numpy.ndarray, shape (3, ny, nx)
         Approximate solution x (m).
     iterations : int
-        Conjugate-gradient iterations, each of two transform pairs.
+        Conjugate-gradient iterations, each of a transform pair and what the bed takes.
     indefinite : bool
         True if a direction of negative curvature ended the iteration; ``step`` is what was reached before.
     """
@@ -79,11 +81,17 @@ class NewtonSolver:
         self._coefficients[2, 0, 0] = 0.0
         self._half_grid = 0.5 * float(np.max(self._coefficients[2]))
         self._multiplicity = stiffness.grid.multiplicity[0].astype(np.float32)
+        self._bed = bed_under(self.transform, self._coefficients, shift, HALVINGS, threads)
         self._residual = np.empty(shape, np.float32)
         self._solution = np.empty(shape, np.float32)
         self._normal = np.empty(shape, np.float32)
         self._removed = np.empty(shape[1:], np.float32)
         self._core = np.empty(shape[1:], np.float32)
+
+    @property
+    def pairs(self) -> float:
+        """Transform pairs so far, on coarser grids in proportion to their points."""
+        return self.transform.pairs + self._bed.pairs
 
     def solve(self, gradient: np.ndarray, reduction: float, max_iterations: int) -> NewtonStep:
         """Solve (S + D) x = −gradient with the D that the caller has put into :attr:`diagonal`.
@@ -113,11 +121,9 @@ class NewtonSolver:
         indefinite = False
         iterations = 0
         while iterations < max_iterations:
-            transform.forward()
-            product = core + _invert(spectrum, *waves, self._shift, normalisation, self.fixed_mean)
+            product = core + self._bed.apply_and_sum()
             if not product > 0.0:
                 break  # rounding is all that is left
-            transform.backward()
             iterations += 1
             local, length = _turn(residual, *parts, product / previous, self.diagonal, direction, field)
             if self.fixed_mean:
@@ -165,67 +171,6 @@ class NewtonSolver:
             return None
         found = self.solve(start, 0.0, max_iterations)
         return self.direction / np.abs(self.direction).max() if found.indefinite else None
-
-
-@njit(**_OPTIONS)
-def _invert(spectrum, stiffness, multiplicity, shift, normalisation, fixed_mean):
-    """Replace the spectrum of r by that of z = (S + shift)⁻¹ r, normalised for the way back; returns r·z."""
-    rows, columns = stiffness.shape[1:]
-    c_0 = np.float32(shift)
-    norm = np.float32(normalisation)
-    total = 0.0
-    for j in range(rows):
-        xx = stiffness[0, j]
-        yy = stiffness[1, j]
-        zz = stiffness[2, j]
-        xy = stiffness[3, j]
-        xz = stiffness[4, j]
-        yz = stiffness[5, j]
-        r_x = spectrum[0, j]
-        r_y = spectrum[1, j]
-        r_z = spectrum[2, j]
-        row = np.float32(0.0)
-        for i in range(np.uint64(columns)):
-            a = xx[i] + c_0
-            b = yy[i] + c_0
-            c = zz[i] + c_0
-            c_xx = b * c - yz[i] * yz[i]
-            c_xy = xz[i] * yz[i] - xy[i] * c
-            c_xz = xy[i] * yz[i] - b * xz[i]
-            c_yy = a * c - xz[i] * xz[i]
-            c_zz = a * b - xy[i] * xy[i]
-            c_yz = xy[i] * xz[i] - a * yz[i]
-            scale = norm / (a * c_xx + xy[i] * c_xy + xz[i] * c_xz)
-            re = np.uint64(2) * np.uint64(i)
-            im = re + np.uint64(1)
-            # The normal component times i makes the matrix real; see the module ``block``.
-            x_re = r_x[re]
-            x_im = r_x[im]
-            y_re = r_y[re]
-            y_im = r_y[im]
-            z_re = -r_z[im]
-            z_im = r_z[re]
-            o_re = scale * (c_xx * x_re + c_xy * y_re + c_xz * z_re)
-            o_im = scale * (c_xx * x_im + c_xy * y_im + c_xz * z_im)
-            p_re = scale * (c_xy * x_re + c_yy * y_re + c_yz * z_re)
-            p_im = scale * (c_xy * x_im + c_yy * y_im + c_yz * z_im)
-            q_re = scale * (c_xz * x_re + c_yz * y_re + c_zz * z_re)
-            q_im = scale * (c_xz * x_im + c_yz * y_im + c_zz * z_im)
-            r_x[re] = o_re
-            r_x[im] = o_im
-            r_y[re] = p_re
-            r_y[im] = p_im
-            r_z[re] = q_im
-            r_z[im] = -q_re
-            row += multiplicity[i] * (x_re * o_re + x_im * o_im + y_re * p_re + y_im * p_im + z_re * q_re + z_im * q_im)
-        total += float(row)
-    if fixed_mean:
-        # At q = 0 the normal component is decoupled: r_z z_z = normalisation r_z² / shift.
-        mean = spectrum[2, 0, 0]
-        total -= mean * mean * shift / normalisation
-        spectrum[2, 0, 0] = np.float32(0.0)
-        spectrum[2, 0, 1] = np.float32(0.0)
-    return total
 
 
 @njit(**_OPTIONS)
