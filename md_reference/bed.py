@@ -58,7 +58,8 @@ class FullBed:
         self._transform = transform
         self._coefficients = coefficients
         self._shift = shift
-        self._multiplicity = Grid(transform.shape[1:], (1.0, 1.0)).multiplicity[0].astype(np.float32)
+        grid = Grid((transform.shape[1], transform.shape[2]), (1.0, 1.0))
+        self._multiplicity = grid.multiplicity[0].astype(np.float32)
 
     def apply_and_sum(self) -> float:
         transform = self._transform
