@@ -3,8 +3,8 @@
 For each layer and adhesion: evaluations of the interface (of some atoms counted by their share) and transform pairs
 (of three components, in float64; one in float32 counts one half) of every load step, which do not depend on the
 machine's speed. The study's cell is scaled to the number of atoms, heights with it, so that slopes and contact stay.
-``--times`` adds microseconds of processor time an atom for an evaluation and for a pair, with what goes with it, and the
-bytes an atom at the peak: give layers in rising order.
+``--times`` adds microseconds of processor time an atom for an evaluation and for a pair, with what goes with it, and
+the bytes an atom at the peak: give layers in rising order.
 
     python scripts/benchmark_atoms.py data/yang2008.toml --atoms 200 400 --pressures "0.1 GPa" "1 GPa" --times
 """
