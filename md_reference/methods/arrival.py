@@ -38,6 +38,9 @@ class Descent:
         Of the rigid plane downwards, on average (m/s).
     terminal_speed : float
         That of a fall out of reach: load over density, height and friction (m/s); infinite without friction.
+    impact : float
+        Stress with which the block as a whole would strike at its speed in the last of them: density times speed of
+        sound times speed (Pa).
     """
 
     carried: np.ndarray
@@ -45,6 +48,7 @@ class Descent:
     reached: bool
     speed: float
     terminal_speed: float
+    impact: float
 
 
 @dataclass(frozen=True)
@@ -81,6 +85,8 @@ class Warmth:
 def still_moving(descent: Descent, unbalanced: float, modulus: float) -> tuple[float, str]:
     """What is left over E* of a block without noise in its last state, and what to do where it is not at rest.
 
+    A block that flies, or swings through where its load is carried, is out of balance in nothing but its speed.
+
     Parameters
     ----------
     descent : Descent
@@ -90,7 +96,7 @@ def still_moving(descent: Descent, unbalanced: float, modulus: float) -> tuple[f
     modulus : float
         E* (Pa).
     """
-    residual = max(unbalanced, abs(float(descent.carried[-1]) - descent.load)) / modulus
+    residual = max(unbalanced, abs(float(descent.carried[-1]) - descent.load), descent.impact) / modulus
     if descent.reached and residual <= _AT_REST:
         return residual, ""
     return residual, _on_its_way(descent) or "the atoms still move: raise dynamics.duration or dynamics.damping"

@@ -368,14 +368,16 @@ class _Run:
         case, carried = self._case, self._carried(at, discarded)
         time, top, *_ = np.array(at.series[-carried.size - 1 :]).T
         assert case.material.atom_mass is not None
-        weight = self._system.block.thickness * case.material.atom_mass / case.lattice.constant**3
-        friction = weight * case.dynamics.damping
+        density = case.material.atom_mass / case.lattice.constant**3
+        friction = self._system.block.thickness * density * case.dynamics.damping
+        speed_of_whole = self._system.momentum(at.motion) / self._system.block.total_mass
         return Descent(
             carried=carried,
             load=pressure,
             reached=bool(np.any(carried)),
             speed=float((top[0] - top[-1]) / (time[-1] - time[0])),
             terminal_speed=pressure / friction if friction else math.inf,
+            impact=math.sqrt(density * longitudinal_modulus(case)) * abs(speed_of_whole),
         )
 
     def _warmth(self, counted: list[_Frame]) -> Warmth:

@@ -8,8 +8,8 @@ from md_reference.methods.arrival import Descent, Warmth, load_missing, not_in_e
 from tests.md_reference.systems import CONTACT_MODULUS
 
 
-def descent(carried, load=1e9, speed=0.0, terminal_speed=np.inf):
-    return Descent(np.asarray(carried), load, bool(np.any(carried)), speed, terminal_speed)
+def descent(carried, load=1e9, speed=0.0, terminal_speed=np.inf, impact=0.0):
+    return Descent(np.asarray(carried), load, bool(np.any(carried)), speed, terminal_speed, impact)
 
 
 def test_the_load_is_carried_within_the_error_of_the_mean():
@@ -37,6 +37,10 @@ def test_what_is_said_of_a_block_on_its_way():
     ringing = descent([0.4e9, 0.5e9], speed=1.0, terminal_speed=15.0)
     assert still_moving(ringing, 0.0, CONTACT_MODULUS)[1].startswith("the atoms still move: ")
     assert still_moving(descent([1e9]), 1e-3 * CONTACT_MODULUS, CONTACT_MODULUS) == (1e-3, "")
+    # Nothing is out of balance, and the block moves.
+    residual, message = still_moving(descent([1e9], impact=2e-3 * CONTACT_MODULUS), 0.0, CONTACT_MODULUS)
+    assert residual == pytest.approx(2e-3)
+    assert message.startswith("the atoms still move: ")
     # A load too small for the bound is not carried by a surface that nothing touches.
     residual, message = still_moving(descent([0.0], load=1e6), 0.0, CONTACT_MODULUS)
     assert residual == pytest.approx(1e6 / CONTACT_MODULUS)

@@ -87,6 +87,20 @@ def test_series_tells_the_approach(tmp_path):
     assert kinetic[0, 0] == pytest.approx(0.5 * case_density * 20**2, rel=0.3)  # it is faster by then
 
 
+def test_a_block_in_flight_did_not_converge():
+    """A load that is nearly nothing, just within reach: all forces are small but those of the impact to come."""
+    flying = {"duration": "1 ps", "damping": 0.0, "approach_speed": "100 m/s"}
+    with pytest.warns(UserWarning, match="did not converge"):
+        dataset = contact_study.run(moving(loading={"path": ["1 MPa"]}, dynamics=flying), "atomistic")
+    assert dataset.relative_contact_area.item() == 0
+    assert dataset.converged.item() == 0
+    case = make_study(moving()).cases[0]
+    density = case.material.atom_mass / case.lattice.constant**3
+    sound = np.sqrt(longitudinal_modulus(case) / density)
+    # Before its surface is pulled by more than that by far.
+    assert dataset.residual.item() == pytest.approx(density * sound * 100 / CONTACT_MODULUS, rel=0.01)
+
+
 @pytest.mark.filterwarnings("ignore:.* thermal states of a point")
 def test_a_warm_block_that_rings_did_not_converge(tmp_path):
     """An impact without friction to speak of: the load is carried within an error of ten times itself."""
