@@ -160,7 +160,7 @@ def _points(series: PathSeries) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _lowest_of_retraction(series: PathSeries) -> dict[str, float]:
-    """The lowest state of the last retraction, and how far the parabola through it and its neighbours goes below."""
+    """The lowest state of the last retraction, and how far the pressure goes below it between the states beside it."""
     retraction = series.part(_last_retraction(series))
     pressure, separation = retraction.pressure, retraction.separation
     lowest = int(np.argmin(pressure))
@@ -169,10 +169,23 @@ def _lowest_of_retraction(series: PathSeries) -> dict[str, float]:
     near = slice(lowest - 1, lowest + 2)
     if not np.all(np.isfinite(separation[near])):  # torn off right after it: no parabola goes through infinity
         return {"pull_off_pressure": float(pressure[lowest])}
-    return {
-        "pull_off_pressure": float(pressure[lowest]),
-        "pull_off_pressure_resolution_error": _depth(separation[near], pressure[near]),
-    }
+    below = _depth(separation[near], pressure[near])
+    if retraction.energy is not None:
+        below = max(below, float(pressure[lowest]) - _lowest_of_branches(retraction))
+    return {"pull_off_pressure": float(pressure[lowest]), "pull_off_pressure_resolution_error": below}
+
+
+def _lowest_of_branches(series: PathSeries) -> float:
+    """The lowest pressure along the branches: in each step the parabola whose integral is the energy that it stores."""
+    assert series.energy is not None
+    smooth = ~_jumps(series)[1] & (np.diff(series.separation) > 0)
+    before, after = series.pressure[:-1][smooth], series.pressure[1:][smooth]
+    stored = np.diff(series.energy)[smooth] / np.diff(series.separation)[smooth]
+    # p = before + (after − before) t + bend t (1 − t), of mean (before + after)/2 + bend/6
+    bend = -6 * (stored + 0.5 * (before + after))
+    turn = 0.5 * (1 + np.divide(after - before, bend, out=np.ones_like(bend), where=bend != 0))
+    at = np.clip(turn, 0.0, 1.0)
+    return float(np.min(before + (after - before) * at + bend * at * (1 - at), initial=series.pressure.min()))
 
 
 def _depth(x: np.ndarray, y: np.ndarray) -> float:

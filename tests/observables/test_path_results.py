@@ -32,6 +32,19 @@ def test_flat_surfaces_pull_off_at_the_peak_and_take_their_work_of_adhesion():
     assert "jump_in_pressure" not in found, "rigid surfaces do not jump"
 
 
+def test_pull_off_between_long_uneven_steps_is_within_its_error():
+    """A cubic p(s) with its lowest, −2 at s = 1, in the longer of the steps beside the lowest state."""
+    curve = np.polynomial.Polynomial([0.0, -3.0, 0.0, 1.0])
+    separation = np.array([-0.5, -1.0, -0.2, 0.4, 1.6, 1.9, 3.0])
+    series = PathSeries(curve(separation), separation, -curve.integ()(separation))
+    found = path_results(series, "gap")
+    assert found["pull_off_pressure"] == curve(0.4)
+    # A cubic less the parabola of its ends and mean is 1.2³/(12 √3) = 0.083 at most; that through three misses 0.4.
+    assert found["pull_off_pressure"] - found["pull_off_pressure_resolution_error"] == pytest.approx(-2, abs=0.083)
+    plain = path_results(PathSeries(curve(separation), separation), "gap")
+    assert plain["pull_off_pressure"] - plain["pull_off_pressure_resolution_error"] > -1.6
+
+
 def test_the_work_of_separation_is_that_to_infinity_wherever_the_path_ends():
     far, near = (path_results(flat(there_and_back(3e-10, end)), "gap") for end in (5e-9, 8e-10))
     assert near["work_of_separation"] == pytest.approx(far["work_of_separation"], rel=1e-3)
