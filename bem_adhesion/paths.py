@@ -6,6 +6,10 @@ too long for the rule. A step that leaves more than a given share unaccounted fo
 halved, down to the least step; what is left then is a jump, whose place is known to that step and whose D is added up:
 to half the product of what pressure and separation change by in it. A step that succeeds is followed by one twice as
 long.
+
+On the way outwards the strongest pull is the pull-off. A step is halved, too, where the energy that it stores says that
+a stronger pull than at its ends was passed in it; of two steps between which the pull is strongest the longer is, until
+it hardly changes in them.
 """
 
 from collections.abc import Sequence
@@ -15,12 +19,15 @@ import numpy as np
 
 from bem_adhesion.contact import Contact
 from bem_adhesion.solution import Outcome, Solution
-from contact_study.observables.path_results import UNACCOUNTED, unaccounted, undecided
+from contact_study.observables.path_results import UNACCOUNTED, lowest_between, unaccounted, undecided
 from contact_study.problem.elasticity import Elasticity
 
 # Share of the way between two points that the first step tries. In a step of the whole way a jump may be lost in what
 # the rule makes of so long a way; that one is in each of three is less likely.
 FIRST_STEP = 0.25
+
+# Share of the pressure by which a pull between two states may be stronger than at both.
+PASSED_OVER = 0.01
 
 
 @dataclass(frozen=True)
@@ -138,6 +145,7 @@ def follow(
         The books of every state passed, from ``before`` on to the last that converged.
     """
     passed, length = [before], FIRST_STEP * (target - before.position)
+    earlier = None  # the state that the last step began from
     pairs, iterations, torn = 0.0, 0, False
     while True:
         now = passed[-1]
@@ -148,8 +156,17 @@ def follow(
         lost, exchanged = map(float, unaccounted(now.state, new.state)) if new.attached else (0.0, 0.0)
         parted = now.attached and not new.attached
         jumped = parted or abs(lost) > max(UNACCOUNTED * exchanged, noise)
-        if (jumped or not found.converged) and abs(new.position - now.position) > least:
-            length = 0.5 * (new.position - now.position)
+        way = new.position - now.position
+        stronger = _passes_over_pull(now, new, noise)
+        if found.converged and len(passed) > 1 and _turns_too_sharply(passed[-2], now, new):
+            way_before = now.position - passed[-2].position
+            stronger |= abs(way) >= abs(way_before)
+            if abs(way_before) > max(abs(way), least) and earlier is not None:
+                passed.pop()
+                state, earlier, length = earlier, None, 0.5 * way_before
+                continue
+        if (jumped or stronger or not found.converged) and abs(way) > least:
+            length = 0.5 * way
             continue
         if not found.converged:
             ended = replace(found, state=state, outcome=Outcome.LEAST_STEP, fft_pairs=pairs, iterations=iterations)
@@ -157,10 +174,32 @@ def follow(
         if jumped and not parted:
             unknown = float(undecided(now.state, new.state))
             new = replace(new, dissipated=now.dissipated + max(lost, 0.0), uncertain=now.uncertain + unknown)
-        state, length = found.state, 2 * (new.position - now.position)
+        state, earlier, length = found.state, state, 2 * way
         passed.append(new)
         torn |= parted
         if last:
             # Surfaces that this point has torn apart, and a tension that finds them so, are none that never met.
             outcome = Outcome.DETACHED if torn and found.outcome is Outcome.APART else found.outcome
             return replace(found, fft_pairs=pairs, iterations=iterations, outcome=outcome), passed
+
+
+def _passes_over_pull(before: Account, after: Account, noise: float) -> bool:
+    """Whether a step outwards leaves out a stronger pull than at its ends, beyond noise (J/m²)."""
+    way = after.separation - before.separation
+    if not (before.attached and after.attached) or way <= 0:
+        return False
+    lowest = float(lowest_between(before.state, after.state))
+    left_out = min(before.pressure, after.pressure) - lowest
+    return left_out > max(-PASSED_OVER * lowest, noise / way)
+
+
+def _turns_too_sharply(before: Account, lowest: Account, after: Account) -> bool:
+    """Whether steps outwards on both sides of the strongest pull are too long to tell it."""
+    if not (before.attached and lowest.attached and after.attached):
+        return False
+    pressures = before.pressure, after.pressure
+    outwards = before.separation < lowest.separation < after.separation
+    if not outwards or lowest.pressure >= min(pressures):
+        return False
+    # A parabola through three points goes an eighth of what the higher ones are above the lowest below it at most.
+    return max(pressures) - lowest.pressure > -8 * PASSED_OVER * lowest.pressure

@@ -94,6 +94,23 @@ def undecided(before: np.ndarray, after: np.ndarray) -> np.ndarray:
     return 0.5 * np.abs(change[..., 0] * change[..., 1])
 
 
+def lowest_between(before: np.ndarray, after: np.ndarray) -> np.ndarray:
+    """Lowest pressure on a branch from one state to another (Pa): of the parabola that stores what the step does.
+
+    Parameters
+    ----------
+    before, after : numpy.ndarray, shape (..., 3)
+        As of :func:`unaccounted`; their separations differ.
+    """
+    start, end = before[..., 0], after[..., 0]
+    stored = (after[..., 2] - before[..., 2]) / (after[..., 1] - before[..., 1])
+    # p = start + (end − start) t + bend t (1 − t), of mean (start + end)/2 + bend/6
+    bend = -6 * (stored + 0.5 * (start + end))
+    turn = 0.5 * (1 + np.divide(end - start, bend, out=np.ones_like(bend), where=bend != 0))
+    at = np.clip(turn, 0.0, 1.0)
+    return np.minimum(np.minimum(start, end), start + (end - start) * at + bend * at * (1 - at))
+
+
 def path_results(series: PathSeries, control: str) -> dict[str, float]:
     """What a path tells of adhesion, by names of the schema; what it does not tell is left out.
 
@@ -176,16 +193,10 @@ def _lowest_of_retraction(series: PathSeries) -> dict[str, float]:
 
 
 def _lowest_of_branches(series: PathSeries) -> float:
-    """The lowest pressure along the branches: in each step the parabola whose integral is the energy that it stores."""
-    assert series.energy is not None
+    """The lowest pressure along the branches, between states as well."""
+    states = _states(series)
     smooth = ~_jumps(series)[1] & (np.diff(series.separation) > 0)
-    before, after = series.pressure[:-1][smooth], series.pressure[1:][smooth]
-    stored = np.diff(series.energy)[smooth] / np.diff(series.separation)[smooth]
-    # p = before + (after − before) t + bend t (1 − t), of mean (before + after)/2 + bend/6
-    bend = -6 * (stored + 0.5 * (before + after))
-    turn = 0.5 * (1 + np.divide(after - before, bend, out=np.ones_like(bend), where=bend != 0))
-    at = np.clip(turn, 0.0, 1.0)
-    return float(np.min(before + (after - before) * at + bend * at * (1 - at), initial=series.pressure.min()))
+    return float(np.min(lowest_between(states[:-1][smooth], states[1:][smooth]), initial=series.pressure.min()))
 
 
 def _depth(x: np.ndarray, y: np.ndarray) -> float:
@@ -196,10 +207,16 @@ def _depth(x: np.ndarray, y: np.ndarray) -> float:
     return float(slope**2 / (4 * curvature)) if curvature > 0 else 0.0
 
 
+def _states(series: PathSeries) -> np.ndarray:
+    """Pressure, separation and energy of every state, shape (n, 3)."""
+    assert series.energy is not None
+    return np.stack([series.pressure, series.separation, series.energy], axis=-1)
+
+
 def _jumps(series: PathSeries) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Of each step from one state to the next what it lost, whether that is a jump, and what is undecided then."""
     assert series.energy is not None
-    states = np.stack([series.pressure, series.separation, series.energy], axis=-1)
+    states = _states(series)
     lost, exchanged = unaccounted(states[:-1], states[1:])
     noise = _NOISE * np.abs(series.energy).max(initial=0.0)
     return lost, (lost > UNACCOUNTED * exchanged) & (lost > noise), undecided(states[:-1], states[1:])

@@ -1,12 +1,15 @@
 """Paths with steps of their own: jumps are found, located and paid for; smooth branches cost nothing."""
 
+from dataclasses import replace
+from itertools import pairwise
+
 import numpy as np
 import pytest
 
 import contact_study
 from bem_adhesion import Dugdale, LennardJones104, rough_contact
 from bem_adhesion.loading import reach
-from bem_adhesion.paths import Account, account_of, follow
+from bem_adhesion.paths import Account, _passes_over_pull, _turns_too_sharply, account_of, follow
 from bem_adhesion.solution import Outcome, Solution
 from contact_study.problem.elasticity import HalfSpace
 from tests.bem_adhesion.paper_system import E_STAR, R0, study_table
@@ -133,6 +136,63 @@ def test_a_jump_is_not_lost_in_what_the_rule_leaves_of_a_long_way():
     # The jump, and what the rule leaves of the least step it is in.
     assert passed[-1].dissipated == pytest.approx(1 / 6, abs=1e-5)
     assert passed[-1].uncertain < 0.01**2
+
+
+class Passing(Spring):
+    """Pulled by s exp(1 − s) at a distance s, at most by one; ``steps``: from where to where it was asked to go."""
+
+    def __init__(self):
+        super().__init__(np.inf, np.inf)
+        self.steps = []
+
+    def step(self, state, target):
+        self.steps.append((float(state.mean()), target))
+        at = np.full((2, 2), target)
+        pull = target * np.exp(1 - target)
+        energy = np.e - (1 + target) * np.exp(1 - target)
+        return Solution(at, at, at, np.full((2, 2), -pull), energy, 0.0, 0.0, 1, 1.0, Outcome.CONVERGED)
+
+
+@pytest.mark.parametrize("begin", [0.0, 0.3, 0.5, 0.7])
+def test_the_strongest_pull_is_not_passed_over(begin, monkeypatch):
+    monkeypatch.setattr("bem_adhesion.paths.UNACCOUNTED", np.inf)  # which shortens steps, too
+    contact = Passing()
+    found = contact.step(np.zeros((2, 2)), begin)
+    account = Account(begin, float(found.pressure.mean()), begin, found.elastic_energy, True)
+    _, passed = follow(contact, found.state, account, 8.0, 1e-3, HalfSpace(1.0))
+    # A hundredth, and what the parabola leaves.
+    assert min(at.pressure for at in passed) < -0.98
+    assert passed[-1].position == 8.0
+    # It costs a few steps, not the least one after the other.
+    assert len(passed) < 40
+
+
+@pytest.mark.parametrize("first", [0.6, 0.9, 1.2, 1.7, 2.4])
+def test_of_two_steps_about_the_strongest_pull_the_longer_is_taken_back(first, monkeypatch):
+    """Where energies say nothing of what is between, as where every step loses a little."""
+    monkeypatch.setattr("bem_adhesion.paths._passes_over_pull", lambda *_: False)
+    monkeypatch.setattr("bem_adhesion.paths.UNACCOUNTED", np.inf)
+    account = Account(0.0, 0.0, 0.0, 0.0, True)
+    contact = Passing()
+    _, passed = follow(contact, np.zeros((2, 2)), account, 4 * first, 1e-3, HalfSpace(1.0))
+    assert min(at.pressure for at in passed) < -0.98
+    distances = [at.position for at in passed]
+    assert distances == sorted(distances), "a step that was taken back is in no book"
+    assert set(pairwise(distances)) <= set(contact.steps), "each state follows from the one before it"
+    assert len(passed) < 40
+
+
+def test_a_strongest_pull_is_told_by_energies_or_by_three_states():
+    before, lowest, after = (Account(x, p, x, e, True) for x, p, e in ((0, -0.5, 0), (1, -1, 0.75), (3, -0.5, 2.25)))
+    assert not _passes_over_pull(before, lowest, 0.0)
+    more = replace(lowest, energy=1.0)  # stored: the pull is one on average, and one at the end
+    assert _passes_over_pull(before, more, 0.0)
+    assert not _passes_over_pull(before, more, 1.0), "noise"
+    assert not _passes_over_pull(more, before, 0.0), "inwards"
+    assert _turns_too_sharply(before, lowest, after)
+    assert not _turns_too_sharply(before, replace(lowest, pressure=-0.5), after)
+    assert not _turns_too_sharply(before, replace(lowest, attached=False), after)
+    assert not _turns_too_sharply(replace(before, pressure=-0.93), lowest, replace(after, pressure=-0.93))
 
 
 def test_steps_that_do_not_converge_are_shortened():
