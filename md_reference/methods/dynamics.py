@@ -3,7 +3,6 @@
 import dataclasses
 import math
 from collections.abc import Iterator, Mapping
-from typing import NamedTuple
 
 import numpy as np
 
@@ -17,9 +16,9 @@ from md_reference.block import element_matrix, lame_constants
 from md_reference.interface import LennardJonesInterface
 from md_reference.methods.arrival import Descent, Warmth, not_in_equilibrium, still_moving
 from md_reference.methods.base import Predictor
+from md_reference.methods.place import Frame, Place
 from md_reference.multiscale_block import MultiscaleBlock, level_layers, node_count
 from md_reference.newtonian import Motion, NewtonianBlock, fastest_wave
-from md_reference.random_state import generator_of, packed
 from md_reference.rotating_block import RotatingBlock
 from md_reference.starts import separated
 from md_reference.system import build_interface, row_threads
@@ -144,7 +143,7 @@ def solve_path(
         Not used: the atoms come down by themselves.
     """
     run = _Run(case, build_interface(case, surface))
-    at = run.begin(start) if restart is None else _Place.unpacked(restart)
+    at = run.begin(start) if restart is None else Place.unpacked(restart)
     for number in range(start, len(case.path)):
         if at.point != number:
             at.enter(number)
@@ -154,63 +153,6 @@ def solve_path(
         )
         discarded = None if passing or case.atomistic.temperature == 0 else case.dynamics.frames // 2
         yield Ensemble(run.states(at, case.path[number][0], discarded), discarded)
-
-
-class _Frame(NamedTuple):
-    """What is to be known of a state once the point ends."""
-
-    time: float  # (s)
-    top: float  # height of the rigid plane (m)
-    carried: float  # mean pressure of the interface (Pa)
-    temperature: float  # of the nodes (K)
-    whole: float  # temperature of the block as one body (K)
-
-
-@dataclasses.dataclass
-class _Place:
-    """Where a run stands."""
-
-    motion: Motion
-    generator: np.random.Generator
-    point: int
-    touched: bool = False  # whether an atom was within reach since the block last began to come down
-    frame: int = 0
-    frames: int = 0  # of the point
-    steps: int = 0  # of all frames of the point
-    series: list[_Frame] = dataclasses.field(default_factory=list)  # of the point so far
-
-    def enter(self, point: int) -> None:
-        """Stand before the first frame of a point."""
-        self.point, self.frame, self.series = point, 0, []
-
-    def share(self, steps: int, most: int) -> None:
-        """Have the point take so many steps, in at most so many frames."""
-        self.steps, self.frames = steps, min(most, steps)
-
-    @property
-    def taken(self) -> int:
-        """Steps of the point so far, shared out evenly to its frames."""
-        return self.steps * self.frame // self.frames
-
-    @property
-    def packed(self) -> dict[str, np.ndarray]:
-        motion = self.motion
-        return {
-            "displacement": motion.displacement.copy(),
-            "velocity": motion.velocity.copy(),
-            "rigid": np.array([motion.top, motion.top_velocity, motion.time]),
-            "counts": np.array([self.point, self.touched, self.frame, self.frames, self.steps]),
-            "generator": packed(self.generator),
-            "series": np.array(self.series).reshape(-1, len(_Frame._fields)),
-        }
-
-    @classmethod
-    def unpacked(cls, arrays: Mapping[str, np.ndarray]) -> "_Place":
-        top, top_velocity, time = map(float, arrays["rigid"])
-        point, touched, frame, frames, steps = map(int, arrays["counts"])
-        motion = Motion(arrays["displacement"].copy(), arrays["velocity"].copy(), top, top_velocity, time)
-        series = [_Frame(*map(float, frame)) for frame in arrays["series"]]
-        return cls(motion, generator_of(arrays["generator"]), point, bool(touched), frame, frames, steps, series)
 
 
 class _Run:
@@ -228,13 +170,13 @@ class _Run:
         self._steps = round(case.dynamics.duration / step)
         self._step_error = (step / largest_time_step(case)) ** 2
 
-    def begin(self, point: int, time: float = 0.0) -> _Place:
+    def begin(self, point: int, time: float = 0.0) -> Place:
         """A block apart, at the speed of approach."""
         motion = self._system.start(separated(self._interface), -self._case.dynamics.approach_speed)
         motion.time = time
-        return _Place(motion, np.random.Generator(np.random.PCG64([self._case.atomistic.random_seed, point])), point)
+        return Place(motion, np.random.Generator(np.random.PCG64([self._case.atomistic.random_seed, point])), point)
 
-    def states(self, at: _Place, target: float, discarded: int | None) -> Iterator[InterfaceState]:
+    def states(self, at: Place, target: float, discarded: int | None) -> Iterator[InterfaceState]:
         """The states of a point from where it stands, in place; ends early where a pressure's block is torn off."""
         system, pressure = self._system, 0.0 if self._driven else target
         if at.frame == 0:
@@ -253,7 +195,7 @@ class _Run:
                 return
             yield dataclasses.replace(state, restart=at.packed)
 
-    def _move(self, at: _Place, pressure: float) -> None:
+    def _move(self, at: Place, pressure: float) -> None:
         """The time steps of the next frame."""
         before = at.taken
         at.frame += 1
@@ -266,7 +208,7 @@ class _Run:
                 "a shorter one, or a lower dynamics.approach_speed"
             ) from None
 
-    def _drive(self, at: _Place, gap: float) -> int:
+    def _drive(self, at: Place, gap: float) -> int:
         """Set the rigid plane's velocity, to a gap at the speed of approach or for a rest; steps that it takes."""
         way = gap + self._mean_height + self._case.law.equilibrium_distance - at.motion.top
         # The plane arrives within rounding, which is no way to go.
@@ -278,7 +220,7 @@ class _Run:
         at.motion.top_velocity = way / (steps * step)
         return steps
 
-    def _state(self, at: _Place, pressure: float, discarded: int | None, apart: bool) -> InterfaceState:
+    def _state(self, at: Place, pressure: float, discarded: int | None, apart: bool) -> InterfaceState:
         case, system = self._case, self._system
         area = case.lattice.constant**2
         displacement = np.ascontiguousarray(system.block.bottom_of(at.motion.displacement))
@@ -295,7 +237,7 @@ class _Run:
         lifted = pressure * (at.motion.top - self._mean_height)
         temperature = system.temperature(at.motion)
         whole_moves = system.temperature_of_whole(at.motion)
-        at.series.append(_Frame(at.motion.time, at.motion.top, mean_pressure, temperature, whole_moves))
+        at.series.append(Frame(at.motion.time, at.motion.top, mean_pressure, temperature, whole_moves))
         return InterfaceState(
             gap=gap,
             pressure=stress.copy(),
@@ -323,7 +265,7 @@ class _Run:
             found |= block_nodes(block.rest_positions + block.nodes_of(motion.displacement), block.nodes_of(velocity))
         return found
 
-    def _report(self, at: _Place, pressure: float, discarded: int | None, apart: bool) -> SolverReport:
+    def _report(self, at: Place, pressure: float, discarded: int | None, apart: bool) -> SolverReport:
         case = self._case
         message, converged = "", True
         if apart:
@@ -354,16 +296,16 @@ class _Run:
         )
 
     @staticmethod
-    def _carried(at: _Place, discarded: int | None) -> np.ndarray:
+    def _carried(at: Place, discarded: int | None) -> np.ndarray:
         """Mean pressure of the interface in the states that count (Pa); before there are any, of the last one."""
         last = len(at.series) - 1
         return np.array(at.series[last if discarded is None else min(discarded, last) :])[:, 2]
 
-    def _unbalanced(self, at: _Place) -> float:
+    def _unbalanced(self, at: Place) -> float:
         """Largest stress left on an atom of the surface (Pa)."""
         return self._system.unbalanced(at.motion) / self._case.lattice.constant**2
 
-    def _descent(self, at: _Place, pressure: float, discarded: int | None) -> Descent:
+    def _descent(self, at: Place, pressure: float, discarded: int | None) -> Descent:
         """What the block did in the states that count, from the one before them on."""
         case, carried = self._case, self._carried(at, discarded)
         time, top, *_ = np.array(at.series[-carried.size - 1 :]).T
@@ -380,7 +322,7 @@ class _Run:
             impact=math.sqrt(density * longitudinal_modulus(case)) * abs(speed_of_whole),
         )
 
-    def _warmth(self, counted: list[_Frame]) -> Warmth:
+    def _warmth(self, counted: list[Frame]) -> Warmth:
         case = self._case
         return Warmth(
             nodes=float(np.mean([frame.temperature for frame in counted])),
