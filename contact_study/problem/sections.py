@@ -123,7 +123,7 @@ class SolverSection:
     """Accuracy and effort."""
 
     tolerance: float = key(
-        quantity("1", positive=True, maximum=1e-2),
+        quantity("1", minimum=1e-15, maximum=1e-2),  # less is the rounding of double precision
         "largest residual stress in units of the contact modulus",
         1e-8,
     )

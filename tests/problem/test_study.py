@@ -242,6 +242,11 @@ WRONG = [
     (changed("loading", control="force"), "loading.control"),
     (changed("loading", unload="yes"), "loading.unload"),
     (changed("solver", tolerance=0), "solver.tolerance"),
+    (changed("solver", tolerance=1e-17), "must be at least 1e-15"),
+    (
+        changed("elasticity", kind="viscoelastic", branch_youngs_moduli=[1e9], relaxation_times=[1, 2]),
+        "1 branch_youngs_",
+    ),
     (changed("solver", max_iterations=0), "solver.max_iterations"),
     (changed("output", gap_range=["2 nm", "1 nm"]), "output.gap_range"),
     (changed("surface", rms_height="9**9**9**9 m"), "surface.rms_height"),  # nothing is calculated

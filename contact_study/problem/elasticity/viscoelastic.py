@@ -83,6 +83,11 @@ class ViscoelasticSection(ElasticitySection):
     )
 
     def solid(self, material: MaterialSection) -> Viscoelastic:
+        if len(self.branch_youngs_moduli) != len(self.relaxation_times):
+            raise InputError(
+                f"elasticity: {len(self.branch_youngs_moduli)} branch_youngs_moduli and {len(self.relaxation_times)} "
+                "relaxation_times; give one of each for every branch"
+            )
         plane_strain = 1 - material.poissons_ratio**2
         moduli = tuple(modulus / plane_strain for modulus in self.branch_youngs_moduli)
         try:
