@@ -1,14 +1,7 @@
 """The solid on a uniform bed of springs, inverted: what preconditions the linearised contact where surfaces attract.
 
-Only waves longer than a few points need K there. :class:`HalvedBed` takes those to a grid of half the resolution and
-answers the rest by one stiffness,
-
-    P (K + c)⁻¹ Pᵀ / 4 + ω / K_max,
-
-P bilinear interpolation, the first term by the same on the coarser grid: symmetric and positive, as the additive
-multilevel preconditioner of J. H. Bramble, J. E. Pasciak and J. Xu, Math. Comp. 55, 1 (1990; the abstract was read).
-Conjugate gradients need as many iterations with it as with (K + c)⁻¹ of the finest grid, for a sixteenth of its
-transforms.
+Only waves longer than a few points need K there (:mod:`contact_study.fields.halving`). Conjugate gradients need as many
+iterations with long waves on coarser grids as with (K + c)⁻¹ of the finest, for a sixteenth of its transforms.
 """
 
 from typing import Protocol
@@ -17,22 +10,11 @@ import numpy as np
 
 from bem_adhesion.operator import MakeOperator, Operator
 from contact_study.fields.grid import Grid
-from contact_study.fields.halving import prolong, restrict
-
-# ω. Pairs of the paper's path at 512² points, ε0, two surfaces: 371 with 1.5, 394 with 2, 405 with 2.5. Below 1 the
-# iterations grow.
-SHORT_WAVES = 1.5
-# Grids are halved so often, and down to so many points along an axis.
-HALVINGS, FEWEST_POINTS = 2, 32
+from contact_study.fields.halving import HALVINGS, HalvedInverse, Inverse, can_be_halved
 
 
-class Bed(Protocol):
-    """Where on a grid the inverse acts: on the buffer ``field``, in place."""
-
-    field: np.ndarray
-
-    def apply_and_sum(self) -> float:
-        """Apply the inverse to :attr:`field`; returns the inner product of field and result."""
+class Bed(Inverse, Protocol):
+    """An inverse that says what work it took."""
 
     def equivalent_pairs(self, grid: Grid) -> float:
         """Transform pairs beyond those of the operator that owns :attr:`field`, as float64 pairs on ``grid``."""
@@ -61,7 +43,7 @@ class FullBed:
         return 0.0
 
 
-class HalvedBed:
+class HalvedBed(HalvedInverse):
     """The inverse with long waves on a grid of half the resolution.
 
     Parameters
@@ -77,15 +59,9 @@ class HalvedBed:
     """
 
     def __init__(self, field: np.ndarray, coarser: Bed, operator: Operator, largest: float):
-        self.field = field
+        super().__init__(field, coarser, largest)
         self._coarser = coarser
         self._operator = operator
-        self._short = np.float32(SHORT_WAVES / largest)
-
-    def apply_and_sum(self) -> float:
-        restrict(self.field, self._coarser.field)
-        long_waves = 4 * self._coarser.apply_and_sum()
-        return long_waves + prolong(self._coarser.field, self._short, self.field)
 
     def equivalent_pairs(self, grid: Grid) -> float:
         return self._operator.equivalent_pairs(grid) + self._coarser.equivalent_pairs(grid)
@@ -94,7 +70,7 @@ class HalvedBed:
 def bed_under(operator: Operator, make_operator: MakeOperator, shift: float, halvings: int = HALVINGS) -> Bed:
     """The bed for an operator in float32, with its long waves on a coarser grid where that saves work."""
     rows, columns = operator.grid.shape
-    if not halvings or rows % 2 or columns % 2 or min(rows, columns) < 2 * FEWEST_POINTS:
+    if not (halvings and can_be_halved((rows, columns))):
         return FullBed(operator, shift)
     coarse = make_operator(operator.grid.with_shape((rows // 2, columns // 2)), np.float32)
     return HalvedBed(operator.field, bed_under(coarse, make_operator, shift, halvings - 1), coarse, operator.largest)

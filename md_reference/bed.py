@@ -1,12 +1,7 @@
 """The block on a uniform bed of springs, inverted: what preconditions the linear problem where atoms attract.
 
-Only waves longer than a few atoms need S there. :class:`HalvedBed` takes those to every second atom along each axis and
-answers the rest by one stiffness for each component,
-
-    P (S + c)⁻¹ Pᵀ / 4 + ω / S_max,
-
-P bilinear interpolation, the first term by the same on the coarser grid: symmetric and positive, as the additive
-multilevel preconditioner of J. H. Bramble, J. E. Pasciak and J. Xu, Math. Comp. 55, 1 (1990; the abstract was read).
+Only waves longer than a few atoms need S there (:mod:`contact_study.fields.halving`): the rest is answered by one
+stiffness for each component.
 """
 
 from typing import Protocol
@@ -16,24 +11,14 @@ from numba import njit
 
 from contact_study.fields.fourier import RealTransform
 from contact_study.fields.grid import Grid
-from contact_study.fields.halving import prolong, restrict
+from contact_study.fields.halving import HALVINGS, HalvedInverse, Inverse, can_be_halved
+from md_reference.stiffness_pass import act_on_wave
 
 _OPTIONS = {"cache": True, "error_model": "numpy", "fastmath": {"contract", "reassoc", "arcp", "nsz"}}
 
-# ω. Pairs of 200² atoms of the paper's surface at 8 ε0 under 0.1, 1 and 10 GPa: 306, 84, 74 with 1; 303, 66, 71 with
-# 1.5; 319, 70, 91 with 2.5; 467, 138, 125 with the transforms of all atoms.
-SHORT_WAVES = 1.5
-# Layers are halved so often, and down to so many points along an axis.
-HALVINGS, FEWEST_POINTS = 2, 32
 
-
-class Bed(Protocol):
-    """Where on a layer the inverse acts: on the buffer ``field``, shape (3, ny, nx), in place."""
-
-    field: np.ndarray
-
-    def apply_and_sum(self) -> float:
-        """Apply the inverse to :attr:`field`; returns the inner product of field and result."""
+class Bed(Inverse, Protocol):
+    """An inverse, on a field of shape (3, ny, nx), that says what work it took."""
 
     @property
     def pairs(self) -> float:
@@ -73,7 +58,7 @@ class FullBed:
         return 0.0
 
 
-class HalvedBed:
+class HalvedBed(HalvedInverse):
     """The inverse with long waves on half the resolution.
 
     Parameters
@@ -89,18 +74,9 @@ class HalvedBed:
     """
 
     def __init__(self, field: np.ndarray, coarser: Bed, transform: RealTransform, largest: np.ndarray):
-        self.field = field
+        super().__init__(field, coarser, largest)
         self._coarser = coarser
         self._transform = transform
-        self._short = np.float32(SHORT_WAVES) / largest
-
-    def apply_and_sum(self) -> float:
-        for fine, coarse in zip(self.field, self._coarser.field, strict=True):
-            restrict(fine, coarse)
-        product = 4 * self._coarser.apply_and_sum()
-        for fine, coarse, short in zip(self.field, self._coarser.field, self._short, strict=True):
-            product += prolong(coarse, short, fine)
-        return product
 
     @property
     def pairs(self) -> float:
@@ -112,7 +88,7 @@ def bed_under(
 ) -> Bed:
     """The bed for a layer, with its long waves on a coarser one where that saves work."""
     rows, columns = transform.shape[1:]
-    if not halvings or rows % 2 or columns % 2 or min(rows, columns) < 2 * FEWEST_POINTS:
+    if not (halvings and can_be_halved((rows, columns))):
         return FullBed(transform, coefficients, shift)
     coarse = RealTransform((3, rows // 2, columns // 2), np.float32, threads)
     coarser = bed_under(coarse, _of_every_second_atom(coefficients, columns), shift, halvings - 1, threads)
@@ -155,27 +131,7 @@ def _invert(spectrum, stiffness, multiplicity, shift, normalisation):
             c_zz = a * b - xy[i] * xy[i]
             c_yz = xy[i] * xz[i] - a * yz[i]
             scale = norm / (a * c_xx + xy[i] * c_xy + xz[i] * c_xz)
-            re = np.uint64(2) * np.uint64(i)
-            im = re + np.uint64(1)
-            # The normal component times i makes the matrix real; see the module ``block``.
-            x_re = r_x[re]
-            x_im = r_x[im]
-            y_re = r_y[re]
-            y_im = r_y[im]
-            z_re = -r_z[im]
-            z_im = r_z[re]
-            o_re = scale * (c_xx * x_re + c_xy * y_re + c_xz * z_re)
-            o_im = scale * (c_xx * x_im + c_xy * y_im + c_xz * z_im)
-            p_re = scale * (c_xy * x_re + c_yy * y_re + c_yz * z_re)
-            p_im = scale * (c_xy * x_im + c_yy * y_im + c_yz * z_im)
-            q_re = scale * (c_xz * x_re + c_yz * y_re + c_zz * z_re)
-            q_im = scale * (c_xz * x_im + c_yz * y_im + c_zz * z_im)
-            r_x[re] = o_re
-            r_x[im] = o_im
-            r_y[re] = p_re
-            r_y[im] = p_im
-            r_z[re] = q_im
-            r_z[im] = -q_re
-            row += multiplicity[i] * (x_re * o_re + x_im * o_im + y_re * p_re + y_im * p_im + z_re * q_re + z_im * q_im)
+            product = act_on_wave(r_x, r_y, r_z, i, scale, c_xx, c_yy, c_zz, c_xy, c_xz, c_yz)
+            row += multiplicity[i] * product
         total += float(row)
     return total

@@ -18,7 +18,8 @@ import numpy as np
 from numba import njit
 
 from contact_study.fields.fourier import RealTransform
-from md_reference.bed import HALVINGS, bed_under
+from contact_study.fields.halving import HALVINGS
+from md_reference.bed import bed_under
 from md_reference.block import SurfaceStiffness
 from md_reference.split import split
 from md_reference.stiffness_pass import multiply

@@ -7,6 +7,36 @@ _OPTIONS = {"cache": True, "error_model": "numpy", "fastmath": {"contract", "rea
 
 
 @njit(**_OPTIONS)
+def act_on_wave(s_x, s_y, s_z, i, norm, xx, yy, zz, xy, xz, yz):
+    """Replace the i-th wave of a row by ``norm`` times a symmetric matrix times it; returns the product of both.
+
+    The components of the row have real and imaginary parts in turn. The normal component times the imaginary unit
+    makes the matrix real.
+    """
+    re = np.uint64(2) * np.uint64(i)
+    im = re + np.uint64(1)
+    x_re = s_x[re]
+    x_im = s_x[im]
+    y_re = s_y[re]
+    y_im = s_y[im]
+    z_re = -s_z[im]
+    z_im = s_z[re]
+    o_re = norm * (xx * x_re + xy * y_re + xz * z_re)
+    o_im = norm * (xx * x_im + xy * y_im + xz * z_im)
+    p_re = norm * (xy * x_re + yy * y_re + yz * z_re)
+    p_im = norm * (xy * x_im + yy * y_im + yz * z_im)
+    q_re = norm * (xz * x_re + yz * y_re + zz * z_re)
+    q_im = norm * (xz * x_im + yz * y_im + zz * z_im)
+    s_x[re] = o_re
+    s_x[im] = o_im
+    s_y[re] = p_re
+    s_y[im] = p_im
+    s_z[re] = q_im
+    s_z[im] = -q_re
+    return x_re * o_re + x_im * o_im + y_re * p_re + y_im * p_im + z_re * q_re + z_im * q_im
+
+
+@njit(**_OPTIONS)
 def multiply(spectrum, stiffness, multiplicity, normalisation):
     """Replace the spectrum of s by that of S s; returns s·S s.
 
@@ -36,26 +66,7 @@ def multiply(spectrum, stiffness, multiplicity, normalisation):
         s_z = spectrum[2, j]
         row = np.float32(0.0)
         for i in range(np.uint64(columns)):
-            re = np.uint64(2) * np.uint64(i)
-            im = re + np.uint64(1)
-            x_re = s_x[re]
-            x_im = s_x[im]
-            y_re = s_y[re]
-            y_im = s_y[im]
-            z_re = -s_z[im]
-            z_im = s_z[re]
-            o_re = norm * (xx[i] * x_re + xy[i] * y_re + xz[i] * z_re)
-            o_im = norm * (xx[i] * x_im + xy[i] * y_im + xz[i] * z_im)
-            p_re = norm * (xy[i] * x_re + yy[i] * y_re + yz[i] * z_re)
-            p_im = norm * (xy[i] * x_im + yy[i] * y_im + yz[i] * z_im)
-            q_re = norm * (xz[i] * x_re + yz[i] * y_re + zz[i] * z_re)
-            q_im = norm * (xz[i] * x_im + yz[i] * y_im + zz[i] * z_im)
-            s_x[re] = o_re
-            s_x[im] = o_im
-            s_y[re] = p_re
-            s_y[im] = p_im
-            s_z[re] = q_im
-            s_z[im] = -q_re
-            row += multiplicity[i] * (x_re * o_re + x_im * o_im + y_re * p_re + y_im * p_im + z_re * q_re + z_im * q_im)
+            product = act_on_wave(s_x, s_y, s_z, i, norm, xx[i], yy[i], zz[i], xy[i], xz[i], yz[i])
+            row += multiplicity[i] * product
         total += float(row)
     return total

@@ -3,7 +3,8 @@ import pytest
 
 from contact_study.fields.fourier import RealTransform
 from contact_study.fields.grid import Grid
-from md_reference.bed import SHORT_WAVES, FullBed, HalvedBed, bed_under
+from contact_study.fields.halving import SHORT_WAVES
+from md_reference.bed import FullBed, HalvedBed, bed_under
 from md_reference.newton_step import NewtonSolver
 from tests.md_reference.systems import stiffness_of
 
