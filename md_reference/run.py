@@ -12,6 +12,7 @@ from contact_study.observables.base import Ensemble, InterfaceState, Value
 from contact_study.observables.constants import InterfaceConstants, heights_on
 from contact_study.problem.case import Case
 from contact_study.problem.errors import InputError
+from contact_study.problem.idle_keys import idle_motion
 from contact_study.problem.plausibility import contact_stress, squeeze
 from contact_study.problem.study import Study
 from contact_study.problem.surface import Surface
@@ -126,7 +127,7 @@ def review(study: Study, scales: Sequence[SurfaceScales]) -> list[str]:
     InputError
         If the pair potential is too weak to hold the atoms of the block out of the substrate.
     """
-    notes = []
+    notes = idle_motion(study.cases)
     if any(case.solver.path == "overdamped" != case.atomistic.method for case in study.cases):
         notes.append('solver.path = "overdamped": atoms do not read it; their way is atomistic.method')
     filtered = []

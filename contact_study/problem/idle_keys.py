@@ -1,5 +1,6 @@
 """Keys that a study gives and that nothing reads, beside what else it asks for."""
 
+import dataclasses
 from collections.abc import Sequence
 
 from contact_study.problem.case import Case
@@ -49,4 +50,29 @@ def _of_loading(cases: Sequence[Case]) -> list[str]:
         idle = [case for case in cases if is_idle(case)]
         if idle:
             notes.append(f"loading.{name}: without effect{points(idle, len(cases))}; {belongs}")
+    return notes
+
+
+def idle_motion(cases: Sequence[Case]) -> list[str]:
+    """The same of ways that the atoms of no case go; a study that compares several has the keys of each."""
+    notes = []
+    for section, is_idle, belongs in (
+        (
+            "overdamped",
+            lambda case: case.atomistic.method != "overdamped" and case.solver.path != "overdamped",
+            'atomistic.method or solver.path = "overdamped"',
+        ),
+        ("sampling", lambda case: case.atomistic.method != "sampling", 'atomistic.method = "sampling"'),
+        ("dynamics", lambda case: case.atomistic.method != "dynamics", 'atomistic.method = "dynamics"'),
+    ):
+        if not all(map(is_idle, cases)):
+            continue
+        given = [getattr(case, section) for case in cases]
+        names = [
+            f"{section}.{field.name}"
+            for field in dataclasses.fields(given[0])
+            if any(getattr(one, field.name) != field.default for one in given)
+        ]
+        if names:
+            notes.append(f"{', '.join(names)}: without effect; it belongs to {belongs}")
     return notes

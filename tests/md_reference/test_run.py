@@ -262,6 +262,12 @@ def test_a_path_of_the_continuum_is_not_the_atoms():
         assert [note.startswith('solver.path = "overdamped": atoms do not read it') for note in notes] == [True] * said
 
 
+def test_keys_of_a_way_that_the_atoms_do_not_go_are_said():
+    case = case_of((32, 32), dynamics={"duration": "1 ps"})
+    (note,) = review(Study({}, Path(), (case,), {}), scales_of(Study({}, Path(), (case,), {})))
+    assert note.startswith("dynamics.duration: without effect")
+
+
 def test_waves_that_the_sites_cannot_carry_are_said():
     fine = case_of((16, 48), surface={"shape": [128, 128], "cutoff_mode": 40, "rms_height": "0.1 angstrom"})
     study = Study({}, Path(), (fine,), {})

@@ -51,6 +51,8 @@ def changed(**sections):
     table = copy.deepcopy(STUDY)
     for section, keys in sections.items():
         table.setdefault(section, {}).update(keys)
+    for way in {"sampling", "overdamped", "dynamics"} - {table["atomistic"]["method"]}:  # nothing would read it
+        table.pop(way, None)
     return table
 
 
