@@ -39,14 +39,14 @@ class FollowedInterface:
 
     Attributes
     ----------
-    hessian : numpy.ndarray, shape (6, ny, nx)
+    hessian : numpy.ndarray of float32, shape (6, ny, nx)
         Second derivatives there (N/m), as of :meth:`Interaction.evaluate`.
     evaluations : float
         Done so far, of some atoms counted by their share of all.
     """
 
     def __init__(self, interaction: AtomwiseInteraction, shape: tuple[int, int]):
-        self.hessian = np.zeros((6, *shape))
+        self.hessian = np.zeros((6, *shape), np.float32)
         self.evaluations = 0.0
         self._interaction = interaction
         self._place = np.full((3, *shape), np.inf)  # nowhere

@@ -7,6 +7,7 @@ energy are summed from their parts, never a difference of two totals, which woul
 from dataclasses import dataclass
 
 import numpy as np
+from numba import njit
 
 from contact_study.fields.fourier import RealTransform
 from md_reference.block import SurfaceStiffness
@@ -163,7 +164,7 @@ class Landscape:
             if np.isfinite(energy):
                 move = trial - at.displacement
                 stretch = self.apply_stiffness(move)
-                change = float(np.sum((at.stretch + 0.5 * stretch) * move)) + load.push * float(np.sum(move[2]))
+                change = _work_against(at.stretch, stretch, move, load.push)
                 if load.anchor is not None:
                     change += load.drag * float(np.sum((at.displacement - load.anchor + 0.5 * move) * move))
                 if change + energy - at.energy <= noise:
@@ -249,3 +250,17 @@ class Landscape:
         height = float(np.std(gap))
         slope = float(np.sqrt(np.mean(1 / cosine**2 - 1)))
         return max(slope / height, longest) if height > 0 else longest
+
+
+@njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "arcp", "nsz"})
+def _work_against(stretch, change, move, push):
+    """Sum of (S u + ½ S d)·d and of the push on d_z: what a move d from u takes, S d being ``change`` (J)."""
+    total = 0.0
+    for c in range(3):
+        load = push if c == 2 else 0.0
+        for j in range(move.shape[1]):
+            row = 0.0
+            for i in range(move.shape[2]):
+                row += (stretch[c, j, i] + 0.5 * change[c, j, i] + load) * move[c, j, i]
+            total += row
+    return total

@@ -85,7 +85,8 @@ class NewtonSolver:
         self._bed = bed_under(self.transform, self._coefficients, shift, HALVINGS, threads)
         self._residual = np.empty(shape, np.float32)
         self._solution = np.empty(shape, np.float32)
-        self._normal = np.empty(shape, np.float32)
+        self._split_curvature = np.full(self.diagonal.shape, np.nan, np.float32)
+        self._normal = np.zeros(shape, np.float32)
         self._removed = np.empty(shape[1:], np.float32)
         self._core = np.empty(shape[1:], np.float32)
 
@@ -112,7 +113,7 @@ class NewtonSolver:
         waves = self._coefficients, self._multiplicity
         parts = self._normal, self._removed, self._core
         residual, direction, solution = self._residual, self.direction, self._solution
-        split(self.diagonal, self._shift, self._half_grid, *parts)
+        split(self.diagonal, self._shift, self._half_grid, self._split_curvature, *parts)
         np.multiply(gradient, -1 / scale, out=residual, casting="same_kind")
         solution[...] = 0.0
         direction[...] = 0.0

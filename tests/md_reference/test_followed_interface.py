@@ -35,7 +35,7 @@ def test_forces_are_within_the_error_allowed(error, size):
     force, exact, hessian = np.empty_like(start), np.empty_like(start), np.empty((6, *ATOMS))
     assert followed.evaluate(start, force) == pytest.approx(ROUGH.evaluate(start, exact, hessian), rel=1e-12)
     np.testing.assert_array_equal(force, exact)
-    np.testing.assert_array_equal(followed.hessian, hessian)
+    np.testing.assert_array_equal(followed.hessian, hessian.astype(np.float32))
     assert followed.evaluations == 1
     step = moves(size)
     energy = followed.evaluate(start + step, force, error * SCALE)

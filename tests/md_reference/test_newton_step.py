@@ -82,24 +82,56 @@ def test_negative_curvature_ends_the_iteration():
     assert not solver.solve(gradient, 1e-3, 100).indefinite
 
 
-def test_core_is_the_stiffest_direction_of_each_atom():
-    rng = np.random.default_rng(4)
-    shape = (20, 30)
+def parts_of(diagonal, known=None, parts=None):
+    """Core and tail of matrices, with c = 0.5 and half of S_max = 3; of another call what is the same."""
+    shape = diagonal.shape[1:]
+    known = np.full(diagonal.shape, np.nan) if known is None else known
+    parts = (np.zeros((3, *shape)), np.empty(shape), np.empty(shape)) if parts is None else parts
+    split(diagonal, 0.5, 3.0, known, *parts)
+    return known, parts
+
+
+def random_matrices(shape, seed):
+    rng = np.random.default_rng(seed)
     diagonal = rng.standard_normal((6, *shape)) * 10.0 ** rng.uniform(-3, 3, shape)
     diagonal[:, 0, 0] = [2, 2, 2, 0, 0, 0]  # no one direction
     diagonal[:, 0, 1] = [-1, -2, -3, 0, 0, 0]  # attracted every way: all of it is tail
-    normal, removed, core = np.empty((3, *shape)), np.empty(shape), np.empty(shape)
-    split(diagonal, 0.5, 3.0, normal, removed, core)
+    return diagonal
+
+
+def test_core_is_the_stiffest_direction_of_each_atom():
+    diagonal = random_matrices((20, 30), 4)
+    _, (normal, removed, core) = parts_of(diagonal)
     xx, yy, zz, xy, xz, yz = diagonal
     matrices = np.moveaxis(np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]), (0, 1), (-2, -1))
     values, vectors = np.linalg.eigh(matrices)
     stiffness = np.maximum(values[..., 2], 0)
-    np.testing.assert_allclose(removed, 1 - np.sqrt(0.5 / (stiffness + 0.5)), atol=1e-9)
-    np.testing.assert_allclose(core, stiffness / (stiffness + 0.5) / (stiffness + 3.0), atol=1e-9)
+    # A tenth of c is left to the tail.
+    has_core = core > 0
+    assert np.all(has_core[stiffness > 0.05])
+    assert np.any(~has_core & (stiffness > 0))
+    assert np.all(removed[~has_core] == 0)
+    expected = 1 - np.sqrt(0.5 / (stiffness + 0.5)), stiffness / (stiffness + 0.5) / (stiffness + 3.0)
+    np.testing.assert_allclose(removed[has_core], expected[0][has_core], atol=1e-9)
+    np.testing.assert_allclose(core[has_core], expected[1][has_core], atol=1e-9)
     along = np.abs(np.sum(np.moveaxis(normal, 0, -1) * vectors[..., 2], axis=-1))
     along[0, 0] = np.linalg.norm(normal[:, 0, 0])
     # Two eigenvalues may be close, and rounding then turns their directions.
-    np.testing.assert_allclose(along, 1, atol=1e-6)
+    np.testing.assert_allclose(along[has_core], 1, atol=1e-6)
+
+
+def test_matrices_that_are_the_same_keep_their_core():
+    before, after = random_matrices((20, 30), 4), random_matrices((20, 30), 5)
+    changed = np.random.default_rng(6).random((20, 30)) < 0.3
+    known, parts = parts_of(before)
+    parts[1][~changed] += 1.0  # to be seen where nothing is written
+    merged = np.where(changed, after, before)
+    merged[3, 7, 7], changed[7, 7] = before[3, 7, 7] + 1e-9, True  # one entry, by a little
+    parts_of(merged, known, parts)
+    _, (_, removed, core) = parts_of(merged)
+    np.testing.assert_array_equal(parts[1], removed + ~changed)
+    np.testing.assert_array_equal(parts[2], core)
+    np.testing.assert_array_equal(known, merged)
 
 
 def test_a_stiff_core_costs_few_iterations():

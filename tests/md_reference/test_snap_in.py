@@ -35,9 +35,10 @@ def landed(distance, step, cosine=1.0, after=None, force=None):
     return trial_gap[0] * after
 
 
+@pytest.mark.parametrize("guess", [0.5, 1.0, 1.2, 3.0])
 @pytest.mark.parametrize("force", [0.0, 1e-6, 0.3, 2.0, 50.0, 1e4])
-def test_root_of_the_repulsion(force):
-    s = repulsive_root(force)
+def test_root_of_the_repulsion(force, guess):
+    s = repulsive_root(force, guess)
     assert s >= 1
     assert s**11 - s**5 == pytest.approx(force, rel=1e-9, abs=1e-15)
 
