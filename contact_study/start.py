@@ -1,0 +1,40 @@
+"""Where the commands begin: Ctrl-C while their libraries are read ends them as quietly as later."""
+
+import importlib
+import sys
+
+_INTERRUPTED = 130  # as of a command that runs, whose module is read here
+
+
+def bem_adhesion() -> int:
+    """The continuum."""
+    return _command("bem-adhesion", "bem_adhesion.run")
+
+
+def md_reference() -> int:
+    """The atoms."""
+    return _command("md-reference", "md_reference.run")
+
+
+def persson_theory() -> int:
+    """The theories."""
+    return _command("persson-theory", "theory.run")
+
+
+def contact_compare() -> int:
+    """The comparison."""
+    return _command("contact-compare", "contact_study.comparison.command")
+
+
+def contact_merge() -> int:
+    """The parts of a campaign in one."""
+    return _command("contact-merge", "contact_study.campaign.merge.command")
+
+
+def _command(name: str, module: str) -> int:
+    try:
+        main = importlib.import_module(module).main
+    except KeyboardInterrupt:
+        print(f"{name}: interrupted before it began", file=sys.stderr)
+        return _INTERRUPTED
+    return int(main())
