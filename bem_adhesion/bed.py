@@ -43,7 +43,7 @@ class FullBed:
         return 0.0
 
 
-class HalvedBed(HalvedInverse):
+class HalvedBed(HalvedInverse[Bed]):
     """The inverse with long waves on a grid of half the resolution.
 
     Parameters
@@ -60,7 +60,6 @@ class HalvedBed(HalvedInverse):
 
     def __init__(self, field: np.ndarray, coarser: Bed, operator: Operator, largest: float):
         super().__init__(field, coarser, largest)
-        self._coarser = coarser
         self._operator = operator
 
     def equivalent_pairs(self, grid: Grid) -> float:

@@ -3,7 +3,7 @@
 import importlib
 import sys
 
-_INTERRUPTED = 130  # as of a command that runs, whose module is read here
+INTERRUPTED = 130  # exit status
 
 
 def bem_adhesion() -> int:
@@ -36,5 +36,5 @@ def _command(name: str, module: str) -> int:
         main = importlib.import_module(module).main
     except KeyboardInterrupt:
         print(f"{name}: interrupted before it began", file=sys.stderr)
-        return _INTERRUPTED
+        return INTERRUPTED
     return int(main())

@@ -58,7 +58,7 @@ class FullBed:
         return 0.0
 
 
-class HalvedBed(HalvedInverse):
+class HalvedBed(HalvedInverse[Bed]):
     """The inverse with long waves on half the resolution.
 
     Parameters
@@ -75,7 +75,6 @@ class HalvedBed(HalvedInverse):
 
     def __init__(self, field: np.ndarray, coarser: Bed, transform: RealTransform, largest: np.ndarray):
         super().__init__(field, coarser, largest)
-        self._coarser = coarser
         self._transform = transform
 
     @property

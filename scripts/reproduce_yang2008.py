@@ -17,7 +17,8 @@ import time
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
-from contact_study.campaign.command import INTERRUPTED, NOT_CONVERGED
+from contact_study.campaign.command import NOT_CONVERGED
+from contact_study.start import INTERRUPTED
 
 ROOT = Path(__file__).resolve().parent.parent
 SURFACES = {"paper": 12, "quick": 4}  # of the scatter

@@ -26,11 +26,12 @@ from contact_study.problem.dotted_keys import all_keys
 from contact_study.problem.errors import InputError
 from contact_study.problem.keys import as_written, suggestion
 from contact_study.problem.study import read_study
+from contact_study.start import INTERRUPTED
 
 if TYPE_CHECKING:
     import xarray as xr
 
-DONE, WRONG_INPUT, NOT_CONVERGED, INTERRUPTED = 0, 1, 2, 130
+DONE, WRONG_INPUT, NOT_CONVERGED = 0, 1, 2
 
 
 class Parser(argparse.ArgumentParser):

@@ -9,7 +9,7 @@ the first term by the same on the coarser grid: symmetric and positive, as the a
 J. H. Bramble, J. E. Pasciak and J. Xu, Math. Comp. 55, 1 (1990; the abstract was read).
 """
 
-from typing import Protocol
+from typing import Generic, Protocol, TypeVar
 
 import numpy as np
 from numba import njit
@@ -31,7 +31,10 @@ class Inverse(Protocol):
         """Apply the inverse to :attr:`field`; returns the inner product of field and result."""
 
 
-class HalvedInverse:
+_Coarser = TypeVar("_Coarser", bound=Inverse)
+
+
+class HalvedInverse(Generic[_Coarser]):
     """The inverse with long waves on a grid of half the resolution.
 
     Parameters
@@ -44,9 +47,9 @@ class HalvedInverse:
         Largest stiffness of each component on the finer grid.
     """
 
-    def __init__(self, field: np.ndarray, coarser: Inverse, largest: float | np.ndarray):
+    def __init__(self, field: np.ndarray, coarser: _Coarser, largest: float | np.ndarray):
         self.field = field
-        self._inverse = coarser
+        self._coarser = coarser
         self._components = _components(field)
         self._coarse_components = _components(coarser.field)
         self._short = np.atleast_1d(SHORT_WAVES / largest).astype(np.float32)
@@ -55,7 +58,7 @@ class HalvedInverse:
         """Apply the inverse to :attr:`field`; returns the inner product of field and result."""
         for fine, coarse in zip(self._components, self._coarse_components, strict=True):
             restrict(fine, coarse)
-        product = 4 * self._inverse.apply_and_sum()
+        product = 4 * self._coarser.apply_and_sum()
         for fine, coarse, short in zip(self._components, self._coarse_components, self._short, strict=True):
             product += prolong(coarse, short, fine)
         return product

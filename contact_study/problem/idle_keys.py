@@ -54,7 +54,7 @@ def _of_loading(cases: Sequence[Case]) -> list[str]:
 
 
 def idle_motion(cases: Sequence[Case]) -> list[str]:
-    """The same of ways that the atoms of no case go; a study that compares several has the keys of each."""
+    """One line for each way of motion whose keys are given and that no case goes; several may be compared."""
     notes = []
     for section, is_idle, belongs in (
         (

@@ -4,7 +4,7 @@ import sys
 import pytest
 
 from contact_study import start
-from contact_study.campaign.command import INTERRUPTED
+from contact_study.start import INTERRUPTED
 
 COMMANDS = ["bem-adhesion", "md-reference", "persson-theory", "contact-compare", "contact-merge"]
 
@@ -26,5 +26,5 @@ def test_a_command_is_interrupted_while_its_libraries_are_read(command, monkeypa
         raise KeyboardInterrupt
 
     monkeypatch.setattr(start.importlib, "import_module", read)
-    assert getattr(start, command.replace("-", "_"))() == INTERRUPTED
+    assert getattr(start, command.replace("-", "_"))() == INTERRUPTED == 130
     assert capsys.readouterr().err == f"{command}: interrupted before it began\n"
