@@ -250,8 +250,11 @@ class AdhesiveContact:
         """
         random = np.random.default_rng(0).standard_normal(curvature.shape, dtype=np.float32)
         np.multiply(1 + random, np.maximum(-curvature, 0), out=self._right_side)
-        if not self._right_side.any():
+        largest = np.abs(self._right_side).max()
+        if largest == 0:
             return False
+        # At unit size: of a tail of next to nothing single precision knows no squares, and zero is no direction.
+        self._right_side /= largest
         result = self._linearised.solve(self._right_side, curvature, softening, 0.0, CURVATURE_ITERATIONS)
         return result.negative_curvature
 
