@@ -5,13 +5,22 @@ The block is harmonic: its interior integrates out exactly, and the bottom layer
     P(u) ∝ exp(−V(u)/k_BT),  V = ½ u·Su + E(u) + p a² Σu_z,
 
 with the same S as at zero temperature. Hamiltonian Monte Carlo (S. Duane, A. D. Kennedy, B. J. Pendleton, D. Roweth,
-Phys. Lett. B 195, 216 (1987)) draws velocities, follows Hamilton's equations by the leapfrog scheme, and accepts the
-end with probability min(1, exp(−ΔH/k_BT)), which makes the distribution exact for any time step. The masses are free:
-with the stiffness that a wave meets all waves move at one pace (G. G. Batrouni et al., Phys. Rev. D 32, 2736 (1985)),
-and the steps are counted in √(mass/stiffness), without a unit; see :meth:`ThermalSampler.masses`. State and velocity
-stay in Fourier space, so that a step takes one pair of transforms and one evaluation of the interface.
+Phys. Lett. B 195, 216 (1987)) draws velocities, follows Hamilton's equations by a scheme that is reversible and keeps
+volume, and accepts the end with probability min(1, exp(−ΔH/k_BT)), which makes the distribution exact for any time
+step. The masses are free: with the stiffness that a wave meets all waves move at one pace (G. G. Batrouni et al., Phys.
+Rev. D 32, 2736 (1985)), and the steps are counted in √(mass/stiffness), without a unit; see
+:meth:`ThermalSampler.masses`.
+
+The scheme has two stages, kicks of b, 1 − 2b and b of a step h and ways of half a step between them (the family is that
+of S. Blanes, F. Casas, J. M. Sanz-Serna, SIAM J. Sci. Comput. 36, A1556 (2014), doi:10.1137/130932740). A harmonic wave
+that is followed by it keeps ½v² + ½(1 + (b² − 3b/2 + ¼)h² + …)u². With b = (3 − √5)/4 the bracket is zero: what a
+harmonic contact gains falls as the fourth power of the step, where leapfrog's (b = ¼) falls as the second.
+
+State and velocity stay in Fourier space, so that a stage takes one pair of transforms and one evaluation of the
+interface.
 """
 
+import math
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -22,11 +31,18 @@ from contact_study.fields.fourier import RealTransform
 from md_reference.block import SurfaceStiffness
 from md_reference.interface import Interaction
 
-_FIRST_TIME_STEP = 0.2
+_FIRST_TIME_STEP = 0.4
+_OUTER_KICK = (3 - 5**0.5) / 4  # b
 _TRAJECTORY = 3.2  # mean length of a trajectory in units of √(mass/stiffness): half a turn of a wave
-# ⟨ΔH⟩ of a trajectory that the time step is set for, in k_BT: an acceptance of erfc(√⟨ΔH⟩/2) = 0.78. The cost of an
-# independent state is flat about its optimum at 0.65 (A. Beskos et al., Bernoulli 19, 1501 (2013)).
-_ENERGY_ERROR = 0.15
+# Share of the proposals that the time step is set for. The cost of an independent state is flat about its optimum, 0.65
+# for errors of second order (A. Beskos et al., Bernoulli 19, 1501 (2013)) and more for those of higher ones; beyond it
+# the steepest wells soon refuse everything.
+_ACCEPTANCE = 0.85
+_GAIN = 0.7  # of ln(time step) a proposal, over the root of their number
+_RELAXING = 0.25  # of the equilibration: trajectories that bring the state to its temperature
+# ΔH over the thermal energy of all freedoms from which a step counts as unstable there.
+_UNSTABLE = 0.2
+_SMALLEST_TIME_STEP = _FIRST_TIME_STEP / 64
 _SMALLEST_SHIFT = 1e-3  # c in units of E* a, where nothing touches
 # Of c, for the longest waves: before the others have moved they meet all of c, at a pace of √(1/share).
 _SMALLEST_SHARE = 1 / 16
@@ -41,7 +57,7 @@ class SamplerState:
     displacement : numpy.ndarray, shape (3, ny, nx // 2 + 1)
         Spectrum of the displacement, Σ u exp(−i q·x) (m).
     time_step : float
-        Of the leapfrog scheme, in units of √(mass/stiffness).
+        Of the scheme's two stages together, in units of √(mass/stiffness).
     mass : numpy.ndarray, shape (3, ny, nx // 2 + 1)
         Of every wave along x, y and z (N/m).
     trajectories, accepted, evaluations : int
@@ -123,31 +139,35 @@ class ThermalSampler:
         return np.stack([wave + shift[0], wave + shift[1], wave + np.maximum(in_series, _SMALLEST_SHARE * shift[2])])
 
     def equilibrated(self, state: SamplerState, trajectories: int, generator: np.random.Generator) -> SamplerState:
-        """Let a chain forget its start: every trajectory is accepted, and the time step found.
+        """Let a chain forget its start and find its time step.
 
-        From a minimum every trajectory gains the energy that the leapfrog's own Hamiltonian differs by, and the test
-        would refuse all of them. Where ΔH has come to rest its mean is half its variance.
+        From a minimum every trajectory gains the energy that the scheme's own Hamiltonian differs by, and the test
+        would refuse all of them: the first ones are accepted if only their step is stable. Then the step follows each
+        proposal's probability of acceptance, ever more slowly, and the geometric mean of the later half is kept (for
+        such searches see C. Andrieu, J. Thoms, Stat. Comput. 18, 343 (2008), doi:10.1007/s11222-008-9110-y).
         """
-        errors: list[float] = []
-        for number in range(trajectories):
+        relaxing = math.ceil(_RELAXING * trajectories)
+        unstable = _UNSTABLE * 0.5 * self.thermal_energy * self.force.size
+        for _ in range(relaxing):
             found, error = self._trajectory(state, generator)
-            if not np.isfinite(error):  # ran into the substrate: a finer step from where it began
-                state = replace(state, time_step=0.5 * state.time_step, evaluations=found.evaluations)
-                continue
-            errors.append(error)
-            state = found
-            if number + 1 in (trajectories // 2, trajectories) and len(errors) > 2:
-                half = np.array(errors[len(errors) // 2 :]) / self.thermal_energy
-                # ΔH of a trajectory grows as the square of the step, its stationary mean as the fourth power.
-                factor = (_ENERGY_ERROR / max(0.5 * float(np.var(half)), 1e-12)) ** 0.25
-                state = replace(state, time_step=state.time_step * min(max(factor, 0.3), 2.0))
-                errors.clear()
+            finer = replace(_with_step(state, 0.5 * state.time_step), evaluations=found.evaluations)
+            state = found if error < unstable else finer
+        logarithms: list[float] = []
+        for number in range(1, trajectories - relaxing + 1):
+            found, error = self._trajectory(state, generator)
+            probability = self._acceptance(error)
+            factor = math.exp(_GAIN / math.sqrt(number) * (probability - _ACCEPTANCE))
+            accepted = found if generator.random() < probability else state
+            state = replace(_with_step(accepted, factor * state.time_step), evaluations=found.evaluations)
+            logarithms.append(math.log(state.time_step))
+        if logarithms:
+            state = _with_step(state, math.exp(float(np.mean(logarithms[len(logarithms) // 2 :]))))
         return state
 
     def next(self, state: SamplerState, generator: np.random.Generator) -> SamplerState:
         """The chain one trajectory further; the same place again where it is refused."""
         found, error = self._trajectory(state, generator)
-        accept = generator.random() < np.exp(-max(error, 0.0) / self.thermal_energy)
+        accept = generator.random() < self._acceptance(error)
         return replace(
             found if accept else state,
             trajectories=state.trajectories + 1,
@@ -182,22 +202,24 @@ class ThermalSampler:
         return 0.5 * float(np.sum(weight * (velocity.real**2 + velocity.imag**2))) / self._transform.points
 
     def follow(self, state: SamplerState, velocity: np.ndarray, steps: int) -> tuple[SamplerState, np.ndarray, float]:
-        """Leapfrog steps from a state and velocity: where they lead, the velocity there and the change of V (J).
+        """Steps from a state and velocity: where they lead, the velocity there and the change of V (J).
 
         The change is infinite if an atom came to lie inside the substrate on the way.
         """
         u, v = state.displacement.copy(), velocity.copy()
         over_mass = 1 / state.mass
-        dt = state.time_step
+        dt, stages = state.time_step, 2 * steps
         before = self.potential_energy(state)
-        for step in range(steps):
-            self._kick(v, u, over_mass, 0.5 * dt if step == 0 else dt)
-            u += dt * v
-            if step + 1 < steps and not np.isfinite(self._interaction_energy(u)):
-                return replace(state, evaluations=state.evaluations + step + 2), v, np.inf
-        found = replace(state, displacement=u, evaluations=state.evaluations + steps + 1)
+        for stage in range(stages):
+            # Of a step's middle, or of its end and the next one's beginning together.
+            inner = 1 - 2 * _OUTER_KICK if stage % 2 else 2 * _OUTER_KICK
+            self._kick(v, u, over_mass, dt * (inner if stage else _OUTER_KICK))
+            u += 0.5 * dt * v
+            if stage + 1 < stages and not np.isfinite(self._interaction_energy(u)):
+                return replace(state, evaluations=state.evaluations + stage + 2), v, np.inf
+        found = replace(state, displacement=u, evaluations=state.evaluations + stages + 1)
         after = self.potential_energy(found)
-        self._kick(v, u, over_mass, 0.5 * dt)
+        self._kick(v, u, over_mass, dt * _OUTER_KICK)
         return found, v, after - before
 
     def _trajectory(self, state: SamplerState, generator: np.random.Generator) -> tuple[SamplerState, float]:
@@ -206,6 +228,10 @@ class ThermalSampler:
         steps = max(1, round(_TRAJECTORY / state.time_step * generator.uniform(0.5, 1.5)))
         found, reached, change = self.follow(state, velocity, steps)
         return found, change + self.kinetic_energy(state, reached) - self.kinetic_energy(state, velocity)
+
+    def _acceptance(self, error: float) -> float:
+        """Probability of acceptance of a trajectory whose ΔH this is (J); of one into the substrate none."""
+        return math.exp(-max(error, 0.0) / self.thermal_energy) if math.isfinite(error) else 0.0
 
     def _interaction_energy(self, spectrum: np.ndarray) -> float:
         return self.interaction.evaluate(self._real(spectrum), self.force, None)
@@ -223,6 +249,11 @@ class ThermalSampler:
         if self._fixed_mean:
             force[2, 0, 0] = 0.0
         _accelerate(velocity, displacement, force, self._coefficients, over_mass, dt)
+
+
+def _with_step(state: SamplerState, time_step: float) -> SamplerState:
+    """The state with a step of this length, unless it is too small to arrive anywhere."""
+    return replace(state, time_step=max(time_step, _SMALLEST_TIME_STEP))
 
 
 @njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "arcp", "nsz"})

@@ -140,7 +140,7 @@ def _thermal_state(
             outcome=Outcome.DETACHED if apart else Outcome.CONVERGED,
             iterations=chain.state.trajectories,
             evaluations=chain.state.evaluations,
-            fft_pairs=float(chain.state.evaluations),  # a leapfrog step takes one pair
+            fft_pairs=float(chain.state.evaluations),  # each takes one pair
             elastic_energy=sampler.elastic_energy(chain.state),
             interaction_energy=energy,
         )
