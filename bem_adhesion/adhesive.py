@@ -27,6 +27,7 @@ from bem_adhesion.solution import NewtonResult, Outcome
 from bem_adhesion.tangent import mean_stiffness
 from bem_adhesion.wall_passes import passes_of
 from contact_study.fields.grid import Grid
+from contact_study.fields.inner_product import inner_product
 from contact_study.fields.memory import Memory
 from contact_study.problem.laws.base import TractionLaw
 
@@ -232,7 +233,7 @@ class AdhesiveContact:
     def _along_direction(self, length: float) -> np.ndarray:
         """A step of that largest component along the last search direction, downhill."""
         direction = self._linearised.direction
-        downhill = 1.0 if np.vdot(self._right_side, direction) >= 0 else -1.0
+        downhill = 1.0 if inner_product(self._right_side, direction) >= 0 else -1.0
         return np.float32(downhill * length / np.abs(direction).max()) * direction
 
     def find_negative_curvature(self, curvature: np.ndarray, softening: float = 1.0) -> bool:

@@ -4,6 +4,7 @@ import numpy as np
 
 from bem_adhesion.law_passes import LawPasses
 from bem_adhesion.wrapped_passes import WrappedPasses
+from contact_study.fields.inner_product import inner_product
 
 
 class DraggedPasses(WrappedPasses):
@@ -28,7 +29,7 @@ class DraggedPasses(WrappedPasses):
         potential = super().evaluate(gap, traction, stiffness)
         stretch = gap - self._anchor
         pull = self._drag * stretch
-        potential += 0.5 * float(np.vdot(pull, stretch))
+        potential += 0.5 * inner_product(pull, stretch)
         traction += pull
         return potential
 

@@ -13,6 +13,7 @@ from typing import Protocol, Self
 import numpy as np
 
 from bem_adhesion.operator import Operator
+from contact_study.fields.inner_product import inner_product
 
 
 class Load(Protocol):
@@ -69,7 +70,7 @@ class FieldLoad:
 
     def rest_of_energy(self, pressing: np.ndarray, gap: np.ndarray, here: slice) -> float:
         """See :meth:`Load.rest_of_energy`."""
-        return 0.5 * float(np.vdot(self.field[here], gap[here]))
+        return 0.5 * inner_product(self.field[here], gap[here])
 
 
 @dataclass(frozen=True)
@@ -98,7 +99,7 @@ class HeightLoad:
         """Without pressure, on a solid."""
         load = cls(height, unit, 0.0)
         flattening = load.press(np.zeros(height.shape), solid)
-        return replace(load, energy=-0.5 * unit * float(np.vdot(flattening, height)))
+        return replace(load, energy=-0.5 * unit * inner_product(flattening, height))
 
     def __sub__(self, pressure: float) -> "HeightLoad":
         return replace(self, pressure=self.pressure - pressure)
@@ -111,4 +112,4 @@ class HeightLoad:
 
     def rest_of_energy(self, pressing: np.ndarray, gap: np.ndarray, here: slice) -> float:
         """See :meth:`Load.rest_of_energy`."""
-        return 0.5 * self.unit * float(np.vdot(pressing[here], self.height[here]))
+        return 0.5 * self.unit * inner_product(pressing[here], self.height[here])

@@ -23,6 +23,7 @@ from bem_adhesion.solution import NewtonResult, Outcome, Solution
 from bem_adhesion.wall_passes import passes_of
 from contact_study.fields.arguments import check_step
 from contact_study.fields.grid import Grid
+from contact_study.fields.inner_product import inner_product
 from contact_study.problem.elasticity import Elasticity, elasticity_of
 from contact_study.problem.laws.base import TractionLaw
 
@@ -284,7 +285,7 @@ class LoadedContact:
         pressure, interaction = self._pressure(gap, result.reaction)
         # In equilibrium K w is the interface pressure less its mean: ½<w, K w> without another transform.
         mean = float(pressure.mean())
-        work = sum(float(np.vdot(pressure[here] - mean, displacement[here])) for here in blocks(gap))
+        work = sum(inner_product(pressure[here] - mean, displacement[here]) for here in blocks(gap))
         elastic = 0.5 * work / gap.size + self.elasticity.compression_energy(mean)
         return Solution(
             displacement,

@@ -14,6 +14,7 @@ from bem_adhesion.solution import Outcome, Solution
 from bem_adhesion.tangent import PINNED, mean_stiffness
 from contact_study.fields.arguments import positive
 from contact_study.fields.grid import Grid
+from contact_study.fields.inner_product import inner_product
 from contact_study.problem.elasticity import Elasticity
 
 SIMILAR_LOAD = 16
@@ -143,7 +144,7 @@ class PressedWall:
         indentation: np.ndarray | None = None,
     ) -> Solution:
         displacement = self._height + gap if surface is None else surface
-        work = np.vdot(pressure, displacement) / self.grid.points
+        work = inner_product(pressure, displacement) / self.grid.points
         elastic_energy = 0.5 * float(work - pressure.mean() * displacement.mean())
         elastic_energy += self.elasticity.compression_energy(float(pressure.mean()))
         beyond = None

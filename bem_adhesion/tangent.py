@@ -14,6 +14,7 @@ which is dp. A spring of the control that ties the mean takes up a constant, too
 import numpy as np
 
 from bem_adhesion.linearised import LinearisedContact
+from contact_study.fields.inner_product import inner_product
 
 REDUCTION, ITERATIONS = 1e-4, 400
 # Stiffness of a held point, over the largest of the solid: what it gives way shows in the answer. No step follows from
@@ -56,7 +57,7 @@ def mean_stiffness(linearised: LinearisedContact, curvature: np.ndarray, held: n
             return np.nan
         displacement += np.where(held, 0, largest * linearised.solution.astype(float))
     bent = displacement - displacement.mean()
-    energy = np.vdot(bent, _flexure(linearised, displacement)) + np.vdot(displacement, local * displacement)
+    energy = inner_product(bent, _flexure(linearised, displacement)) + inner_product(displacement, local * displacement)
     return float(energy / displacement.size / displacement.mean() ** 2)
 
 

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from contact_study.fields.inner_product import inner_product
 from md_reference.block import SurfaceStiffness
 from md_reference.interface import AtomwiseInteraction
 from md_reference.landscape import Landscape, Load, Place
@@ -181,7 +182,7 @@ class EquilibriumSolver:
     def _downhill(self, gradient: np.ndarray) -> np.ndarray:
         """A step along the last direction of the linear solver, which has negative curvature."""
         direction = self.landscape.newton.direction
-        sign = -1.0 if np.vdot(gradient, direction) >= 0 else 1.0
+        sign = -1.0 if inner_product(gradient, direction) >= 0 else 1.0
         return sign * _ALONG_SADDLE * self.interaction.length / np.abs(direction).max() * direction
 
     def _advance(self, at: _Descent, gradient: np.ndarray, residual: float, load: Load) -> None:
