@@ -13,3 +13,13 @@ def test_the_sum_of_products(shape):
     assert inner_product(one[::2], other.astype(np.float32)[::2]) == pytest.approx(
         float(np.sum(one[::2] * other.astype(np.float32)[::2])), abs=1e-11
     )
+
+
+def test_its_bits_do_not_depend_on_where_the_fields_lie():
+    one, other = np.random.default_rng(0).standard_normal((2, 1001))
+    found = set()
+    for shift in range(8):
+        moved = np.empty(1001 + shift)[shift:]
+        moved[...] = one
+        found.add(inner_product(moved, other))
+    assert len(found) == 1
