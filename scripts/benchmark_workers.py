@@ -1,0 +1,60 @@
+"""Cases of a study on two workers against one: how much sooner they are done, and what that costs.
+
+Whole commands of the project, interleaved; medians. The first ratio is 2 at best, less what a command does before and
+after its cases; the second is 1 where no process waits for another in a busy loop. Every worker solves with one thread.
+Options of the command follow those of the script.
+
+    python scripts/benchmark_workers.py data/yang2008.toml --surface.seed 1,2,3,4
+    python scripts/benchmark_workers.py data/yang2008_quick.toml --model atoms
+"""
+
+import argparse
+import resource
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Sequence
+from pathlib import Path
+
+COMMANDS = {"continuum": "bem_adhesion.run", "atoms": "md_reference.run", "theory": "theory.run"}
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Print the table."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("study", type=Path, help="a study of several cases")
+    parser.add_argument("--model", choices=tuple(COMMANDS), default="continuum")
+    parser.add_argument("--repeats", type=int, default=3, help="runs of each (default 3)")
+    options, keys = parser.parse_known_args(arguments)
+    command = [sys.executable, "-m", COMMANDS[options.model], str(options.study), *keys]
+    (alone, of_one), (together, of_two) = measured(
+        [*command, "--output.fields", "false", "--solver.threads", "1"], options.repeats
+    )
+    print("| | one worker | time of one over that of two | processor time of two over that of one |")
+    print(f"|---|---|---|---|\n| {options.model} | {alone:.0f} s | {alone / together:.2f} | {of_two / of_one:.2f} |")
+    return 0
+
+
+def measured(command: Sequence[str], repeats: int) -> list[tuple[float, float]]:
+    """Medians of time and processor time (s), of one worker and of two; a first run of each does not count."""
+    found: dict[int, list[tuple[float, float]]] = {1: [], 2: []}
+    with tempfile.TemporaryDirectory() as folder:
+        for _ in range(repeats + 1):
+            for workers, times in found.items():
+                output = ["-o", str(Path(folder) / "out.nc"), "--overwrite", "--workers", str(workers)]
+                before, began = _processor_time(), time.perf_counter()
+                subprocess.run([*command, *output], capture_output=True, check=True)
+                times.append((time.perf_counter() - began, _processor_time() - before))
+    return [(statistics.median(t for t, _ in of[1:]), statistics.median(c for _, c in of[1:])) for of in found.values()]
+
+
+def _processor_time() -> float:
+    """Of all processes that have been waited for (s)."""
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())
