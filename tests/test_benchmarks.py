@@ -12,6 +12,7 @@ from scripts import (
     benchmark_adhesive,
     benchmark_atoms,
     benchmark_storage,
+    benchmark_workers,
 )
 
 
@@ -81,3 +82,23 @@ def test_benchmark_of_the_storage(capsys, monkeypatch):
         milliseconds, share = re.findall(r"([\d.]+) (?:ms|%)", line)
         assert float(milliseconds) > 0
         assert 0 <= float(share) < 100  # of a slow run writing may round to nothing
+
+
+def test_two_workers_against_one(monkeypatch, capsys):
+    """A command of 8 s of work, the first run of each kind slower; two workers share it and spend a second more."""
+    clock, runs = {"wall": 0.0, "processor": 0.0}, []
+
+    def run(command, **_):
+        workers = int(command[command.index("--workers") + 1])
+        clock["wall"] += 8 / workers + (100 if len(runs) < 2 else 0)
+        clock["processor"] += 8 if workers == 1 else 9
+        runs.append(command)
+
+    monkeypatch.setattr(benchmark_workers.subprocess, "run", run)
+    monkeypatch.setattr(benchmark_workers.time, "perf_counter", lambda: clock["wall"])
+    monkeypatch.setattr(benchmark_workers, "_processor_time", lambda: clock["processor"])
+    assert benchmark_workers.main(["study.toml", "--repeats", "2", "--surface.seed", "1,2"]) == 0
+    assert capsys.readouterr().out.splitlines()[-1] == "| continuum | 8 s | 2.00 | 1.12 |"
+    assert len(runs) == 6
+    assert all(command[1:4] == ["-m", "bem_adhesion.run", "study.toml"] for command in runs)
+    assert all("1,2" in command and "--solver.threads" in command for command in runs)
