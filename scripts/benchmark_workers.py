@@ -2,10 +2,10 @@
 
 Whole commands of the project, interleaved; medians. The first ratio is 2 at best, less what a command does before and
 after its cases; the second is 1 where no process waits for another in a busy loop. Every worker solves with one thread.
-Options of the command follow those of the script.
+Options of the command follow the study.
 
     python scripts/benchmark_workers.py data/yang2008.toml --surface.seed 1,2,3,4
-    python scripts/benchmark_workers.py data/yang2008_quick.toml --model atoms
+    python scripts/benchmark_workers.py --model atoms data/yang2008_quick.toml
 """
 
 import argparse
@@ -24,11 +24,12 @@ COMMANDS = {"continuum": "bem_adhesion.run", "atoms": "md_reference.run", "theor
 def main(arguments: Sequence[str] | None = None) -> int:
     """Print the table."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("study", type=Path, help="a study of several cases")
     parser.add_argument("--model", choices=tuple(COMMANDS), default="continuum")
     parser.add_argument("--repeats", type=int, default=3, help="runs of each (default 3)")
-    options, keys = parser.parse_known_args(arguments)
-    command = [sys.executable, "-m", COMMANDS[options.model], str(options.study), *keys]
+    parser.add_argument("study", type=Path, help="a study of several cases")
+    parser.add_argument("keys", nargs=argparse.REMAINDER, metavar="--section.key VALUE", help="options of the command")
+    options = parser.parse_args(arguments)
+    command = [sys.executable, "-m", COMMANDS[options.model], str(options.study), *options.keys]
     (alone, of_one), (together, of_two) = measured(
         [*command, "--output.fields", "false", "--solver.threads", "1"], options.repeats
     )

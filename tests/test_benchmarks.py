@@ -97,7 +97,7 @@ def test_two_workers_against_one(monkeypatch, capsys):
     monkeypatch.setattr(benchmark_workers.subprocess, "run", run)
     monkeypatch.setattr(benchmark_workers.time, "perf_counter", lambda: clock["wall"])
     monkeypatch.setattr(benchmark_workers, "_processor_time", lambda: clock["processor"])
-    assert benchmark_workers.main(["study.toml", "--repeats", "2", "--surface.seed", "1,2"]) == 0
+    assert benchmark_workers.main(["--repeats", "2", "study.toml", "--surface.seed", "1,2"]) == 0
     assert capsys.readouterr().out.splitlines()[-1] == "| continuum | 8 s | 2.00 | 1.12 |"
     assert len(runs) == 6
     assert all(command[1:4] == ["-m", "bem_adhesion.run", "study.toml"] for command in runs)
