@@ -56,7 +56,7 @@ class ContactLevel:
         self._pairs_below = 0.0
         present = np.isfinite(heights)
         self._absent = None if present.all() else ~present  # a periodic surface pays no memory for it
-        self._largest_height = float(np.abs(heights[present]).max())
+        self._largest_height = max(float(heights.max()), -float(heights.min(where=present, initial=0.0)))
 
     @property
     def single(self) -> Operator:

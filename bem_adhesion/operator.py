@@ -166,21 +166,24 @@ class PeriodicOperator:
         self._transform = RealTransform(grid.shape, dtype, threads, scratch, memory)
         self.field = self._transform.field
 
-    def _stiffness_q(self) -> np.ndarray:
-        """K of each wavevector in the layout of ``rfft2`` (Pa/m); made anew, the kernels are what is kept."""
-        stiffness_q = self._elasticity.stiffness_on(self.grid)
-        stiffness_q[0, 0] = self.mean_stiffness
+    def _stiffness_q(self, mean_stiffness: float) -> np.ndarray:
+        """K of each wavevector in the layout of ``rfft2`` (Pa/m); made anew, the kernels are what is kept.
+
+        K is even in both components of the wavevector: of the rows of −qy, which are those of qy, there are none.
+        """
+        stiffness_q = self._elasticity.stiffness_on(self.grid)[: self.grid.shape[0] // 2 + 1]
+        stiffness_q[0, 0] = mean_stiffness
         return stiffness_q
 
     def _kernel(self, kernel_q: np.ndarray) -> np.ndarray:
-        # K is even in both components of the wavevector: the rows of −qy are those of qy.
-        half = kernel_q[: self.grid.shape[0] // 2 + 1]
-        return (half / self.grid.points).astype(self._transform.dtype)
+        kernel_q *= 1 / self.grid.points
+        return kernel_q.astype(self._transform.dtype)
 
     @cached_property
     def _stiffness_and_largest(self) -> tuple[np.ndarray, float]:
-        stiffness_q = self._stiffness_q()
-        return self._kernel(stiffness_q), float(stiffness_q.max())
+        stiffness_q = self._stiffness_q(self.mean_stiffness)
+        largest = float(stiffness_q.max())
+        return self._kernel(stiffness_q), largest
 
     @property
     def stiffness(self) -> np.ndarray:
@@ -195,14 +198,11 @@ class PeriodicOperator:
     @cached_property
     def compliance(self) -> np.ndarray:
         """Kernel of 1/K, zero at q = 0: a mean pressure makes no displacement."""
-        stiffness_q = self._elasticity.stiffness_on(self.grid)
-        compliance_q = np.zeros(self.grid.spectrum_shape)
-        np.divide(1.0, stiffness_q, out=compliance_q, where=stiffness_q > 0)
-        return self._kernel(compliance_q)
+        return self._kernel(1 / self._stiffness_q(np.inf))
 
     def inverse_shifted(self, shift: float) -> np.ndarray:
         """Kernel of 1/(K + shift)."""
-        return self._kernel(1 / (self._stiffness_q() + shift))
+        return self._kernel(1 / (self._stiffness_q(self.mean_stiffness) + shift))
 
     def apply(self, linear_map: np.ndarray) -> np.ndarray:
         """Multiply the spectrum of :attr:`field`, in place, by a kernel; returns it."""

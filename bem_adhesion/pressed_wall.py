@@ -49,14 +49,15 @@ class PressedWall:
         self.grid = grid
         self.hardness = np.inf if hardness is None else positive("hardness", hardness, "Pa")
         self._height = height
-        present = height[np.isfinite(height)]
-        self._bounded = present.size == height.size
+        finite = np.isfinite(height)
+        self._bounded = bool(finite.all())
+        present = height if self._bounded else height[finite]
         self._share = present.size / height.size
         self._mean_height = float(present.mean())
         mean_free = height - self._mean_height
-        rms_height = float(np.sqrt(np.mean((present - self._mean_height) ** 2)))
+        rms_height = float(present.std())
         self._unit = unit or rms_height
-        self._rounding = float(np.finfo(float).eps * np.abs(present).max())
+        self._rounding = float(np.finfo(float).eps * max(present.max(), -present.min()))
         self._flat = rms_height <= self._rounding
         if self._flat and not self._bounded:
             raise ValueError("height: a flat punch with free boundaries has no height to measure errors by")

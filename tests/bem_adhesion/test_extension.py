@@ -41,6 +41,17 @@ def test_values_in_contact_are_kept_and_holes_filled_within_their_range(shape):
     assert extended.max() <= field.max() * (1 + 1e-6)  # averages, to single precision
 
 
+@pytest.mark.parametrize("shape", SHAPES)
+def test_axes_are_alike(shape):
+    contact, extension, field, _ = random_case(shape)
+    extension.extend(field, extended := np.empty(shape, np.float32))
+    turned = Extension(np.ascontiguousarray(contact.T))
+    turned.update()
+    turned.extend(np.ascontiguousarray(field.T), other := np.empty(shape[::-1], np.float32))
+    # Sums in another order, in single precision, of fields of order one.
+    np.testing.assert_allclose(other.T, extended, rtol=0, atol=3e-6)
+
+
 def test_hole_in_a_uniform_field_is_filled():
     contact = np.ones((32, 32), bool)
     contact[8, 21] = False

@@ -74,7 +74,12 @@ class Elasticity(ABC):
     def stiffness_on(self, grid: Grid) -> np.ndarray:
         """K of each wavevector of a grid, zero at q = 0, in the layout of ``rfft2`` (Pa/m)."""
         stiffness_q = np.zeros(grid.spectrum_shape)
-        stiffness_q.reshape(-1)[1:] = self.stiffness(grid.wavenumber.reshape(-1)[1:])
+        # The rows of −qy are those of qy.
+        half = grid.shape[0] // 2 + 1
+        q_y, q_x = grid.wavevectors
+        wavenumber = np.sqrt(q_y[:half] ** 2 + q_x**2)
+        stiffness_q[:half].reshape(-1)[1:] = self.stiffness(wavenumber.reshape(-1)[1:])
+        stiffness_q[half:] = stiffness_q[grid.shape[0] - half : 0 : -1]
         return stiffness_q
 
     def softest_modulus(self, longest: float, shortest: float) -> float:
