@@ -1,7 +1,7 @@
-"""Work and time of the hard-wall solver over grids, pressures and kinds of surface.
+"""Work and time of the hard-wall solver over grids, pressures and kinds of surface, as a Markdown table.
 
-Prints one line a solve and writes all to a NetCDF file: transform pairs (as float64 pairs on the finest grid, a
-count that does not depend on the machine) and the share of time in transforms. Other codes are in benchmark_peers.py.
+Transform pairs (as float64 pairs on the finest grid, a count that does not depend on the machine) and where the time
+goes. Other codes are in benchmark_peers.py.
 
     python scripts/benchmark_hard_wall.py --points 256 512 1024 -o results/benchmark_hard_wall.nc
 """
@@ -9,13 +9,16 @@ count that does not depend on the machine) and the share of time in transforms. 
 import argparse
 import sys
 import time
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
+from unittest import mock
 
 import numpy as np
 import xarray as xr
 
+from bem_adhesion import contact_passes, operator
+from bem_adhesion.extension import Extension
 from bem_adhesion.hard_wall import HardWallContact
 from bem_adhesion.solution import Solution
 from contact_study.fields import fourier
@@ -57,28 +60,37 @@ def ours(height: np.ndarray, grid: Grid, mean_pressure: float) -> Solution:
     return contact.step(contact.separated(), mean_pressure)
 
 
-@contextmanager
-def timed_transforms() -> Iterator[list[float]]:
-    """Collect the durations of all transforms done inside (s)."""
-    durations: list[float] = []
-    originals = {name: getattr(RealTransform, name) for name in ("forward", "backward")}
+# What the time goes into, by who does it.
+PARTS: Mapping[str, Sequence[tuple[object, str]]] = {
+    "transforms": [(RealTransform, name) for name in ("forward", "backward")],
+    "kernels": [(operator, name) for name in ("_multiply_spectrum", "_multiply_and_sum")],
+    "extension": [(Extension, name) for name in ("update", "extend", "transpose")],
+    "contact_set": [
+        (contact_passes, name)
+        for name in ("offset", "enter", "residual", "products", "turn", "advance", "leave", "rescale", "refine")
+    ],
+}
 
-    def timed(method):
-        def call(self):
+
+@contextmanager
+def timed_parts() -> Iterator[dict[str, float]]:
+    """Add up the durations of all parts of a solve done inside (s)."""
+    total = dict.fromkeys(PARTS, 0.0)
+
+    def timed(part: str, call: Callable) -> Callable:
+        def timed_call(*arguments, **options):
             began = time.perf_counter()
-            result = method(self)
-            durations.append(time.perf_counter() - began)
+            result = call(*arguments, **options)
+            total[part] += time.perf_counter() - began
             return result
 
-        return call
+        return timed_call
 
-    for name, method in originals.items():
-        setattr(RealTransform, name, timed(method))
-    try:
-        yield durations
-    finally:
-        for name, method in originals.items():
-            setattr(RealTransform, name, method)
+    with ExitStack() as stack:
+        for part, members in PARTS.items():
+            for owner, name in members:
+                stack.enter_context(mock.patch.object(owner, name, timed(part, getattr(owner, name))))
+        yield total
 
 
 def measure(height: np.ndarray, grid: Grid, relative_pressure: float, repeat: int) -> dict[str, float]:
@@ -91,11 +103,12 @@ def measure(height: np.ndarray, grid: Grid, relative_pressure: float, repeat: in
     ours(height, grid, mean_pressure)  # compile and plan
     seconds, shares = [], []
     for _ in range(repeat):
-        with timed_transforms() as durations:
+        with timed_parts() as durations:
             began = time.perf_counter()
             found = ours(height, grid, mean_pressure)
             seconds.append(time.perf_counter() - began)
-        shares.append(sum(durations) / seconds[-1])
+        shares.append([duration / seconds[-1] for duration in durations.values()])
+    medians = dict(zip(PARTS, np.median(shares, axis=0).tolist(), strict=True))
     return {
         "mean_pressure": mean_pressure,
         "relative_contact_area": float(np.mean(found.pressure > 0)),
@@ -103,7 +116,7 @@ def measure(height: np.ndarray, grid: Grid, relative_pressure: float, repeat: in
         "iterations": found.iterations,
         "fft_pairs": found.fft_pairs,
         "wall_time": float(np.median(seconds)),
-        "transform_share": float(np.median(shares)),
+        **{f"share_of_{part}": share for part, share in medians.items()},
     }
 
 
@@ -124,12 +137,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
     )
     parser.add_argument("--seed", type=int, default=1, help="surface")
     parser.add_argument("--repeat", type=int, default=3, help="runs of each solve; medians are shown")
-    parser.add_argument("-o", "--output", type=Path, default=Path("results/benchmark_hard_wall.nc"))
+    parser.add_argument("-o", "--output", type=Path, help="NetCDF file to write as well")
     options = parser.parse_args(arguments)
 
     kinds = ["smooth", "broadband"]  # cutoff at 12 waves a side, and at eight points a wave
     table: dict[str, list] = {}
-    print("   surface points  p/p_rms     area  pairs   time s   FFT")
+    parts = " | ".join(part.replace("_", " ") for part in PARTS)
+    print(f"| surface | points | p/p_rms | A/A₀ | pairs | s | {parts} | the rest |")
+    print("|---" * (7 + len(PARTS)) + "|")
     for kind in kinds:
         for points in options.points:
             height, grid = surface(points, 12 if kind == "smooth" else points // 8, options.seed)
@@ -138,9 +153,16 @@ def main(arguments: Sequence[str] | None = None) -> int:
                 for name, value in row.items():
                     table.setdefault(name, []).append(value)
                 area, pairs, seconds = row["relative_contact_area"], row["fft_pairs"], row["wall_time"]
-                share = row["transform_share"]
-                line = f"{kind:>10} {points:6d} {pressure:8.3g} {area:8.5f} {pairs:6.1f} {seconds:8.4f}"
-                print(f"{line} {share:5.2f}", flush=True)
+                shares = [row[f"share_of_{part}"] for part in PARTS]
+                cells = " | ".join(f"{share:.2f}" for share in [*shares, 1 - sum(shares)])
+                line = f"{kind} | {points}² | {pressure:g} | {area:.5f} | {pairs:.0f} | {seconds:.3g}"
+                print(f"| {line} | {cells} |", flush=True)
+    if options.output is not None:
+        _write(table, kinds, options)
+    return 0
+
+
+def _write(table: dict[str, list], kinds: Sequence[str], options: argparse.Namespace) -> None:
     shape = (len(kinds), len(options.points), len(options.pressures))
     dimensions = ("surface", "points", "relative_pressure")
     dataset = xr.Dataset(
@@ -153,8 +175,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
     )
     options.output.parent.mkdir(parents=True, exist_ok=True)
     dataset.to_netcdf(options.output)
-    print(options.output)
-    return 0
 
 
 if __name__ == "__main__":
