@@ -94,7 +94,7 @@ def conduct(
     if predictor is not None:
         said += check_predictor(predictor, study, run.height_maps)
     parts = Parts(output)
-    finished = finished_at(output, resume=how.resume, overwrite=how.overwrite)
+    finished = finished_at(parts, resume=how.resume, overwrite=how.overwrite)
     if finished is not None and finished.is_of(run):
         return _already_done(run, parts, finished, progress)
     engines.check(how.engine, how.scheduler)

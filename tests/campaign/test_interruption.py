@@ -92,9 +92,8 @@ def test_interrupt_while_workers_start(study, tmp_path):
 
 
 @pytest.fixture
-def interrupted(study, tmp_path, monkeypatch):
-    """An output whose run was interrupted after three steps, in the only case, which warns at its first."""
-    output = tmp_path / "bem.nc"
+def stopped(monkeypatch):
+    """Run a study of one case that is interrupted after three steps."""
     save = steps.save_step
 
     def stop_after_three(folder, number, step):
@@ -102,17 +101,47 @@ def interrupted(study, tmp_path, monkeypatch):
         if number == 2:
             raise KeyboardInterrupt
 
+    def stopped_run(*arguments):
+        with monkeypatch.context() as patch:
+            patch.setattr(steps, "save_step", stop_after_three)
+            assert run(*arguments) == 130
+
+    return stopped_run
+
+
+@pytest.fixture
+def interrupted(study, tmp_path, stopped):
+    """An output whose run was interrupted after three steps, in the only case, which warns at its first."""
+    output = tmp_path / "bem.nc"
     study.write_text(study.read_text().replace("[1, 4]", "[2]").replace("[1, 2]", "[1]"))
     study.write_text(study.read_text().replace('when = { "interaction.well_depth_ratio" = 4 }', OVERRIDE_ALL))
     assert run(study, "-o", tmp_path / "whole.nc") == 0
-    with monkeypatch.context() as patch:
-        patch.setattr(steps, "save_step", stop_after_three)
-        assert run(study, "-o", output) == 130
+    stopped(study, "-o", output)
     assert not output.exists()
     return output
 
 
 OVERRIDE_ALL = 'when = { "interaction.well_depth_ratio" = 2 }'
+
+
+@pytest.mark.parametrize("there", ["the same study", "another study", "no dataset"])
+def test_steps_that_replace_what_stands_there_go_on(study, interrupted, tmp_path, capsys, stopped, there):
+    """Interrupted under --overwrite: the steps are continued, and the old file stands until they are complete."""
+    output = tmp_path / "there.nc"
+    if there == "no dataset":
+        output.write_text("notes")
+    else:
+        keys = ["--surface.seed", 5] if there == "another study" else []
+        assert run(study, "-o", output, *keys) == 0
+    before = output.read_bytes()
+    stopped(study, "-o", output, "--overwrite")
+    stopped(study, "-o", output, "--overwrite")  # a second time from the start
+    assert output.read_bytes() == before
+    capsys.readouterr()
+    assert run(study, "-o", output, "--resume") == 0
+    assert "3 of 4 steps were finished before" in capsys.readouterr().err
+    assert_same(tmp_path / "whole.nc", output)
+    assert not (tmp_path / "there.nc.parts").exists()
 
 
 def test_warnings_of_finished_steps_survive_a_resume(study, interrupted, capsys):

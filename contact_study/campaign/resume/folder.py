@@ -18,6 +18,8 @@ from contact_study.campaign.files import load_json, save_json
 from contact_study.campaign.steps import drop_damaged
 from contact_study.problem.errors import InputError
 
+_REPLACES = "replaces"
+
 
 class Parts:
     """The folder of a running campaign.
@@ -79,10 +81,18 @@ class Parts:
             return False
         return all(there.get(name) == value for name, value in attributes.items())
 
-    def claim(self, attributes: Mapping[str, Any]) -> None:
-        """Write what the steps belong to."""
+    def replaces(self) -> str | None:
+        """What the steps are to replace, as :meth:`claim` was told; None for nothing."""
+        try:
+            there = load_json(self._manifest)
+            return None if there[_REPLACES] is None else str(there[_REPLACES])
+        except (OSError, ValueError, TypeError, KeyError):
+            return None
+
+    def claim(self, attributes: Mapping[str, Any], replaces: str | None = None) -> None:
+        """Write what the steps belong to, and the history of the dataset at the output that they are to replace."""
         self.folder.mkdir(parents=True, exist_ok=True)
-        save_json(self._manifest, dict(attributes))
+        save_json(self._manifest, {**attributes, _REPLACES: replaces})
 
     def close(self) -> None:
         """Let other runs write."""

@@ -49,15 +49,18 @@ class Finished:
         return all(self.attributes.get(name) == value for name, value in run.attributes.items())
 
 
-def finished_at(output: Path, *, resume: bool, overwrite: bool) -> Finished | None:
-    """The dataset at the output, if it is there to be gone on from.
+def finished_at(parts: Parts, *, resume: bool, overwrite: bool) -> Finished | None:
+    """The dataset at the output, if it is there to be gone on from, and not to be replaced by the steps in the parts.
 
     Raises
     ------
     InputError
         If there is a file that is not to be touched.
     """
+    output = parts.output
     if not output.exists() or overwrite:
+        return None
+    if resume and parts.replaces() == history_of(output):
         return None
     if not resume:
         raise InputError(f"{output} exists; use --overwrite to replace it or --resume to continue its run")
@@ -66,6 +69,15 @@ def finished_at(output: Path, *, resume: bool, overwrite: bool) -> Finished | No
             return Finished(output, dict(dataset.attrs))
     except (OSError, ValueError):
         raise InputError(f"{output} exists and is no readable dataset; use --overwrite or another output") from None
+
+
+def history_of(output: Path) -> str:
+    """What was asked for the dataset at an output, and when; empty of what is no dataset."""
+    try:
+        with xr.open_dataset(output) as dataset:
+            return str(dataset.attrs.get("history", ""))
+    except (OSError, ValueError):
+        return ""
 
 
 def take_up(
@@ -122,7 +134,8 @@ def take_up(
             store.drop_steps(target, min(found.steps, usable))
             if found.anew and not store.step_numbers(target):
                 notes.append(_anew(run, number, found.anew))
-    parts.claim({**run.attributes, "git_commit": git_commit})
+    replaced = history_of(parts.output) if finished is None and parts.output.exists() else None
+    parts.claim({**run.attributes, "git_commit": git_commit}, replaced)
     damaged = parts.drop_damaged()
     if damaged:
         notes.append(f"{damaged} damaged files of the earlier run are dropped and computed again")
