@@ -39,8 +39,9 @@ lint: env
 	$(BIN)/lint-imports
 
 benchmark: env
-	$(BIN)/python scripts/benchmark_hard_wall.py
-	$(BIN)/python scripts/benchmark_adhesive.py
+	$(BIN)/python scripts/benchmark_hard_wall.py --points 256 1024 --pressures 0.15 0.5
+	$(BIN)/python scripts/benchmark_adhesive.py data/yang2008.toml --points 256 400 512 1024 --surfaces 3 2 2 3
+	$(BIN)/python scripts/benchmark_grids.py
 	$(BIN)/python scripts/benchmark_atoms.py
 	$(BIN)/python scripts/benchmark_storage.py data/yang2008.toml
 	$(BIN)/python scripts/benchmark_threads.py

@@ -1,4 +1,4 @@
-"""The edge of contact: its length, and the area freed of what whole points add along it.
+"""The edge of contact: its length, and the areas freed of what whole points add along theirs.
 
 A point counts whole, and the points along the edge whose surroundings are touched in part only make the sum of them too
 large by a share of the edge's length times the spacing, at any resolution. V. A. Yastrebov, G. Anciaux & J.-F.
@@ -29,14 +29,20 @@ def edge_sides(contact: np.ndarray, periodic: bool = True) -> tuple[int, int]:
     return along_x, along_y
 
 
+def _corrected(area: np.ndarray, periodic: bool) -> float:
+    """Share of the points that are of an area, freed of what whole points add."""
+    return max(float(np.mean(area)) - OVERCOUNT * sum(edge_sides(area, periodic)) / area.size, 0.0)
+
+
 def _read(state: InterfaceState, _: Bins) -> dict[str, Value]:
-    along_x, along_y = edge_sides(state.contact, state.periodic)
-    points = state.contact.size
-    area = float(np.mean(state.contact)) - OVERCOUNT * (along_x + along_y) / points
-    values: dict[str, Value] = {"corrected_contact_area": max(area, 0.0)}
+    values: dict[str, Value] = {
+        "corrected_contact_area": _corrected(state.contact, state.periodic),
+        "corrected_repulsive_area": _corrected(state.pressure > 0, state.periodic),
+    }
     if state.spacing is not None:
+        along_x, along_y = edge_sides(state.contact, state.periodic)
         dy, dx = state.spacing
-        values["contact_perimeter"] = np.pi / 4 * (along_x * dx + along_y * dy) / (points * dy * dx)
+        values["contact_perimeter"] = np.pi / 4 * (along_x * dx + along_y * dy) / (state.contact.size * dy * dx)
     return values
 
 
@@ -44,6 +50,9 @@ CONTACT_EDGE = Observable(
     {
         "corrected_contact_area": Variable(
             "1", "contact area over nominal area, without what whole points add along its edge"
+        ),
+        "corrected_repulsive_area": Variable(
+            "1", "area under positive pressure over nominal area, without what whole points add along its edge"
         ),
         "contact_perimeter": Variable(
             "m-1", "length of the contact's edge over nominal area, of an edge without preferred direction"

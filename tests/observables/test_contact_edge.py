@@ -44,6 +44,14 @@ def test_perimeter_and_area_of_cells_of_any_proportions():
     assert found["corrected_contact_area"] == pytest.approx((6 - OVERCOUNT * 10) / 35)
 
 
+def test_the_pressed_area_has_an_edge_of_its_own():
+    contact = contact_map(".###. .###. .....")
+    pressure = np.where(contact_map(".#... ..... ....."), 1e9, -1e6)
+    found = CONTACT_EDGE.read(state(contact=contact, pressure=pressure), BINS)
+    assert found["corrected_contact_area"] == pytest.approx((6 - OVERCOUNT * 10) / 15)
+    assert found["corrected_repulsive_area"] == pytest.approx((1 - OVERCOUNT * 4) / 15)
+
+
 def test_the_perimeter_of_discs_is_that_of_circles():
     """Mean over places of the centre; π/4 of the sides is exact for every direction's mean."""
     rng, axis = np.random.default_rng(0), (np.arange(64) + 0.5) / 64

@@ -67,6 +67,7 @@ def test_observables_of_a_state_made_by_hand():
         # On a torus of 2 × 3 cells two sides along x and four along y part contact from none.
         "contact_perimeter": pytest.approx(np.pi / 4 * (2 * 1e-10 + 4 * 2e-10) / (6 * 2e-20), rel=1e-12),
         "corrected_contact_area": pytest.approx(3 / 6 - OVERCOUNT * (2 + 4) / 6),
+        "corrected_repulsive_area": pytest.approx(3 / 6 - OVERCOUNT * (2 + 4) / 6),  # the same points
         "contact_stiffness": 3e18,
         "dissipated_energy": 0.02,
         "dissipated_energy_resolution_error": 0.003,
