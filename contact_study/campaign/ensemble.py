@@ -15,7 +15,7 @@ from contact_study.campaign.schema import (
     VARIABLES,
 )
 from contact_study.fields.distributions import Bins
-from contact_study.fields.time_series import statistics_of
+from contact_study.fields.time_series import LEAST_STATES, statistics_of
 from contact_study.observables import AVERAGED, observed
 from contact_study.observables.base import InterfaceState
 
@@ -100,7 +100,7 @@ class Averages:
         Warns
         -----
         UserWarning
-            If the series is too short for its memory.
+            If the series is too short for its memory, or one thermal state counts.
         """
         last = self._last
         assert last is not None
@@ -121,7 +121,7 @@ class Averages:
             found = statistics_of(column)
             # Of a count or a flag the value that is nearest to the mean.
             values[name] = found.mean if VARIABLES[name].kind == "float" else np.rint(found.mean)
-            if counted == 1:  # where a motion without noise has ended
+            if counted == 1:  # where a motion without noise has ended, or no error is told
                 continue
             values[name + STANDARD_ERROR] = found.standard_error
             if column.ndim > 1:
@@ -129,6 +129,8 @@ class Averages:
             values[name + memory] = found.autocorrelation_time * interval if found.resolved else np.nan
             if not found.resolved and np.isfinite(column).all():
                 untold[name] = float(found.autocorrelation_time)
+        if counted == 1 and self._discarded is not None:
+            warnings.warn(_single(memory), stacklevel=2)
         if untold:
             warnings.warn(_too_short(counted, interval, memory, untold), stacklevel=2)
         fields = {name: total / counted for name, total in self._sums.items()}
@@ -142,18 +144,29 @@ def _clock_of(series: Mapping[str, np.ndarray], counted: int) -> tuple[str, floa
     return AUTOCORRELATION_TIME, float(np.mean(np.diff(series[_TIME][-counted:]))) if counted > 1 else 0.0
 
 
+def _single(memory: str) -> str:
+    """That a point has no error."""
+    more = "dynamics.frames" if memory == AUTOCORRELATION_TIME else "sampling.trajectories"
+    return f"one thermal state of a point counts: there is no mean and no standard error; raise {more}"
+
+
 def _too_short(counted: int, interval: float, memory: str, untold: Mapping[str, float]) -> str:
     """That a point's states do not tell how long some of its numbers are remembered for, and how long at least."""
     moving = memory == AUTOCORRELATION_TIME
+    span = f", {1e12 * counted * interval:.3g} ps," if moving else ""
+    if counted < LEAST_STATES:
+        return (
+            f"the {counted} thermal states of a point{span} are too few to tell an autocorrelation time, which takes "
+            f"{LEAST_STATES}: their standard errors are guesses; raise "
+            + ("dynamics.frames, of a short motion dynamics.duration, too" if moving else "sampling.trajectories")
+        )
     name = max(untold, key=lambda name: untold[name])
-    span, least = "", f"{untold[name]:.2g} states"
-    if moving:
-        span, least = f", {1e12 * counted * interval:.3g} ps,", f"{1e12 * untold[name] * interval:.2g} ps"
+    least = f"{1e12 * untold[name] * interval:.2g} ps" if moving else f"{untold[name]:.2g} states"
     more = f" and {len(untold) - 1} more" if len(untold) > 1 else ""
     longer = "dynamics.duration" if moving else "sampling.trajectories"
     return (
         f"the {counted} thermal states of a point{span} are too few to tell the autocorrelation time "
-        f"of {name}{more}, {least} at least: their standard errors need a series of ten such times; raise {longer}"
+        f"of {name}{more}, {least} at least: their standard errors need a series of twenty such times; raise {longer}"
     )
 
 

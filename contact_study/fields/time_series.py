@@ -3,7 +3,8 @@
 The error of a mean over n values that remember for τ is that of n/(2τ) independent ones. τ is the integrated
 autocorrelation time, ½ + Σ ρ(t), summed up to a window of five times itself, where what is left is below e⁻⁵ of the sum
 for an exponential memory and noise would only add (A. D. Sokal, in "Functional Integration: Basics and Applications",
-1997).
+1997). The standard error of τ is √(2(2W + 1)/n) τ, W the window (ibid.): without memory, W = 3, half of τ at n = 56. No
+series tells a memory much longer than itself.
 """
 
 from dataclasses import dataclass
@@ -11,6 +12,9 @@ from dataclasses import dataclass
 import numpy as np
 
 _WINDOW = 5.0
+
+# Values below which no τ is believed: even of the shortest window, three, its standard error is more than half of it.
+LEAST_STATES = 50
 
 
 @dataclass(frozen=True)
@@ -24,8 +28,9 @@ class SeriesStatistics:
     autocorrelation_time : numpy.ndarray, shape (...)
         τ in steps of the series; ½ where the values are independent, or all equal.
     resolved : numpy.ndarray of bool, shape (...)
-        Whether the window that τ was summed over is less than half of the series, which is then longer than ten τ; a
-        shorter one shows no τ, and its error is not known.
+        Whether there are ``LEAST_STATES`` values, and τ is larger than its own standard error, which takes a series of
+        twenty τ; a shorter one shows no τ, and its error is a guess. Values that are all equal have no error, and need
+        be two.
     """
 
     mean: np.ndarray
@@ -52,7 +57,8 @@ def autocovariance(series: np.ndarray) -> np.ndarray:
 def statistics_of(series: np.ndarray) -> SeriesStatistics:
     """Mean, its standard error and the memory of every column of a series.
 
-    A column with a value that is not finite has the mean that NumPy says, and nothing is known of its error: NaN.
+    A column with a value that is not finite has the mean that NumPy says, and nothing is known of its error: NaN. So it
+    is of one value.
 
     Parameters
     ----------
@@ -63,6 +69,7 @@ def statistics_of(series: np.ndarray) -> SeriesStatistics:
     count = series.shape[0]
     columns = series.reshape(count, -1)
     finite = np.isfinite(columns).all(axis=0)
+    several = count > 1
     with np.errstate(invalid="ignore"):  # ∞ − ∞
         mean = np.mean(columns, axis=0)
     columns = np.where(finite, columns, 0.0)
@@ -77,12 +84,14 @@ def statistics_of(series: np.ndarray) -> SeriesStatistics:
     time = np.take_along_axis(summed, last[None], axis=0)[0]
     time = np.maximum(time, 0.5)
     error = np.sqrt(covariance[0] * 2 * time / count)
-    resolved = finite & (~varies | (2 * last < count))
+    # 2(2W + 1)/n < 1
+    told = (count >= LEAST_STATES) & (2 * (2 * last + 1) < count)
+    resolved = finite & several & (~varies | told)
     time = np.where(varies, time, 0.5)
     shape = series.shape[1:]
     return SeriesStatistics(
         mean.reshape(shape),
-        np.where(finite, np.where(varies, error, 0.0), np.nan).reshape(shape),
+        np.where(finite & several, np.where(varies, error, 0.0), np.nan).reshape(shape),
         np.where(finite, time, np.nan).reshape(shape),
         resolved.reshape(shape),
     )

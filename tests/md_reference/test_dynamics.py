@@ -127,6 +127,16 @@ def test_a_warm_block_that_has_not_come_down_did_not_converge():
     assert str(dataset.message.values[0]).startswith("the block still falls at ")
 
 
+@pytest.mark.filterwarnings("ignore:.* did not converge")
+def test_a_single_state_that_counts_is_warned_of():
+    """Half of two frames. Without a thermostat one is the answer, and nothing is said."""
+    two = {"duration": "1 ps", "frames": 2}
+    with pytest.warns(UserWarning, match="one thermal state of a point counts: .*; raise dynamics.frames"):
+        dataset = contact_study.run(moving(atomistic={"temperature": 300.0}, dynamics=two), "atomistic")
+    assert "mean_gap" + STANDARD_ERROR not in dataset
+    contact_study.run(moving(dynamics=two), "atomistic")
+
+
 @pytest.mark.validation
 def test_warm_blocks_explicit_and_condensed_agree():
     """Langevin dynamics of all nodes against Monte Carlo of the condensed layer, at 300 K within their errors."""
@@ -170,11 +180,9 @@ def test_run_stopped_within_a_point_goes_on_to_the_same_bits(loading, tmp_path, 
         output={"fields": False},
     )
     # Half of 1 ps at 300 K: no wave of the block has come round. Driven to a gap the state at the end is the point's.
-    words = (
-        r"the 10 thermal states of a point, 0\.\d+ ps, are too few to tell the autocorrelation time of .*: .*; raise "
-    )
+    words = r"the 10 thermal states of a point, 0\.\d+ ps, are too few to tell an autocorrelation time, .*: .*; raise "
     driven = loading.get("control") == "gap"
-    with nullcontext() if driven else pytest.warns(UserWarning, match=f"{words}dynamics.duration"):
+    with nullcontext() if driven else pytest.warns(UserWarning, match=f"{words}dynamics.frames"):
         contact_study.run(study, "atomistic", output=tmp_path / "whole.nc")
     stop_at, taken = stopper(monkeypatch, NewtonianBlock, "move")
     monkeypatch.setattr(case_run, "_SECONDS_BETWEEN_CHECKPOINTS", 0.0)
