@@ -108,9 +108,10 @@ def check(case: Case) -> None:
 def _check_temperature(case: Case) -> None:
     given = case.atomistic
     if given.method in ("quasi_static", "overdamped") and given.temperature > 0:
+        what = "finds equilibria at zero temperature" if given.method == "quasi_static" else "is a motion without noise"
         raise InputError(
-            f'atomistic.temperature = {given.temperature:g} K: atomistic.method = "{given.method}" finds equilibria at '
-            'zero temperature; use "sampling"'
+            f'atomistic.temperature = {given.temperature:g} K: atomistic.method = "{given.method}" {what}; "sampling" '
+            'and "dynamics" take a temperature'
         )
     if given.method == "sampling" and given.temperature == 0:
         raise InputError(

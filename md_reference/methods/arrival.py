@@ -146,20 +146,37 @@ def _still_cold(warmth: Warmth) -> str:
 def load_missing(descent: Descent, modulus: float) -> tuple[float, str]:
     """The load that the interface of a warm block does not carry on average over E*, and what to do about it.
 
-    In equilibrium the mean force of the interface is the load at any temperature and any time step.
+    A block that nothing carries has yet to come down.
     """
-    found = statistics_of(descent.carried)
-    mean, error = float(found.mean), float(found.standard_error)
-    missing = abs(mean - descent.load)
-    allowed = max(_BY_CHANCE * error, _NEGLIGIBLE * abs(descent.load))
-    if not found.resolved:
-        allowed = min(allowed, _LARGE * abs(descent.load))
-    if descent.reached and missing <= allowed:
+    missing, words = mean_load_missing(descent.carried, descent.load)
+    if descent.reached and not words:
         return missing / modulus, ""
-    return missing / modulus, _on_its_way(descent) or (
-        f"the interface carried {mean:.4g} ± {error:.2g} Pa on average, not the {descent.load:.4g} Pa applied: "
-        "raise dynamics.duration"
-    )
+    return missing / modulus, _on_its_way(descent) or f"{words}: raise dynamics.duration"
+
+
+def mean_load_missing(carried: np.ndarray, load: float) -> tuple[float, str]:
+    """What a series of mean pressures lacks of the load on average (Pa), and words on it if that is not by chance.
+
+    In equilibrium the mean force of the interface is the load at any temperature and any time step.
+
+    Parameters
+    ----------
+    carried : numpy.ndarray, shape (n,)
+        Mean pressure of the interface in the states that count (Pa).
+    load : float
+        The applied one (Pa).
+    """
+    found = statistics_of(carried)
+    mean, error = float(found.mean), float(found.standard_error)
+    missing = abs(mean - load)
+    by_chance = _BY_CHANCE * error if math.isfinite(error) else 0.0  # of one state
+    allowed = max(by_chance, _NEGLIGIBLE * abs(load))
+    if not found.resolved:
+        allowed = min(allowed, _LARGE * abs(load))
+    if missing <= allowed:
+        return missing, ""
+    told = f" ± {error:.2g}" if math.isfinite(error) else ""
+    return missing, f"the interface carried {mean:.4g}{told} Pa on average, not the {load:.4g} Pa applied"
 
 
 def _on_its_way(descent: Descent) -> str:

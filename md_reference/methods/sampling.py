@@ -7,9 +7,11 @@ import numpy as np
 
 from contact_study.observables.base import Ensemble, InterfaceState
 from contact_study.problem.case import Case
+from contact_study.problem.errors import InputError
 from contact_study.problem.surface import Surface
 from md_reference.contact import AtomisticContact
 from md_reference.methods import quasi_static
+from md_reference.methods.arrival import mean_load_missing
 from md_reference.methods.base import Predictor
 from md_reference.random_state import generator_of, packed
 from md_reference.solution import Equilibrium, Outcome
@@ -83,15 +85,15 @@ class _Chain:
         State at zero temperature, which the next point starts from (m).
     converged : bool
         Whether that is an equilibrium.
-    pressure_sum : float
-        Of the mean pressures so far (Pa).
+    pressures : list of float
+        Mean pressures of the interface so far (Pa).
     """
 
     state: SamplerState
     generator: np.random.Generator
     equilibrium: np.ndarray
     converged: bool
-    pressure_sum: float = 0.0
+    pressures: list[float] = dataclasses.field(default_factory=list)
 
     @property
     def packed(self) -> dict[str, np.ndarray]:
@@ -102,17 +104,31 @@ class _Chain:
             "spectrum": state.displacement.view(np.float64),
             "generator": packed(self.generator),
             "mass": state.mass,
-            "sampler": np.array([state.time_step, self.pressure_sum]),
+            "sampler": np.array([state.time_step]),
+            "pressures": np.array(self.pressures),
             "counts": np.array([state.trajectories, state.accepted, state.evaluations, int(self.converged)]),
         }
 
     @classmethod
     def unpacked(cls, arrays: Mapping[str, np.ndarray]) -> "_Chain":
-        time_step, pressure_sum = map(float, arrays["sampler"])
+        """What :attr:`packed` was made of.
+
+        Raises
+        ------
+        InputError
+            If a version of this program packed it that kept no pressures.
+        """
+        if "pressures" not in arrays:
+            raise InputError(
+                "what the interrupted run has kept is of another version of this program; drop it with --overwrite"
+            )
+        time_step = float(arrays["sampler"][0])
         trajectories, accepted, evaluations, converged = map(int, arrays["counts"])
         spectrum = np.ascontiguousarray(arrays["spectrum"]).view(np.complex128)
         state = SamplerState(spectrum, time_step, arrays["mass"], trajectories, accepted, evaluations)
-        return cls(state, generator_of(arrays["generator"]), arrays["state"], bool(converged), pressure_sum)
+        return cls(
+            state, generator_of(arrays["generator"]), arrays["state"], bool(converged), arrays["pressures"].tolist()
+        )
 
 
 def _states(
@@ -145,22 +161,28 @@ def _thermal_state(
             interaction_energy=energy,
         )
     )
-    chain.pressure_sum += float(np.mean(found.pressure))
+    chain.pressures.append(float(np.mean(found.pressure)))
     count, rate = chain.state.trajectories, chain.state.accepted / chain.state.trajectories
-    # In equilibrium the mean force of the interface carries the load at any temperature.
-    error = abs(chain.pressure_sum / count - target) / case.material.contact_modulus
+    loaded, over = contact.control == "pressure", apart or count == case.sampling.trajectories
     state = interface_state(case, found)
+    residual, missing = np.nan, ""
+    if apart:
+        residual = 0.0
+    elif loaded and over:  # the report of the last state is the point's
+        lacking, missing = mean_load_missing(np.array(chain.pressures), target)
+        residual = lacking / case.material.contact_modulus
     message = state.report.message
     if not chain.converged:
         message = "the equilibrium at zero temperature that the sampling starts from was not reached"
     elif rate < _LOWEST_ACCEPTANCE:
         message = f"only {rate:.2g} of the proposals were taken: raise sampling.equilibration"
+    elif missing:
+        message = f"{missing}: raise sampling.trajectories or sampling.equilibration"
     report = dataclasses.replace(
         state.report,
-        residual=0.0 if apart else error if contact.control == "pressure" else np.nan,
-        converged=apart or (chain.converged and rate >= _LOWEST_ACCEPTANCE),
+        residual=residual,
+        converged=apart or (chain.converged and rate >= _LOWEST_ACCEPTANCE and not missing),
         acceptance_rate=rate,
         message=message,
     )
-    over = apart or count == case.sampling.trajectories
     return dataclasses.replace(state, report=report, restart={"state": chain.equilibrium} if over else chain.packed)

@@ -29,6 +29,12 @@ def test_the_load_is_carried_within_the_error_of_the_mean():
     assert load_missing(descent(landing), CONTACT_MODULUS)[1]
 
 
+def test_one_state_has_no_error_to_miss_the_load_by():
+    assert load_missing(descent([0.995e9]), CONTACT_MODULUS)[1] == ""
+    said = "the interface carried 9.8e+08 Pa on average, not the 1e+09 Pa applied: raise dynamics.duration"
+    assert load_missing(descent([0.98e9]), CONTACT_MODULUS)[1] == said
+
+
 def test_what_is_said_of_a_block_on_its_way():
     falling = descent([0.4e9, 0.5e9], speed=1.0, terminal_speed=1.5)
     for words in (still_moving(falling, 0.0, CONTACT_MODULUS)[1], load_missing(falling, CONTACT_MODULUS)[1]):

@@ -1,6 +1,7 @@
 """Thermal averages as a user meets them: a study in, means with errors and series out, stopped and gone on with."""
 
 import copy
+import re
 import time
 from types import SimpleNamespace
 
@@ -15,9 +16,10 @@ from contact_study.campaign.schema import AUTOCORRELATION_STATES, STANDARD_ERROR
 from contact_study.fields.time_series import statistics_of
 from contact_study.problem.errors import InputError
 from contact_study.problem.study import make_study
+from md_reference.methods import sampling
 from md_reference.random_state import generator_of, packed
 from md_reference.run import check
-from md_reference.thermal_sampler import ThermalSampler
+from md_reference.thermal_sampler import SamplerState, ThermalSampler
 from tests.md_reference.systems import CONTACT_MODULUS, LENGTH, POISSONS_RATIO, WELL_DEPTH, YOUNGS_MODULUS
 from tests.recording import bins_of_case, stopper
 
@@ -148,6 +150,15 @@ def test_run_stopped_within_a_point_goes_on_to_the_same_bits(sampled, tmp_path, 
     assert_equal_groups(groups_of(path), groups_of(sampled))
 
 
+def test_a_chain_kept_without_its_pressures_is_refused():
+    state = SamplerState(np.zeros((3, 2, 2), complex), 0.4, np.ones((3, 2, 2)), 2, 2, 9)
+    chain = sampling._Chain(state, np.random.default_rng(0), np.zeros((3, 2, 2)), True, [1e9, 2e9])
+    assert sampling._Chain.unpacked(chain.packed).pressures == [1e9, 2e9]
+    kept = {name: values for name, values in chain.packed.items() if name != "pressures"}
+    with pytest.raises(InputError, match="of another version of this program; drop it with --overwrite"):
+        sampling._Chain.unpacked(kept)
+
+
 def test_run_stopped_after_the_last_state_of_a_point_counts_none_twice(sampled, tmp_path, monkeypatch):
     def killed(self):
         raise KeyboardInterrupt
@@ -208,10 +219,41 @@ def test_a_block_that_thermal_motion_tears_off_is_detached():
 
 def test_short_series_are_warned_of():
     words = (
-        "the 4 thermal states of a point are too few to tell the autocorrelation time of .* ten .*; raise sampling.traj"
+        "the 4 thermal states of a point are too few to tell an autocorrelation time, which takes 50: .*; raise sampl"
     )
     with pytest.warns(UserWarning, match=words):
-        contact_study.run(changed(sampling={"trajectories": 4}, loading={"path": ["1 GPa"]}), "atomistic")
+        dataset = contact_study.run(changed(sampling={"trajectories": 4}, loading={"path": ["1 GPa"]}), "atomistic")
+    assert np.isnan(dataset["mean_pressure" + AUTOCORRELATION_STATES].item())
+
+
+@pytest.mark.filterwarnings("ignore:.*the 5 thermal states", "ignore:.* did not converge")
+def test_few_states_that_miss_a_tenth_of_the_load_did_not_converge():
+    """Their error is a guess, but four of it are as many as a resolved one's."""
+    table = changed(sampling={"trajectories": 5}, loading={"path": ["1 GPa"]})
+    dataset = contact_study.run({**table, "sweep": {"atomistic.random_seed": [1, 2, 3, 4, 5, 6]}}, "atomistic")
+    missing = np.abs(dataset.mean_pressure.values - 1e9).ravel()
+    error = dataset["mean_pressure" + STANDARD_ERROR].values.ravel()
+    assert dataset.converged.values.ravel().tolist() == (missing < np.minimum(np.maximum(4 * error, 1e7), 1e8)).tolist()
+    assert sorted(dataset.converged.values.ravel()) == [0, 1, 1, 1, 1, 1]
+
+
+@pytest.mark.filterwarnings("ignore:.* did not converge")
+@pytest.mark.parametrize("control", ["pressure", "gap"])
+def test_states_that_do_not_carry_the_load_did_not_converge(control, monkeypatch):
+    """A sampler under a fifth more than the load. A gap that is held has no load to miss."""
+    wrong = lambda block, interface, modulus, temperature, pressure, fixed: ThermalSampler(  # noqa: E731
+        block, interface, modulus, temperature, 1.2 * pressure, fixed
+    )
+    monkeypatch.setattr(sampling, "ThermalSampler", wrong)
+    path = {"pressure": ["3 GPa"], "gap": ["0.5 angstrom"]}[control]
+    dataset = contact_study.run(changed(loading={"control": control, "path": path}), "atomistic")
+    said = str(dataset.message.values[0])
+    if control == "gap":
+        assert (dataset.converged.item(), said) == (1, "")
+        return
+    assert dataset.converged.item() == 0
+    assert re.match("the interface carried 3\\.[4-8].* not the 3e\\+09 Pa applied: raise sampling.trajectories", said)
+    assert dataset.residual.item() == pytest.approx(0.6e9 / CONTACT_MODULUS, rel=0.3)
 
 
 @pytest.mark.parametrize(
@@ -219,7 +261,8 @@ def test_short_series_are_warned_of():
     [
         ({"temperature": "-1 K"}, "atomistic.temperature = '-1 K': must be at least 0"),
         ({"temperature": 0}, "needs an atomistic.temperature above 0 K"),
-        ({"method": "quasi_static"}, "finds equilibria at zero temperature"),
+        ({"method": "quasi_static"}, 'finds equilibria at zero temperature; "sampling" and "dynamics" take a temp'),
+        ({"method": "overdamped"}, 'is a motion without noise; "sampling" and "dynamics" take a temperature'),
     ],
 )
 def test_impossible_temperatures_are_refused(atomistic, words):
