@@ -24,7 +24,7 @@ from contact_study.campaign.model import Model
 from contact_study.campaign.progress import Progress
 from contact_study.problem.dotted_keys import all_keys
 from contact_study.problem.errors import InputError
-from contact_study.problem.keys import as_written, suggestion
+from contact_study.problem.keys import as_written, replacement, suggestion
 from contact_study.problem.study import read_study
 from contact_study.start import INTERRUPTED
 
@@ -119,7 +119,9 @@ def _main(model: Model, arguments: Sequence[str]) -> int:
     given, unknown = parser.parse_known_args(_joined(arguments))
     if unknown:
         options = [f"--{section}.{name}" for section, name, *_ in all_keys()]
-        raise InputError(f"unknown argument {unknown[0]}{suggestion(unknown[0], options)}; see --help")
+        name = unknown[0].removeprefix("--").partition("=")[0]
+        meant = replacement(name).replace("use ", "use --") or suggestion(unknown[0], options)
+        raise InputError(f"unknown argument {unknown[0]}{meant}; see --help")
     output = None if given.output is None else named_file(given.output)
     overrides = {
         name[4:]: value for name, value in vars(given).items() if name.startswith("key:") and value is not None

@@ -7,7 +7,7 @@ from typing import Any
 from contact_study.problem import sections
 from contact_study.problem.elasticity import ELASTICITIES
 from contact_study.problem.errors import InputError
-from contact_study.problem.keys import Key, Kinds, default_of, keys_of
+from contact_study.problem.keys import Key, Kinds, default_of, keys_of, replacement
 from contact_study.problem.laws import INTERACTIONS
 from contact_study.problem.surfaces import SURFACES
 
@@ -46,7 +46,8 @@ def split(dotted: str, where: str) -> tuple[str, str]:
     """
     section, _, name = dotted.partition(".")
     if section not in SECTIONS or name not in keys_of(SECTIONS[section]):
-        raise InputError(f"{where}: unknown key {dotted!r}; expected section.key, such as interaction.well_depth_ratio")
+        meant = replacement(dotted) or "; expected section.key, such as interaction.well_depth_ratio"
+        raise InputError(f"{where}: unknown key {dotted!r}{meant}")
     return section, name
 
 

@@ -34,16 +34,16 @@ def key(reader: Reader, description: str, default: Any = dataclasses.MISSING) ->
 
 
 def quantity(
-    unit: str, *, positive: bool = False, minimum: float | None = None, maximum: float | None = None
+    unit: str, *, positive: bool = False, minimum: float | None = None, maximum: float | None = None, why: str = ""
 ) -> Reader:
-    """A dimensional number, in SI or as a string with a unit; ``positive`` excludes zero."""
+    """A dimensional number, in SI or as a string with a unit; ``positive`` excludes zero, ``why`` is of the minimum."""
 
     def read(value: Any, name: str) -> float:
         number = units.quantity(value, unit, name)
         if positive and number <= 0:
             raise InputError(f"{name} = {value!r}: must be positive")
         if minimum is not None and number < minimum:
-            raise InputError(f"{name} = {value!r}: must be at least {minimum:g}")
+            raise InputError(f"{name} = {value!r}: must be at least {minimum:g}{why and f'; {why}'}")
         if maximum is not None and number > maximum:
             raise InputError(f"{name} = {value!r}: must be at most {maximum:g}")
         return number
@@ -301,12 +301,25 @@ def bind(section: type | Kinds, table: Mapping[str, Any], name: str) -> Any:
     known = keys_of(section)
     for given in table:
         if given not in known:
-            raise InputError(f"unknown key {name}.{given}{suggestion(given, known)}; known: {', '.join(known)}")
+            meant = replacement(f"{name}.{given}") or suggestion(given, known)
+            raise InputError(f"unknown key {name}.{given}{meant}; known: {', '.join(known)}")
     values = {given: known[given].read(value, f"{name}.{given}") for given, value in table.items()}
     for needed, declaration in known.items():
         if needed not in values and default_of(section, needed) is dataclasses.MISSING:
             raise InputError(f"missing key {name}.{needed} ({declaration.kind}: {declaration.description})")
     return section(**values)
+
+
+# Names of keys that may be looked for in a section, and where they are.
+_ELSEWHERE = dict.fromkeys(
+    ("atomistic.seed", "sampling.seed", "sampling.random_seed", "dynamics.seed", "dynamics.random_seed"),
+    "atomistic.random_seed",
+)
+
+
+def replacement(dotted: str) -> str:
+    """The key that stands in another section or under another name, for the end of a message; empty if none does."""
+    return f" (use {_ELSEWHERE[dotted]})" if dotted in _ELSEWHERE else ""
 
 
 def suggestion(given: Any, known: Iterable[str]) -> str:

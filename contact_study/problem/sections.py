@@ -158,7 +158,14 @@ class AtomisticSection:
     )
     temperature: float = key(quantity("K", minimum=0.0), "temperature of the atoms, for sampling and dynamics", 0.0)
     cutoff: float = key(
-        quantity("1", minimum=2.0, maximum=20.0), "cutoff of the pair potential in units of interaction.length", 4.0
+        quantity(
+            "1",
+            minimum=2.0,
+            maximum=20.0,
+            why="the law's peak must lie within, and the switch to zero well beyond it",
+        ),
+        "cutoff of the pair potential in units of interaction.length",
+        4.0,
     )
     layers: int = key(integer(minimum=0, maximum=1_000_000), "atomic layers of the block; 0: as thick as wide", 0)
     random_seed: int = key(integer(minimum=0, maximum=2**63 - 1), "seed of thermal motion", 1)

@@ -203,6 +203,8 @@ def test_warnings_are_shown_and_kept(study, tmp_path, capsys):
     ("arguments", "culprit"),
     [
         (["--surface.hurst", "0.8"], "--surface.hurst"),
+        (["--dynamics.seed", "3"], "unknown argument --dynamics.seed (use --atomistic.random_seed); see --help"),
+        (["--sampling.random_seed=3"], "=3 (use --atomistic.random_seed); see --help"),
         (["--surface.rms_heigth", "1 nm"], "did you mean --surface.rms_height?"),
         (["--surface.shape", "[200000, 200000]"], "GB of memory"),
         (["-o", ""], "name a file"),
