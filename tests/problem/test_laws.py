@@ -376,6 +376,54 @@ def test_a_table_is_met_at_its_points_and_near_its_source_between():
     assert law._core[2] == pytest.approx(11.0, rel=0.15)  # that of the source, its other power 0.18 of it there
 
 
+NM_MPA = np.array([[0.2, -200], [0.25, -50], [0.3, -10], [0.35, 0], [0.4, 20], [0.6, 25], [1, 10], [2, 1], [3, 0.1]])
+
+
+@pytest.mark.parametrize(
+    ("rows", "fading"),
+    [
+        ([[2, 1], [3, 0.1]], 1 / np.log(10)),
+        ([[2, 1], [3, 1e-300]], 1 / np.log(1e300)),
+        ([[2, 1], [3, 0]], None),
+        ([[2, 0], [3, 0]], None),
+        ([[2, 1], [3, 1]], 2.4),  # as far as from the peak to the end
+        ([[2, 1.0000001], [3, 1]], 2.4),
+    ],
+    ids=["steep", "steepest", "zero", "zeros", "level", "rounded"],
+)
+def test_a_table_ends_as_its_last_points_fall(rows, fading):
+    gap, traction = np.concatenate([NM_MPA[:-2], rows]).T * [[1e-9], [1e6]]
+    law = TabulatedLaw.through(gap, traction)
+    last, tension = gap[-1], traction[-1]
+    beyond = last + 1e-9 * np.array([0.01, 0.3, 2.0])
+    expected = 0 * beyond if fading is None else tension * np.exp(-(beyond - last) / (fading * 1e-9))
+    np.testing.assert_allclose(law.traction(beyond), expected, rtol=1e-12)
+    # Coefficients of the last cubic are rounded to some eps of 1 MPa.
+    np.testing.assert_allclose(law.traction(gap), traction, rtol=1e-12, atol=1e-15 * 1e6)
+    assert np.all(np.diff(law.traction(np.linspace(gap[-2], last, 101))) <= 1e-15 * 1e6)
+    near, far = law.stiffness(last * (1 + 1e-9 * np.array([-1, 1])))
+    # The slope changes by 1e-9 of 6 times the secant, 1 MPa/nm; where the end is level it jumps by a hundredth of the
+    # law's softening: with a slope there the cubic would rise before it.
+    jump = tension / 2.4e-9 if fading == 2.4 else 0.0
+    assert near - far == pytest.approx(jump, abs=1e-7 * 1e15, rel=1e-5)
+    assert jump < 0.02 * law.strongest_softening
+    # The exact integral: two cubics of each interval and the tail, to 1e-10 of the quadrature.
+    ends = [law.length, *gap[gap > law.length], last + 50e-9]
+    work = sum(quad(lambda d: float(law.traction(np.array(d))), *pair, epsrel=1e-10)[0] for pair in pairwise(ends))
+    assert law.work_of_adhesion == pytest.approx(work, rel=1e-8)
+    assert law.work_of_adhesion < 0.021  # 17.6 mJ/m² within the table, 1 MPa over 2.4 nm beyond it
+
+
+def test_a_few_points_of_a_law_that_falls_steeply_have_its_work():
+    source = Morse(0.05, 1e-9, 0.3e-9)
+    gap = 1e-9 * np.geomspace(0.85, 3, 12)
+    law = TabulatedLaw.through(gap, source.traction(gap))
+    assert law.work_of_adhesion == pytest.approx(0.05, rel=5e-3)  # measured 2.4e-3, of the cubics
+    # Beyond the end the exponential is Morse's own, to e^(−2/0.3), its core's share there.
+    beyond = 1e-9 * np.array([3.1, 3.5])
+    np.testing.assert_allclose(law.traction(beyond), source.traction(beyond), rtol=5e-3)
+
+
 PEAK = int(np.argmax(TABLE_TRACTIONS))
 
 
@@ -396,11 +444,12 @@ def changed_point(index, value):
         (table_of(TABLE_GAPS[:-1]), "as many tractions as gaps"),
         (table_of(TABLE_GAPS[::-1], TABLE_TRACTIONS[::-1]), "increasing order"),
         (table_of(TABLE_GAPS - TABLE_GAPS[0]), "positive gaps"),
-        (table_of(TABLE_GAPS[20:], TABLE_TRACTIONS[20:]), "no core"),
+        (table_of(TABLE_GAPS[20:], TABLE_TRACTIONS[20:]), "no core: .*, a repulsion$"),  # no sign of a sign
         (table_of(traction=-np.abs(TABLE_TRACTIONS)), "does not attract"),
         (table_of(TABLE_GAPS[:30], TABLE_TRACTIONS[:30]), "ends at a tension"),
         (changed_point(5, TABLE_TRACTIONS[4]), "fall steadily"),
-        (changed_point(70, -1e3), "repels again"),
+        (changed_point(70, -1e3), "repels again at a gap of .* smooth the measurement there, or end the table before"),
+        (table_of(traction=-TABLE_TRACTIONS), "no core: .*, a repulsion; tension is positive .* change all signs"),
         (changed_point(70, TABLE_TRACTIONS[69] * 1.001), "second peak"),
         (changed_point(PEAK - 2, 0.99 * TABLE_TRACTIONS[PEAK - 3]), "second peak"),
         (changed_point(0, TABLE_TRACTIONS[1] * 1.001), "grows as the power"),

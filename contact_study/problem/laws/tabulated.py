@@ -2,17 +2,19 @@
 
 Between the points the traction is monotone and its stiffness continuous (SciPy's ``PchipInterpolator``): no peak is
 higher than the table's, and there is no gap of zero stress that is not in it. Below the first gap the repulsion goes
-on as the power of the gap that has the value and slope there, beyond the last one a tension that is left fades
-exponentially. Energy follows by exact integration.
+on as the power of the gap that has the value and slope there. Beyond the last one a tension that is left fades as the
+exponential through the last two points, whose slope the interpolant takes there: its own, of three points, is zero
+where they fall steeply, and with it nothing would fade. Energy follows by exact integration.
 """
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, ClassVar
 
 import numpy as np
-from scipy.interpolate import PchipInterpolator
+from scipy.interpolate import CubicHermiteSpline, PchipInterpolator, PPoly
 from scipy.optimize import brentq
 
 from contact_study.problem.errors import InputError
@@ -111,15 +113,20 @@ class TabulatedLaw(TractionLaw):
             raise InputError(f"interaction: the table of the law {error}") from None
 
     @cached_property
-    def _between(self) -> PchipInterpolator:
-        return PchipInterpolator(self.gaps, self.tractions)
+    def _between(self) -> CubicHermiteSpline:
+        _, tension, fading = self._end
+        slopes = PchipInterpolator(self.gaps, self.tractions).derivative()(self.gaps)
+        # Up to three times the secant a cubic is monotone; the exponential has less, unless its length is the bound.
+        secant = (self.tractions[-1] - self.tractions[-2]) / (self.gaps[-1] - self.gaps[-2])
+        slopes[-1] = max(-tension / fading, 3 * secant)
+        return CubicHermiteSpline(self.gaps, self.tractions, slopes)
 
     @cached_property
-    def _slope(self) -> PchipInterpolator:
+    def _slope(self) -> PPoly:
         return self._between.derivative()
 
     @cached_property
-    def _work(self) -> PchipInterpolator:
+    def _work(self) -> PPoly:
         return self._between.antiderivative()
 
     @cached_property
@@ -130,10 +137,18 @@ class TabulatedLaw(TractionLaw):
 
     @cached_property
     def _end(self) -> tuple[float, float, float]:
-        """Last gap, its tension, and the length over which that fades."""
+        """Last gap, its tension, and the length over which that fades.
+
+        No longer than from the peak to there: tensions that hardly fall between the last points, or are rounded to one
+        number, would fade over any length.
+        """
         gap, tension = float(self.gaps[-1]), float(self.tractions[-1])
-        slope = -float(self._slope(gap))
-        return gap, tension, tension / slope if slope > 0 else float(self.gaps[-1] - self.gaps[-2])
+        longest = gap - self.peak_distance
+        if tension == 0:
+            return gap, 0.0, longest
+        fall = math.log(self.tractions[-2]) - math.log(tension)
+        step = float(self.gaps[-1] - self.gaps[-2])
+        return gap, tension, step / max(fall, step / longest)
 
     def _pieces(self, gap: np.ndarray, core: Any, between: Any, end: Any) -> np.ndarray:
         """One function of the gap below, one within and one beyond the table."""
@@ -227,7 +242,11 @@ def _check(gap: np.ndarray, traction: np.ndarray) -> None:
     if not gap[0] > 0 or np.any(np.diff(gap) <= 0):
         raise ValueError("must have positive gaps in increasing order")
     if not traction[0] < 0:
-        raise ValueError("has no core: at its smallest gap the traction must be negative, a repulsion")
+        flipped = traction[0] > 0 > traction.min()
+        raise ValueError(
+            "has no core: at its smallest gap the traction must be negative, a repulsion"
+            + ("; tension is positive here, so change all signs if the table counts it negative" if flipped else "")
+        )
     if not traction.max() > 0:
         raise ValueError('does not attract: no traction is positive; law = "repulsive" is a repulsion alone')
     first = int(np.argmax(traction > 0))
@@ -238,7 +257,10 @@ def _check(gap: np.ndarray, traction: np.ndarray) -> None:
         )
     if np.any(traction[first:] < 0):
         at = gap[first + int(np.argmax(traction[first:] < 0))]
-        raise ValueError(f"repels again at a gap of {at:g} m: there may be one distance of zero stress, no more")
+        raise ValueError(
+            f"repels again at a gap of {at:g} m: there may be one distance of zero stress, no more; smooth the "
+            "measurement there, or end the table before"
+        )
     # Solvers take surfaces pulled past the peak to part for good, and to be out of reach where the tension is gone.
     peak = int(np.argmax(traction))
     rises = np.diff(traction) > 0
