@@ -57,7 +57,8 @@ def field(name: str, values: object) -> np.ndarray:
     if array.ndim != 2 or not array.size:
         raise ValueError(f"{name} has shape {array.shape}: must be an array (y, x)")
     if not np.all(np.isfinite(array)):
-        raise ValueError(f"{name} is not finite everywhere: {np.count_nonzero(~np.isfinite(array))} points are not")
+        count = np.count_nonzero(~np.isfinite(array))
+        raise ValueError(f"{name} is not finite everywhere: {count} {'point is' if count == 1 else 'points are'} not")
     return array
 
 

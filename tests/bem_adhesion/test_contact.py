@@ -48,7 +48,8 @@ def test_sides_options_and_solids_reach_the_solvers():
     [
         ({"height": "a map"}, "height must be an array"),
         ({"height": np.zeros(8)}, r"height has shape \(8,\)"),
-        ({"height": np.full((8, 8), np.nan)}, "height is not finite everywhere: 64 points"),
+        ({"height": np.full((8, 8), np.nan)}, "height is not finite everywhere: 64 points are not"),
+        ({"height": np.diag([np.inf] + 7 * [0.0])}, "height is not finite everywhere: 1 point is not"),
         ({"size": "10 nm"}, "size = '10 nm'.*in m"),
         ({"size": (1e-9, -1e-9)}, "size = -1e-09"),
         ({"size": (1e-9,)}, "one period or two"),
