@@ -11,7 +11,7 @@ import numpy as np
 from contact_study.fields.tabulated_spectrum import TabulatedSpectrum
 from contact_study.problem import units
 from contact_study.problem.errors import InputError
-from contact_study.problem.tables import text_of
+from contact_study.problem.tables import numbers_of, text_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -132,14 +132,12 @@ def _spelt(unit: Any) -> str:
 
 def _text(path: Path, key: str, where: str) -> tuple[np.ndarray, list[str | None]]:
     """Both columns, and the units that a header gives them."""
-    lines = [line.strip() for line in text_of(path, key).splitlines() if line.strip()]
-    header = [line.lstrip("#").strip() for line in lines if line.startswith("#") or not _is_number(line)]
-    rows = [line for line in lines if not line.startswith("#") and _is_number(line)]
+    stripped = ((number, line.strip()) for number, line in enumerate(text_of(path, key).splitlines(), 1))
+    lines = [(number, line) for number, line in stripped if line]
+    header = [line.lstrip("#").strip() for _, line in lines if line.startswith("#") or not _is_number(line)]
+    rows = [(number, line) for number, line in lines if not line.startswith("#") and _is_number(line)]
     named = next((line for line in reversed(header) if len(_units_in(line)) >= len(_NAMES)), None)
-    try:
-        table = np.array([[float(word) for word in re.split(r"[\s,;]+", row.rstrip(",;"))] for row in rows])
-    except ValueError as error:
-        raise InputError(f"{where} is no table of numbers ({error})") from None
+    table = numbers_of(rows, where, r"[\s,;]+")
     if not table.size or table.shape[1] < len(_NAMES) or (table.shape[1] > len(_NAMES) and named is None):
         raise InputError(
             f"{where} holds {table.shape[1] if table.size else 'no'} columns of numbers; expected q and C(q), and more "

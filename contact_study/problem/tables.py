@@ -1,6 +1,6 @@
 """Columns of numbers from a text file, such as a measured law, as they go into a study."""
 
-import io
+import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -9,6 +9,9 @@ import numpy as np
 
 from contact_study.problem import units
 from contact_study.problem.errors import InputError
+
+# Letters of a line that a message shows.
+_SHOWN = 40
 
 
 def read_columns(path: Path, name: str, column_units: Sequence[tuple[str, str, str]]) -> list[list[float]]:
@@ -28,13 +31,11 @@ def read_columns(path: Path, name: str, column_units: Sequence[tuple[str, str, s
     InputError
         If the file cannot be read, holds other than that many columns of finite numbers, or a unit is of another kind.
     """
-    text = text_of(path, name)
-    if not any(line.split("#")[0].strip() for line in text.splitlines()):
+    lines = [(number, line.split("#")[0]) for number, line in enumerate(text_of(path, name).splitlines(), 1)]
+    rows = [(number, line) for number, line in lines if line.strip()]
+    if not rows:
         raise InputError(f"{name}: {path} is empty; expected {len(column_units)} columns of numbers")
-    try:
-        table = np.loadtxt(io.StringIO(text.replace(",", " ")), ndmin=2)
-    except ValueError as error:
-        raise InputError(f"{name}: {path} is no table of numbers ({error})") from None
+    table = numbers_of(rows, f"{name}: {path}", r"[\s,]+")
     if table.shape[1] != len(column_units) or not np.all(np.isfinite(table)):
         raise InputError(
             f"{name}: {path} holds a table of shape {table.shape}; expected {len(column_units)} columns of finite "
@@ -42,6 +43,45 @@ def read_columns(path: Path, name: str, column_units: Sequence[tuple[str, str, s
         )
     sizes = [_size(*unit) for unit in column_units]
     return [[float(value) * size for value in column] for column, size in zip(table.T, sizes, strict=True)]
+
+
+def numbers_of(rows: Sequence[tuple[int, str]], where: str, separator: str) -> np.ndarray:
+    """The numbers of lines, a row a line.
+
+    Parameters
+    ----------
+    rows : sequence of (int, str)
+        Lines with something on them, each with its number in the file.
+    where : str
+        The key and the file, for messages.
+    separator : str
+        Regular expression of what stands between two numbers, and may at either end of a line.
+
+    Raises
+    ------
+    InputError
+        If a line holds a word, or more or fewer numbers than the first.
+    """
+    table: list[list[float]] = []
+    first = 0
+    for number, line in rows:
+        words = [word for word in re.split(separator, line) if word]
+        if not words:
+            continue
+        first = first or number
+        try:
+            table.append([float(word) for word in words])
+        except ValueError:
+            raise InputError(
+                f"{where} is no table of numbers: line {number} is {line.strip()[:_SHOWN]!r}; remove words, or put "
+                "# before them, and part columns by blanks, tabs or commas"
+            ) from None
+        if len(words) != len(table[0]):
+            raise InputError(
+                f"{where} is no table of numbers: line {number} has {len(words)} of them, line {first} has "
+                f"{len(table[0])}"
+            )
+    return np.array(table, ndmin=2)
 
 
 def _size(key: str, unit: str, si: str) -> float:

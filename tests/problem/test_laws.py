@@ -485,7 +485,13 @@ def test_a_table_from_a_file_has_units_and_goes_into_the_study(tmp_path):
         ({}, r"missing key interaction\.path"),
         ({"path": "none.txt"}, r"^interaction\.path: \S*none\.txt cannot be read"),
         ({"path": "law.txt", "gap": [1e-10]}, r"interaction\.path and interaction\.gap"),
-        ({"path": "words.txt"}, r"interaction\.path: .*words\.txt is no table of numbers"),
+        (
+            {"path": "words.txt"},
+            r"^interaction\.path: \S*words\.txt is no table of numbers: line 2 is 'gap, traction'; remove words, or",
+        ),
+        ({"path": "semicolons.txt"}, r"line 1 is '1;2'; .* columns by blanks, tabs or commas$"),
+        ({"path": "ragged.txt"}, r"ragged\.txt is no table of numbers: line 4 has 1 of them, line 2 has 2$"),
+        ({"path": "commas.txt"}, r"expected 2 columns"),
         ({"path": "empty.txt"}, r"interaction\.path: .*empty\.txt is empty; expected 2 columns"),
         ({"path": "law.txt"}, r"expected 2 columns"),
         ({"path": "two.txt", "gap_unit": "MPa"}, r"^interaction\.gap_unit = 'MPa': is no unit that .* to m$"),
@@ -497,7 +503,10 @@ def test_a_table_from_a_file_has_units_and_goes_into_the_study(tmp_path):
 def test_a_table_that_cannot_be_used_is_one_line(tmp_path, keys, words):
     (tmp_path / "law.txt").write_text("1 2 3\n4 5 6\n")
     (tmp_path / "two.txt").write_text("1 -2\n4 5\n")
-    (tmp_path / "words.txt").write_text("gap traction\n")
+    (tmp_path / "words.txt").write_text("# measured\ngap, traction # of a law\n1, 2\n")
+    (tmp_path / "semicolons.txt").write_text("1;2\n")
+    (tmp_path / "ragged.txt").write_text("\n1 2,\n,\n3 # 4\n")
+    (tmp_path / "commas.txt").write_text(",,\n")
     (tmp_path / "empty.txt").write_text("# gap traction\n\n")
     with pytest.raises(InputError, match=words):
         study_with(tmp_path, **keys)
