@@ -20,7 +20,8 @@ class Outcome(Enum):
         "the whole surface gives way: every point carries material.hardness, at this approach and beyond it; give less"
     )
     LEAST_STEP = (
-        "no step converged, not even the least of loading.resolution; the path goes on from the state before it: raise "
+        "no step converged, not even the least of loading.resolution: these are numbers of a state that is not in "
+        "balance, on the way to this point, not at it; the path goes on from the last state that converged: raise "
         "solver.max_iterations, lower loading.resolution or take a finer grid"
     )
     STALLED = (
