@@ -19,6 +19,9 @@ _NOISE = 1e-6
 # Lengths of the law that the least step of a path through distances is the resolution's share of: with the default a
 # twentieth of one. Pressures follow a distance over that length; what the rule leaves of a step is its square over 12.
 _LENGTHS = 5
+# Tension at the rim, over the law's peak, of which nothing is said: beyond it there is less, and grids that resolve a
+# law leave about a hundredth of a pull-off, too (docs/validation.md).
+_RIM_TENSION = 0.01
 
 
 def path_of_equilibria(
@@ -28,7 +31,8 @@ def path_of_equilibria(
     contact = _contact_of(case, surface)
     state = contact.separated() if restart is None else restart["state"]
     account = _first_account(case, state) if restart is None else _kept_account(restart)
-    for value, _ in case.path[start:]:
+    said: set[str] = set()
+    for number, (value, _) in enumerate(case.path[start:], start):
         solution, account, passed = _next(case, contact, state, account, value)
         state = solution.state
         stiffness = contact.stiffness(solution) if case.output.stiffness and solution.converged else None
@@ -40,7 +44,7 @@ def path_of_equilibria(
                 passed=states_of(passed, case.law.equilibrium_distance),
                 restart={**found.restart, "account": account.array},
             )
-        _warn_of_rim(case, found.contact)
+        _warn_of_rim(case, number, found, said)
         yield found
 
 
@@ -99,11 +103,30 @@ def _kept_account(restart: Mapping[str, np.ndarray]) -> Account | None:
     return Account.of(restart["account"]) if "account" in restart else None
 
 
-def _warn_of_rim(case: Case, contact: np.ndarray) -> None:
-    """With free boundaries, where a point of the first or last row or column is in contact."""
-    if case.elasticity.boundary == "free" and (contact[[0, -1]].any() or contact[:, [0, -1]].any()):
-        warnings.warn(
-            'elasticity.boundary = "free": contact reaches the rim of the surface; what would touch beyond it is '
-            "missing: a larger surface.size has it",
-            stacklevel=3,
-        )
+def _warn_of_rim(case: Case, number: int, found: InterfaceState, said: set[str]) -> None:
+    """With free boundaries, where the first or last row or column is in contact or pulled at; once a path each."""
+    if case.elasticity.boundary != "free":
+        return
+    head, tail = f'elasticity.boundary = "free": at {case.point_in_words(number)} ', "a larger surface.size has it"
+    if _rim(found.contact).any():
+        if "contact" not in said:
+            warnings.warn(
+                f"{head}contact reaches the rim of the surface; what would touch beyond it is missing: {tail}",
+                stacklevel=3,
+            )
+        said |= {"contact", "tension"}  # of which contact is the graver
+    elif case.law.attracts and "tension" not in said:
+        pull = -_rim(found.pressure) / case.law.peak_tensile_stress
+        if pull.max() > _RIM_TENSION:
+            warnings.warn(
+                f"{head}the law pulls at the rim of the surface, at {100 * np.mean(pull > _RIM_TENSION):.0f} % of its "
+                f"points and with up to {100 * pull.max():.3g} % of its peak; what it would pull beyond is missing: "
+                f"{tail}",
+                stacklevel=3,
+            )
+            said.add("tension")
+
+
+def _rim(field: np.ndarray) -> np.ndarray:
+    """The points of the first and last row and column."""
+    return np.concatenate([field[[0, -1]].ravel(), field[1:-1, [0, -1]].ravel()])

@@ -97,7 +97,7 @@ def run_case(job: Job, threads: int, report: Report) -> None:
             keep_warnings()
             started = {} if predictor is None else {"predictor_field": predictor.fingerprint(number)}
             store.save_step(job.folder, number, _completed(case, number, step, seconds, started))
-            report(case.label, _point(case, number), dict(_summary(step)), seconds)
+            report(case.label, case.point_in_words(number), dict(_summary(step)), seconds)
             began = time.perf_counter()
 
 
@@ -139,13 +139,6 @@ def _check_height_map(job: Job) -> None:
     path = job.case.height_map
     if path is not None and content_hash(path) != job.height_map:
         raise CampaignError(f"{path} has changed while the study ran; finished steps are kept")
-
-
-def _point(case: Case, number: int) -> str:
-    """A point of the path in the unit that the study is written in."""
-    name, size = case.loading.unit
-    what = "" if case.loading.control == "pressure" else f"{case.loading.control} "
-    return f"{what}{case.path[number][0] / size:.6g} {name}"
 
 
 def _completed(case: Case, number: int, step: Step, seconds: float, started: Mapping[str, Value]) -> Step:

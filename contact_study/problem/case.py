@@ -211,6 +211,12 @@ class Case:
             points += [(value, "unloading") for value in self.loading.path[-2::-1]]
         return points
 
+    def point_in_words(self, number: int) -> str:
+        """A point of the path in the unit that the study is written in."""
+        name, size = self.loading.unit
+        what = "" if self.loading.control == "pressure" else f"{self.loading.control} "
+        return f"{what}{self.path[number][0] / size:.6g} {name}"
+
     @cached_property
     def lattice(self) -> Lattice:
         """The lattices of the atoms; errors as :func:`~contact_study.problem.lattice.lattice_of`."""

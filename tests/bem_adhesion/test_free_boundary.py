@@ -230,6 +230,7 @@ def table(**sections):
     return base | sections
 
 
+@pytest.mark.filterwarnings("ignore:.*the law pulls at the rim")  # of so small a cell
 @pytest.mark.parametrize("control", ["pressure", "approach"])
 def test_a_whole_study(control, tmp_path):
     path = ["20 MPa", "-5 MPa"] if control == "pressure" else ["-2 nm", "0.5 nm", "-0.2 nm"]
@@ -284,11 +285,40 @@ def test_ridges_at_opposite_rims_are_two_clusters():
 
 
 def test_contact_at_the_rim_is_said():
-    with pytest.warns(UserWarning, match="contact reaches the rim"):
-        contact_study.run(table(loading={"path": ["200 MPa"]}), "continuum")
+    for law in ({"law": "hard_wall"}, table()["interaction"]):
+        pressed = table(interaction=law, loading={"path": ["200 MPa", "210 MPa", "20 MPa"]})
+        with pytest.warns(UserWarning, match="at 200 MPa contact reaches the rim") as said:
+            contact_study.run(pressed, "continuum")
+        assert len(said) == 1, "once, and no word of the tension beside it"
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        contact_study.run(table(loading={"path": ["20 MPa"]}), "continuum")
+        contact_study.run(table(interaction={"law": "hard_wall"}, loading={"path": ["20 MPa"]}), "continuum")
+
+
+def held_apart(*shares):
+    """A stiff sphere that comes no nearer than where an exponential of 0.5 nm pulls at its rim with these shares."""
+    stiff, away = {"youngs_modulus": 1e12, "poissons_ratio": 0.3}, "-9 nm"
+    study = table(material=stiff, loading={"path": [away], "control": "approach"})
+    (case,) = make_study(study).cases
+    height = case.surface.realise(".").sampled
+    sides = height[[0, -1]].max(), height[:, [0, -1]].max()  # the middle of the nearest side
+    beyond_tip = height.max() - max(sides)
+    path = [float(beyond_tip + case.law.length * np.log(share)) for share in shares]
+    return study | {"loading": {"path": [-9e-9, *path], "control": "approach"}}
+
+
+def test_tension_at_the_rim_is_said():
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        contact_study.run(held_apart(0.009), "continuum")
+    # The block is stretched by 2e-4 of the law's length, by a tenth of 0.1 GPa over 10 nm of 1 TPa.
+    with pytest.warns(UserWarning, match="the law pulls at the rim") as said:
+        contact_study.run(held_apart(0.009, 0.011, 0.012), "continuum")
+    (warning,) = said
+    # Where the gap has grown by less than ln 1.1 of the law's length, 2.2 nm about the middle of the two nearer sides:
+    # 14 of 124 points.
+    words = r"at approach -1\.\d+e-09 m the law pulls at the rim .*, at 11 % of its points .* 1\.1 % of its peak"
+    assert re.search(words, str(warning.message)), warning.message
 
 
 @pytest.mark.parametrize(
