@@ -45,6 +45,8 @@ benchmark: env
 	$(BIN)/python scripts/benchmark_atoms.py
 	$(BIN)/python scripts/benchmark_storage.py data/yang2008.toml
 	$(BIN)/python scripts/benchmark_threads.py
+	$(BIN)/python scripts/benchmark_threads.py --of solves --points 1024 2048 --repetitions 4
+	$(BIN)/python scripts/benchmark_threads.py --of atoms --points 64 100 200 400 --repetitions 31
 	$(BIN)/python scripts/benchmark_workers.py data/yang2008.toml --surface.seed 1,2,3,4
 	@# The codes to compare with.
 	PYTHONWARNINGS=ignore $(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[dev,peers]'

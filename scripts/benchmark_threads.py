@@ -2,10 +2,11 @@
 
 Ratios of interleaved runs, the median of one thread over that of two: above one where the second thread gains. Of
 FFTW's transform pairs, once with OpenMP's threads asleep while they wait, as the project sets them, and once with
-threads that spin, their own default where cores are free; of the atoms' interface and of a time step of their explicit
-block, whose threads sleep.
+threads that spin, their own default where cores are free; of whole solves of the continuum; of the atoms' interface
+and of a time step of their explicit block. The threads of the last three sleep.
 
     python scripts/benchmark_threads.py --points 512 1024 2048
+    python scripts/benchmark_threads.py --of solves --points 1024 2048 --repetitions 4
     python scripts/benchmark_threads.py --of atoms --points 64 100 200 400
 """
 
@@ -15,11 +16,15 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable, Sequence
+from pathlib import Path
 
 import numpy as np
 
+from bem_adhesion import HardWall, TractionLaw, rough_contact
 from contact_study.fields.fourier import RealTransform
 from contact_study.problem.lattice import lattice_of
+from contact_study.problem.study import read_study
+from contact_study.problem.surface import realise
 from md_reference.block import isotropic_element, lame_constants
 from md_reference.contact import interface_of
 from md_reference.multiscale_block import MultiscaleBlock, level_layers
@@ -29,6 +34,7 @@ from md_reference.newtonian import NewtonianBlock, fastest_wave
 _CONSTANT, _LENGTH, _WELL_DEPTH, _CUTOFF = 2.6e-10, 3.28e-10, 2.98e-21, 4.0
 _STEPS = 5  # of the block in one go
 _YOUNGS_MODULUS, _POISSONS_RATIO, _ATOM_MASS = 77.2e9, 0.42, 3.27e-25
+_STUDY, _PRESSURE = Path(__file__).resolve().parent.parent / "data" / "yang2008.toml", 1e9
 
 
 def transform_pair(points: int, threads: int) -> Callable[[], object]:
@@ -40,6 +46,24 @@ def transform_pair(points: int, threads: int) -> Callable[[], object]:
         transform.backward()
 
     return run
+
+
+def hard_wall(points: int, threads: int) -> Callable[[], object]:
+    """The paper's surface without adhesion, from separation."""
+    return _solve(points, threads, HardWall())
+
+
+def adhesive(points: int, threads: int) -> Callable[[], object]:
+    """The same at ε0."""
+    return _solve(points, threads, read_study(_STUDY).cases[0].law)
+
+
+def _solve(points: int, threads: int, law: TractionLaw) -> Callable[[], object]:
+    case = read_study(_STUDY).cases[0]
+    surface = realise(case)
+    heights = surface.heights((points, points))
+    contact = rough_contact(heights, surface.size, case.solid, law, threads=threads)
+    return lambda: contact.step(contact.separated(), _PRESSURE)
 
 
 def interface_pass(atoms: int, threads: int) -> Callable[[], object]:
@@ -67,8 +91,13 @@ def time_step(atoms: int, threads: int) -> Callable[[], object]:
     return lambda: system.move(motion, 0.0, generator, _STEPS)
 
 
-WORK = {"transforms": (transform_pair,), "atoms": (interface_pass, time_step)}
-WORDS = {"interface_pass": "interface", "time_step": "time step of the block"}
+WORK = {"transforms": (transform_pair,), "solves": (hard_wall, adhesive), "atoms": (interface_pass, time_step)}
+WORDS = {
+    "hard_wall": "hard wall",
+    "adhesive": "adhesive, ε₀",
+    "interface_pass": "interface",
+    "time_step": "time step of the block",
+}
 
 
 def ratio(make: Callable[[int, int], Callable[[], object]], points: int, repetitions: int) -> float:
