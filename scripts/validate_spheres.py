@@ -2,7 +2,7 @@
 
 `docs/validation.md` explains the columns.
 
-    python scripts/validate_spheres.py hertz
+    python scripts/validate_spheres.py hertz --figure docs/images/hertz_sphere.png
     python scripts/validate_spheres.py maugis --tabor 2 3 --ramp 0.2 --most-points 400 --table data/maugis_spheres.csv
     python scripts/validate_spheres.py maugis --from data/maugis_spheres.csv --figure maugis_spheres.png
     python scripts/validate_spheres.py ramp
@@ -21,6 +21,7 @@ from matplotlib.figure import Figure
 from scipy.optimize import brentq, minimize_scalar
 
 from bem_adhesion import Dugdale, HardWall, rough_contact
+from bem_adhesion.solution import Solution
 from contact_study.campaign.command import Parser, guarded
 from contact_study.plots.style import COLOURS, DOUBLE, RESOLUTION, styled
 from theory.references import maugis_dugdale_contact
@@ -36,6 +37,11 @@ FORCE_RESOLUTION = 0.005  # of the pull-off force, over πwR
 # Of a sphere, beside its states, in its file.
 COLUMNS = ("tabor", "ramp", "points", "points_per_zone", "held", "lost", "pairs", "seconds")
 HERTZ_POINTS = (32, 64, 128, 256)
+HERTZ_ERRORS = ("radius", "approach", "peak pressure", "rms pressure", "elastic energy")
+# Of Hertz' sphere, in units of its radius and of E*.
+SPHERE_RADIUS, CONTACT_RADIUS, CELL = 1.0, 0.1, 0.4
+HERTZ_FORCE = 4 * CONTACT_RADIUS**3 / (3 * SPHERE_RADIUS)
+HERTZ_PEAK = 2 * CONTACT_RADIUS / (np.pi * SPHERE_RADIUS)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -55,14 +61,17 @@ def parser() -> Parser:
     made.add_argument("--ramp", type=float, default=RAMP, help="width of the tension's end, over its reach (maugis)")
     made.add_argument("--table", type=Path, help="CSV to add the spheres' states to (maugis)")
     made.add_argument("--from", type=Path, dest="source", help="CSV to read them from, in place of a run (maugis)")
-    made.add_argument("--figure", type=Path, help="draw pull-off and contact radius, too (maugis)")
+    made.add_argument("--figure", type=Path, help="draw pressures and errors (hertz), or pull-off and radius, too")
     return made
 
 
 def _main(arguments: Sequence[str] | None) -> int:
     given = parser().parse_args(arguments)
     if given.what == "hertz":
-        print_hertz()
+        errors = np.array([hertz_errors(points) for points in HERTZ_POINTS])
+        print_hertz(errors)
+        if given.figure:
+            hertz_figure(errors).savefig(given.figure, dpi=RESOLUTION)
     elif given.what == "maugis":
         print_maugis_head()
         spheres = []
@@ -85,30 +94,60 @@ def sphere(points: int, size: float, radius: float) -> tuple[np.ndarray, np.ndar
     return -r2 / (2 * radius), np.sqrt(r2)
 
 
+def hertz(points: int) -> tuple[np.ndarray, Solution]:
+    """Distances from the apex and the state of a sphere under the load of Hertz' contact radius."""
+    height, r = sphere(points, CELL, SPHERE_RADIUS)
+    contact = rough_contact(height, CELL, 1.0, HardWall(), boundary="free")
+    return r, contact.step(contact.separated(), HERTZ_FORCE / CELL**2)
+
+
+def hertz_pressure(r: np.ndarray) -> np.ndarray:
+    """Hertz' pressure at distances from the apex, over its largest."""
+    return np.sqrt(np.clip(1 - (r / CONTACT_RADIUS) ** 2, 0, None))
+
+
 def hertz_errors(points: int) -> np.ndarray:
     """Errors of contact radius, approach, peak pressure, rms pressure and elastic energy, in units of Hertz' values."""
-    radius, contact_radius, size = 1.0, 0.1, 0.4
-    force = 4 * contact_radius**3 / (3 * radius)
-    height, r = sphere(points, size, radius)
-    contact = rough_contact(height, size, 1.0, HardWall(), boundary="free")
-    found = contact.step(contact.separated(), force / size**2)
-    peak = 2 * contact_radius / (np.pi * radius)
-    expected = peak * np.sqrt(np.clip(1 - (r / contact_radius) ** 2, 0, None))
+    r, found = hertz(points)
+    approach = CONTACT_RADIUS**2 / SPHERE_RADIUS
     return np.array(
         [
-            np.sqrt(np.mean(found.pressure > 0) * size**2 / np.pi) / contact_radius - 1,
-            -found.plane / (contact_radius**2 / radius) - 1,
-            found.pressure.max() / peak - 1,
-            np.sqrt(np.mean((found.pressure - expected) ** 2)) / peak,
-            found.elastic_energy * size**2 / (0.4 * force * contact_radius**2 / radius) - 1,
+            np.sqrt(np.mean(found.pressure > 0) * CELL**2 / np.pi) / CONTACT_RADIUS - 1,
+            -found.plane / approach - 1,
+            found.pressure.max() / HERTZ_PEAK - 1,
+            np.sqrt(np.mean((found.pressure / HERTZ_PEAK - hertz_pressure(r)) ** 2)),
+            found.elastic_energy * CELL**2 / (0.4 * HERTZ_FORCE * approach) - 1,
         ]
     )
 
 
-def print_hertz() -> None:
-    print("| points over 4 radii | radius | approach | peak pressure | rms pressure | elastic energy |")
+@styled
+def hertz_figure(errors: np.ndarray) -> Figure:
+    """Pressure over the distance from the apex on the coarsest grids, and how the errors fall."""
+    figure = Figure(figsize=(DOUBLE, 2.8), layout="constrained")
+    left, right = figure.subplots(1, 2)
+    line = np.linspace(0, CONTACT_RADIUS, 300)
+    for points, marker, colour in ((HERTZ_POINTS[0], "o", COLOURS[0]), (HERTZ_POINTS[1], "x", COLOURS[1])):
+        r, found = hertz(points)
+        near = r < 1.2 * CONTACT_RADIUS
+        pressures = found.pressure[near] / HERTZ_PEAK
+        left.plot(r[near] / CONTACT_RADIUS, pressures, marker, color=colour, ms=3.5, label=f"{points}² points")
+    left.plot(line / CONTACT_RADIUS, hertz_pressure(line), "k", lw=0.8, label="Hertz")
+    left.set(xlabel="distance from the apex / contact radius", ylabel="pressure / Hertz' largest")
+    left.legend()
+    spacings = [CELL / CONTACT_RADIUS / points for points in HERTZ_POINTS]
+    for name, column, colour in zip(HERTZ_ERRORS, np.abs(errors).T, COLOURS, strict=False):
+        right.loglog(spacings, column, "o-", ms=3.5, color=colour, label=name)
+    right.set(xlabel="spacing / contact radius", ylabel="relative error")
+    right.set_xticks(spacings, [f"1/{round(1 / spacing)}" for spacing in spacings])
+    right.minorticks_off()
+    right.legend()
+    return figure
+
+
+def print_hertz(errors: np.ndarray) -> None:
+    print(f"| points over 4 radii | {' | '.join(HERTZ_ERRORS)} |")
     print("|---|---|---|---|---|---|")
-    errors = np.array([hertz_errors(points) for points in HERTZ_POINTS])
     for points, row in zip(HERTZ_POINTS, errors, strict=True):
         print(f"| {points} | {' | '.join(f'{100 * error:+.3f} %' for error in row)} |")
     steps = np.log2(HERTZ_POINTS[-1] / HERTZ_POINTS[0])

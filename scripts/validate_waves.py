@@ -7,6 +7,7 @@ grid stands for it, and with adhesion the differences from one range to the next
 open, by the linear solution, where the pressure in the deepest hollow has become the law's greatest tension.
 
     python scripts/validate_waves.py one     # along one axis
+    python scripts/validate_waves.py one --figure docs/images/waves.png
     python scripts/validate_waves.py two     # crossed
 """
 
@@ -14,12 +15,15 @@ import argparse
 import itertools
 import sys
 from collections.abc import Iterator, Sequence
+from pathlib import Path
 
 import numpy as np
+from matplotlib.figure import Figure
 from scipy.optimize import brentq
 
 from bem_adhesion import Exponential, HardWall, TractionLaw, rough_contact
 from bem_adhesion.solution import Solution
+from contact_study.plots.style import COLOURS, DOUBLE, RESOLUTION, styled
 from theory import references as reference
 
 AMPLITUDE = 0.01  # of wavelength and modulus 1
@@ -79,22 +83,37 @@ def adhesive_law(full: float, zone: float) -> Exponential:
     return Exponential(work, float(np.sqrt(zone * work)))
 
 
+def johnsons() -> float:
+    """His α, of the law's work of adhesion, whatever its range."""
+    full = reference.wave_full_contact_pressure(AMPLITUDE, 1.0, 1.0)
+    return reference.wave_adhesion(AMPLITUDE, 1.0, 1.0, adhesive_law(full, ZONES[0]).work_of_adhesion)
+
+
+def adhesive_wave_states(zone: float) -> np.ndarray:
+    """Area and mean gap over the amplitude on the path."""
+    full = reference.wave_full_contact_pressure(AMPLITUDE, 1.0, 1.0)
+    heights = wave(round(POINTS_PER_ZONE / zone))
+    states = path(heights, adhesive_law(full, zone), full * np.array(PATH))
+    return np.array([(np.mean(found.gap == 0), found.gap.mean() / AMPLITUDE) for found in states])
+
+
+def stable_branch() -> tuple[np.ndarray, np.ndarray]:
+    """Areas of Johnson's wave between the least pressure and the greatest, where it is stable, and the pressures."""
+    shares = np.linspace(0.01, 0.99, 1000)
+    curve = reference.wave_relative_pressure(shares, johnsons())
+    top = int(np.argmax(curve))
+    within = slice(int(np.argmin(curve[:top])), top + 1)
+    return shares[within], curve[within]
+
+
 def adhesive_wave_errors(zone: float) -> np.ndarray:
     """Errors of area and of mean gap over the amplitude on the path: Johnson's wave."""
-    full = reference.wave_full_contact_pressure(AMPLITUDE, 1.0, 1.0)
-    law = adhesive_law(full, zone)
-    adhesion = reference.wave_adhesion(AMPLITUDE, 1.0, 1.0, law.work_of_adhesion)
-    shares = np.linspace(0.01, 0.99, 1000)
-    curve = reference.wave_relative_pressure(shares, adhesion)
-    top = int(np.argmax(curve))  # beyond it, and below the least pressure before it, no state is stable
-    least, most = shares[np.argmin(curve[:top])], shares[top]
-    errors = []
-    heights = wave(round(POINTS_PER_ZONE / zone))
-    for pressure, found in zip(PATH, path(heights, law, full * np.array(PATH)), strict=True):
-        area = brentq(lambda a, p=pressure: reference.wave_relative_pressure(a, adhesion) - p, least, most)
-        gap = reference.wave_relative_mean_gap(area, pressure)
-        errors.append((np.mean(found.gap == 0) - area, found.gap.mean() / AMPLITUDE - gap))
-    return np.array(errors)
+    shares, _ = stable_branch()
+    expected = []
+    for pressure in PATH:
+        area = brentq(lambda a, p=pressure: reference.wave_relative_pressure(a, johnsons()) - p, shares[0], shares[-1])
+        expected.append((area, reference.wave_relative_mean_gap(area, pressure)))
+    return adhesive_wave_states(zone) - np.array(expected)
 
 
 def crossed_states(points: int) -> np.ndarray:
@@ -155,17 +174,51 @@ def print_table(head: str, sizes: Sequence[float], words: Sequence[str], errors:
     print(f"| order | {' | '.join(f'{order(sizes, column):.1f}' for column in errors.T)} |\n")
 
 
+@styled
+def wave_figure(errors: np.ndarray, adhesive_errors: np.ndarray) -> Figure:
+    """Areas over pressures beside the closed forms, and how the errors of both waves fall."""
+    figure = Figure(figsize=(DOUBLE, 2.8), layout="constrained")
+    left, right = figure.subplots(1, 2)
+    full = reference.wave_full_contact_pressure(AMPLITUDE, 1.0, 1.0)
+    pressures = np.linspace(0, 1, 200)
+    left.plot(pressures, reference.wave_relative_area(pressures), "0.5", label="Westergaard")
+    found = [np.mean(each.pressure > 0) for each in path(wave(POINTS[-1]), HardWall(), full * np.array(PRESSURES))]
+    left.plot(PRESSURES, found, "o", color=COLOURS[0], ms=4, label=f"solver, {POINTS[-1]} points")
+    areas, curve = stable_branch()
+    left.plot(curve, areas, "k--", label=f"Johnson, α = {ADHESION:g}")
+    found = adhesive_wave_states(ZONES[-1])[:, 0]
+    left.plot(PATH, found, "s", color=COLOURS[1], ms=4, label=f"solver, zone 1/{round(1 / ZONES[-1])}")
+    left.set(
+        xlabel="mean pressure over that of full contact", ylabel="contact area", xlim=(-0.08, 1.02), ylim=(0, 1.02)
+    )
+    left.legend()
+    for column, name in enumerate(("area", "mean gap / amplitude")):
+        colour = COLOURS[column]
+        right.loglog([1 / points for points in POINTS], errors[:, column], "o-", color=colour, ms=4, label=name)
+        right.loglog(ZONES, adhesive_errors[:, column], "s--", color=colour, ms=4, label=f"{name}, adhesion")
+    right.set(xlabel="spacing, or process zone, over the wavelength", ylabel="rms error", ylim=(3e-7, None))
+    ticks = sorted({*ZONES, *(1 / points for points in POINTS)})
+    right.set_xticks(ticks, [f"1/{round(1 / tick)}" for tick in ticks])
+    right.minorticks_off()
+    right.legend(loc="lower right")
+    return figure
+
+
 def main(arguments: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("what", choices=("one", "two"), help="waves along one axis or crossed")
+    parser.add_argument("--figure", type=Path, help="draw areas and errors, too (one)")
     given = parser.parse_args(arguments)
     spacings = [1 / points for points in POINTS]
     zones = [f"1/{round(1 / zone)}" for zone in ZONES]
     if given.what == "one":
         errors = np.array([root_mean_square(wave_errors(points)) for points in POINTS])
         print_table("points, no adhesion", spacings, [str(points) for points in POINTS], errors)
-        errors = np.array([root_mean_square(adhesive_wave_errors(zone)) for zone in ZONES])
-        print_table("process zone / wavelength", ZONES, zones, errors)
+        adhesive = np.array([root_mean_square(adhesive_wave_errors(zone)) for zone in ZONES])
+        print_table("process zone / wavelength", ZONES, zones, adhesive)
+        if given.figure is not None:
+            wave_figure(errors, adhesive).savefig(given.figure, dpi=RESOLUTION)
+            print(given.figure, file=sys.stderr)
         return 0
     errors = crossed_errors(POINTS, 2 * POINTS[-1])
     print_table("points, no adhesion", spacings, [f"{points}²" for points in POINTS], errors)

@@ -21,6 +21,7 @@ from scripts import (
     sphere_path,
     validate_energies,
     validate_spheres,
+    validate_waves,
 )
 from theory import LennardJones104, PerssonTheory, SelfAffineSpectrum, criteria, edge_flow, separation_curve
 from theory import references as reference
@@ -195,6 +196,21 @@ def test_spheres_against_closed_forms(capsys):
         assert float(cells[6]) == pytest.approx(pull_off, abs=6e-4)  # three digits
         assert abs(float(cells[8])) < 2
         assert abs(float(cells[9])) < 0.02
+
+
+def test_figures_of_closed_forms_have_the_solver_on_them():
+    """To twice the errors that the page's tables have, the coarsest grid's pressures and the widest zone's areas."""
+    sphere, wave = (np.ones((4, count)) for count in (5, 2))
+    left, right = validate_spheres.hertz_figure(sphere).axes
+    coarse, *_, hertz = (line.get_xydata() for line in left.lines)
+    inside = coarse[coarse[:, 0] < 0.9]
+    np.testing.assert_allclose(inside[:, 1], np.interp(*inside.T[:1], *hertz.T), atol=0.02)
+    assert [len(line.get_xdata()) for line in right.lines] == [4] * 5
+    left, right = validate_waves.wave_figure(wave, wave).axes
+    westergaard, found, johnson, sticking = (line.get_xydata() for line in left.lines)
+    np.testing.assert_allclose(found[:, 1], np.interp(found[:, 0], *westergaard.T), atol=0.01)
+    np.testing.assert_allclose(sticking[:, 1], np.interp(sticking[:, 0], *johnson.T), atol=0.03)
+    assert [line.get_label() for line in right.lines][1] == "area, adhesion"
 
 
 def test_spheres_are_read_as_they_were_written(tmp_path, capsys):
