@@ -16,6 +16,7 @@ from bem_adhesion.lennard_jones_passes import LennardJonesPasses
 from bem_adhesion.tangent import PINNED
 from bem_adhesion.window_passes import WindowPasses
 from contact_study.problem.laws.base import TractionLaw
+from contact_study.problem.laws.dugdale import Dugdale
 from contact_study.problem.laws.exponential import Exponential
 from contact_study.problem.laws.lennard_jones import LennardJones
 
@@ -112,6 +113,23 @@ class ExponentialPasses(WallPasses):
         return total
 
 
+class DugdalePasses(WallPasses):
+    """Dugdale's law, by one exponential and one logarithm a point."""
+
+    law: Dugdale
+
+    def evaluate(self, gap, traction, stiffness):
+        law, total = self.law, 0.0
+        for here in blocks(gap):
+            past = (gap[here] - law.length) / law.width
+            fading = np.exp(-np.abs(past))
+            share = 1 / (1 + fading)
+            np.multiply(law.plateau * share, np.where(past > 0, fading, 1.0), out=traction[here])
+            np.multiply(-law.plateau / law.width * share**2, fading, out=stiffness[here], casting="same_kind")
+            total += float(np.sum(np.log1p(fading)) - np.sum(past, where=past < 0))
+        return -law.plateau * law.width * total
+
+
 def passes_of(law: TractionLaw, largest: float = 1.0, window: Window | None = None) -> LawPasses:
     """The passes of a law, compiled ones where there are any.
 
@@ -133,4 +151,6 @@ def _passes_of(law: TractionLaw, largest: float) -> LawPasses:
         return LennardJonesPasses(law)
     if isinstance(law, Exponential):
         return ExponentialPasses(law, largest)
+    if isinstance(law, Dugdale):
+        return DugdalePasses(law, largest)
     return WallPasses(law, largest) if law.has_wall else LawPasses(law)

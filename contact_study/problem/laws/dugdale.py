@@ -48,33 +48,35 @@ class Dugdale(TractionLaw):
     ramp: float = RAMP
 
     @property
-    def _width(self) -> float:
+    def width(self) -> float:
+        """w of the ramp (m)."""
         return self.ramp * self.length
 
     def _past(self, gap):
         """(u − h)/w."""
-        return (np.asarray(gap) - self.length) / self._width
+        return (np.asarray(gap) - self.length) / self.width
 
     @property
-    def _plateau(self) -> float:
-        return self.work_of_adhesion / (self._width * float(np.logaddexp(0, 1 / self.ramp)))
+    def plateau(self) -> float:
+        """σ0 (Pa)."""
+        return self.work_of_adhesion / (self.width * float(np.logaddexp(0, 1 / self.ramp)))
 
     def potential(self, gap):
         x = self._past(gap)
         # ln(1 + e^−x), for complex gaps too, without overflow.
         rest = np.log1p(np.exp(np.where(np.real(x) > 0, -x, x)))
-        return -self._plateau * self._width * (rest + np.where(np.real(x) > 0, 0, -x))
+        return -self.plateau * self.width * (rest + np.where(np.real(x) > 0, 0, -x))
 
     def _held(self, gap):
         """1/(1 + e^x), to the last digit far out too, where a core still compares with it."""
         return np.exp(-np.logaddexp(0, self._past(gap)))
 
     def traction(self, gap):
-        return self._plateau * self._held(gap)
+        return self.plateau * self._held(gap)
 
     def stiffness(self, gap):
         held = self._held(gap)
-        return -self._plateau / self._width * held * (1 - held)
+        return -self.plateau / self.width * held * (1 - held)
 
     @property
     def peak_distance(self) -> float:
@@ -82,4 +84,4 @@ class Dugdale(TractionLaw):
 
     @property
     def strongest_softening(self) -> float:
-        return 0.25 * self._plateau / self._width
+        return 0.25 * self.plateau / self.width
