@@ -1,5 +1,6 @@
 """The paper's study is run as it should be, and its tables say what its datasets hold."""
 
+import os
 import time
 
 import numpy as np
@@ -59,7 +60,8 @@ def test_commands_run_beside_each_other_and_the_first_failure_stops_all(tmp_path
     monkeypatch.setattr("sys.executable", str(tmp_path / "python"))
     first, second = tmp_path / "first", tmp_path / "second"
     assert reproduce_yang2008.run([[["quick", first]], [["odd"], ["quick", second]]]) == 2
-    assert int(second.read_text()) > int(first.read_text()), "behind the first lane"
+    # The tests themselves may run at a low priority.
+    assert (int(first.read_text()), int(second.read_text())) == (os.nice(0), 19), "behind the first lane"
     began = time.monotonic()
     assert reproduce_yang2008.run([[["slow"], ["quick", tmp_path / "never"]], [["wrong"], ["slow"]]]) == 3
     assert time.monotonic() - began < 30  # half of the sleep that is cut short
