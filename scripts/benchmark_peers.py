@@ -3,8 +3,8 @@
 The codes are Tamaas (PolonskyKeerRey), ContactMechanics (constrained conjugate gradients of Polonsky and Keer) and
 Adhesion (bound-constrained conjugate gradients, and L-BFGS-B for a soft wall), from PyPI: ``pip install
 'bem-adhesion[peers]'``. Every code takes the heights and returns a state, each with one thread, in turn (ours, theirs,
-ours, theirs …); times are CPU times of the process, medians of three
-runs or, of codes that take longer than half a minute, one. Units: E* = 1, cell 1, rms slope 1.
+ours, theirs …); times are CPU times of the process, medians of three runs or, of codes that take longer than half a
+minute, one. Units: E* = 1, cell 1, rms slope 1.
 
 The error is formed from the returned state by the same lines for all codes. Of a pressure on a hard wall: Σ p g over
 Σ p × rms height, g the gap above its least, which bounds the distance to the least energy, and the relative error of

@@ -20,7 +20,7 @@ from pathlib import Path
 
 import numpy as np
 
-from bem_adhesion import HardWall, TractionLaw, rough_contact
+from bem_adhesion import HardWall, rough_contact
 from contact_study.fields.fourier import RealTransform
 from contact_study.problem.lattice import lattice_of
 from contact_study.problem.study import read_study
@@ -50,18 +50,19 @@ def transform_pair(points: int, threads: int) -> Callable[[], object]:
 
 def hard_wall(points: int, threads: int) -> Callable[[], object]:
     """The paper's surface without adhesion, from separation."""
-    return _solve(points, threads, HardWall())
+    return _solve(points, threads, adheres=False)
 
 
 def adhesive(points: int, threads: int) -> Callable[[], object]:
     """The same at ε0."""
-    return _solve(points, threads, read_study(_STUDY).cases[0].law)
+    return _solve(points, threads, adheres=True)
 
 
-def _solve(points: int, threads: int, law: TractionLaw) -> Callable[[], object]:
+def _solve(points: int, threads: int, adheres: bool) -> Callable[[], object]:
     case = read_study(_STUDY).cases[0]
     surface = realise(case)
     heights = surface.heights((points, points))
+    law = case.law if adheres else HardWall()
     contact = rough_contact(heights, surface.size, case.solid, law, threads=threads)
     return lambda: contact.step(contact.separated(), _PRESSURE)
 

@@ -83,7 +83,7 @@ def adhesive_law(full: float, zone: float) -> Exponential:
     return Exponential(work, float(np.sqrt(zone * work)))
 
 
-def johnsons() -> float:
+def johnson_parameter() -> float:
     """His α, of the law's work of adhesion, whatever its range."""
     full = reference.wave_full_contact_pressure(AMPLITUDE, 1.0, 1.0)
     return reference.wave_adhesion(AMPLITUDE, 1.0, 1.0, adhesive_law(full, ZONES[0]).work_of_adhesion)
@@ -100,7 +100,7 @@ def adhesive_wave_states(zone: float) -> np.ndarray:
 def stable_branch() -> tuple[np.ndarray, np.ndarray]:
     """Areas of Johnson's wave between the least pressure and the greatest, where it is stable, and the pressures."""
     shares = np.linspace(0.01, 0.99, 1000)
-    curve = reference.wave_relative_pressure(shares, johnsons())
+    curve = reference.wave_relative_pressure(shares, johnson_parameter())
     top = int(np.argmax(curve))
     within = slice(int(np.argmin(curve[:top])), top + 1)
     return shares[within], curve[within]
@@ -109,9 +109,10 @@ def stable_branch() -> tuple[np.ndarray, np.ndarray]:
 def adhesive_wave_errors(zone: float) -> np.ndarray:
     """Errors of area and of mean gap over the amplitude on the path: Johnson's wave."""
     shares, _ = stable_branch()
+    adhesion = johnson_parameter()
     expected = []
     for pressure in PATH:
-        area = brentq(lambda a, p=pressure: reference.wave_relative_pressure(a, johnsons()) - p, shares[0], shares[-1])
+        area = brentq(lambda a, p=pressure: reference.wave_relative_pressure(a, adhesion) - p, shares[0], shares[-1])
         expected.append((area, reference.wave_relative_mean_gap(area, pressure)))
     return adhesive_wave_states(zone) - np.array(expected)
 

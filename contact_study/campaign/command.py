@@ -120,7 +120,7 @@ def _main(model: Model, arguments: Sequence[str]) -> int:
     if unknown:
         options = [f"--{section}.{name}" for section, name, *_ in all_keys()]
         name = unknown[0].removeprefix("--").partition("=")[0]
-        meant = replacement(name).replace("use ", "use --") or suggestion(unknown[0], options)
+        meant = replacement(name, "--") or suggestion(unknown[0], options)
         raise InputError(f"unknown argument {unknown[0]}{meant}; see --help")
     output = None if given.output is None else named_file(given.output)
     overrides = {

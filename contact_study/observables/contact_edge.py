@@ -29,18 +29,19 @@ def edge_sides(contact: np.ndarray, periodic: bool = True) -> tuple[int, int]:
     return along_x, along_y
 
 
-def _corrected(area: np.ndarray, periodic: bool) -> float:
-    """Share of the points that are of an area, freed of what whole points add."""
-    return max(float(np.mean(area)) - OVERCOUNT * sum(edge_sides(area, periodic)) / area.size, 0.0)
+def _corrected(area: np.ndarray, sides: tuple[int, int]) -> float:
+    """Share of the points that are of an area, freed of what whole points add along its sides."""
+    return max(float(np.mean(area)) - OVERCOUNT * sum(sides) / area.size, 0.0)
 
 
 def _read(state: InterfaceState, _: Bins) -> dict[str, Value]:
+    pressed = state.pressure > 0
+    along_x, along_y = edge_sides(state.contact, state.periodic)
     values: dict[str, Value] = {
-        "corrected_contact_area": _corrected(state.contact, state.periodic),
-        "corrected_repulsive_area": _corrected(state.pressure > 0, state.periodic),
+        "corrected_contact_area": _corrected(state.contact, (along_x, along_y)),
+        "corrected_repulsive_area": _corrected(pressed, edge_sides(pressed, state.periodic)),
     }
     if state.spacing is not None:
-        along_x, along_y = edge_sides(state.contact, state.periodic)
         dy, dx = state.spacing
         values["contact_perimeter"] = np.pi / 4 * (along_x * dx + along_y * dy) / (state.contact.size * dy * dx)
     return values

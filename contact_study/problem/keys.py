@@ -317,9 +317,12 @@ _ELSEWHERE = dict.fromkeys(
 )
 
 
-def replacement(dotted: str) -> str:
-    """The key that stands in another section or under another name, for the end of a message; empty if none does."""
-    return f" (use {_ELSEWHERE[dotted]})" if dotted in _ELSEWHERE else ""
+def replacement(dotted: str, mark: str = "") -> str:
+    """The key that stands in another section or under another name, for the end of a message; empty if none does.
+
+    ``mark`` stands before the key: "--" of options.
+    """
+    return f" (use {mark}{_ELSEWHERE[dotted]})" if dotted in _ELSEWHERE else ""
 
 
 def suggestion(given: Any, known: Iterable[str]) -> str:

@@ -8,6 +8,9 @@ from contact_study.observables.base import Ensemble, InterfaceState
 from contact_study.problem.case import Case
 from contact_study.problem.surface import Surface
 
+# Of an interrupted run whose arrays a restart cannot be made of.
+OTHER_VERSION = "what the interrupted run has kept is of another version of this program; drop it with --overwrite"
+
 # Point number -> gap field (y, x) on any grid over the same rectangle (m), None where there is no such state.
 Predictor = Callable[[int], np.ndarray | None]
 

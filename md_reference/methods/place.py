@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from contact_study.problem.errors import InputError
+from md_reference.methods.base import OTHER_VERSION
 from md_reference.newtonian import Motion
 from md_reference.random_state import generator_of, packed
 
@@ -88,9 +89,7 @@ class Place:
             If a version of this program packed it that kept other numbers.
         """
         if arrays["series"].shape[1] != len(Frame._fields):
-            raise InputError(
-                "what the interrupted run has kept is of another version of this program; drop it with --overwrite"
-            )
+            raise InputError(OTHER_VERSION)
         top, top_velocity, time = map(float, arrays["rigid"])
         point, touched, frame, frames, steps = map(int, arrays["counts"])
         motion = Motion(arrays["displacement"].copy(), arrays["velocity"].copy(), top, top_velocity, time)

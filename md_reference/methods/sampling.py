@@ -12,7 +12,7 @@ from contact_study.problem.surface import Surface
 from md_reference.contact import AtomisticContact
 from md_reference.methods import quasi_static
 from md_reference.methods.arrival import mean_load_missing
-from md_reference.methods.base import Predictor
+from md_reference.methods.base import OTHER_VERSION, Predictor
 from md_reference.random_state import generator_of, packed
 from md_reference.solution import Equilibrium, Outcome
 from md_reference.system import build_contact, interface_state
@@ -119,9 +119,7 @@ class _Chain:
             If a version of this program packed it that kept no pressures.
         """
         if "pressures" not in arrays:
-            raise InputError(
-                "what the interrupted run has kept is of another version of this program; drop it with --overwrite"
-            )
+            raise InputError(OTHER_VERSION)
         time_step = float(arrays["sampler"][0])
         trajectories, accepted, evaluations, converged = map(int, arrays["counts"])
         spectrum = np.ascontiguousarray(arrays["spectrum"]).view(np.complex128)

@@ -64,30 +64,27 @@ class Parts:
                 f"{self.folder} holds the steps of an unfinished run; continue it with --resume "
                 "or drop it with --overwrite"
             )
-        try:
-            return dict(load_json(self._manifest))
-        except (OSError, ValueError, TypeError):
-            return {}
+        return self._claimed()
 
     @property
     def _manifest(self) -> Path:
         return self.folder / "manifest.json"
 
+    def _claimed(self) -> dict[str, Any]:
+        """What :meth:`claim` wrote; empty if nothing readable says it."""
+        try:
+            return dict(load_json(self._manifest))
+        except (OSError, ValueError, TypeError):
+            return {}
+
     def belong_to(self, attributes: Mapping[str, Any]) -> bool:
         """Whether the folder, if there is one, holds steps of the run with these attributes."""
-        try:
-            there = dict(load_json(self._manifest))
-        except (OSError, ValueError, TypeError):
-            return False
+        there = self._claimed()
         return all(there.get(name) == value for name, value in attributes.items())
 
     def replaces(self) -> str | None:
         """What the steps are to replace, as :meth:`claim` was told; None for nothing."""
-        try:
-            there = load_json(self._manifest)
-            return None if there[_REPLACES] is None else str(there[_REPLACES])
-        except (OSError, ValueError, TypeError, KeyError):
-            return None
+        return self._claimed().get(_REPLACES)
 
     def claim(self, attributes: Mapping[str, Any], replaces: str | None = None) -> None:
         """Write what the steps belong to, and the history of the dataset at the output that they are to replace."""

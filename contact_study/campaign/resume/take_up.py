@@ -60,24 +60,28 @@ def finished_at(parts: Parts, *, resume: bool, overwrite: bool) -> Finished | No
     output = parts.output
     if not output.exists() or overwrite:
         return None
-    if resume and parts.replaces() == history_of(output):
-        return None
     if not resume:
         raise InputError(f"{output} exists; use --overwrite to replace it or --resume to continue its run")
-    try:
-        with xr.open_dataset(output) as dataset:
-            return Finished(output, dict(dataset.attrs))
-    except (OSError, ValueError):
-        raise InputError(f"{output} exists and is no readable dataset; use --overwrite or another output") from None
+    attributes = _attributes_at(output)
+    if parts.replaces() == _history(attributes):
+        return None
+    if attributes is None:
+        raise InputError(f"{output} exists and is no readable dataset; use --overwrite or another output")
+    return Finished(output, attributes)
 
 
-def history_of(output: Path) -> str:
-    """What was asked for the dataset at an output, and when; empty of what is no dataset."""
+def _attributes_at(output: Path) -> dict[str, Any] | None:
+    """Global attributes of the dataset at an output; None of what is no dataset."""
     try:
         with xr.open_dataset(output) as dataset:
-            return str(dataset.attrs.get("history", ""))
+            return dict(dataset.attrs)
     except (OSError, ValueError):
-        return ""
+        return None
+
+
+def _history(attributes: Mapping[str, Any] | None) -> str:
+    """What was asked for a dataset, and when; empty of what is none."""
+    return str((attributes or {}).get("history", ""))
 
 
 def take_up(
@@ -134,7 +138,7 @@ def take_up(
             store.drop_steps(target, min(found.steps, usable))
             if found.anew and not store.step_numbers(target):
                 notes.append(_anew(run, number, found.anew))
-    replaced = history_of(parts.output) if finished is None and parts.output.exists() else None
+    replaced = _history(_attributes_at(parts.output)) if finished is None and parts.output.exists() else None
     parts.claim({**run.attributes, "git_commit": git_commit}, replaced)
     damaged = parts.drop_damaged()
     if damaged:
