@@ -10,7 +10,7 @@ import numpy as np
 
 from bem_adhesion.operator import MakeOperator, Operator
 from contact_study.fields.grid import Grid
-from contact_study.fields.halving import HALVINGS, HalvedInverse, Inverse, can_be_halved
+from contact_study.fields.halving import HALVINGS, SHORT_WAVES, HalvedInverse, Inverse, can_be_halved
 
 
 class Bed(Inverse, Protocol):
@@ -56,20 +56,29 @@ class HalvedBed(HalvedInverse[Bed]):
         The solid there, which owns the buffer of ``coarser``.
     largest : float
         Largest eigenvalue of K on the finer grid (Pa/m).
+    short_waves : float
+        ω of :class:`HalvedInverse`.
     """
 
-    def __init__(self, field: np.ndarray, coarser: Bed, operator: Operator, largest: float):
-        super().__init__(field, coarser, largest)
+    def __init__(self, field: np.ndarray, coarser: Bed, operator: Operator, largest: float, short_waves: float):
+        super().__init__(field, coarser, largest, short_waves)
         self._operator = operator
 
     def equivalent_pairs(self, grid: Grid) -> float:
         return self._operator.equivalent_pairs(grid) + self._coarser.equivalent_pairs(grid)
 
 
-def bed_under(operator: Operator, make_operator: MakeOperator, shift: float, halvings: int = HALVINGS) -> Bed:
+def bed_under(
+    operator: Operator,
+    make_operator: MakeOperator,
+    shift: float,
+    short_waves: float = SHORT_WAVES,
+    halvings: int = HALVINGS,
+) -> Bed:
     """The bed for an operator in float32, with its long waves on a coarser grid where that saves work."""
     rows, columns = operator.grid.shape
     if not (halvings and can_be_halved((rows, columns))):
         return FullBed(operator, shift)
     coarse = make_operator(operator.grid.with_shape((rows // 2, columns // 2)), np.float32)
-    return HalvedBed(operator.field, bed_under(coarse, make_operator, shift, halvings - 1), coarse, operator.largest)
+    coarser = bed_under(coarse, make_operator, shift, short_waves, halvings - 1)
+    return HalvedBed(operator.field, coarser, coarse, operator.largest, short_waves)

@@ -45,14 +45,18 @@ class HalvedInverse(Generic[_Coarser]):
         The inverse on half the resolution, of as many components.
     largest : float or numpy.ndarray
         Largest stiffness of each component on the finer grid.
+    short_waves : float, optional
+        ω.
     """
 
-    def __init__(self, field: np.ndarray, coarser: _Coarser, largest: float | np.ndarray):
+    def __init__(
+        self, field: np.ndarray, coarser: _Coarser, largest: float | np.ndarray, short_waves: float = SHORT_WAVES
+    ):
         self.field = field
         self._coarser = coarser
         self._components = _components(field)
         self._coarse_components = _components(coarser.field)
-        self._short = np.atleast_1d(SHORT_WAVES / largest).astype(np.float32)
+        self._short = np.atleast_1d(short_waves / largest).astype(np.float32)
 
     def apply_and_sum(self) -> float:
         """Apply the inverse to :attr:`field`; returns the inner product of field and result."""
