@@ -41,7 +41,7 @@ CLOSEST_PREDICTION = 0.85
 # the second number.
 LAG, LEAST_LAG = 0.05, 1e-4
 # Largest relative change of a gap on the rest of the way; where the tangent asks for more a fold is near.
-TANGENT_LIMIT = 0.1
+TANGENT_LIMIT = 0.3
 # Steps on the rest of the way. One leaves a residual of 3e-4; with so many points to a process zone of the coarse grid
 # that is more than interpolation leaves on the finer one (2e-5; with half as many points 2e-3), and two more pay: at ε0
 # and 2048² points 28 pairs a load step in place of 41.

@@ -48,7 +48,7 @@ def test_measures_of_a_gap(height, law):
 
 def test_measures_of_a_pressure(height):
     problem = Problem(height, HardWall())
-    pressure, pairs = ours(problem)
+    pressure, pairs = ours(problem, "Tamaas")
     exact = measured(problem, pressure)
     assert exact.error < 1e-9
     assert pairs > 1
@@ -90,7 +90,7 @@ def test_rows_come_from_a_file(tmp_path, capsys):
 
 def test_a_code_s_state_is_measured_not_ours(height):
     problem = Problem(height, HardWall())
-    pressure, _ = ours(problem)
+    pressure, _ = ours(problem, "Tamaas")
     found = benchmark_peers.compared(problem, "none", lambda asked: np.full_like(asked.height, MEAN_PRESSURE), 1)
     assert found["area"] == np.mean(pressure > 0)
     assert found["their_area"] == 1.0
@@ -116,7 +116,7 @@ def test_public_codes_find_the_same_states():
     lines = [[cell.strip() for cell in line.strip("| ").split(" | ")] for line in printed.splitlines()[2:]]
     assert len(lines) == 22
     for problem, _, code, error, their_error, area, their_area, energies, *_ in lines:
-        assert float(error) < 2e-8
+        assert float(error) < 3e-7  # what ours are asked for beside Adhesion, the least of all
         if "Maugis" in problem or "strong" in problem:
             continue  # their law ends at a point; strong adhesion has several states
         assert float(their_error) < 2e-6, code
