@@ -5,14 +5,19 @@ that does not depend on the machine's speed), and the costliest step. ``--times`
 and the seconds of a step, which do. Where adhesion is strong the counts depend on rounding: another plan of the
 transforms changes them by some per cent.
 
+``--anew`` takes every load but the first from separation, too, in one step, and sets its pairs beside those of the step
+from the state before: sums over the path, how many steps were dearer than anew, by how many pairs at most, and in how
+many steps anew ends in another state (gaps that differ by a thousandth of the law's length).
+
     python scripts/benchmark_adhesive.py data/yang2008.toml --points 256 400 --surfaces 6 4
+    python scripts/benchmark_adhesive.py data/yang2008.toml --points 256 512 --surfaces 2 --anew
 """
 
 import argparse
 import sys
 import time
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import astuple, dataclass
 from pathlib import Path
 
 import numpy as np
@@ -25,6 +30,11 @@ from contact_study.problem.study import read_study
 from contact_study.problem.surface import realise
 
 PRESSURES = np.array([0.1, 0.2, 0.5, 1, 2, 5, 10]) * 1e9
+# Gaps that differ by less, in units of the law's length, are those of one state: residuals over the softest stiffness.
+SAME = 1e-3
+HEAD_ANEW = (
+    "| points (seeds) | adhesion | steps | pairs a path | anew | dearer than anew | by (median, most) | other state |"
+)
 
 
 class TimedTransform(RealTransform):
@@ -70,6 +80,51 @@ def cost_of_path(case: Case, pressures: np.ndarray) -> PathCost:
     return PathCost(np.array(pairs), converged, time.perf_counter() - began, TimedTransform.seconds)
 
 
+@dataclass(frozen=True)
+class BesideAnew:
+    """Transform pairs of each step but the first, from the state before and from separation; whether states differ."""
+
+    pairs: np.ndarray
+    anew: np.ndarray
+    differs: np.ndarray
+
+
+def beside_anew(case: Case, pressures: np.ndarray) -> BesideAnew:
+    """Load one case through the pressures (Pa), and to each of them from separation."""
+    surface = realise(case)
+    contact = LoadedContact(surface.sampled, surface.grid, case.material.contact_modulus, case.law)
+    state = contact.step(contact.separated(), pressures[0]).state
+    found = []
+    for pressure in pressures[1:]:
+        step, anew = contact.step(state, pressure), contact.step(contact.separated(), pressure)
+        state = step.state
+        difference = np.abs(anew.gap - step.gap).max()
+        found.append((step.fft_pairs, anew.fft_pairs, difference > SAME * case.law.length))
+    pairs, pairs_anew, differs = np.array(found).T
+    return BesideAnew(pairs, pairs_anew, differs.astype(bool))
+
+
+def line_beside_anew(points: int, surfaces: int, ratio: float, paths: Sequence[BesideAnew]) -> str:
+    """One grid's and one adhesion's row of the other table."""
+    pairs, anew, differs = (np.concatenate(parts) for parts in zip(*map(astuple, paths), strict=True))
+    dearer = (pairs - anew)[pairs > anew]
+    cells = [
+        f"{points}² ({_seeds(surfaces)})",
+        f"{ratio:g} ε₀",
+        f"{pairs.size}",
+        f"{pairs.sum() / len(paths):.0f}",
+        f"{anew.sum() / len(paths):.0f}",
+        f"{dearer.size}",
+        f"{np.median(dearer):.0f}, {dearer.max():.0f}" if dearer.size else "–",
+        f"{np.count_nonzero(differs)}",
+    ]
+    return f"| {' | '.join(cells)} |"
+
+
+def _seeds(surfaces: int) -> str:
+    return f"1{f'–{surfaces}' if surfaces > 1 else ''}"
+
+
 def parser() -> argparse.ArgumentParser:
     made = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     made.add_argument("study", type=Path, nargs="?", default=Path("data/yang2008.toml"), help="study file")
@@ -83,6 +138,7 @@ def parser() -> argparse.ArgumentParser:
     )
     made.add_argument("--ratios", type=float, nargs="+", default=[1, 4, 8], help="multiples of the well depth")
     made.add_argument("--times", action="store_true", help="add columns that depend on the machine")
+    made.add_argument("--anew", action="store_true", help="every step beside one from separation, in another table")
     return made
 
 
@@ -91,6 +147,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     counts = given.surfaces * len(given.points) if len(given.surfaces) == 1 else given.surfaces
     if len(counts) != len(given.points):
         parser().error(f"--surfaces: {len(counts)} numbers for {len(given.points)} grids; give one, or one for each")
+    if given.anew:
+        print_beside_anew(given, counts)
+        return 0
     head = " | ".join(f"{ratio:g} ε₀ | worst" for ratio in given.ratios)
     print(f"| points (seeds) | {head} |" + (" transforms | s a step |" if given.times else ""))
     print("|---" * (1 + 2 * len(given.ratios) + (2 if given.times else 0)) + "|")
@@ -105,16 +164,31 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return 0
 
 
+def print_beside_anew(given: argparse.Namespace, counts: Sequence[int]) -> None:
+    """The table of steps beside ones from separation."""
+    print(HEAD_ANEW + "\n" + "|---" * 8 + "|")
+    for points, surfaces in zip(given.points, counts, strict=True):
+        for ratio in given.ratios:
+            cases = [one_case(given.study, points, seed, ratio) for seed in range(1, surfaces + 1)]
+            paths = [beside_anew(case, PRESSURES) for case in cases]
+            print(line_beside_anew(points, surfaces, ratio, paths), flush=True)
+
+
 def cost(study: Path, points: int, seed: int, ratio: float) -> PathCost:
     """Cost of the path on one surface of a study, at one adhesion."""
+    return cost_of_path(one_case(study, points, seed, ratio), PRESSURES)
+
+
+def one_case(study: Path, points: int, seed: int, ratio: float) -> Case:
+    """One surface of a study, at one adhesion."""
     overrides = {"surface.shape": [points, points], "surface.seed": seed, "interaction.well_depth_ratio": ratio}
     (case,) = read_study(study, overrides).cases
-    return cost_of_path(case, PRESSURES)
+    return case
 
 
 def line(points: int, surfaces: int, costs: dict[float, list[PathCost]], times: bool) -> str:
     """One grid's row of the table."""
-    cells = [f"{points}² (1{f'–{surfaces}' if surfaces > 1 else ''})"]
+    cells = [f"{points}² ({_seeds(surfaces)})"]
     for paths in costs.values():
         pairs = np.array([path.pairs for path in paths])
         medians = " ".join(f"{value:.0f}" for value in np.median(pairs, axis=0))

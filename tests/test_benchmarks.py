@@ -1,6 +1,7 @@
 """The benchmarks print what they measure."""
 
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -37,6 +38,27 @@ def test_worst_and_median_of_the_benchmark():
     ]
     found = benchmark_adhesive.line(64, 3, {4.0: costs}, times=True)
     assert found == "| 64² (1–3) | 20 40 | 90 (not converged) | 50 % | 1.000 |"
+
+
+def test_steps_beside_ones_from_separation(capsys):
+    assert benchmark_adhesive.main(["--points", "32", "40", "--surfaces", "2", "1", "--ratios", "1", "--anew"]) == 0
+    head, _, *rows = capsys.readouterr().out.splitlines()
+    assert head == benchmark_adhesive.HEAD_ANEW
+    cells = [[cell.strip() for cell in row.strip("|").split("|")] for row in rows]
+    assert [row[:3] for row in cells] == [["32² (1–2)", "1 ε₀", "12"], ["40² (1)", "1 ε₀", "6"]]
+    for row in cells:
+        assert 6 < int(row[3]) < 2000
+        assert 6 < int(row[4]) < 2000
+
+
+def test_what_the_step_from_the_state_before_costs_more():
+    first = benchmark_adhesive.BesideAnew(np.array([20.0, 30.0, 50]), np.array([10.0, 40, 30]), np.array([0, 1, 0]) > 0)
+    second = benchmark_adhesive.BesideAnew(np.array([35.0, 5.0]), np.array([5.0, 5.0]), np.array([True, False]))
+    found = benchmark_adhesive.line_beside_anew(64, 2, 4.0, [first, second])
+    # Dearer by 10, 20 and 30; one of five is as dear, one cheaper.
+    assert found == "| 64² (1–2) | 4 ε₀ | 5 | 70 | 45 | 3 | 20, 30 | 2 |"
+    alike = benchmark_adhesive.line_beside_anew(64, 1, 1.0, [replace(second, anew=second.pairs)])
+    assert alike == "| 64² (1) | 1 ε₀ | 2 | 40 | 40 | 0 | – | 1 |"
 
 
 def test_surfaces_are_given_for_every_grid(capsys):
