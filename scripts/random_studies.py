@@ -7,7 +7,8 @@ of a viscoelastic solid, of steps of its own or of a tabulated stiffness. Of eve
   K(q) or the displacement of a cell, and from the law's own functions: none of the solver's passes, kernels or sums;
 - the energies it reports are their definitions';
 - no small random change, rough or smooth, that a wall allows may lower the energy: it is a minimum;
-- a second start, from the state after such a change, must come back to it;
+- a second start, from the state after such a change, must come back to it; next to a fold (counted as "narrow") from a
+  hundredth of the change;
 - and what else makes a state of its kind, see the modules of ``scripts/state_checks``.
 
 A state that is none of that is wrong; one that is flagged is counted, and no fault.
@@ -65,8 +66,8 @@ def _main(arguments: Sequence[str] | None) -> int:
         for subject in verdict.subjects:
             subjects.setdefault(subject, Tally()).add(verdict)
         total.add(verdict)
-    print("| studies of | studies | states | detached | flagged | wrong | worst balance | worst return |")
-    print("|---|---|---|---|---|---|---|---|")
+    print("| studies of | studies | states | detached | flagged | narrow | wrong | worst balance | worst return |")
+    print("|---|---|---|---|---|---|---|---|---|")
     for name, tally in [*sorted(laws.items()), ("all", total), *sorted(subjects.items())]:
         print(tally.row(name))
     return 1 if total.wrong else 0

@@ -21,6 +21,9 @@ ALLOWED = 2e-8
 ROUNDING = 1e-9
 CHANGES = (0, 2, 6)  # widths, in points, of the random changes
 CHANGE = 1e-3  # their size over the law's length
+# Next to a fold the minimum is narrower than that: from so much less of a change the solver must come back.
+NARROW = 1e-2
+RETURNED = 1e-3  # gaps over the law's length that are those of one state
 
 
 @dataclass(frozen=True)
@@ -132,14 +135,16 @@ def check(
         verdict.faults.append(f"{where}: out of balance by {rest / modulus:.1e} E*")
     _check_load(surfaces, found, target, where, verdict)
     _check_changes(surfaces, found, rng, where, verdict)
-    second = again(disturbed(surfaces, found, rng))
-    if not second.converged or second.detached:
-        verdict.faults.append(f"{where}: a second start: {second.message}")
-        return
-    error = float(np.abs(second.gap - found.gap).max()) / surfaces.length
-    verdict.return_error = max(verdict.return_error, error)
-    if error > 1e-3:
-        verdict.faults.append(f"{where}: a second start ends {error:.1e} lengths away")
+    for share in (1.0, NARROW):
+        second = again(disturbed(surfaces, found, rng, share))
+        held = second.converged and not second.detached
+        error = float(np.abs(second.gap - found.gap).max()) / surfaces.length if held else np.inf
+        if error <= RETURNED:
+            verdict.return_error = max(verdict.return_error, error)
+            verdict.narrow += share < 1
+            return
+    ends = f"ends {error:.1e} lengths away" if np.isfinite(error) else second.message
+    verdict.faults.append(f"{where}: a second start: {ends}")
 
 
 def check_energies(surfaces: Surfaces, found: Point, target: float, compression: float, verdict: Verdict) -> None:
@@ -176,13 +181,13 @@ def imbalance(surfaces: Surfaces, found: Point) -> float:
     return float(max(np.abs(interface[free]).max(initial=0.0), pulled, np.abs(elastic).max()))
 
 
-def disturbed(surfaces: Surfaces, found: Point, rng: np.random.Generator) -> np.ndarray:
+def disturbed(surfaces: Surfaces, found: Point, rng: np.random.Generator, share: float = 1.0) -> np.ndarray:
     """A state next to another: of a wall alone its pressure, else the displacement of points that touch no wall."""
     if surfaces.bare:
-        return found.state * rng.uniform(0.9, 1.1, found.state.shape)
+        return found.state * (1 + share * rng.uniform(-0.1, 0.1, found.state.shape))
     state = found.state.copy()
     rows, columns = found.gap.shape
-    away = CHANGE * np.minimum(surfaces.law.length, np.abs(found.gap)) * rng.uniform(-1, 1, found.gap.shape)
+    away = share * CHANGE * np.minimum(surfaces.law.length, np.abs(found.gap)) * rng.uniform(-1, 1, found.gap.shape)
     state[:rows, :columns] += away
     return state
 

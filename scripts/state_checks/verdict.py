@@ -24,6 +24,7 @@ class Verdict:
     detached: int = 0
     flagged: list[str] = field(default_factory=list)
     faults: list[str] = field(default_factory=list)
+    narrow: int = 0
     balance: float = 0.0
     return_error: float = 0.0
 
@@ -36,6 +37,7 @@ class Tally:
     states: int = 0
     detached: int = 0
     flagged: int = 0
+    narrow: int = 0
     wrong: int = 0
     balance: float = 0.0
     return_error: float = 0.0
@@ -46,6 +48,7 @@ class Tally:
         self.states += verdict.states
         self.detached += verdict.detached
         self.flagged += len(verdict.flagged)
+        self.narrow += verdict.narrow
         self.wrong += len(verdict.faults)
         self.balance = max(self.balance, verdict.balance)
         self.return_error = max(self.return_error, verdict.return_error)
@@ -53,6 +56,6 @@ class Tally:
     def row(self, name: str) -> str:
         """A line of the table."""
         return (
-            f"| {name} | {self.studies} | {self.states} | {self.detached} | {self.flagged} | {self.wrong} | "
-            f"{self.balance:.0e} | {self.return_error:.0e} |"
+            f"| {name} | {self.studies} | {self.states} | {self.detached} | {self.flagged} | {self.narrow} | "
+            f"{self.wrong} | {self.balance:.0e} | {self.return_error:.0e} |"
         )
