@@ -38,9 +38,11 @@ COARSE_TOLERANCE, COARSE_TOLERANCE_AT_WALL = 3e-4, 1e-2
 CLOSEST_PREDICTION = 0.85
 # How far a prediction stays behind the load, in units of the law's peak stress: so much for a coarse grid of one point
 # to the process zone, less with the fourth power of the points (the sampled law converges fast), but never less than
-# the second number.
+# the second number. With 0.02 in place of the first two of 2160 steps at 8 ε0 (160² points) end in another state than
+# on one grid, with 0.05 none; with 0.2 and 1e-3 paths at 1024² and 4 ε0 take two fifths more pairs.
 LAG, LEAST_LAG = 0.05, 1e-4
-# Largest relative change of a gap on the rest of the way; where the tangent asks for more a fold is near.
+# Largest relative change of a gap on the rest of the way; where the tangent asks for more a fold is near. With 0.1
+# three paths at 1024² and 8 ε0 take 7 % more pairs.
 TANGENT_LIMIT = 0.3
 # Steps on the rest of the way. One leaves a residual of 3e-4; with so many points to a process zone of the coarse grid
 # that is more than interpolation leaves on the finer one (2e-5; with half as many points 2e-3), and two more pay: at ε0
