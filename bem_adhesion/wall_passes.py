@@ -24,6 +24,11 @@ from contact_study.problem.laws.lennard_jones import LennardJones
 # from the rounding of single precision.
 HELD = 1e3
 
+# Exponents below it are raised to it: where an exponential rounds to zero it takes fourteen times as long.
+LEAST_EXPONENT = -700.0
+# Beside one, in double precision.
+NO_SUMMAND = 1e-17
+
 
 @njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "arcp", "nsz"})
 def _gradient(pressing, gap, traction, pressure, margin, held, right_side, curvature):
@@ -106,6 +111,7 @@ class ExponentialPasses(WallPasses):
         law, total = self.law, 0.0
         for here in blocks(gap):
             tension = np.multiply(gap[here], -1 / law.length, out=traction[here])
+            np.maximum(tension, LEAST_EXPONENT, out=tension)
             np.exp(tension, out=tension)
             tension *= law.work_of_adhesion / law.length
             np.multiply(tension, -1 / law.length, out=stiffness[here], casting="same_kind")
@@ -122,11 +128,14 @@ class DugdalePasses(WallPasses):
         law, total = self.law, 0.0
         for here in blocks(gap):
             past = (gap[here] - law.length) / law.width
-            fading = np.exp(-np.abs(past))
+            exponent = np.maximum(-np.abs(past), LEAST_EXPONENT)
+            fading = np.exp(exponent, out=exponent)
             share = 1 / (1 + fading)
-            np.multiply(law.plateau * share, np.where(past > 0, fading, 1.0), out=traction[here])
-            np.multiply(-law.plateau / law.width * share**2, fading, out=stiffness[here], casting="same_kind")
-            total += float(np.sum(np.log1p(fading)) - np.sum(past, where=past < 0))
+            faded = share * fading
+            np.multiply(law.plateau, np.where(past > 0, faded, share), out=traction[here])
+            np.multiply(-law.plateau / law.width * share, faded, out=stiffness[here], casting="same_kind")
+            # Off the ramp, where most points are, the logarithm is none.
+            total += float(np.log1p(fading[fading > NO_SUMMAND]).sum() - np.minimum(past, 0.0).sum())
         return -law.plateau * law.width * total
 
 

@@ -10,6 +10,7 @@ from bem_adhesion.loading import LoadedContact
 from bem_adhesion.solution import Outcome
 from bem_adhesion.wall_passes import WallPasses, passes_of
 from contact_study.fields.grid import Grid
+from contact_study.problem.laws.dugdale import Dugdale
 from contact_study.problem.laws.exponential import Exponential
 from tests.bem_adhesion.paper_system import E_STAR
 from tests.bem_adhesion.rough_surfaces import self_affine
@@ -268,15 +269,18 @@ def test_adhesive_wave_follows_johnson():
         assert found.gap.mean() / amplitude == pytest.approx(mean_gap, abs=0.015)
 
 
-def test_compiled_pass_equals_the_functions_of_the_law():
-    law = Exponential(0.69, RANGE)
+@pytest.mark.parametrize("law", [Exponential(0.69, RANGE), Dugdale(0.69, RANGE, 0.02)])
+def test_compiled_pass_equals_the_functions_of_the_law(law):
     passes = passes_of(law)
     assert isinstance(passes, WallPasses)
-    gap = RANGE * np.concatenate([[0.0], np.geomspace(1e-6, 30, 40)]).reshape(1, -1)
-    one, two = (np.empty((2, *gap.shape)) for _ in range(2))
-    assert passes.evaluate(gap, *one) == pytest.approx(LawPasses(law).evaluate(gap, *two), rel=1e-13)
-    np.testing.assert_allclose(one[0], two[0], rtol=1e-12)
-    np.testing.assert_allclose(one[1], two[1], rtol=1e-8)  # the default's differences
+    # On the ramp, and to where an exponential is less than the smallest number.
+    gap = RANGE * np.concatenate([[0.0], np.geomspace(1e-6, 30, 40), np.linspace(0.5, 1.5, 41), [800.0, 1e5]])
+    one, two = (np.empty((2, 1, gap.size)) for _ in range(2))
+    assert passes.evaluate(gap[None], *one) == pytest.approx(LawPasses(law).evaluate(gap[None], *two), rel=1e-13)
+    # Sums beside one round where a tension is the rest of it; the pass lets none fall below e⁻⁷⁰⁰ of the peak.
+    np.testing.assert_allclose(one[0], two[0], rtol=1e-11, atol=1e-290)
+    # The defaults take differences.
+    np.testing.assert_allclose(one[1], two[1], rtol=1e-8, atol=1e-10 * np.abs(two[1]).max())
 
 
 def test_a_start_inside_the_wall_is_refused():
