@@ -41,8 +41,8 @@ CLOSEST_PREDICTION = 0.85
 # the second number. With 0.02 in place of the first two of 2160 steps at 8 ε0 (160² points) end in another state than
 # on one grid, with 0.05 none; with 0.2 and 1e-3 paths at 1024² and 4 ε0 take two fifths more pairs.
 LAG, LEAST_LAG = 0.05, 1e-4
-# Largest relative change of a gap on the rest of the way; where the tangent asks for more a fold is near. With 0.3 three
-# paths at 1024² and 8 ε0 take 6 % fewer pairs, and one of 609 steps at ε0 (160² points) pulls off too early.
+# Largest relative change of a gap on the rest of the way; where the tangent asks for more a fold is near. With 0.3
+# three paths at 1024² and 8 ε0 take 6 % fewer pairs, and one of 609 steps at ε0 (160² points) pulls off too early.
 TANGENT_LIMIT = 0.1
 # Steps on the rest of the way. One leaves a residual of 3e-4; with so many points to a process zone of the coarse grid
 # that is more than interpolation leaves on the finer one (2e-5; with half as many points 2e-3), and two more pay: at ε0
