@@ -126,7 +126,9 @@ class LoadedContact:
             self._spring = float(solid.stiffness_on(self._grid).max())
         elif control == "approach":
             self._spring = solid.mean_stiffness_on(self._grid)
-        self._contact = MultilevelContact(self._grid, periodic(solid, self._spring, threads), self._law, shift, window)
+        make_operator = periodic(solid, self._spring, threads)
+        squares = solid.on_any_grid
+        self._contact = MultilevelContact(self._grid, make_operator, self._law, shift, window, squares=squares)
         self._heights = HeightLoad.on(self._contact.finest.solid, height, 1 / self._length)
 
     def _typical_wavenumber(self) -> float:

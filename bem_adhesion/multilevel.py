@@ -93,7 +93,8 @@ def _touch(coarse, fine):
 class MultilevelContact:
     """An :class:`AdhesiveContact` whose load steps are predicted on coarser grids where these resolve the law.
 
-    Parameters as for :class:`AdhesiveContact`. The coarser grids lie in memory that the finest does without meanwhile.
+    Parameters as for :class:`AdhesiveContact`, and whether the solid is known on squares of the grid. The coarser grids
+    lie in memory that the finest does without meanwhile.
     """
 
     def __init__(
@@ -104,11 +105,13 @@ class MultilevelContact:
         shift: float,
         window: Window | None = None,
         memory: Memory | None = None,
+        squares: bool = True,
     ):
         self.finest = AdhesiveContact(grid, make_operator, law, shift, window, memory)
         idle = self.finest.idle
         # A square is periodic and held by its rim alone: not under free boundaries, nor with a spring on its mean.
-        if window is None and self.finest.solid.mean_stiffness == 0 and LocalRelaxation.fits(grid):
+        squares = squares and window is None and self.finest.solid.mean_stiffness == 0
+        if squares and LocalRelaxation.fits(grid):
             self.finest.relaxation = LocalRelaxation(grid, make_operator, law, shift, Memory(idle))
         self.points_per_process_zone = process_zone(1.0, law) / max(grid.spacing)
         self.coarser: MultilevelContact | None = None
@@ -116,7 +119,7 @@ class MultilevelContact:
         even = grid.shape[0] % 2 == 0 and grid.shape[1] % 2 == 0
         if even and min(half.shape) >= FEWEST_POINTS and self.points_per_process_zone >= 2 * POINTS_FOR_PREDICTION:
             coarse_window = None if window is None else window.halved
-            self.coarser = MultilevelContact(half, make_operator, law, shift, coarse_window, Memory(idle))
+            self.coarser = MultilevelContact(half, make_operator, law, shift, coarse_window, Memory(idle), squares)
 
     def equivalent_pairs(self, grid: Grid) -> float:
         """Transform pairs done so far on all grids, as float64 pairs on ``grid``."""

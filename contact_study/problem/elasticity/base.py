@@ -30,8 +30,14 @@ class Elasticity(ABC):
     ------
     ValueError
         If it is not a positive finite number.
+
+    Attributes
+    ----------
+    on_any_grid : bool
+        Whether K is known at the waves of any grid, of part of a surface for one.
     """
 
+    on_any_grid: ClassVar[bool] = True
     contact_modulus: float
 
     def __post_init__(self) -> None:

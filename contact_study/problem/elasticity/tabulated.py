@@ -29,6 +29,7 @@ class Tabulated(Elasticity):
         If the table does not fit the grid or holds what is no stiffness.
     """
 
+    on_any_grid = False
     grid: Grid
     table: np.ndarray
 
