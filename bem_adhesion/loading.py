@@ -127,8 +127,9 @@ class LoadedContact:
         elif control == "approach":
             self._spring = solid.mean_stiffness_on(self._grid)
         make_operator = periodic(solid, self._spring, threads)
-        squares = solid.on_any_grid
-        self._contact = MultilevelContact(self._grid, make_operator, self._law, shift, window, squares=squares)
+        self._contact = MultilevelContact(
+            self._grid, make_operator, self._law, shift, window, squares=solid.on_any_grid
+        )
         self._heights = HeightLoad.on(self._contact.finest.solid, height, 1 / self._length)
 
     def _typical_wavenumber(self) -> float:

@@ -65,10 +65,15 @@ class PathCost:
     transform_seconds: float
 
 
+def contact_of(case: Case) -> LoadedContact:
+    """The contact that a case is about."""
+    surface = realise(case)
+    return LoadedContact(surface.sampled, surface.grid, case.material.contact_modulus, case.law)
+
+
 def cost_of_path(case: Case, pressures: np.ndarray) -> PathCost:
     """Load one case from separation through the pressures (Pa)."""
-    surface = realise(case)
-    contact = LoadedContact(surface.sampled, surface.grid, case.material.contact_modulus, case.law)
+    contact = contact_of(case)
     state = contact.step(contact.separated(), pressures[0]).displacement  # compiles
     state, pairs, converged = contact.separated(), [], True
     TimedTransform.seconds, began = 0.0, time.perf_counter()
@@ -91,8 +96,7 @@ class BesideAnew:
 
 def beside_anew(case: Case, pressures: np.ndarray) -> BesideAnew:
     """Load one case through the pressures (Pa), and to each of them from separation."""
-    surface = realise(case)
-    contact = LoadedContact(surface.sampled, surface.grid, case.material.contact_modulus, case.law)
+    contact = contact_of(case)
     state = contact.step(contact.separated(), pressures[0]).state
     found = []
     for pressure in pressures[1:]:
