@@ -59,3 +59,7 @@ __all__ = [
     "__version__",
     "rough_contact",
 ]
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

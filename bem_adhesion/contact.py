@@ -22,8 +22,26 @@ class Contact(Protocol):
     def separated(self) -> np.ndarray:
         """The state of surfaces out of reach of each other, where a path begins, shape (y, x)."""
 
-    def step(self, state: np.ndarray, target: float) -> Solution:
-        """The state that follows from one under a new load, a mean pressure (Pa) or a mean gap (m)."""
+    def step(self, state: np.ndarray | Solution, target: float) -> Solution:
+        """The state that follows from one under a new load.
+
+        Parameters
+        ----------
+        state : numpy.ndarray or Solution
+            :meth:`separated`, or the solution of an earlier step, or its ``state``.
+        target : float
+            Mean pressure (Pa), mean gap or approach (m), as ``control`` of :func:`rough_contact` says.
+
+        Returns
+        -------
+        Solution
+            The state; whether it converged it says itself.
+
+        Raises
+        ------
+        ValueError
+            If the target is no finite number or the state is none of this contact.
+        """
 
     def stiffness(self, solution: Solution) -> float:
         """−dp/dū of a state of this contact (Pa/m), by its linearised equations."""
@@ -79,7 +97,7 @@ def rough_contact(
     >>> height = 1e-10 * np.random.default_rng(0).standard_normal((32, 32))
     >>> contact = rough_contact(height, 10e-9, 93.7e9, LennardJones104(work_of_adhesion=0.1, length=3.28e-10))
     >>> pressed = contact.step(contact.separated(), 1e9)
-    >>> pulled = contact.step(pressed.state, -0.1e9)
+    >>> pulled = contact.step(pressed, -0.1e9)
     >>> bool(pressed.converged and pulled.gap.mean() > pressed.gap.mean())
     True
     """

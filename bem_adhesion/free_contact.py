@@ -9,6 +9,7 @@ from bem_adhesion.free_boundary import FreeHalfSpace, Window, padded_grid
 from bem_adhesion.hard_wall import HardWallContact
 from bem_adhesion.loading import LoadedContact
 from bem_adhesion.solution import Solution
+from contact_study.fields.arguments import step_arguments
 from contact_study.fields.grid import Grid
 from contact_study.problem.elasticity import Elasticity, elasticity_of
 from contact_study.problem.elasticity.half_space import HalfSpace
@@ -74,13 +75,13 @@ class FreeContact:
         """The state of surfaces out of reach of each other, on the padded grid."""
         return self._padded.separated()
 
-    def step(self, state: np.ndarray, target: float) -> Solution:
+    def step(self, state: np.ndarray | Solution, target: float) -> Solution:
         """The state that follows from one under a new load.
 
         Parameters
         ----------
-        state : numpy.ndarray, shape (2 ny, 2 nx)
-            ``Solution.state`` of an earlier step, or :meth:`separated`.
+        state : numpy.ndarray, shape (2 ny, 2 nx), or Solution
+            The solution of an earlier step, its ``state``, or :meth:`separated`.
         target : float
             Mean pressure (Pa) or approach (m), as ``control`` says.
 
@@ -90,6 +91,7 @@ class FreeContact:
             Fields on the grid of the surface, the state on the padded one; ``plane`` is where the half-space's
             surface would be undeformed.
         """
+        state, target = step_arguments(self.control, target, state, self._grid.shape)
         return self._cropped(self._padded.step(state, target * self._share if self.control == "pressure" else target))
 
     def stiffness(self, solution: Solution) -> float:

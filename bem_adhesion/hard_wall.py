@@ -12,7 +12,7 @@ from bem_adhesion.arguments import check_arguments
 from bem_adhesion.pressed_wall import PressedWall
 from bem_adhesion.solution import Outcome, Solution
 from bem_adhesion.wall_search import pressed_until
-from contact_study.fields.arguments import check_step
+from contact_study.fields.arguments import step_arguments
 from contact_study.fields.grid import Grid
 from contact_study.problem.elasticity import Elasticity, elasticity_of
 
@@ -78,14 +78,14 @@ class HardWallContact(PressedWall):
         super().__init__(height, grid, solid, tolerance, max_iterations, threads, hardness, unit)
         self.control = control
 
-    def step(self, state: np.ndarray, target: float) -> Solution:
+    def step(self, state: np.ndarray | Solution, target: float) -> Solution:
         """The contact at a load. It is unique: the state to start from is a matter of work alone.
 
         Parameters
         ----------
-        state : numpy.ndarray, shape grid.shape
-            ``Solution.state`` of a similar contact, or :meth:`separated`: a pressure (Pa). It is the start, in place of
-            the coarser grids, where its mean is near to the one asked for.
+        state : numpy.ndarray, shape grid.shape, or Solution
+            The solution of a similar contact, its ``state``, or :meth:`separated`: a pressure (Pa). It is the start,
+            in place of the coarser grids, where its mean is near to the one asked for.
         target : float
             Mean pressure, >= 0 (Pa), mean gap, >= 0 (m), or approach (m), as ``control`` says: how far the solid has
             come beyond the place where, undeformed, its surface touches the highest point. Above the gap of first
@@ -103,7 +103,7 @@ class HardWallContact(PressedWall):
             If the target is negative or not finite, is a pressure not below the hardness, or the state has another
             shape.
         """
-        check_step(self.control, target, state, self.grid.shape)
+        state, target = step_arguments(self.control, target, state, self.grid.shape)
         self._check_target(target)
         solve = {"pressure": self._at_pressure, "gap": self._at_gap, "approach": self._at_approach}[self.control]
         before = self._pairs()

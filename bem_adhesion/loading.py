@@ -21,7 +21,7 @@ from bem_adhesion.operator import periodic
 from bem_adhesion.roughness import typical_wavenumber
 from bem_adhesion.solution import NewtonResult, Outcome, Solution
 from bem_adhesion.wall_passes import passes_of
-from contact_study.fields.arguments import check_step
+from contact_study.fields.arguments import step_arguments
 from contact_study.fields.grid import Grid
 from contact_study.fields.inner_product import inner_product
 from contact_study.problem.elasticity import Elasticity, elasticity_of
@@ -140,13 +140,13 @@ class LoadedContact:
         """Displacement of the flat block just out of reach of the law (m)."""
         return np.full(self.height.shape, self.height.max() + self._reach)
 
-    def step(self, state: np.ndarray, target: float) -> Solution:
+    def step(self, state: np.ndarray | Solution, target: float) -> Solution:
         """The equilibrium that a state falls into under a new load.
 
         Parameters
         ----------
-        state : numpy.ndarray, shape grid.shape
-            ``Solution.state`` of an earlier step, or :meth:`separated`: a displacement (m).
+        state : numpy.ndarray, shape grid.shape, or Solution
+            The solution of an earlier step, its ``state``, or :meth:`separated`: a displacement (m).
         target : float
             Mean pressure (Pa), mean gap above the law's equilibrium distance (m) or approach (m), as ``control`` says:
             how far the solid has come beyond the place where, undeformed, its surface has the equilibrium distance to
@@ -157,7 +157,7 @@ class LoadedContact:
         ValueError
             If the target is not finite, or the state has another shape or touches or penetrates the surface.
         """
-        check_step(self.control, target, state, self.height.shape)
+        state, target = step_arguments(self.control, target, state, self.height.shape)
         gap = self._gap_of(state)
         self._check_start(self._window.inside(gap))
         out_of_reach = self._out_of_reach(gap)
@@ -302,6 +302,7 @@ class LoadedContact:
             pairs,
             result.outcome,
             max(0.0, -float(np.min(result.reaction))) if self.law.has_wall else None,
+            law=self.law,
         )
 
     def _pressure(self, gap: np.ndarray, reaction: np.ndarray | float) -> tuple[np.ndarray, float]:
@@ -326,4 +327,5 @@ class LoadedContact:
             iterations,
             pairs,
             outcome,
+            law=self.law,
         )

@@ -16,6 +16,7 @@ import numpy as np
 from bem_adhesion.free_contact import FreeContact
 from bem_adhesion.hard_wall import HardWallContact
 from bem_adhesion.solution import Solution
+from contact_study.fields.arguments import step_arguments
 
 MakeWall = Callable[..., HardWallContact | FreeContact]
 
@@ -36,20 +37,22 @@ class PlasticContact:
         self.height = height
         self._make_wall = make_wall
         self._unit = float(height.std()) or None
-        self._untouched = make_wall(height).separated()
+        wall = make_wall(height)
+        self._control = wall.control
+        self._untouched = wall.separated()
 
     def separated(self) -> np.ndarray:
         """The state without contact and without indentation, shape (2, …)."""
         return np.broadcast_to(0.0, (2, *self._untouched.shape))
 
-    def step(self, state: np.ndarray, target: float) -> Solution:
+    def step(self, state: np.ndarray | Solution, target: float) -> Solution:
         """The contact at a load that follows a state.
 
         Parameters
         ----------
-        state : numpy.ndarray, shape (2, …)
-            ``Solution.state`` of the step before, or :meth:`separated`: its pressure (Pa) and the indentation that it
-            leaves (m), the second deciding, the first a matter of work alone.
+        state : numpy.ndarray, shape (2, …), or Solution
+            The solution of the step before, its ``state``, or :meth:`separated`: its pressure (Pa) and the indentation
+            that it leaves (m), the second deciding, the first a matter of work alone.
         target : float
             Mean pressure, mean gap or approach, as the hard wall takes it; the approach from first touch of the
             surface before it yielded.
@@ -64,8 +67,7 @@ class PlasticContact:
         ValueError
             As the hard wall's; also if an indentation of the state is negative.
         """
-        if state.shape != (2, *self._untouched.shape):
-            raise ValueError(f"state has shape {state.shape}, this contact needs {(2, *self._untouched.shape)}")
+        state, target = step_arguments(self._control, target, state, (2, *self._untouched.shape))
         before = self._indentation(state)
         if before.min() < 0:
             raise ValueError("the state to start from has an indentation < 0")

@@ -16,6 +16,7 @@ from contact_study.fields.arguments import positive
 from contact_study.fields.grid import Grid
 from contact_study.fields.inner_product import inner_product
 from contact_study.problem.elasticity import Elasticity
+from contact_study.problem.laws import HardWall
 
 SIMILAR_LOAD = 16
 """Change of the mean pressure, as a fraction, times points along the longer side, up to which an earlier state is a
@@ -165,6 +166,7 @@ class PressedWall:
             outcome,
             complementarity_residual=beyond,
             plastic_indentation=indentation,
+            law=HardWall(),
         )
 
 

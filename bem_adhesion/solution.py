@@ -1,9 +1,12 @@
 """What a continuum solver returns, the same for the hard wall and for adhesion."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import Enum
 
 import numpy as np
+
+from contact_study.observables.base import in_two_lines
+from contact_study.problem.laws.base import TractionLaw
 
 
 class Outcome(Enum):
@@ -30,9 +33,11 @@ class Outcome(Enum):
     )
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Solution:
     """A state of the contact at one load.
+
+    Solutions compare by identity.
 
     Parameters
     ----------
@@ -66,6 +71,8 @@ class Solution:
         How far points have given way for good at the hardness, >= 0 (m): in this step, or of a
         :class:`~bem_adhesion.plastic.PlasticContact` in all steps; the surfaces are at heights less indentation plus
         gap. None where nothing has.
+    law : TractionLaw
+        The law of the interface, which says what counts as contact.
     """
 
     state: np.ndarray
@@ -81,6 +88,20 @@ class Solution:
     complementarity_residual: float | None = None
     plane: float | None = None
     plastic_indentation: np.ndarray | None = None
+    law: TractionLaw = field(kw_only=True)
+
+    def __repr__(self) -> str:
+        return in_two_lines(self)
+
+    @property
+    def relative_contact_area(self) -> float:
+        """Contact area over nominal area, by the law's own :attr:`~TractionLaw.contact_distance`."""
+        return float(np.mean(self.law.in_contact(self.gap, self.pressure, self.law.contact_distance)))
+
+    @property
+    def mean_gap(self) -> float:
+        """Mean of the gap less the law's equilibrium distance, as in datasets (m); infinite when detached."""
+        return float(np.mean(self.gap)) - self.law.equilibrium_distance
 
     @property
     def converged(self) -> bool:

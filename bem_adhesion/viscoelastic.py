@@ -23,7 +23,7 @@ import numpy as np
 from bem_adhesion.contact import Contact, rough_contact
 from bem_adhesion.solution import Solution
 from contact_study.fields import fourier
-from contact_study.fields.arguments import field, grid_of, positive
+from contact_study.fields.arguments import field, grid_of, positive, step_arguments
 from contact_study.problem.elasticity import HalfSpace, Viscoelastic
 from contact_study.problem.laws.base import TractionLaw
 
@@ -72,6 +72,7 @@ class ViscoelasticContact:
         self._wall = law.has_wall and not law.attracts
         self._moduli = np.array(solid.branch_moduli)
         self._times = np.array(solid.relaxation_times)
+        self._control = str(options.get("control", "pressure"))
         self._apart = self._make(self.height, solid.contact_modulus).separated()
 
     @property
@@ -87,14 +88,15 @@ class ViscoelasticContact:
         state[0] = 0.0 if self._wall else np.inf
         return state
 
-    def step(self, state: np.ndarray, target: float, duration: float) -> tuple[Solution, float]:
+    def step(self, state: np.ndarray | Solution, target: float, duration: float) -> tuple[Solution, float]:
         """The contact after a time in which the surface moves evenly.
 
         Parameters
         ----------
-        state : numpy.ndarray, shape (2 + branches, y, x)
-            ``Solution.state`` of the step before, or :meth:`separated`: where the solver starts from (the gap, infinite
-            if surfaces are apart; of a hard wall the pressure), the displacement u, and h_i of each branch (m).
+        state : numpy.ndarray, shape (2 + branches, y, x), or Solution
+            The solution of the step before, its ``state``, or :meth:`separated`: where the solver starts from (the gap,
+            infinite if surfaces are apart; of a hard wall the pressure), the displacement u, and h_i of each branch
+            (m).
         target : float
             Mean pressure (Pa) or mean gap (m) at the end of the step.
         duration : float
@@ -113,8 +115,8 @@ class ViscoelasticContact:
             If the duration is not positive, the state has another shape, or as the solver for elastic solids.
         """
         positive("duration", duration, "s")
-        if state.shape != (2 + self._moduli.size, *self.height.shape):
-            raise ValueError(f"state has shape {state.shape}, this contact needs {self.separated().shape}")
+        shape = (2 + self._moduli.size, *self.height.shape)
+        state, target = step_arguments(self._control, target, state, shape)
         start, before, carried = state[0], state[1], state[2:]
         shares = duration / self._times
         decay, gain = np.exp(-shares), -np.expm1(-shares) / shares

@@ -9,3 +9,7 @@ from md_reference.contact import AtomisticContact, rough_contact
 from md_reference.solution import Outcome, Solution
 
 __all__ = ["AtomisticContact", "Outcome", "Solution", "__version__", "rough_contact"]
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

@@ -5,7 +5,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from contact_study.fields import fourier
-from contact_study.fields.arguments import check_control, check_step, field, finite, grid_of, positive
+from contact_study.fields.arguments import check_control, field, finite, grid_of, positive, step_arguments
 from contact_study.problem.lattice import Lattice, lattice_of
 from md_reference.block import SurfaceStiffness, element_matrix, surface_stiffness
 from md_reference.equilibrium import EquilibriumSolver
@@ -82,13 +82,13 @@ class AtomisticContact:
         """A state to start from that has nearly this gap field, of any grid over the same rectangle (m)."""
         return predicted(self._heights, gap, self.interface.length)
 
-    def step(self, state: np.ndarray, target: float) -> Solution:
+    def step(self, state: np.ndarray | Solution, target: float) -> Solution:
         """The equilibrium that a state falls into under a new load.
 
         Parameters
         ----------
-        state : numpy.ndarray, shape (3, ny, nx)
-            ``Solution.state`` of an earlier step, :meth:`separated` or :meth:`predicted` (m).
+        state : numpy.ndarray, shape (3, ny, nx), or Solution
+            The solution of an earlier step, its ``state``, :meth:`separated` or :meth:`predicted` (m).
         target : float
             Mean pressure (Pa) or mean separation above r0 (m), as ``control`` says. From separation only a positive
             pressure, or a gap, leads to contact.
@@ -100,7 +100,7 @@ class AtomisticContact:
         InputError
             If a mean separation is so small that all atoms would be inside the substrate.
         """
-        check_step(self.control, target, state, self._apart.shape)
+        state, target = step_arguments(self.control, target, state, self._apart.shape)
         if self.control == "gap":
             found = self._solver.solve(at_mean_gap(self.interface, state, target + self._mean_height))
         else:
@@ -129,6 +129,7 @@ class AtomisticContact:
             force_evaluations=found.evaluations,
             fft_pairs=found.fft_pairs,
             outcome=found.outcome,
+            length=self.interface.length,
         )
 
 

@@ -5,6 +5,9 @@ from enum import Enum
 
 import numpy as np
 
+from contact_study.observables.base import in_two_lines
+from contact_study.problem.laws.base import CONTACT_DISTANCE
+
 
 class Outcome(Enum):
     """How a solve ended; the value is the sentence for the user."""
@@ -56,9 +59,11 @@ class Equilibrium:
         return self.outcome in (Outcome.CONVERGED, Outcome.DETACHED)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Solution:
     """A state of the contact at one load.
+
+    Solutions compare by identity.
 
     Attributes
     ----------
@@ -84,6 +89,8 @@ class Solution:
         Transform pairs of three components, a single-precision pair counted one half.
     outcome : Outcome
         How the solve ended.
+    length : float
+        r0 of the pair potential (m).
     """
 
     state: np.ndarray
@@ -99,6 +106,20 @@ class Solution:
     force_evaluations: int
     fft_pairs: float
     outcome: Outcome
+    length: float
+
+    def __repr__(self) -> str:
+        return in_two_lines(self)
+
+    @property
+    def relative_contact_area(self) -> float:
+        """Share of the atoms that are nearer to the surface than 2^(1/6) r0."""
+        return float(np.mean(self.gap < CONTACT_DISTANCE * self.length))
+
+    @property
+    def mean_gap(self) -> float:
+        """Mean of the gap less r0, as in datasets (m); infinite when detached."""
+        return float(np.mean(self.gap)) - self.length
 
     @property
     def converged(self) -> bool:

@@ -2,6 +2,7 @@
 
 import doctest
 import importlib
+import importlib.resources
 
 import numpy as np
 import pytest
@@ -17,6 +18,17 @@ from theory import LennardJones104, PerssonTheory, gap_flow, spectrum_of
 
 PACKAGES = ("contact_study", "bem_adhesion", "md_reference", "theory", "theory.references")
 HEIGHT = 5e-10 * np.random.default_rng(0).standard_normal((16, 24))
+
+
+@pytest.mark.parametrize("package", [*PACKAGES[:-1], "contact_study.plots"])
+def test_completion_offers_what_is_public(package):
+    module = importlib.import_module(package)
+    assert dir(module) == sorted(module.__all__)
+
+
+@pytest.mark.parametrize("package", PACKAGES[:-1])
+def test_packages_are_marked_as_typed(package):
+    assert importlib.resources.files(package).joinpath("py.typed").is_file()
 
 
 @pytest.mark.parametrize("package", PACKAGES)

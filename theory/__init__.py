@@ -56,3 +56,7 @@ __all__ = [
     "spectrum_of",
     "stickiness",
 ]
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

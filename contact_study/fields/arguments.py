@@ -3,6 +3,7 @@
 import math
 from collections.abc import Sequence
 from numbers import Real
+from typing import Any
 
 import numpy as np
 
@@ -40,12 +41,41 @@ def check_control(
     positive("max_iterations", max_iterations, "iterations")
 
 
-def check_step(control: str, target: float, state: np.ndarray, shape: tuple[int, ...]) -> None:
-    """Make sure that a load step has a finite target and a state of this shape; raises ValueError otherwise."""
-    if not np.isfinite(target):
-        raise ValueError(f"target = {target:g}: a mean {control} must be finite")
-    if state.shape != shape:
-        raise ValueError(f"state has shape {state.shape}, this contact needs {shape}")
+def step_arguments(control: str, target: float, state: Any, shape: tuple[int, ...]) -> tuple[np.ndarray, float]:
+    """The state and the target of a load step, checked.
+
+    Parameters
+    ----------
+    control : {"pressure", "gap", "approach"}
+        What the target is.
+    target : float
+        In Pa or m.
+    state : numpy.ndarray or solution
+        A solution stands for its ``state``.
+    shape : tuple of int
+        Shape that the state must have.
+
+    Raises
+    ------
+    ValueError
+        If the target is no finite number, or the state no array of that shape.
+    """
+    quantity, unit = {"pressure": ("mean pressure", "Pa"), "gap": ("mean gap", "m"), "approach": ("approach", "m")}[
+        control
+    ]
+    try:
+        number = math.nan if isinstance(target, str | bool) else float(target)
+    except (TypeError, ValueError):
+        number = math.nan
+    if not math.isfinite(number):
+        raise ValueError(f"target = {target!r}: a {quantity} must be a finite number, in {unit}")
+    start = getattr(state, "state", state)
+    if not isinstance(start, np.ndarray):
+        given = "None" if state is None else f"a {type(state).__name__}"
+        raise ValueError(f"state is {given}: give contact.separated(), or the solution of an earlier step")
+    if start.shape != shape:
+        raise ValueError(f"state has shape {start.shape}, this contact needs {shape}")
+    return start, number
 
 
 def field(name: str, values: object) -> np.ndarray:

@@ -15,6 +15,12 @@ class Solved(Protocol):
     """What the solutions of all solvers have."""
 
     @property
+    def pressure(self) -> np.ndarray: ...
+    @property
+    def relative_contact_area(self) -> float: ...
+    @property
+    def mean_gap(self) -> float: ...
+    @property
     def converged(self) -> bool: ...
     @property
     def detached(self) -> bool: ...
@@ -26,6 +32,16 @@ class Solved(Protocol):
     def fft_pairs(self) -> float: ...
     @property
     def message(self) -> str: ...
+
+
+def in_two_lines(solution: Solved) -> str:
+    """A solution for a person at a prompt."""
+    return (
+        f"<{type(solution).__name__}: mean pressure {np.mean(solution.pressure):.4g} Pa, relative contact area "
+        f"{solution.relative_contact_area:.4g}, mean gap {solution.mean_gap:.4g} m,\n "
+        f"{' x '.join(map(str, solution.pressure.shape))} points, residual {solution.residual:.1e}, "
+        f"{solution.iterations} iterations: {solution.message}>"
+    )
 
 
 @dataclass(frozen=True)

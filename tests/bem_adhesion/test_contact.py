@@ -4,10 +4,20 @@ import numpy as np
 import pytest
 
 import bem_adhesion
-from bem_adhesion import HardWall, Layer, LennardJones104, rough_contact
+import contact_study
+from bem_adhesion import (
+    Exponential,
+    HardWall,
+    Layer,
+    LennardJones104,
+    Viscoelastic,
+    ViscoelasticContact,
+    rough_contact,
+)
 from tests.bem_adhesion.rough_surfaces import CONTACT_MODULUS, SIZE, self_affine
 
 LAW = LennardJones104(work_of_adhesion=0.2, length=3.28e-10)
+HEIGHT = 3e-11 * np.random.default_rng(0).standard_normal((16, 16))
 
 
 @pytest.mark.parametrize("law", [LAW, HardWall()])
@@ -66,6 +76,78 @@ def test_bad_arguments_are_named(arguments, message):
     valid = {"height": np.zeros((8, 8)), "size": 1e-8, "elasticity": 1e9, "law": LAW}
     with pytest.raises(ValueError, match=message):
         rough_contact(**(valid | arguments))
+
+
+CONTACTS = {
+    "wall": lambda: rough_contact(HEIGHT, 7e-9, CONTACT_MODULUS, HardWall()),
+    "adhesive": lambda: rough_contact(HEIGHT, 7e-9, CONTACT_MODULUS, LAW),
+    "free": lambda: rough_contact(HEIGHT, 7e-9, CONTACT_MODULUS, HardWall(), boundary="free"),
+    "plastic": lambda: rough_contact(HEIGHT, 7e-9, CONTACT_MODULUS, HardWall(), hardness=2e10),
+    "viscoelastic": lambda: OfOneSecond(Viscoelastic(CONTACT_MODULUS, (1e10,), (1.0,))),
+}
+
+
+class OfOneSecond:
+    """A contact whose steps all take as long."""
+
+    def __init__(self, solid):
+        self._contact = ViscoelasticContact(HEIGHT, 7e-9, solid, LAW)
+        self.separated = self._contact.separated
+
+    def step(self, state, target):
+        return self._contact.step(state, target, 1.0)[0]
+
+
+@pytest.mark.parametrize("kind", CONTACTS)
+def test_a_step_follows_from_a_solution(kind):
+    contact = CONTACTS[kind]()
+    first = contact.step(contact.separated(), 1e9)
+    np.testing.assert_array_equal(contact.step(first, 2e9).gap, contact.step(first.state, 2e9).gap)
+
+
+@pytest.mark.parametrize("kind", CONTACTS)
+@pytest.mark.parametrize(
+    ("state", "target", "message"),
+    [
+        (None, 1e9, r"state is None: give contact\.separated\(\), or the solution of an earlier step"),
+        ("separated", 1e9, "state is a str"),
+        (np.zeros((3, 3)), 1e9, r"state has shape \(3, 3\)"),
+        ("apart", "1 GPa", "target = '1 GPa': a mean pressure must be a finite number, in Pa"),
+        ("apart", None, "target = None: a mean pressure"),
+        ("apart", [1e9, 2e9], r"target = \[1000000000.0, 2000000000.0\]: a mean pressure"),
+        ("apart", np.inf, "target = inf: a mean pressure"),
+    ],
+)
+def test_bad_states_and_targets_are_named(kind, state, target, message):
+    contact = CONTACTS[kind]()
+    with pytest.raises(ValueError, match=message):
+        contact.step(contact.separated() if isinstance(state, str) and state == "apart" else state, target)
+
+
+def test_a_solution_has_the_numbers_of_a_dataset_and_compares_by_identity():
+    study = {
+        "surface": {"heights": HEIGHT, "size": 7e-9},
+        "material": {"youngs_modulus": 0.91 * CONTACT_MODULUS, "poissons_ratio": 0.3},
+        "loading": {"path": ["1 GPa"]},
+    }
+    for law, keys in (
+        (LAW, {"work_of_adhesion": 0.2, "length": 3.28e-10}),
+        (Exponential(0.5, 1e-10), {"law": "exponential", "work_of_adhesion": 0.5, "length": 1e-10}),
+        (HardWall(), {"law": "hard_wall"}),
+    ):
+        contact = rough_contact(HEIGHT, 7e-9, CONTACT_MODULUS, law, tolerance=1e-8)
+        one, other = (contact.step(contact.separated(), 1e9) for _ in range(2))
+        dataset = contact_study.run(study | {"interaction": keys})
+        assert one.relative_contact_area == dataset.relative_contact_area.item() > 0
+        assert one.mean_gap == pytest.approx(dataset.mean_gap.item(), rel=1e-6)
+        assert one == one
+        assert one != other
+        assert len({one, other}) == 2
+        lines = repr(one).splitlines()
+        assert len(lines) == 2
+        assert max(map(len, lines)) < 120
+        assert f"relative contact area {one.relative_contact_area:.4g}, mean gap" in lines[0]
+        assert "converged" in lines[1]
 
 
 def test_all_that_is_exported_exists():

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import contact_study
-from bem_adhesion import Dugdale, LennardJones104, rough_contact
+from bem_adhesion import Dugdale, HardWall, LennardJones104, rough_contact
 from bem_adhesion.loading import reach
 from bem_adhesion.paths import Account, _passes_over_pull, _turns_too_sharply, account_of, follow
 from bem_adhesion.solution import Outcome, Solution
@@ -115,7 +115,7 @@ class Spring:
         fails = abs(target - state.mean()) > self.longest or target > self.largest
         at = np.full((2, 2), target)
         outcome = Outcome.ITERATION_LIMIT if fails else Outcome.CONVERGED
-        return Solution(at, at, 10 - at, at, 0.5 * target**2, 0.0, 0.0, 1, 1.0, outcome)
+        return Solution(at, at, 10 - at, at, 0.5 * target**2, 0.0, 0.0, 1, 1.0, outcome, law=HardWall())
 
 
 class Dropping(Spring):
@@ -127,7 +127,7 @@ class Dropping(Spring):
     def step(self, state, target):
         at = np.full((2, 2), target)
         energy = target**2 - target**3 / 3 - (target > 0.6) / 6
-        return Solution(at, at, at, at**2 - 2 * at, energy, 0.0, 0.0, 1, 1.0, Outcome.CONVERGED)
+        return Solution(at, at, at, at**2 - 2 * at, energy, 0.0, 0.0, 1, 1.0, Outcome.CONVERGED, law=HardWall())
 
 
 def test_a_jump_is_not_lost_in_what_the_rule_leaves_of_a_long_way():
@@ -150,7 +150,7 @@ class Passing(Spring):
         at = np.full((2, 2), target)
         pull = target * np.exp(1 - target)
         energy = np.e - (1 + target) * np.exp(1 - target)
-        return Solution(at, at, at, np.full((2, 2), -pull), energy, 0.0, 0.0, 1, 1.0, Outcome.CONVERGED)
+        return Solution(at, at, at, np.full((2, 2), -pull), energy, 0.0, 0.0, 1, 1.0, Outcome.CONVERGED, law=HardWall())
 
 
 @pytest.mark.parametrize("begin", [0.0, 0.3, 0.5, 0.7])

@@ -84,6 +84,24 @@ def test_bad_states_and_targets_are_named():
         contact.step(contact.separated(), np.nan)
     with pytest.raises(ValueError, match="state has shape"):
         contact.step(np.zeros((3, 4, 4)), 1e9)
+    with pytest.raises(ValueError, match="target = '1 GPa'"):
+        contact.step(contact.separated(), "1 GPa")
+    with pytest.raises(ValueError, match="state is None"):
+        contact.step(None, 1e9)
+
+
+def test_a_solution_starts_a_step_and_speaks_for_itself():
+    height = 2e-10 * np.sin(2 * np.pi * np.arange(12) / 12)[:, None] * np.ones(12)
+    contact = rough_contact(height, 12 * LATTICE_CONSTANT, **BLOCK)
+    found = contact.step(contact.separated(), 1e9)
+    further = contact.step(found, 9e9)
+    np.testing.assert_array_equal(further.gap, contact.step(found.state, 9e9).gap)
+    assert found.relative_contact_area == np.mean(found.gap < 2 ** (1 / 6) * LENGTH)
+    assert 0 < found.relative_contact_area < further.relative_contact_area
+    assert found.mean_gap == found.gap.mean() - LENGTH
+    assert found != further
+    assert len({found, further}) == 2
+    assert len(repr(found).splitlines()) == 2
 
 
 def test_all_that_is_exported_exists():

@@ -55,6 +55,7 @@ def test_wheel_holds_the_packages_and_nothing_else(wheel):
     assert {name.rpartition("/")[2] for name in names if name.endswith(".toml")} == studies
     modules = {str(file.relative_to(ROOT)) for package in PACKAGES for file in (ROOT / package).rglob("*.py")}
     assert {name for name in names if name.endswith(".py")} == modules
+    assert {name for name in names if name.endswith("py.typed")} == {f"{package}/py.typed" for package in PACKAGES}
     assert not [name for name in names if "test" in name.lower()]
 
 

@@ -19,6 +19,8 @@ _IMAGINARY_STEP, _REAL_STEP = 1e-30, 3e-4
 _SAMPLES = np.geomspace(1e-2, 1e2, 4001)
 # Halvings and Newton steps that find a gap from its traction; half of them would do for a power law.
 _INVERSE_STEPS = 100
+# Gap below which points count as contact unless a study says otherwise, in units of the law's length.
+CONTACT_DISTANCE = 2 ** (1 / 6)
 
 
 @dataclass(frozen=True)
@@ -178,7 +180,7 @@ class TractionLaw(ABC):
     @property
     def contact_distance(self) -> float:
         """Gaps up to it count as contact unless a study says otherwise (m)."""
-        return 0.0 if self.has_wall else 2 ** (1 / 6) * self.length
+        return 0.0 if self.has_wall else CONTACT_DISTANCE * self.length
 
     def in_contact(self, gap: np.ndarray, pressure: np.ndarray, contact_distance: float) -> np.ndarray:
         """Which points of an interface are in contact, by their gap (m) and pressure (Pa)."""
