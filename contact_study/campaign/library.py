@@ -1,5 +1,6 @@
 """Studies from Python: a table or a file in, a dataset out."""
 
+import re
 import tempfile
 import warnings
 from collections.abc import Mapping
@@ -11,11 +12,13 @@ import xarray as xr
 
 from contact_study.campaign.conduct import Conditions, conduct
 from contact_study.campaign.dataset.provenance import unconverged
+from contact_study.campaign.engines import CampaignError
 from contact_study.campaign.files import check_inputs_kept, named_file
 from contact_study.campaign.model import MODULES, Model, model_of
 from contact_study.campaign.progress import Progress, Warnings
 from contact_study.fields.arguments import field
 from contact_study.problem.errors import InputError
+from contact_study.problem.objects import with_keys
 from contact_study.problem.study import Study, make_study, read_study
 
 _HEIGHTS = "heights.npy"
@@ -40,8 +43,11 @@ def run(
     ----------
     study : mapping or path-like
         The content of a study file as nested mappings, ``{"surface": {"kind": "self_affine", ...}, ...}``, with
-        numbers in SI or strings with a unit and relative paths from the working directory; or the path of a file. A
-        surface of one's own is ``{"surface": {"heights": array, "size": ...}}``, heights (y, x) in m.
+        numbers in SI, strings with a unit or pint quantities, and relative paths from the working directory; or the
+        path of a file. A surface of one's own is ``{"surface": {"heights": array, "size": ...}}``, heights (y, x) in
+        m. A law such as :class:`bem_adhesion.LennardJones104` may stand as ``interaction`` or its ``law``, a solid such
+        as :class:`bem_adhesion.Layer` as ``elasticity`` or its ``kind``; Poisson's ratio, where the solid has none, is
+        ``material.poissons_ratio``.
     model : str, optional
         ``"continuum"``, ``"atomistic"`` or ``"theory"``.
     output : path-like, optional
@@ -91,15 +97,18 @@ def run(
     if output is None and resume:
         raise InputError("resume: needs an output to go on from")
     start = None if predictor is None else Path(predictor)
-    shown = Progress(chosen.command) if progress else Warnings()
+    shown = Progress(chosen.command, _in_python) if progress else Warnings(_in_python)
     words = f"contact_study.run(..., {model!r})"
     with tempfile.TemporaryDirectory(prefix="contact_study") as folder:
-        asked = _study(study, Path(folder))
-        path = Path(folder) / "dataset.nc" if output is None else named_file(output)
-        given = study if isinstance(study, str | Path) else None
-        check_inputs_kept(path, [None if given is None else Path(given), start, *(c.height_map for c in asked.cases)])
-        how = Conditions(resume, overwrite, workers, engine, scheduler)
-        groups = conduct(chosen, asked, path, shown, words, start, how)
+        try:
+            asked = _study(study, Path(folder))
+            path = Path(folder) / "dataset.nc" if output is None else named_file(output)
+            given = Path(study) if isinstance(study, str | Path) else None
+            check_inputs_kept(path, [given, start, *(case.height_map for case in asked.cases)])
+            how = Conditions(resume, overwrite, workers, engine, scheduler)
+            groups = conduct(chosen, asked, path, shown, words, start, how)
+        except (InputError, CampaignError) as error:
+            raise type(error)(_in_python(str(error))) from None
         dataset = xr.load_dataset(path)
     for line in unconverged(groups):
         warnings.warn(line, UserWarning, stacklevel=2)
@@ -117,10 +126,17 @@ def _study(study: Mapping[str, Any] | str | Path, folder: Path) -> Study:
         return read_study(study)
     if not isinstance(study, Mapping):
         raise InputError(f"study = {study!r}: expected a mapping of sections or the path of a study file")
+    study = with_keys(study)
     surface = study.get("surface")
     if isinstance(surface, Mapping) and "heights" in surface:
         return make_study(_plain({**study, "surface": _as_map(surface, folder)}), folder)
     return make_study(_plain(study))
+
+
+def _in_python(message: str) -> str:
+    """A message of the commands with arguments of :func:`run` in place of their options."""
+    flags = re.sub(r"(?<![\w./-])--(resume|overwrite)\b", r"\1=True", message)
+    return re.sub(r"(?<![\w./-])--(?=[a-z])", "", flags)
 
 
 def _as_map(surface: Mapping[str, Any], folder: Path) -> dict[str, Any]:
@@ -130,7 +146,13 @@ def _as_map(surface: Mapping[str, Any], folder: Path) -> dict[str, Any]:
             raise InputError(f"surface.{key}: does not go with surface.heights, an array in m")
     if surface.get("kind", "file") != "file":
         raise InputError(f'surface.kind = {surface["kind"]!r}: surface.heights are a surface of kind "file"')
-    np.save(folder / _HEIGHTS, field("surface.heights", surface["heights"]))
+    heights = surface["heights"]
+    if _is_quantity(heights):
+        try:
+            heights = heights.m_as("m")
+        except TypeError as error:  # pint's own
+            raise InputError(f"surface.heights: {error}") from None
+    np.save(folder / _HEIGHTS, field("surface.heights", heights))
     others = {key: value for key, value in surface.items() if key != "heights"}
     return {**others, "kind": "file", "path": _HEIGHTS}
 
@@ -139,8 +161,22 @@ def _plain(value: Any) -> Any:
     """A value as a TOML file would hold it."""
     if isinstance(value, Mapping):
         return {str(name): _plain(content) for name, content in value.items()}
+    if _is_quantity(value):
+        return [_plain(item) for item in value] if np.ndim(value.magnitude) else _with_unit(value)
     if isinstance(value, np.ndarray | np.generic):
         return _plain(value.tolist())
     if isinstance(value, tuple | list):
         return [_plain(item) for item in value]
     return str(value) if isinstance(value, Path) else value
+
+
+def _is_quantity(value: Any) -> bool:
+    """Whether a value is a quantity of pint, of whatever registry."""
+    return hasattr(value, "magnitude") and hasattr(value, "unit_items")
+
+
+def _with_unit(quantity: Any) -> str | float:
+    """A quantity of pint as a study file writes it: "1.5 joule meter^-2"."""
+    unit = " ".join(name if power == 1 else f"{name}^{power:g}" for name, power in quantity.unit_items())
+    number = float(quantity.magnitude)
+    return f"{number!r} {unit}" if unit else number

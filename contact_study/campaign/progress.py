@@ -2,6 +2,7 @@
 
 import sys
 import warnings
+from collections.abc import Callable
 from contextlib import suppress
 from typing import Any
 
@@ -15,10 +16,13 @@ class Progress:
     ----------
     name : str
         The command's name, in front of every line.
+    wording : callable, optional
+        What becomes of a message before it is shown.
     """
 
-    def __init__(self, name: str):
+    def __init__(self, name: str, wording: Callable[[str], str] = str):
         self._name = name
+        self._wording = wording
         self._bar: tqdm | None = None
         self._total = 0
         self._done = 0
@@ -53,7 +57,7 @@ class Progress:
     def say(self, text: str) -> None:
         """A line of its own."""
         with suppress(OSError):  # whoever read along may have gone; the run matters more
-            tqdm.write(f"{self._name}: {text}", file=sys.stderr)
+            tqdm.write(f"{self._name}: {self._wording(text)}", file=sys.stderr)
             sys.stderr.flush()
 
     def warn(self, note: str) -> None:
@@ -69,8 +73,8 @@ class Progress:
 class Warnings(Progress):
     """Shows no steps; warnings are Python's."""
 
-    def __init__(self) -> None:
-        super().__init__("")
+    def __init__(self, wording: Callable[[str], str] = str) -> None:
+        super().__init__("", wording)
 
     def start(self, total: int, done: int) -> None:
         pass
@@ -82,4 +86,4 @@ class Warnings(Progress):
         pass
 
     def warn(self, note: str) -> None:
-        warnings.warn(note, UserWarning, stacklevel=4)  # at the caller of the library
+        warnings.warn(self._wording(note), UserWarning, stacklevel=4)  # at the caller of the library

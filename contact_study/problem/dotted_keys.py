@@ -62,6 +62,22 @@ def read(dotted: str, value: Any, where: str = "") -> Any:
     return keys_of(SECTIONS[section])[name].read(value, where + dotted)
 
 
+def is_sweep(dotted: str, value: Any, several: Any) -> bool:
+    """Whether a value is none of its key, but the list that it stands for one of such values."""
+    if not isinstance(several, list) or not several:
+        return False
+    try:
+        read(dotted, value)
+    except InputError:
+        pass
+    else:
+        return False
+    try:
+        return all(read(dotted, one) is not None for one in several)
+    except InputError:
+        return False
+
+
 def same(one: Any, other: Any) -> bool:
     """Whether two values of a key are equal but for the rounding of a unit's conversion."""
     if isinstance(one, float) and isinstance(other, float):

@@ -3,8 +3,7 @@
 from collections.abc import Mapping
 from typing import Any
 
-from contact_study.problem.dotted_keys import SECTIONS, WHOLE_STUDY, read, split
-from contact_study.problem.errors import InputError
+from contact_study.problem.dotted_keys import SECTIONS, WHOLE_STUDY, is_sweep, split
 from contact_study.problem.keys import Kinds, keys_of, listed
 
 
@@ -48,25 +47,9 @@ def _replace(table: dict[str, Any], dotted: str, value: Any) -> None:
     several = listed(value) if isinstance(value, str) and "," in value else value
     if dotted in table.get("sweep", {}):
         table["sweep"][dotted] = several if isinstance(several, list) else [several]
-    elif section not in WHOLE_STUDY and _each_but_not_all(dotted, value, several):
+    elif section not in WHOLE_STUDY and is_sweep(dotted, value, several):
         table.setdefault("sweep", {})[dotted] = several
     else:
         table.setdefault(section, {})[name] = value
     for item in table.get("override", []):  # the command line has the last word
         item.pop(dotted, None)
-
-
-def _each_but_not_all(dotted: str, value: Any, several: Any) -> bool:
-    """Whether a value is none of its key, but a list of such values."""
-    if not isinstance(several, list) or not several:
-        return False
-    try:
-        read(dotted, value)
-    except InputError:
-        pass
-    else:
-        return False
-    try:
-        return all(read(dotted, one) is not None for one in several)
-    except InputError:
-        return False

@@ -14,9 +14,9 @@ import tomli_w
 
 from contact_study.problem import automatic
 from contact_study.problem.case import Case
-from contact_study.problem.dotted_keys import SECTIONS, last, read, split
+from contact_study.problem.dotted_keys import SECTIONS, WHOLE_STUDY, is_sweep, last, read, split
 from contact_study.problem.errors import InputError
-from contact_study.problem.keys import Kinds, bind
+from contact_study.problem.keys import Kinds, bind, keys_of
 from contact_study.problem.replaced_keys import replace_keys
 from contact_study.problem.spectrum_file import with_spectrum
 from contact_study.problem.sweep import (
@@ -144,12 +144,25 @@ def _check_structure(table: dict[str, Any]) -> None:
                 raise InputError(f"{section} = {content!r}: expected a section, [{section}]")
         elif section != "override":
             raise InputError(f"unknown section [{section}]; known: {', '.join(SECTIONS)}, sweep, override")
+    _check_lists(table)
     check_sweep(table.get("sweep", {}))
     check_exceptions(table.get("override", []), table.get("sweep", {}))
     for dotted in table.get("sweep", {}):  # a value that the sweep replaces is written there to be read, too
         section, name = split(dotted, "sweep")
         if name in table.get(section, {}):
             read(dotted, table[section][name])
+
+
+def _check_lists(table: dict[str, Any]) -> None:
+    """No key that takes one value has a list of them, which is a sweep."""
+    for section, content in table.items():
+        for name, value in content.items() if section in SECTIONS and section not in WHOLE_STUDY else ():
+            dotted = f"{section}.{name}"
+            if name in keys_of(SECTIONS[section]) and is_sweep(dotted, value, value):
+                raise InputError(
+                    f"{dotted} = {value!r}: takes one value; to run a case for each, put the list into [sweep], "
+                    f'"{dotted}" = [...]'
+                )
 
 
 def _case(merged: dict[str, Any], point: dict[str, Any], index: tuple[int, ...], directory: Path) -> Case:

@@ -5,13 +5,19 @@ import importlib.metadata
 import tomllib
 
 import numpy as np
+import pint
 import pytest
 import tomli_w
 import xarray as xr
 
 import bem_adhesion.run
 import contact_study
-from contact_study import run
+from bem_adhesion import HalfSpace, Layer, Layered, LennardJones104, Measured, Tabulated, Viscoelastic
+from contact_study import make_study, run
+from contact_study.campaign.library import _plain
+from contact_study.fields.grid import Grid
+from contact_study.problem.objects import with_keys
+from tests.laws_of_all_kinds import EVERY_LAW
 
 STUDY = tomllib.loads("""
 [surface]
@@ -113,6 +119,152 @@ def test_mistakes_are_value_errors_that_name_the_culprit(tmp_path, table, argume
     with pytest.raises(ValueError, match=culprit):
         run(table, **arguments)
     assert list(tmp_path.iterdir()) == []
+
+
+def test_messages_speak_of_arguments_not_of_options(tmp_path):
+    run(STUDY, output="out.nc")
+    words = r"out\.nc exists; use overwrite=True to replace it or resume=True to continue its run$"
+    with pytest.raises(ValueError, match=words):
+        run(STUDY, output="out.nc")
+    with pytest.raises(ValueError, match=r"^engine dask: needs scheduler ADDRESS"):
+        run(STUDY, engine="dask")
+    with pytest.raises(ValueError, match=r"^predictor: none\.nc does not exist"):
+        run(STUDY, "atomistic", predictor="none.nc")
+
+
+def test_warnings_speak_of_arguments_not_of_options(capfd, monkeypatch):
+    run(STUDY, output="out.nc")
+    monkeypatch.setattr("contact_study.campaign.dataset.provenance.git_commit", lambda: "another")
+    with pytest.warns(UserWarning, match="this is another; use overwrite=True to compute"):
+        run(STUDY, output="out.nc", resume=True)
+    run(STUDY, output="out.nc", resume=True, progress=True)
+    assert "use overwrite=True to compute" in capfd.readouterr().err
+
+
+def test_quantities_of_pint_are_values():
+    unit = pint.UnitRegistry()
+    given = changed(
+        loading={"path": unit.Quantity([0.5, 2.0], "GPa")},
+        interaction={"work_of_adhesion": unit.Quantity(0.1, "J/m^2"), "length": 3.28 * unit.angstrom},
+        material={"poissons_ratio": unit.Quantity(0.42, "")},
+        overdamped={"step_error": 0.1},
+        dynamics={"damping": 1e12 / unit.s},
+    )
+    dataset = run(given)
+    assert_same(dataset, run(STUDY))
+    assert 'length = "3.28 angstrom"' in dataset.attrs["study_toml"]
+    with pytest.raises(ValueError, match=r"interaction.length = '3.28 gigapascal': a unit of .* cannot be converted"):
+        run(changed(interaction={"length": 3.28 * unit.GPa}))
+
+
+def test_heights_may_have_a_unit():
+    unit = pint.UnitRegistry()
+    height = 2e-11 * np.random.default_rng(0).standard_normal((16, 16))
+    study = {name: keys for name, keys in STUDY.items() if name not in ("surface", "sweep")}
+    bare = run(study | {"surface": {"heights": height, "size": 4e-9}})
+    of_unit = {"heights": unit.Quantity(1e10 * height, "angstrom"), "size": unit.Quantity((4.0, 4.0), "nm")}
+    xr.testing.assert_allclose(
+        run(study | {"surface": of_unit}).drop_vars("wall_time"), bare.drop_vars("wall_time"), rtol=1e-9
+    )
+    with pytest.raises(ValueError, match=r"surface\.heights: Cannot convert"):
+        run(study | {"surface": of_unit | {"heights": unit.Quantity(height, "Pa")}})
+
+
+@pytest.mark.parametrize("law", EVERY_LAW.values(), ids=lambda law: type(law).__name__)
+@pytest.mark.parametrize("form", [lambda law: law, lambda law: {"law": law}])
+def test_a_law_is_what_its_keys_make(law, form):
+    (case,) = make_study(_plain(with_keys(STUDY | {"interaction": form(law), "sweep": {}}))).cases
+    assert type(case.law) is type(law)
+    gaps = law.equilibrium_distance + law.length * np.geomspace(1e-3, 3, 20)
+    np.testing.assert_allclose(case.law.traction(gaps), law.traction(gaps), rtol=1e-12)
+
+
+SOLIDS = [
+    HalfSpace(90e9),
+    Layer(90e9, 0.42, 2e-9),
+    Layered(90e9, 0.42, 2e-9, 50e9, 0.2),
+    Viscoelastic(90e9, (10e9, 20e9), (1.0, 2.0)),
+    Measured(90e9, (1e8, 1e9), (1e19, 5e19)),
+]
+
+
+@pytest.mark.parametrize("solid", SOLIDS, ids=lambda solid: type(solid).__name__)
+@pytest.mark.parametrize("form", [lambda solid: solid, lambda solid: {"kind": solid, "boundary": "periodic"}])
+def test_a_solid_is_what_its_keys_make(solid, form):
+    study = changed(loading={"duration": 1.0} if isinstance(solid, Viscoelastic) else {})
+    study |= {"elasticity": form(solid), "material": {"poissons_ratio": 0.42}, "sweep": {}}
+    (case,) = make_study(_plain(with_keys(study))).cases
+    assert type(case.solid) is type(solid)
+    q = np.geomspace(1e8, 1e10, 7)
+    np.testing.assert_allclose(case.solid.stiffness(q), solid.stiffness(q), rtol=1e-12)
+    assert case.material.contact_modulus == pytest.approx(solid.contact_modulus, rel=1e-14)
+    if isinstance(solid, Viscoelastic):
+        np.testing.assert_allclose(case.solid.branch_moduli, solid.branch_moduli, rtol=1e-14)
+
+
+def test_objects_run_as_their_keys_do():
+    bare = changed(material={"youngs_modulus": 90e9 * (1 - 0.42**2)}, elasticity={"kind": "layer", "thickness": 2e-9})
+    objects = STUDY | {
+        "interaction": {"law": LennardJones104(0.1, 3.28e-10)},
+        "elasticity": LAYER,
+        "material": {"lattice_constant": "2.6 angstrom"},
+    }
+    xr.testing.assert_allclose(run(objects).drop_vars("wall_time"), run(bare).drop_vars("wall_time"), rtol=1e-9)
+
+
+LAYER = Layer(90e9, 0.42, 2e-9)
+BY_WAVE = Tabulated(9e9, Grid((2, 2), (1.0, 1.0)), np.ones((2, 2)))
+
+
+class OwnLaw(LennardJones104):
+    pass
+
+
+@pytest.mark.parametrize(
+    ("sections", "message"),
+    [
+        ({"interaction": OwnLaw(0.1, 3e-10)}, r"interaction: OwnLaw is no law of a study; pass TabulatedLaw\.through"),
+        ({"interaction": {"law": LennardJones104(0.1, 3e-10), "length": 1e-10}}, r"interaction\.length: .* leave"),
+        ({"elasticity": HalfSpace(90e9)}, r"material\.youngs_modulus: .* leave it out"),
+        ({"elasticity": HalfSpace(90e9), "material": {}}, r"missing key material\.poissons_ratio: HalfSpace"),
+        (
+            {"elasticity": LAYER, "material": {"poissons_ratio": 0.4}},
+            r"material\.poissons_ratio = 0.4: the solid's is 0.42",
+        ),
+        ({"elasticity": BY_WAVE, "material": {"poissons_ratio": 0.0}}, "no keys of a study make a Tabulated"),
+        (
+            {
+                "elasticity": HalfSpace(90e9),
+                "material": {"poissons_ratio": 0.4},
+                "sweep": {"material.poissons_ratio": [0.1, 0.2]},
+            },
+            r"sweep\.material\.poissons_ratio: elasticity is an object",
+        ),
+    ],
+)
+def test_objects_that_are_no_part_of_a_study_are_named(sections, message):
+    with pytest.raises(ValueError, match=message):
+        run(STUDY | sections)
+
+
+@pytest.mark.parametrize(
+    ("section", "key", "values"),
+    [
+        ("surface", "seed", [1, 2]),
+        ("interaction", "length", ["3 angstrom", "4 angstrom"]),
+        ("elasticity", "kind", ["half_space", "layer"]),
+    ],
+)
+def test_a_list_for_a_key_of_one_value_is_told_of_the_sweep(section, key, values):
+    table = changed(**{section: {key: values}}) | {"sweep": {}}
+    words = rf'{section}\.{key} = \[.*\]: takes one value; .* \[sweep\], "{section}\.{key}" = \[\.\.\.\]'
+    with pytest.raises(ValueError, match=words):
+        run(table)
+
+
+def test_a_list_of_what_is_no_value_either_is_named_as_before():
+    with pytest.raises(ValueError, match="expected a whole number"):
+        run(changed(surface={"seed": ["one", "two"]}))
 
 
 def test_inputs_are_not_overwritten(tmp_path):

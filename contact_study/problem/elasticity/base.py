@@ -3,7 +3,7 @@
 import math
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, replace
-from typing import ClassVar, Self
+from typing import Any, ClassVar, Self
 
 import numpy as np
 
@@ -100,6 +100,21 @@ class Elasticity(ABC):
         count = 2 + math.ceil(8 * math.log2(max(longest / shortest, 1.0)))
         q = np.geomspace(2 * np.pi / longest, 2 * np.pi / shortest, count)
         return float(np.min(contact_modulus_of(self.stiffness(q), q)))
+
+    def keys(self, poissons_ratio: float) -> dict[str, Any]:
+        """The keys of a study's section that make this solid: what :meth:`ElasticitySection.solid` reads.
+
+        Parameters
+        ----------
+        poissons_ratio : float
+            ν of the material, whose modulus is E = E* (1 − ν²).
+
+        Raises
+        ------
+        InputError
+            If no section of a study makes such a solid.
+        """
+        raise InputError(f"elasticity: no keys of a study make a {type(self).__name__}; use rough_contact")
 
     def scaled(self, length: float, stress: float) -> Self:
         """The same solid in other units: lengths divided by ``length`` (m), stresses by ``stress`` (Pa)."""

@@ -5,6 +5,7 @@ A frictionless pressure of wavenumber q on a half-space of contact modulus E* di
 """
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -18,6 +19,9 @@ class HalfSpace(Elasticity):
 
     def stiffness(self, wavenumber: np.ndarray | float) -> np.ndarray:
         return 0.5 * self.contact_modulus * np.asarray(wavenumber)
+
+    def keys(self, poissons_ratio: float) -> dict[str, Any]:
+        return {"kind": "half_space"}
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -12,7 +12,7 @@ incompressible ones resist flow along the layer, K → 3E*/(4 q² d³).
 """
 
 from dataclasses import dataclass, replace
-from typing import Self
+from typing import Any, Self
 
 import numpy as np
 
@@ -74,6 +74,9 @@ class Layer(Elasticity):
         """(1+ν)(1−2ν) d / [(1−ν) E]: compression without lateral strain, none if incompressible (m/Pa)."""
         ratio = self.poissons_ratio
         return (1 - 2 * ratio) * self.thickness / ((1 - ratio) ** 2 * self.contact_modulus)
+
+    def keys(self, poissons_ratio: float) -> dict[str, Any]:
+        return {"kind": "layer", "thickness": self.thickness}
 
     def scaled(self, length: float, stress: float) -> Self:
         return replace(super().scaled(length, stress), thickness=self.thickness / length)

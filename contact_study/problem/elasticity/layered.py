@@ -13,7 +13,7 @@ the bonded layer's. Short waves feel the layer, S â†’ 1, long ones the base, S â
 """
 
 from dataclasses import dataclass, replace
-from typing import Self
+from typing import Any, Self
 
 import numpy as np
 
@@ -74,6 +74,14 @@ class Layered(Elasticity):
         above = 1 + 4 * m * x * decay - m * n * decay**2
         below = 1 - (m + n + 4 * m * x**2) * decay + m * n * decay**2
         return 0.5 * self.contact_modulus * q * below / above
+
+    def keys(self, poissons_ratio: float) -> dict[str, Any]:
+        return {
+            "kind": "layered",
+            "thickness": self.thickness,
+            "base_youngs_modulus": self.base_modulus * (1 - self.base_poissons_ratio**2),
+            "base_poissons_ratio": self.base_poissons_ratio,
+        }
 
     def scaled(self, length: float, stress: float) -> Self:
         return replace(

@@ -7,7 +7,7 @@ From a finite-element model, a lattice, a graded coating. Between the points E*(
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import ClassVar, Self
+from typing import Any, ClassVar, Self
 
 import numpy as np
 from scipy.interpolate import PchipInterpolator
@@ -58,6 +58,9 @@ class Measured(Elasticity):
     def stiffness(self, wavenumber: np.ndarray | float) -> np.ndarray:
         q = np.asarray(wavenumber, dtype=float)
         return 0.5 * q * self._modulus(np.log(np.clip(q, self.wavenumbers[0], self.wavenumbers[-1])))
+
+    def keys(self, poissons_ratio: float) -> dict[str, Any]:
+        return {"kind": "tabulated", "wavenumber": self.wavenumbers, "stiffness": self.stiffnesses}
 
     def scaled(self, length: float, stress: float) -> Self:
         return replace(

@@ -10,7 +10,7 @@ branch is one field: the displacement h_i that its spring still carries, h_i' = 
 """
 
 from dataclasses import dataclass, replace
-from typing import Self
+from typing import Any, Self
 
 import numpy as np
 
@@ -64,6 +64,14 @@ class Viscoelastic(HalfSpace):
     def relaxed(self) -> HalfSpace:
         """The half-space that a slow load meets, of modulus E*_∞."""
         return HalfSpace(self.contact_modulus)
+
+    def keys(self, poissons_ratio: float) -> dict[str, Any]:
+        moduli = [modulus * (1 - poissons_ratio**2) for modulus in self.branch_moduli]
+        return {
+            "kind": "viscoelastic",
+            "branch_youngs_moduli": moduli,
+            "relaxation_times": self.relaxation_times,
+        }
 
     def scaled(self, length: float, stress: float) -> Self:
         return replace(super().scaled(length, stress), branch_moduli=tuple(np.array(self.branch_moduli) / stress))

@@ -4,7 +4,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 from scipy.optimize import brentq, minimize_scalar
@@ -87,6 +87,11 @@ class TractionLaw(ABC):
         """The law of a study file: Δγ, ``length`` and the keys of its section that are fields of the law."""
         own = {field.name: getattr(section, field.name) for field in fields(cls)[2:]}
         return cls(work_of_adhesion, section.length or 0.0, **own)
+
+    def keys(self) -> dict[str, Any]:
+        """The keys of a study file that make this law, without its name: what :meth:`of` reads."""
+        own = {field.name: getattr(self, field.name) for field in fields(self)[1:]}
+        return own | ({"work_of_adhesion": self.work_of_adhesion} if self.attracts else {})
 
     @abstractmethod
     def potential(self, gap: np.ndarray) -> np.ndarray:

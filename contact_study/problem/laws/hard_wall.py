@@ -5,6 +5,7 @@ pressure >= 0, gap × pressure = 0.
 """
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -36,6 +37,9 @@ class HardWall(TractionLaw):
     @classmethod
     def of(cls, section: InteractionSection, work_of_adhesion: float) -> "HardWall":
         return cls()
+
+    def keys(self) -> dict[str, Any]:
+        return {}
 
     def potential(self, gap):
         return np.zeros(np.shape(gap))

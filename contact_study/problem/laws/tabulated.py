@@ -112,6 +112,9 @@ class TabulatedLaw(TractionLaw):
         except ValueError as error:
             raise InputError(f"interaction: the table of the law {error}") from None
 
+    def keys(self) -> dict[str, Any]:
+        return {"gap": self.gaps, "traction": self.tractions}
+
     @cached_property
     def _between(self) -> CubicHermiteSpline:
         _, tension, fading = self._end
