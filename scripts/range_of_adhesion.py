@@ -20,10 +20,10 @@ from contact_study.problem.automatic import AUTO, LENGTH
 from contact_study.problem.case import Case
 from contact_study.problem.errors import InputError
 from contact_study.problem.laws import make_law
-from contact_study.problem.measured_surface import length
 from contact_study.problem.study import read_study
 from contact_study.problem.surface import realise
 from contact_study.problem.tabor import ATOMIC
+from contact_study.problem.units import length
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

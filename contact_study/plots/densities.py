@@ -11,7 +11,7 @@ from contact_study.fields.roughness import roughness_of
 from contact_study.plots.selection import extent, lines, one_state, require
 from contact_study.plots.style import COLOURS, axes_of, readable_decades, styled
 from contact_study.plots.units import Unit, length_unit, pressure_unit
-from contact_study.problem.measured_surface import length
+from contact_study.problem.units import length
 
 _ROUNDING = 1e-20  # of the largest C: what a transform leaves of waves that a surface does not have
 _LEAST = 1e-8  # of the largest density: theories' tails go on for ever

@@ -8,8 +8,8 @@ from contact_study.problem.case import Case
 from contact_study.problem.errors import InputError
 from contact_study.problem.keys import default_of, keys_of
 from contact_study.problem.laws import INTERACTIONS, LAWS
-from contact_study.problem.measured_surface import length
 from contact_study.problem.tabor import JKR_LIKE, SHARE_OF_HEIGHT, longest_range, tabor_parameter
+from contact_study.problem.units import length
 
 AUTO, LENGTH = "auto", "interaction.length"
 

@@ -16,19 +16,11 @@ import numpy as np
 from contact_study.fields.roughness import Roughness
 from contact_study.problem.case import Case
 from contact_study.problem.surface_scales import SurfaceScales
+from contact_study.problem.units import length
 
 JUMP = 4.0
 HEIGHTS = (1e-12, 1e-3)
 NOISE_POWER, NOISE_SHARE = -1.0, 0.1
-
-_PREFIXES = ((1.0, "m"), (1e-3, "mm"), (1e-6, "µm"), (1e-9, "nm"), (0.0, "pm"))
-
-
-def length(*metres: float) -> str:
-    """Lengths in the unit that suits the largest, to four digits: ``1.024 x 2 µm``."""
-    largest = max(abs(value) for value in metres)
-    size, unit = next(pair for pair in _PREFIXES if largest >= 0.9995 * pair[0])
-    return " x ".join(f"{value / (size or 1e-12):.4g}" for value in metres) + f" {unit}"
 
 
 def described(roughness: Roughness, filled: float = 0.0) -> list[str]:

@@ -2,6 +2,7 @@
 
 import math
 import re
+from collections.abc import Sequence
 from functools import cache
 from typing import Any
 
@@ -69,6 +70,26 @@ def is_a(value: Any, unit: str) -> bool:
     except InputError:
         return False
     return True
+
+
+_LENGTHS = ((1.0, "m"), (1e-3, "mm"), (1e-6, "µm"), (1e-9, "nm"), (1e-12, "pm"))
+_STRESSES = ((1e9, "GPa"), (1e6, "MPa"), (1e3, "kPa"), (1.0, "Pa"))
+
+
+def length(*metres: float) -> str:
+    """Lengths in the unit that suits the largest, to four digits: ``1.024 x 2 µm``."""
+    return _suited(metres, _LENGTHS, 4)
+
+
+def stress(pascals: float) -> str:
+    """A stress in the unit that suits it, to three digits."""
+    return _suited((pascals,), _STRESSES, 3)
+
+
+def _suited(values: Sequence[float], known: Sequence[tuple[float, str]], digits: int) -> str:
+    largest = max(abs(value) for value in values)
+    size, unit = next((pair for pair in known if largest >= 0.9995 * pair[0]), known[-1])
+    return " x ".join(f"{value / size:.{digits}g}" for value in values) + f" {unit}"
 
 
 def _split(text: str) -> tuple[str, str]:

@@ -6,9 +6,9 @@ from scipy.optimize import brentq
 
 import contact_study
 from contact_study.problem.errors import InputError
-from contact_study.problem.measured_surface import length
 from contact_study.problem.study import make_study
 from contact_study.problem.tabor import longest_range, tabor_parameter
+from contact_study.problem.units import length
 from theory import references as reference
 
 MATERIAL = {"youngs_modulus": "2 MPa", "poissons_ratio": 0.5}

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from contact_study.problem.errors import InputError
-from contact_study.problem.measured_surface import described, doubts, length, taken
+from contact_study.problem.measured_surface import described, doubts, taken
 from contact_study.problem.plausibility import review
 from contact_study.problem.study import make_study
 from contact_study.problem.surface import realise
@@ -113,11 +113,3 @@ def test_a_flat_map_is_described(tmp_path):
     study = study_of(tmp_path, np.zeros((8, 8)))
     assert "h_rms 0 pm" in described(scales_of(study)[0].measured)[1]
     assert review(study, scales_of(study)) == []
-
-
-@pytest.mark.parametrize(
-    ("metres", "words"),
-    [((1e-9,), "1 nm"), ((9.99999e-7,), "1 µm"), ((2e-6, 5e-7), "2 x 0.5 µm"), ((3e-13,), "0.3 pm"), ((42.0,), "42 m")],
-)
-def test_lengths_in_words(metres, words):
-    assert length(*metres) == words

@@ -37,3 +37,18 @@ def test_commands_start_without_dask():
     code = "import sys, theory.run; assert 'dask' not in sys.modules; import dask.array; import pyfftw"
     pytest.importorskip("dask")
     subprocess.run([sys.executable, "-c", code], check=True)
+
+
+@pytest.mark.parametrize(
+    ("metres", "words"),
+    [((1e-9,), "1 nm"), ((9.99999e-7,), "1 µm"), ((2e-6, 5e-7), "2 x 0.5 µm"), ((3e-13,), "0.3 pm"), ((42.0,), "42 m")],
+)
+def test_lengths_in_words(metres, words):
+    assert units.length(*metres) == words
+
+
+@pytest.mark.parametrize(
+    ("pascals", "words"), [(-9e9, "-9 GPa"), (1.7241e8, "172 MPa"), (999.9, "1 kPa"), (0.02, "0.02 Pa"), (0.0, "0 Pa")]
+)
+def test_stresses_in_words(pascals, words):
+    assert units.stress(pascals) == words
