@@ -80,7 +80,9 @@ class AtomisticContact:
 
     def predicted(self, gap: np.ndarray) -> np.ndarray:
         """A state to start from that has nearly this gap field, of any grid over the same rectangle (m)."""
-        return predicted(self._heights, gap, self.interface.length)
+        start = predicted(self._heights, gap, self.interface.length)
+        start[2] = np.maximum(start[2], self.interface.floor(start) + 0.5 * self.interface.length)
+        return start
 
     def step(self, state: np.ndarray | Solution, target: float) -> Solution:
         """The equilibrium that a state falls into under a new load.

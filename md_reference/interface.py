@@ -171,10 +171,18 @@ class LennardJonesInterface:
 
     def gap_and_cosine(self, displacement: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Gap and tilt; see :class:`Interaction`."""
-        y = np.arange(self.shape[0])[:, None] * self.spacing[0] + displacement[1]
-        x = np.arange(self.shape[1])[None, :] * self.spacing[1] + displacement[0]
-        height, cosine = self.substrate.height_and_cosine(y, x)
+        height, cosine = self.substrate.height_and_cosine(*self._places(displacement))
         return displacement[2] - height, cosine
+
+    def floor(self, displacement: np.ndarray) -> np.ndarray:
+        """The higher of the surface below each atom and of the site nearest to it (m), shape (ny, nx)."""
+        y, x = self._places(displacement)
+        return np.maximum(self.substrate.height_at(y, x), self.substrate.nearest_site(y, x))
+
+    def _places(self, displacement: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Lateral positions of the atoms, y and x (m)."""
+        y = np.arange(self.shape[0])[:, None] * self.spacing[0] + displacement[1]
+        return y, np.arange(self.shape[1])[None, :] * self.spacing[1] + displacement[0]
 
     def rest_heights(self) -> np.ndarray:
         """Height of the surface under the atoms' rest positions (m), shape (ny, nx)."""

@@ -18,6 +18,7 @@ from contact_study.problem.study import Study
 from contact_study.problem.surface import Surface
 from contact_study.problem.surface_scales import SurfaceScales
 from contact_study.problem.sweep import points
+from contact_study.problem.units import length
 from md_reference.interface import INSIDE
 from md_reference.measure import FlatInterface, effective_contact_modulus, measure_interface
 from md_reference.methods import METHODS, dynamics
@@ -43,6 +44,10 @@ _BYTES_PER_ATOM = 1000
 
 # The springs' Lamé modulus grows as 1/(1 − 2ν): five digits nearer to 0.5 than this, rounding makes moduli negative.
 _MOST_INCOMPRESSIBLE = 0.49999
+
+# Range of the pairs over the distance of the substrate's sites below which these are no layer any more: the work of
+# adhesion of flat on flat is then 0.3 % below the law's, at 0.2 it is 5 %, at 0.1 the layers have no equilibrium.
+_SHORTEST = 0.3
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -98,11 +103,22 @@ def check(case: Case) -> None:
         overdamped_path.check(case, "atomistic.method")
     _ = case.block_layers  # raises where no number of cells makes the layer
     rows, columns = case.lattice.atoms
+    _check_length(case)
     require_memory(
         rows * columns * _BYTES_PER_ATOM,
         f"material.lattice_constant = {case.material.lattice_constant:g} m: a layer of {rows} x {columns} atoms",
         "a larger one or a smaller cell",
     )
+
+
+def _check_length(case: Case) -> None:
+    spacing = max(case.lattice.site_spacing)
+    if case.law.length < _SHORTEST * spacing:
+        raise InputError(
+            f"interaction.length = {length(case.law.length)}: atoms would fall between the substrate's sites, "
+            f"{length(spacing)} apart; use at least {length(_SHORTEST * spacing)}, or a smaller "
+            "material.lattice_constant"
+        )
 
 
 def _check_temperature(case: Case) -> None:
@@ -142,7 +158,7 @@ def review(study: Study, scales: Sequence[SurfaceScales]) -> list[str]:
                 f"{closest:.2g} of interaction.length, where they count as inside the substrate; check well_depth "
                 "(work_of_adhesion) and well_depth_ratio"
             )
-        spacing = max(length / sites for length, sites in zip(scale.size, case.lattice.substrate_sites, strict=True))
+        spacing = max(case.lattice.site_spacing)
         if scale.shortest_wave < 2 * spacing:
             filtered.append((case, scale.shortest_wave, spacing))
     if not filtered:
@@ -159,9 +175,8 @@ def review(study: Study, scales: Sequence[SurfaceScales]) -> list[str]:
 def constants(case: Case, surface: Surface) -> Mapping[str, Value]:
     """What the atoms of a case are, measured on them: moduli, adhesion; and the surface under their rest positions."""
     stiffness = build_stiffness(case)
-    sites = case.lattice.substrate_sites
     flat = FlatInterface(
-        (surface.size[0] / sites[0], surface.size[1] / sites[1]),
+        case.lattice.site_spacing,
         stiffness.area_per_atom,
         case.well_depth,
         case.law.length,

@@ -35,7 +35,8 @@ def predicted(heights: np.ndarray, gap: np.ndarray, length: float) -> np.ndarray
 def at_mean_gap(interface: LennardJonesInterface, displacement: np.ndarray, mean_gap: float) -> np.ndarray:
     """A state moved to a mean height of ``mean_gap`` + r0, with no atom below the surface (m).
 
-    Atoms that a rigid approach would push closer to the surface than 0.85 r0 stay at that distance.
+    Atoms that a rigid approach would push closer to the surface, or to the height of the site next to them, than
+    0.85 r0 stay at that distance: on steep flanks that site stands above the surface below the atom.
 
     Raises
     ------
@@ -43,7 +44,7 @@ def at_mean_gap(interface: LennardJonesInterface, displacement: np.ndarray, mean
         If the mean gap is so small that all atoms would be closer.
     """
     length = interface.length
-    floor = displacement[2] - interface.gap(displacement) + 0.85 * length
+    floor = interface.floor(displacement) + 0.85 * length
     target = mean_gap + length
     if np.mean(floor) >= target:
         raise InputError(f"loading.path: a mean gap of {mean_gap:g} m needs atoms closer than 0.85 r0 everywhere")

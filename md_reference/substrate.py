@@ -72,6 +72,11 @@ class Substrate:
         """
         return self.height_and_cosine(y, x)[0]
 
+    def nearest_site(self, y: np.ndarray, x: np.ndarray) -> np.ndarray:
+        """Height of the nearest site (m), parameters as :meth:`height_at`."""
+        rows, columns = (np.floor(at / b + 0.5).astype(int) for at, b in zip((y, x), self.spacing, strict=True))
+        return self.heights[rows % self.shape[0], columns % self.shape[1]]
+
     def height_and_cosine(self, y: np.ndarray, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Height of the surface (m), and cosine of its tilt 1/√(1 + |∇h|²); parameters as :meth:`height_at`."""
         height, cosine = np.empty(y.shape), np.empty(y.shape)

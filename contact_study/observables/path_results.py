@@ -123,6 +123,8 @@ def path_results(series: PathSeries, control: str) -> dict[str, float]:
         lowest pressure of retraction is passed. Only there a path meets its jump-in, and does a finite work on its way
         out: under a prescribed pressure surfaces that attract come together without a load and fly apart.
     """
+    if not series.pressure.size:  # no state of the path converged
+        return {}
     if control == "pressure":
         return _lost_under_load(series)
     found = _lowest_of_retraction(series)

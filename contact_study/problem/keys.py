@@ -234,13 +234,18 @@ class Kinds:
         default = self.default(self.tag)
         return table.get(self.tag, None if default is dataclasses.MISSING else default)
 
+    def section_of(self, table: Mapping[str, Any]) -> type | None:
+        """The dataclass of the kind that a table names; None if it names none that is known."""
+        kind = self.kind_of(table)
+        return self.declared.get(kind) if isinstance(kind, str) else None
+
     def without_others(self, tables: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
         """Each point's table without keys that its kind does not have but that of another point has.
 
         A sweep over kinds holds the keys of all of them; what no point has a use for stays, to be refused.
         """
-        present = {kind for table in tables if isinstance(kind := self.kind_of(table), str) and kind in self.declared}
-        used = {name for kind in present for name in keys_of(self.declared[kind])}
+        present = {section for table in tables if (section := self.section_of(table)) is not None}
+        used = {name for section in present for name in keys_of(section)}
         return [
             {name: value for name, value in table.items() if self.has(table, name) or name not in used}
             for table in tables
@@ -248,8 +253,8 @@ class Kinds:
 
     def has(self, table: Mapping[str, Any], name: str) -> bool:
         """Whether the kind that a table names has a key."""
-        kind = self.kind_of(table)
-        return not isinstance(kind, str) or kind not in self.declared or name in keys_of(self.declared[kind])
+        section = self.section_of(table)
+        return section is None or name in keys_of(section)
 
     def bind(self, table: Mapping[str, Any], name: str) -> Any:
         """The section of the kind that a table names, errors as :func:`bind`."""

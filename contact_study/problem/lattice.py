@@ -32,6 +32,11 @@ class Lattice:
         return round(GOLDEN_MEAN * rows), round(GOLDEN_MEAN * columns)
 
     @property
+    def site_spacing(self) -> tuple[float, float]:
+        """Distance of neighbouring sites of the substrate along y and x (m)."""
+        return self.size[0] / self.substrate_sites[0], self.size[1] / self.substrate_sites[1]
+
+    @property
     def densities(self) -> tuple[float, float]:
         """Atoms and substrate sites per area (1/m²)."""
         area = self.size[0] * self.size[1]

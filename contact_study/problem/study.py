@@ -129,8 +129,7 @@ def _with_files(table: dict[str, Any], directory: Path) -> dict[str, Any]:
     found = with_spectrum(table, directory)
     for section, declared in SECTIONS.items():
         if isinstance(declared, Kinds) and section in table:
-            kind = declared.declared.get(declared.kind_of(table[section]))
-            columns = getattr(kind, "columns", None)
+            columns = getattr(declared.section_of(table[section]), "columns", None)
             if columns:
                 found[section] = with_columns(table[section], section, columns, directory)
     return found

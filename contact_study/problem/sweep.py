@@ -151,6 +151,8 @@ def _scalar(value: Any, dotted: str) -> Any:
     """One number for a key that takes one for both axes: a sweep's values are scalars."""
     if not isinstance(value, tuple):
         return value
+    if len(value) != 2:
+        raise InputError(f"sweep.{dotted}: a list cannot be swept; give points of a sweep their own by [[override]]")
     if value[0] != value[1]:
         raise InputError(f"sweep.{dotted}: holds {list(value)}; a swept pair must have two equal values")
     return value[0]

@@ -16,7 +16,7 @@ from md_reference.interface import LennardJonesInterface
 from md_reference.methods import METHODS
 from md_reference.run import check, constants, review, solve_path
 from md_reference.starts import at_mean_gap, predicted, separated
-from md_reference.system import build_interface, build_stiffness
+from md_reference.system import build_contact, build_interface, build_stiffness
 from tests.md_reference.systems import (
     CONTACT_MODULUS,
     LATTICE_CONSTANT,
@@ -178,6 +178,20 @@ def test_moving_to_a_mean_gap_lifts_atoms_off_the_surface():
         at_mean_gap(interface, start, -1e-10)
 
 
+@pytest.mark.parametrize("way", ["gap", "prediction"])
+def test_starts_on_steep_flanks_have_no_atom_inside(way):
+    """The site beside an atom stands higher than the surface below it by more than the atom stands above that."""
+    steep = {"rms_height": "6 angstrom", "roll_off_mode": 3, "cutoff_mode": 6}
+    case = case_of((32, 32), surface=steep, interaction={"length": "1 angstrom", "contact_distance": "1.2 angstrom"})
+    contact = build_contact(case, realise(case))
+    interface = contact.interface
+    if way == "gap":
+        start = at_mean_gap(interface, separated(interface), 1e-10)
+    else:
+        start = contact.predicted(np.zeros((32, 32)))
+    assert np.isfinite(interface.evaluate(start, np.empty_like(start)))
+
+
 def test_predicted_start_stands_above_the_surface():
     heights = np.random.default_rng(0).standard_normal((16, 24)) * 1e-10
     gap = np.full((8, 12), 3e-10)
@@ -243,6 +257,20 @@ def test_incompressible_blocks_are_refused():
     check(nearly)
     modulus = build_stiffness(nearly).contact_modulus[0, 1]
     assert modulus == pytest.approx(nearly.material.contact_modulus, rel=2e-3)  # of the longest wave, as for any ratio
+
+
+def test_pairs_too_short_for_a_layer_are_refused():
+    """0.35 Å left the block no start above the sites, 0.04 Å the layers no equilibrium: both ended in a traceback."""
+    for length, refused in (("0.04 angstrom", True), ("0.35 angstrom", True), ("0.6 angstrom", False)):
+        case = case_of((32, 32), control="gap", path=["1 nm"], interaction={"length": length})
+        if refused:
+            with pytest.raises(
+                InputError, match=r"interaction\.length = .* pm: .* sites, 16.* pm apart; use at least 48"
+            ):
+                check(case)
+        else:
+            check(case)
+            assert constants(case, realise(case))["equilibrium_distance"] == pytest.approx(6e-11, rel=0.01)
 
 
 def test_a_potential_too_weak_to_stand_on_is_refused():

@@ -32,6 +32,14 @@ def test_flat_surfaces_pull_off_at_the_peak_and_take_their_work_of_adhesion():
     assert "jump_in_pressure" not in found, "rigid surfaces do not jump"
 
 
+@pytest.mark.parametrize("control", ["pressure", "gap", "approach"])
+def test_a_path_without_a_converged_state_tells_nothing(control):
+    steps = [
+        {"relative_contact_area": 0.1, "converged": 0, "detached": 0, "mean_pressure": 1.0, "mean_separation": 1.0}
+    ]
+    assert path_results(series_of(steps, control), control) == {}
+
+
 def test_pull_off_between_long_uneven_steps_is_within_its_error():
     """A cubic p(s) with its lowest, −2 at s = 1, in the longer of the steps beside the lowest state."""
     curve = np.polynomial.Polynomial([0.0, -3.0, 0.0, 1.0])
