@@ -3,9 +3,9 @@
 One surface of the paper's kind, 104 nm, under 0.5 GPa and then 1 GPa: on a hard wall with the paper's twelve waves
 (smooth) and with a shortest wave of eight points, another surface on every grid (broadband); and under the paper's
 adhesion. "first" and "second" are transform pairs of the two steps, as float64 pairs on that grid; "second anew" those
-of 1 GPa from separation; the memory is the largest of a process less what it held with the heights alone, in bytes a
-point (8 are one array), the fields of one solution and the state it starts from in it. Each line is a process of its
-own.
+of 1 GPa from separation; A/A₀ is the contact area as in datasets; the memory is the largest of a process less what it
+held with the heights alone, in bytes a point (8 are one array), the fields of one solution and the state it starts from
+in it. Each line is a process of its own.
 
     python scripts/benchmark_grids.py --points 256 512 1024
     python scripts/benchmark_grids.py --points 256 512 1024 2048 4096 --table data/benchmark_grids.csv
@@ -62,9 +62,10 @@ def cost(kind: str, points: int, heights: Path) -> dict[str, str | float]:
     began, state, found = time.process_time(), contact.separated(), []
     for pressure in PRESSURES:
         solution = contact.step(state, pressure)
-        state, area = solution.state, float(np.mean(solution.pressure > 0))
+        touching = law.in_contact(solution.gap, solution.pressure, case.contact_distance)
+        state, area = solution.state, float(np.mean(touching))
         found.append((solution.fft_pairs, solution.converged))
-        del solution  # a path goes on from the state alone
+        del solution, touching  # a path goes on from the state alone
     seconds, held = time.process_time() - began, _peak() - held
     del state
     anew = contact.step(contact.separated(), PRESSURES[-1])

@@ -8,10 +8,14 @@ import numpy as np
 import pytest
 
 import bem_adhesion.operator
+import contact_study
 from contact_study.fields.fourier import RealTransform
+from contact_study.problem.study import read_study
+from contact_study.problem.surface import realise
 from scripts import (
     benchmark_adhesive,
     benchmark_atoms,
+    benchmark_grids,
     benchmark_storage,
     benchmark_workers,
 )
@@ -124,3 +128,18 @@ def test_two_workers_against_one(monkeypatch, capsys):
     assert len(runs) == 6
     assert all(command[1:4] == ["-m", "bem_adhesion.run", "study.toml"] for command in runs)
     assert all("1,2" in command and "--solver.threads" in command for command in runs)
+
+
+@pytest.mark.filterwarnings("ignore:.*process zone")
+def test_areas_over_grids_are_those_of_datasets(tmp_path):
+    """With adhesion more is in contact than presses."""
+    case = benchmark_grids.case_of("adhesion, smooth", 64)
+    heights = tmp_path / "heights.npy"
+    np.save(heights, realise(case).sampled)
+    row = benchmark_grids.cost("adhesion, smooth", 64, heights)
+    keys = {"interaction.well_depth_ratio": 1, "surface.shape": [64, 64], "loading.path": ["0.5 GPa", "1 GPa"]}
+    changes = keys | {"loading.unload": False, "output.fields": False}
+    table = read_study(benchmark_grids.STUDY, changes).table
+    dataset = contact_study.run({name: keys for name, keys in table.items() if name != "override"}).squeeze()
+    assert row["area"] == dataset.relative_contact_area[-1]
+    assert row["area"] > 1.1 * dataset.relative_repulsive_area[-1]

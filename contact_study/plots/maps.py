@@ -98,6 +98,9 @@ def pressure_map(dataset: xr.Dataset, axes: Axes | None = None) -> Axes:
 def contact_map(dataset: xr.Dataset, axes: Axes | None = None, largest: int = len(COLOURS)) -> Axes:
     """Contact of one state: its largest clusters in colour, the others grey.
 
+    Area and number of clusters are those of the dataset. Where these are means over thermal states the map shows the
+    contact of the mean gap.
+
     Parameters
     ----------
     dataset, axes
@@ -115,9 +118,11 @@ def contact_map(dataset: xr.Dataset, axes: Axes | None = None, largest: int = le
     coloured = min(largest, len(COLOURS))
     colours = ListedColormap([_NONE, *COLOURS[:coloured], _OTHERS])
     axes = _map(state, np.minimum(clusters, coloured + 1), axes, None, cmap=colours, vmin=-0.5, vmax=coloured + 1.5)
-    share = float(np.mean(clusters > 0))
-    words = "one cluster" if clusters.max() == 1 else f"{clusters.max()} clusters"
-    axes.set_title(f"contact area {share:.3g}, {words}", fontsize=8)
+    share = float(state.get("relative_contact_area", np.mean(clusters > 0)))
+    count = int(state.get("cluster_count", clusters.max()))
+    words = "one cluster" if count == 1 else f"{count} clusters"
+    mean = "mean " if "relative_contact_area_standard_error" in state else ""
+    axes.set_title(f"{mean}contact area {share:.3g}, {mean}{words}", fontsize=8)
     return axes
 
 

@@ -71,11 +71,13 @@ def extent(state: xr.Dataset) -> tuple[float, float]:
 
 
 def touching(state: xr.Dataset) -> np.ndarray:
-    """Whether each point (y, x) counts as contact: below the contact distance, at a bare wall under pressure."""
+    """Whether each point (y, x) counts as contact, as simulations count it: by the contact distance, zero at a wall.
+
+    At a bare wall the highest point of surfaces that are just apart has no gap either, but carries nothing.
+    """
     distance = float(state["contact_distance"])
-    if distance == 0 and "pressure" in state:
-        return state["pressure"].values > 0
-    return state["gap"].values <= distance
+    near = state["gap"].values <= distance
+    return near & (state["pressure"].values != 0) if distance == 0 and "pressure" in state else near
 
 
 def is_periodic(state: xr.Dataset) -> bool:

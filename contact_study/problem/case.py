@@ -194,9 +194,8 @@ class Case:
     @property
     def contact_distance(self) -> float:
         """Gaps below it count as contact (m)."""
-        if self.interaction.contact_distance is not None:
-            return self.interaction.contact_distance
-        return self.law.contact_distance
+        given, law = self.interaction.contact_distance, self.law
+        return law.contact_distance if given is None or (law.has_wall and not law.attracts) else given
 
     @property
     def height_map(self) -> Path | None:

@@ -172,7 +172,10 @@ def _values(case, bins, kind, prescribed):
     else:
         field = realise(case).heights(case.surface.shape)
         values["gap"] = field - field.min() + (0 if case.interaction.law == "hard_wall" else 3e-10)
-        values["pressure"] = np.where(values["gap"] < np.quantile(values["gap"], 0.1), 10 * abs(pressure), 0.0)
+        pressed = values["gap"] < np.quantile(values["gap"], 0.1)
+        values["pressure"] = np.where(pressed, 10 * abs(pressure), 0.0)
+        if case.interaction.law == "hard_wall":
+            values["gap"][pressed] = 0.0
     return values
 
 

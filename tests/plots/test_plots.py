@@ -106,10 +106,50 @@ def test_contact_map_of_a_free_surface_ends_at_its_rim():
         assert "2 clusters" in plots.contact_map(known).get_title()
 
 
-def test_a_bare_wall_is_in_contact_where_it_presses():
+def test_a_wall_is_in_contact_where_it_presses_or_holds():
+    """With attraction points touch under tension, too; surfaces that are just apart do not touch at their highest."""
     wall = state(contact_distance=0.0)
     wall["gap"] = wall["gap"] * 0
-    assert plots.contact_map(wall).images[0].get_array().astype(bool).sum() == 12 * SIDE
+    assert plots.contact_map(wall).images[0].get_array().astype(bool).sum() == 15 * SIDE
+
+
+EXPONENTIAL = {"interaction": {"law": "exponential", "length": "2 angstrom"}}
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {},
+        EXPONENTIAL,
+        {"interaction": {"law": "hard_wall"}, "loading": {"path": ["2 GPa"]}, "sweep": {"surface.seed": [1, 2]}},
+        {
+            "interaction": {"law": "hard_wall", "contact_distance": "1 angstrom"},
+            "loading": {"path": ["2 GPa"]},
+            "sweep": {"surface.seed": [1, 2]},
+        },
+        EXPONENTIAL | {"output": {"fields": True, "field_precision": "single"}},
+        EXPONENTIAL | {"elasticity": {"boundary": "free"}},
+    ],
+)
+@pytest.mark.filterwarnings("ignore:.*without effect", "ignore:.*process zone", "ignore:.*rim of")
+def test_contact_map_shows_the_contact_of_the_dataset(changes):
+    dataset = contact_study.run({**STUDY, "output": {"fields": True}, **changes})
+    for number in range(dataset.sizes["step"]):
+        one = dataset.isel({dim: 1 for dim in dataset.converged.dims if dim != "step"} | {"step": number})
+        if one.detached == 1:
+            continue
+        alone = one.drop_vars(["relative_contact_area", "cluster_count"])
+        for shown in (one, alone):
+            axes = plots.contact_map(shown)
+            assert axes.images[0].get_array().astype(bool).mean() == one.relative_contact_area > 0
+            count = int(one.cluster_count)
+            words = "one cluster" if count == 1 else f"{count} clusters"
+            assert axes.get_title() == f"contact area {float(one.relative_contact_area):.3g}, {words}"
+
+
+def test_contact_map_of_thermal_means_tells_the_means_of_the_dataset():
+    thermal = state(relative_contact_area=0.123, cluster_count=7, relative_contact_area_standard_error=0.01)
+    assert plots.contact_map(thermal).get_title() == "mean contact area 0.123, mean 7 clusters"
 
 
 def test_section_has_both_surfaces_and_the_contact():

@@ -11,6 +11,7 @@ from contact_study.comparison.compute.shown_states import PanelPoints
 from contact_study.comparison.models import entry_of
 from contact_study.comparison.read.datasets import Inputs
 from contact_study.comparison.read.files import field_at
+from contact_study.plots.selection import touching
 
 
 @dataclass(frozen=True)
@@ -55,8 +56,7 @@ def located(
 
 def read_gap_maps(inputs: Inputs, shown: PanelPoints, seed: int | None) -> GapMaps | None:
     """The maps at the state common to the figures; None where no simulation kept its fields or is in contact."""
-    hard_wall = not any(case.law.attracts for case in inputs.cases_at(shown.case.selection))
-    distance = 0.0 if hard_wall else first_constant(inputs.models, shown.case, "contact_distance")
+    distance = first_constant(inputs.models, shown.case, "contact_distance")
     gaps, size = {}, (0.0, 0.0)
     for model in inputs.simulations:
         place = located(inputs, model, shown, seed)
@@ -65,11 +65,13 @@ def read_gap_maps(inputs: Inputs, shown: PanelPoints, seed: int | None) -> GapMa
         part, selection, step = place
         # Smaller cells of a sweep are padded to the points of the largest.
         y, x = (part[axis].values[np.isfinite(part[axis].values)] for axis in ("y", "x"))
-        stored = field_at(inputs.paths[entry_of(model).file], "gap", selection, step)
-        if stored is None or not np.isfinite(gap := stored[: y.size, : x.size]).all():
+        stored = {
+            name: field_at(inputs.paths[entry_of(model).file], name, selection, step) for name in ("gap", "pressure")
+        }
+        fields = {name: (("y", "x"), field[: y.size, : x.size]) for name, field in stored.items() if field is not None}
+        if "gap" not in fields or not np.isfinite(gap := fields["gap"][1]).all():
             continue
-        pressure = field_at(inputs.paths[entry_of(model).file], "pressure", selection, step) if hard_wall else None
-        touching = gap <= distance if pressure is None else pressure[: y.size, : x.size] > 0
-        gaps[model] = np.ma.masked_array(gap, touching)
+        own = first_constant({model: inputs.models[model]}, shown.case, "contact_distance")
+        gaps[model] = np.ma.masked_array(gap, touching(xr.Dataset({**fields, "contact_distance": own})))
         size = y.size * float(y[1] - y[0]), x.size * float(x[1] - x[0])
     return GapMaps(gaps, size, distance) if gaps else None
