@@ -16,9 +16,6 @@ from contact_study.problem.surface import Surface
 
 # Work on a step that is none, over the work of adhesion.
 _NOISE = 1e-6
-# Lengths of the law that the least step of a path through distances is the resolution's share of: with the default a
-# twentieth of one. Pressures follow a distance over that length; what the rule leaves of a step is its square over 12.
-_LENGTHS = 5
 # Tension at the rim, over the law's peak, of which nothing is said: beyond it there is less, and grids that resolve a
 # law leave about a hundredth of a pull-off, too (docs/validation.md).
 _RIM_TENSION = 0.01
@@ -54,22 +51,14 @@ def _next(
     """The next point, its place in the books of a path with steps of its own, and the states passed on the way."""
     if account is None:
         solution = contact.step(state, target)
-        if not (_adaptive(case) and solution.converged):
+        if case.least_step is None or not solution.converged:
             return solution, None, []
         account = account_of(solution, target, case.solid)
         return solution, account, [account]
-    least = _least_step(case)
+    assert case.least_step is not None  # who keeps books takes steps of its own
     noise = _NOISE * case.law.work_of_adhesion
-    solution, (_, *passed) = follow(contact, state, account, target, least, case.solid, noise)
+    solution, (_, *passed) = follow(contact, state, account, target, case.least_step, case.solid, noise)
     return solution, passed[-1] if passed else account, passed
-
-
-def _least_step(case: Case) -> float:
-    """In units of the path; of one through distances so short that the trapezoidal rule is exact along a branch."""
-    largest = max(map(abs, case.loading.path))
-    if case.loading.control != "pressure":
-        largest = min(largest, _LENGTHS * case.law.length)
-    return case.loading.resolution * largest
 
 
 def _contact_of(case: Case, surface: Surface) -> Contact:
@@ -88,13 +77,9 @@ def _contact_of(case: Case, surface: Surface) -> Contact:
     )
 
 
-def _adaptive(case: Case) -> bool:
-    return case.loading.adaptive and case.law.attracts
-
-
 def _first_account(case: Case, separated: np.ndarray) -> Account | None:
     """Where a path with steps of its own begins: without load, out of reach; under other control at its first point."""
-    if not (_adaptive(case) and case.loading.control == "pressure"):
+    if case.least_step is None or case.loading.control != "pressure":
         return None
     return Account(0.0, 0.0, float(separated.mean()), 0.0, False)
 

@@ -27,6 +27,7 @@ MODEL = Model(
     description="boundary elements: elastic half-space on a rigid rough surface, hard wall or adhesive",
     references="C. Yang, B. N. J. Persson, J. Israelachvili, K. Rosenberg, EPL 84, 46004 (2008)",
     ignores=("atomistic", "sampling", "dynamics", "theory"),
+    own_steps=True,
 )
 
 

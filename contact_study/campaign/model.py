@@ -51,6 +51,8 @@ class Model:
         Keys of [output] that say what a step keeps beyond its numbers.
     whole_path : bool
         Whether the numbers of a step follow from the whole path, not only from its points so far.
+    own_steps : bool
+        Whether it takes the steps of ``loading.adaptive`` between the points of a path.
     points_for_threads : int
         Of a surface, from which on one case gains from more threads than one.
     threads : int
@@ -66,6 +68,7 @@ class Model:
     ignores: tuple[str, ...] = ()
     keeps: tuple[str, ...] = ("fields",)
     whole_path: bool = False
+    own_steps: bool = False
     points_for_threads: int = POINTS_FOR_THREADS
     threads: int = 1
 

@@ -16,6 +16,10 @@ from contact_study.problem.laws.interaction import InteractionSection
 from contact_study.problem.laws.lennard_jones_10_4 import work_of_adhesion
 from contact_study.problem.surfaces.base import SurfaceSection
 
+# Lengths of the law that the least step of a path through distances is the resolution's share of: with the default a
+# twentieth of one. Pressures follow a distance over that length; what the rule leaves of a step is its square over 12.
+_LENGTHS = 5
+
 
 @dataclass(frozen=True)
 class Case:
@@ -209,6 +213,19 @@ class Case:
         if self.loading.unload:
             points += [(value, "unloading") for value in self.loading.path[-2::-1]]
         return points
+
+    @property
+    def least_step(self) -> float | None:
+        """Least step of a path that takes steps of its own between its points, in its unit; None where it takes none.
+
+        Through distances it is so short that the trapezoidal rule is exact along a branch.
+        """
+        if not (self.loading.adaptive and self.law.attracts):
+            return None
+        largest = max(map(abs, self.loading.path))
+        if self.loading.control != "pressure":
+            largest = min(largest, _LENGTHS * self.law.length)
+        return self.loading.resolution * largest
 
     def point_in_words(self, number: int) -> str:
         """A point of the path in the unit that the study is written in."""

@@ -1,5 +1,6 @@
 """Paths with steps of their own: jumps are found, located and paid for; smooth branches cost nothing."""
 
+import contextlib
 from dataclasses import replace
 from itertools import pairwise
 
@@ -246,12 +247,14 @@ def test_a_whole_study_and_its_continuation(control, tmp_path):
         held = contact_study.run({**table, "loading": {"path": [1e9, lowest + 1e6, lowest - 1.5 * off]}}, "continuum")
         assert held.detached.values.tolist() == [0, 0, 1]
     output = tmp_path / "path.nc"
-    if control == "gap":  # the largest value of the path is among the first two: the same resolution
-        shorter = {**table, "loading": {**loading, "path": path[:2]}}
-        contact_study.run(shorter, "continuum", output=output)
+    shorter = {**table, "loading": {**loading, "path": path[:2]}}
+    contact_study.run(shorter, "continuum", output=output)
+    # Of the gaps the largest is among the first two: the least step stays. The pressure grows to the largest.
+    anew = pytest.warns(UserWarning, match=r"computed anew: the least step of loading\.adaptive follows the largest")
+    with anew if control == "pressure" else contextlib.nullcontext():
         longer = contact_study.run(table, "continuum", output=output, resume=True)
-        np.testing.assert_array_equal(longer.dissipated_energy, dissipated)
-        np.testing.assert_array_equal(longer.mean_pressure, whole.mean_pressure)
+    np.testing.assert_array_equal(longer.dissipated_energy, dissipated)
+    np.testing.assert_array_equal(longer.mean_pressure, whole.mean_pressure)
 
 
 def test_walls_without_adhesion_take_plain_steps():

@@ -1,8 +1,9 @@
 """What decides the numbers of a run, case by case and step by step, and in what two runs differ.
 
 The numbers of a step follow from the model and its version, from every key of the case that the model reads (a height
-map by its content), from the points of the path up to the step, and from the gap field that a predictor gave. The
-title, what is kept, the unit a value is written in and the number of threads decide nothing.
+map by its content), from the points of the path up to the step, of an adaptive path from its least step, too, and from
+the gap field that a predictor gave. The title, what is kept, the unit a value is written in and the number of threads
+decide nothing.
 """
 
 import hashlib
@@ -254,6 +255,8 @@ def _match(number: int, case: Case, other: Case, run: Run) -> Match:
         return Match(number, 0, fields_anew)
     if run.model.whole_path and before != after:
         return Match(number, 0, "the path has changed, and what its points share is computed from all of them")
+    if run.model.own_steps and case.least_step != other.least_step:
+        return Match(number, 0, "the least step of loading.adaptive follows the largest value of the path, which grew")
     if not _ranges_hold(case, run.bins):
         return Match(number, 0, "the distributions there were counted in a narrower range")
     if same < len(before):
