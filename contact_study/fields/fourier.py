@@ -4,9 +4,10 @@ Plans are measured once per machine and shape and kept as FFTW "wisdom" in the u
 of one machine therefore runs the same plan, and a resumed run repeats the arithmetic of an uninterrupted one.
 """
 
+import hashlib
+import json
 import math
 import os
-import pickle
 import sys
 from functools import cache
 from pathlib import Path
@@ -14,7 +15,7 @@ from pathlib import Path
 import numpy as np
 from filelock import FileLock
 
-from contact_study.fields.cache import cache_folder
+from contact_study.fields.cache import cache_folder, has_locks
 from contact_study.fields.memory import Memory, Scratch
 
 # OpenMP's threads spin while they wait for one another. Where another process holds a core they then wait for the
@@ -37,20 +38,28 @@ POINTS_TO_HOLD = 512**2
 
 
 def _wisdom_file() -> Path:
-    return cache_folder() / "fftw-wisdom.pickle"
+    return cache_folder() / "fftw-wisdom.txt"
 
 
 def _load_wisdom(path: Path) -> None:
+    """Take up what is there, if it is whole: FFTW may end the process over wisdom that is not."""
     try:
-        pyfftw.import_wisdom(pickle.loads(path.read_bytes()))
-    except (OSError, ValueError, EOFError, pickle.UnpicklingError, TypeError):
-        return  # no wisdom yet, or a damaged cache: measured anew
+        checksum, _, content = path.read_text("ascii").partition("\n")
+        if checksum == _checksum(content):
+            pyfftw.import_wisdom([wisdom.encode() for wisdom in json.loads(content)])
+    except (OSError, ValueError):
+        return  # none yet, or a damaged file: measured anew
 
 
 def _save_wisdom(path: Path) -> None:
+    content = json.dumps([wisdom.decode() for wisdom in pyfftw.export_wisdom()])
     partial = path.with_suffix(f".{os.getpid()}")
-    partial.write_bytes(pickle.dumps(pyfftw.export_wisdom()))
+    partial.write_text(f"{_checksum(content)}\n{content}", "ascii")
     partial.replace(path)
+
+
+def _checksum(content: str) -> str:
+    return hashlib.sha256(content.encode()).hexdigest()
 
 
 _planned: set[tuple[tuple[int, ...], np.dtype, int]] = set()  # what this process has planned and saved
@@ -122,6 +131,8 @@ class RealTransform:
             path.parent.mkdir(parents=True, exist_ok=True)
             if key in _planned:  # the exact plan is in memory: no need to read the file again
                 self._forward, self._backward = plans("FFTW_MEASURE", "FFTW_WISDOM_ONLY")
+            elif not has_locks(path.parent):
+                raise OSError(f"{path.parent}: its file system has no locks")
             else:
                 with FileLock(path.with_suffix(".lock")):
                     _load_wisdom(path)
@@ -130,7 +141,7 @@ class RealTransform:
                     # must be the plan of every later process too, whatever it has planned before.
                     _save_wisdom(path)
                 _planned.add(key)
-        except OSError:  # a read-only home: plan without keeping
+        except OSError:  # a read-only home, or one without locks: plan without keeping
             self._forward, self._backward = plans("FFTW_MEASURE")
         self.field[...] = 0  # measuring overwrites the buffers
         self.spectrum[...] = 0

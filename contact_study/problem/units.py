@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from functools import cache
 from typing import Any
 
-from contact_study.fields.cache import cache_folder
+from contact_study.fields.cache import own_cache_folder
 from contact_study.problem.errors import InputError
 
 # Moments take the fifth power of a wavevector: within these limits no product over- or underflows.
@@ -26,7 +26,7 @@ def _registry() -> Any:
     import pint  # takes a noticeable fraction of a second: only where input is parsed
 
     try:
-        return pint.UnitRegistry(cache_folder=cache_folder() / "units")  # the units' definitions, parsed
+        return pint.UnitRegistry(cache_folder=own_cache_folder() / "units")  # the units' definitions, parsed
     except Exception:  # a damaged or forbidden folder raises many types
         return pint.UnitRegistry()
 

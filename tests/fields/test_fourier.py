@@ -1,8 +1,11 @@
 """Transforms and grids: exact on trigonometric polynomials, on any shape."""
 
+import errno
 import os
+import pickle
 import subprocess
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -81,12 +84,49 @@ def test_stacked_fields_are_transformed_one_by_one():
     np.testing.assert_allclose(plan.forward(), np.fft.rfft2(field), atol=1e-13)
 
 
-def test_damaged_wisdom_is_measured_anew(tmp_path, monkeypatch):
-    monkeypatch.setenv("BEM_ADHESION_CACHE", str(tmp_path))
-    (tmp_path / "fftw-wisdom.pickle").write_bytes(b"garbage")
-    plan = fourier.RealTransform((14, 22))
+def wisdom_of_a_plan(folder, monkeypatch, shape=(14, 22)):
+    """The file in which a plan is kept; the plan works."""
+    monkeypatch.setenv("BEM_ADHESION_CACHE", str(folder))
+    monkeypatch.setattr(fourier, "_planned", set())  # as in a process of its own
+    plan = fourier.RealTransform(shape)
     plan.field[...] = 1.0
-    assert plan.forward()[0, 0] == pytest.approx(14 * 22)
+    assert plan.forward()[0, 0] == pytest.approx(shape[0] * shape[1])
+    return folder / "fftw-wisdom.txt"
+
+
+def test_what_stands_in_the_cache_is_not_executed(tmp_path, monkeypatch):
+    class Trap:
+        def __reduce__(self):
+            return Path.touch, (tmp_path / "sprung",)
+
+    for name in ("fftw-wisdom.pickle", "fftw-wisdom.txt"):
+        (tmp_path / name).write_bytes(pickle.dumps(Trap()))
+    wisdom_of_a_plan(tmp_path, monkeypatch)
+    assert not (tmp_path / "sprung").exists()
+
+
+@pytest.mark.parametrize("where", [0, 70, 300, -4])
+def test_damaged_wisdom_is_measured_anew(tmp_path, monkeypatch, where):
+    imported = []
+    path = wisdom_of_a_plan(tmp_path, monkeypatch)
+    content = bytearray(path.read_bytes())
+    content[where] ^= 1
+    path.write_bytes(content)
+    monkeypatch.setattr(fourier.pyfftw, "import_wisdom", imported.append)
+    wisdom_of_a_plan(tmp_path, monkeypatch, (14, 26))
+    assert not imported, "of a bit that is another"
+    wisdom_of_a_plan(tmp_path, monkeypatch, (14, 30))
+    assert len(imported) == 1, "what was written in its place is whole"
+
+
+@pytest.mark.parametrize("number", [errno.ENOLCK, errno.ENOSYS])
+def test_without_locks_plans_are_not_kept(tmp_path, monkeypatch, number):
+    def refused(*_):
+        raise OSError(number, os.strerror(number))
+
+    monkeypatch.setattr("fcntl.flock", refused)
+    wisdom_of_a_plan(tmp_path, monkeypatch, (14, 34))
+    assert not list(tmp_path.iterdir())
 
 
 @pytest.mark.parametrize(("chosen", "expected"), [(None, "PASSIVE"), ("active", "ACTIVE")])

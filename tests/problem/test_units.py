@@ -10,7 +10,7 @@ from contact_study.problem import units
 
 @pytest.fixture
 def fresh(tmp_path, monkeypatch):
-    monkeypatch.setenv("BEM_ADHESION_CACHE", str(tmp_path))
+    monkeypatch.setattr(units, "own_cache_folder", lambda: tmp_path)
     units._registry.cache_clear()
     yield tmp_path
     units._registry.cache_clear()
@@ -26,9 +26,17 @@ def test_definitions_are_kept_and_damaged_ones_do_no_harm(fresh):
     assert units.quantity("2 angstrom", "m", "key") == pytest.approx(2e-10, abs=0, rel=1e-15)
 
 
+def test_definitions_are_not_read_from_a_folder_that_others_may_write(fresh, monkeypatch):
+    """Pint keeps them pickled."""
+    monkeypatch.setenv("BEM_ADHESION_CACHE", str(fresh / "shared"))
+    assert units.quantity("3 GPa", "Pa", "key") == 3e9
+    assert (fresh / "units").is_dir()
+    assert not (fresh / "shared").exists()
+
+
 def test_a_folder_that_cannot_be_made_does_no_harm(fresh, monkeypatch):
     (fresh / "file").touch()
-    monkeypatch.setenv("BEM_ADHESION_CACHE", str(fresh / "file" / "below"))
+    monkeypatch.setattr(units, "own_cache_folder", lambda: fresh / "file" / "below")
     assert units.quantity("3 GPa", "Pa", "key") == 3e9
 
 
