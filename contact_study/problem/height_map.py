@@ -8,6 +8,11 @@ import numpy as np
 from contact_study.problem import units
 from contact_study.problem.errors import InputError
 from contact_study.problem.map_formats import Channel, RawMap, read_map
+from contact_study.problem.map_grid import line_scan
+from contact_study.problem.units import length
+
+# A cell wider than this (m) was written in another unit: no instrument that resolves roughness reaches as far.
+WIDEST = 0.1
 
 # Relative difference up to which two sizes are one: headers round to four digits. The usual mistake, counting
 # intervals instead of points, is 1/N, and larger on all maps of less than a thousand points a side.
@@ -81,6 +86,8 @@ def read_height_map(
     except Exception as error:  # each format raises its own types on a damaged file
         reason = str(error).strip().partition("\n")[0]
         raise InputError(f"surface.path: {path} cannot be read ({reason})") from None
+    if heights.ndim == 1 or (heights.ndim == 2 and min(heights.shape) <= 2 and max(heights.shape) >= 4):
+        raise line_scan(path, max(heights.shape))
     if heights.ndim != 2 or min(heights.shape) < 4:
         raise InputError(
             f"surface.path: {path} holds an array of shape {heights.shape}; expected at least 4 x 4 heights"
@@ -105,12 +112,20 @@ def _factor(path: Path, name: str, given: str | None, own: str | None) -> float:
 def _size(path: Path, raw: RawMap, given: tuple[float, float] | None, lateral_unit: str | None) -> tuple[float, float]:
     if raw.size is None:
         if given is None:
-            raise InputError(f"missing key surface.size: {path} does not tell its lateral size")
+            raise InputError(
+                f"missing key surface.size: how wide is the map? {path} does not say; give its sides, such as "
+                '"10 um, 8 um" (y, x)'
+            )
         if lateral_unit is not None:
             raise InputError(f"surface.lateral_unit: {path} has no lateral coordinates; surface.size has its own unit")
         return given
     factor = _factor(path, "lateral_unit", lateral_unit, raw.lateral_unit)
     own = raw.size[0] * factor, raw.size[1] * factor
+    if max(own) > WIDEST and raw.lateral_unit is None and lateral_unit is None:
+        raise InputError(
+            f"missing key surface.lateral_unit: {path} does not say in which unit x and y are; in metres the map would "
+            f"be {length(*own)} wide"
+        )
     if given is None:
         return own
     if any(abs(one / other - 1) > _SAME_SIZE for one, other in zip(given, own, strict=True)):

@@ -1,41 +1,29 @@
 """Files of height maps, one reader a format: each gives what the file holds and says, and nothing more."""
 
+import gzip
 import logging
 import re
+import shutil
+import tempfile
 import warnings
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from contact_study.problem.errors import InputError
-from contact_study.problem.map_grid import gridded, step_of
+from contact_study.problem.map_grid import line_scan, step_of
+from contact_study.problem.map_text import RawMap, read_points, read_text
 from contact_study.problem.units import quantity
 
 Channel = str | int | None
 
-
-@dataclass(frozen=True)
-class RawMap:
-    """A map as its file has it.
-
-    Attributes
-    ----------
-    heights : numpy.ndarray, shape (ny, nx)
-        Numbers of the file, y and x increasing along the axes; NaN where there is none.
-    size : tuple of float or None
-        Periods along y and x, points times spacing, in the lateral unit.
-    height_unit, lateral_unit : str or None
-        Units; None where the file is silent.
-    """
-
-    heights: np.ndarray
-    size: tuple[float, float] | None = None
-    height_unit: str | None = None
-    lateral_unit: str | None = None
+# A map's variable of a NetCDF file, of this project and of SurfaceTopography, and what marks missing heights there.
+_USUAL, _MASK = ("height", "heights"), "mask"
+# Channels of a microscope that are no heights, whatever unit its software gives them.
+_NO_HEIGHTS = re.compile("phase|error|amplitude|deflection|friction|lateral|current|potential", re.IGNORECASE)
 
 
 def read_map(path: Path, channel: Channel) -> RawMap:
@@ -68,31 +56,34 @@ def read_map(path: Path, channel: Channel) -> RawMap:
     return _instrument(path, channel, reason)
 
 
-def chosen(path: Path, names: Sequence[str], channel: Channel, usual: str = "") -> str:
-    """The channel that is meant, of those that a file holds.
+def chosen(
+    path: Path, names: Sequence[str], channel: Channel, usual: str = "", others: Collection[str] = frozenset()
+) -> str:
+    """The channel that is meant, of those that a file holds; ``others`` of them are no heights.
 
     Raises
     ------
     InputError
-        If there is none, or it is not clear which.
+        If there is none, it is not clear which, or it is no map of heights.
     """
-    listed = ", ".join(f"{number}: {name}" for number, name in enumerate(names))
-    if not names:
-        raise InputError(f"surface.path: {path} holds no map of heights")
+    heights = [name for name in names if name not in others]
+    kinds = {name: " (not a height)" if name in others else " (height)" if others else "" for name in names}
+    listed = ", ".join(f"{number}: {name}{kinds[name]}" for number, name in enumerate(names))
+    if not heights:
+        raise InputError(f"surface.path: {path} holds no map of heights{listed and f'; it has {listed}'}")
     if channel is None:
-        if usual in names or len(names) == 1:
-            return usual if usual in names else names[0]
-        raise InputError(f"missing key surface.channel: {path} holds {len(names)} maps of heights ({listed})")
-    if isinstance(channel, int) and channel < len(names):
-        return names[channel]
-    if channel in names:
-        return str(channel)
-    raise InputError(f"surface.channel = {channel!r}: {path} has {listed}")
+        if usual in heights or len(heights) == 1:
+            return usual if usual in heights else heights[0]
+        raise InputError(f"missing key surface.channel: {path} holds {len(heights)} maps of heights ({listed})")
+    found = names[channel] if isinstance(channel, int) and channel < len(names) else channel
+    if found not in heights:
+        what = "is no map of heights" if found in names else "there is no such channel"
+        raise InputError(f"surface.channel = {channel!r}: {what}; {path} has {listed}")
+    return str(found)
 
 
 def _npy(path: Path, channel: Channel) -> RawMap:
-    _only(path, channel)
-    return RawMap(np.load(path, allow_pickle=False))
+    return _only(path, channel, RawMap(np.load(path, allow_pickle=False)))
 
 
 def _npz(path: Path, channel: Channel) -> RawMap:
@@ -105,23 +96,34 @@ def _netcdf(path: Path, channel: Channel) -> RawMap:
     import xarray as xr
 
     with xr.open_dataset(path) as dataset:
-        names = [str(name) for name, variable in dataset.items() if variable.ndim == 2]
-        heights = dataset[chosen(path, names, channel, "height")].load()
+        names = [str(name) for name, variable in dataset.items() if variable.ndim == 2 and name != _MASK]
+        usual = next((name for name in names if name in _USUAL), "")
+        heights = dataset[chosen(path, names, channel, usual)].load()
+        if _MASK in dataset and dataset[_MASK].dims == heights.dims:
+            heights = heights.where(dataset[_MASK] == 0)
         axes = {_axis(dataset, str(dimension)): str(dimension) for dimension in heights.dims}
         if set(axes) == {"y", "x"}:
             heights = heights.transpose(axes["y"], axes["x"])
-        size, units = [], []
+        steps, units = [], []
         for dimension in map(str, heights.dims):
             if dimension not in dataset.coords or dataset[dimension].size < 2:
                 continue
-            step = step_of(path, dimension, dataset[dimension].values.astype(float))
-            if step < 0:
+            steps.append(step_of(path, dimension, dataset[dimension].values.astype(float)))
+            if steps[-1] < 0:
                 heights = heights.isel({dimension: slice(None, None, -1)})
-            units.append(dataset[dimension].attrs.get("units"))
-            factor = quantity(f"1 {units[-1] or 'm'}", "m", f"units of {dimension}")
-            size.append(abs(step) * factor * dataset[dimension].size)
-        own = (size[0], size[1]) if len(size) == 2 else None
-        return RawMap(heights.values, own, heights.attrs.get("units"), "m" if any(units) else None)
+            units.append(_unit(dataset[dimension]))
+        if len(steps) < 2:
+            return RawMap(heights.values, None, _unit(heights))
+        said = next((unit for unit in units if unit), None)  # of two coordinates one may speak for both
+        sizes = [quantity(f"1 {unit or said or 'm'}", "m", f"surface.path: {path}, unit of x or y") for unit in units]
+        y, x = (abs(step) * n * one for step, n, one in zip(steps, heights.shape, sizes, strict=True))
+        return RawMap(heights.values, (y, x), _unit(heights), said and "m")
+
+
+def _unit(variable: Any) -> str | None:
+    """Unit of a NetCDF variable; SurfaceTopography calls the attribute ``unit``, and writes ``A`` for Å."""
+    unit = variable.attrs.get("units") or variable.attrs.get("unit")
+    return "angstrom" if unit == "A" else unit
 
 
 def _axis(dataset: Any, dimension: str) -> str:
@@ -131,90 +133,23 @@ def _axis(dataset: Any, dimension: str) -> str:
 
 
 def _text(path: Path, channel: Channel) -> RawMap:
-    """A table of heights, or what its first lines say it is."""
-    _only(path, channel)
-    lines = _lines(path)
-    head = "\n".join(lines[:30])
-    if head.startswith("WSxM") and "ASCII XYZ" in head:
-        return _points(path, lines)
-    if head.startswith("WSxM") and "ASCII Matrix" in head:
-        said = _header(head, r"^(?P<key>[XY]) Amplitude:\s*(?P<value>.*)$")
-        unit = re.search(r"^Z Amplitude:\s*[-+\d.eE]+\s*(\S+)", head, re.MULTILINE)
-        raw = _table(path, lines[1 + _last(lines, "Amplitude:") :], ("Y", "X"), said, downwards=True)
-        return replace(raw, height_unit=unit[1] if unit else None)
-    if re.match(r"\s*ncols\s", head, re.IGNORECASE):
-        return _esri(path, lines)
-    # The comments in which Gwyddion and others export a table.
-    said = _header(head, r"^#\s*(?P<key>Width|Height|Value units):\s*(?P<value>.*)$")
-    return _table(path, lines, ("Height", "Width"), said, downwards=bool(said))
-
-
-def _table(
-    path: Path, lines: Sequence[str], sides: tuple[str, str], said: Mapping[str, str], downwards: bool
-) -> RawMap:
-    """Rows of heights below a header with the lengths of both sides; ``downwards`` if they begin with the largest y."""
-    table = _numbers(path, lines)
-    size = None
-    if all(side in said for side in sides):
-        size = tuple(quantity(said[side], "m", f"surface.path: {path}, {side}") for side in sides)
-    return RawMap(table[::-1] if downwards else table, size, said.get("Value units"), "m")  # type: ignore[arg-type]
-
-
-def _points(path: Path, lines: Sequence[str]) -> RawMap:
-    """Columns x, y and height on an even grid, in any order; a header ``X[nm] Y[nm] Z[nm]`` gives the units."""
-    first = next((i for i, line in enumerate(lines) if re.match(r"\s*[-+.\d]", line)), len(lines))
-    units = re.findall(r"[XYZ]\s*\[(.*?)\]", "\n".join(lines[:first]))
-    if len(units) == 3 and units[0] != units[1]:
-        raise InputError(f"surface.path: {path} has x in {units[0]} and y in {units[1]}; give both in one unit")
-    table = _numbers(path, lines[first:], "," if first < len(lines) and "," in lines[first] else None)
-    if table.shape[1] < 3:
-        raise InputError(f"surface.path: {path} has {table.shape[1]} columns; points need three, x, y and height")
-    heights, size = gridded(path, table[:, :3])
-    return RawMap(heights, size, *((units[2], units[0]) if len(units) == 3 else (None, None)))
+    return _only(path, channel, read_text(path))
 
 
 def _xyz(path: Path, channel: Channel) -> RawMap:
-    _only(path, channel)
-    return _points(path, _lines(path))
+    return _only(path, channel, read_points(path))
 
 
-def _lines(path: Path) -> list[str]:
-    """The lines of a text; instruments still write the micro sign in Latin-1."""
-    content = path.read_bytes()
-    try:
-        return content.decode("utf-8").splitlines()
-    except UnicodeDecodeError:
-        return content.decode("latin-1").splitlines()
-
-
-def _numbers(path: Path, lines: Sequence[str], delimiter: str | None = None) -> np.ndarray:
-    """Rows of numbers; ValueError, with the row, where there are other things or rows of other lengths."""
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", UserWarning)  # of no rows
+def _gzip(path: Path, channel: Channel) -> RawMap:
+    """What a compressed file holds, as if it stood there by itself."""
+    with tempfile.TemporaryDirectory(prefix="height_map") as folder:
+        content = Path(folder) / path.stem
+        with gzip.open(path) as packed, content.open("wb") as out:
+            shutil.copyfileobj(packed, out)
         try:
-            table = np.loadtxt(lines, ndmin=2, delimiter=delimiter)
-        except ValueError as error:
-            raise ValueError(str(error).partition(";")[0]) from None  # then come arguments of loadtxt
-    if not table.size:
-        raise InputError(f"surface.path: {path} holds no numbers")
-    return table
-
-
-def _esri(path: Path, lines: Sequence[str]) -> RawMap:
-    """An ASCII grid of ESRI: columns, rows, corner, cell size and the mark of missing heights, then rows."""
-    said: dict[str, float] = {}
-    while re.match(r"\s*[A-Za-z_]", lines[len(said)]):
-        name, number = lines[len(said)].split()
-        said[name.lower()] = float(number)
-    heights = _numbers(path, lines[len(said) :])[::-1].copy()
-    rows, columns = int(said.get("nrows", -1)), int(said["ncols"])
-    if heights.shape != (rows, columns):
-        raise InputError(
-            f"surface.path: {path} holds {heights.shape[0]} x {heights.shape[1]} heights, its header says "
-            f"{rows} x {columns}"
-        )
-    heights[heights == said.get("nodata_value", -9999.0)] = np.nan
-    return RawMap(heights, (rows * said["cellsize"], columns * said["cellsize"]))
+            return read_map(content, channel)
+        except InputError as error:
+            raise InputError(str(error).replace(str(content), str(path))) from None
 
 
 def _instrument(path: Path, channel: Channel, reason: str) -> RawMap:
@@ -233,8 +168,14 @@ def _instrument(path: Path, channel: Channel, reason: str) -> RawMap:
             # A format without any mark: every file of the right length passes for it.
             if reader.format() == "hgt" and path.suffix.lower() != ".hgt":
                 raise CannotDetectFileFormat
-            maps = [one for one in reader.channels if one.dim == 2 and one.is_height_channel]
-            name = chosen(path, [one.channel_id for one in maps], channel)
+            maps = [one for one in reader.channels if one.dim == 2]
+            if not maps and reader.channels:
+                raise line_scan(path, reader.channels[0].nb_grid_pts[0])
+            # The unit of what is no length is no text with some readers.
+            lengths = {one.channel_id for one in maps if one.is_height_channel and isinstance(one.unit, str | None)}
+            named = {name for name in lengths if not _NO_HEIGHTS.search(name)} or lengths
+            names = [one.channel_id for one in maps]
+            name = chosen(path, names, channel, others=set(names) - named)
             found = next(one for one in maps if one.channel_id == name)
             sides = found.physical_sizes
             # It asks for a size where the file has none.
@@ -251,32 +192,28 @@ def _instrument(path: Path, channel: Channel, reason: str) -> RawMap:
 
 @contextmanager
 def _silent() -> Iterator[None]:
-    """What a library logs of the formats that a file is not of is of no use to a reader."""
+    """What libraries remark of the formats that a file is not of is of no use to a reader."""
     before = logging.root.manager.disable
     logging.disable(logging.CRITICAL)
     try:
-        yield
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            yield
     finally:
         logging.disable(before)
 
 
-def _only(path: Path, channel: Channel) -> None:
+def _only(path: Path, channel: Channel, found: RawMap) -> RawMap:
+    """The one map of a file."""
     if channel not in (None, 0):
-        raise InputError(f"surface.channel = {channel!r}: {path} holds one map")
+        raise InputError(f"surface.channel = {channel!r}: {path} holds one map; leave the key out")
+    return found
 
 
 def _is_text(path: Path) -> bool:
     with path.open("rb") as stream:
         start = stream.read(4096)
     return b"\0" not in start and not re.search(rb"[\x01-\x08\x0e-\x1f\x80-\x9f]{2}", start)
-
-
-def _header(head: str, pattern: str) -> dict[str, str]:
-    return {match["key"]: match["value"].strip() for match in re.finditer(pattern, head, re.MULTILINE)}
-
-
-def _last(lines: Sequence[str], word: str) -> int:
-    return max((i for i, line in enumerate(lines[:30]) if word in line), default=-1)
 
 
 READERS: Mapping[str, Callable[[Path, Channel], RawMap]] = {
@@ -286,4 +223,5 @@ READERS: Mapping[str, Callable[[Path, Channel], RawMap]] = {
     ".nc4": _netcdf,
     ".netcdf": _netcdf,
     ".xyz": _xyz,
+    ".gz": _gzip,
 }

@@ -13,6 +13,11 @@ _UNEVEN = 0.01
 _SPARSEST = 4
 
 
+def line_scan(path: Path, points: int) -> InputError:
+    """What is said of a file that holds a line."""
+    return InputError(f"surface.path: {path} holds a line scan ({points} points); a map (rows x columns) is needed")
+
+
 def step_of(path: Path, name: str, values: np.ndarray) -> float:
     """Distance of neighbouring points on an even grid, negative where the coordinate decreases.
 

@@ -4,7 +4,8 @@ Criteria, each a ratio or a size that no surface of use has:
 
 - **edges**: heights differ across an edge of the cell :data:`JUMP` times as much as from line to line inside. A
   periodic surface has 1, for scatter rarely more than 2; a map cut from a larger surface tens.
-- **order**: rms heights outside :data:`HEIGHTS`; the usual cause is a unit taken for another.
+- **order**: rms heights outside :data:`HEIGHTS`, a cell above :data:`~contact_study.problem.height_map.WIDEST`, an rms
+  slope below :data:`FLATTEST`; the usual cause is a unit taken for another.
 - **noise**: the spectrum of the waves shorter than four points falls more slowly than 1/q, as noise of single points
   does and no self-affine surface (q⁻² and steeper), and they make more than a tenth of the mean square slope.
 """
@@ -15,11 +16,13 @@ import numpy as np
 
 from contact_study.fields.roughness import Roughness
 from contact_study.problem.case import Case
+from contact_study.problem.height_map import WIDEST
 from contact_study.problem.surface_scales import SurfaceScales
 from contact_study.problem.units import length
 
 JUMP = 4.0
 HEIGHTS = (1e-12, 1e-3)
+FLATTEST = 1e-4
 NOISE_POWER, NOISE_SHARE = -1.0, 0.1
 
 
@@ -46,10 +49,17 @@ def doubts(path: str, scales: SurfaceScales) -> list[str]:
     found, notes = scales.measured, []
     if found is None:
         return []
+    strange = []
     if found.rms_height and not HEIGHTS[0] <= found.rms_height <= HEIGHTS[1]:
+        strange.append(f"rms heights of {found.rms_height:.3g} m")
+    if max(scales.size) > WIDEST:
+        strange.append(f"a cell of {length(*scales.size)}")
+    if 0 < found.rms_slope < FLATTEST:
+        strange.append(f"an rms slope of {found.rms_slope:.2g}")
+    if strange:
         notes.append(
-            f"surface: {path} has rms heights of {found.rms_height:.3g} m on a cell of {length(*scales.size)}; is "
-            f"their unit right ({scales.unit})?"
+            f"surface: {path} has {' and '.join(strange)}; are its units right (heights in {scales.unit}, cell of "
+            f"{length(*scales.size)})?"
         )
     if found.edge_ratio > JUMP:
         notes.append(

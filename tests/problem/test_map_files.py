@@ -123,7 +123,7 @@ def test_bare_tables_are_told_their_size_and_unit(tmp_path, heights, name):
     else:
         np.savetxt(tmp_path / name, heights, fmt="%.17g")
     taken(surface(tmp_path, name, size=["6 um", "8 um"], height_unit="nm"), 1e-9 * heights)
-    assert "surface.size" in refused(tmp_path, name)
+    assert "missing key surface.size: how wide is the map?" in refused(tmp_path, name)
     assert "surface.height_unit" in refused(tmp_path, name, size="6 um", height_unit="N")
     assert "surface.lateral_unit" in refused(tmp_path, name, size="6 um", lateral_unit="um")
 
@@ -132,9 +132,41 @@ def test_coordinates_without_a_unit(tmp_path, heights):
     coordinates = {"x": ("x", np.arange(8.0)), "y": ("y", np.arange(6.0))}
     xr.Dataset({"height": (("y", "x"), heights, {"units": "nm"})}, coordinates).to_netcdf(tmp_path / "map.nc")
     taken(surface(tmp_path, "map.nc", lateral_unit="um"), 1e-9 * heights)
-    taken(surface(tmp_path, "map.nc"), 1e-9 * heights, (6.0, 8.0))  # metres, if nobody says otherwise
+    assert "missing key surface.lateral_unit: " in refused(tmp_path, "map.nc"), "6 x 8 m are no map"
+    taken(surface(tmp_path, "map.nc", lateral_unit="m"), 1e-9 * heights, (6.0, 8.0))
+    # A cell of a size of use may be in metres.
+    xr.open_dataset(tmp_path / "map.nc").assign_coords(x=1e-6 * np.arange(8), y=1e-6 * np.arange(6)).to_netcdf(
+        tmp_path / "metres.nc"
+    )
+    taken(surface(tmp_path, "metres.nc"), 1e-9 * heights)
     netcdf(tmp_path / "other.nc", heights)
     assert 'surface.lateral_unit = "nm"' in refused(tmp_path, "other.nc", lateral_unit="nm")
+
+
+def test_netcdf_with_the_attributes_of_surfacetopography(tmp_path, heights):
+    """``unit``, not ``units``; (x, y); missing heights in a variable of their own; Å as A."""
+    torn = heights.copy()
+    torn[2, 3] = 1e30
+    mask = np.zeros((8, 6), "i1")
+    mask[3, 2] = 1
+    unit = {"unit": "A"}
+    coordinates = {"x": ("x", np.arange(8.0), unit | {"length": 8.0}), "y": ("y", np.arange(6.0), unit)}
+    fields = {"heights": (("x", "y"), torn.T, unit), "mask": (("x", "y"), mask)}
+    xr.Dataset(fields, coordinates).to_netcdf(tmp_path / "map.nc")
+    found = read_height_map(tmp_path / "map.nc")
+    assert found.size == pytest.approx((6e-10, 8e-10), abs=0, rel=1e-9)
+    assert found.unit == "angstrom, its file"
+    assert np.isnan(found.heights[2, 3])
+    there = ~np.isnan(found.heights)
+    assert there.sum() == 47
+    np.testing.assert_allclose(found.heights[there], 1e-10 * heights[there], rtol=1e-12)
+    assert "says angstrom" in refused(tmp_path, "map.nc", height_unit="nm")
+
+
+def test_one_coordinate_speaks_for_both(tmp_path, heights):
+    coordinates = {"x": ("x", np.arange(8.0), {"units": "um"}), "y": ("y", np.arange(6.0))}
+    xr.Dataset({"height": (("y", "x"), heights, {"units": "nm"})}, coordinates).to_netcdf(tmp_path / "map.nc")
+    taken(surface(tmp_path, "map.nc"), 1e-9 * heights)
 
 
 def test_the_micro_sign_of_old_files(tmp_path, heights):
@@ -200,7 +232,7 @@ def test_unknown_formats(tmp_path, monkeypatch):
     pytest.importorskip("SurfaceTopography", reason="extra instruments")
     said = refused(tmp_path, "map.spm", size="1 um")
     assert "in no format that is known" in said
-    assert ".npy, .npz, .nc, .nc4, .netcdf, .xyz and those of SurfaceTopography" in said
+    assert ".npy, .npz, .nc, .nc4, .netcdf, .xyz, .gz and those of SurfaceTopography" in said
     (tmp_path / "words.txt").write_text("there are no numbers here\n")
     assert "words.txt" in refused(tmp_path, "words.txt", size="1 um")
 
@@ -261,7 +293,11 @@ def test_several_maps_leave_a_choice(tmp_path, heights):
 
 @pytest.mark.parametrize(
     ("array", "culprit"),
-    [(np.ones((1, 9)), r"at least 4 x 4"), (np.full((9, 9), np.nan), "all of its heights are missing")],
+    [
+        (np.ones((3, 9)), r"at least 4 x 4"),
+        (np.ones((1, 9)), "line scan (9 points)"),
+        (np.full((9, 9), np.nan), "all of its heights are missing"),
+    ],
 )
 def test_maps_that_are_none(tmp_path, array, culprit):
     np.save(tmp_path / "map.npy", array)

@@ -58,8 +58,19 @@ def test_a_mirrored_map_has_the_law_of_the_whole(tmp_path, heights):
 @pytest.mark.parametrize(("scale", "size"), [(1e9, "2000 m"), (1e-9, "2 um")])
 def test_heights_of_the_wrong_order(tmp_path, heights, scale, size):
     """Metres for nanometres in all three directions leave every slope as it is."""
-    lines = notes(tmp_path, scale * heights, size=size)
-    assert any("is their unit right (m, default)?" in line for line in lines)
+    (line,) = notes(tmp_path, scale * heights, size=size)
+    assert "are its units right (heights in m, default, cell of 2" in line
+    assert "rms heights of " in line
+    assert ("a cell of 2000 x 2000 m" in line) == (size == "2000 m")
+    assert ("an rms slope of " in line) == (size == "2 um")
+
+
+def test_a_cell_or_a_slope_alone_is_asked_about(tmp_path, heights):
+    """What software that takes one unit for another makes of a map: 160 m, a slope of 4e-7."""
+    (line,) = notes(tmp_path, 2e-4 * heights)
+    assert "map.npy has an rms slope of 6.2e-05; are its units right" in line
+    (line,) = notes(tmp_path, 10 * heights, size="0.2 m")
+    assert "map.npy has a cell of 200 x 200 mm and an rms slope of 3.1e-05" in line
 
 
 def test_metres_for_nanometres_of_height_alone_are_refused(tmp_path, heights):

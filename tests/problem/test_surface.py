@@ -178,8 +178,9 @@ def test_rounded_coordinates_are_even(tmp_path, bumps):
         (None, "does not exist"),
         (b"not numpy", "cannot be read"),
         (np.full((8, 8), np.nan), "no finite numbers"),
-        (np.zeros(8), "expected at least 4 x 4"),
-        (np.zeros((2, 8)), "expected at least 4 x 4"),
+        (np.zeros(8), r"line scan \(8 points\)"),
+        (np.zeros((2, 8)), r"line scan \(8 points\)"),
+        (np.zeros((3, 8)), "expected at least 4 x 4"),
     ],
 )
 def test_unusable_height_maps(tmp_path, content, culprit):
