@@ -1,6 +1,7 @@
 """A loading path of the continuum in slow motion against friction."""
 
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 
 import numpy as np
 
@@ -45,4 +46,6 @@ class _MovingContinuum(OverdampedContact):
         if self._case.output.stiffness:
             at_rest = found.residual <= self.tolerance
             stiffness = self.stiffness(found.solution) if at_rest else np.nan
-        return interface_state(self._case, found.solution, self._spacing, stiffness)
+        # What was done since belongs to this state, too: a run that goes on from it does none of it.
+        solution = replace(found.solution, fft_pairs=found.solution.fft_pairs + self._work())
+        return interface_state(self._case, solution, self._spacing, stiffness)

@@ -89,12 +89,16 @@ class OverdampedBlock:
         """The place where the landscape was evaluated last, with the work since the one before."""
         landscape = self._landscape
         place.evaluations += self._evaluations
-        pairs = landscape.pairs - self._pairs
-        self._evaluations, self._pairs = 0.0, landscape.pairs
+        self._evaluations, pairs = 0.0, self._work()
         residual = landscape.residual(landscape.gradient(place, Load(load * landscape.area)))
         apart = load <= 0 and not landscape.force.any()
         outcome = Outcome.DETACHED if apart else Outcome.CONVERGED
         return Moved(equilibrium_of(landscape, place, residual, outcome, steps, pairs), apart)
+
+    def _work(self) -> float:
+        """Transform pairs since it was asked for last."""
+        before, self._pairs = self._pairs, self._landscape.pairs
+        return self._pairs - before
 
     def beside_saddle(self, state: np.ndarray, load: float) -> np.ndarray | None:
         """A state of lower energy next to a saddle; see :class:`contact_study.fields.gradient_flow.Overdamped`."""

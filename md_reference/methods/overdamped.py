@@ -1,6 +1,7 @@
 """Slow motion against friction at zero temperature: the atoms go down the steepest descent from point to point."""
 
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 
 import numpy as np
 
@@ -28,7 +29,9 @@ class MovingAtoms(OverdampedBlock):
 
     def described(self, found: Moved) -> InterfaceState:
         """A state of the atoms as one of the interface."""
-        return interface_state(self._case, self._contact.solution(found.equilibrium))
+        # What was done since belongs to this state, too: a run that goes on from it does none of it.
+        equilibrium = replace(found.equilibrium, fft_pairs=found.equilibrium.fft_pairs + self._work())
+        return interface_state(self._case, self._contact.solution(equilibrium))
 
 
 def solve_path(

@@ -8,7 +8,7 @@ import xarray as xr
 
 import contact_study
 from bem_adhesion.overdamped import OverdampedContact
-from bem_adhesion.run import check
+from bem_adhesion.run import check, solve_path
 from contact_study.campaign import case_run
 from contact_study.campaign.overdamped_path import pace_of
 from contact_study.campaign.schema import TRAJECTORY
@@ -174,6 +174,16 @@ def test_run_stopped_on_the_way_goes_on_to_the_same_bits(loop, tmp_path, monkeyp
         else:
             contact_study.run(FLOW, "continuum", output=path, resume=True)
     assert_equal_groups(groups_of(path), groups_of(loop))
+
+
+def test_work_of_a_point_is_told_whether_the_run_was_stopped_before_it_or_not():
+    """The search for a way down from the state at rest belongs to its point."""
+    asked = {"solver": {"path": "overdamped"}, "loading": {"path": ["1 GPa", "0.5 GPa"]}}
+    case = make_study(table(interaction={"well_depth_ratio": 8}, **asked)).cases[0]
+    surface = realise(case)
+    first, whole = (list(point.states)[-1] for point in solve_path(case, surface))
+    (resumed,) = (list(point.states)[-1] for point in solve_path(case, surface, first.restart, 1))
+    assert resumed.report == whole.report
 
 
 def test_wall_without_attraction_has_one_state_by_any_path():

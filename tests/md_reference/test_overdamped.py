@@ -15,7 +15,7 @@ from contact_study.problem.study import make_study
 from contact_study.problem.surface import realise
 from md_reference.methods.overdamped import MovingAtoms
 from md_reference.overdamped_block import OverdampedBlock
-from md_reference.run import check
+from md_reference.run import check, solve_path
 from md_reference.system import build_contact, build_stiffness
 from tests.md_reference.systems import CONTACT_MODULUS, LENGTH, case_of, touching
 from tests.md_reference.test_block import apply
@@ -203,6 +203,15 @@ def test_run_stopped_on_the_way_goes_on_to_the_same_bits(loop, tmp_path, monkeyp
         else:
             contact_study.run(changed(**FLOW), "atomistic", output=path, resume=True)
     assert_equal_groups(groups_of(path), groups_of(loop))
+
+
+def test_work_of_a_point_is_told_whether_the_run_was_stopped_before_it_or_not():
+    """The search for a way down from the state at rest belongs to its point."""
+    case = make_study(changed(**{**FLOW, "loading": {"path": ["1 GPa", "0.5 GPa"]}})).cases[0]
+    surface = realise(case)
+    first, whole = (list(point.states)[-1] for point in solve_path(case, surface))
+    (resumed,) = (list(point.states)[-1] for point in solve_path(case, surface, first.restart, 1))
+    assert resumed.report == whole.report
 
 
 def test_few_steps_are_reported():
