@@ -185,6 +185,14 @@ class MultiscaleBlock:
         return self.nodes_of(vector)[0].astype(np.int32)
 
     @property
+    def node_masses(self) -> np.ndarray:
+        """Mass of each node of :meth:`nodes_of`, the rigid plane shared by its own (kg), shape (nodes,)."""
+        vector = self.mass
+        plane = self.top_of(vector)
+        plane[...] = self.top_mass / plane[0].size
+        return self.nodes_of(vector)[0]
+
+    @property
     def rest_positions(self) -> np.ndarray:
         """Where the nodes of :meth:`nodes_of` stand over a surface at height zero, shape (3, nodes) (m)."""
         vector = np.zeros(self.size)

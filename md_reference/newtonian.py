@@ -81,6 +81,7 @@ class NewtonianBlock:
         self.driven = driven
         self.interaction_energy = 0.0
         self.interface_force = np.empty((3, *block.atoms))
+        self._half_kick = 0.5 * time_step
         self._kept = float(np.exp(-friction * time_step))
         self._noise = constants.k * temperature * (1 - self._kept**2)
         # Where the nodes go in a step: neighbours need where they were.
@@ -136,13 +137,18 @@ class NewtonianBlock:
         return self.block.elastic_energy(motion.displacement, force)
 
     def temperature(self, motion: Motion) -> float:
-        """Twice the kinetic energy of the nodes, against a driven plane, over k_B and their number of freedoms (K)."""
+        """Kinetic temperature of the nodes, against a driven plane (K).
+
+        Of the velocities half a kick before and after the step's end: a thermostat gives these the mean square of
+        equilibrium at any time step, where forces are linear. Those of the step's end itself lack (ω dt)²/4 of it.
+        """
         velocity = motion.velocity
         if self.driven:
             velocity = velocity.copy()
             for nodes in self.block.levels_of(velocity):
                 nodes[2, :-1, 1:-1, 1:-1] -= motion.top_velocity
-        return self._mass_times_square(velocity) / (constants.k * self.block.freedoms)
+        twice = self._mass_times_square(velocity) + self._square_over_mass(self._forces(motion)) * self._half_kick**2
+        return twice / (constants.k * self.block.freedoms)
 
     def temperature_of_whole(self, motion: Motion) -> float:
         """Square of the momentum along z over k_B and all mass (K): in equilibrium the temperature on average.
@@ -161,11 +167,25 @@ class NewtonianBlock:
         pairs = zip(self.block.plane_mass, self.block.levels_of(velocity), strict=True)
         return sum(float(np.dot(mass, np.einsum("ckji,ckji->k", v, v))) for mass, v in pairs)
 
+    def _square_over_mass(self, force: np.ndarray) -> float:
+        """Σ f²/m over the nodes that move on their own."""
+        inside = np.s_[:, :, 1:-1, 1:-1]
+        total = 0.0
+        for mass, nodes in zip(self.block.plane_mass, self.block.levels_of(force), strict=True):
+            own = nodes[inside][:, mass > 0]
+            total += float(np.dot(1 / mass[mass > 0], np.einsum("ckji,ckji->k", own, own)))
+        return total
+
     def unbalanced(self, motion: Motion) -> float:
         """Largest force left on an atom of the surface (N)."""
+        return float(np.max(np.abs(self.block.bottom_of(self._forces(motion)))))
+
+    def _forces(self, motion: Motion) -> np.ndarray:
+        """Of block and substrate on all nodes, after a step (N)."""
         force = np.zeros(self.block.size)
         self.block.force(motion.displacement, force)
-        return float(np.max(np.abs(self.block.bottom_of(force) + self.interface_force)))
+        self.block.bottom_of(force)[...] += self.interface_force
+        return force
 
     def _through(self, motion: Motion, kick: float, generator: np.random.Generator) -> Action:
         """From a kick to the end of the way, with friction and noise in its middle, on all nodes.

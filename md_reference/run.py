@@ -147,6 +147,12 @@ def review(study: Study, scales: Sequence[SurfaceScales]) -> list[str]:
     notes = idle_motion(study.cases)
     if any(case.solver.path == "overdamped" != case.atomistic.method for case in study.cases):
         notes.append('solver.path = "overdamped": atoms do not read it; their way is atomistic.method')
+    ringing = [case for case in study.cases if case.atomistic.method == "dynamics" and case.dynamics.damping == 0]
+    if ringing:
+        notes.append(
+            f"dynamics.damping = 0{points(ringing, len(study.cases))}: nothing takes the energy of the descent, the "
+            "block rings without end; its numbers are means over the second half of dynamics.frames"
+        )
     filtered = []
     for case, scale in zip(study.cases, scales, strict=True):
         # Six deviations of the stress in full contact, to which the highest pressures of a rough contact come near.
@@ -208,8 +214,13 @@ def _surroundings(case: Case, surface: Surface) -> Mapping[str, Value]:
     """What stands about the atoms that are kept one by one."""
     if case.output.atoms == "none":
         return {}
-    sites = substrate_sites(surface.heights(case.lattice.substrate_sites), case.lattice.size)
-    return {**sites, "node_level": dynamics.build_block(case).node_levels} if case.output.atoms == "block" else sites
+    found = dict(substrate_sites(surface.heights(case.lattice.substrate_sites), case.lattice.size))
+    if case.material.atom_mass is not None:
+        found["atom_mass"] = case.material.atom_mass
+    if case.output.atoms == "block":
+        block = dynamics.build_block(case)
+        found |= {"node_level": block.node_levels, "node_mass": block.node_masses}
+    return found
 
 
 def solve_path(

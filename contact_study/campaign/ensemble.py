@@ -100,7 +100,7 @@ class Averages:
         Warns
         -----
         UserWarning
-            If the series is too short for its memory, or one thermal state counts.
+            If the series is too short for its memory, or one state counts.
         """
         last = self._last
         assert last is not None
@@ -147,7 +147,7 @@ def _clock_of(series: Mapping[str, np.ndarray], counted: int) -> tuple[str, floa
 def _single(memory: str) -> str:
     """That a point has no error."""
     more = "dynamics.frames" if memory == AUTOCORRELATION_TIME else "sampling.trajectories"
-    return f"one thermal state of a point counts: there is no mean and no standard error; raise {more}"
+    return f"one state of a point counts: there is no mean and no standard error; raise {more}"
 
 
 def _too_short(counted: int, interval: float, memory: str, untold: Mapping[str, float]) -> str:
@@ -156,7 +156,7 @@ def _too_short(counted: int, interval: float, memory: str, untold: Mapping[str, 
     span = f", {1e12 * counted * interval:.3g} ps," if moving else ""
     if counted < LEAST_STATES:
         return (
-            f"the {counted} thermal states of a point{span} are too few to tell an autocorrelation time, which takes "
+            f"the {counted} states of a point{span} are too few to tell an autocorrelation time, which takes "
             f"{LEAST_STATES}: their standard errors are guesses; raise "
             + ("dynamics.frames, of a short motion dynamics.duration, too" if moving else "sampling.trajectories")
         )
@@ -165,7 +165,7 @@ def _too_short(counted: int, interval: float, memory: str, untold: Mapping[str, 
     more = f" and {len(untold) - 1} more" if len(untold) > 1 else ""
     longer = "dynamics.duration" if moving else "sampling.trajectories"
     return (
-        f"the {counted} thermal states of a point{span} are too few to tell the autocorrelation time "
+        f"the {counted} states of a point{span} are too few to tell the autocorrelation time "
         f"of {name}{more}, {least} at least: their standard errors need a series of twenty such times; raise {longer}"
     )
 

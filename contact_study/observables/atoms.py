@@ -31,6 +31,8 @@ ATOMS: dict[str, Variable] = {
 # What does not change along the path.
 SURROUNDINGS: dict[str, Variable] = {
     "substrate_height": Variable("m", "height of a site of the substrate", ("site_y", "site_x")),
+    "atom_mass": Variable("kg", "mass of an atom of the block", ()),
+    "node_mass": Variable("kg", "mass of a node of the block; the rigid plane's is shared by its nodes", ("node",)),
     "node_level": Variable("1", "level of a node of the block: cells of 2^level lattice constants", ("node",), "count"),
 }
 

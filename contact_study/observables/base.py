@@ -106,9 +106,10 @@ class ThermalMotion:
     time : float
         Since it began (s).
     temperature : float
-        Of the kinetic energy, against a driven plane (K).
+        Kinetic, against a driven plane, of the velocities in the middle of time steps (K).
     kinetic_energy : float
-        Of all nodes and the rigid plane against the substrate, per nominal area (J/m²).
+        Of all nodes and the rigid plane against the substrate, of the velocities at the end of the time step, per
+        nominal area (J/m²).
     mechanical_energy : float
         That, the whole elastic and the interaction energy, and the load's, its pressure times the height of the rigid
         plane over the substrate's mean plane (J/m²).

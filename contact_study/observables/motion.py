@@ -23,11 +23,11 @@ MOTION = Observable(
     {
         "temperature": Variable(
             "K",
-            "twice the kinetic energy of the nodes, against a driven plane, over Boltzmann's constant and the number "
-            "of freedoms",
+            "kinetic temperature of the nodes, against a driven plane, by velocities in the middle of time steps",
         ),
         "kinetic_energy": Variable(
-            "J m-2", "kinetic energy of all nodes and the rigid plane against the substrate per nominal area"
+            "J m-2",
+            "kinetic energy of nodes and rigid plane per nominal area, by velocities at the end of time steps",
         ),
         "mechanical_energy": Variable(
             "J m-2",

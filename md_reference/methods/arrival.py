@@ -12,7 +12,8 @@ _AT_REST = 1e-3  # unbalanced stress over E*, below which atoms without noise co
 
 # Standard errors that chance accounts for: normal numbers miss by more once in 16 000 times.
 _BY_CHANCE = 4.0
-# Of the load. Area and gap follow it at most in proportion: what is missing changes them by as little.
+# Of the load, or of the temperature. Area and gap follow them at most in proportion: what is missing changes them by as
+# little.
 _NEGLIGIBLE = 0.01
 # Of the load. More is missing by no chance where the series is too short to tell its own error.
 _LARGE = 0.1
@@ -69,8 +70,6 @@ class Warmth:
         That count.
     forgotten : float
         Times that friction takes a wave's energy over these states: friction times time.
-    step_error : float
-        Share of its temperature that the fastest wave lacks by the time step, (ω dt)²/4.
     """
 
     nodes: float
@@ -79,7 +78,6 @@ class Warmth:
     freedoms: int
     states: int
     forgotten: float
-    step_error: float
 
 
 def still_moving(descent: Descent, unbalanced: float, modulus: float) -> tuple[float, str]:
@@ -135,7 +133,7 @@ def _ringing(warmth: Warmth) -> str:
 def _still_cold(warmth: Warmth) -> str:
     """That the nodes have not the thermostat's temperature; empty if they have."""
     by_chance = _BY_CHANCE * math.sqrt(2 / warmth.freedoms)  # as if all states were one
-    if abs(warmth.nodes / warmth.bath - 1) <= warmth.step_error + by_chance:
+    if abs(warmth.nodes / warmth.bath - 1) <= max(by_chance, _NEGLIGIBLE):
         return ""
     return (
         f"the atoms moved at {warmth.nodes:.4g} K on average, not at the thermostat's {warmth.bath:.4g} K: raise "
@@ -143,18 +141,19 @@ def _still_cold(warmth: Warmth) -> str:
     )
 
 
-def load_missing(descent: Descent, modulus: float) -> tuple[float, str]:
-    """The load that the interface of a warm block does not carry on average over E*, and what to do about it.
+def load_missing(descent: Descent, modulus: float, swings: bool = False) -> tuple[float, str]:
+    """The load that the interface of a moving block does not carry on average over E*, and what to do about it.
 
-    A block that nothing carries has yet to come down.
+    A block that nothing carries has yet to come down. One that swings without end misses its load by chance as far as
+    it swings: no error excuses that.
     """
-    missing, words = mean_load_missing(descent.carried, descent.load)
+    missing, words = mean_load_missing(descent.carried, descent.load, swings)
     if descent.reached and not words:
         return missing / modulus, ""
     return missing / modulus, _on_its_way(descent) or f"{words}: raise dynamics.duration"
 
 
-def mean_load_missing(carried: np.ndarray, load: float) -> tuple[float, str]:
+def mean_load_missing(carried: np.ndarray, load: float, swings: bool = False) -> tuple[float, str]:
     """What a series of mean pressures lacks of the load on average (Pa), and words on it if that is not by chance.
 
     In equilibrium the mean force of the interface is the load at any temperature and any time step.
@@ -165,13 +164,15 @@ def mean_load_missing(carried: np.ndarray, load: float) -> tuple[float, str]:
         Mean pressure of the interface in the states that count (Pa).
     load : float
         The applied one (Pa).
+    swings : bool, optional
+        Whether the states are those of a block without friction, whose errors tell how far it swings.
     """
     found = statistics_of(carried)
     mean, error = float(found.mean), float(found.standard_error)
     missing = abs(mean - load)
     by_chance = _BY_CHANCE * error if math.isfinite(error) else 0.0  # of one state
     allowed = max(by_chance, _NEGLIGIBLE * abs(load))
-    if not found.resolved:
+    if swings or not found.resolved:
         allowed = min(allowed, _LARGE * abs(load))
     if missing <= allowed:
         return missing, ""

@@ -14,7 +14,7 @@ from contact_study.problem.errors import InputError
 from contact_study.problem.surface import Surface
 from md_reference.block import element_matrix, lame_constants
 from md_reference.interface import LennardJonesInterface
-from md_reference.methods.arrival import Descent, Warmth, not_in_equilibrium, still_moving
+from md_reference.methods.arrival import Descent, Warmth, load_missing, not_in_equilibrium, still_moving
 from md_reference.methods.base import Predictor
 from md_reference.methods.place import Frame, Place
 from md_reference.multiscale_block import MultiscaleBlock, level_layers, node_count
@@ -132,8 +132,8 @@ def solve_path(
 
     The block begins just out of reach of the substrate, at the speed of approach. Under gap control its rigid plane
     moves at that speed to each point of the path, and rests for ``dynamics.duration`` where a point repeats the one
-    before. The last state of a point is its answer; of atoms with a thermostat the second half of its states, unless
-    the plane is on its way.
+    before. The last state of a point is its answer; of atoms with a thermostat, or without friction, the second half of
+    its states, unless the plane is on its way.
 
     Parameters
     ----------
@@ -151,7 +151,8 @@ def solve_path(
         passing = case.loading.control == "gap" and case.path[number][0] != (
             case.path[number - 1][0] if number else None
         )
-        discarded = None if passing or case.atomistic.temperature == 0 else case.dynamics.frames // 2
+        comes_to_rest = case.atomistic.temperature == 0 and case.dynamics.damping > 0
+        discarded = None if passing or comes_to_rest else case.dynamics.frames // 2
         yield Ensemble(run.states(at, case.path[number][0], discarded), discarded)
 
 
@@ -168,7 +169,6 @@ class _Run:
             build_block(case), interface, step, case.dynamics.damping, case.atomistic.temperature, self._driven
         )
         self._steps = round(case.dynamics.duration / step)
-        self._step_error = (step / largest_time_step(case)) ** 2
 
     def begin(self, point: int, time: float = 0.0) -> Place:
         """A block apart, at the speed of approach."""
@@ -282,6 +282,8 @@ class _Run:
             if case.atomistic.temperature > 0:
                 warmth = self._warmth(at.series[-descent.carried.size :])
                 residual, message = not_in_equilibrium(descent, warmth, case.material.contact_modulus)
+            elif case.dynamics.damping == 0:
+                residual, message = load_missing(descent, case.material.contact_modulus, swings=True)
             else:
                 residual, message = still_moving(descent, self._unbalanced(at), case.material.contact_modulus)
             converged = not message
@@ -331,5 +333,4 @@ class _Run:
             freedoms=self._system.block.freedoms,
             states=len(counted),
             forgotten=case.dynamics.damping * (counted[-1].time - counted[0].time),
-            step_error=self._step_error,
         )

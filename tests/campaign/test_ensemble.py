@@ -34,9 +34,7 @@ def averages_of(separations):
 
 def test_fewer_states_than_tell_a_memory_are_warned_of_alike():
     noise = np.random.default_rng(0).standard_normal(49)
-    with pytest.warns(
-        UserWarning, match="the 49 thermal states of a point, 4.9 ps, .* takes 50: .*; raise dynamics.fr"
-    ):
+    with pytest.warns(UserWarning, match="the 49 states of a point, 4.9 ps, .* takes 50: .*; raise dynamics.fr"):
         values = averages_of(1e-12 * noise).step().values
     assert np.isnan(values["mean_separation" + AUTOCORRELATION_TIME])
     values = averages_of(1e-12 * np.append(noise, 0.0)).step().values
@@ -58,7 +56,7 @@ def test_memory_of_states_in_motion_is_a_time():
     # Half of a drift's 6 ps hold no five times its memory.
     least = statistics_of(np.linspace(0, 1e-11, 60)).autocorrelation_time / 10
     assert 0.6 < least < 1.2
-    words = "the 60 thermal states of a point, 6 ps, are too few to tell the autocorrelation time of mean_separation, "
+    words = "the 60 states of a point, 6 ps, are too few to tell the autocorrelation time of mean_separation, "
     words += f"{least:.2g} ps at least: their standard errors need a series of twenty such times; raise dynamics.dur"
     with pytest.warns(UserWarning, match=words):
         values = averages_of(np.linspace(0, 1e-11, 60)).step().values

@@ -56,13 +56,14 @@ def test_explicit_block_comes_to_rest_where_the_condensed_one_does(ratio):
     np.testing.assert_allclose(rest.mean_pressure, 1e9, rtol=1e-3)
 
 
+@pytest.mark.filterwarnings("ignore:dynamics.damping = 0", "ignore:.* states of a point")
 def test_series_tells_the_approach(tmp_path):
     study = moving(dynamics={"duration": "2 ps", "damping": 0.0, "approach_speed": "20 m/s"})
     with pytest.warns(UserWarning, match="did not converge"):
         contact_study.run(study, "atomistic", output=tmp_path / "md.nc")
     groups = groups_of(tmp_path / "md.nc")
     root, series = groups["/"], groups[f"/{TRAJECTORY}"]
-    assert "still move" in str(root.message.values[0])
+    assert "Pa on average, not the 1e+09 Pa applied" in str(root.message.values[0])
     case = make_study(study).cases[0]
     time = series.time.values[0]
     # All the duration in whole steps, which the frames share evenly: here 6 and 7.
@@ -87,9 +88,11 @@ def test_series_tells_the_approach(tmp_path):
     assert kinetic[0, 0] == pytest.approx(0.5 * case_density * 20**2, rel=0.3)  # it is faster by then
 
 
-def test_a_block_in_flight_did_not_converge():
+@pytest.mark.filterwarnings("ignore:dynamics.damping = 0", "ignore:.* states of a point")
+@pytest.mark.parametrize("damping", ["1e-6 ps^-1", 0.0])
+def test_a_block_in_flight_did_not_converge(damping):
     """A load that is nearly nothing, just within reach: all forces are small but those of the impact to come."""
-    flying = {"duration": "1 ps", "damping": 0.0, "approach_speed": "100 m/s"}
+    flying = {"duration": "1 ps", "damping": damping, "approach_speed": "100 m/s"}
     with pytest.warns(UserWarning, match="did not converge"):
         dataset = contact_study.run(moving(loading={"path": ["1 MPa"]}, dynamics=flying), "atomistic")
     assert dataset.relative_contact_area.item() == 0
@@ -97,11 +100,33 @@ def test_a_block_in_flight_did_not_converge():
     case = make_study(moving()).cases[0]
     density = case.material.atom_mass / case.lattice.constant**3
     sound = np.sqrt(longitudinal_modulus(case) / density)
+    if not damping:
+        assert "on average, not the 1e+06 Pa applied" in str(dataset.message.values[0])
+        return
     # Before its surface is pulled by more than that by far.
     assert dataset.residual.item() == pytest.approx(density * sound * 100 / CONTACT_MODULUS, rel=0.01)
 
 
-@pytest.mark.filterwarnings("ignore:.* thermal states of a point")
+@pytest.mark.filterwarnings("ignore:dynamics.damping = 0", "ignore:.* states of a point")
+def test_a_block_without_friction_has_the_means_of_its_motion():
+    """It swings about its balance for ever: no last state answers for the load, the mean over many swings does."""
+    swinging = {"damping": 0.0, "approach_speed": "20 m/s", "frames": 200}
+    study = moving(dynamics=swinging)
+    with pytest.warns(
+        UserWarning, match=r"dynamics\.damping = 0: nothing takes the energy of the descent, the block rings"
+    ):
+        dataset = contact_study.run(study, "atomistic")
+    assert dataset.converged.item() == 1
+    assert dataset.mean_pressure.item() == pytest.approx(1e9, rel=0.1)
+    assert 0 < dataset["relative_contact_area" + STANDARD_ERROR].item() < 0.5
+    # A motion that has hardly begun carries no load on average, however far its pressures scatter.
+    with pytest.warns(UserWarning, match="did not converge"):
+        dataset = contact_study.run(moving(dynamics=swinging | {"duration": "20 ps"}), "atomistic")
+    assert dataset.converged.item() == 0
+    assert "on average, not the 1e+09 Pa applied" in str(dataset.message.values[0])
+
+
+@pytest.mark.filterwarnings("ignore:.* states of a point")
 def test_a_warm_block_that_rings_did_not_converge(tmp_path):
     """An impact without friction to speak of: the load is carried within an error of ten times itself."""
     bouncing = {"duration": "16 ps", "damping": "0.01 ps^-1", "approach_speed": "100 m/s", "frames": 100}
@@ -115,7 +140,7 @@ def test_a_warm_block_that_rings_did_not_converge(tmp_path):
     assert str(dataset.message.values[0]).startswith("the block still moves up and down as a whole, with ")
 
 
-@pytest.mark.filterwarnings("ignore:.* thermal states of a point")
+@pytest.mark.filterwarnings("ignore:.* states of a point")
 def test_a_warm_block_that_has_not_come_down_did_not_converge():
     """So much friction that 1 ps does not bring the block down."""
     slow = {"duration": "1 ps", "damping": "3 ps^-1", "approach_speed": 0.0}
@@ -131,7 +156,7 @@ def test_a_warm_block_that_has_not_come_down_did_not_converge():
 def test_a_single_state_that_counts_is_warned_of():
     """Half of two frames. Without a thermostat one is the answer, and nothing is said."""
     two = {"duration": "1 ps", "frames": 2}
-    with pytest.warns(UserWarning, match="one thermal state of a point counts: .*; raise dynamics.frames"):
+    with pytest.warns(UserWarning, match="one state of a point counts: .*; raise dynamics.frames"):
         dataset = contact_study.run(moving(atomistic={"temperature": 300.0}, dynamics=two), "atomistic")
     assert "mean_gap" + STANDARD_ERROR not in dataset
     contact_study.run(moving(dynamics=two), "atomistic")
@@ -160,8 +185,7 @@ def test_warm_blocks_explicit_and_condensed_agree():
         error = np.hypot(explicit[name + STANDARD_ERROR].item(), condensed[name + STANDARD_ERROR].item())
         assert abs(explicit[name].item() - condensed[name].item()) < 4 * error + allowance
     assert explicit.converged.item() == 1
-    # Kinetic temperatures of the scheme err by (ω dt)²/4.
-    assert explicit.temperature.item() == pytest.approx(300, abs=4 * explicit.temperature_standard_error.item() + 3)
+    assert explicit.temperature.item() == pytest.approx(300, abs=4 * explicit.temperature_standard_error.item())
 
 
 @pytest.mark.filterwarnings("ignore:.* did not converge")  # after 1 ps no block has come to rest
@@ -180,7 +204,7 @@ def test_run_stopped_within_a_point_goes_on_to_the_same_bits(loading, tmp_path, 
         output={"fields": False},
     )
     # Half of 1 ps at 300 K: no wave of the block has come round. Driven to a gap the state at the end is the point's.
-    words = r"the 10 thermal states of a point, 0\.\d+ ps, are too few to tell an autocorrelation time, .*: .*; raise "
+    words = r"the 10 states of a point, 0\.\d+ ps, are too few to tell an autocorrelation time, .*: .*; raise "
     driven = loading.get("control") == "gap"
     with nullcontext() if driven else pytest.warns(UserWarning, match=f"{words}dynamics.frames"):
         contact_study.run(study, "atomistic", output=tmp_path / "whole.nc")
@@ -273,7 +297,7 @@ def test_points_closer_than_their_frames_are_passed_at_the_speed_of_approach(tmp
     assert frames.tolist() == [20, *root.iterations[1:].values]
 
 
-@pytest.mark.filterwarnings("ignore:.* thermal states of a point")
+@pytest.mark.filterwarnings("ignore:.* states of a point")
 def test_a_driven_block_at_the_edge_of_reach_has_a_separation(tmp_path):
     """Thermal motion brings it in and out of reach; a few Å above it is detached, and known to be there."""
     case = make_study(moving()).cases[0]
@@ -371,6 +395,7 @@ def test_time_step_is_the_one_asked_for():
     )
 
 
+@pytest.mark.filterwarnings("ignore:dynamics.damping = 0")
 def test_a_blow_too_hard_for_the_time_step_says_so():
     """A step just below what a contact at rest bears, and a compression under which the contact is stiffer."""
     fast = {"approach_speed": "300 m/s", "damping": 0.0}

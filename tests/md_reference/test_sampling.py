@@ -77,7 +77,7 @@ def assert_equal_groups(one, other):
         xr.testing.assert_equal(dataset.drop_vars("wall_time", errors="ignore"), again)
 
 
-@pytest.mark.filterwarnings("ignore:the 10 thermal states")
+@pytest.mark.filterwarnings("ignore:the 10 states")
 def test_the_time_of_a_point_is_that_of_all_its_states(monkeypatch):
     """By a clock that ticks once a state."""
     add, clock = Averages.add, [0]
@@ -218,15 +218,13 @@ def test_a_block_that_thermal_motion_tears_off_is_detached():
 
 
 def test_short_series_are_warned_of():
-    words = (
-        "the 4 thermal states of a point are too few to tell an autocorrelation time, which takes 50: .*; raise sampl"
-    )
+    words = "the 4 states of a point are too few to tell an autocorrelation time, which takes 50: .*; raise sampl"
     with pytest.warns(UserWarning, match=words):
         dataset = contact_study.run(changed(sampling={"trajectories": 4}, loading={"path": ["1 GPa"]}), "atomistic")
     assert np.isnan(dataset["mean_pressure" + AUTOCORRELATION_STATES].item())
 
 
-@pytest.mark.filterwarnings("ignore:.*the 5 thermal states", "ignore:.* did not converge")
+@pytest.mark.filterwarnings("ignore:.*the 5 states", "ignore:.* did not converge")
 def test_few_states_that_miss_a_tenth_of_the_load_did_not_converge():
     """Their error is a guess, but four of it are as many as a resolved one's."""
     table = changed(sampling={"trajectories": 5}, loading={"path": ["1 GPa"]})

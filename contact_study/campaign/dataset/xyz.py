@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
+from scipy import constants
 
 from contact_study.campaign.files import named_file, writable_output, write_aside
 from contact_study.problem.errors import InputError
@@ -13,12 +14,12 @@ from contact_study.problem.errors import InputError
 if TYPE_CHECKING:
     from ase import Atoms
 
-# Letters for block and substrate, which readers take for boron and sulphur: the format knows elements only.
-_BLOCK, _SUBSTRATE = "B", "S"
+# No element: an atom of the block is what the study's mass and springs make of it.
+_UNKNOWN = "X"
 _SUBSTRATE_LEVEL = -1
 
 _ANGSTROM, _GIGAPASCAL, _ANGSTROM_PER_PICOSECOND = 1e-10, 1e9, 1e2
-_UNITS = "positions angstrom, velo angstrom/ps, stresses GPa"
+_UNITS = "positions angstrom, velo angstrom/ps, stresses GPa, masses u"
 
 
 def to_xyz(dataset: xr.Dataset, path: str | Path) -> list[Path]:
@@ -26,9 +27,10 @@ def to_xyz(dataset: xr.Dataset, path: str | Path) -> list[Path]:
 
     Columns beside the positions: ``level`` (0 for the bottom layer, the level of a node of the explicit block, −1 for
     the substrate), ``normal_stress``, compression positive, ``shear_stress`` (x, y) of the substrate on the bottom
-    layer, zero elsewhere, and of atoms in motion ``velo``. Å, GPa, Å/ps; the key ``step`` of a frame is the point of
-    the path. The symbols B and S tell block and substrate apart and mean no elements. Atoms are not folded back into
-    the periodic cell.
+    layer, zero elsewhere, of atoms in motion ``velo``, and ``masses`` where the study gives one, those of the nodes of
+    an explicit block what they stand for, those of the rigid substrate infinite. Å, GPa, Å/ps, u; the key ``step`` of
+    a frame is the point of the path. All symbols are X, which is no element. Atoms are not folded back into the
+    periodic cell.
 
     Parameters
     ----------
@@ -91,7 +93,7 @@ def _frame(state: xr.Dataset) -> "Atoms | None":
         state.sizes[axis] * float(state[axis].values[1] - state[axis].values[0]) / _ANGSTROM for axis in ("x", "y")
     ]
     atoms = Atoms(
-        _BLOCK * len(block) + _SUBSTRATE * len(sites),
+        _UNKNOWN * (len(block) + len(sites)),
         positions,
         cell=(*periods, highest - lowest),
         pbc=(True, True, False),
@@ -103,6 +105,9 @@ def _frame(state: xr.Dataset) -> "Atoms | None":
         whole[: len(values)] = values
         atoms.new_array(name, whole)
 
+    if "atom_mass" in state:
+        mass = state["node_mass"].values if explicit else np.full(len(block), float(state["atom_mass"]))
+        column("masses", mass / constants.atomic_mass, np.inf)
     levels = state["node_level"].values.astype(int) if explicit else np.zeros(len(block), int)
     column("level", levels, _SUBSTRATE_LEVEL)
     # The atoms of the surface are the first of the nodes.
