@@ -31,12 +31,12 @@ def _main(arguments: Sequence[str] | None) -> int:
     given = parser.parse_args(arguments)
     figure = Figure(figsize=(6.6, 3.4), layout="constrained")
     axes = figure.subplots()
-    criteria = ["Persson and Tosatti", "Pastewka and Robbins", "Violano et al.", "bearing area"]
+    criteria = ["Persson and Tosatti", "Pastewka and Robbins", "DMT tension", "bearing area"]
     heads = ["Tabor number", *criteria, "its pull-off (Pa)"]
     print(f"| system | {' | '.join(heads)} | pull-off of the gap flow (Pa) |\n|{'---|' * (len(heads) + 2)}")
     for path in given.studies:
         for words, found, flow in systems(path):
-            ratios = found.persson_tosatti, found.pastewka_robbins, found.violano, found.bearing_area
+            ratios = found.persson_tosatti, found.pastewka_robbins, found.dmt_tension, found.bearing_area
             cells = [words, f"{found.tabor_number:.3g}", *(f"{ratio:.3g}" for ratio in ratios)]
             print(f"| {' | '.join(cells)} | {found.bearing_area_pull_off:.2g} | {flow} |")
             criteria_map(found.to_dataset(), axes, words.replace(", ", "\n"))

@@ -81,17 +81,16 @@ def pastewka_robbins_ratio(
     return float(np.pi * (3 / 16) ** (2 / 3) * work_of_adhesion / asked)
 
 
-def violano_ratio(
+def dmt_tension_ratio(
     spectrum: RoughnessSpectrum, elasticity: Elasticity | float, work_of_adhesion: float, attraction_range: float
 ) -> float:
     """Tension of the area within the range over the pressure of light contact, both of Persson's theory.
 
-    G. Violano, L. Afferrante, A. Papangelo, M. Ciavarella, J. Adhesion (2019), doi:10.1080/00218464.2019.1685384. This
-    is our numerical form of the criterion that its abstracts describe, not their equation, which was in no text that
-    was found: adhesion does not deform the contact, its tension is Δγ/Δr on all that is out of contact and within Δr,
-    P(u) is that of Almqvist et al. as first published (:func:`theory.gap_distribution.attracted_at_light_load`), and
-    the load vanishes. For hard solids, at small Tabor numbers. It hardly knows of waves whose height is below the
-    range, as the abstract says, while the waves above it count.
+    This project's own criterion. Adhesion does not deform the contact, as in the DMT limit: its tension is Δγ/Δr on all
+    that is out of contact and within Δr. P(u) is :func:`theory.gap_distribution.attracted_at_light_load`, and the load
+    vanishes. For hard solids, at small Tabor numbers. Waves whose height is below the range hardly change it. G.
+    Violano, L. Afferrante, A. Papangelo, M. Ciavarella, J. Adhesion (2019), doi:10.1080/00218464.2019.1685384, start
+    from the same picture; their equation is another one.
 
     Parameters
     ----------
@@ -229,7 +228,7 @@ class StickinessCriteria:
     ----------
     tabor_number : float
         At the finest scale.
-    persson_tosatti, pastewka_robbins, violano, bearing_area : float
+    persson_tosatti, pastewka_robbins, dmt_tension, bearing_area : float
         Δγ over what the criterion asks for.
     bearing_area_pull_off : float
         Lowest pressure of the bearing-area model (Pa).
@@ -238,7 +237,7 @@ class StickinessCriteria:
     tabor_number: float
     persson_tosatti: float
     pastewka_robbins: float
-    violano: float
+    dmt_tension: float
     bearing_area: float
     bearing_area_pull_off: float
 
@@ -248,7 +247,7 @@ class StickinessCriteria:
             "finest_tabor_number": self.tabor_number,
             "persson_tosatti_ratio": self.persson_tosatti,
             "pastewka_robbins_ratio": self.pastewka_robbins,
-            "violano_ratio": self.violano,
+            "dmt_tension_ratio": self.dmt_tension,
             "bearing_area_ratio": self.bearing_area,
             "bearing_area_pull_off": self.bearing_area_pull_off,
         }
@@ -293,7 +292,7 @@ def stickiness(spectrum: RoughnessSpectrum, elasticity: Elasticity | float, law:
         float(local_tabor_number(spectrum.limits[1], *arguments, range_of(law))),
         persson_tosatti_ratio(*arguments),
         pastewka_robbins_ratio(*arguments, reach),
-        violano_ratio(*arguments, reach),
+        dmt_tension_ratio(*arguments, reach),
         bearing_area_ratio(*arguments, reach),
         bearing_area_pull_off(*arguments, reach),
     )

@@ -110,8 +110,8 @@ VARIABLES: dict[str, Variable] = {
     "pastewka_robbins_ratio": Variable(
         "1", "work of adhesion over that at which light contact sticks (Pastewka and Robbins)", ()
     ),
-    "violano_ratio": Variable(
-        "1", "tension within the range over the pressure of light contact, adhesion DMT-like (Violano et al.)", ()
+    "dmt_tension_ratio": Variable(
+        "1", "tension within the range over the pressure of light contact, adhesion DMT-like", ()
     ),
     "bearing_area_ratio": Variable(
         "1", "work of adhesion over that at which the bearing-area model pulls (Ciavarella)", ()

@@ -15,7 +15,7 @@ from contact_study.plots.style import COLOURS, DOUBLE, axes_of, styled
 _CRITERIA = (
     ("persson_tosatti_ratio", "Persson and Tosatti", "s", True),
     ("pastewka_robbins_ratio", "Pastewka and Robbins", "^", False),
-    ("violano_ratio", "Violano et al.", "D", False),
+    ("dmt_tension_ratio", "DMT tension", "D", False),
     ("bearing_area_ratio", "bearing-area model", "o", False),
 )
 _DMT, _JKR = 0.1, 5.0  # Tabor numbers below and above which a sphere is within some per cent of these limits

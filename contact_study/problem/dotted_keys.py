@@ -66,14 +66,14 @@ def is_sweep(dotted: str, value: Any, several: Any) -> bool:
     """Whether a value is none of its key, but the list that it stands for one of such values."""
     if not isinstance(several, list) or not several:
         return False
-    try:
-        read(dotted, value)
-    except InputError:
-        pass
-    else:
+    if _reads(dotted, value) or _reads(dotted, several[:1]):  # a key of lists is told what is wrong with this one
         return False
+    return all(_reads(dotted, one) for one in several)
+
+
+def _reads(dotted: str, value: Any) -> bool:
     try:
-        return all(read(dotted, one) is not None for one in several)
+        return read(dotted, value) is not None
     except InputError:
         return False
 

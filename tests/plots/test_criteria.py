@@ -10,7 +10,7 @@ from contact_study import plots
 RATIOS = {
     "persson_tosatti_ratio": [0.1, 0.5],
     "pastewka_robbins_ratio": [0.2, 0.7],
-    "violano_ratio": [0.9, 4.0],
+    "dmt_tension_ratio": [0.9, 4.0],
     "bearing_area_ratio": [0.4, 3.0],
 }
 

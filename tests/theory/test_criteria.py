@@ -73,21 +73,21 @@ def test_pastewka_robbins_is_the_balance_at_the_edge_of_a_patch():
     assert ratio == pytest.approx(pull / push, rel=1e-3)
 
 
-def test_violano_s_sticks_from_where_dmt_like_tension_outweighs_light_contact():
-    ratio = criteria.violano_ratio(SPECTRUM, E_STAR, WORK, RANGE)
+def test_dmt_tension_sticks_from_where_dmt_like_tension_outweighs_light_contact():
+    ratio = criteria.dmt_tension_ratio(SPECTRUM, E_STAR, WORK, RANGE)
     for factor in (0.98, 1.02):  # two resolutions of the gaps, each within half a per cent of a fine one
         law = Dugdale(factor * WORK / ratio, RANGE)
         bare = gap_distribution(SPECTRUM, E_STAR, 1e-6 * E_STAR, regularised=False)
         assert (dmt_limit(bare, law) < 0) == (factor > 1)
-    assert criteria.violano_ratio(SPECTRUM, E_STAR, 3 * WORK, RANGE) == pytest.approx(3 * ratio, rel=1e-12)
+    assert criteria.dmt_tension_ratio(SPECTRUM, E_STAR, 3 * WORK, RANGE) == pytest.approx(3 * ratio, rel=1e-12)
     rougher = SelfAffineSpectrum(0.8, 1e-8, Q, 3 * Q, 12 * Q)
     # Of a short range the ratio is Δγ over E* h² q in what it knows; the range is a fifth of the smoother one's height.
-    assert criteria.violano_ratio(rougher, E_STAR, WORK, RANGE) == pytest.approx(ratio / 100, rel=0.05)
+    assert criteria.dmt_tension_ratio(rougher, E_STAR, WORK, RANGE) == pytest.approx(ratio / 100, rel=0.05)
 
 
-def test_violano_s_hardly_knows_of_waves_below_the_range_where_that_of_slopes_and_curvatures_does():
+def test_dmt_tension_hardly_knows_of_waves_below_the_range_where_that_of_slopes_and_curvatures_does():
     finer, finest = (SelfAffineSpectrum(0.8, 1e-9, Q, 3 * Q, cutoff * Q) for cutoff in (200, 3000))
-    one, other = (criteria.violano_ratio(spectrum, E_STAR, WORK, RANGE) for spectrum in (finer, finest))
+    one, other = (criteria.dmt_tension_ratio(spectrum, E_STAR, WORK, RANGE) for spectrum in (finer, finest))
     # Waves beyond 200 Q have an rms height of 0.3 Å, a fifth of the range: they change it by less than 1 %.
     assert other == pytest.approx(one, rel=0.01)
     one, other = (criteria.pastewka_robbins_ratio(spectrum, E_STAR, WORK, RANGE) for spectrum in (finer, finest))
@@ -145,10 +145,10 @@ def test_tabor_number_of_all_scales_is_that_of_the_surface():
 def test_a_law_has_the_criteria_of_its_own_work_and_range():
     found = stickiness(SPECTRUM, E_STAR, LAW)
     assert found.pastewka_robbins == criteria.pastewka_robbins_ratio(SPECTRUM, E_STAR, WORK, RANGE)
-    assert found.violano == criteria.violano_ratio(SPECTRUM, E_STAR, WORK, RANGE)
+    assert found.dmt_tension == criteria.dmt_tension_ratio(SPECTRUM, E_STAR, WORK, RANGE)
     assert found.bearing_area == criteria.bearing_area_ratio(SPECTRUM, E_STAR, WORK, RANGE)
     deeper = stickiness(SPECTRUM, E_STAR, LennardJones104(4 * WORK, LENGTH))
-    for name in ("persson_tosatti", "pastewka_robbins", "violano", "bearing_area"):
+    for name in ("persson_tosatti", "pastewka_robbins", "dmt_tension", "bearing_area"):
         assert getattr(deeper, name) == pytest.approx(4 * getattr(found, name), rel=1e-6), name
     assert set(found.to_dataset().data_vars) == set(found.quantities())
     # Outside a wall the length of a Tabor number is the range of the attraction.
