@@ -1,11 +1,10 @@
 """Extend a field from a contact set to the whole surface, smoothly: the heart of the hard-wall preconditioner.
 
-On a contact set A the compliance C_AA must be inverted. The whole surface's stiffness K = C⁻¹ gives that inverse
-as an energy minimum over extensions E of a field from A to everywhere, C_AA⁻¹ = min_E Eᵀ K E, and any stable
-extension gives a preconditioner Eᵀ K E that one pair of transforms applies (the fictitious-domain argument of
-S. V. Nepomnyaschikh; from memory, unchecked). Extension by zero, Eᵀ K E = K_AA, is poor where contact is many small
-islands: each island's edge costs as much as a crack in the surface. Here the gaps between islands are filled from
-local averages instead.
+On a contact set A the compliance C_AA must be inverted. The whole surface's stiffness K = C⁻¹ gives that inverse as an
+energy minimum over extensions E of a field from A to everywhere, C_AA⁻¹ = min_E Eᵀ K E, and any stable extension gives
+a preconditioner Eᵀ K E that one pair of transforms applies (an argument of the kind of S. V. Nepomnyaschikh's
+fictitious-space lemma). Extension by zero, Eᵀ K E = K_AA, is poor where contact is many small islands: each island's
+edge costs as much as a crack in the surface. Here the gaps between islands are filled from local averages instead.
 
 With m_l and c_l the averages of the field (zero outside A) and of A's indicator over cells of 2^l points, and U the
 bilinear interpolation to the next finer cells,

@@ -4,12 +4,12 @@ The displacement of a pressure that is uniform on each cell of the grid is its c
 
     C(x, y) = (1/πE*) ∫∫ dξ dη / √((x−ξ)² + (y−η)²),
 
-in closed form (A. E. H. Love, Phil. Trans. R. Soc. A 228, 377 (1929); K. L. Johnson, Contact Mechanics, Cambridge
-1985, sec. 3.3; the first from memory, and the tests hold it to the integral). On a periodic grid of twice the extent,
-with C of the shorter way around, the periodic convolution of a pressure that vanishes outside the surface is the free
-one inside it, exactly (R. W. Hockney's padding; from memory, unchecked). All wavevectors of that C being positive,
-its inverse is a stiffness: the half-space is then one more periodic solid on the larger grid, and the law acts in its
-:class:`Window` only. The padding balances to zero pressure by itself.
+in closed form (A. E. H. Love, Phil. Trans. R. Soc. A 228, 377 (1929); K. L. Johnson, Contact Mechanics, Cambridge 1985,
+sec. 3.3; the tests hold it to the integral). On a periodic grid of twice the extent, with C of the shorter way around,
+the periodic convolution of a pressure that vanishes outside the surface is the free one inside it, exactly (R. W.
+Hockney, Methods Comput. Phys. 9, 135 (1970)). All wavevectors of that C being positive, its inverse is a stiffness: the
+half-space is then one more periodic solid on the larger grid, and the law acts in its :class:`Window` only. The padding
+balances to zero pressure by itself.
 
 The mean over the large grid is no freedom left to the load: C̄ = 1/K(q=0) ties it to the plane at infinity,
 

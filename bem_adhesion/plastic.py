@@ -3,9 +3,9 @@
 Points under the hardness H are indented by whatever the load asks for and keep the indentation w, no matter which of
 the two bodies it is in; the rigid surface of the next step is h − w. Within a step w grows only where p = H, so that
 the step is one convex problem, see :mod:`bem_adhesion.bounded_set`, and its solution the only one: an elastic-perfectly
-plastic contact (B. N. J. Persson, J. Chem. Phys. 115, 3840 (2001); A. Almqvist, F. Sahlin, R. Larsson & S. Glavatskih,
-Tribol. Int. 40, 574 (2007); both from memory, unchecked). Unloading is elastic, and so is loading again up to the same
-load. The work done on the plastic layer is H <w>: a point yields at the pressure H from beginning to end.
+plastic contact, as in Persson's theory of elastoplastic contact (B. N. J. Persson, J. Chem. Phys. 115, 3840 (2001)).
+Unloading is elastic, and so is loading again up to the same load. The work done on the plastic layer is H <w>: a point
+yields at the pressure H from beginning to end.
 """
 
 from collections.abc import Callable

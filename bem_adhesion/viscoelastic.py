@@ -1,8 +1,8 @@
 """Contact of a linear viscoelastic half-space, in steps of time.
 
 A branch of modulus E_i and time τ_i carries the displacement h_i, h_i' = u' − h_i/τ_i. Over a step Δt in which the
-surface u moves evenly this is exact (the update is that of any Prony series, R. L. Taylor, K. S. Pister & G. L.
-Goudreau, Int. J. Numer. Methods Eng. 2, 45 (1970), from memory, unchecked):
+surface u moves evenly this is exact (the usual update of a Prony series, after R. L. Taylor, K. S. Pister & G. L.
+Goudreau (1970)):
 
     h_i → e_i h_i + a_i (u_new − u),    e_i = exp(−Δt/τ_i),    a_i = (1 − e_i) τ_i/Δt,
 

@@ -65,9 +65,9 @@ def move_plane(
     """Let the forces act on some rows of a plane.
 
     Noise is a number of :func:`_three_point` for each component, made of the node's own number and the step's key
-    alone: whoever moves the node, it is the same. With the moments of a normal number up to the fifth a step errs as
-    with those by the third power of its length (P. E. Kloeden, E. Platen, Numerical Solution of Stochastic Differential
-    Equations, Springer 1992, section 14.2; from memory).
+    alone: whoever moves the node, it is the same. It has the moments of a normal number up to the fifth, the first that
+    differ being of the third power of the step: the three-point increments of weak schemes of second order (P. E.
+    Kloeden, E. Platen, Numerical Solution of Stochastic Differential Equations, Springer 1992).
 
     Parameters
     ----------

@@ -26,7 +26,7 @@ from theory import edge_flow, gap_distribution
 
 PRESSURES = (1.0, 5.0)  # GPa
 DISTANCES = (0.0, 1.0, 3.0, 6.0, 10.0, 20.0)  # Å
-MODELS = ("continuum", "Almqvist et al.", "later form", "edge flow")
+MODELS = ("continuum", "Almqvist et al.", "narrowed", "edge flow")
 SOFT_WALL = Repulsive(0.0, 1e-10, repulsion=2.0)
 
 

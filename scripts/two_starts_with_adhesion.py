@@ -1,11 +1,11 @@
 """Short-ranged adhesion outside a wall from two starts: one state, or two, as a Markdown table.
 
 The case of R. Bugnicourt et al., Tribol. Lett. 66, 29 (2018), doi:10.1007/s11249-017-0980-z, as the tests of the code
-Adhesion quote it; the paper itself was not at hand: a cell of 4 µm, H = 0.8, waves from 1 µm to 0.1 µm, a rms radius of
-curvature of 60 nm, E* = 25 MPa, Δγ = 5 mJ/m², attraction (Δγ/ρ) exp(−u/ρ) of a Tabor parameter of 3, and a load under
-which about a fifth touches. The process zone is half a spacing at 2048²: edges are held by the points, there are many
-states, and two minimisers that converge need not agree. From separation the surfaces approach; from the hard wall the
-state begins as that of the same load without adhesion.
+Adhesion set it up (long_tests/test_bugnicourt_bench_reduced.py): a cell of 4 µm, H = 0.8, waves from 1 µm to 0.1 µm, a
+rms radius of curvature of 60 nm, E* = 25 MPa, Δγ = 5 mJ/m², attraction (Δγ/ρ) exp(−u/ρ) of a Tabor parameter of 3, and
+a load under which about a fifth touches. The process zone is half a spacing at 2048²: edges are held by the points,
+there are many states, and two minimisers that converge need not agree. From separation the surfaces approach; from the
+hard wall the state begins as that of the same load without adhesion.
 
     python scripts/two_starts_with_adhesion.py --points 512 1024
     python scripts/two_starts_with_adhesion.py --points 2048     # two minutes

@@ -60,10 +60,10 @@ def pastewka_robbins_ratio(
 ) -> float:
     """π (3/16)^(2/3) over (h'Δr E*/κΔγ) (h'd/4Δr)^(2/3): above one the edges of light contact pull more than it pushes.
 
-    L. Pastewka, M. O. Robbins, PNAS 111, 3298 (2014), equation (10). The equation itself was not read in the paper: it
-    is as public programs of its authors' group have it, with κ = 2 and the diameter d = 4h'/h'' of a contact patch, h''
-    the rms mean curvature, and follows from the gap x^(3/2) outside a patch whose edge has the slope h'. For weak
-    attraction (small Tabor numbers) of a range that is short against h'd, at contact of few per cent.
+    After L. Pastewka, M. O. Robbins, PNAS 111, 3298 (2014). Experimental: not compared with their equation. It follows
+    from the gap x^(3/2) outside a patch whose edge has the slope h', with κ = 2 and the diameter d = 4h'/h'' of a
+    contact patch, h'' the rms mean curvature. For weak attraction (small Tabor numbers) of a range that is short
+    against h'd, at contact of few per cent.
 
     Parameters
     ----------
@@ -124,10 +124,10 @@ def bearing_area_pressure(
 ) -> np.ndarray:
     """p(ū) of the bearing-area model (Pa): Persson's repulsion of light contact, less σ_max on the attracted area.
 
-    M. Ciavarella, Meccanica (2017), doi:10.1007/s11012-017-0701-6; the paper itself was not read, and its constants of
-    the repulsion are not used. Attraction does not deform the surface, and the repulsion is the light-load limit
-    p₀ e^(−ū/u₀) of :func:`theory.closed_forms.low_pressure_asymptote`, of the very spectrum: for hard solids, at small
-    Tabor numbers, and for gaps above some half of the rms height.
+    The bearing-area model of M. Ciavarella, Meccanica (2017), doi:10.1007/s11012-017-0701-6, with a repulsion of this
+    project's own. Experimental: not compared with the paper's numbers. Attraction does not deform the surface, and the
+    repulsion is the light-load limit p₀ e^(−ū/u₀) of :func:`theory.closed_forms.low_pressure_asymptote`, of the very
+    spectrum: for hard solids, at small Tabor numbers, and for gaps above some half of the rms height.
 
     Parameters
     ----------
@@ -200,8 +200,8 @@ def local_tabor_number(
 ) -> np.ndarray:
     """μ = (R Δγ²/E*² z₀³)^(1/3) of the roughness up to a wavevector, whose curvature 1/R is half its rms Laplacian.
 
-    That a Tabor number belongs to each scale is B. N. J. Persson, M. Scaraggi, J. Chem. Phys. 141, 124701 (2014), of
-    which the abstract was read; adhesion is DMT-like where it is below about 0.1 and JKR-like above about 5. The whole
+    A Tabor number that depends on the scale is that of B. N. J. Persson, M. Scaraggi, J. Chem. Phys. 141, 124701
+    (2014); adhesion is DMT-like where it is below about 0.1 and JKR-like above about 5. The whole
     Δγ is taken at every scale, and of a solid other than a half-space the modulus of the waves there.
 
     Parameters

@@ -7,9 +7,9 @@ this gap the roughness beyond ζ, of rms height h(ζ), makes a Gaussian, folded 
 
     P(u) = ∫ dζ (−A'(ζ)) [g(u − u₁; h) + g(u + u₁; h)],     u > 0.
 
-The later form narrows the Gaussian where it would reach far below zero, h⁻² → h⁻² + u₁⁻². The abstract was read, not
-the equations of either form, which are written down from memory. The mean gap is that of the u₁, which is ū exactly; a
-folded Gaussian's own mean is larger.
+``regularised`` narrows the Gaussian where it would reach far below zero, h⁻² → h⁻² + u₁⁻². Experimental: the equations
+were not compared with those in print, but with the gaps of the continuum (docs/theories.md). The mean gap is that of
+the u₁, which is ū exactly; a folded Gaussian's own mean is larger.
 """
 
 from collections.abc import Callable
@@ -135,7 +135,7 @@ def gap_distribution(
     pressure : float
         p > 0 (Pa).
     regularised : bool, optional
-        Whether the Gaussians are those of the later form.
+        Whether the Gaussians are narrowed, see the head of this file.
     beta : float, optional
         β of the energy's weight in ū.
 
@@ -214,8 +214,8 @@ def dmt_limit(distribution: GapDistribution, law: TractionLaw) -> float:
     """Mean pressure of the same contact with an adhesion that does not deform it, p − ∫ σ(d_eq + u) P(u) du (Pa).
 
     The DMT-like limit for hard solids and weak or long-ranged attraction, at local Tabor numbers well below one (see
-    :mod:`theory.criteria`): B. N. J. Persson, M. Scaraggi, J. Chem. Phys. 141, 124701 (2014), of which the abstract was
-    read. The gap of the bare contact is that beyond the law's equilibrium, where its traction σ is zero.
+    :mod:`theory.criteria`), which B. N. J. Persson, M. Scaraggi, J. Chem. Phys. 141, 124701 (2014) treat. Experimental,
+    as P(u) is. The gap of the bare contact is that beyond the law's equilibrium, where its traction σ is zero.
 
     Parameters
     ----------

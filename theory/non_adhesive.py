@@ -9,8 +9,10 @@ The stress of the contact diffuses with the stress variance V(q) of full contact
     ``xu``             V_p = [γ + (1−γ)A] V
 
 B. N. J. Persson, J. Chem. Phys. 115, 3840 (2001); C. Yang, B. N. J. Persson, J. Phys.: Condens. Matter 20, 215214
-(2008); A. Wang, M. H. Müser, Tribol. Lett. 65(3) (2017). The equations of the corrections, with γ = 0.42, are those of
-the public programs of the last of them, https://github.com/xylcsi/PerssonModelFudgeFactor (``Xu24``).
+(2008); A. Wang, M. H. Müser, Gauging Persson theory on adhesion, Tribol. Lett. 65 (2017); Y. Xu, L. Zhu, F. Xiao,
+Y. Zhou, A new fudge factor for Persson's theory of purely normal elastic rough surface contact, Tribol. Lett. (2024),
+doi:10.1007/s11249-024-01838-4. The equations of the corrections, with γ = 0.42, are those of the programs of the last,
+https://github.com/xylcsi/PerssonModelFudgeFactor.
 
 All depend on V/p² alone: V_p/p² = t is one function of it, V/p² = F(t), for every spectrum, solid and pressure. The
 elastic energy is U = ∫ A dV_p/2K = ∫ W dU_full with dU_full = dV/2K that of full contact and W = A dt/dF, and

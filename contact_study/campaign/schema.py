@@ -108,15 +108,17 @@ VARIABLES: dict[str, Variable] = {
         "1", "work of adhesion on the true area over the elastic energy of full contact (Persson and Tosatti)", ()
     ),
     "pastewka_robbins_ratio": Variable(
-        "1", "work of adhesion over that at which light contact sticks (Pastewka and Robbins)", ()
+        "1", "work of adhesion over that at which light contact sticks (after Pastewka and Robbins), experimental", ()
     ),
     "dmt_tension_ratio": Variable(
         "1", "tension within the range over the pressure of light contact, adhesion DMT-like", ()
     ),
     "bearing_area_ratio": Variable(
-        "1", "work of adhesion over that at which the bearing-area model pulls (Ciavarella)", ()
+        "1", "work of adhesion over that at which a bearing-area model pulls (after Ciavarella), experimental", ()
     ),
-    "bearing_area_pull_off": Variable("Pa", "lowest pressure of the bearing-area model (Ciavarella)", ()),
+    "bearing_area_pull_off": Variable(
+        "Pa", "lowest pressure of a bearing-area model (after Ciavarella), experimental", ()
+    ),
     "contact_modulus_at": Variable("Pa", "contact modulus of a wave of the surface", ("wavevector",)),
     **ATOMS,
     **PATH_RESULTS,

@@ -6,7 +6,7 @@ those to a grid of half the resolution and answers the rest by one stiffness for
     P (K + c)⁻¹ Pᵀ / 4 + ω / K_max,
 
 the first term by the same on the coarser grid: symmetric and positive, as the additive multilevel preconditioner of
-J. H. Bramble, J. E. Pasciak and J. Xu, Math. Comp. 55, 1 (1990; the abstract was read).
+J. H. Bramble, J. E. Pasciak and J. Xu, Math. Comp. 55, 1 (1990).
 """
 
 from typing import Generic, Protocol, TypeVar

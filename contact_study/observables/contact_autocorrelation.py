@@ -2,10 +2,9 @@
 
 With χ = 1 in contact and 0 elsewhere, c(r) = <χ(x) χ(x + r)> over the periodic cell is the share of the pairs of points
 a distance r apart of which both are in contact: the relative contact area at r = 0, its square where contacts know
-nothing of one another. −c'(0) is the length of the contact's edge per area over π (P. Debye, H. R. Anderson &
-H. Brumberger, J. Appl. Phys. 28, 679 (1957) have it for volumes; looked up, not read). With free boundaries the pairs
-are those inside the surface, the fewer the longer the lag. Distances are in units of the cell's shorter side, so that
-all grids and sizes share their rings.
+nothing of one another. −c'(0) is the length of the contact's edge per area over π (for volumes P. Debye, H. R. Anderson
+& H. Brumberger, J. Appl. Phys. 28, 679 (1957)). With free boundaries the pairs are those inside the surface, the fewer
+the longer the lag. Distances are in units of the cell's shorter side, so that all grids and sizes share their rings.
 """
 
 from functools import lru_cache

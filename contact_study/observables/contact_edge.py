@@ -2,8 +2,7 @@
 
 A point counts whole, and the points along the edge whose surroundings are touched in part only make the sum of them too
 large by a share of the edge's length times the spacing, at any resolution. V. A. Yastrebov, G. Anciaux & J.-F.
-Molinari, Tribol. Int. 114, 161 (2017), arXiv:1701.02727 (the constant from memory, held to Hertz by the tests), take it
-off,
+Molinari, Tribol. Int. 114, 161 (2017), arXiv:1701.02727 (the tests hold the constant to Hertz), take it off,
 
     A' = A − (π − 1 + ln 2)/24 · S Δx,
 

@@ -4,7 +4,7 @@ Points are connected to their neighbours along y and x, not over corners. A patc
 from a point to the same point of a neighbouring period: the patches of the plain map are joined over its edges, each
 join carries the period that it crosses, and two ways to one patch that differ in periods make a way around. A surface
 with free boundaries has no neighbouring period: a patch goes through it if it touches two opposite rims, along y or
-along x (D. Stauffer & A. Aharony, Introduction to Percolation Theory, 1994; from memory, unchecked).
+along x.
 """
 
 from collections import defaultdict

@@ -134,7 +134,7 @@ def test_soft_bodies_yield_on_all_of_their_contact(share):
 
 
 def test_loads_up_to_the_hardness_close_the_contact():
-    """Slopes of 0.08 and a hardness of 0.1 E*: a public code is reported not to converge beyond 0.07 E*."""
+    """Slopes of 0.08 and a hardness of 0.1 E*."""
     height, grid = random_heights((128, 128), 2.0, seed=5)
     gradient = np.gradient(height, *grid.spacing)
     height *= 0.08 / np.sqrt(np.mean(gradient[0] ** 2 + gradient[1] ** 2))

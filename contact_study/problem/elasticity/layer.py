@@ -6,7 +6,7 @@ gives way there by 2p/(E* q) times
     S = [(3−4ν) sinh 2qd − 2qd] / [(3−4ν) cosh 2qd + 2(qd)² + 5 − 12ν + 8ν²]:
 
 the four exponentials e^(±qz), z e^(±qz) that solve the equations of elasticity, under the four conditions of the two
-faces (derived here; R. H. Bentall & K. L. Johnson, Int. J. Mech. Sci. 10, 637 (1968), have it: from memory, unchecked).
+faces; the tests hold it to an integration of the equations of elasticity.
 Thick layers are half-spaces, S → 1. Thin compressible ones are a bed of springs, K → (1−ν) E / [(1+ν)(1−2ν) d]; thin
 incompressible ones resist flow along the layer, K → 3E*/(4 q² d³).
 """

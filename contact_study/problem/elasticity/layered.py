@@ -7,9 +7,8 @@ pressure p of wavenumber q and no shear, gives way there by 2p/(E* q) times
 
     m = (μ/μ_b − 1)/(μ/μ_b + 3 − 4ν),    n = 1 − 4(1 − ν)/[1 + (μ/μ_b)(3 − 4ν_b)],
 
-E* that of the layer (D. M. Burmister, J. Appl. Phys. 16, 89 (1945), and in this form the literature on coatings; from
-memory, unchecked there, and held to an integration of the equations of elasticity by the tests). On a rigid base it is
-the bonded layer's. Short waves feel the layer, S → 1, long ones the base, S → E*/E*_b.
+E* that of the layer; the tests hold it to an integration of the equations of elasticity. On a rigid base it is the
+bonded layer's. Short waves feel the layer, S → 1, long ones the base, S → E*/E*_b.
 """
 
 from dataclasses import dataclass, replace

@@ -4,8 +4,7 @@ With Hooke's law in the plane (1, 2) and along the normal (3),
 
     E* = 2 √[(C₁₁C₃₃ − C₁₃²)/C₁₁ / (1/C₄₄ + 2/(√(C₁₁C₃₃) + C₁₃))]
 
-(the indentation modulus of A. Delafargue & F.-J. Ulm, Int. J. Solids Struct. 41, 7351 (2004), from memory, unchecked
-there; the tests hold it to an integration of the equations of elasticity). Isotropic, it is E/(1 − ν²).
+(the tests hold it to an integration of the equations of elasticity). Isotropic, it is E/(1 − ν²).
 """
 
 from dataclasses import dataclass

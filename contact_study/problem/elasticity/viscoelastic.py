@@ -4,9 +4,8 @@ After a sudden displacement the modulus falls from E*_0 to E*_∞,
 
     E*(t) = E*_∞ + Σ_i E*_i exp(−t/τ_i),        E*_0 = E*_∞ + Σ_i E*_i,
 
-a spring beside any number of Maxwell branches (R. M. Christensen, Theory of Viscoelasticity, Academic Press 1982; from
-memory, unchecked). Poisson's ratio is the same at all times, so that all waves relax alike, K(q, t) = E*(t) q/2, and a
-branch is one field: the displacement h_i that its spring still carries, h_i' = u' − h_i/τ_i.
+a spring beside any number of Maxwell branches. Poisson's ratio is the same at all times, so that all waves relax alike,
+K(q, t) = E*(t) q/2, and a branch is one field: the displacement h_i that its spring still carries, h_i' = u' − h_i/τ_i.
 """
 
 from dataclasses import dataclass, replace
