@@ -8,7 +8,9 @@ import numpy as np
 import xarray as xr
 
 from contact_study.campaign.files import write_aside
+from contact_study.fields.grid import Grid
 from contact_study.fields.roughness import Roughness
+from contact_study.fields.self_affine import PowerSpectrum
 from contact_study.problem.case import Case
 from contact_study.problem.errors import InputError
 from contact_study.problem.keys import bind
@@ -53,7 +55,7 @@ def inspect(path: Path, overrides: Mapping[str, Any], picture: Path | None = Non
     section, directory, words = _surface(path, overrides)
     scales = section.scales(directory)
     surface = section.realise(directory)
-    lines = [words, *described(surface.roughness, surface.filled)]
+    lines = [words, *described(surface.roughness, surface.sample, surface.filled)]
     lines += [f"warning: {line}" for line in doubts(str(section.map_path), scales)]
     if surface.roughness.rms_slope > 1:
         lines.append("warning: surface: an rms slope above 1; linear elasticity of a half-space is meant for far less")
@@ -66,9 +68,9 @@ def inspect(path: Path, overrides: Mapping[str, Any], picture: Path | None = Non
     table = figure.with_suffix(".csv")
     grid = surface.roughness.grid
     heights = surface.heights(grid.shape)
-    _picture(drawn, heights, surface.roughness)
+    _picture(drawn, heights, grid, surface.sample)
     write_aside(figure, lambda partial: drawn.savefig(partial, dpi=RESOLUTION, format=kind))
-    write_aside(table, lambda partial: _tabulate(partial, surface.roughness))
+    write_aside(table, lambda partial: _tabulate(partial, surface.sample.spectrum))
     return [*lines, f"{figure} (map and spectrum), {table} (spectrum)"]
 
 
@@ -87,27 +89,26 @@ def _surface(path: Path, overrides: Mapping[str, Any]) -> tuple[SurfaceSection, 
     return section, path.parent, f"{path}: heights in {section.measured(path.parent).unit}"
 
 
-def _picture(figure: "Figure", heights: np.ndarray, roughness: Roughness) -> None:
+def _picture(figure: "Figure", heights: np.ndarray, grid: Grid, sample: Roughness) -> None:
     """Draw the map, with every so many of a large one's points, and the spectrum."""
     from matplotlib import rc_context
 
     from contact_study import plots
+    from contact_study.plots.densities import draw_spectrum
     from contact_study.plots.style import STYLE
 
-    grid = roughness.grid
     y, x = grid.coordinates
     surface = xr.Dataset({"height": (("y", "x"), heights)}, coords={"y": y, "x": x})
     with rc_context(STYLE):
         left, right = figure.subplots(1, 2)
     every = max(1, max(grid.shape) // _PICTURE)
     plots.height_map(surface.isel(y=slice(None, None, every), x=slice(None, None, every)), left)
-    if roughness.rms_height > 0:
-        plots.surface_spectrum(surface, right)
+    if sample.rms_height > 0:
+        draw_spectrum(sample.spectrum, sample.fit, right)
     else:
         right.set_axis_off()
 
 
-def _tabulate(path: Path, roughness: Roughness) -> None:
-    spectrum = roughness.spectrum
+def _tabulate(path: Path, spectrum: PowerSpectrum) -> None:
     columns = np.column_stack([spectrum.wavevectors, spectrum.density, spectrum.waves])
-    np.savetxt(path, columns, fmt=("%.9g", "%.9g", "%d"), delimiter=",", header="q (1/m),C (m^4),waves", comments="")
+    np.savetxt(path, columns, fmt=("%.9g", "%.9g", "%g"), delimiter=",", header="q (1/m),C (m^4),waves", comments="")

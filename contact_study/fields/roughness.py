@@ -1,60 +1,17 @@
-"""What a surface is like: its moments, its power spectrum and the self-affine law that fits it best.
+"""What a surface is like: its moments, its power spectrum and the self-affine law that fits it best."""
 
-The spectrum has the convention of :mod:`contact_study.fields.spectrum`, h_rms² = 2π ∫ q C dq.
-"""
-
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
-from contact_study.fields import fourier
+from contact_study.fields import fourier, preparation
 from contact_study.fields.grid import Grid
+from contact_study.fields.self_affine import BANDS_PER_OCTAVE, PowerSpectrum, SelfAffineFit, self_affine_fit
 
-BANDS_PER_OCTAVE = 8
-_HURST = np.linspace(0.0, 1.0, 101)
-_TAIL_POWERS = np.linspace(0.0, 8.0, 33)
-# A self-affine range is nothing below an octave.
-_SHORTEST_RANGE = BANDS_PER_OCTAVE
-
-
-@dataclass(frozen=True)
-class PowerSpectrum:
-    """Radial average of a power spectrum, in bands of an eighth of an octave; bands without a wave are left out.
-
-    Attributes
-    ----------
-    wavevectors : numpy.ndarray, shape (n,)
-        Root-mean-square |q| of the waves of each band, up to the Nyquist wavevector of the coarser axis (1/m).
-    density : numpy.ndarray, shape (n,)
-        C (m⁴).
-    waves : numpy.ndarray, shape (n,)
-        Waves in each band, of both signs.
-    """
-
-    wavevectors: np.ndarray
-    density: np.ndarray
-    waves: np.ndarray
-
-
-@dataclass(frozen=True)
-class SelfAffineFit:
-    """A self-affine spectrum: flat up to the roll-off, C ∝ q^(−2−2H) from there to the cutoff.
-
-    Attributes
-    ----------
-    hurst_exponent : float
-        H.
-    roll_off, cutoff : float
-        Wavevectors (1/m); the ends of the spectrum where it shows none.
-    density : float
-        C at and below the roll-off (m⁴).
-    """
-
-    hurst_exponent: float
-    roll_off: float
-    cutoff: float
-    density: float
+# Ratio of the jump across an edge to the difference of neighbouring lines up to which a map is periodic: scatter leaves
+# rarely more, and a jump of so much is a hundredth of the mean square slope of 400 lines.
+PERIODIC = 2.0
 
 
 @dataclass(frozen=True)
@@ -77,6 +34,10 @@ class Roughness:
         The largest ratio of such a difference to that of neighbouring rows or columns inside.
     spectrum : PowerSpectrum
         Its spectrum.
+    made_by : tuple of float or None
+        Roll-off and cutoff of the self-affine law that it was made by (1/m).
+    between : PowerSpectrum or None
+        Spectrum of the waves between these.
     """
 
     grid: Grid
@@ -86,10 +47,14 @@ class Roughness:
     edge_jump: float
     edge_ratio: float
     spectrum: PowerSpectrum
+    made_by: tuple[float, float] | None = None
+    between: PowerSpectrum | None = None
 
     @cached_property
     def fit(self) -> SelfAffineFit | None:
-        """The self-affine law that fits best; None for a spectrum of less than two octaves."""
+        """The self-affine law that fits best; None for a spectrum of too few octaves."""
+        if self.between is not None:
+            return self_affine_fit(self.between, self.made_by)
         return self_affine_fit(self.spectrum)
 
     @property
@@ -108,10 +73,21 @@ class Roughness:
         return float(power), float(slopes[last].sum() / slopes.sum())
 
 
-def roughness_of(heights: np.ndarray, grid: Grid) -> Roughness:
-    """Describe heights (m) on a periodic grid."""
+def roughness_of(heights: np.ndarray, grid: Grid, made_by: tuple[float, float] | None = None) -> Roughness:
+    """Describe heights (m) on a periodic grid.
+
+    Parameters
+    ----------
+    heights : numpy.ndarray, shape (ny, nx)
+        Heights (m).
+    grid : Grid
+        Their points.
+    made_by : tuple of float, optional
+        Roll-off and cutoff of the self-affine law that they were made by (1/m).
+    """
     power = grid.variances(fourier.transform(heights))
     q = grid.wavenumber
+    waves = np.broadcast_to(grid.multiplicity, q.shape)
     jumps, inside = [], []
     for axis in range(2):
         first, last = np.take(heights, [0, -1], axis=axis).swapaxes(0, axis)
@@ -128,86 +104,68 @@ def roughness_of(heights: np.ndarray, grid: Grid) -> Roughness:
         float(np.sqrt(np.sum(q**4 * power)) / 2),
         max(jumps),
         max(ratios),
-        _power_spectrum(power, grid),
+        _power_spectrum(power, q, waves, grid),
+        made_by,
+        None if made_by is None else _power_spectrum(power, q, waves, grid, *made_by),
     )
 
 
-def _power_spectrum(power: np.ndarray, grid: Grid) -> PowerSpectrum:
-    q = grid.wavenumber
-    counted = (q > 0) & (q <= np.pi / max(grid.spacing) * (1 + 1e-9))
-    q, power = q[counted], power[counted]
-    waves = np.broadcast_to(grid.multiplicity, counted.shape)[counted]
+def roughness_of_sample(heights: np.ndarray, grid: Grid, shortest: float | None = None) -> Roughness:
+    """Describe heights (m) that are a part of a larger surface, such as a measured map.
+
+    Where edges do not meet, the jump across them would be most of the slope, and C ∝ q⁻³ of it most of the spectrum,
+    whatever the surface. Slope, curvature and spectrum are then those of the map joined to its mirror images, curvature
+    and spectrum less its mean plane, by the discrete cosine transform. A map whose edges meet is taken as it is.
+
+    Parameters
+    ----------
+    heights : numpy.ndarray, shape (ny, nx)
+        Heights (m).
+    grid : Grid
+        Their points.
+    shortest : float, optional
+        Wavelength below which waves do not count (m).
+    """
+    whole = roughness_of(heights, grid)
+    if whole.edge_ratio <= PERIODIC:
+        return whole if shortest is None else roughness_of(preparation.lowpassed(heights, grid, shortest), grid)
+    axes = (np.pi / side * np.arange(n) for side, n in zip(grid.size, grid.shape, strict=True))
+    q_y, q_x = np.meshgrid(*axes, indexing="ij", sparse=True)
+    q = np.hypot(q_y, q_x)
+    kept = q <= (np.inf if shortest is None else 2 * np.pi / shortest * (1 + 1e-9))
+    own, level = (_cosines(part) * kept for part in (heights, preparation.detrended(heights, 1)))
+    # One amplitude is four waves of the mirrored map, along an axis two.
+    waves = np.where((q_y == 0) | (q_x == 0), 0.5, 1.0)
+    return replace(
+        whole,
+        rms_height=float(np.sqrt(own.sum())),
+        rms_slope=float(np.sqrt(np.sum(q**2 * own))),
+        rms_curvature=float(np.sqrt(np.sum(q**4 * level)) / 2),
+        # Longer waves are those of the plane.
+        spectrum=_power_spectrum(level, q, waves, grid, 2 * np.pi / min(grid.size)),
+    )
+
+
+def _cosines(heights: np.ndarray) -> np.ndarray:
+    """Mean square of each cosine of a map joined to its mirror images; its mean has none."""
+    from scipy.fft import dctn
+
+    variances = dctn(heights, norm="ortho") ** 2 / heights.size
+    variances[0, 0] = 0.0
+    return variances
+
+
+def _power_spectrum(
+    power: np.ndarray, q: np.ndarray, waves: np.ndarray, grid: Grid, lowest: float = 0.0, highest: float = np.inf
+) -> PowerSpectrum:
+    """Bands of the amplitudes of mean squares ``power`` from a lowest to a highest wavevector."""
+    highest = min(highest, np.pi / max(grid.spacing))
+    counted = (q > 0) & (q >= lowest * (1 - 1e-9)) & (q <= highest * (1 + 1e-9))
+    q, power, waves = q[counted], power[counted], waves[counted]
+    if not q.size:
+        return PowerSpectrum(*np.empty((3, 0)))
     band = np.floor(BANDS_PER_OCTAVE * np.log2(q / q.min()) + 1e-6).astype(int)
     count, height, slope = (np.bincount(band, weights) for weights in (waves, power, waves * q**2))
     there = count > 0
     cell = (2 * np.pi) ** 2 / (grid.size[0] * grid.size[1])  # area of a wave in the plane of wavevectors
-    return PowerSpectrum(
-        np.sqrt(slope[there] / count[there]), height[there] / (count[there] * cell), count[there].astype(int)
-    )
-
-
-def self_affine_fit(spectrum: PowerSpectrum) -> SelfAffineFit | None:
-    """The self-affine law of largest likelihood, each wave's power being exponentially distributed about C.
-
-    That is the distribution of |h_q|² on a Gaussian surface (Whittle's likelihood of a spectrum). Beyond the cutoff
-    C is a power law of its own: next to nothing, the flat floor of a measurement, or what edges leave. Roll-off and
-    cutoff are taken for real only where they raise the likelihood by more than their number asks for (Schwarz'
-    criterion).
-
-    Parameters
-    ----------
-    spectrum : PowerSpectrum
-        The spectrum.
-
-    Returns
-    -------
-    SelfAffineFit or None
-        None if no two octaves of it have any power.
-    """
-    # Both signs of a wave are one observation.
-    q, waves = spectrum.wavevectors, spectrum.waves / 2
-    if q.size == 0 or spectrum.density.max() <= 0 or np.log2(q[-1] / q[0]) < 2:
-        return None
-    scale = spectrum.density.max()
-    # What rounding of a transform leaves of nothing.
-    power = np.maximum(spectrum.density / scale, 1e-30)
-    penalty = 0.5 * np.log(waves.sum())
-    tail = _tails(q, waves, power)
-    best: tuple[float, tuple[float, int, int, float]] | None = None
-    for start in range(q.size):
-        shape = np.maximum(q / q[start], 1.0)[None, :] ** (-2 - 2 * _HURST[:, None])
-        # Sums up to each end, of every H.
-        number, level = np.cumsum(waves), np.cumsum(waves * power / shape, axis=1)
-        curve = np.cumsum(waves * np.log(shape), axis=1)
-        for end in range(start + _SHORTEST_RANGE, q.size):
-            density = level[:, end] / number[end]
-            cost = curve[:, end] + number[end] * (np.log(density) + 1) + penalty * (start > 0)
-            partly = end + 1
-            if partly < q.size:  # the band that the cutoff divides has a C of its own
-                beyond = number[-1] - number[partly]
-                cost = cost + waves[partly] * (np.log(power[partly]) + 1) + penalty
-                cost = cost + (tail[partly + 1] + 2 * penalty if beyond else 0) + penalty
-            least = int(np.argmin(cost))
-            if best is None or cost[least] < best[0]:
-                found = (float(_HURST[least]), start, end, float(density[least]))
-                best = float(cost[least]), found
-    if best is None:
-        return None
-    hurst, start, end, density = best[1]
-    cutoff = q[end]
-    if end + 1 < q.size:
-        # As far into the divided band, by its area, as its C is that of the law.
-        expected = density * max(q[end + 1] / q[start], 1.0) ** (-2 - 2 * hurst)
-        inner = q[end] * q[end + 1]
-        outer = q[end + 1] * q[end + 2] if end + 2 < q.size else q[end + 1] ** 2
-        cutoff = np.sqrt(inner + min(power[end + 1] / expected, 1.0) * (outer - inner))
-    return SelfAffineFit(hurst, float(q[start]), float(cutoff), float(density * scale))
-
-
-def _tails(q: np.ndarray, waves: np.ndarray, power: np.ndarray) -> np.ndarray:
-    """Least cost of a power law through all bands from each one on."""
-    shape = (q / q[0])[None, :] ** -_TAIL_POWERS[:, None]
-    number, level, curve = (
-        np.cumsum(part[..., ::-1], axis=-1)[..., ::-1] for part in (waves, waves * power / shape, waves * np.log(shape))
-    )
-    return np.min(curve + number * (np.log(level / number) + 1), axis=0)
+    return PowerSpectrum(np.sqrt(slope[there] / count[there]), height[there] / (count[there] * cell), count[there])

@@ -17,6 +17,7 @@ ROUGHNESS: dict[str, Variable] = {
     ),
     "filled_fraction": Variable("1", "fraction of the points of a measured map that were missing and filled", ()),
     "fitted_hurst_exponent": Variable("1", "Hurst exponent of the self-affine law that fits the spectrum best", ()),
+    "fitted_hurst_exponent_error": Variable("1", "standard deviation of that exponent", ()),
     "fitted_roll_off": Variable("m-1", "wavevector below which that law is flat", ()),
     "fitted_cutoff": Variable("m-1", "wavevector up to which that law holds", ()),
     "power_spectrum": Variable(
@@ -26,22 +27,23 @@ ROUGHNESS: dict[str, Variable] = {
 SPECTRUM_WAVEVECTOR = Variable("m-1", "roughness wavevector of the surface's own spectrum", ("spectrum_wavevector",))
 
 
-def roughness_values(roughness: Roughness, filled: float) -> Mapping[str, Value]:
+def roughness_values(roughness: Roughness, sample: Roughness, filled: float) -> Mapping[str, Value]:
     """A surface's numbers by their names in a dataset.
 
     Parameters
     ----------
-    roughness : Roughness
-        What it is like.
+    roughness, sample : Roughness
+        What it is like repeated, and by itself; see :attr:`contact_study.problem.surface.Surface.sample`.
     filled : float
         Fraction of the points of a measured map that were missing.
     """
-    grid, fit, spectrum = roughness.grid, roughness.fit, roughness.spectrum
+    grid, fit, spectrum = roughness.grid, sample.fit, roughness.spectrum
     law = (
         {}
         if fit is None
         else {
             "fitted_hurst_exponent": fit.hurst_exponent,
+            "fitted_hurst_exponent_error": fit.uncertainty,
             "fitted_roll_off": fit.roll_off,
             "fitted_cutoff": fit.cutoff,
         }

@@ -7,13 +7,16 @@ import xarray as xr
 from matplotlib.axes import Axes
 
 from contact_study.fields.grid import Grid
-from contact_study.fields.roughness import roughness_of
+from contact_study.fields.roughness import roughness_of_sample
+from contact_study.fields.self_affine import PowerSpectrum, SelfAffineFit, law_through, self_affine_fit
 from contact_study.plots.selection import extent, lines, one_state, require
 from contact_study.plots.style import COLOURS, axes_of, readable_decades, styled
 from contact_study.plots.units import Unit, length_unit, pressure_unit
 from contact_study.problem.units import length
 
 _ROUNDING = 1e-20  # of the largest C: what a transform leaves of waves that a surface does not have
+# What a dataset says of the law of its surface.
+_LAW = ("fitted_hurst_exponent", "fitted_hurst_exponent_error", "fitted_roll_off", "fitted_cutoff")
 _LEAST = 1e-8  # of the largest density: theories' tails go on for ever
 
 
@@ -48,7 +51,8 @@ def gap_distribution(dataset: xr.Dataset, axes: Axes | None = None) -> Axes:
 def surface_spectrum(dataset: xr.Dataset, axes: Axes | None = None) -> Axes:
     """Power spectrum C(q) of the surface, averaged over directions and bands of an eighth of an octave.
 
-    Beside it the self-affine spectrum that fits best, where one fits.
+    Beside it the self-affine law that the dataset says, or else the one that fits best, where one fits. Of heights
+    whose edges do not meet it is the spectrum of the map joined to its mirror images.
 
     Convention: h_rms² = 2π ∫ q C dq.
 
@@ -66,17 +70,22 @@ def surface_spectrum(dataset: xr.Dataset, axes: Axes | None = None) -> Axes:
     """
     surface = one_state(dataset, "height")
     grid = Grid(surface["height"].shape, extent(surface))
-    roughness = roughness_of(surface["height"].values, grid)
-    spectrum, fit = roughness.spectrum, roughness.fit
+    spectrum = roughness_of_sample(surface["height"].values, grid).spectrum
     if not spectrum.density.any():
         raise ValueError("the surface is flat: it has no spectrum")
+    said = set(_LAW) <= set(surface)
+    fit = law_through(spectrum, *(float(surface[name]) for name in _LAW)) if said else self_affine_fit(spectrum)
+    return draw_spectrum(spectrum, fit, axes_of(axes))
+
+
+def draw_spectrum(spectrum: PowerSpectrum, fit: SelfAffineFit | None, axes: Axes) -> Axes:
+    """Draw a spectrum that has some power, and the self-affine law of it."""
     shown = spectrum.density > _ROUNDING * spectrum.density.max()
-    axes = axes_of(axes)
     axes.loglog(spectrum.wavevectors[shown], spectrum.density[shown], ".-", color=COLOURS[0], ms=3, lw=0.8)
     if fit is not None:
         q = np.geomspace(spectrum.wavevectors[0], fit.cutoff, 100)
         law = fit.density * np.maximum(q / fit.roll_off, 1) ** (-2 - 2 * fit.hurst_exponent)
-        words = f"H = {fit.hurst_exponent:.2f}, down to {length(2 * np.pi / fit.cutoff)}"
+        words = f"H = {fit.hurst_exponent:.2f} ± {fit.uncertainty:.2f}, down to {length(2 * np.pi / fit.cutoff)}"
         axes.loglog(q, law, color=COLOURS[1], lw=1.0, label=words)
         axes.legend()
     readable_decades(axes.xaxis)

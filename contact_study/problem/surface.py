@@ -67,7 +67,13 @@ class Surface(ABC):
     @cached_property
     def roughness(self) -> Roughness:
         """What this surface is like: of a measured one its map, of all others the continuum grid."""
-        return roughness_of(self.sampled, self.grid)
+        target = self.spectrum
+        return roughness_of(self.sampled, self.grid, None if target is None else (target.roll_off, target.cutoff))
+
+    @property
+    def sample(self) -> Roughness:
+        """The same but for what the edges of a measured map make of it."""
+        return self.roughness
 
     @property
     def filled(self) -> float:

@@ -41,8 +41,8 @@ class SurfaceScales:
         Waves that have these heights and slopes; None if there are none.
     lost : tuple of float or None
         Height and slope of a map, as above, on a ``shape`` that cannot carry all of its waves.
-    measured : Roughness or None
-        What a map from a file is like.
+    measured, sample : Roughness or None
+        What a map from a file is like, repeated and by itself.
     unit : str
         Unit that the heights of a map were taken to be in, and who says so.
     filled : float
@@ -60,6 +60,7 @@ class SurfaceScales:
     spectrum: RoughnessSpectrum | None = field(default=None, compare=False)
     lost: tuple[float, float] | None = None
     measured: Roughness | None = field(default=None, compare=False)
+    sample: Roughness | None = field(default=None, compare=False)
     unit: str = ""
     filled: float = 0.0
     apex_curvature: float | None = None
@@ -79,8 +80,8 @@ class SurfaceScales:
         """Root mean square of the mean curvature, half of the rms Laplacian (1/m)."""
         if self.apex_curvature is not None:
             return self.apex_curvature
-        if self.measured is not None:
-            return self.measured.rms_curvature
+        if self.sample is not None:
+            return self.sample.rms_curvature
         return 0.0 if self.spectrum is None else self.spectrum.rms_laplacian / 2
 
     def full_contact_stress(self, solid: Elasticity) -> float:

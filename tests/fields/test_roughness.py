@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from contact_study.fields.grid import Grid
-from contact_study.fields.roughness import roughness_of
+from contact_study.fields.roughness import roughness_of, roughness_of_sample
 from contact_study.problem.study import make_study
 from contact_study.problem.surface import realise
 from tests.problem.test_study import changed
@@ -70,6 +70,109 @@ def test_the_law_is_found_above_noise_which_is_told():
     assert share > 0.1
     # The floor of the noise adds to the law just below the cutoff, too, and flattens it a little.
     assert noisy.fit.hurst_exponent == pytest.approx(0.8, abs=0.07)
+
+
+def quarter(hurst, **keys):
+    """A quarter of a surface, whose edges do not meet, and the whole."""
+    whole = surface(shape=[256, 256], size="104 nm", hurst_exponent=hurst, **keys)
+    return whole.sampled[:128, :128], Grid((128, 128), (52e-9, 52e-9)), whole.roughness
+
+
+@pytest.mark.parametrize(("hurst", "roll_off", "cutoff"), [(0.8, 1, 50), (0.5, 4, 100), (0.2, 8, 127), (1.0, 2, 127)])
+def test_of_a_part_the_edges_count_for_nothing(hurst, roll_off, cutoff):
+    """Repeated, a smooth part has its jump's slope and curvature."""
+    found = []
+    for seed in range(4):
+        part, grid, whole = quarter(hurst, roll_off_mode=roll_off, cutoff_mode=cutoff, seed=seed)
+        sample, torn = roughness_of_sample(part, grid), roughness_of(part, grid)
+        if hurst >= 0.8:
+            assert torn.rms_slope > 1.3 * whole.rms_slope
+            assert torn.rms_curvature > 1.3 * whole.rms_curvature
+        assert sample.edge_ratio == torn.edge_ratio
+        found.append(
+            (
+                sample.rms_slope / whole.rms_slope,
+                sample.rms_curvature / whole.rms_curvature,
+                sample.fit.hurst_exponent - hurst,
+                sample.fit.uncertainty,
+            )
+        )
+    slope, curvature, error, uncertainty = np.array(found).T
+    # A quarter has a quarter of the few long waves, and none of those that are longer than itself.
+    assert slope.mean() == pytest.approx(1, abs=0, rel=0.05)
+    assert curvature.mean() == pytest.approx(1, abs=0, rel=0.05)
+    assert np.all(np.abs(error) < 2.5 * uncertainty)
+    assert np.all(uncertainty < 0.15)
+
+
+def test_the_slope_of_a_part_is_that_of_its_heights_tilt_included():
+    part, grid, _ = quarter(0.8, roll_off_mode=4, cutoff_mode=50)
+    level = roughness_of_sample(part, grid)
+    tilted = roughness_of_sample(part + 0.5 * grid.coordinates[0][:, None], grid)
+    # The mean gradient of the part adds to the tilt by itself; a hundredth is the corner between it and its image.
+    assert tilted.rms_slope == pytest.approx(np.hypot(level.rms_slope, 0.5), abs=0, rel=0.1)
+    steps = (np.diff(part + 0.5 * grid.coordinates[0][:, None], axis=axis) / grid.spacing[axis] for axis in range(2))
+    assert tilted.rms_slope == pytest.approx(np.sqrt(sum(np.mean(step**2) for step in steps)), abs=0, rel=0.05)
+    assert tilted.rms_curvature == pytest.approx(level.rms_curvature, abs=0, rel=1e-6)
+    np.testing.assert_allclose(tilted.spectrum.density, level.spectrum.density, rtol=1e-6)
+
+
+def test_the_spectrum_of_a_part_is_that_of_its_mirror_images():
+    part, grid, _ = quarter(0.5, roll_off_mode=4, cutoff_mode=100)
+    spectrum = roughness_of_sample(part, grid).spectrum
+    assert 2 * np.pi / 52e-9 * (1 - 1e-9) <= spectrum.wavevectors[0]
+    several = (spectrum.waves > 200) & (spectrum.wavevectors < 95 * UNIT)
+    target = surface(shape=[256, 256], hurst_exponent=0.5, roll_off_mode=4, cutoff_mode=100).spectrum
+    ratio = spectrum.density[several] / target.density(spectrum.wavevectors[several])
+    # Squares of n/2 pairs of amplitudes, and the few long waves that a normalisation goes by.
+    assert several.sum() > 10
+    assert abs(np.mean(np.log(ratio))) < 0.1
+    assert np.std(np.log(ratio)) < 2 * np.sqrt(2 / 200)
+
+
+def test_a_part_whose_edges_meet_is_taken_as_it_is():
+    whole = surface(shape=[64, 64], cutoff_mode=12)
+    alone, repeated = (find(whole.sampled, whole.grid) for find in (roughness_of_sample, roughness_of))
+    assert alone.rms_slope == repeated.rms_slope
+    np.testing.assert_array_equal(alone.spectrum.density, repeated.spectrum.density)
+    smooth = roughness_of_sample(whole.sampled, whole.grid, 104e-9 / 6)
+    assert smooth.spectrum.density[smooth.spectrum.wavevectors > 6.1 * UNIT].max() < 1e-20 * smooth.spectrum.density[0]
+    assert smooth.rms_slope < 0.9 * whole.roughness.rms_slope
+
+
+def test_waves_that_do_not_count_leave_slope_and_spectrum_of_a_part():
+    part, grid, _ = quarter(0.5, roll_off_mode=4, cutoff_mode=100)
+    shortest = 104e-9 / 25
+    cut, whole = roughness_of_sample(part, grid, shortest), roughness_of_sample(part, grid)
+    q, density = whole.spectrum.wavevectors, whole.spectrum.density * whole.spectrum.waves
+    kept = q <= 2 * np.pi / shortest
+    share = np.sum((q**2 * density)[kept]) / np.sum(q**2 * density)
+    assert (cut.rms_slope / whole.rms_slope) ** 2 == pytest.approx(share, abs=0.05)  # a band is divided
+    assert cut.fit.cutoff == pytest.approx(2 * np.pi / shortest, abs=0, rel=0.05)
+
+
+@pytest.mark.parametrize("seed", range(1, 7))
+def test_a_narrow_law_is_found_between_its_own_limits(seed):
+    """The example ``first``: 1.6 octaves and a hundred waves, of which a search for the limits made H = 0.26."""
+    fit = surface(shape=[100, 100], roll_off_mode=2, cutoff_mode=6, normalisation="realised", seed=seed).roughness.fit
+    assert abs(fit.hurst_exponent - 0.8) < 2 * fit.uncertainty
+    # Of n = 50 pairs of waves over an octave and a half H is known to √(1/4n var(ln q)), 0.26.
+    assert 0.15 < fit.uncertainty < 0.45
+    assert (fit.roll_off, fit.cutoff) == pytest.approx((2 * UNIT, 6 * UNIT), abs=0, rel=1e-9)
+
+
+def test_the_uncertainty_is_the_scatter_of_samples():
+    fits = [surface(shape=[64, 64], roll_off_mode=3, cutoff_mode=12, seed=seed).roughness.fit for seed in range(20)]
+    deviations = np.array([(fit.hurst_exponent - 0.8) / fit.uncertainty for fit in fits])
+    assert 0.4 < np.sqrt(np.mean(deviations**2)) < 1.3
+
+
+def test_a_spectrum_that_is_no_power_law_is_less_certain():
+    keys = {"shape": [256, 256], "roll_off_mode": 1, "cutoff_mode": 127}
+    one, two = surface(**keys, seed=3), surface(**keys, hurst_exponent=0.1, rms_height="2 angstrom", seed=4)
+    pure = roughness_of(one.sampled, one.grid).fit.uncertainty
+    mixed = roughness_of(one.sampled + two.sampled, one.grid).fit.uncertainty
+    assert mixed > 1.5 * pure
 
 
 def test_too_narrow_or_flat_spectra_have_no_law():

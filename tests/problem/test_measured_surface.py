@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
+from contact_study.fields.self_affine import SelfAffineFit
 from contact_study.problem.errors import InputError
-from contact_study.problem.measured_surface import described, doubts, taken
+from contact_study.problem.measured_surface import described, doubts, law_in_words, taken
 from contact_study.problem.plausibility import review
 from contact_study.problem.study import make_study
 from contact_study.problem.surface import realise
@@ -46,9 +47,43 @@ def test_edges_that_do_not_meet(tmp_path, heights):
     assert notes(tmp_path, part, size="1 um", edges="window") == []
 
 
+@pytest.mark.parametrize("edges", ["periodic", "mirror", "window"])
+def test_what_is_told_of_a_map_is_its_own_whatever_becomes_of_its_edges(tmp_path, heights, edges):
+    (scales,) = scales_of(study_of(tmp_path, heights[:256, :256], size="1 um", edges=edges))
+    part = scales_of(study_of(tmp_path, heights, edges=edges))[0].sample.rms_slope
+    assert scales.sample.rms_slope == pytest.approx(part, abs=0, rel=0.1)  # a quarter of the surface
+    assert scales.rms_curvature == scales.sample.rms_curvature
+    assert scales.sample.fit.hurst_exponent == pytest.approx(0.8, abs=0.1)
+    if edges == "periodic":
+        assert scales.rms_slope > 1.3 * part
+        (line,) = doubts("map.npy", scales)
+        words = f"has an rms slope of {scales.rms_slope:.3g} in place of {scales.sample.rms_slope:.3g};"
+        assert words in line
+
+
+def test_points_or_waves_that_are_left_out_do_not_count(tmp_path, heights):
+    whole, lowpass, fewer = (
+        scales_of(study_of(tmp_path, heights[:256, :256], size="1 um", **keys))[0].sample.rms_slope
+        for keys in ({}, {"lowpass": "40 nm"}, {"resample": [50, 50]})
+    )
+    assert lowpass < 0.9 * whole
+    assert fewer == pytest.approx(lowpass, abs=0, rel=1e-9)
+
+
+def law(hurst, uncertainty):
+    return law_in_words(SelfAffineFit(hurst, uncertainty, 1e7, 1e9, 1e-30))
+
+
+def test_laws_that_are_no_self_affine_surfaces():
+    assert law(0.8, 0.05) == "Hurst exponent 0.80 ± 0.05"
+    assert law(1.1, 0.2) == "Hurst exponent 1.10 ± 0.20"
+    assert law(1.9, 0.1).startswith("C falls as q^-5.8 ± 0.2, steeper, as of filtered surfaces")
+    assert law(-0.7, 0.1).startswith("C falls as q^-0.6 ± 0.2, flatter, as of noise")
+
+
 def test_a_mirrored_map_has_the_law_of_the_whole(tmp_path, heights):
     study = study_of(tmp_path, heights[:256, :256], size="1 um", edges="mirror")
-    fit = scales_of(study)[0].measured.fit
+    fit = scales_of(study)[0].sample.fit
     # A quarter of the surface; the roll-off is among two waves a side.
     assert fit.hurst_exponent == pytest.approx(0.8, abs=0.05)
     assert 2 * np.pi / fit.cutoff == pytest.approx(20e-9, abs=0, rel=0.03)
@@ -122,5 +157,6 @@ def test_other_kinds_are_not_said():
 
 def test_a_flat_map_is_described(tmp_path):
     study = study_of(tmp_path, np.zeros((8, 8)))
-    assert "h_rms 0 pm" in described(scales_of(study)[0].measured)[1]
+    (scales,) = scales_of(study)
+    assert "h_rms 0 pm" in described(scales.measured, scales.sample)[1]
     assert review(study, scales_of(study)) == []

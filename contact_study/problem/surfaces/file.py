@@ -8,7 +8,7 @@ import numpy as np
 
 from contact_study.fields import fourier, preparation
 from contact_study.fields.grid import Grid
-from contact_study.fields.roughness import Roughness, roughness_of
+from contact_study.fields.roughness import Roughness, roughness_of, roughness_of_sample
 from contact_study.problem.errors import InputError
 from contact_study.problem.height_map import HeightMap, read_height_map
 from contact_study.problem.keys import choice, integer, key, name_or_number, pair, quantity, text
@@ -33,16 +33,19 @@ class MeasuredMap:
         Share of the points of the crop that were missing and filled.
     unit : str
         Unit that the heights were taken to be in, and who says so.
+    sample : Roughness
+        What it is like by itself, before its edges were joined or faded.
     """
 
     heights: np.ndarray
     grid: Grid
     filled: float
     unit: str
+    sample: Roughness
 
     @cached_property
     def roughness(self) -> Roughness:
-        """What it is like."""
+        """What it is like, repeated."""
         return roughness_of(self.heights, self.grid)
 
 
@@ -55,6 +58,10 @@ class MeasuredSurface(BandLimitedSurface):
     @property
     def roughness(self) -> Roughness:
         return self.measured.roughness
+
+    @property
+    def sample(self) -> Roughness:
+        return self.measured.sample
 
     @property
     def filled(self) -> float:
@@ -152,6 +159,7 @@ class MapFile(SurfaceSection):
             spectrum,
             lost,
             found.roughness,
+            found.sample,
             found.unit,
             found.filled,
         )
@@ -178,6 +186,7 @@ class MapFile(SurfaceSection):
         if self.detrend != "mean":  # the mean is taken at the end, and what fills holes follows any constant
             heights = preparation.detrended(heights, _DEGREES[self.detrend])
         heights = preparation.filled(heights, found.spacing)
+        alone, own = heights, Grid(found.shape, found.size)
         size = found.size
         if self.edges == "mirror":
             heights, size = preparation.mirrored(heights), (2 * size[0], 2 * size[1])
@@ -190,7 +199,9 @@ class MapFile(SurfaceSection):
             heights = preparation.lowpassed(heights, grid, self._shortest(grid))
         heights = heights - heights.mean()
         heights.setflags(write=False)
-        return MeasuredMap(heights, grid, missing, found.unit)
+        coarser = 2 * max(grid.spacing) if max(grid.spacing) > max(own.spacing) * (1 + 1e-9) else None
+        sample = roughness_of_sample(alone, own, self.lowpass or coarser)
+        return MeasuredMap(heights, grid, missing, found.unit, sample)
 
     def _cropped(self, path: Path, found: HeightMap) -> HeightMap:
         if self.crop is None:
