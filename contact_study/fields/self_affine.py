@@ -9,7 +9,7 @@ import numpy as np
 
 BANDS_PER_OCTAVE = 8
 # Powers of q in C from 0 to −6; a self-affine surface has H from 0 to 1, noise and filters make others.
-_HURST = np.linspace(-1.0, 2.0, 151)
+_HURST = np.linspace(-1.0, 2.0, 301)
 _TAIL_POWERS = np.linspace(0.0, 8.0, 33)
 # A self-affine range is nothing below an octave.
 _SHORTEST_RANGE = BANDS_PER_OCTAVE

@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 
 from contact_study.fields.grid import Grid
 from contact_study.fields.roughness import roughness_of, roughness_of_sample
+from contact_study.fields.self_affine import PowerSpectrum, self_affine_fit
 from contact_study.problem.study import make_study
 from contact_study.problem.surface import realise
 from tests.problem.test_study import changed
@@ -47,12 +48,9 @@ def test_the_spectrum_integrates_to_the_heights():
 
 @pytest.mark.parametrize(("hurst", "roll_off", "cutoff"), [(0.8, 4, 64), (0.5, 8, 100), (0.2, 12, 90), (0.9, 1, 127)])
 def test_the_law_of_a_self_affine_surface_is_found(hurst, roll_off, cutoff):
-    fits = [
-        surface(
-            shape=[256, 256], hurst_exponent=hurst, roll_off_mode=roll_off, cutoff_mode=cutoff, seed=seed
-        ).roughness.fit
-        for seed in range(3)
-    ]
+    keys = {"shape": [256, 256], "hurst_exponent": hurst, "roll_off_mode": roll_off, "cutoff_mode": cutoff}
+    samples = [surface(**keys, seed=seed) for seed in range(3)]
+    fits = [roughness_of(sample.sampled, sample.grid).fit for sample in samples]  # which is not told the limits
     # Thousands of waves give H to a hundredth; roll-offs are ends of bands of an eighth of an octave (9 %) among
     # few waves, cutoffs end among many.
     assert np.mean([fit.hurst_exponent for fit in fits]) == pytest.approx(hurst, abs=0.03)
@@ -165,6 +163,18 @@ def test_the_uncertainty_is_the_scatter_of_samples():
     fits = [surface(shape=[64, 64], roll_off_mode=3, cutoff_mode=12, seed=seed).roughness.fit for seed in range(20)]
     deviations = np.array([(fit.hurst_exponent - 0.8) / fit.uncertainty for fit in fits])
     assert 0.4 < np.sqrt(np.mean(deviations**2)) < 1.3
+
+
+def test_what_a_law_misses_adds_to_its_uncertainty():
+    q = np.geomspace(1e6, 1e8, 54)
+    sign, waves = np.where(np.arange(54) % 4 < 2, 1, -1), np.full(54, 400.0)
+    spectra = [PowerSpectrum(q, q**-3.6 * (1 + part * sign), waves) for part in (0.0, 0.6)]
+    there, missed = (self_affine_fit(spectrum, (q[0], q[-1])) for spectrum in spectra)
+    assert there.hurst_exponent == pytest.approx(0.8, abs=0.001)
+    assert missed.hurst_exponent == pytest.approx(0.8, abs=0.05)
+    # n = 67 pairs a band, √(1/200 + 0.1²) of C: 1/√(4 · 54 n var(ln q)); and 0.6 in place of that √(1/200 + 0.1²).
+    assert there.uncertainty == pytest.approx(0.5 / np.sqrt(54 * 66.7 * np.var(np.log(q))), abs=0, rel=0.15)
+    assert missed.uncertainty / there.uncertainty == pytest.approx(0.6 / np.sqrt(0.015), abs=0, rel=0.3)
 
 
 def test_a_spectrum_that_is_no_power_law_is_less_certain():
