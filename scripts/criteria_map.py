@@ -32,7 +32,7 @@ def _main(arguments: Sequence[str] | None) -> int:
     figure = Figure(figsize=(6.6, 3.4), layout="constrained")
     axes = figure.subplots()
     criteria = ["Persson and Tosatti", "Pastewka and Robbins", "DMT tension", "bearing area"]
-    heads = ["Tabor number", *criteria, "its pull-off (Pa)"]
+    heads = ["Tabor parameter", *criteria, "its pull-off (Pa)"]
     print(f"| system | {' | '.join(heads)} | pull-off of the gap flow (Pa) |\n|{'---|' * (len(heads) + 2)}")
     for path in given.studies:
         for words, found, flow in systems(path):

@@ -38,7 +38,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     made = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     made.add_argument("study", type=Path, help="study file")
     given = made.parse_args(arguments)
-    print("| Δγ (J/m²) | Tabor number | p of the bare contact (GPa) | ū (nm) | p, DMT-like limit | p, edge flow |")
+    print("| Δγ (J/m²) | Tabor parameter | p of the bare contact (GPa) | ū (nm) | p, DMT-like limit | p, edge flow |")
     print("|---|---|---|---|---|---|")
     for case in read_study(given.study).cases:
         for row in rows(case):

@@ -24,16 +24,16 @@ from contact_study.plots.style import COLOURS, DOUBLE, RESOLUTION, styled
 from contact_study.problem.case import Case
 from contact_study.problem.study import Study, read_study
 from contact_study.problem.surface import realise
-from contact_study.problem.tabor import JKR_LIKE, tabor_parameter
+from contact_study.problem.tabor import DMT_LIKE, JKR_LIKE, tabor_parameter
 
 STUDIES = ("first", "yang2008_quick", "yang2008", "rubber")
-X_LIMITS, Y_LIMITS = (0.03, 10.0), (0.003, 30.0)
+X_LIMITS, Y_LIMITS = (0.008, 20.0), (0.003, 30.0)
 # What the parts of the map mean, at their places there.
 WORDS = (
-    (0.11, 8.0, "together without load,\nwith little deformed by attraction"),
-    (5.5, 8.0, "together\nwithout load;\njumps, hysteresis"),
-    (0.11, 0.008, "together under load,\nwith little deformed by attraction"),
-    (5.5, 0.008, "together\nunder load;\njumps, hysteresis"),
+    (0.028, 8.0, "together without load,\nwith little deformed by attraction"),
+    (7.5, 8.0, "together\nwithout load;\njumps, hysteresis"),
+    (0.028, 0.008, "together under load,\nwith little deformed by attraction"),
+    (7.5, 0.008, "together\nunder load;\njumps, hysteresis"),
 )
 
 
@@ -100,12 +100,12 @@ def draw(found: dict[str, list[Place]]) -> Figure:
     for name, colour in zip(found, COLOURS, strict=False):
         x, y = (np.array([getattr(place, what) for place in found[name]]) for what in ("tabor", "adhesion"))
         axes.plot(x, y, "o-", color=colour, ms=5, lw=0.8, label=name)
-    axes.axvspan(1, JKR_LIKE, color="0.92", lw=0, zorder=0)
+    axes.axvspan(DMT_LIKE, JKR_LIKE, color="0.92", lw=0, zorder=0)
     axes.axhline(1, color="0.5", lw=0.8, zorder=1)
     for x, y, words in WORDS:
         axes.text(x, y, words, ha="center", va="center", fontsize=7.5, color="0.3")
     between = "range and\ndeformation\nalike"
-    axes.text(np.sqrt(JKR_LIKE), 0.008, between, ha="center", va="center", fontsize=7, color="0.4")
+    axes.text(np.sqrt(DMT_LIKE * JKR_LIKE), 0.008, between, ha="center", va="center", fontsize=7, color="0.4")
     axes.set(xscale="log", yscale="log", xlim=X_LIMITS, ylim=Y_LIMITS)
     axes.set_xlabel(r"Tabor parameter $\mu = (R\,\Delta\gamma^2/E^{*2}r_0^3)^{1/3}$ of the roughness")
     axes.set_ylabel(r"adhesion over elastic energy of full contact $\theta$")

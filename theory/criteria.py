@@ -2,7 +2,7 @@
 
 Above one a surface sticks by that criterion, below one it does not. They know the surface by its spectrum and the law
 by its work of adhesion Δγ, its largest tension σ_max and its range, Δr = Δγ/σ_max, and were made for opposite limits,
-which the local Tabor number tells apart: they need not agree, and where they do not, the gap flow and the edge flow,
+which the local Tabor parameter tells apart: they need not agree, and where they do not, the gap flow and the edge flow,
 which know the whole law, are the ones to ask.
 """
 
@@ -38,7 +38,8 @@ def persson_tosatti_ratio(
     """Δγ S over the elastic energy of full contact, π ∫ K C q dq: above one full contact gains energy.
 
     B. N. J. Persson, E. Tosatti, J. Chem. Phys. 115, 5597 (2001): Δγ A − U_el is the effective work of adhesion of a
-    block that fills all roughness. For attraction of no range, at large Tabor numbers; partial contact may stick below.
+    block that fills all roughness. For attraction of no range, at large Tabor parameters; partial contact may stick
+    below.
 
     Parameters
     ----------
@@ -62,7 +63,7 @@ def pastewka_robbins_ratio(
 
     After L. Pastewka, M. O. Robbins, PNAS 111, 3298 (2014). Experimental: not compared with their equation. It follows
     from the gap x^(3/2) outside a patch whose edge has the slope h', with κ = 2 and the diameter d = 4h'/h'' of a
-    contact patch, h'' the rms mean curvature. For weak attraction (small Tabor numbers) of a range that is short
+    contact patch, h'' the rms mean curvature. For weak attraction (small Tabor parameters) of a range that is short
     against h'd, at contact of few per cent.
 
     Parameters
@@ -88,7 +89,7 @@ def dmt_tension_ratio(
 
     This project's own criterion. Adhesion does not deform the contact, as in the DMT limit: its tension is Δγ/Δr on all
     that is out of contact and within Δr. P(u) is :func:`theory.gap_distribution.attracted_at_light_load`, and the load
-    vanishes. For hard solids, at small Tabor numbers. Waves whose height is below the range hardly change it. G.
+    vanishes. For hard solids, at small Tabor parameters. Waves whose height is below the range hardly change it. G.
     Violano, L. Afferrante, A. Papangelo, M. Ciavarella, J. Adhesion (2019), doi:10.1080/00218464.2019.1685384, start
     from the same picture; their equation is another one.
 
@@ -127,7 +128,7 @@ def bearing_area_pressure(
     The bearing-area model of M. Ciavarella, Meccanica (2017), doi:10.1007/s11012-017-0701-6, with a repulsion of this
     project's own. Experimental: not compared with the paper's numbers. Attraction does not deform the surface, and the
     repulsion is the light-load limit p₀ e^(−ū/u₀) of :func:`theory.closed_forms.low_pressure_asymptote`, of the very
-    spectrum: for hard solids, at small Tabor numbers, and for gaps above some half of the rms height.
+    spectrum: for hard solids, at small Tabor parameters, and for gaps above some half of the rms height.
 
     Parameters
     ----------
@@ -187,7 +188,7 @@ def _lowest(function: Callable[[np.ndarray], np.ndarray], height: float) -> floa
 
 
 def range_of(law: TractionLaw) -> float:
-    """z₀ of a Tabor number (m): the equilibrium distance, outside a wall the range of the attraction."""
+    """z₀ of a Tabor parameter (m): the equilibrium distance, outside a wall the range of the attraction."""
     return law.length if law.has_wall else law.equilibrium_distance
 
 
@@ -200,8 +201,8 @@ def local_tabor_number(
 ) -> np.ndarray:
     """μ = (R Δγ²/E*² z₀³)^(1/3) of the roughness up to a wavevector, whose curvature 1/R is half its rms Laplacian.
 
-    A Tabor number that depends on the scale is that of B. N. J. Persson, M. Scaraggi, J. Chem. Phys. 141, 124701
-    (2014); adhesion is DMT-like where it is below about 0.1 and JKR-like above about 5. The whole
+    A Tabor parameter that depends on the scale is that of B. N. J. Persson, M. Scaraggi, J. Chem. Phys. 141, 124701
+    (2014); adhesion is DMT-like where it is below about 0.1 and JKR-like above about 3. The whole
     Δγ is taken at every scale, and of a solid other than a half-space the modulus of the waves there.
 
     Parameters

@@ -213,7 +213,7 @@ def attracted_at_light_load(
 def dmt_limit(distribution: GapDistribution, law: TractionLaw) -> float:
     """Mean pressure of the same contact with an adhesion that does not deform it, p − ∫ σ(d_eq + u) P(u) du (Pa).
 
-    The DMT-like limit for hard solids and weak or long-ranged attraction, at local Tabor numbers well below one (see
+    The DMT-like limit for hard solids and weak or long-ranged attraction, at local Tabor parameters well below one (see
     :mod:`theory.criteria`), which B. N. J. Persson, M. Scaraggi, J. Chem. Phys. 141, 124701 (2014) treat. Experimental,
     as P(u) is. The gap of the bare contact is that beyond the law's equilibrium, where its traction σ is zero.
 

@@ -102,8 +102,8 @@ VARIABLES: dict[str, Variable] = {
     "energy_defect": Variable(
         "m", "derivative of the interfacial energy by pressure at zero pressure, Persson's theory", ()
     ),
-    "finest_tabor_number": Variable("1", "Tabor number of the whole roughness, of radius 2 / rms Laplacian", ()),
-    "local_tabor_number": Variable("1", "Tabor number of the roughness up to a wavevector", ("wavevector",)),
+    "finest_tabor_number": Variable("1", "Tabor parameter of the whole roughness, of radius 2 / rms Laplacian", ()),
+    "local_tabor_number": Variable("1", "Tabor parameter of the roughness up to a wavevector", ("wavevector",)),
     "persson_tosatti_ratio": Variable(
         "1", "work of adhesion on the true area over the elastic energy of full contact (Persson and Tosatti)", ()
     ),

@@ -10,26 +10,24 @@ from matplotlib.ticker import LogLocator, NullFormatter
 
 from contact_study.plots.selection import label, require
 from contact_study.plots.style import COLOURS, DOUBLE, axes_of, styled
+from contact_study.problem.tabor import DMT_LIKE, JKR_LIKE
 
-# Of a criterion: its variable, its name, its marker, and whether it was made for large Tabor numbers.
+# Of a criterion: its variable, its name, its marker, and whether it was made for large Tabor parameters.
 _CRITERIA = (
     ("persson_tosatti_ratio", "Persson and Tosatti", "s", True),
     ("pastewka_robbins_ratio", "Pastewka and Robbins", "^", False),
     ("dmt_tension_ratio", "DMT tension", "D", False),
     ("bearing_area_ratio", "bearing-area model", "o", False),
 )
-_DMT, _JKR = 0.1, 5.0  # Tabor numbers below and above which a sphere is within some per cent of these limits
-
-
 _BESIDE: dict[str, Any] = {"textcoords": "offset points", "ha": "right", "fontsize": 6.5, "color": "#606060"}
 
 
 @styled
 def criteria_map(dataset: xr.Dataset, axes: Axes | None = None, name: str = "") -> Axes:
-    """Work of adhesion over that which each criterion of sticking asks for, against the Tabor number.
+    """Work of adhesion over that which each criterion of sticking asks for, against the Tabor parameter.
 
     Above the line a contact sticks by the criterion. A marker is filled where the criterion was made for such a Tabor
-    number, Persson and Tosatti's above one, the others below. Several datasets go onto one map by one call each.
+    parameter, Persson and Tosatti's above one, the others below. Several datasets go onto one map by one call each.
 
     Parameters
     ----------
@@ -80,12 +78,12 @@ def _draw_regions(axes: Axes) -> None:
     axes.set(
         xscale="log",
         yscale="log",
-        xlabel=r"Tabor number of the finest roughness $\mu$",
+        xlabel=r"Tabor parameter of the finest roughness $\mu$",
         ylabel=r"$\Delta\gamma$ over that which sticks",
     )
     axes.axhline(1, color="#404040", lw=0.9, zorder=1)
-    axes.axvspan(1e-12, _DMT, color="#f2f2f2", lw=0, zorder=0, gid="limit")
-    axes.axvspan(_JKR, 1e12, color="#f2f2f2", lw=0, zorder=0, gid="limit")
+    axes.axvspan(1e-12, DMT_LIKE, color="#f2f2f2", lw=0, zorder=0, gid="limit")
+    axes.axvspan(JKR_LIKE, 1e12, color="#f2f2f2", lw=0, zorder=0, gid="limit")
     for words, x, side in (("DMT-like", 0.02, "left"), ("JKR-like", 0.98, "right")):
         axes.text(x, 0.97, words, transform=axes.transAxes, ha=side, va="top", fontsize=6.5, color="#606060")
     axes.annotate("sticks", (0.99, 1), xycoords=("axes fraction", "data"), xytext=(0, 3), **_BESIDE)
@@ -98,7 +96,7 @@ def _fit(axes: Axes) -> None:
     """Limits with a margin about every column, one at least of each limit's region in view."""
     points = np.concatenate([line.get_xydata() for line in axes.lines if line.get_linestyle() == "-"][1:])
     low, high = points.min(axis=0), points.max(axis=0)
-    axes.set_xlim(min(0.2 * low[0], 0.5 * _DMT), max(2 * high[0], 2 * _JKR))
+    axes.set_xlim(min(0.2 * low[0], 0.5 * DMT_LIKE), max(2 * high[0], 2 * JKR_LIKE))
     axes.set_ylim(min(0.5 * low[1], 0.5), max(6 * high[1], 2))
     for axis in (axes.xaxis, axes.yaxis):
         axis.set_major_locator(LogLocator())

@@ -7,8 +7,8 @@ edge of a contact with the range r₀ of the law; D. Tabor, J. Colloid Interface
 
 import numpy as np
 
-# Pull-off of a sphere is then within 1 % of JKR's.
-JKR_LIKE = 3.0
+# Below the one the pull-off of Maugis' sphere is within 3 % of DMT's, above the other within 1 % of JKR's.
+DMT_LIKE, JKR_LIKE = 0.1, 3.0
 # No attraction between solids is shorter: below it the body is not soft, and the interaction's own range decides.
 ATOMIC = 0.3e-9
 # A range above this part of the rms height would blur the roughness itself, and not only the edges of contact.

@@ -28,7 +28,7 @@ def test_every_point_of_the_sweep_is_a_column_of_all_criteria():
     shown = np.array([line.get_xydata()[0] for line in markers])
     expected = [[tabor, RATIOS[name][column]] for column, tabor in enumerate((0.3, 2.0)) for name in RATIOS]
     np.testing.assert_allclose(shown, expected)
-    # Persson and Tosatti's is made for large Tabor numbers, the others for small ones.
+    # Persson and Tosatti's is made for large Tabor parameters, the others for small ones.
     hollow = [line.get_markerfacecolor() == "white" for line in markers]
     assert hollow == [True, False, False, False, False, True, True, True]
     assert [text.get_text() for text in axes.texts][-2:] == [f"study\nwell depth ratio = {k}" for k in (1, 8)]

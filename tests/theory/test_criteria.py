@@ -151,7 +151,7 @@ def test_a_law_has_the_criteria_of_its_own_work_and_range():
     for name in ("persson_tosatti", "pastewka_robbins", "dmt_tension", "bearing_area"):
         assert getattr(deeper, name) == pytest.approx(4 * getattr(found, name), rel=1e-6), name
     assert set(found.to_dataset().data_vars) == set(found.quantities())
-    # Outside a wall the length of a Tabor number is the range of the attraction.
+    # Outside a wall the length of a Tabor parameter is the range of the attraction.
     walled = stickiness(SPECTRUM, E_STAR, Dugdale(WORK, 3e-10)).tabor_number
     radius = 2 / SPECTRUM.rms_laplacian
     assert walled == pytest.approx(references.tabor_parameter(radius, E_STAR, WORK, 3e-10), rel=1e-12)

@@ -48,7 +48,7 @@ def hertz_pressure(distance: Number, force: Number, radius: Number, contact_modu
 def jkr_contact_radius(force: Number, radius: Number, contact_modulus: Number, work_of_adhesion: Number) -> Number:
     """a³ = (3R/4E*)[F + 3πwR + √(6πwRF + 9π²w²R²)], the stable branch (m).
 
-    K. L. Johnson, K. Kendall, A. D. Roberts, Proc. R. Soc. A 324, 301–313 (1971). Tabor parameter above about 5.
+    K. L. Johnson, K. Kendall, A. D. Roberts, Proc. R. Soc. A 324, 301–313 (1971). Tabor parameter above about 3.
 
     Parameters
     ----------
