@@ -22,9 +22,9 @@ SIMILAR_LOAD = 16
 """Change of the mean pressure, as a fraction, times points along the longer side, up to which an earlier state is a
 better start than the coarser grids.
 
-In one iteration the edge of contact moves by about a spacing. A fresh nested start costs 19 to 30 pairs at any load
-and on any grid; from an earlier state it is 16 to 22 up to this limit, 20 to 30 at twice of it, 35 to 50 for a factor
-of two in the load (256² to 1024², roughness cut off at 12 waves and at 8 points a wave)."""
+In one iteration the edge of contact moves by about a spacing. A fresh nested start costs 19 to 30 pairs; from an
+earlier state it is 16 to 22 up to this limit, 20 to 30 at twice of it, 35 to 50 for a factor of two in the load (256²
+to 1024², roughness cut off at 12 waves and at 8 points a wave)."""
 
 
 class PressedWall:

@@ -47,7 +47,7 @@ class Solution:
     displacement : numpy.ndarray, shape (y, x)
         Position of the block's deformed surface (m): heights plus gap, mean included.
     gap : numpy.ndarray, shape (y, x)
-        Separation of the surfaces, >= 0 (m).
+        Separation of the surfaces (m); negative only under laws whose repulsion is finite at a gap of zero.
     pressure : numpy.ndarray, shape (y, x)
         Pressure that the interface exerts, positive in compression (Pa).
     elastic_energy : float
@@ -126,7 +126,7 @@ class NewtonResult:
     Parameters
     ----------
     gap : numpy.ndarray
-        The gap d, > 0, or >= 0 outside a wall.
+        The gap d; positive where the repulsion diverges, not negative outside a wall.
     reaction : numpy.ndarray or float
         Pressure of the wall where the gap is zero; zero for a law without one.
     residual : float

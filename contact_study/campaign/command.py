@@ -182,7 +182,7 @@ def _parser(model: Model) -> Parser:
         + "\n       %(prog)s --inspect FILE [--section.key VALUE ...] [-o PICTURE.png]"
         + "\n       %(prog)s --example [NAME]",
         description=model.description,
-        epilog="Exit status: 0 done and converged, 1 wrong input, 2 some step did not converge. "
+        epilog="Exit status: 0 done and converged, 1 wrong input, 2 some step did not converge, 130 interrupted. "
         'Quantities are SI numbers or strings with a unit, lists have commas: --loading.path "-1 kPa, 2 MPa".',
         allow_abbrev=False,
     )

@@ -90,7 +90,7 @@ def _parser() -> Parser:
         prog=COMMAND,
         description="Compare datasets of bem-adhesion, md-reference and persson-theory: deviations, figures, report.",
         epilog="Exit status: 0 done, 1 wrong input (nothing is written), 2 done, but some step of the inputs did not "
-        "converge.",
+        "converge, 130 interrupted.",
         allow_abbrev=False,
     )
     parser.add_argument(

@@ -1,7 +1,7 @@
 """How long an attraction may reach before a contact is no longer that of Johnson, Kendall and Roberts.
 
 A soft or large body feels adhesion as work, not as a range: below a range that it sets itself, nothing changes but the
-number of grid points. Tabor's parameter μ = (R Δγ² / E*² r₀³)^(1/3) compares how far the surface is pulled up at the
+number of grid points. The Tabor parameter μ = (R Δγ² / E*² r₀³)^(1/3) compares how far the surface is pulled up at the
 edge of a contact with the range r₀ of the law; D. Tabor, J. Colloid Interface Sci. 58, 2 (1977).
 """
 

@@ -45,7 +45,7 @@ def _parser() -> Parser:
         description="Join datasets of one study, run in parts, into the dataset of the whole study, whose sweep holds "
         "the points of all. What stands in several of them must agree.",
         epilog="Exit status: 0 done, 1 wrong input (nothing is written), 2 done, but some step of the inputs did not "
-        "converge.",
+        "converge, 130 interrupted.",
         allow_abbrev=False,
     )
     parser.add_argument(

@@ -153,7 +153,7 @@ def _regime(
 
 
 def _range(inputs: Inputs, point: SweepPoint) -> float:
-    """Length r₀ of Tabor's parameter (m): the equilibrium distance or, outside a wall, the law's range."""
+    """Length r₀ of the Tabor parameter (m): the equilibrium distance or, outside a wall, the law's range."""
     distance = first_constant(inputs.models, point, "equilibrium_distance")
     case = next(iter(inputs.cases_at(point.selection)), None)
     return case.law.length if case is not None and case.law.has_wall else distance

@@ -31,9 +31,9 @@ class SelfAffine(CellSection):
 
     hurst_exponent: float = key(quantity("1", minimum=0.0, maximum=1.0), "Hurst exponent H", 0.8)
     rms_height: float = key(quantity("m", positive=True), "root-mean-square roughness")
-    low_mode: float = key(quantity("1", positive=True), "q_L in units of 2π/size", 1.0)
-    roll_off_mode: float = key(quantity("1", positive=True), "q_0 in units of 2π/size", 1.0)
-    cutoff_mode: float = key(quantity("1", positive=True), "q_1 in units of 2π/size")
+    low_mode: float = key(quantity("1", positive=True), "q_L in units of 2π over the longest side of size", 1.0)
+    roll_off_mode: float = key(quantity("1", positive=True), "q_0 in units of 2π over the longest side of size", 1.0)
+    cutoff_mode: float = key(quantity("1", positive=True), "q_1 in units of 2π over the longest side of size")
     seed: int = key(integer(minimum=0), "random realisation", 1)
     normalisation: str = key(
         choice("spectrum", "realised"),
