@@ -7,13 +7,14 @@ from dataclasses import replace
 from scipy.fft import next_fast_len
 
 from bem_adhesion.multilevel import POINTS_PER_PROCESS_ZONE, process_zone
-from contact_study.campaign.memory import grid_fits
+from contact_study.campaign.memory import grid_fits, memory_in_words, most_points
 from contact_study.problem.case import Case
 from contact_study.problem.errors import InputError
 from contact_study.problem.study import Study
 from contact_study.problem.surface_scales import SurfaceScales
 from contact_study.problem.sweep import points
-from contact_study.problem.tabor import JKR_LIKE, longest_range, tabor_parameter
+from contact_study.problem.tabor import SHARE_OF_HEIGHT, longest_range, sphere_pull_off, tabor_parameter
+from contact_study.problem.units import length
 
 # Grid spacing, in units of the longer of process zone and law's length, beyond which a study is refused: steps stop
 # converging from some 1e3 on where roughness and cell grow together, rubber with an atomic law works at 5e3.
@@ -66,45 +67,77 @@ def _unresolved_law(study: Study, scales: Sequence[SurfaceScales]) -> list[str]:
                 )
     if not unresolved:
         return []
-    ratio, zone, case, scale = max(unresolved, key=lambda item: item[0])
-    refined = _resolving(scale.size, zone)
-    # The process zone grows with the square of the law's length where the work of adhesion stays.
-    longer = case.law.length * math.sqrt(POINTS_PER_PROCESS_ZONE * ratio)
-    known = ""
-    if scale.rms_curvature > 0:
-        tabor = tabor_parameter(1 / scale.rms_curvature, case.solid.contact_modulus, case.work_of_adhesion, longer)
-        known = f" (Tabor parameter {tabor:.2g})"
-    ways = [f"interaction.length = {longer:.2g} m with the same work of adhesion{known}"]
-    if grid_fits((refined[0], refined[1])):
-        ways.insert(0, f"surface.shape = {refined}")
+    _, zone, case, scale = max(unresolved, key=lambda item: item[0])
     where = points([case for *_, case, _ in unresolved], len(study.cases))
     return [
-        f"the grid spacing {scale.pixel:.3g} m is coarser than a quarter of the process zone {zone:.3g} m{where}: "
-        f"contact edges may be trapped by the grid; {' or '.join(ways)} would resolve it"
-        + _jkr_like(case, scale, longer)
+        f"grid too coarse: its spacing is {length(scale.pixel)}, a quarter of the process zone {length(zone / 4)}"
+        f"{where}: contact edges may be trapped by the grid, and area and pull-off with them; "
+        + _way_out(case, scale, zone)
     ]
+
+
+def _way_out(case: Case, scale: SurfaceScales, zone: float) -> str:
+    """The one thing to do about a process zone (m) that a grid does not resolve.
+
+    A longer range of the same work of adhesion, if the grid resolves it and contacts stay JKR-like; else more points,
+    for the longest such range; else, where no memory holds them, what is left.
+    """
+    law, longest = case.law, _longest(case, scale)
+    # The process zone grows with the square of the law's length where the work of adhesion stays.
+    resolved = _two_digits(law.length * math.sqrt(POINTS_PER_PROCESS_ZONE * scale.pixel / zone))
+    cost = _cost(case, scale, resolved)
+    accepted = f'interaction.length = "{length(resolved)}" of the same work of adhesion ({cost})'
+    if resolved <= longest:
+        return f"{accepted} resolves it"
+    reach = max(longest, law.length)
+    zone *= (reach / law.length) ** 2
+    y, x = _resolving(scale.size, zone)
+    needs = memory_in_words((y, x))
+    range_too, cost = "", ""
+    if longest > law.length:
+        range_too, cost = f'interaction.length = "auto" ({length(reach)}) on ', f"; {_cost(case, scale, reach)}"
+    if grid_fits((y, x)):
+        return f"{range_too}surface.shape = [{y}, {x}] ({needs}{cost}) resolves it"
+    widest = 0.9 * math.sqrt(most_points()) * zone / POINTS_PER_PROCESS_ZONE
+    left = f", or accept {accepted}" if resolved < scale.rms_height else ""
+    return (
+        f"it cannot be resolved here: {range_too}surface.shape = [{y}, {x}] needs {needs}; take a part of the surface "
+        f"of up to {length(widest)}{left}"
+    )
+
+
+def _longest(case: Case, scale: SurfaceScales) -> float:
+    """The range that "auto" takes (m), zero where it takes none."""
+    try:
+        return longest_range(
+            scale.rms_curvature, scale.rms_height, case.solid.contact_modulus, case.law.work_of_adhesion
+        )
+    except ValueError:  # flat, or not soft
+        return 0.0
+
+
+def _cost(case: Case, scale: SurfaceScales, reach: float) -> str:
+    """What another range (m) of the same work of adhesion makes of an asperity's contact."""
+    if not scale.rms_curvature > 0:
+        return "a flat surface's pull-off falls as its inverse"
+    constants = (1 / scale.rms_curvature, case.solid.contact_modulus, case.law.work_of_adhesion)
+    longer = replace(case.law, length=reach)
+    before, after = (sphere_pull_off(*constants, law.peak_tensile_stress) for law in (case.law, longer))
+    change = 100 * (after / before - 1)
+    share = reach / scale.rms_height
+    blurred = f", {share:.2g} of the rms height" if share > SHARE_OF_HEIGHT * (1 + 1e-9) else ""
+    return f"Tabor parameter {tabor_parameter(*constants, reach):.2g}, a sphere's pull-off {change:+.2g} %{blurred}"
+
+
+def _two_digits(value: float) -> float:
+    """The next larger number of two digits."""
+    digits = 10 ** (math.floor(math.log10(value)) - 1)
+    return float(f"{math.ceil(value / digits * (1 - 1e-12)) * digits:.1e}")
 
 
 def _modulus(case: Case, scale: SurfaceScales) -> float:
     """E* of the wave of the grid for which the solid is softest (Pa)."""
     return case.solid.softest_modulus(*scale.grid_waves)
-
-
-def _jkr_like(case: Case, scale: SurfaceScales, resolved: float) -> str:
-    """Where a range that the grid resolves is too long, or may be longer: the longest that leaves JKR's contacts."""
-    modulus, work = case.solid.contact_modulus, case.law.work_of_adhesion  # those of "auto"
-    try:
-        longest = longest_range(scale.rms_curvature, scale.rms_height, modulus, work)
-    except ValueError:  # flat, or not soft
-        return ""
-    if longest <= case.law.length:
-        return ""
-    needed = _resolving(scale.size, process_zone(_modulus(case, scale), replace(case.law, length=longest)))
-    enough = "; the grid is fine enough for it" if longest >= resolved else f", on surface.shape = {needed}"
-    return (
-        f'. Up to interaction.length = {longest:.2g} m ("auto") contacts stay like those of the JKR theory (Tabor '
-        f"parameter above {JKR_LIKE:g}){enough}"
-    )
 
 
 def _resolving(size: tuple[float, float], zone: float) -> list[int]:

@@ -24,7 +24,18 @@ def check_memory(study: Study) -> None:
 
 def grid_fits(shape: tuple[int, int]) -> bool:
     """Whether the machine's memory holds a simulation on so many points."""
-    return shape[0] * shape[1] * _BYTES_PER_POINT <= _memory()
+    return shape[0] * shape[1] <= most_points()
+
+
+def most_points() -> float:
+    """Points of the largest grid that the machine's memory holds."""
+    return _memory() / _BYTES_PER_POINT
+
+
+def memory_in_words(shape: tuple[int, int]) -> str:
+    """What a simulation on so many points needs, such as ``1.2 GB``."""
+    needed = shape[0] * shape[1] * _BYTES_PER_POINT
+    return f"{needed / 1e9:.2g} GB" if needed >= 1e8 else f"{needed / 1e6:.2g} MB"
 
 
 def require_memory(needed: float, culprit: str, advice: str) -> None:

@@ -72,9 +72,12 @@ def choices(tables: Sequence[Mapping[str, Any]], cases: Sequence[Case]) -> tuple
                 1 / scales.rms_curvature, case.solid.contact_modulus, case.work_of_adhesion, case.law.length
             )
             why = (
-                f"the longest that keeps the Tabor parameter above {JKR_LIKE:g}"
+                f"the longest of a Tabor parameter above {JKR_LIKE:g}"
                 if tabor / JKR_LIKE * case.law.length < SHARE_OF_HEIGHT * scales.rms_height
-                else f"{SHARE_OF_HEIGHT:g} of the rms height"
+                else "a tenth of the rms height"
             )
-            said.append(f'{LENGTH} = "{AUTO}": {length(case.law.length)}, {why} (it is {tabor:.2g})')
+            said.append(
+                f'range of adhesion ({LENGTH} = "{AUTO}"): {length(case.law.length)}, {why}; Tabor parameter '
+                f"{tabor:.2g}: JKR-like"
+            )
     return tuple(dict.fromkeys(said))

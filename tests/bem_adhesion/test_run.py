@@ -6,11 +6,13 @@ import numpy as np
 import pytest
 
 from bem_adhesion import run
+from contact_study.campaign import memory
 from contact_study.campaign.schema import COORDINATES, VARIABLES
 from contact_study.problem.errors import InputError
 from contact_study.problem.study import make_study
 from contact_study.problem.surface import BandLimitedSurface, realise
 from contact_study.problem.surface_scales import scales_of
+from contact_study.problem.units import quantity
 from tests.bem_adhesion.paper_system import E_STAR, R0, study_table
 from tests.recording import bins_of_case, recorded_path
 
@@ -121,23 +123,40 @@ def test_the_grid_is_warned_of_once_a_study_with_ways_out():
     study = make_study(table)
     (note,) = run.review(study, scales_of(study))
     assert "(4 of 6 points of the sweep, such as well_depth_ratio = 4.0, seed = 1)" in note  # of process zone 10, 5 Å
-    # Each of the ways that are named resolves the law of the strongest adhesion, and not by far.
+    # The way that is named resolves the law of the strongest adhesion, and not by far.
     shape = json.loads(re.search(r"surface\.shape = (\[.*?\])", note)[1])
-    length = float(re.search(r"interaction\.length = (\S+) m", note)[1])
-    for keys, resolves in (
-        ({"surface": {"shape": shape}}, True),
-        ({"surface": {"shape": [n - 16 for n in shape]}}, False),
-        ({"interaction": {"length": 1.03 * length, "contact_distance": 1e-9}}, True),  # two digits are said
-        ({"interaction": {"length": 0.95 * length, "contact_distance": 1e-9}}, False),
-    ):
-        changed = {**table, **{name: table[name] | section for name, section in keys.items()}}
+    for points, resolves in ((shape, True), ([n - 16 for n in shape], False)):
+        changed = {**table, "surface": table["surface"] | {"shape": points}}
         assert (run.review(make_study(changed), scales_of(make_study(changed))) == []) == resolves
+    assert "interaction.length" not in note, "stiff contacts are not JKR-like: a longer range is another contact"
 
 
-def test_a_grid_beyond_this_machine_is_not_proposed():
+SOFT = {"material": {"youngs_modulus": 2e6, "poissons_ratio": 0.5}, "surface": {"size": 1e-4, "rms_height": 1e-6}}
+SOFT_LAW = {"law": "exponential", "work_of_adhesion": 0.05, "contact_distance": None}
+
+
+def test_a_grid_beyond_this_machine_is_not_proposed(monkeypatch):
+    soft, law = SOFT, SOFT_LAW | {"length": 7.4e-8}
+    monkeypatch.setattr(memory, "_memory", lambda: 1e6 * 100.0)
+    (note,) = review(64, interaction=law, **soft)
+    assert re.search(r"cannot be resolved here: surface\.shape = \[\d+, \d+\] needs 0\.\d+ GB; ", note)
+    # A part that a million points resolve, and what the grid at hand resolves, with its price.
+    widest = quantity(re.search(r"part of the surface of up to (\S+ \S+),", note)[1], "m", "")
+    part = {**soft, "surface": {"size": widest, "rms_height": 1e-6, "cutoff_mode": 4}}
+    assert not any("process zone" in line for line in review(1000, interaction=law, **part))
+    longer = quantity(re.search(r'accept interaction\.length = "(.*?)"', note)[1], "m", "")
+    assert review(64, interaction=law | {"length": longer}, **soft) == []
+    assert review(64, interaction=law | {"length": 0.95 * longer}, **soft) != []
+    tabor, pull_off = map(float, re.search(r"Tabor parameter (\S+), a sphere's pull-off \+(\S+) %, 0\.", note).groups())
+    assert 0.5 < tabor < 3
+    assert 1 < pull_off < 20
+
+
+def test_a_range_that_is_longer_than_the_roughness_is_high_is_no_way_out(monkeypatch):
+    monkeypatch.setattr(memory, "_memory", lambda: 1e6 * 100.0)
     (note,) = review(64, surface={"size": 1e-3}, interaction={"length": 1e-9, "contact_distance": 1.2e-9})
-    assert "interaction.length = " in note
-    assert "surface.shape" not in note
+    assert "cannot be resolved here" in note
+    assert "accept" not in note
 
 
 @pytest.mark.parametrize("keys", [{"size": 3.0}, {"size": 3.0, "rms_height": 0.03}])
@@ -155,20 +174,25 @@ def test_rubber_with_an_atomic_law_is_served():
 
 
 def test_the_longest_range_of_rubber_is_proposed_with_the_shape_it_needs():
-    soft = {"material": {"youngs_modulus": 2e6, "poissons_ratio": 0.5}, "surface": {"size": 1e-4, "rms_height": 1e-6}}
-    law = {"work_of_adhesion": 0.05, "length": 3e-10, "contact_distance": 1e-7}
+    soft, law = SOFT, SOFT_LAW | {"length": 3e-10}
     (note,) = review(64, interaction=law, **soft)
-    proposed = float(re.search(r'Up to interaction\.length = (\S+) m \("auto"\)', note)[1])
-    shape = re.search(r"on surface\.shape = (\[.*\])", note)[1]
-    # What it proposes is taken without a further word, and what the grid at hand would resolve is said to be too long.
+    proposed, shape = re.search(r'interaction\.length = "auto" \((.*?)\) on surface\.shape = (\[.*?\])', note).groups()
+    assert re.search(r"\(0\.\d+ GB; Tabor parameter 3, a sphere's pull-off \+1\.\d %\) resolves it$", note)
+    # What it proposes is taken without a further word; on the grid at hand only the points are asked for.
     longer = law | {"length": proposed}
-    assert review(int(re.match(r"\[(\d+)", shape)[1]), interaction=longer, **soft) == []
+    assert review(json.loads(shape)[0], interaction=longer, **soft) == []
     (other,) = review(64, interaction=longer, **soft)
-    assert "auto" not in other
-    resolved = re.search(
-        r"or interaction\.length = \S+ m with the same work of adhesion \(Tabor parameter (\S+)\)", other
-    )
-    assert float(resolved[1]) < 3
+    assert other.endswith(f"surface.shape = {shape} (0.47 GB) resolves it")
+
+
+def test_a_range_that_the_grid_resolves_and_that_stays_jkr_like_is_all_that_is_proposed():
+    soft, law = SOFT, SOFT_LAW | {"length": 3e-10}
+    (note,) = review(2304, interaction=law, **soft)
+    longer = re.search(r'interaction\.length = "(.*?)" of the same work of adhesion \(Tabor .*\) resolves it$', note)[1]
+    assert "surface.shape" not in note
+    assert review(2304, interaction=law | {"length": longer}, **soft) == []
+    shorter = 0.95 * quantity(longer, "m", "")
+    assert review(2304, interaction=law | {"length": shorter}, **soft) != []
 
 
 def layer(thickness, ratio=0.42):
@@ -215,7 +239,7 @@ def test_a_layer_thinner_than_the_grid_is_said(solid):
 def test_the_process_zone_is_that_of_the_softest_wave():
     """Of the coating itself it is 41 Å, five points of 64; long waves feel a softer or a stiffer base."""
     (note,) = review(64, **coated(20e-10, 7.72e9))
-    zone = float(re.search(r"quarter of the process zone (\S+) m", note)[1])
+    zone = 4 * quantity(re.search(r"quarter of the process zone (\S+ \S+):", note)[1], "m", "")
     # The longest wave, 500 Å, is 25 times as long as the coating is thick, and its modulus not quite the base's.
     assert 4.1e-10 < zone < 1.5 * 4.1e-10
     assert review(64, **coated(20e-10, 772e9)) == review(64) == []

@@ -7,7 +7,7 @@ from scipy.optimize import brentq
 import contact_study
 from contact_study.problem.errors import InputError
 from contact_study.problem.study import make_study
-from contact_study.problem.tabor import longest_range, tabor_parameter
+from contact_study.problem.tabor import longest_range, sphere_pull_off, tabor_parameter
 from contact_study.problem.units import length
 from theory import references as reference
 
@@ -36,8 +36,8 @@ def test_a_sphere_has_a_tabor_parameter_of_three():
     assert 3 <= tabor < 3.3  # two digits, rounded down
     assert one.interaction.length == one.law.length
     assert study.choices == (
-        f'interaction.length = "auto": {length(one.law.length)}, the longest that keeps the Tabor parameter above 3 '
-        f"(it is {tabor:.2g})",
+        f'range of adhesion (interaction.length = "auto"): {length(one.law.length)}, the longest of a Tabor parameter '
+        f"above 3; Tabor parameter {tabor:.2g}: JKR-like",
     )
 
 
@@ -51,7 +51,7 @@ def test_a_wave_has_the_radius_of_its_rms_curvature():
 def test_the_range_is_a_tenth_of_the_rms_height_at_most():
     study, (one,) = case(WAVE | {"amplitude": "0.1 um"})
     assert one.law.length == pytest.approx(5e-9, abs=0, rel=1e-9)
-    assert "0.1 of the rms height" in study.choices[0]
+    assert "a tenth of the rms height; Tabor parameter" in study.choices[0]
 
 
 def test_each_point_of_a_sweep_has_its_own():
@@ -68,7 +68,7 @@ def test_a_solid_stiffer_along_its_normal_has_a_shorter_one():
     assert one.solid.contact_modulus > 2 * MODULUS
     tabor = reference.tabor_parameter(100e-6, one.solid.contact_modulus, WORK, one.law.length)
     assert 3 <= tabor < 3.3  # two digits, rounded down
-    assert study.choices[0].endswith(f"(it is {tabor:.2g})")
+    assert study.choices[0].endswith(f"Tabor parameter {tabor:.2g}: JKR-like")
 
 
 def test_an_override_may_ask_for_it():
@@ -117,6 +117,15 @@ def test_stiff_bodies_have_the_range_of_their_interaction():
     table |= {"interaction": {"work_of_adhesion": WORK, "length": "auto"}, "loading": {"path": [1e6]}}
     with pytest.raises(InputError, match=r"not soft.*below atomic distances.*give the length of the interaction"):
         make_study(table)
+
+
+def test_the_pull_off_of_a_sphere_is_that_of_maugis():
+    """Of R = w = E* = 1, from a tension that stretches nothing to one without range."""
+    for parameter in np.geomspace(0.01, 50, 40):
+        tension = parameter / (2 * np.cbrt(9 / (16 * np.pi)))
+        assert reference.maugis_parameter(1, 1, 1, tension) == pytest.approx(parameter, abs=0, rel=1e-12)
+        exact = reference.maugis_dugdale_pull_off(parameter)
+        assert sphere_pull_off(1, 1, 1, tension) == pytest.approx(exact, abs=0, rel=0.02)
 
 
 def test_rounding_is_downwards():
