@@ -25,6 +25,7 @@ from bem_adhesion.load import Load
 from bem_adhesion.operator import MakeOperator
 from bem_adhesion.solution import NewtonResult, Outcome
 from bem_adhesion.tangent import mean_stiffness
+from contact_study.fields.balance import Excess
 from contact_study.fields.grid import Grid
 from contact_study.fields.halving import SHORT_WAVES
 from contact_study.fields.inner_product import inner_product
@@ -50,6 +51,9 @@ APPROACH_RESIDUAL = 0.2
 # Below this residual (in units of the contact modulus) a state with negative curvature is left along that direction,
 # by this step (in units of the law's length). Larger residuals are no saddles: there the step changed the branch.
 SADDLE_RESIDUAL, SADDLE_STEP = 0.2, 0.1
+# So many such steps in a row leave no saddle: points snap in one after the other, each by tens of steps, as on grids
+# that do not resolve the process zone. Curvature is then faded. States of grids that do take 6 at most.
+SADDLE_STEPS = 50
 # Iterations of conjugate gradients that look for negative curvature at an equilibrium. With the softening raised beyond
 # the fold by 10 % it shows within 5, by 5 % within 7, by 2 % within 10 (52 states, ε0 … 8ε0, 400² and 800² points).
 CURVATURE_ITERATIONS = 8
@@ -61,6 +65,8 @@ FAR = 5e-3
 # exponential and Dugdale) take 8 % more pairs.
 REDUCTION_AT_WALL, SHORT_WAVES_AT_WALL = 0.2, 2.5
 BACKTRACKING, SHORTEST_STEP = 0.4, 1e-4
+# A step of surfaces apart so many times as long as the largest gap is that of a mean which rounding alone holds.
+LONGEST_FALL = 100
 # Energies closer than this (relative) are equal to rounding; the residual decides then.
 ENERGY_ROUNDING = 1e-9
 # At the end the residual is formed anew where what was rounded off may be more than this share of the tolerance.
@@ -96,6 +102,7 @@ class AdhesiveContact(BalancedContact):
         memory = memory or Memory()
         super().__init__(grid, make_operator, law, window, memory)
         self._stalls = False
+        self._saddle_steps = 0  # in a row
         self.relaxation: LocalRelaxation | None = None
         self._reduction = REDUCTION_AT_WALL if law.has_wall else REDUCTION
         short_waves = SHORT_WAVES_AT_WALL if law.has_wall else SHORT_WAVES
@@ -118,18 +125,32 @@ class AdhesiveContact(BalancedContact):
         self._passes = DraggedPasses(self._free_passes, drag, anchor) if tied else self._free_passes
         self._stalls = tied and stalls
 
-    def _newton_step(self, fading: float, largest: float, tolerance: float) -> tuple[float, bool] | None:
+    def _newton_step(self, gap: np.ndarray, state: Balance, fading: float, excess: Excess) -> tuple[float, bool] | None:
         """Leave a step in ``_linearised.solution``; returns the fading it took, and if that had to be raised.
 
         None where points are tied and yet there is negative curvature.
         """
-        raised = False
+        # While points snap in the mean pressure may wait.
+        light = excess.load > excess.residual and state.largest < CLOSE
+        taken = self._curved_step(state, fading, excess, light)
+        step = self._linearised.solution
+        if light or max(step.max(), -step.min()) > LONGEST_FALL * self.window.inside(gap).max():
+            self._shorten_fall(gap, abs(state.total))
+        return taken
+
+    def _curved_step(self, state: Balance, fading: float, excess: Excess, light: bool) -> tuple[float, bool] | None:
+        """As :meth:`_newton_step`; where the load is light its mean is reduced as well as the residual."""
+        raised, largest = False, state.largest
         while True:
-            reduction = self._reduction_at(largest, tolerance) if fading == 0 else FADED_REDUCTION
-            result = self._linearised.solve(self._right_side, self.curvature, 1 - fading, reduction, LINEAR_ITERATIONS)
+            reduction = self._reduction_at(largest, max(excess)) if fading == 0 else FADED_REDUCTION
+            total = reduction * abs(state.total) if light else np.inf
+            result = self._linearised.solve(
+                self._right_side, self.curvature, 1 - fading, reduction, LINEAR_ITERATIONS, total
+            )
             self._passes.hold(self.curvature, self._linearised.solution)
             self._passes.hold(self.curvature, self._linearised.direction)
             if not result.negative_curvature:
+                self._saddle_steps = self._saddle_steps if fading else 0
                 return fading, raised
             if self._stalls:
                 return None
@@ -139,17 +160,33 @@ class AdhesiveContact(BalancedContact):
                 if result.iterations == 1:
                     self._linearised.solution[...] = self._along_direction(self.law.length)
                 return fading, raised
-            if fading == 0 and not raised and largest < SADDLE_RESIDUAL:
+            if fading == 0 and not raised and largest < SADDLE_RESIDUAL and self._saddle_steps < SADDLE_STEPS:
+                self._saddle_steps += 1
                 self._linearised.solution += self._along_direction(SADDLE_STEP * self.law.length)
                 return fading, raised
             fading = _more(fading)
             raised = True
 
-    def _reduction_at(self, largest: float, tolerance: float) -> float:
+    def _shorten_fall(self, gap: np.ndarray, missing: float) -> None:
+        """Let surfaces that do not touch come down as a whole, until a point touches or carries all that is missing.
+
+        A limit at each point by itself would bend the solid.
+        """
+        step, gap = self.window.inside(self._linearised.solution), self.window.inside(gap)
+        closest, lowest = float(gap.min()), float(self.law.repulsive_gap(np.array(-missing)))
+        if closest < self.law.equilibrium_distance or closest <= lowest:
+            return
+        least = float(np.finfo(np.float32).tiny)
+        room = float(np.min((gap - lowest) / np.maximum(-step, least)))
+        limit = STEP_LIMIT * (closest + self._passes.margin) / max(float(np.abs(step).max()), least)
+        # A wall stops what would pass it by a rounding.
+        self._linearised.solution *= np.float32(min(1.0, limit, (1 + 1e-6) * room))
+
+    def _reduction_at(self, largest: float, excess: float) -> float:
         """Reduction of the residual to ask of a linear solve with the full curvature."""
         if largest > CLOSE:
             return self._reduction
-        return min(max(BEYOND_TOLERANCE * tolerance / largest, CLOSE_REDUCTION), FADED_REDUCTION)
+        return min(max(BEYOND_TOLERANCE / excess, CLOSE_REDUCTION), FADED_REDUCTION)
 
     def _along_direction(self, length: float) -> np.ndarray:
         """A step of that largest component along the last search direction, downhill."""
@@ -214,7 +251,8 @@ class AdhesiveContact(BalancedContact):
             result = self._linearised.solve(self._right_side, self.curvature, 1.0, REDUCTION, LINEAR_ITERATIONS)
             step = self._linearised.solution
             self._passes.hold(self.curvature, step)
-            change = np.abs((gap - start + step) / (start + self._passes.margin))
+            inside = self.window.inside
+            change = np.abs(inside(gap - start + step) / (inside(start) + self._passes.margin))
             if result.negative_curvature or change.max() > limit:
                 break
             moved = np.empty_like(gap)
@@ -231,6 +269,7 @@ class AdhesiveContact(BalancedContact):
         approach: bool = False,
         known: np.ndarray | None = None,
         overwrite: bool = False,
+        carries: bool = False,
     ) -> NewtonResult:
         """Descend from ``gap`` to the next equilibrium.
 
@@ -250,15 +289,25 @@ class AdhesiveContact(BalancedContact):
             A gap, this or another, that was evaluated last under this load's field: by :meth:`press`, or as a result.
         overwrite : bool, optional
             Whether ``gap`` and ``known`` are given away: one array less, or two.
+        carries : bool, optional
+            Whether a solution has to carry its load however light, see :mod:`contact_study.fields.balance`; a
+            prediction need not.
         """
         state = self._evaluate_from(known, gap, load)
         trial = known if overwrite and known is not None and known is not gap else np.empty_like(gap)
         gap = gap if overwrite else gap.copy()
         fading, iteration, stepped = 0.0, 0, True
+        self._saddle_steps = 0
+
+        def excess_of(state: Balance) -> Excess:
+            return self.excess_of(state, gap, load, tolerance) if carries else Excess(state.largest / tolerance, 0.0)
+
         while True:
-            if state.largest <= tolerance and self._rounded > SHARE_OF_TOLERANCE * tolerance:
+            excess = excess_of(state)
+            if excess.balanced and self._rounded * excess.residual > SHARE_OF_TOLERANCE * state.largest:
                 state = self._evaluate(gap, load)
-            if state.largest <= tolerance:
+                excess = excess_of(state)
+            if excess.balanced:
                 outcome = Outcome.CONVERGED
                 break
             if self._runs_away(gap, state):
@@ -279,7 +328,7 @@ class AdhesiveContact(BalancedContact):
             stepped = True
             iteration += 1
             approaching = approach and state.largest > APPROACH_RESIDUAL
-            taken = self._newton_step(1.0 if approaching else fading, state.largest, tolerance)
+            taken = self._newton_step(gap, state, 1.0 if approaching else fading, excess)
             if taken is None:
                 outcome = Outcome.STALLED
                 break

@@ -14,6 +14,7 @@ from bem_adhesion.law_passes import Balance
 from bem_adhesion.load import FieldLoad, Load
 from bem_adhesion.operator import MakeOperator
 from bem_adhesion.wall_passes import passes_of
+from contact_study.fields.balance import ROUNDING, Excess, excess
 from contact_study.fields.grid import Grid
 from contact_study.fields.memory import Memory
 from contact_study.problem.laws.base import TractionLaw
@@ -43,6 +44,8 @@ class BalancedContact:
 
     Attributes
     ----------
+    window : Window
+        Where there is a surface.
     solid : Operator
         The elastic solid, K d and the load's field at the last gap in its field.
     curvature : numpy.ndarray of float32, shape grid.shape
@@ -61,7 +64,7 @@ class BalancedContact:
         make = partial(make_operator, memory=memory)
         self.grid = grid
         self.law = law
-        self._window = window or Window(grid.shape)
+        self.window = window or Window(grid.shape)
         self.solid = make(grid, np.float64)
         self._single = make(grid, np.float32)
         self._passes = passes_of(law, self.solid.largest, window)
@@ -70,10 +73,10 @@ class BalancedContact:
         self.curvature = memory.array(grid.shape, np.float32)
         self._right_side = memory.array(grid.shape, np.float32)
 
-    def imbalance_at(self, gap: np.ndarray, load: Load) -> tuple[float, bool]:
-        """max|gradient| at a gap, as of :class:`NewtonResult`, and whether the surfaces separate for ever."""
+    def imbalance_at(self, gap: np.ndarray, load: Load) -> tuple[Balance, bool]:
+        """What is out of balance at a gap, and whether the surfaces separate for ever."""
         state = self._evaluate(gap, load)
-        return state.largest, self._runs_away(gap, state)
+        return state, self._runs_away(gap, state)
 
     def press(self, gap: np.ndarray, load: Load) -> np.ndarray:
         """K d and the load's field in the field of the solid; a solve may go on from it."""
@@ -123,6 +126,20 @@ class BalancedContact:
         """The state, evaluated anew where rounding may show in its residual."""
         return self._evaluate(gap, load) if self._rounded > SHARE_OF_RESIDUAL * state.largest else state
 
+    def excess_of(self, state: Balance, gap: np.ndarray, load: Load, tolerance: float) -> Excess:
+        """What is out of balance at a gap that was evaluated last, over what may be, see :func:`excess`."""
+        pressure = 0.0 if self.solid.mean_stiffness else load.pressure  # the spring that ties the mean carries the rest
+        missing = state.total / gap.size
+        if state.largest > tolerance:  # whatever the stress
+            return excess(tolerance, state.largest, missing, pressure)
+        field = self.solid.field
+        stress = max(float(field.max()) + load.pressure, -float(field.min()) - load.pressure)
+        return excess(tolerance, state.largest, missing, pressure, stress, self.rounding(gap), gap.size)
+
+    def rounding(self, gap: np.ndarray) -> float:
+        """Residual that the rounding of a gap leaves."""
+        return ROUNDING * self.solid.largest * float(gap.max())
+
     def _take_back(self) -> None:
         """The solid's field as it was before the last change."""
         self.solid.field -= self._single.field
@@ -137,4 +154,4 @@ class BalancedContact:
         The mean gap then has negative curvature and a gradient outwards, and both persist at any larger gap.
         """
         tension = self.solid.mean_stiffness == 0 and state.total < 0 and self._passes is self._free_passes
-        return tension and bool(self._window.inside(gap).min() > self.law.peak_distance)
+        return tension and bool(self.window.inside(gap).min() > self.law.peak_distance)

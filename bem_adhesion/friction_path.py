@@ -44,8 +44,7 @@ class _MovingContinuum(OverdampedContact):
         """A state of the contact as one of the interface."""
         stiffness = None
         if self._case.output.stiffness:
-            at_rest = found.residual <= self.tolerance
-            stiffness = self.stiffness(found.solution) if at_rest else np.nan
+            stiffness = self.stiffness(found.solution) if found.at_rest else np.nan
         # What was done since belongs to this state, too: a run that goes on from it does none of it.
         solution = replace(found.solution, fft_pairs=found.solution.fft_pairs + self._work())
         return interface_state(self._case, solution, self._spacing, stiffness)

@@ -61,6 +61,11 @@ def _gradient(pressing, gap, traction, pressure, equilibrium, peak, right_side, 
     return energy, largest, square, total
 
 
+def free_gradient(pressing, gap, traction, pressure, right_side, curvature):
+    """As :meth:`LawPasses.gradient` of points on which no law acts."""
+    return _gradient(pressing, gap, traction, pressure, 0.0, np.inf, right_side, curvature)
+
+
 class LawPasses:
     """The passes of any law.
 

@@ -16,9 +16,11 @@ from numba import njit
 
 from bem_adhesion.bed import Bed, FullBed
 from bem_adhesion.operator import Operator
+from contact_study.fields.inner_product import inner_product
 from contact_study.fields.memory import Memory
 
-# Curvature below this fraction of |s|² counts as negative: the rounding of float32.
+# Energy of a direction s below this fraction of what it is the sum of counts as negative: the rounding of float32.
+# Above this fraction of |s|² none needs a second look.
 CURVATURE_ROUNDING = 1e-7
 
 
@@ -152,6 +154,7 @@ class LinearisedContact:
         softening: float,
         reduction: float,
         iterations: int,
+        total: float = np.inf,
     ) -> LinearResult:
         """Solve (K + D⁺ + softening·D⁻) x = right side until |residual| <= reduction·|right side|.
 
@@ -165,6 +168,9 @@ class LinearisedContact:
             Reduction of the 2-norm of the residual to reach.
         iterations : int
             Largest number of iterations.
+        total : float, optional
+            Largest |Σ residual| to leave (Pa): the softest mode of a light contact, its mean gap, may be a small part
+            of the 2-norm.
         """
         operator, buffer = self.operator, self.operator.field
         weights = self._shift, self._grid
@@ -177,12 +183,20 @@ class LinearisedContact:
             product = core_product + self._bed.apply_and_sum()
             beta = np.float32(product / previous)
             local, length = _direct(curvature, residual, *weights, kept, beta, direction, buffer)
-            energy = local + operator.apply_and_sum(operator.stiffness)
-            if energy <= CURVATURE_ROUNDING * length:
+            elastic = operator.apply_and_sum(operator.stiffness)
+            energy = local + elastic
+            if energy <= CURVATURE_ROUNDING * length and energy <= self._rounding(curvature, kept, elastic, length):
                 return LinearResult(iteration, True)
             alpha = np.float32(product / energy)
             square, core_product = _descend(curvature, *weights, kept, alpha, direction, solution, residual, buffer)
             previous = product
-            if square <= target:
+            if square <= target and (np.isinf(total) or abs(residual.sum(dtype=float)) <= total):
                 break
         return LinearResult(iteration, False)
+
+    def _rounding(self, curvature: np.ndarray, softening: np.float32, elastic: float, length: float) -> float:
+        """Energy of the direction s that may be rounding, of <s, K s> = ``elastic`` and |s|² = ``length``."""
+        softened = np.abs(np.where(curvature < 0, softening * curvature, curvature))
+        local = inner_product(softened * self.direction, self.direction)
+        # K of a field that is nearly uniform is itself rounding.
+        return CURVATURE_ROUNDING * (local + elastic + CURVATURE_ROUNDING * self.operator.largest * length)

@@ -66,15 +66,15 @@ def process_zone(contact_modulus: float, law: TractionLaw) -> float:
 
 @njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "arcp", "nsz"})
 def _correct(gap, change, closest, out):
-    """Write the changed gap, but let none fall below the smaller of itself and ``closest``; flat arrays."""
-    for i in range(gap.size):
-        d = gap[i]
-        out[i] = max(d + change[i], min(d, closest))
+    """Write the changed gap, but let none fall below the smaller of itself and ``closest``."""
+    for i in range(gap.shape[0]):
+        for j in range(gap.shape[1]):
+            d = gap[i, j]
+            out[i, j] = max(d + change[i, j], min(d, closest))
 
 
-def _touch(coarse: np.ndarray, fine: np.ndarray) -> None:
+def _touch(touching: np.ndarray, fine: np.ndarray) -> None:
     """Let points touch the wall where all next to them on the coarse grid do; interpolation rounds them off it."""
-    touching = coarse == 0
     beside = touching & np.roll(touching, -1, axis=1)
     fine[::2, ::2][touching] = 0
     fine[::2, 1::2][beside] = 0
@@ -126,13 +126,15 @@ class MultilevelContact:
         Parameters as :meth:`AdhesiveContact.solve`. An equilibrium with a direction of negative curvature is left along
         it.
         """
-        result = self._descend(gap, load, tolerance, max_iterations, approach)
+        result = self._descend(gap, load, tolerance, max_iterations, approach, carries=True)
         while result.outcome is Outcome.CONVERGED:
             lower = self.beside_saddle(result.gap, load)
             if lower is None:
                 break
             used = result.iterations + 1  # leaving a saddle counts: there may be one after the other
-            rest = self.finest.solve(lower, load, tolerance, max(max_iterations - used, 0), overwrite=True)
+            rest = self.finest.solve(
+                lower, load, tolerance, max(max_iterations - used, 0), overwrite=True, carries=True
+            )
             outcome = rest.outcome if used <= max_iterations else Outcome.ITERATION_LIMIT
             result = replace(rest, iterations=used + rest.iterations, outcome=outcome)
         return result
@@ -149,6 +151,7 @@ class MultilevelContact:
         max_iterations: int,
         approach: bool,
         known: np.ndarray | None = None,
+        carries: bool = False,
     ) -> NewtonResult:
         """``known`` is None, or the gap itself if :attr:`finest` has evaluated it last under this load's field."""
         start = gap
@@ -157,7 +160,9 @@ class MultilevelContact:
             if known is None:
                 self.finest.press(gap, load)
             start, known = self._predict(self.coarser, gap, load, max_iterations, approach), gap
-        return self.finest.solve(start, load, tolerance, max_iterations, approach, known, overwrite=True)
+        return self.finest.solve(
+            start, load, tolerance, max_iterations, approach, known, overwrite=True, carries=carries
+        )
 
     def _predict(
         self, coarser: "MultilevelContact", gap: np.ndarray, load: Load, max_iterations: int, approach: bool
@@ -181,10 +186,12 @@ class MultilevelContact:
             steps = TANGENT_STEPS if coarser.points_per_process_zone >= POINTS_FOR_STEPS else 1
             reached = coarser.finest.on_tangent(reached, coarse_load, TANGENT_LIMIT, steps, reached)
         change = self.finest.interpolated(coarser.finest, reached - gap[::2, ::2])
-        predicted, closest = np.empty_like(gap), CLOSEST_PREDICTION * law.equilibrium_distance
-        _correct(gap.reshape(-1), change.reshape(-1), closest, predicted.reshape(-1))
+        predicted, inside = gap + change, self.finest.window.inside
+        _correct(inside(gap), inside(change), CLOSEST_PREDICTION * law.equilibrium_distance, inside(predicted))
         if law.has_wall:
-            _touch(reached, predicted)
+            touching = np.zeros(reached.shape, bool)
+            coarser.finest.window.inside(touching)[...] = coarser.finest.window.inside(reached) == 0
+            _touch(touching, predicted)
         return predicted
 
     def _has_negative_curvature(self) -> bool:

@@ -12,6 +12,7 @@ import numpy as np
 from bem_adhesion.load import HeightLoad
 from bem_adhesion.loading import LoadedContact
 from bem_adhesion.solution import NewtonResult, Outcome, Solution
+from contact_study.fields.balance import excess
 
 _NEWTON_STEPS = 8
 # What a step's own minimum may be off: of the allowed error of a time step, and of the force that it begins with.
@@ -25,6 +26,7 @@ class Moved:
     state: np.ndarray
     solution: Solution
     residual: float
+    at_rest: bool = True
 
     @property
     def apart(self) -> bool:
@@ -60,19 +62,22 @@ class OverdampedContact(LoadedContact):
         gap, pressure = self._scaled(state, load)
         stiffness = drag * self._length / modulus
         finest.tie(0.0, gap)
-        force, apart = finest.imbalance_at(gap, pressure)
+        now, apart = finest.imbalance_at(gap, pressure)
+        force = now.largest
         if apart:
             return Moved(state, self._apart(Outcome.DETACHED, 0, self._work()), force)
-        accuracy = max(self.tolerance, min(_ACCURACY * self._allowed * stiffness, _REDUCTION * force))
+        least = force * finest.excess_of(now, gap, pressure, self.tolerance).to_balance
+        least = max(least, min(finest.rounding(gap), self.tolerance))
+        accuracy = max(least, min(_ACCURACY * self._allowed * stiffness, _REDUCTION * force))
         finest.tie(stiffness, gap)
-        result = finest.solve(gap, pressure, accuracy, _NEWTON_STEPS)
+        result = finest.solve(gap, pressure, accuracy, _NEWTON_STEPS, carries=force <= self.tolerance)
         finest.tie(0.0, gap)
         if result.outcome is not Outcome.CONVERGED:
             return None
         # Friction apart no force is larger than what the solve left and friction itself.
         left = result.residual + stiffness * float(np.abs(result.gap - gap).max())
         found = self._in_motion(replace(result, residual=left))
-        return Moved(found.gap, found, left)
+        return Moved(found.gap, found, left, self._at_rest(found, load))
 
     def _scaled(self, state: np.ndarray, load: float) -> tuple[np.ndarray, HeightLoad]:
         """Gap and load in the units of the levels."""
@@ -98,7 +103,18 @@ class OverdampedContact(LoadedContact):
             return Moved(state, self._apart(Outcome.APART), 0.0)
         gap, pressure = self._scaled(state, load)
         result = self._contact.finest.solve(gap, pressure, self.tolerance, 0)
-        return Moved(state, self._in_motion(result), result.residual)
+        found = self._in_motion(result)
+        return Moved(state, found, result.residual, self._at_rest(found, load))
+
+    def _at_rest(self, found: Solution, load: float) -> bool:
+        """Whether a state is in balance without friction under a mean pressure (Pa)."""
+        unit, finest = self.elasticity.contact_modulus, self._contact.finest
+        missing, stress = load - float(found.pressure.mean()), float(np.abs(found.pressure).max())
+        rounding = finest.rounding(found.gap / self._length)
+        points = found.gap.size
+        return excess(
+            self.tolerance, found.residual, missing / unit, load / unit, stress / unit, rounding, points
+        ).balanced
 
     def beside_saddle(self, state: np.ndarray, load: float) -> np.ndarray | None:
         """A gap of lower energy next to a saddle; see :class:`contact_study.fields.gradient_flow.Overdamped`."""

@@ -28,8 +28,8 @@ class Outcome(Enum):
         "solver.max_iterations, lower loading.resolution or take a finer grid"
     )
     STALLED = (
-        "no step lowers the energy although the residual is above the tolerance: the tolerance is below the "
-        "rounding of this problem, or the grid is too coarse for the law"
+        "no step comes nearer to balance: take smaller loading steps, or raise solver.tolerance if the residual is "
+        "close to it"
     )
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 
 from bem_adhesion.free_boundary import Window
-from bem_adhesion.law_passes import LawPasses
+from bem_adhesion.law_passes import LawPasses, free_gradient
 from bem_adhesion.wrapped_passes import WrappedPasses
 
 
@@ -33,12 +33,18 @@ class WindowPasses(WrappedPasses):
         return total
 
     def gradient(self, pressing, gap, traction, pressure, right_side, curvature):
-        result = super().gradient(pressing, gap, traction, pressure, right_side, curvature)
-        # What the pass adds where points are out of balance is of the law; the padding is linear.
-        own_curvature = self._window.inside(curvature).copy()
-        curvature[...] = 0
-        self._window.inside(curvature)[...] = own_curvature
-        return result
+        rows, columns = self._window.slices
+        inside = rows, columns
+        padding = (rows, slice(columns.stop, None)), (slice(rows.stop, None), slice(None))
+        energy, largest, square, total = self._inner.gradient(
+            pressing[inside], gap[inside], traction[inside], pressure, right_side[inside], curvature[inside]
+        )
+        for here in padding:
+            fields = pressing[here], gap[here], traction[here]
+            found = free_gradient(*fields, pressure, right_side[here], curvature[here])
+            energy, largest = energy + found[0], max(largest, found[1])
+            square, total = square + found[2], total + found[3]
+        return energy, largest, square, total
 
     def pin(self, curvature, gap):
         held = np.zeros(gap.shape, bool)
@@ -61,3 +67,8 @@ class WindowPasses(WrappedPasses):
         moved = np.empty_like(inside)
         self._inner.advance(inside, own_step, limit, moved)
         self._window.inside(out)[...] = moved
+
+    def _free(self, gap):
+        free = np.ones(gap.shape, bool)
+        self._window.inside(free)[...] = self._inner._free(self._window.inside(gap))
+        return free

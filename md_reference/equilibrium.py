@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from contact_study.fields.balance import Excess
 from contact_study.fields.inner_product import inner_product
 from md_reference.block import SurfaceStiffness
 from md_reference.interface import AtomwiseInteraction
@@ -120,36 +121,40 @@ class EquilibriumSolver:
         while True:
             gradient = landscape.gradient(place, load)
             residual = landscape.residual(gradient)
-            outcome = self._outcome(at, residual, pressure)
+            excess = landscape.excess(place, gradient, load, self.tolerance)
+            outcome = self._outcome(at, excess, pressure)
             if outcome is Outcome.CONVERGED and leave_saddle(landscape, place):
                 at.iteration += 1  # there may be one saddle after the other
                 continue
             if outcome is not None:
                 break
-            if residual <= self.tolerance:
+            if excess.balanced:
                 landscape.refresh(place)
                 continue
             at.iteration += 1
-            self._advance(at, gradient, residual, load)
+            self._advance(at, gradient, residual, load, excess.load > excess.residual and residual < _CLOSE)
         if not place.fresh:
             landscape.refresh(place)
             residual = landscape.residual(landscape.gradient(place, load))
         return equilibrium_of(landscape, place, residual, outcome, at.iteration, landscape.pairs - transforms)
 
-    def _outcome(self, at: _Descent, residual: float, pressure: float) -> Outcome | None:
+    def _outcome(self, at: _Descent, excess: Excess, pressure: float) -> Outcome | None:
         """How the solve has ended, None while it goes on."""
         if not self._fixed_mean and pressure <= 0 and not self.landscape.force.any():
             return Outcome.DETACHED
         if at.iteration > self.max_iterations:  # by leaving a saddle
             return Outcome.ITERATION_LIMIT
-        if residual <= self.tolerance:
+        if excess.balanced:
             return Outcome.CONVERGED if at.place.fresh else None
         if at.iteration >= self.max_iterations:
             return Outcome.ITERATION_LIMIT
         return Outcome.STALLED if at.place.vanishing >= _VANISHING_STEPS else None
 
-    def _newton_step(self, at: _Descent, gradient: np.ndarray, residual: float) -> tuple[np.ndarray, bool]:
-        """A step by the linear model of the energy, and whether more negative curvature had to be faded for it."""
+    def _newton_step(self, at: _Descent, gradient: np.ndarray, residual: float, light: bool) -> tuple[np.ndarray, bool]:
+        """A step by the linear model of the energy, and whether more negative curvature had to be faded for it.
+
+        Where the load is light what is missing of it is reduced as well as the residual.
+        """
         landscape = self.landscape
         if at.approaching:
             coming = not self._fixed_mean and not np.any(landscape.force[2] > 0)
@@ -161,7 +166,9 @@ class EquilibriumSolver:
             # The forcing term falls with the residual (in units of E*/100) for fast final convergence.
             full = max(_SMALLEST_REDUCTION, min(_REDUCTION, (100 * residual) ** 0.5))
             iterations = _FEW_ITERATIONS if residual > _CLOSE else _MANY_ITERATIONS
-            newton = landscape.newton.solve(gradient, _FADED_REDUCTION if at.fading > 0 else full, iterations)
+            reduction = _FADED_REDUCTION if at.fading > 0 else full
+            total = reduction * abs(float(np.sum(gradient[2]))) if light else np.inf
+            newton = landscape.newton.solve(gradient, reduction, iterations, total)
             if not newton.indefinite:
                 return newton.step, raised
             if at.fading == 1:
@@ -185,9 +192,9 @@ class EquilibriumSolver:
         sign = -1.0 if inner_product(gradient, direction) >= 0 else 1.0
         return sign * _ALONG_SADDLE * self.interaction.length / np.abs(direction).max() * direction
 
-    def _advance(self, at: _Descent, gradient: np.ndarray, residual: float, load: Load) -> None:
+    def _advance(self, at: _Descent, gradient: np.ndarray, residual: float, load: Load, light: bool) -> None:
         """Take a step as far as the energy follows it, and adapt what the next one may rely on."""
-        step, raised = self._newton_step(at, gradient, residual)
+        step, raised = self._newton_step(at, gradient, residual, light)
         fraction = self.landscape.search(at.place, step, load, _EXPANSION * residual * self.landscape.force_scale)
         if fraction < 1:
             at.fade()

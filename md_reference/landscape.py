@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numba import njit
 
+from contact_study.fields.balance import ROUNDING, Excess, excess
 from contact_study.fields.fourier import RealTransform
 from md_reference.block import SurfaceStiffness
 from md_reference.followed_interface import FollowedInterface
@@ -139,6 +140,20 @@ class Landscape:
     def residual(self, gradient: np.ndarray) -> float:
         """Its largest component, over a² E*."""
         return float(np.max(np.abs(gradient))) / self.force_scale
+
+    def excess(self, at: Place, gradient: np.ndarray, load: Load, tolerance: float) -> Excess:
+        """How far a state is from balance, see :func:`contact_study.fields.balance.excess`; springs of a drag apart."""
+        scale = self.force_scale
+        push = 0.0 if self.fixed_mean else load.push / scale
+        stress = float(np.abs(self.force[2]).max()) / scale
+        missing = float(np.mean(gradient[2])) / scale
+        rounding, points = self.rounding(at, load.drag), 1 if load.drag else gradient[2].size
+        return excess(tolerance, self.residual(gradient), missing, push, stress, rounding, points)
+
+    def rounding(self, at: Place, drag: float = 0.0) -> float:
+        """Residual that the rounding of a displacement leaves."""
+        stiffest = float(self._coefficients[2].max()) * self._transform.points + drag
+        return ROUNDING * stiffest * float(np.abs(at.displacement).max()) / self.force_scale
 
     def set_curvature(self, at: Place, gradient: np.ndarray, fading: float, drag: float = 0.0) -> None:
         """Put the curvature of interface and drag into the linear solver, see :mod:`md_reference.snap_in`."""

@@ -19,6 +19,7 @@ from numba import njit
 
 from contact_study.fields.fourier import RealTransform
 from contact_study.fields.halving import HALVINGS
+from contact_study.fields.inner_product import inner_product
 from md_reference.bed import bed_under
 from md_reference.block import SurfaceStiffness
 from md_reference.split import split
@@ -26,7 +27,8 @@ from md_reference.stiffness_pass import multiply
 
 _OPTIONS = {"cache": True, "error_model": "numpy", "fastmath": {"contract", "reassoc", "arcp", "nsz"}}
 
-# Curvature below this fraction of c counts as none: the rounding of single precision.
+# Energy of a direction s below this fraction of what it is the sum of counts as none: the rounding of single precision.
+# Above this fraction of c |s|² none needs a second look.
 _CURVATURE_ROUNDING = 1e-6
 
 
@@ -95,7 +97,7 @@ class NewtonSolver:
         """Transform pairs so far, on coarser grids in proportion to their points."""
         return self.transform.pairs + self._bed.pairs
 
-    def solve(self, gradient: np.ndarray, reduction: float, max_iterations: int) -> NewtonStep:
+    def solve(self, gradient: np.ndarray, reduction: float, max_iterations: int, total: float = np.inf) -> NewtonStep:
         """Solve (S + D) x = −gradient with the D that the caller has put into :attr:`diagonal`.
 
         Parameters
@@ -106,6 +108,9 @@ class NewtonSolver:
             Stop when the residual's norm has fallen by this factor.
         max_iterations : int
             Largest number of iterations.
+        total : float, optional
+            Largest |Σ residual| of the normal component to leave (N): the softest mode of a light contact, its mean
+            height, may be a small part of the norm.
         """
         scale = float(np.max(np.abs(gradient)))
         transform, normalisation = self.transform, 1 / self.transform.points
@@ -132,8 +137,9 @@ class NewtonSolver:
                 local -= self._take_mean_out()
             previous = product
             transform.forward()
-            curvature = local + multiply(spectrum, *waves, normalisation)
-            if curvature <= _CURVATURE_ROUNDING * self._shift * length:
+            elastic = multiply(spectrum, *waves, normalisation)
+            curvature = local + elastic
+            if curvature <= _CURVATURE_ROUNDING * self._shift * length and curvature <= self._rounding(elastic, length):
                 indefinite = True
                 break
             transform.backward()
@@ -141,9 +147,15 @@ class NewtonSolver:
             if self.fixed_mean:
                 residual[2] -= np.mean(residual[2], dtype=np.float64)  # the constraint's own force
             squares, core = _take_tail(residual, *parts, field)
-            if squares <= target:
+            if squares <= target and (np.isinf(total) or abs(residual[2].sum(dtype=float)) * scale <= total):
                 break
         return NewtonStep(solution * scale, iterations, indefinite)
+
+    def _rounding(self, elastic: float, length: float) -> float:
+        """Energy of the direction s that may be rounding, of s·S s = ``elastic`` and s·s = ``length``."""
+        local = inner_product(np.abs(self.diagonal[:3]) * self.direction, self.direction)
+        # S of a field that is nearly uniform is itself rounding.
+        return _CURVATURE_ROUNDING * (local + elastic + 2 * _CURVATURE_ROUNDING * self._half_grid * length)
 
     def _take_mean_out(self) -> float:
         """Make the normal mean of the direction (and of the transform's field) zero; returns what s·D s loses."""

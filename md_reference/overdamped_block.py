@@ -5,7 +5,7 @@ Newton steps of the equilibrium solver. Under springs stiffer than the negative 
 direction of negative curvature says that the time step is too long for the motion to be followed.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -24,6 +24,7 @@ class Moved:
 
     equilibrium: Equilibrium
     apart: bool
+    at_rest: bool
 
     @property
     def state(self) -> np.ndarray:
@@ -62,19 +63,27 @@ class OverdampedBlock:
         """The layer after a time step; see :class:`contact_study.fields.gradient_flow.Overdamped`."""
         landscape = self._landscape
         drag *= landscape.area
-        place, acting = self._place(state), Load(load * landscape.area, drag, state)
+        place, free = self._place(state), Load(load * landscape.area)
+        acting = replace(free, drag=drag, anchor=state)
         self._last = None
-        accuracy = max(self._tolerance, self._accuracy * drag)
-        for step in range(_NEWTON_STEPS + 1):
-            gradient = landscape.gradient(place, acting)
-            if landscape.residual(gradient) <= (accuracy if step else self._tolerance):
-                break
+        gradient = landscape.gradient(place, acting)
+        force, excess = landscape.residual(gradient), landscape.excess(place, gradient, free, self._tolerance)
+        balanced, light = excess.balanced, force <= self._tolerance  # unbalanced and yet light: the load is missing
+        least = max(force * excess.to_balance, min(landscape.rounding(place, drag), self._tolerance))
+        accuracy = max(least, self._accuracy * drag)
+        step = 0
+        while not balanced and step < _NEWTON_STEPS:
             landscape.set_curvature(place, gradient, 0.0, drag)
-            newton = landscape.newton.solve(gradient, _REDUCTION, _LINEAR_ITERATIONS)
+            total = _REDUCTION * abs(float(np.sum(gradient[2]))) if light else np.inf
+            newton = landscape.newton.solve(gradient, _REDUCTION, _LINEAR_ITERATIONS, total)
             if newton.indefinite or not landscape.search(place, newton.step, acting):
-                self._evaluations += place.evaluations
-                return None
-        else:
+                break
+            step += 1
+            gradient = landscape.gradient(place, acting)
+            balanced = landscape.residual(gradient) <= accuracy
+            if light:
+                balanced &= landscape.excess(place, gradient, acting, self._tolerance).load <= 1
+        if not balanced:
             self._evaluations += place.evaluations
             return None
         self._last = place
@@ -90,10 +99,13 @@ class OverdampedBlock:
         landscape = self._landscape
         place.evaluations += self._evaluations
         self._evaluations, pairs = 0.0, self._work()
-        residual = landscape.residual(landscape.gradient(place, Load(load * landscape.area)))
+        acting = Load(load * landscape.area)
+        gradient = landscape.gradient(place, acting)
+        residual = landscape.residual(gradient)
+        at_rest = landscape.excess(place, gradient, acting, self._tolerance).balanced
         apart = load <= 0 and not landscape.force.any()
         outcome = Outcome.DETACHED if apart else Outcome.CONVERGED
-        return Moved(equilibrium_of(landscape, place, residual, outcome, steps, pairs), apart)
+        return Moved(equilibrium_of(landscape, place, residual, outcome, steps, pairs), apart, at_rest)
 
     def _work(self) -> float:
         """Transform pairs since it was asked for last."""

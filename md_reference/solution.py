@@ -18,7 +18,10 @@ class Outcome(Enum):
         "the iteration limit was reached before the tolerance: take smaller loading steps or raise "
         "solver.max_iterations"
     )
-    STALLED = "no step lowers the energy although the residual is above the tolerance: raise solver.tolerance"
+    STALLED = (
+        "no step comes nearer to balance: take smaller loading steps, or raise solver.tolerance if the residual is "
+        "close to it"
+    )
 
 
 @dataclass(frozen=True)

@@ -24,7 +24,7 @@ _MESSAGES = {
     Fate.AT_REST: "",
     Fate.APART: "detached: no equilibrium in contact exists under this load, the surfaces separate",
     Fate.TOO_LONG: "the iteration limit was reached before all was at rest: raise solver.max_iterations",
-    Fate.STUCK: "no step lowers the energy although the residual is above the tolerance: raise solver.tolerance",
+    Fate.STUCK: "no step comes nearer to balance: raise solver.tolerance if the residual is close to it",
 }
 
 Found = TypeVar("Found", bound=Advance)
@@ -72,7 +72,6 @@ def pace_of(case: Case, size: tuple[float, float]) -> Pace:
         rate=given.loading_rate * case.solid.contact_modulus / relaxation,
         first=_FIRST_STEP * relaxation,
         allowed=given.step_error * case.law.length,
-        tolerance=case.solver.tolerance,
         most=case.solver.max_iterations,
     )
 

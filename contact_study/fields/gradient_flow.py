@@ -41,8 +41,8 @@ class Advance(Protocol):
     ----------
     state : numpy.ndarray
         u_{n+1}.
-    residual : float
-        Largest force out of balance there, friction apart, in the unit of the tolerance.
+    at_rest : bool
+        Whether it is in balance without friction.
     apart : bool
         Whether nothing acts any more that would bring the surfaces to rest.
     """
@@ -50,7 +50,7 @@ class Advance(Protocol):
     @property
     def state(self) -> np.ndarray: ...
     @property
-    def residual(self) -> float: ...
+    def at_rest(self) -> bool: ...
     @property
     def apart(self) -> bool: ...
 
@@ -121,8 +121,6 @@ class Pace:
         τ to try first.
     allowed : float
         Largest local error of a step, in the unit of the state.
-    tolerance : float
-        Largest residual at rest.
     most : int
         Steps until a motion is given up.
     """
@@ -130,7 +128,6 @@ class Pace:
     rate: float
     first: float
     allowed: float
-    tolerance: float
     most: int
 
 
@@ -161,7 +158,7 @@ def follow(system: Overdamped[Found], at: Instant[Found], target: float, pace: P
         at = moved
         if moved.found.apart:
             at = replace(at, fate=Fate.APART)
-        elif at.load == target and moved.found.residual <= pace.tolerance:
+        elif at.load == target and moved.found.at_rest:
             lower = system.beside_saddle(at.state, target)
             at = replace(at, fate=Fate.AT_REST) if lower is None else replace(at, state=lower, move=0.0)
         if at.fate is Fate.MOVING and at.steps >= pace.most:

@@ -124,7 +124,7 @@ class SolverSection:
 
     tolerance: float = key(
         quantity("1", minimum=1e-15, maximum=1e-2),  # less is the rounding of double precision
-        "largest residual stress in units of the contact modulus",
+        "largest residual stress over the contact modulus, less for loads below 0.001 of it",
         1e-8,
     )
     max_iterations: int = key(

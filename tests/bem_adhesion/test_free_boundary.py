@@ -164,6 +164,20 @@ def test_a_sphere_on_a_flat_is_hertzs():
     assert np.all(np.array(errors[-1]) < [4e-3, 6e-5, 1e-4])
 
 
+@pytest.mark.parametrize("law", [Exponential(1e-3, 0.02), Dugdale(1e-3, 0.02)])
+@pytest.mark.parametrize("size", [0.5, 1.0, 2.0])
+def test_attraction_outside_a_wall_meets_every_load(law, size):
+    """The padding is no surface: nothing holds it where a prediction takes it through the plane of the wall."""
+    height, _ = sphere(64, size)
+    contact = rough_contact(height, size, 1.0, law, boundary="free", max_iterations=100)
+    for load in (0.05, 0.2, 0.5, 1.0):
+        found = contact.step(contact.separated(), load)
+        assert found.converged, found.message
+        assert found.pressure.mean() == pytest.approx(load, rel=1e-6)
+    state = contact.step(contact.separated(), 0.5).state
+    np.testing.assert_allclose(contact.step(state, 1.0).gap, found.gap, atol=1e-6 * law.length)
+
+
 def test_the_work_of_the_force_is_the_energy_stored():
     height, _ = sphere(32, 0.4)
     law = LennardJones104(1e-4, 8e-3)
