@@ -29,6 +29,18 @@ def test_the_load_is_carried_within_the_error_of_the_mean():
     assert load_missing(descent(landing), CONTACT_MODULUS)[1]
 
 
+def test_swings_do_not_excuse_a_load_that_is_not_carried():
+    """Four standard errors of a block that bounces are 0.4 of its load: by chance for a thermostat, not for swings."""
+    noise = np.random.default_rng(0).normal(size=400)
+    noise *= 2e9 / noise.std()
+    bouncing = descent(1.2e9 + noise - noise.mean())
+    assert load_missing(bouncing, CONTACT_MODULUS)[1] == ""
+    residual, message = load_missing(bouncing, CONTACT_MODULUS, swings=True)
+    assert residual == pytest.approx(2e8 / CONTACT_MODULUS)
+    assert message.startswith("the interface carried 1.2e+09 ± ")
+    assert load_missing(descent(1.05e9 + noise - noise.mean()), CONTACT_MODULUS, swings=True)[1] == ""
+
+
 def test_one_state_has_no_error_to_miss_the_load_by():
     assert load_missing(descent([0.995e9]), CONTACT_MODULUS)[1] == ""
     said = "the interface carried 9.8e+08 Pa on average, not the 1e+09 Pa applied: raise dynamics.duration"
