@@ -20,7 +20,7 @@ from pathlib import Path
 import numpy as np
 import tomli_w
 
-from contact_study.campaign import steps
+from contact_study.campaign.case_file import CaseWriter
 from contact_study.campaign.dataset.file import Earlier
 from contact_study.campaign.record import Step
 from contact_study.problem.bins import bins_of
@@ -38,7 +38,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     study = many_points(given.study)
     with tempfile.TemporaryDirectory() as folder:
         wall, processor, dataset = run(study, Path(folder), given.workers, given.flows)
-        written, read, count = write_and_read(study, dataset, Path(folder) / "case")
+        written, read, count = write_and_read(study, dataset, Path(folder) / "all.case")
     print(f"persson-theory, {count} steps, {given.workers} processes: {wall:.1f} s, of processors {processor:.1f} s")
     for words, seconds in (("write", written), ("read", read)):
         share = 100 * seconds / processor
@@ -69,13 +69,14 @@ def run(study: Study, folder: Path, workers: int, flows: str) -> tuple[float, fl
     return wall, children, output
 
 
-def write_and_read(study: Study, dataset: Path, folder: Path) -> tuple[float, float, int]:
+def write_and_read(study: Study, dataset: Path, path: Path) -> tuple[float, float, int]:
     """Processor time to write all steps of a dataset, and to read them (s), and their number."""
     bins = bins_of(study)
     with Earlier(dataset, study.sweep) as earlier:
         values = [earlier.step(case.index, number) for case in study.cases for number in range(len(case.path))]
-    written = timed(lambda: [steps.save_step(folder, i, Step(one, bins=bins)) for i, one in enumerate(values)])
-    read = timed(lambda: [steps.load_step(folder, i) for i in range(len(values))])
+    with CaseWriter(path, len(values), last_state=False) as file:
+        written = timed(lambda: [file.save_step(i, Step(one, bins=bins)) for i, one in enumerate(values)])
+    read = timed(lambda: [file.step(i) for i in range(len(values))])
     return written, read, len(values)
 
 

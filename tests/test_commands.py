@@ -16,6 +16,7 @@ import theory.run
 from contact_study.campaign.command import main
 from contact_study.campaign.schema import COORDINATES, VARIABLES
 from contact_study.comparison.command import main as compare
+from tests.campaign.toy_study import steps_on_disk
 
 STUDY = """
 [study]
@@ -85,7 +86,9 @@ def folder(tmp_path_factory):
 
 def test_everything_is_written_and_nothing_else(folder):
     names = {path.name for path in folder.iterdir()}
-    assert names == {"study.toml", "bem.nc", "md.nc", "theory.nc", "comparison.nc", "figures", "report.html"}
+    assert names == {"study.toml", "bem.nc", "md.nc", "theory.nc", "comparison.nc", "figures", "report.html"} | {
+        f"{model}.nc.restart" for model in ("bem", "md", "theory")
+    }
     assert len(list((folder / "figures").glob("figure_*.png"))) >= 4
 
 
@@ -267,7 +270,7 @@ def test_killed_campaign_resumes_bit_for_bit(folder, tmp_path):
         stderr=subprocess.DEVNULL,
         start_new_session=True,
     )
-    while not list(tmp_path.glob("bem.nc.parts/case-*/step-*.npz")) and process.poll() is None:
+    while not steps_on_disk(tmp_path / "bem.nc.parts") and process.poll() is None:
         time.sleep(0.005)
     os.killpg(process.pid, 9)
     process.wait()

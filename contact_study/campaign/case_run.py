@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from contact_study.campaign import steps as store
+from contact_study.campaign.case_file import CaseFile, CaseWriter
 from contact_study.campaign.engines.base import CampaignError, Report
 from contact_study.campaign.ensemble import Averages, restart_of
 from contact_study.campaign.model import Model
@@ -38,14 +38,14 @@ class Job:
     model: Model
     case: Case
     bins: Bins
-    folder: Path
+    file: Path
     predictor: Path | None
     height_map: str
 
-
-def finished(job: Job) -> int:
-    """Steps of the case that are on disk and can be gone on from."""
-    return store.finished_steps(job.folder, len(job.case.path))
+    def missing(self, file: CaseFile) -> int:
+        """How many steps of the case its file lacks."""
+        steps = len(self.case.path)
+        return steps - file.finished(steps, self.case.output.restart)
 
 
 def run_case(job: Job, threads: int, report: Report) -> None:
@@ -65,52 +65,55 @@ def run_case(job: Job, threads: int, report: Report) -> None:
     CampaignError
         If a height map has changed, or the folder of the run is not on this machine.
     """
-    if not job.folder.parent.is_dir():
+    if not job.file.parent.is_dir():
         raise CampaignError(
-            f"{job.folder.parent} does not exist on {socket.gethostname()}; put the output into a folder that all "
+            f"{job.file.parent} does not exist on {socket.gethostname()}; put the output into a folder that all "
             "workers share under one name"
         )
     _check_height_map(job)
-    with _kept_warnings(job) as keep_warnings:
+    kept = CaseWriter(job.file, len(job.case.path), job.case.output.restart)
+    with kept, _kept_warnings(job, kept) as keep_warnings:
         surface = realise(job.case)
         case = job.case if job.case.solver.threads else _with_threads(job, surface, threads)
-        if not store.has_constants(job.folder):
+        if not kept.has_constants:
             constants = {
                 **roughness_values(surface.roughness, surface.sample, surface.filled),
                 **({"interaction_length": case.law.length} if case.law.attracts else {}),
                 **job.model.constants(case, surface),
             }
             keep_warnings()
-            store.save_constants(job.folder, constants)
-        start = finished(job)
+            kept.save_constants(constants)
+        start = kept.start
         if start == len(case.path):
             return
-        averages, restart = _where_it_stood(job, start)
+        averages, restart = _where_it_stood(job, kept, start)
         predictor = _predictor(job)
         began = time.perf_counter()
         for number, point in enumerate(job.model.solve_path(case, surface, restart, start, predictor), start):
             seconds = time.perf_counter() - began
-            step = _recorded(job, number, point, averages)
+            step = _recorded(job, kept, number, point, averages)
             if isinstance(point, Ensemble):  # its states are made as they are recorded
                 seconds = time.perf_counter() - began
             averages = None
             keep_warnings()
             started = {} if predictor is None else {"predictor_field": predictor.fingerprint(number)}
-            store.save_step(job.folder, number, _completed(case, number, step, seconds, started))
+            kept.save_step(number, _completed(case, number, step, seconds, started))
             report(case.label, case.point_in_words(number), dict(_summary(step)), seconds)
             began = time.perf_counter()
 
 
-def _where_it_stood(job: Job, start: int) -> tuple[Averages | None, Mapping[str, np.ndarray] | None]:
+def _where_it_stood(job: Job, kept: CaseFile, start: int) -> tuple[Averages | None, Mapping[str, np.ndarray] | None]:
     """What is counted of the point ``start`` so far, if something is, and what the model goes on from."""
-    kept = store.load_partial(job.folder, start)
-    averages = Averages.taken_up(kept, job.bins, start in job.case.kept_fields) if kept else None
+    partial = kept.partial(start)
+    averages = Averages.taken_up(partial, job.bins, start in job.case.kept_fields) if partial else None
     if averages is not None:
-        return averages, restart_of(kept)
-    return None, (store.load_state(job.folder, start - 1) or None) if start else None
+        return averages, restart_of(partial)
+    return None, (kept.state(start - 1) or None) if start else None
 
 
-def _recorded(job: Job, number: int, point: InterfaceState | Ensemble | Step, averages: Averages | None) -> Step:
+def _recorded(
+    job: Job, kept: CaseWriter, number: int, point: InterfaceState | Ensemble | Step, averages: Averages | None
+) -> Step:
     """What is kept of a point; an ensemble's states go to disk as they come."""
     fields = number in job.case.kept_fields
     if not isinstance(point, Ensemble):
@@ -120,7 +123,7 @@ def _recorded(job: Job, number: int, point: InterfaceState | Ensemble | Step, av
     for state in point.states:
         # Before the next one counts: after the last there is nothing to go on with.
         if counted and time.monotonic() - saved > _SECONDS_BETWEEN_CHECKPOINTS:
-            store.save_partial(job.folder, number, averages.kept)
+            kept.save_partial(number, averages.kept)
             saved = time.monotonic()
         averages.add(state)
         counted = True
@@ -176,18 +179,19 @@ def _with_threads(job: Job, surface: Surface, threads: int) -> Case:
 
 
 @contextmanager
-def _kept_warnings(job: Job) -> Iterator[Callable[[], None]]:
+def _kept_warnings(job: Job, file: CaseWriter) -> Iterator[Callable[[], None]]:
     """Catch warnings; the function given puts those so far on disk, to be called before what they are about."""
     prefix = f"{job.case.label}: " if job.case.label else ""
-    notes = store.load_notes(job.folder)
+    notes = file.notes
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
 
         def keep() -> None:
-            new = [note for item in caught if (note := f"{prefix}{item.message}") not in notes]
+            found = dict.fromkeys(f"{prefix}{item.message}" for item in caught)
             caught.clear()
+            new = [note for note in found if note not in notes]
             if new:
-                notes.extend(dict.fromkeys(new))
-                store.save_notes(job.folder, notes)
+                notes.extend(new)
+                file.save_notes(new)
 
         yield keep

@@ -9,7 +9,7 @@ import xarray as xr
 from contact_study.campaign import engines
 from contact_study.campaign.check import checked
 from contact_study.campaign.dataset import provenance
-from contact_study.campaign.dataset.assembly import assembled
+from contact_study.campaign.dataset.assembly import assembled, last_states
 from contact_study.campaign.dataset.formats import check_name, is_dataset
 from contact_study.campaign.files import writable_output
 from contact_study.campaign.model import Model
@@ -19,7 +19,8 @@ from contact_study.campaign.resume.folder import Parts
 from contact_study.campaign.resume.identity import Run, run_of
 from contact_study.campaign.resume.take_up import Finished, earlier_commits, finished_at, take_up
 from contact_study.campaign.runner import run_cases
-from contact_study.problem.measured_surface import taken
+from contact_study.problem.errors import InputError
+from contact_study.problem.measured_surface import taken as maps_taken
 from contact_study.problem.study import Study
 from contact_study.problem.surface_scales import scales_of
 
@@ -102,20 +103,28 @@ def conduct(
     commit = provenance.git_commit()
     try:
         unfinished = parts.open(resume=how.resume, overwrite=how.overwrite)
+        finished = finished_at(parts, resume=how.resume, overwrite=how.overwrite)  # by now it changes no more
         names = run.case_names()
         commits = earlier_commits(unfinished, finished, commit)
-        resumed = take_up(run, names, parts, unfinished, finished, commit)
-        for line in [*study.choices, *taken(study.cases, scales_of(study))]:
+        taken = take_up(run, names, parts, unfinished, finished, commit, progress)
+        for line in [*study.choices, *maps_taken(study.cases, scales_of(study))]:
             progress.say(line)
-        for note in [*said, *commits, *resumed]:
+        for note in [*said, *commits, *taken.notes]:
             progress.warn(note)
-        notes = run_cases(run, names, parts, how.workers, progress, how.engine, how.scheduler)
+        files, notes = run_cases(run, names, parts, taken.whole, how.workers, progress, how.engine, how.scheduler)
         progress.close()
-        groups, late = assembled(run, names, parts)
-        notes = [*provenance.carried_warnings(run, finished), *notes, *late]
-        earlier = [finished.attributes] if finished is not None else []
-        groups[""].attrs.update(provenance.provenance(run, earlier, [*said, *notes, *commits], command, commit))
-        parts.finish(groups)
+        parts.check_output()
+        with taken.opened() as standing:
+            sources = [standing.get(number) or files[number] for number in range(len(study.cases))]
+            groups, late = assembled(run, sources, progress)
+            notes = [*provenance.carried_warnings(run, finished, taken.earlier), *notes, *late]
+            earlier = [finished.attributes] if finished is not None else []
+            groups[""].attrs.update(provenance.provenance(run, earlier, [*said, *notes, *commits], command, commit))
+            parts.write(groups, last_states(run, sources))
+        parts.publish()
+    except InputError:
+        parts.drop_if_empty()
+        raise
     finally:
         progress.close()
         parts.close()
@@ -125,9 +134,7 @@ def conduct(
 
 
 def _already_done(run: Run, parts: Parts, finished: Finished, progress: Progress) -> Mapping[str, xr.Dataset]:
-    if parts.belong_to(run.attributes):
-        parts.remove()  # of a run killed between its dataset and its tidying up
-    elif parts.folder.exists():
+    if not parts.tidy(run.attributes):
         progress.warn(f"{parts.folder} holds steps of another run, which are left alone")
     commit, now = finished.attributes["git_commit"], provenance.git_commit()
     if commit != now:

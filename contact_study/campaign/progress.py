@@ -1,12 +1,18 @@
 """Progress on stderr: a bar on a terminal, a line per finished step elsewhere."""
 
 import sys
+import time
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Collection, Iterator
 from contextlib import suppress
-from typing import Any
+from typing import Any, TypeVar
 
 from tqdm import tqdm
+
+# Seconds without a word while the program reads and writes.
+_SILENCE = 5.0
+
+T = TypeVar("T")
 
 
 class Progress:
@@ -54,6 +60,19 @@ class Progress:
         else:
             self.say(f"[{self._done}/{self._total}] {text} ({seconds:.1f} s)")
 
+    def through(self, items: Collection[T], words: str) -> Iterator[T]:
+        """Hand items on, one after the other, and show how many where that takes its time."""
+        if sys.stderr.isatty():
+            about = f"{self._name}: {words}"
+            yield from tqdm(items, about, file=sys.stderr, dynamic_ncols=True, leave=False, delay=_SILENCE)
+            return
+        said = time.monotonic()
+        for number, item in enumerate(items):
+            if time.monotonic() - said > _SILENCE:
+                said = time.monotonic()
+                self.say(f"{words}: {number} of {len(items)}")
+            yield item
+
     def say(self, text: str) -> None:
         """A line of its own."""
         with suppress(OSError):  # whoever read along may have gone; the run matters more
@@ -78,6 +97,9 @@ class Warnings(Progress):
 
     def start(self, total: int, done: int) -> None:
         pass
+
+    def through(self, items: Collection[T], words: str) -> Iterator[T]:
+        yield from items
 
     def step(self, label: str, point: str, summary: dict[str, Any], seconds: float) -> None:
         pass

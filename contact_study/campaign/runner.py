@@ -1,13 +1,13 @@
 """One campaign: the unfinished cases of a study handed to an engine."""
 
 import os
-from collections.abc import Sequence
+from collections.abc import Container, Sequence
 from dataclasses import replace
 from functools import partial
 
 from contact_study.campaign import engines
-from contact_study.campaign import steps as store
-from contact_study.campaign.case_run import Job, finished, run_case
+from contact_study.campaign.case_file import CaseFile
+from contact_study.campaign.case_run import Job, run_case
 from contact_study.campaign.engines import CampaignError
 from contact_study.campaign.model import Model
 from contact_study.campaign.progress import Progress
@@ -19,12 +19,35 @@ def run_cases(
     run: Run,
     names: Sequence[str],
     parts: Parts,
+    whole: Container[int],
     workers: int | None,
     progress: Progress,
     engine: str | None = None,
     scheduler: str | None = None,
-) -> list[str]:
-    """Run every unfinished step of every case; returns the warnings of all, also of the steps finished before.
+) -> tuple[dict[int, CaseFile], list[str]]:
+    """Run every unfinished step of every case.
+
+    Parameters
+    ----------
+    run : Run
+        The run.
+    names : sequence of str
+        Names of its cases.
+    parts : Parts
+        Where they are kept.
+    whole : container of int
+        Numbers of cases that stand in a dataset, and are not run.
+    workers, engine, scheduler
+        See :class:`~contact_study.campaign.conduct.Conditions`.
+    progress : Progress
+        Hears of every step.
+
+    Returns
+    -------
+    files : dict
+        File of every other case, by its number.
+    notes : list of str
+        Warnings of these, also of the steps finished before.
 
     Raises
     ------
@@ -33,33 +56,39 @@ def run_cases(
     """
     # Workers of other machines may stand in another folder.
     predictor = None if run.predictor is None else run.predictor.absolute()
-    jobs = [
-        Job(
+    jobs = {
+        number: Job(
             run.model,
             replace(case, directory=case.directory.absolute()),
             run.bins,
-            parts.case_folder(name).absolute(),
+            parts.case_file(name).absolute(),
             predictor,
             run.height_maps.get(str(case.surface.map_path), ""),
         )
-        for case, name in zip(run.study.cases, names, strict=True)
-    ]
-    progress.start(sum(len(job.case.path) for job in jobs), sum(finished(job) for job in jobs))
-    unfinished = [job for job in jobs if finished(job) < len(job.case.path) or not store.has_constants(job.folder)]
+        for number, (case, name) in enumerate(zip(run.study.cases, names, strict=True))
+        if number not in whole
+    }
+    total = sum(len(case.path) for case in run.study.cases)
+    files = {number: CaseFile(job.file) for number, job in jobs.items()}
+    missing = {number: job.missing(files[number]) for number, job in jobs.items()}
+    progress.start(total, total - sum(missing.values()))
+    unfinished = [number for number in jobs if missing[number] or not files[number].has_constants]
     if engine in engines.REMOTE:  # whose cores are not known here
         workers, threads = workers or len(unfinished), 1
     else:
-        most = workers or _processes(run.model, len(jobs))
+        most = workers or _processes(run.model, len(run.study.cases))
         workers = min(most, len(unfinished))
         # Threads follow from the whole study, not from what is left of it: a resumed run repeats the arithmetic.
-        threads = max(1, available_cores() // max(1, min(most, len(jobs))))
-    engines.run([partial(run_case, job, threads) for job in unfinished], workers, progress.step, engine, scheduler)
-    for job in unfinished:
-        if finished(job) < len(job.case.path):
+        threads = max(1, available_cores() // max(1, min(most, len(run.study.cases))))
+    tasks = [partial(run_case, jobs[number], threads) for number in unfinished]
+    engines.run(tasks, workers, progress.step, engine, scheduler)
+    for number in unfinished:
+        files[number] = CaseFile(jobs[number].file)
+        if jobs[number].missing(files[number]):
             raise CampaignError(
-                f"{job.folder}: a worker has finished steps that are not here; share the folder with all"
+                f"{files[number].path}: a worker has finished steps that are not here; share the folder with all"
             )
-    return list(dict.fromkeys(note for job in jobs for note in store.load_notes(job.folder)))
+    return files, list(dict.fromkeys(note for file in files.values() for note in file.notes))
 
 
 def _processes(model: Model, cases: int) -> int:

@@ -137,7 +137,8 @@ def swept_key(dotted: str, written: Sequence[Any], cases: Sequence[Case]) -> Swe
     unit = declaration.kind.partition(" or ")[0]
     units = unit.replace("J/m^2", "J m-2") if unit in EXAMPLES else "1"
     values = tuple(dict.fromkeys(case.coordinates[name] for case in cases))
-    if len(values) < len(written) or any(same(*pair) for pair in itertools.combinations(values, 2)):
+    numbers = sorted(value for value in values if isinstance(value, int | float))
+    if len(values) < len(written) or any(same(*pair) for pair in itertools.pairwise(numbers)):
         raise InputError(f"sweep.{dotted} = {written!r}: holds a value twice")
     return SweptKey(values, units, declaration.description)
 

@@ -3,7 +3,7 @@
 import math
 import re
 from collections.abc import Sequence
-from functools import cache
+from functools import cache, lru_cache
 from typing import Any
 
 from contact_study.fields.cache import own_cache_folder
@@ -100,6 +100,7 @@ def _split(text: str) -> tuple[str, str]:
     return match["number"], match["unit"]
 
 
+@lru_cache(maxsize=10_000)  # every case of a study reads the same texts
 def _from_text(text: str, unit: str, name: str) -> float:
     import pint
 

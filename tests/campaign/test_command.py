@@ -8,15 +8,29 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from contact_study.campaign.dataset.file import chunks_of
 from contact_study.campaign.schema import COORDINATES, VARIABLES
 from tests.campaign.toy_study import assert_same, run
+
+
+@pytest.mark.parametrize(
+    ("shape", "chunks"),
+    [
+        ((1000, 60, 400, 400), (1, 1, 400, 400)),  # a state
+        ((3, 2048, 2048), (1, 128, 2048)),  # a part of one
+        ((1000, 60, 400), (10, 60, 400)),  # a distribution of a thousand cases: a hundred chunks
+        ((7,), (7,)),
+    ],
+)
+def test_chunks_are_of_a_size_to_be_read_by(shape, chunks):
+    assert chunks_of(shape) == chunks
 
 
 def test_writes_the_dataset_and_names_it(study, tmp_path, capsys):
     output = tmp_path / "sub" / "bem.nc"
     assert run(study, "-o", output, "--workers", 1) == 0
     assert capsys.readouterr().out == f"{output}\n"
-    assert sorted(path.name for path in output.parent.iterdir()) == ["bem.nc"]
+    assert sorted(path.name for path in output.parent.iterdir()) == ["bem.nc", "bem.nc.restart"]
     with xr.open_dataset(output) as dataset:
         assert dict(dataset.sizes) | {"y": 16, "x": 16} == dict(dataset.sizes)
         assert dataset.relative_contact_area.dims == ("well_depth_ratio", "seed", "step")
@@ -29,8 +43,8 @@ def test_writes_the_dataset_and_names_it(study, tmp_path, capsys):
         assert dataset.height.dims == ("seed", "y", "x")
         assert dataset.work_of_adhesion.dims == ("well_depth_ratio",)
         assert dataset.contact_modulus.dims == ()
-        assert dataset.gap.encoding["chunksizes"] == (1, 1, 1, 16, 16)  # one state
-        assert dataset.pressure_pdf.encoding["chunksizes"] == (1, 1, 1, 300)
+        assert dataset.gap.encoding["chunksizes"] == dataset.gap.shape  # small fields share a chunk
+        assert dataset.pressure_pdf.encoding["chunksizes"] == dataset.pressure_pdf.shape
         for name, variable in dataset.variables.items():
             assert variable.attrs["long_name"], name
             assert "units" in variable.attrs, name

@@ -92,7 +92,7 @@ def test_an_output_is_written_kept_and_gone_on_from(tmp_path):
     wider = changed(sweep={"surface.seed": [1, 2, 3]})
     assert run(wider, output="out.nc", resume=True).sizes["seed"] == 3
     assert run(STUDY, output="out.nc", overwrite=True).sizes["seed"] == 2
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["out.nc"]
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["out.nc", "out.nc.restart"]
 
 
 @pytest.mark.parametrize(
@@ -308,7 +308,7 @@ def test_a_height_array_is_a_surface(tmp_path):
     assert run(longer, output="own.nc", resume=True).sizes["step"] == 3
     with pytest.raises(ValueError, match=r"heights\.npy has changed"):
         run(own | {"surface": {"heights": 2 * height, "size": (4e-9, 6e-9)}}, output="own.nc", resume=True)
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["map.npy", "own.nc"]
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["map.npy", "own.nc", "own.nc.restart"]
 
 
 @pytest.mark.parametrize(

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from contact_study.campaign import records
 from tests.campaign.toy_study import run
 
 
@@ -65,10 +66,10 @@ def test_disk_that_fills_while_steps_are_written(study, tmp_path, monkeypatch, c
     def fail(*_, **__):
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
-    monkeypatch.setattr(np, "savez", fail)
+    monkeypatch.setattr(records, "append", fail)
     assert run(study, "-o", tmp_path / "bem.nc", "--workers", 1) == 1
     error = capsys.readouterr().err.splitlines()[-1]
-    assert "constants.npz: cannot be written (No space left on device)" in error
+    assert ".case: cannot be written (No space left on device)" in error
     assert not list(tmp_path.rglob("*.tmp"))
 
 

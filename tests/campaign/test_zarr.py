@@ -54,9 +54,14 @@ def test_numbers_are_those_of_the_file(run, tmp_path):
     assert run(WHOLE, "bem.zarr") == 0
     assert_same(tmp_path / "bem.zarr", tmp_path / "bem.nc")
     with xr.open_dataset(tmp_path / "bem.zarr") as dataset:
-        assert dataset.gap.encoding["chunks"][-2:] == (16, 16)
-        assert dataset.gap.encoding["chunks"][:-2] == (1, 1, 1)
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["bem.nc", "bem.zarr", "study.toml"]
+        assert dataset.gap.encoding["chunks"] == dataset.gap.shape, "small fields share a file"
+    assert sorted(path.name for path in tmp_path.iterdir()) == [
+        "bem.nc",
+        "bem.nc.restart",
+        "bem.zarr",
+        "bem.zarr.restart",
+        "study.toml",
+    ]
 
 
 def test_it_is_resumed_replaced_and_kept(run, tmp_path, capsys):
@@ -72,7 +77,8 @@ def test_it_is_resumed_replaced_and_kept(run, tmp_path, capsys):
     assert run(small, "bem.zarr", "--overwrite") == 0
     with xr.open_dataset(tmp_path / "bem.zarr") as dataset:
         assert dataset.sizes["seed"] == 2
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["bem.zarr", "study.toml", "whole.nc"]
+    names = ["bem.zarr", "bem.zarr.restart", "study.toml", "whole.nc", "whole.nc.restart"]
+    assert sorted(path.name for path in tmp_path.iterdir()) == names
 
 
 @pytest.mark.validation

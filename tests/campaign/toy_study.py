@@ -4,6 +4,7 @@ from pathlib import Path
 
 import xarray as xr
 
+from contact_study.campaign.case_file import CaseFile
 from contact_study.campaign.command import main
 from tests.campaign.toy_model import TOY
 
@@ -37,6 +38,11 @@ when = { "interaction.well_depth_ratio" = 4 }
 
 def run(*arguments):
     return main(TOY, [str(argument) for argument in arguments])
+
+
+def steps_on_disk(parts: Path) -> int:
+    """Finished steps of all cases in the folder of a run."""
+    return sum(CaseFile(path).finished(99, last_state=False) for path in parts.glob("*.case"))
 
 
 def assert_same(one: Path, two: Path):

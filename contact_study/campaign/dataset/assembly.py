@@ -1,20 +1,19 @@
 """The groups of one dataset from the values of every case."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 import xarray as xr
 
-from contact_study.campaign import steps as store
-from contact_study.campaign.dataset.file import RESTART
-from contact_study.campaign.resume.folder import Parts
+from contact_study.campaign.progress import Progress
 from contact_study.campaign.resume.identity import Run
 from contact_study.campaign.schema import (
     COORDINATES,
     FRAME,
     LABELS,
     REALISED,
+    RESOLUTION_ERROR,
     TRAJECTORY,
     group_of,
     quantity_of,
@@ -22,7 +21,7 @@ from contact_study.campaign.schema import (
 )
 from contact_study.fields.distributions import Bins, redistributed
 from contact_study.observables.contact_autocorrelation import RELATIVE_DISTANCE
-from contact_study.observables.path_results import path_results, series_of
+from contact_study.observables.path_results import PATH_RESULTS, path_results, series_of
 from contact_study.problem.case import Case
 from contact_study.problem.sweep import SweptKey
 
@@ -30,8 +29,32 @@ from contact_study.problem.sweep import SweptKey
 _Labelled = dict[str, dict[tuple[str, ...], np.ndarray]]
 
 
-def assembled(run: Run, names: Sequence[str], parts: Parts) -> tuple[dict[str, xr.Dataset], list[str]]:
-    """The groups of the dataset, and what came to light on the way."""
+class CaseSource(Protocol):
+    """Where the numbers of a finished case stand."""
+
+    @property
+    def constants(self) -> dict[str, Any]:
+        """What does not change along the path."""
+
+    def step(self, number: int) -> tuple[dict[str, Any], Bins]:
+        """Quantities and fields of one step, and the bins of its distributions."""
+
+    def state(self, number: int) -> dict[str, np.ndarray]:
+        """State after a step; empty if it was not kept. Of a finished dataset the last step's alone."""
+
+
+def assembled(run: Run, sources: Sequence[CaseSource], progress: Progress) -> tuple[dict[str, xr.Dataset], list[str]]:
+    """The groups of the dataset, and what came to light on the way.
+
+    Parameters
+    ----------
+    run : Run
+        The run.
+    sources : sequence of CaseSource
+        Its cases, in their order.
+    progress : Progress
+        Shows how far it is.
+    """
     study = run.study
     brought: list[str] = []
     longest = max(len(case.path) for case in study.cases)
@@ -40,9 +63,10 @@ def assembled(run: Run, names: Sequence[str], parts: Parts) -> tuple[dict[str, x
         "gap_bin": run.bins.gap,
         "relative_distance": RELATIVE_DISTANCE,
     }
-    groups = assemble(study.sweep, longest, _collect(run, names, parts, brought), coordinates)
-    if study.cases[0].output.restart:
-        groups[RESTART] = restart_group(_last_states(run, names, parts))
+    cases = progress.through(list(zip(study.cases, sources, strict=True)), "cases brought into the dataset")
+    groups = assemble(
+        study.sweep, longest, (_read(case, source, run.bins, brought) for case, source in cases), coordinates
+    )
     if not brought:
         return groups, []
     return groups, [
@@ -51,36 +75,39 @@ def assembled(run: Run, names: Sequence[str], parts: Parts) -> tuple[dict[str, x
     ]
 
 
-def _collect(
-    run: Run, names: Sequence[str], parts: Parts, brought: list[str]
-) -> Iterator[tuple[tuple[int, ...], dict[str, Any], list[dict[str, Any]]]]:
-    """Position, constants and steps of every case of a finished campaign, their distributions on the study's bins.
+def last_states(run: Run, sources: Sequence[CaseSource]) -> Iterator[dict[str, np.ndarray]] | None:
+    """State after the last step of every case, empty where it is not there; None if the study keeps none."""
+    if not run.study.cases[0].output.restart:
+        return None
+    return (source.state(len(case.path) - 1) for case, source in zip(run.study.cases, sources, strict=True))
+
+
+def _read(
+    case: Case, source: CaseSource, bins: Bins, brought: list[str]
+) -> tuple[tuple[int, ...], dict[str, Any], list[dict[str, Any]]]:
+    """Position, constants and steps of a finished case, their distributions on the study's bins.
 
     Labels of steps whose distributions were on others are appended to ``brought``.
     """
-    for case, name in zip(run.study.cases, names, strict=True):
-        folder = parts.case_folder(name)
-        steps = []
-        for number in range(len(case.path)):
-            values, bins = store.load_step(folder, number)
-            if not bins.equal(run.bins):
-                brought.append(f"{case.label}, point {number + 1}")
-                values = _on_bins(values, bins, run.bins)
-            steps.append(values)
-        yield case.index, {**store.load_constants(folder), **_results_of_path(case, steps)}, steps
+    steps = []
+    for number in range(len(case.path)):
+        values, own = source.step(number)
+        if own is not bins and not own.equal(bins):
+            brought.append(f"{case.label}, point {number + 1}")
+            values = _on_bins(values, own, bins)
+        steps.append(values)
+    constants = source.constants
+    if "mean_separation" in steps[0]:  # a simulation's; theories say themselves what the path tells of adhesion
+        control = case.loading.control
+        # A path that was lengthened may tell no more what it told before.
+        constants = {name: value for name, value in constants.items() if _quantity(name) not in PATH_RESULTS}
+        constants |= path_results(series_of(steps, control), control)
+    return case.index, constants, steps
 
 
-def _results_of_path(case: Case, steps: Sequence[Mapping[str, Any]]) -> dict[str, float]:
-    """What the path of a simulation tells of adhesion; theories say what they know themselves."""
-    control = case.loading.control
-    simulated = "mean_separation" in steps[0]
-    return path_results(series_of(steps, control), control) if simulated else {}
-
-
-def _last_states(run: Run, names: Sequence[str], parts: Parts) -> Iterator[dict[str, np.ndarray]]:
-    """State after the last step of every case of a finished campaign; empty where it is not there."""
-    for case, name in zip(run.study.cases, names, strict=True):
-        yield store.load_state(parts.case_folder(name), len(case.path) - 1)
+def _quantity(name: str) -> str:
+    """What a quantity's name is of, if it is that of an error."""
+    return name.removesuffix(RESOLUTION_ERROR)
 
 
 def _on_bins(values: dict[str, Any], old: Bins, new: Bins) -> dict[str, Any]:
@@ -139,17 +166,6 @@ def assemble(
         group: _dataset({**on_step, **content}, sweep, known, steps, (FRAME,) if group == TRAJECTORY else ())
         for group, content in groups.items()
     }
-
-
-def restart_group(states: Iterable[Mapping[str, np.ndarray]]) -> xr.Dataset:
-    """The states after the last step of each case, in the order of the cases; empty where one was not kept."""
-    content = {}
-    for number, arrays in enumerate(states):
-        for name, array in arrays.items():
-            key = f"case_{number}_{name}"
-            attrs = {"long_name": f"{name} after the last point of case {number}, to continue its path from"}
-            content[key] = xr.Variable([f"{key}_{axis}" for axis in range(array.ndim)], array, attrs)
-    return xr.Dataset(content)
 
 
 def _place(

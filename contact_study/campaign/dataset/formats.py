@@ -1,6 +1,8 @@
 """Formats of a dataset, told by the end of its name: ``.nc`` is a file of NetCDF, ``.zarr`` a folder of Zarr."""
 
 import importlib.util
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 from contact_study.problem.errors import InputError
@@ -57,11 +59,58 @@ def check_format(path: Path) -> None:
 
 
 def put(dataset: Path, path: Path) -> None:
-    """Rename a dataset to its place, over an earlier one; of Zarr that goes beside where the dataset was."""
+    """Rename a dataset to its place, over an earlier one; of Zarr that goes beside where the dataset was.
+
+    Raises
+    ------
+    OSError
+        If a folder stands there that is no dataset.
+    """
     if not path.is_dir():
         dataset.replace(path)
         return
-    # No rename replaces a folder. A kill in between leaves all parts of the run, from which --resume goes on.
-    earlier = dataset.with_name(f"earlier-{path.name}")
-    path.rename(earlier)
+    if not is_zarr(path) or not is_store(path):
+        raise IsADirectoryError(f"{path}: is a folder, and no dataset that may be replaced")
+    # No rename replaces a folder: a kill in between leaves the earlier one, which is put back.
+    path.rename(_earlier(dataset, path))
     dataset.rename(path)
+
+
+def put_back(dataset: Path, path: Path) -> None:
+    """Undo half of a :func:`put` that was killed."""
+    if not path.exists() and is_store(_earlier(dataset, path)):
+        _earlier(dataset, path).rename(path)
+
+
+def _earlier(dataset: Path, path: Path) -> Path:
+    return dataset.with_name(f"earlier-{path.name}")
+
+
+def mark_of(path: Path) -> tuple[int, ...] | None:
+    """What tells a dataset from every other one that stands at its place later; None where nothing stands."""
+    files = [path / name for name in (".zmetadata", *_STORE)] if is_zarr(path) else []
+    for file in (*files, path):
+        try:
+            found = file.stat()
+        except OSError:
+            continue
+        return found.st_dev, found.st_ino, found.st_size, found.st_mtime_ns
+    return None
+
+
+@contextmanager
+def readable(path: Path) -> Iterator[None]:
+    """Make one line of whatever libraries raise over a dataset that is damaged, or none.
+
+    Raises
+    ------
+    InputError
+        If it cannot be read.
+    """
+    try:
+        yield
+    except (InputError, MemoryError):
+        raise
+    except Exception as error:  # of a dozen types: a flipped bit may be anywhere
+        reason = f"{type(error).__name__}: {error}".splitlines()[0]
+        raise InputError(f"{path}: cannot be read as a dataset, perhaps damaged or cut short ({reason})") from None

@@ -13,7 +13,8 @@ import xarray as xr
 
 import contact_study
 from contact_study.campaign.check import checked
-from contact_study.campaign.resume.identity import Run
+from contact_study.campaign.dataset.formats import engine_of, readable
+from contact_study.campaign.resume.identity import Cases, Run
 from contact_study.campaign.resume.take_up import Finished
 from contact_study.campaign.schema import CONVENTIONS, LABELS
 from contact_study.problem.errors import InputError
@@ -23,13 +24,20 @@ from contact_study.problem.study import make_study
 _PLACE = "contact_study/campaign/dataset/"
 
 
-def carried_warnings(run: Run, finished: Finished | None) -> list[str]:
-    """Warnings of an earlier dataset that hold on: those of its steps, not those that were said of its whole study."""
+def carried_warnings(run: Run, finished: Finished | None, earlier: Cases | None = None) -> list[str]:
+    """Warnings of an earlier dataset that hold on: those of its steps, not those that were said of its whole study.
+
+    ``earlier`` are its cases, if they are known already.
+    """
     if finished is None:
         return []
     lines = str(finished.attributes.get("warnings", "")).splitlines()
     try:
-        study = make_study(tomllib.loads(finished.attributes["study_toml"]), run.study.directory)
+        study = (
+            earlier.study
+            if earlier
+            else make_study(tomllib.loads(finished.attributes["study_toml"]), run.study.directory)
+        )
         _, said = checked(run.model, study)
     except InputError:  # a height map has moved since
         said = []
@@ -57,7 +65,10 @@ def provenance(
 
 def read_flags(finished: Finished) -> dict[str, xr.Dataset]:
     """Which steps converged, in each group of a finished dataset."""
-    with xr.open_datatree(finished.path, decode_timedelta=False) as tree:
+    with (
+        readable(finished.path),
+        xr.open_datatree(finished.path, engine=engine_of(finished.path), decode_timedelta=False) as tree,
+    ):
         nodes = {node.path.strip("/"): node for node in tree.subtree if "converged" in node.data_vars}
         return {group: node.to_dataset()[["converged"]].load() for group, node in nodes.items()}
 

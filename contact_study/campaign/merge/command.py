@@ -10,6 +10,7 @@ from contact_study.campaign.command import DONE, NOT_CONVERGED, Parser, complete
 from contact_study.campaign.dataset.provenance import unconverged
 from contact_study.campaign.files import named_file
 from contact_study.campaign.merge.joining import merge
+from contact_study.campaign.progress import Progress
 
 COMMAND = "contact-merge"
 
@@ -29,7 +30,7 @@ def _main(arguments: Sequence[str]) -> int:
     given = parser.parse_args(arguments)
     output = named_file(given.output)
     words = f"{COMMAND} {shlex.join(arguments)}"
-    groups, notes = merge(given.datasets, output, words, given.along, given.overwrite)
+    groups, notes = merge(given.datasets, output, words, Progress(COMMAND), given.along, given.overwrite)
     for note in notes:
         print(f"{COMMAND}: warning: {note}", file=sys.stderr)
     print(output)

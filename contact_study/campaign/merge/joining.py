@@ -1,7 +1,7 @@
 """Datasets of one study into one file: what the run of the whole study would have written.
 
-The cases are taken apart into the folder of a run, as ``--resume`` does with a finished dataset, and assembled from
-there. The joined file is bit for bit that of one run, but for the times that steps took and what says where it is from.
+The cases are read where they stand, as ``--resume`` does with a finished dataset. The joined file is bit for bit that
+of one run, but for the times that steps took and what says where it is from.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -13,16 +13,17 @@ import numpy as np
 import xarray as xr
 
 from contact_study.campaign.check import checked
-from contact_study.campaign.dataset.assembly import assembled
+from contact_study.campaign.dataset.assembly import assembled, last_states
 from contact_study.campaign.dataset.file import Earlier
 from contact_study.campaign.dataset.formats import check_name
 from contact_study.campaign.dataset.provenance import carried_warnings, provenance
 from contact_study.campaign.files import writable_output
 from contact_study.campaign.merge.joined_study import joined_study, place_of
 from contact_study.campaign.merge.sources import Source, read_sources
+from contact_study.campaign.progress import Progress
 from contact_study.campaign.resume.folder import Parts
-from contact_study.campaign.resume.identity import Match, Run
-from contact_study.campaign.resume.take_up import Finished, recorded_bins, unpack
+from contact_study.campaign.resume.identity import Run
+from contact_study.campaign.resume.take_up import COARSER, Finished, InPlace, recorded_bins
 from contact_study.fields.distributions import Bins
 from contact_study.problem.bins import bins_of
 from contact_study.problem.errors import InputError
@@ -34,7 +35,12 @@ _BINNED = ("pressure_pdf", "gap_pdf")
 
 
 def merge(
-    paths: Sequence[Path], output: Path, command: str, along: Sequence[str] = (), overwrite: bool = False
+    paths: Sequence[Path],
+    output: Path,
+    command: str,
+    progress: Progress,
+    along: Sequence[str] = (),
+    overwrite: bool = False,
 ) -> tuple[Mapping[str, xr.Dataset], list[str]]:
     """Join datasets of one study.
 
@@ -46,6 +52,8 @@ def merge(
         Dataset to write.
     command : str
         What was asked, for the dataset's history.
+    progress : Progress
+        Shows how far it is.
     along : sequence of str
         Keys, ``"section.key"``, over which datasets are joined that do not sweep them.
     overwrite : bool
@@ -79,21 +87,32 @@ def merge(
             _check_agreement([(sources[i], datasets[i], at) for i, at in held], study.cases[number].label)
         maps = {name: content for source in sources for name, content in source.height_maps.items()}
         run = Run(sources[0].model, study, maps, _bins(study, datasets))
+        cases = list(_standing(sources, datasets, [held[0] for held in holders.values()], run.bins))
         writable_output(output)
         opened.callback(parts.close)
         parts.open(resume=False, overwrite=overwrite)
+        if output.exists() and not overwrite:  # by now
+            raise InputError(f"{output} exists; use --overwrite to replace it")
         opened.callback(parts.remove)
-        names = run.case_names()
-        for number, [(which, at), *_] in holders.items():
-            case, folder = study.cases[number], parts.case_folder(names[number])
-            before, whole = sources[which].study.cases[at], Match(at, len(case.path))
-            why = unpack(datasets[which], before, whole, case, run.bins, folder)
-            if why:
-                raise InputError(f"{paths[which]}: {why}; run all parts with one output.pressure_range and gap_range")
-        groups, notes = assembled(run, names, parts)
+        parts.claim(run.attributes)
+        groups, notes = assembled(run, cases, progress)
         groups[""].attrs.update(_attributes(run, sources, notes, command))
-        parts.finish(groups)
+        parts.write(groups, last_states(run, cases))
+        parts.publish()
     return groups, [*notes, *_idle(sources, holders)]
+
+
+def _standing(
+    sources: Sequence[Source], datasets: Sequence[Earlier], taken: Sequence[tuple[int, int]], own: Bins
+) -> Iterator[InPlace]:
+    """Cases by dataset and number, with distributions that can be brought onto the bins of the joined dataset."""
+    bins = [recorded_bins(dataset, own) for dataset in datasets]
+    for which, number in taken:
+        if not bins[which].hold(own):
+            raise InputError(
+                f"{sources[which].path}: {COARSER}; run all parts with one output.pressure_range and gap_range"
+            )
+        yield InPlace(datasets[which], sources[which].study.cases[number], number, bins[which])
 
 
 def _bins(study: Study, datasets: Sequence[Earlier]) -> Bins:

@@ -10,6 +10,7 @@ import hashlib
 import json
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -64,14 +65,19 @@ class Cases:
             values["surface.path"] = f"a file of SHA-256 {self.height_maps[str(case.surface.map_path)]}"
         return values
 
+    @cached_property
+    def texts(self) -> list[str]:
+        """What decides the numbers of each case, as a text that is equal where they are."""
+        return [json.dumps(self.deciding(case), sort_keys=True) for case in self.study.cases]
+
     def case_names(self) -> list[str]:
         """A name for each case that follows from what decides its numbers and from its place in the sweep."""
         names = []
-        for case in self.study.cases:
+        for case, text in zip(self.study.cases, self.texts, strict=True):
             # Two points of a sweep may differ in nothing that decides a number, such as the threads.
             apart = {name: rounded(value) for name, value in case.coordinates.items()}
-            text = json.dumps([self.deciding(case), apart], sort_keys=True)
-            names.append(hashlib.sha256(text.encode()).hexdigest()[:16])
+            whole = f"[{text}, {json.dumps(apart, sort_keys=True)}]"
+            names.append(hashlib.sha256(whole.encode()).hexdigest()[:16])
         return names
 
 
@@ -160,18 +166,19 @@ def match(attributes: Mapping[str, Any], run: Run) -> tuple[Cases, dict[int, Mat
     """
     _check_program(attributes, run)
     earlier = _earlier(attributes, run)
-    free = set(range(len(run.study.cases)))
+    free: dict[str, list[int]] = {}
+    for number, text in enumerate(run.texts):
+        free.setdefault(text, []).append(number)
     matches: dict[int, Match] = {}
-    new_values = [run.deciding(case) for case in run.study.cases]
     for number, case in enumerate(earlier.study.cases):
-        values = earlier.deciding(case)
-        alike = [other for other in sorted(free) if new_values[other] == values]
+        alike = free.get(earlier.texts[number])
         if not alike:
-            raise InputError(_differences(values, new_values, case, run.study))
+            others = [run.deciding(other) for other in run.study.cases]
+            raise InputError(_differences(earlier.deciding(case), others, case, run.study))
         # Of cases that differ in nothing but how far they go (unload swept) the same one comes first.
         chosen = min(alike, key=lambda other: run.study.cases[other].loading.unload != case.loading.unload)
         matches[chosen] = _match(number, case, run.study.cases[chosen], run)
-        free.remove(chosen)
+        alike.remove(chosen)
     return earlier, matches
 
 

@@ -1,23 +1,24 @@
 """Going on from an earlier run: a dataset that is finished, the steps of one that is not, or both.
 
-All that may refuse comes first; only then is anything moved. Steps that stand are brought into the folder of this
-run's parts, from where the campaign goes on as if it had just been interrupted. A kill on the way leaves what a later
-resume sorts out: cases move by one rename each, and the dataset stays until its successor is complete.
+All that may refuse comes first; only then is anything moved. Cases that stand whole in a dataset are read there when
+the next one is assembled. Those of which a part stands are brought into the folder of this run's parts, from where the
+campaign goes on as if it had just been interrupted. A kill on the way leaves what a later resume sorts out: cases move
+by one rename each, and the dataset stays until its successor is complete.
 """
 
-import shutil
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-import xarray as xr
 
-from contact_study.campaign import steps as store
-from contact_study.campaign.dataset.file import Earlier
+from contact_study.campaign.case_file import CaseFile, write_case
+from contact_study.campaign.dataset.file import Earlier, attributes_of
+from contact_study.campaign.dataset.states import states_file
 from contact_study.campaign.predictor import GapFields
-from contact_study.campaign.record import Step
+from contact_study.campaign.progress import Progress
 from contact_study.campaign.resume.folder import Parts
 from contact_study.campaign.resume.identity import Cases, Match, Run, match
 from contact_study.fields.distributions import Bins
@@ -27,6 +28,9 @@ from contact_study.problem.sweep import SweptKey
 
 # Fingerprint of the field that a step started from.
 STARTED = "predictor_field"
+
+# Why a case of a dataset is computed again, where only its bins are in the way.
+COARSER = "the bins of its distributions were coarser than those asked for now"
 
 
 @dataclass(frozen=True)
@@ -62,7 +66,7 @@ def finished_at(parts: Parts, *, resume: bool, overwrite: bool) -> Finished | No
         return None
     if not resume:
         raise InputError(f"{output} exists; use --overwrite to replace it or --resume to continue its run")
-    attributes = _attributes_at(output)
+    attributes = attributes_of(output)
     if parts.replaces() == _history(attributes):
         return None
     if attributes is None:
@@ -70,18 +74,79 @@ def finished_at(parts: Parts, *, resume: bool, overwrite: bool) -> Finished | No
     return Finished(output, attributes)
 
 
-def _attributes_at(output: Path) -> dict[str, Any] | None:
-    """Global attributes of the dataset at an output; None of what is no dataset."""
-    try:
-        with xr.open_dataset(output) as dataset:
-            return dict(dataset.attrs)
-    except (OSError, ValueError):
-        return None
-
-
 def _history(attributes: Mapping[str, Any] | None) -> str:
     """What was asked for a dataset, and when; empty of what is none."""
     return str((attributes or {}).get("history", ""))
+
+
+class InPlace:
+    """A case that stands whole in a dataset, where it is read.
+
+    Parameters
+    ----------
+    dataset : Earlier
+        The dataset.
+    case : Case
+        The case there.
+    number : int
+        Its number there.
+    bins : Bins
+        Those of the dataset.
+    """
+
+    def __init__(self, dataset: Earlier, case: Case, number: int, bins: Bins):
+        self._dataset, self._index, self._number, self._bins = dataset, case.index, number, bins
+
+    @property
+    def constants(self) -> dict[str, Any]:
+        """What does not change along the path."""
+        return self._dataset.constants(self._index)
+
+    def step(self, number: int) -> tuple[dict[str, Any], Bins]:
+        """Quantities and fields of one step, and the bins of its distributions."""
+        return self._dataset.step(self._index, number), self._bins
+
+    def state(self, number: int) -> dict[str, np.ndarray]:
+        """State after the last step; empty if it was not kept."""
+        return self._dataset.state(self._number)
+
+
+@dataclass(frozen=True)
+class Taken:
+    """What stands of earlier runs.
+
+    Attributes
+    ----------
+    notes : list of str
+        What is to be known of it.
+    path : pathlib.Path or None
+        A finished dataset.
+    earlier : Cases or None
+        Its cases.
+    whole : dict
+        Those of this run that stand whole in it, by their number.
+    bins : Bins or None
+        Those of its distributions.
+    """
+
+    notes: list[str]
+    path: Path | None = None
+    earlier: Cases | None = None
+    whole: Mapping[int, Match] = field(default_factory=dict)
+    bins: Bins | None = None
+
+    @contextmanager
+    def opened(self) -> Iterator[dict[int, InPlace]]:
+        """The cases that stand whole in the finished dataset, to be read."""
+        if self.path is None or self.earlier is None or self.bins is None or not self.whole:
+            yield {}
+            return
+        cases, bins = self.earlier.study.cases, self.bins
+        with Earlier(self.path, self.earlier.study.sweep) as dataset:
+            yield {
+                number: InPlace(dataset, cases[found.earlier], found.earlier, bins)
+                for number, found in self.whole.items()
+            }
 
 
 def take_up(
@@ -91,8 +156,9 @@ def take_up(
     unfinished: Mapping[str, Any] | None,
     finished: Finished | None,
     git_commit: str,
-) -> list[str]:
-    """Bring the steps of earlier runs that stand in this one into its parts.
+    progress: Progress,
+) -> Taken:
+    """Find what of earlier runs stands in this one, and bring what is no whole case of a dataset into its parts.
 
     Parameters
     ----------
@@ -108,11 +174,8 @@ def take_up(
         A dataset of an earlier run.
     git_commit : str
         Commit of the program now.
-
-    Returns
-    -------
-    list of str
-        What is to be known of the earlier steps.
+    progress : Progress
+        Shows how far it is.
 
     Raises
     ------
@@ -123,34 +186,42 @@ def take_up(
     taken, kept = _Matched(), _Matched()
     if finished is not None:
         taken = _Matched.of(finished.attributes, run, f"{finished.path} exists and belongs to another study or model")
-        with Earlier(finished.path, taken.sweep) as dataset:
-            _check_starts(run, taken, lambda found, step: dataset.text(STARTED, taken.case(found).index, step))
+        if run.predictor is not None:
+            with Earlier(finished.path, taken.sweep) as dataset:
+                _check_starts(run, taken, lambda found, step: dataset.text(STARTED, taken.case(found).index, step))
     if unfinished is not None:
         kept = _Matched.of(unfinished, run, f"{parts.folder} holds the steps of another study or version")
-        folders = [parts.case_folder(name) for name in kept.names]
-        _check_starts(run, kept, lambda found, step: _text(folders[found.earlier], STARTED, step))
+        files = [CaseFile(parts.case_file(name)) for name in kept.names]
+        for file in progress.through(files, "steps of the earlier run checked, of cases"):
+            file.check()
+        _check_starts(run, kept, lambda found, step: files[found.earlier].step_text(step, STARTED))
         # Nothing refuses from here on.
         for number, found in kept.matches.items():
-            folder, target = folders[found.earlier], parts.case_folder(names[number])
-            if folder != target and folder.exists():
-                folder.rename(target)
-            usable = _on_usable_bins(target, run.bins)
-            store.drop_steps(target, min(found.steps, usable))
-            if found.anew and not store.step_numbers(target):
+            file, target = files[found.earlier], parts.case_file(names[number])
+            usable = file.usable_steps(run.bins)
+            file.keep(min(found.steps, usable), partial=usable < found.steps and not file.has_step(usable))
+            if file.path != target and file.path.exists():
+                file.path.rename(target)
+            if found.anew and not file.has_steps:
                 notes.append(_anew(run, number, found.anew))
-    replaced = _history(_attributes_at(parts.output)) if finished is None and parts.output.exists() else None
+        damaged = sum(file.damaged for file in files)
+        if damaged:
+            notes.append(f"{damaged} damaged files of the earlier run; what they lost is computed again")
+    replaced = _history(attributes_of(parts.output)) if finished is None and parts.output.exists() else None
     parts.claim({**run.attributes, "git_commit": git_commit}, replaced)
-    damaged = parts.drop_damaged()
-    if damaged:
-        notes.append(f"{damaged} damaged files of the earlier run are dropped and computed again")
-    if finished is not None:
-        with Earlier(finished.path, taken.sweep) as dataset:
-            for number, found in taken.matches.items():
-                folder = parts.case_folder(names[number])
-                if not folder.exists():
-                    why = unpack(dataset, taken.case(found), found, run.study.cases[number], run.bins, folder)
-                    notes += [_anew(run, number, why)] if why else []
-    return list(dict.fromkeys(notes))
+    if finished is None:
+        return Taken(notes)
+    whole: dict[int, Match] = {}
+    with Earlier(finished.path, taken.sweep) as dataset:
+        bins = recorded_bins(dataset, run.bins)
+        for number, found in progress.through(taken.matches.items(), "cases of the dataset taken up"):
+            case, file = run.study.cases[number], CaseFile(parts.case_file(names[number]))
+            if found.steps == len(case.path) and bins.hold(run.bins):
+                whole[number] = found
+            elif not file.path.exists() or file.finished(len(case.path), last_state=False) < found.steps:
+                why = _unpack(dataset, taken.case(found), found, case, bins, run.bins, file.path)
+                notes += [_anew(run, number, why)] if why else []
+    return Taken(list(dict.fromkeys(notes)), finished.path, taken.earlier, whole, bins)
 
 
 @dataclass(frozen=True)
@@ -211,31 +282,8 @@ def _check_starts(run: Run, earlier: _Matched, started: Callable[[Match, int], s
                 )
 
 
-def _text(folder: Path, name: str, number: int) -> str | None:
-    try:
-        return store.step_text(folder, number, name)
-    except (OSError, ValueError, KeyError):  # not finished, or damaged: dropped later
-        return None
-
-
-def _on_usable_bins(folder: Path, bins: Bins) -> int:
-    """Number of the first step whose distributions cannot be brought onto the bins.
-
-    If all can, that of the first after the one that may be unfinished.
-    """
-    numbers = store.step_numbers(folder)
-    for number in numbers:
-        try:
-            usable = store.step_bins(folder, number).hold(bins)
-        except (OSError, ValueError, KeyError):
-            continue  # damaged: dropped later
-        if not usable:
-            return number
-    return numbers[-1] + 2 if numbers else 1
-
-
-def unpack(dataset: Earlier, before: Case, found: Match, case: Case, own: Bins, folder: Path) -> str:
-    """Put what stands of a case of a finished dataset into the folder of a run's case.
+def _unpack(dataset: Earlier, before: Case, found: Match, case: Case, bins: Bins, own: Bins, path: Path) -> str:
+    """Put what stands of a case of a finished dataset into the file of a run's case, which appears by rename.
 
     Parameters
     ----------
@@ -245,10 +293,10 @@ def unpack(dataset: Earlier, before: Case, found: Match, case: Case, own: Bins, 
         The case there and here.
     found : Match
         Where it stands there, and how much of it stands here.
-    own : Bins
-        Those of the run.
-    folder : pathlib.Path
-        Folder of the case; it appears by rename.
+    bins, own : Bins
+        Those of the dataset and of the run.
+    path : pathlib.Path
+        The file.
 
     Returns
     -------
@@ -257,20 +305,14 @@ def unpack(dataset: Earlier, before: Case, found: Match, case: Case, own: Bins, 
     """
     if found.steps == 0:
         return found.anew
-    bins = recorded_bins(dataset, own)
     if not bins.hold(own):
-        return "the bins of its distributions were coarser than those asked for now"
+        return COARSER
     state = dataset.state(found.earlier) if found.steps == len(before.path) else {}
-    if found.steps < len(case.path) and not state:
-        return found.anew or "the state after its last point was not kept (output.restart = false)"
-    partial = folder.with_name("taken")
-    shutil.rmtree(partial, ignore_errors=True)
-    store.save_constants(partial, dataset.constants(before.index))
-    for number in range(found.steps):
-        store.save_values(partial, number, Step(dataset.step(before.index, number), bins=bins))
-    if state:
-        store.save_state(partial, found.steps - 1, state)
-    partial.rename(folder)
+    if not state:
+        no_file = f"no {states_file(dataset.path).name} of this dataset"
+        return found.anew or f"the state after its last point was not kept (output.restart = false, or {no_file})"
+    steps = [dataset.step(before.index, number) for number in range(found.steps)]
+    write_case(path, dataset.constants(before.index), steps, bins, state)
     return ""
 
 

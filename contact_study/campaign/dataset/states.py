@@ -1,0 +1,72 @@
+"""The file beside a dataset, ``bem.nc.restart``: states after the last points, from which paths can be lengthened.
+
+No quantity stands in it, and nobody but ``--resume`` and ``contact-merge`` reads it: it may be deleted, or left behind
+when the dataset moves. What dataset it belongs to it says by the dataset's history.
+"""
+
+import itertools
+from collections.abc import Iterable, Mapping
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from contact_study.campaign import records
+from contact_study.campaign.files import write_aside
+from contact_study.campaign.records import Record
+
+_OWNER, _STATE = b"ownr", b"stat"
+
+
+def states_file(dataset: Path) -> Path:
+    """The file beside a dataset."""
+    return dataset.with_name(dataset.name + ".restart")
+
+
+def write_states(path: Path, history: str, states: Iterable[Mapping[str, Any]]) -> None:
+    """Write the states of the cases of a dataset, in their order; no file where all are empty, as those of theories."""
+    kept = ((number, state) for number, state in enumerate(states) if state)
+    first = next(kept, None)
+    if first is None:
+        return
+
+    def write(partial: Path) -> None:
+        with partial.open("wb") as stream:
+            records.append(stream, _OWNER, 0, {}, history)
+            for number, state in itertools.chain([first], kept):
+                records.append(stream, _STATE, number, state)
+
+    write_aside(path, write)
+
+
+class States:
+    """States of the cases of a dataset.
+
+    Parameters
+    ----------
+    path : pathlib.Path
+        The file; there need be none.
+
+    Attributes
+    ----------
+    history : str or None
+        That of the dataset which they belong to; None if there is no such file.
+    """
+
+    def __init__(self, path: Path):
+        self._path = path
+        self._records: dict[int, Record] = {}
+        self.history: str | None = None
+        with suppress(OSError, ValueError), path.open("rb") as stream:
+            for record in records.records_in(stream):
+                if record.kind == _OWNER:
+                    self.history = records.read(stream, record)[1]
+                else:
+                    self._records[record.number] = record
+
+    def state(self, number: int) -> dict[str, np.ndarray]:
+        """State after the last step of the case of that number; empty if it was not kept, or is damaged."""
+        with suppress(KeyError, OSError, ValueError), self._path.open("rb") as stream:
+            return records.read(stream, self._records[number])[0]
+        return {}

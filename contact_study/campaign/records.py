@@ -1,0 +1,162 @@
+"""Files of records: numbers and arrays under a checksum, one record appended after the other.
+
+A kill or a full disk tears at most the record that is being written, the last one; readers leave it out.
+"""
+
+import json
+import struct
+import zlib
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from typing import Any, BinaryIO
+
+import numpy as np
+
+_MARK = b"rec1"
+_HEAD = struct.Struct("<4s4sIIQ")  # mark, kind, number, checksum, bytes that follow
+_LENGTH = struct.Struct("<Q")  # of the text before the arrays
+_PIECE = 2**20  # bytes that are read at once
+
+
+@dataclass(frozen=True)
+class Record:
+    """Where a record stands in its file.
+
+    Attributes
+    ----------
+    kind : bytes
+        Four letters that say what it holds.
+    number : int
+        Tells those of one kind apart.
+    start, end : int
+        Its first byte, and the one after its last.
+    checksum : int
+        CRC-32 of all of it but the checksum.
+    """
+
+    kind: bytes
+    number: int
+    start: int
+    end: int
+    checksum: int
+
+    @property
+    def size(self) -> int:
+        """Bytes, the head among them."""
+        return self.end - self.start
+
+
+def records_in(stream: BinaryIO) -> Iterator[Record]:
+    """The whole records of a file from where the stream stands; contents are not looked at.
+
+    Raises
+    ------
+    ValueError
+        Where something else stands than a record.
+    """
+    start = stream.tell()
+    size = stream.seek(0, 2)
+    while start + _HEAD.size <= size:
+        stream.seek(start)
+        mark, kind, number, checksum, length = _HEAD.unpack(stream.read(_HEAD.size))
+        if mark != _MARK:
+            raise ValueError(f"no record at byte {start}")
+        end = start + _HEAD.size + length
+        if end > size:  # torn
+            return
+        yield Record(kind, number, start, end, checksum)
+        start = end
+
+
+def append(stream: BinaryIO, kind: bytes, number: int, values: Mapping[str, Any], extra: Any = None) -> Record:
+    """Write a record at the end of a file.
+
+    Parameters
+    ----------
+    stream : binary file
+        The file, at its end.
+    kind, number
+        As of :class:`Record`.
+    values : mapping
+        Numbers, texts and arrays by name.
+    extra : optional
+        Of JSON, kept apart from the values.
+    """
+    scalars: dict[str, Any] = {}
+    arrays: dict[str, np.ndarray] = {}
+    for name, value in values.items():
+        array = np.asarray(value)
+        if array.ndim:
+            arrays[name] = np.ascontiguousarray(array)
+        else:
+            scalars[name] = array.item()
+    shapes = [(name, array.dtype.str, array.shape) for name, array in arrays.items()]
+    # Python's JSON writes the shortest digits that give the same double again, and names NaN and infinities.
+    text = json.dumps([scalars, extra, shapes]).encode()
+    pieces: list[bytes | memoryview] = [_LENGTH.pack(len(text)), text, *(_bytes_of(array) for array in arrays.values())]
+    length = sum(len(piece) for piece in pieces)
+    checksum = _checksum_of_head(kind, number, length)
+    for piece in pieces:
+        checksum = zlib.crc32(piece, checksum)
+    start = stream.tell()
+    stream.write(_HEAD.pack(_MARK, kind, number, checksum, length))
+    for piece in pieces:
+        stream.write(piece)
+    return Record(kind, number, start, start + _HEAD.size + length, checksum)
+
+
+def read(stream: BinaryIO, record: Record) -> tuple[dict[str, Any], Any]:
+    """Values and extra of a record.
+
+    Raises
+    ------
+    ValueError
+        If it is not what was written.
+    """
+    if not is_whole(stream, record):
+        raise ValueError("is not what was written")
+    scalars, extra, shapes = _text(stream, record)
+    arrays = {name: np.empty(shape, kind) for name, kind, shape in shapes}
+    for array in arrays.values():
+        stream.readinto(_bytes_of(array))  # type: ignore[attr-defined]
+    return {**scalars, **arrays}, extra
+
+
+def read_text(stream: BinaryIO, record: Record) -> tuple[dict[str, Any], Any]:
+    """Values of a record but its arrays, and extra, of one that is known to be what was written."""
+    scalars, extra, _ = _text(stream, record)
+    return scalars, extra
+
+
+def is_whole(stream: BinaryIO, record: Record) -> bool:
+    """Whether a record is what was written."""
+    stream.seek(record.start + _HEAD.size)
+    left = record.size - _HEAD.size
+    checksum = _checksum_of_head(record.kind, record.number, left)
+    while left and (piece := stream.read(min(left, _PIECE))):
+        checksum = zlib.crc32(piece, checksum)
+        left -= len(piece)
+    return not left and checksum == record.checksum
+
+
+def copy(stream: BinaryIO, record: Record, target: BinaryIO) -> Record:
+    """Append a whole record of one file to another."""
+    start = target.tell()
+    stream.seek(record.start)
+    for first in range(0, record.size, _PIECE):
+        target.write(stream.read(min(_PIECE, record.size - first)))
+    return replace(record, start=start, end=target.tell())
+
+
+def _text(stream: BinaryIO, record: Record) -> Any:
+    """What stands before a record's arrays, where the stream stands then."""
+    stream.seek(record.start + _HEAD.size)
+    return json.loads(stream.read(*_LENGTH.unpack(stream.read(_LENGTH.size))))
+
+
+def _checksum_of_head(kind: bytes, number: int, length: int) -> int:
+    return zlib.crc32(_HEAD.pack(_MARK, kind, number, 0, length))
+
+
+def _bytes_of(array: np.ndarray) -> memoryview:
+    return array.reshape(-1).view(np.uint8).data

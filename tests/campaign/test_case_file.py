@@ -1,0 +1,137 @@
+"""The file of a case: what is kept, for how long, and who may write."""
+
+import os
+import shutil
+
+import numpy as np
+import pytest
+
+from contact_study.campaign import case_file
+from contact_study.campaign.case_file import CaseFile, CaseWriter, write_case
+from contact_study.campaign.engines import CampaignError
+from contact_study.campaign.record import Step
+from contact_study.fields.distributions import Bins
+
+BINS = Bins.evenly((-1.0, 2.0, 3), (0.0, 1e-9, 4))
+
+
+def step(number, size=3):
+    values = {"area": 0.1 * number, "message": "ä", "converged": True, "iterations": number, "residual": np.inf}
+    fields = {"gap": np.full((4, 6), number, np.float32), "none": np.empty((0, 2))}
+    return Step(values, fields, {"state": np.full(size, float(number))}, BINS)
+
+
+def test_what_is_saved_is_read_again(tmp_path):
+    path = tmp_path / "a.case"
+    with CaseWriter(path, 3, last_state=True) as file:
+        file.save_constants({"modulus": 1e9, "height": np.arange(6.0).reshape(2, 3).T})
+        file.save_notes(["one", "two"])
+        file.save_notes(["three"])
+        for number in range(2):
+            file.save_step(number, step(number))
+        file.save_partial(2, {"series": np.arange(3)})
+    file = CaseFile(path)
+    assert (file.finished(3, True), file.finished(2, True), file.has_constants, file.damaged) == (2, 2, True, False)
+    assert file.notes == ["one", "two", "three"]
+    assert file.constants["modulus"] == 1e9
+    np.testing.assert_array_equal(file.constants["height"], np.arange(6.0).reshape(2, 3).T)
+    values, bins = file.step(1)
+    assert bins.equal(BINS)
+    assert (values["area"], values["message"], values["converged"], values["residual"]) == (0.1, "ä", True, np.inf)
+    assert values["gap"].dtype == np.float32
+    assert values["gap"].flags.writeable
+    assert values["none"].shape == (0, 2)
+    np.testing.assert_array_equal(file.state(1)["state"], [1, 1, 1])
+    np.testing.assert_array_equal(file.partial(2)["series"], [0, 1, 2])
+    assert file.step_text(1, "message") == "ä"
+    assert file.step_text(2, "message") is None
+
+
+def test_states_that_serve_nobody_do_not_pile_up(tmp_path, monkeypatch):
+    """Each is a tenth of a MB, the steps are small: the file has never more than three states or so."""
+    monkeypatch.setattr(case_file, "_WORTH_WHILE", 1000)
+    path, largest = tmp_path / "a.case", 0
+    with CaseWriter(path, 50, last_state=False) as file:
+        for number in range(50):
+            file.save_step(number, step(number, 12_500))
+            largest = max(largest, path.stat().st_size)
+    assert largest < 0.4e6
+    file = CaseFile(path)
+    assert file.finished(50, last_state=True) == 50
+    assert [file.step(number)[0]["iterations"] for number in range(50)] == list(range(50))
+    assert [name.name for name in tmp_path.iterdir()] == ["a.case"]
+
+
+def test_a_state_that_is_lost_costs_steps_back_to_the_last_one(tmp_path):
+    path = tmp_path / "a.case"
+    with CaseWriter(path, 3, last_state=True) as file:
+        for number in range(3):
+            file.save_step(number, step(number))
+    content = bytearray(path.read_bytes())
+    content[CaseFile(path)._records[b"stat", 2].end - 1] ^= 1
+    path.write_bytes(content)
+    file = CaseFile(path)
+    file.check()
+    assert file.damaged
+    assert file.finished(3, last_state=True) == 2, "the state before it is still there"
+    assert file.finished(3, last_state=False) == 3, "nobody wants it"
+    with CaseWriter(path, 3, last_state=True) as file:
+        assert file.start == 2
+
+
+def test_who_takes_up_a_case_has_it_to_himself(tmp_path):
+    """A worker that was given up writes on: nothing of it reaches the file of the one that has taken its place."""
+    path = tmp_path / "a.case"
+    with CaseWriter(path, 3, last_state=True) as first:
+        first.save_step(0, step(0))
+        with CaseWriter(path, 3, last_state=True) as second:
+            assert second.start == 1
+            with pytest.raises(CampaignError, match=r"a\.case: was deleted, or taken up by another run"):
+                first.save_step(1, step(7))
+            second.save_step(1, step(1))
+    assert CaseFile(path).step(1)[0]["iterations"] == 1
+    assert not CaseFile(path).damaged
+
+
+def test_a_folder_that_is_deleted_is_noticed_at_once(tmp_path):
+    folder = tmp_path / "bem.nc.parts"
+    folder.mkdir()
+    with CaseWriter(folder / "a.case", 3, last_state=True) as file:
+        file.save_step(0, step(0))
+        shutil.rmtree(folder)
+        with pytest.raises(CampaignError, match=r"a\.case: was deleted"):
+            file.save_step(1, step(1))
+    assert not folder.exists(), "and is not made again"
+
+
+@pytest.mark.skipif(not os.path.exists("/dev/full"), reason="a disk that is always full")
+def test_a_full_disk_is_named(tmp_path):
+    (tmp_path / "a.case").write_bytes(b"")
+    with CaseWriter(tmp_path / "a.case", 3, last_state=True) as file:
+        file._stream.close()
+        file._stream = open("/dev/full", "wb")
+        with pytest.raises(OSError, match=r"a\.case: cannot be written \(No space left on device\)"):
+            file.save_step(0, step(0))
+
+
+def test_steps_that_stand_are_brought_as_if_a_run_had_stopped_there(tmp_path):
+    path = tmp_path / "a.case"
+    write_case(path, {"modulus": 1e9}, [{"area": 0.1}, {"area": 0.2}], BINS, {"state": np.ones(2)})
+    with CaseWriter(path, 3, last_state=True) as file:
+        assert file.start == 2
+        np.testing.assert_array_equal(file.state(1)["state"], [1, 1])
+
+
+def test_what_is_kept_of_a_file(tmp_path):
+    path = tmp_path / "a.case"
+    for first, partial, kinds in ((2, True, 5), (2, False, 4), (1, False, 2), (0, False, 0)):
+        path.unlink(missing_ok=True)
+        with CaseWriter(path, 3, last_state=True) as file:
+            file.save_constants({})
+            file.save_step(0, step(0))
+            file.save_step(1, step(1))
+            file.save_partial(2, {})
+        file.keep(first, partial)
+        found = CaseFile(path)._records
+        assert len(found) == (kinds + 1 if first else 0), found
+        assert file._records == found
