@@ -8,8 +8,8 @@ from contact_study.campaign.resume.identity import match, run_of
 from contact_study.problem.bins import bins_of
 from contact_study.problem.errors import InputError
 from contact_study.problem.study import make_study
-from tests.campaign.test_resume import BASE, changed
 from tests.campaign.toy_model import TOY
+from tests.campaign.toy_study import BASE, changed
 
 REFUSED = [
     ({"surface": {"hurst_exponent": 0.7}}, "surface.hurst_exponent is 0.8 there and 0.7 here"),

@@ -13,9 +13,8 @@ from contact_study.campaign.dataset.states import States, states_file
 from contact_study.campaign.merge import joining
 from contact_study.campaign.merge.command import main as merge_main
 from contact_study.campaign.model import MODULES
-from tests.campaign.test_resume import BASE, changed
 from tests.campaign.toy_model import SOLVED, TOY, TOY_ATOMS
-from tests.campaign.toy_study import assert_same
+from tests.campaign.toy_study import BASE, assert_same, changed
 
 SWEPT = {"sweep": {"interaction.well_depth_ratio": [1, 4], "surface.seed": [1, 2, 3]}}
 WHOLE = changed(**SWEPT)

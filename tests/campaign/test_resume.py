@@ -1,63 +1,15 @@
 """Going on from earlier runs: what stands is kept, what is missing is computed, what differs is named."""
 
-import copy
 import hashlib
-import shutil
-import tomllib
 
 import numpy as np
 import pytest
-import tomli_w
 import xarray as xr
 
 from contact_study.campaign import records
 from contact_study.campaign.case_file import CaseWriter
-from contact_study.campaign.command import main
-from tests.campaign.toy_model import SOLVED, TOY, TOY_ATOMS, TOY_OF_WHOLE_PATHS
-from tests.campaign.toy_study import STUDY, assert_same
-
-BASE = tomllib.loads(STUDY)
-del BASE["override"]
-BASE["sweep"] = {"interaction.well_depth_ratio": [1, 4]}
-BASE["output"]["pressure_range"] = ["-40 GPa", "100 GPa"]  # bins that follow from the study widen with it
-
-
-def changed(**sections):
-    table = copy.deepcopy(BASE)
-    for section, keys in sections.items():
-        table.setdefault(section, {}).update(keys)
-        table[section] = {name: value for name, value in table[section].items() if value is not None}
-    return table
-
-
-@pytest.fixture
-def run(tmp_path, capsys):
-    """Run a study on an output; returns the status, the steps solved and what was said."""
-
-    def run_study(table, *arguments, output="bem.nc", model=TOY):
-        (tmp_path / "study.toml").write_text(tomli_w.dumps(table))
-        SOLVED.clear()
-        capsys.readouterr()
-        status = main(model, [str(tmp_path / "study.toml"), "-o", str(tmp_path / output), "--workers", "1", *arguments])
-        return status, list(SOLVED), capsys.readouterr().err
-
-    return run_study
-
-
-@pytest.fixture(scope="module")
-def base_dataset(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("base")
-    (folder / "study.toml").write_text(tomli_w.dumps(BASE))
-    assert main(TOY, [str(folder / "study.toml"), "-o", str(folder / "bem.nc"), "--workers", "1"]) == 0
-    return folder / "bem.nc"
-
-
-@pytest.fixture
-def finished(base_dataset, tmp_path):
-    """The dataset of the study, at the output."""
-    for name in ("bem.nc", "bem.nc.restart"):
-        shutil.copy(base_dataset.with_name(name), tmp_path)
-
+from tests.campaign.toy_model import TOY_ATOMS, TOY_OF_WHOLE_PATHS
+from tests.campaign.toy_study import BASE, assert_same, changed
 
 WIDER = {
     "a seed more": {"sweep": {"interaction.well_depth_ratio": [1, 4], "surface.seed": [1, 2]}},
@@ -178,26 +130,6 @@ def test_another_study_is_refused(finished, run, tmp_path):
     status, _, said = run(BASE, "--resume", model=TOY_ATOMS)
     assert status == 1
     assert "model is continuum there and atomistic here" in said
-
-
-@pytest.fixture
-def stopped(run, monkeypatch):
-    """Interrupt a run after so many steps."""
-
-    def stop(table, after, *arguments, **options):
-        save, count = CaseWriter.save_step, []
-
-        def counted(file, number, step):
-            save(file, number, step)
-            count.append(number)
-            if len(count) == after:
-                raise KeyboardInterrupt
-
-        with monkeypatch.context() as patch:
-            patch.setattr(CaseWriter, "save_step", counted)
-            assert run(table, *arguments, **options)[0] == 130
-
-    return stop
 
 
 @pytest.mark.parametrize("words", ["another order", "another title", "points at the end", "the way back"])

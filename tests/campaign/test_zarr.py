@@ -14,8 +14,8 @@ from contact_study.campaign.model import MODULES
 from contact_study.campaign.resume.identity import content_hash
 from contact_study.comparison.command import main as compare
 from tests.campaign.test_merge import WHOLE
-from tests.campaign.test_resume import changed
 from tests.campaign.toy_model import SOLVED, TOY, TOY_ATOMS
+from tests.campaign.toy_study import changed
 from tests.comparison.synthetic import STUDY
 
 pytest.importorskip("zarr")

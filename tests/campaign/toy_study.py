@@ -1,5 +1,7 @@
 """A small study of the toy model, its command, and when two of its datasets are the same."""
 
+import copy
+import tomllib
 from pathlib import Path
 
 import xarray as xr
@@ -34,6 +36,20 @@ fields = true
 when = { "interaction.well_depth_ratio" = 4 }
 "loading.path" = ["0.1 GPa", "-0.5 GPa", "1 GPa", "2 GPa"]
 """
+
+
+BASE = tomllib.loads(STUDY)
+del BASE["override"]
+BASE["sweep"] = {"interaction.well_depth_ratio": [1, 4]}
+BASE["output"]["pressure_range"] = ["-40 GPa", "100 GPa"]  # bins that follow from the study widen with it
+
+
+def changed(**sections):
+    table = copy.deepcopy(BASE)
+    for section, keys in sections.items():
+        table.setdefault(section, {}).update(keys)
+        table[section] = {name: value for name, value in table[section].items() if value is not None}
+    return table
 
 
 def run(*arguments):

@@ -178,10 +178,10 @@ class Earlier:
             return {name: variable.values for name, variable in self._grouped_states.get(number, {}).items()}
 
     @cached_property
-    def _grouped_states(self) -> dict[int, dict[str, xr.Variable]]:
+    def _grouped_states(self) -> dict[int, dict[str, xr.DataArray]]:
         """The states of a dataset of an earlier version: variables such as ``case_12_state``."""
-        found: dict[int, dict[str, xr.Variable]] = {}
-        for name, variable in self._tree[_RESTART].to_dataset().variables.items():
+        found: dict[int, dict[str, xr.DataArray]] = {}
+        for name, variable in self._tree[_RESTART].to_dataset(inherit=False).data_vars.items():
             _, number, own = str(name).split("_", 2)
             found.setdefault(int(number), {})[own] = variable
         return found

@@ -74,10 +74,10 @@ class Parts:
         claimed = self._claimed()
         if claimed.get(_STORAGE) != _KIND_OF_STORAGE:
             if any(self.folder.glob("case-*")):
-                fault = "holds steps as an earlier version kept them; finish them with that version"
+                fault = "holds steps as an earlier version kept them; finish them with that version, or"
             else:
-                fault = "has lost what its steps belong to (manifest.json)"
-            raise InputError(f"{self.folder}: {fault}, or drop them with --overwrite")
+                fault = "has lost what its steps belong to (manifest.json);"
+            raise InputError(f"{self.folder}: {fault} drop them with --overwrite")
         return claimed
 
     def _take_lock(self) -> None:
