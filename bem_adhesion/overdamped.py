@@ -67,7 +67,9 @@ class OverdampedContact(LoadedContact):
         if apart:
             return Moved(state, self._apart(Outcome.DETACHED, 0, self._work()), force)
         least = force * finest.excess_of(now, gap, pressure, self.tolerance).to_balance
-        least = max(least, min(finest.rounding(gap), self.tolerance))
+        least = (
+            max(least, min(finest.rounding(gap), self.tolerance)) or self.tolerance
+        )  # in full contact nothing is left
         accuracy = max(least, min(_ACCURACY * self._allowed * stiffness, _REDUCTION * force))
         finest.tie(stiffness, gap)
         result = finest.solve(gap, pressure, accuracy, _NEWTON_STEPS, carries=force <= self.tolerance)

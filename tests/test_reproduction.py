@@ -215,7 +215,7 @@ def test_conclusion_of_two_starts():
     )
 
 
-@pytest.mark.filterwarnings("ignore:the grid spacing")
+@pytest.mark.filterwarnings("ignore:grid too coarse")
 def test_branches_on_the_way_back_hold_more_contact(tmp_path):
     path = tmp_path / "branches.csv"
     options = ["--models", "continuum", "--atoms", "140", "--ratios", "8", "--pressures", "0.1 GPa", "1 GPa", "5 GPa"]

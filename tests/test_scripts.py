@@ -62,7 +62,7 @@ def test_errors_of_the_theories_over_an_ensemble():
     assert [row.split(" | ")[3] for row in rows] == ["A", "ū"] * 8
 
 
-@pytest.mark.filterwarnings("ignore:the grid spacing")  # a coarse grid is quick
+@pytest.mark.filterwarnings("ignore:grid too coarse")  # a coarse grid is quick
 def test_ensemble_of_small_surfaces():
     table = edge_flow_ensemble.ensemble(2, 32, [1.0])
     assert set(table["model"]) == {"continuum", "gap_flow", "edge_flow"}

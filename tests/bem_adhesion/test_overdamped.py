@@ -206,3 +206,13 @@ def test_wall_without_attraction_has_one_state_by_any_path():
 def test_what_the_flow_does_not_do_is_refused(sections, words):
     with pytest.raises(InputError, match=words):
         check(make_study(table(solver={"path": "overdamped"}, **sections)).cases[0])
+
+
+def test_full_contact_with_a_wall_is_rest():
+    """Nothing at all is out of balance there, and no gap has a rounding."""
+    study = table(32, rms=0.2e-10, load=10e9)
+    study["interaction"] = {"law": "exponential", "work_of_adhesion": 0.69, "length": "1.7 angstrom"}
+    study["solver"] = {"path": "overdamped"}
+    found = contact_study.run(study, "continuum").isel(step=0)
+    assert found.relative_contact_area == 1
+    assert found.converged == 1

@@ -110,7 +110,7 @@ def test_it_is_a_predictor(run, tmp_path, capsys):
 
 
 @pytest.mark.validation
-@pytest.mark.filterwarnings("ignore:the grid spacing")
+@pytest.mark.filterwarnings("ignore:grid too coarse")
 def test_comparison_reads_it_and_writes_none(tmp_path, capsys, monkeypatch):
     monkeypatch.setitem(MODULES, "continuum", "bem_adhesion.run")
     files = [tmp_path / "bem.zarr", tmp_path / "bem.nc"]
