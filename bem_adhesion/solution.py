@@ -14,7 +14,7 @@ class Outcome(Enum):
 
     CONVERGED = "converged"
     DETACHED = "detached: no equilibrium in contact exists under this tension, the surfaces separate"
-    APART = "detached: the surfaces are apart and nothing presses them together; give a pressure above zero first"
+    APART = "detached: the surfaces are separated; start the loading path with a positive pressure"
     ITERATION_LIMIT = (
         "the iteration limit was reached before the tolerance: take smaller loading steps or raise "
         "solver.max_iterations"

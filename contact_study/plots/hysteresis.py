@@ -12,6 +12,9 @@ from contact_study.plots.selection import LOADING, UNLOADING, fit_states, larges
 from contact_study.plots.style import COLOURS, axes_of, styled
 from contact_study.plots.units import length_unit, pressure_unit
 
+# Of the rectangle about a loop; less than this of it is neither energy nor to be seen.
+_SEEN = 1e-5
+
 _Branch = tuple[np.ndarray, np.ndarray]
 
 
@@ -38,8 +41,10 @@ def hysteresis_loop(dataset: xr.Dataset, axes: Axes | None = None) -> Axes:
     pressure = pressure_unit(largest(dataset, "mean_pressure"))
     length = length_unit(largest(dataset, "mean_separation"))
     axes = axes_of(axes)
-    words = f"{loop.energy:.3g} J/m² dissipated"
     forth, back = (np.interp(loop.shared, *branch) for branch in (loop.loading, loop.unloading))
+    # Two equal branches differ by the tolerance of their states, of either sign.
+    seen = abs(loop.energy) > _SEEN * np.ptp(loop.shared) * np.ptp([forth, back])
+    words = f"{loop.energy:.3g} J/m² dissipated" if seen else "0 J/m² dissipated: reversible within rounding"
     options: dict[str, Any] = {"color": COLOURS[0], "alpha": 0.15, "lw": 0, "label": words}
     if loop.prescribed == "mean_pressure":
         axes.fill_betweenx(loop.shared / pressure.size, back / length.size, forth / length.size, **options)

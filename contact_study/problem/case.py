@@ -15,6 +15,7 @@ from contact_study.problem.laws import LAWS, TractionLaw
 from contact_study.problem.laws.interaction import InteractionSection
 from contact_study.problem.laws.lennard_jones_10_4 import work_of_adhesion
 from contact_study.problem.surfaces.base import SurfaceSection
+from contact_study.problem.units import stress
 
 # Lengths of the law that the least step of a path through distances is the resolution's share of: with the default a
 # twentieth of one. Pressures follow a distance over that length; what the rule leaves of a step is its square over 12.
@@ -61,11 +62,11 @@ class Case:
         self._check_time()
         self._check_control()
         if self.law.attracts and self.loading.control == "pressure":
-            lowest = -self.law.peak_tensile_stress
-            if min(self.loading.path) < lowest:
+            peak, path = self.law.peak_tensile_stress, self.loading.path
+            if min(path) < -peak:
                 raise InputError(
-                    f"loading.path: {min(self.loading.path):g} Pa is a tension beyond the law's peak, {lowest:g} Pa; "
-                    "no state can carry it"
+                    f"loading.path[{path.index(min(path))}] = {stress(min(path))} exceeds the largest tensile stress "
+                    f"of the adhesive law, {stress(peak)}: no state can carry it; give values above {stress(-peak)}"
                 )
 
     def _check_control(self) -> None:

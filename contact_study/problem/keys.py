@@ -26,6 +26,12 @@ class Key:
     kind: str
     description: str
 
+    @property
+    def unit(self) -> str | None:
+        """SI unit of its numbers, None for pure ones and words."""
+        unit = self.kind.partition(" or ")[0].rpartition(" ")[2]
+        return unit if unit in units.EXAMPLES else None
+
 
 def key(reader: Reader, description: str, default: Any = dataclasses.MISSING) -> Any:
     """A dataclass field bound to a key of the study file; without a default the key must be given."""
@@ -141,6 +147,7 @@ def pair(reader: Reader, *, broadcast: bool = False, names: str = "[y, x]") -> R
 
     def read(value: Any, name: str) -> tuple[Any, Any]:
         if isinstance(value, str) and "," in value:
+            units.refuse_decimal_comma(value, name)
             value = listed(value)
         if broadcast and not isinstance(value, list):
             value = [value, value]
@@ -157,6 +164,7 @@ def sequence(reader: Reader) -> Reader:
 
     def read(value: Any, name: str) -> tuple[Any, ...]:
         if isinstance(value, str):
+            units.refuse_decimal_comma(value, name)
             value = listed(value)
         if not isinstance(value, list):
             value = [value]

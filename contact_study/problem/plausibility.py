@@ -9,6 +9,7 @@ Every criterion is a ratio of the study's own scales, so that no unit, material 
   is larger. Atoms in contact stand at 0.9 to 1. Half the length takes stresses of 7000 times the law's peak (10-4
   law), and a contact distance then counts points as touching that carry nothing. Below 0.1 (4e11 times) it is no law
   for this modulus.
+- **load** against E*: above 1 one of the two has the wrong unit.
 - **table of a stiffness** against the waves of the grid, and its E* at the shortest of them against the material's.
 - **peak over tolerance**: the law's largest tension against the residual stress that ``solver.tolerance`` leaves.
 
@@ -21,6 +22,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from contact_study.problem import units
 from contact_study.problem.case import Case
 from contact_study.problem.elasticity import Measured, contact_modulus_of
 from contact_study.problem.errors import InputError
@@ -33,6 +35,8 @@ from contact_study.problem.sweep import points
 
 STEEP, IMPOSSIBLY_STEEP = 1.0, 100.0
 SQUEEZED, IMPOSSIBLY_SQUEEZED = 0.5, 0.1
+# Part of a map's rms height or slope that a coarser grid may lose without a word.
+NEGLIGIBLE = 0.01
 # Largest ratio of two contact moduli that are one in other words.
 SAME_MODULUS = 2.0
 
@@ -55,6 +59,7 @@ def review(study: Study, scales: Sequence[SurfaceScales]) -> list[str]:
     pairs = list(zip(study.cases, scales, strict=True))
     adhesive = [(case, scale, case.law) for case, scale in pairs if case.law.attracts]
     notes = _slopes(pairs)
+    notes += _loads(study.cases)
     notes += _squeezes([item for item in adhesive if not item[2].has_wall])
     notes += _peaks(adhesive)
     notes += _missing_waves(pairs)
@@ -90,6 +95,21 @@ def _slopes(pairs: list[tuple[Case, SurfaceScales]]) -> list[str]:
     where = points([case for _, case, _ in steep], len(pairs))
     return [
         f"surface: rms slope {slope:.3g}{where}: linear elasticity of a half-space is meant for slopes well below 1"
+    ]
+
+
+def _loads(cases: Sequence[Case]) -> list[str]:
+    """Pressures above the contact modulus, which no elastic solid carries by small strains."""
+    pressed = [case for case in cases if case.loading.control == "pressure"]
+    heavy = [case for case in pressed if max(case.loading.path) > case.solid.contact_modulus]
+    if not heavy:
+        return []
+    case = max(heavy, key=lambda case: max(case.loading.path) / case.solid.contact_modulus)
+    pressure, modulus = max(case.loading.path), case.solid.contact_modulus
+    return [
+        f"loading.path: a pressure of {units.stress(pressure)} is {pressure / modulus:.2g} times the contact modulus, "
+        f"{units.stress(modulus)}{points(heavy, len(cases))}; are the units of loading.path and "
+        "material.youngs_modulus right?"
     ]
 
 
@@ -179,19 +199,19 @@ def _maps(pairs: list[tuple[Case, SurfaceScales]]) -> list[str]:
     """One line for each map that the continuum's grid cannot carry."""
     notes = {}
     for case, scale in pairs:
-        if scale.lost is not None:
-            height, slope = scale.lost
+        height, slope = scale.lost or (scale.rms_height, scale.rms_slope)
+        if height < (1 - NEGLIGIBLE) * scale.rms_height or slope < (1 - NEGLIGIBLE) * scale.rms_slope:
             notes[case.surface.map_path, case.surface.shape] = (
                 f"surface.shape = {list(scale.shape)} is coarser than the height map {case.surface.map_path}: waves "
-                f"shorter than two grid spacings are left out, rms height {scale.rms_height:.4g} m becomes "
-                f"{height:.4g} m ({_change(height, scale.rms_height)}), rms slope {scale.rms_slope:.4g} becomes "
-                f"{slope:.4g} ({_change(slope, scale.rms_slope)})"
+                f"shorter than two grid spacings are left out, rms height {units.length(scale.rms_height)} becomes "
+                f"{units.length(height)} ({_change(height, scale.rms_height)}), rms slope {scale.rms_slope:.4g} "
+                f"becomes {slope:.4g} ({_change(slope, scale.rms_slope)})"
             )
     return list(notes.values())
 
 
 def _change(left: float, whole: float) -> str:
-    return f"{100 * (left / whole - 1):+.2g} %" if whole else "flat"
+    return f"{100 * (left / whole - 1):+.2g} %" if left < (1 - NEGLIGIBLE) * whole else "the same"
 
 
 def _at(case: Case) -> str:

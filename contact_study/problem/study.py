@@ -6,13 +6,14 @@ A :class:`Study` is the file, a :class:`~contact_study.problem.case.Case` one po
 import math
 import tomllib
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import tomli_w
 
 from contact_study.problem import automatic
+from contact_study.problem.bare_numbers import bare_numbers
 from contact_study.problem.case import Case
 from contact_study.problem.dotted_keys import SECTIONS, WHOLE_STUDY, is_sweep, last, read, split
 from contact_study.problem.errors import InputError
@@ -47,7 +48,7 @@ class Study:
     sweep : dict
         Swept keys by their last part, the leading dimensions of every dataset.
     notes : tuple of str
-        What in the file has no effect.
+        What in the file has no effect, or is likely to mean something else.
     choices : tuple of str
         What the file left to be chosen, and what was.
     """
@@ -96,7 +97,8 @@ def read_study(path: Path | str, overrides: Mapping[str, Any] | None = None) -> 
         raise InputError(f"{path}: is no valid TOML: {error}") from None
     _check_structure(table)
     replace_keys(table, overrides or {})
-    return make_study(table, path.parent)
+    study = make_study(table, path.parent)
+    return replace(study, notes=study.notes + bare_numbers(table))
 
 
 def make_study(table: dict[str, Any], directory: Path | str = ".") -> Study:

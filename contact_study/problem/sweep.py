@@ -10,7 +10,6 @@ from contact_study.problem.case import Case
 from contact_study.problem.dotted_keys import SECTIONS, WHOLE_STUDY, last, read, same, split
 from contact_study.problem.errors import InputError
 from contact_study.problem.keys import Kinds, default_of, keys_of
-from contact_study.problem.units import EXAMPLES
 
 
 @dataclass(frozen=True)
@@ -134,8 +133,7 @@ def swept_key(dotted: str, written: Sequence[Any], cases: Sequence[Case]) -> Swe
     """
     section, name = split(dotted, "sweep")
     declaration = keys_of(SECTIONS[section])[name]
-    unit = declaration.kind.partition(" or ")[0]
-    units = unit.replace("J/m^2", "J m-2") if unit in EXAMPLES else "1"
+    units = (declaration.unit or "1").replace("J/m^2", "J m-2")
     values = tuple(dict.fromkeys(case.coordinates[name] for case in cases))
     numbers = sorted(value for value in values if isinstance(value, int | float))
     if len(values) < len(written) or any(same(*pair) for pair in itertools.pairwise(numbers)):

@@ -19,6 +19,8 @@ _QUANTITY = re.compile(
     r"\s*(?P<number>[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)"
     rf"\s*(?P<unit>(?:{_FACTOR}(?:\s*[*/·]\s*|\s+))*{_FACTOR}|)\s*"
 )
+# Within a list each number has a unit: one without before a comma is a part of a number.
+_DECIMAL_COMMA = re.compile(r"(?<![\w.,])(?P<whole>[+-]?\d+),(?P<rest>\d+(?:[eE][+-]?\d+)?\s*[^\W\d].*)")
 
 
 @cache
@@ -63,6 +65,16 @@ def unit_of(text: str) -> str:
     return _split(text)[1]
 
 
+def refuse_decimal_comma(text: str, name: str) -> None:
+    """Raise InputError if a text has a comma where its number has a decimal sign, as in "10,5 um"."""
+    found = _DECIMAL_COMMA.search(text)
+    if found:
+        meant = f"{found['whole']}.{found['rest']}"
+        raise InputError(
+            f'{name} = {text!r}: use a decimal point, "{meant}"; of several values each has a unit, "10 um, 5 um"'
+        )
+
+
 def is_a(value: Any, unit: str) -> bool:
     """Whether a value is a string with a unit of the same kind as another unit."""
     try:
@@ -104,6 +116,7 @@ def _split(text: str) -> tuple[str, str]:
 def _from_text(text: str, unit: str, name: str) -> float:
     import pint
 
+    refuse_decimal_comma(text, name)
     try:
         number, written = _split(text)
         if unit == "1" and written:
@@ -136,6 +149,7 @@ EXAMPLES = {
     "s^-1": "0.1 ps^-1",
     "m^-1": "0.3 nm^-1",
     "m^4": "2 nm^4",
+    "Pa/m": "2 GPa/nm",
 }
 
 

@@ -29,7 +29,7 @@ REFUSED = [
     ({"loading": {"path": ["0.1 GPa", "1 GPa"]}}, "loading.path at well_depth_ratio = 1.0"),
     ({"loading": {"path": ["0.1 GPa", "1.1 GPa", "2 GPa"]}}, "does not begin with the 3 points"),
     ({"loading": {"path": ["0.05 GPa", "0.1 GPa", "1 GPa", "2 GPa"]}}, "loading.path"),
-    ({"output": {"fields": False}}, "output.fields is true there and false here"),
+    ({"output": {"fields": False}}, "it keeps fields by output.fields = true, this study has false: set it so"),
 ]
 
 

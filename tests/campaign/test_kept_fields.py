@@ -130,8 +130,9 @@ def test_a_run_that_keeps_more_is_what_a_fresh_one_is(before, after, tmp_path):
 @pytest.mark.parametrize(
     ("before", "after", "words"),
     [
-        ({}, {"field_steps": [1]}, "output.field_steps leaves out points"),
-        ({}, {"field_precision": "single"}, "digits there would be lost"),
+        ({}, {"field_steps": [1]}, r"bem\.nc: it keeps fields of points that output\.field_steps leaves out: name"),
+        ({}, {"fields": False}, r"bem\.nc: it keeps fields by output\.fields = true, this study has false: set it so"),
+        ({}, {"field_precision": "single"}, r"output\.field_precision = double, this study has single: set it so"),
     ],
 )
 def test_a_run_gives_nothing_up(before, after, words, tmp_path):

@@ -31,7 +31,7 @@ youngs_modulus = "77.2 GPa"
 poissons_ratio = 0.42
 lattice_constant = "2.6 angstrom"
 [interaction]
-work_of_adhesion = 0.1
+work_of_adhesion = "0.1 J/m^2"
 length = "3.28 angstrom"
 [loading]
 path = ["0.5 GPa", "2 GPa"]

@@ -143,7 +143,7 @@ def test_atoms_are_kept_only_on_demand_and_widen_a_run(tmp_path):
     with_atoms = {**without, "output": {"atoms": "surface"}}
     with pytest.warns(UserWarning, match=r"output\.atoms = surface: atoms that were not kept"):
         assert "substrate_height" in contact_study.run(with_atoms, "atomistic", output=kept, resume=True)
-    with pytest.raises(ValueError, match=r"output\.atoms is surface there and none here: the atoms"):
+    with pytest.raises(ValueError, match=r"it keeps atoms by output\.atoms = surface, this study has none: set it so"):
         contact_study.run(without, "atomistic", output=kept, resume=True)
 
 

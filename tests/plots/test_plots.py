@@ -225,6 +225,13 @@ def test_dissipated_energy_of_a_parallelogram():
     axes = plots.hysteresis_loop(dataset)
     assert "0.009 J/m² dissipated" in axes.get_legend_handles_labels()[1]
     np.testing.assert_allclose(axes.lines[0].get_xdata(), (11 - np.arange(6)) * 10)  # Å, pressures from below
+    there = 1e-9 * (10 - forth)
+    for rounding in (1e-15, -1e-15):
+        back_again = np.append(there, there[-2::-1] - rounding)
+        equal = path(1e6 * np.append(forth, forth[-2::-1]), np.full(11, 0.1), back_again, [0] * 6 + [1] * 5)
+        assert abs(dissipated_energy(equal)) > 0
+        words = plots.hysteresis_loop(equal).get_legend_handles_labels()[1]
+        assert "0 J/m² dissipated: reversible within rounding" in words
     gap = dataset.rename(mean_pressure="mean_separation", mean_separation="mean_pressure")
     held = gap.assign(mean_separation=gap.mean_separation * 1e-15, mean_pressure=gap.mean_pressure * 1e15)
     held = held.assign_coords(applied_gap=held.mean_separation)

@@ -159,6 +159,27 @@ def test_coarse_grids_say_what_a_map_loses(tmp_path):
     assert "surface.shape = [8, 32] is coarser than the height map map.npy" in note
 
 
+def test_less_than_a_per_cent_of_a_map_is_lost_without_a_word(tmp_path):
+    y, x = np.arange(32)[:, None] / 32, np.arange(32)[None, :] / 32
+    long, short = np.cos(2 * np.pi * x) + 0 * y, np.cos(2 * np.pi * 6 * y) + 0 * x
+    keys = {"kind": "file", "path": "map.npy", "height_unit": "angstrom", "shape": [8, 32]}
+    for part, said in ((1e-16, 0), (0.03, 0), (0.1, 1)):
+        np.save(tmp_path / "map.npy", 3 * long + part * short)
+        study = make_study(table_of(surface=keys), tmp_path)
+        notes = review(study, scales_of(study))
+        assert len(notes) == said
+    # The root of 3² and (6 · 0.1)² loses 1.9 % with the short wave, that of 3² and 0.1² nothing to speak of.
+    assert re.search(r"becomes \S+ \S+ \(the same\), rms slope \S+ becomes \S+ \(-\S+ %\)", notes[0])
+
+
+def test_a_load_above_the_contact_modulus_is_named():
+    (note,) = (line for line in notes_of(material={"youngs_modulus": 2}) if "loading.path" in line)
+    modulus = 2 / (1 - 0.42**2)
+    assert f"a pressure of 1 GPa is {1e9 / modulus:.2g} times the contact modulus, 2.43 Pa" in note
+    assert "are the units of loading.path and material.youngs_modulus right?" in note
+    assert not any("loading.path" in line for line in notes_of(loading={"path": ["90 GPa"]}))
+
+
 def test_keys_without_effect_on_a_wall_are_said():
     (note,) = notes_of(interaction={"law": "hard_wall"})
     assert note.startswith("interaction.well_depth, interaction.length, interaction.contact_distance: without effect")

@@ -34,6 +34,10 @@ _KEPT: Mapping[str, tuple[Any, ...]] = {"fields": (False, True), "atoms": ("none
 _SHOWN = 3  # differing keys that a message names
 
 
+class NotKeptError(InputError):
+    """What an earlier run of the same study holds would be lost, or has changed; the message says what to do."""
+
+
 @dataclass(frozen=True)
 class Cases:
     """The cases of a study as a model meets them.
@@ -163,6 +167,8 @@ def match(attributes: Mapping[str, Any], run: Run) -> tuple[Cases, dict[int, Mat
     ------
     InputError
         If this run is another one; the message says in what, without saying where the earlier run is.
+    NotKeptError
+        If it is the same but for what it keeps, or its height map has changed.
     """
     _check_program(attributes, run)
     earlier = _earlier(attributes, run)
@@ -220,7 +226,10 @@ def _differences(values: dict[str, Any], others: Sequence[dict[str, Any]], case:
     differing = dict(differing_keys(values, nearest))
     if list(differing) == ["surface.path"] and case.height_map is not None:
         one, two = (str(value).rpartition(" ")[2][:12] for value in differing["surface.path"])
-        return f"the height map {case.surface.map_path} has changed (SHA-256 {one}… there, {two}… here)"
+        raise NotKeptError(
+            f"the height map {case.surface.map_path} has changed since it was started (SHA-256 {one}… then, {two}… "
+            "now); use another output, or --overwrite"
+        )
     lost = {dotted.rpartition(".")[2] for dotted in differing} & set(case.coordinates) & set(study.sweep)
     if len(lost) == len(differing):
         return f"the study has its point {case.label} no longer"
@@ -243,8 +252,9 @@ def _match(number: int, case: Case, other: Case, run: Run) -> Match:
     for name in run.model.keeps:
         there, here = getattr(case.output, name), getattr(other.output, name)
         if (change := _KEPT[name].index(here) - _KEPT[name].index(there)) < 0:
-            raise InputError(
-                f"output.{name} is {_word(there)} there and {_word(here)} here: the {name} there would be lost"
+            raise NotKeptError(
+                f"it keeps {name} by output.{name} = {_word(there)}, this study has {_word(here)}: set it so, or use "
+                "another output or --overwrite"
             )
         more += [name] * (change > 0)
     if case.loading.unload and not other.loading.unload:
@@ -276,14 +286,20 @@ def _fields_anew(case: Case, other: Case) -> str:
 
     Raises
     ------
-    InputError
+    NotKeptError
         If less of them would be kept.
     """
     digits = case.output.field_precision, other.output.field_precision
     if case.kept_fields - other.kept_fields:
-        raise InputError("output.field_steps leaves out points here whose fields there would be lost")
+        raise NotKeptError(
+            "it keeps fields of points that output.field_steps leaves out: name them, too, or use another output or "
+            "--overwrite"
+        )
     if digits == ("double", "single"):
-        raise InputError("output.field_precision is double there and single here: digits there would be lost")
+        raise NotKeptError(
+            "it keeps fields by output.field_precision = double, this study has single: set it so, or use another "
+            "output or --overwrite"
+        )
     if other.kept_fields.intersection(range(len(case.path))) - case.kept_fields:
         return "output.field_steps: fields that were not kept cannot be made from nothing"
     if digits == ("single", "double"):

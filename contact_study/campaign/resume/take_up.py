@@ -20,7 +20,7 @@ from contact_study.campaign.dataset.states import states_file
 from contact_study.campaign.predictor import GapFields
 from contact_study.campaign.progress import Progress
 from contact_study.campaign.resume.folder import Parts
-from contact_study.campaign.resume.identity import Cases, Match, Run, match
+from contact_study.campaign.resume.identity import Cases, Match, NotKeptError, Run, match
 from contact_study.fields.distributions import Bins
 from contact_study.problem.case import Case
 from contact_study.problem.errors import InputError
@@ -185,12 +185,12 @@ def take_up(
     notes: list[str] = []
     taken, kept = _Matched(), _Matched()
     if finished is not None:
-        taken = _Matched.of(finished.attributes, run, f"{finished.path} exists and belongs to another study or model")
+        taken = _Matched.of(finished.attributes, run, finished.path, "exists and belongs to another study or model")
         if run.predictor is not None:
             with Earlier(finished.path, taken.sweep) as dataset:
                 _check_starts(run, taken, lambda found, step: dataset.text(STARTED, taken.case(found).index, step))
     if unfinished is not None:
-        kept = _Matched.of(unfinished, run, f"{parts.folder} holds the steps of another study or version")
+        kept = _Matched.of(unfinished, run, parts.folder, "holds the steps of another study or version")
         files = [CaseFile(parts.case_file(name)) for name in kept.names]
         for file in progress.through(files, "steps of the earlier run checked, of cases"):
             file.check()
@@ -232,11 +232,13 @@ class _Matched:
     matches: Mapping[int, Match] = field(default_factory=dict)
 
     @classmethod
-    def of(cls, attributes: Mapping[str, Any], run: Run, whose: str) -> "_Matched":
+    def of(cls, attributes: Mapping[str, Any], run: Run, where: Path, whose: str) -> "_Matched":
         try:
             return cls(*match(attributes, run))
+        except NotKeptError as error:
+            raise InputError(f"{where}: {error}") from None
         except InputError as error:
-            raise InputError(f"{whose}; use --overwrite or another output: {error}") from None
+            raise InputError(f"{where} {whose}; use --overwrite or another output: {error}") from None
 
     @property
     def sweep(self) -> Mapping[str, SweptKey]:

@@ -177,9 +177,8 @@ class MapFile(SurfaceSection):
         if missing and self.fill == "none":
             row, column = np.argwhere(np.isnan(heights))[0]
             raise InputError(
-                f"surface.path: {path} has {np.isnan(heights).sum()} heights ({100 * missing:.3g} %) that are no "
-                f"finite numbers, the first at row {row}, column {column}; use surface.crop, or "
-                'surface.fill = "harmonic"'
+                f"surface.path: {100 * missing:.2g} % of the heights in {path} are missing, the first at row {row}, "
+                f'column {column}; surface.fill = "harmonic" fills them, surface.crop leaves them out'
             )
         if missing == 1:
             raise InputError(f"surface.crop: all heights of {path} in it are missing")
