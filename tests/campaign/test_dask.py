@@ -149,6 +149,33 @@ def test_a_case_that_kills_its_workers_is_given_up():
             client.wait_for_workers(1, timeout=60)
 
 
+@pytest.mark.validation
+def test_a_scheduler_that_is_lost_is_one_line(study, tmp_path):
+    """In a process of its own, killed while a task waits: Dask's own remarks filled a page."""
+    file = tmp_path / "scheduler.json"
+    here = {**os.environ, "PYTHONPATH": os.getcwd(), "TOY_SECONDS": "1"}
+    dask = [sys.executable, "-m", "distributed.cli.dask_scheduler", "--scheduler-file", file, "--port", "0"]
+    scheduler = subprocess.Popen([*dask, "--no-dashboard"], stderr=subprocess.DEVNULL)
+    dask = [sys.executable, "-m", "distributed.cli.dask_worker", "--scheduler-file", file, "--no-nanny"]
+    worker = subprocess.Popen([*dask, "--no-dashboard"], stderr=subprocess.DEVNULL, env=here)
+    try:
+        program = "from contact_study.campaign.engines import dask; dask._ANSWER = '5s'\n"
+        program += "from tests.campaign.toy_model import main; main()"
+        toy = [sys.executable, "-c", program, study, "-o", tmp_path / "bem.nc", "--engine", "dask", "--scheduler", file]
+        lines = []
+        with subprocess.Popen([*map(str, toy)], stderr=subprocess.PIPE, text=True, env=here) as asked:
+            for line in asked.stderr:
+                lines.append(line)
+                if "[2/14]" in line:
+                    scheduler.kill()
+        assert f"error: the Dask scheduler at {file} no longer answers; finished steps are kept, --resume" in lines[-1]
+        assert all("contact area" in line for line in lines[:-1])
+    finally:
+        for process in (scheduler, worker):
+            process.kill()
+            process.wait()
+
+
 # --- Schedulers and workers that are not what they should be --------------------------------------------------------
 
 

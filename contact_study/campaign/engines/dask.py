@@ -68,7 +68,9 @@ def run(tasks: Sequence[Task], workers: int, report: Report, scheduler: str | No
                 "a case has lost its worker again and again (out of memory?); finished steps are kept"
             ) from None
         except FutureCancelledError:
-            raise CampaignError(f"the scheduler at {scheduler} is gone; finished steps are kept") from None
+            raise CampaignError(
+                f"the Dask scheduler at {scheduler} no longer answers; finished steps are kept, --resume continues"
+            ) from None
 
 
 @contextmanager
@@ -79,7 +81,9 @@ def _client(scheduler: str | None) -> Iterator[Any]:
         from distributed import Client
     except ImportError:
         raise InputError("--engine dask: needs Dask; pip install 'bem-adhesion[dask]'") from None
-    logging.getLogger("distributed").setLevel(logging.CRITICAL)  # what matters is raised
+    for name in logging.root.manager.loggerDict:  # what matters is raised; Dask gives each a level of its own
+        if name.partition(".")[0] == "distributed":
+            logging.getLogger(name).setLevel(logging.CRITICAL)
     where = _where(scheduler)
     try:
         client = Client(**where, timeout=_ANSWER, set_as_default=False)
