@@ -6,6 +6,7 @@ import numpy as np
 
 from contact_study.fields.arguments import finite
 from contact_study.problem.laws.base import TractionLaw
+from contact_study.problem.units import stress
 from theory.gap_state import GapState
 
 
@@ -56,7 +57,11 @@ class PressureCurve(ABC):
         p, gap = self.pressure, self.mean_gap
         finite("pressure", pressure, "Pa")
         if pressure > p.max():
-            raise ValueError(f"pressure = {pressure:g} Pa: the flow reaches {p.max():.3g} Pa")
+            raise ValueError(
+                f"pressure: the flow has no equilibrium at {stress(pressure)}, it ends at {stress(float(p.max()))}: "
+                "adhesion is too strong for it, or its nodes end there; use a lower pressure, weaker adhesion or Persson's "
+                "theory"
+            )
         crossings = np.flatnonzero((p[:-1] > pressure) & (p[1:] <= pressure))
         if crossings.size == 0:
             return float("nan")
