@@ -59,8 +59,8 @@ class PressureCurve(ABC):
         if pressure > p.max():
             raise ValueError(
                 f"pressure: the flow has no equilibrium at {stress(pressure)}, it ends at {stress(float(p.max()))}: "
-                "adhesion is too strong for it, or its nodes end there; use a lower pressure, weaker adhesion or Persson's "
-                "theory"
+                "adhesion is too strong for it, or its nodes end there; use a lower pressure, weaker adhesion or "
+                "Persson's theory"
             )
         crossings = np.flatnonzero((p[:-1] > pressure) & (p[1:] <= pressure))
         if crossings.size == 0:

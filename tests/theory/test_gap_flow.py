@@ -292,7 +292,7 @@ def test_no_state_beyond_pull_off(paper):
     flow = flow_of(paper, 8)
     assert np.isfinite(flow.gap_at(0.9 * flow.pull_off_pressure))
     assert np.isnan(flow.gap_at(1.1 * flow.pull_off_pressure))
-    with pytest.raises(ValueError, match="the flow has no equilibrium at .* it ends at"):
+    with pytest.raises(ValueError, match=r"the flow has no equilibrium at .* it ends at"):
         flow.gap_at(1e13)
     with pytest.raises(ValueError, match="outside the nodes"):
         flow.states(np.array([1.0]))
