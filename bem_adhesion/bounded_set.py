@@ -26,7 +26,8 @@ from bem_adhesion.operator import MakeOperator
 from bem_adhesion.solution import Outcome
 from contact_study.fields.grid import Grid
 
-# Energies closer than this, relative to the work of the load over the largest height, are equal to rounding.
+# Energies closer than this are equal to rounding, relative to the work of the load over the largest height, or under a
+# punch, which sinks in by more than that, to themselves.
 ENERGY_ROUNDING = 1e-13
 # Of a step of conjugate gradients that are tried.
 FRACTIONS = (1.0, 0.5, 0.25)
@@ -91,7 +92,7 @@ class BoundedLevel(ContactLevel):
                 return error, iteration, Outcome.ITERATION_LIMIT
             iteration += 1
             before = pressure.copy()
-            allowed = energy + ENERGY_ROUNDING * total * self._largest_height
+            allowed = energy + ENERGY_ROUNDING * max(total * self._largest_height, abs(energy))
             for trial in self._trials(displacement, floor):
                 pressure[...] = trial
                 passes.carry(pressure, contact, bound, total)

@@ -1,5 +1,6 @@
 """One face of both continuum solvers: a state and a target in, a solution out."""
 
+import warnings
 from collections.abc import Sequence
 from functools import partial
 from typing import Any, Protocol
@@ -10,10 +11,13 @@ from bem_adhesion.free_contact import FreeContact
 from bem_adhesion.hard_wall import HardWallContact
 from bem_adhesion.loading import LoadedContact
 from bem_adhesion.plastic import PlasticContact
+from bem_adhesion.process_zone import process_zone, resolved_length, resolves, resolving_shape, too_coarse
 from bem_adhesion.solution import Solution
 from contact_study.fields.arguments import field, grid_of, positive
-from contact_study.problem.elasticity import Elasticity, Viscoelastic
+from contact_study.fields.grid import Grid
+from contact_study.problem.elasticity import Elasticity, Viscoelastic, elasticity_of
 from contact_study.problem.laws.base import TractionLaw
+from contact_study.problem.units import length
 
 
 class Contact(Protocol):
@@ -61,6 +65,9 @@ def rough_contact(
 ) -> Contact:
     """The contact of a rigid rough surface with an elastic solid, by the solver that its law asks for.
 
+    The contact keeps a copy of the heights. Threads that share one take turns; to solve at the same time each needs
+    one of its own.
+
     Parameters
     ----------
     height : array_like, shape (y, x)
@@ -90,6 +97,11 @@ def rough_contact(
     ValueError
         If an argument is not what it should be; the message names it.
 
+    Warns
+    -----
+    UserWarning
+        Where the grid does not resolve the law, and what would.
+
     Examples
     --------
     >>> import numpy as np
@@ -105,6 +117,40 @@ def rough_contact(
         raise ValueError("elasticity: a viscoelastic solid needs times; use ViscoelasticContact")
     heights = field("height", height)
     grid = grid_of(heights, size)
+    made = contact_between(
+        heights, grid, elasticity, law, control, tolerance, max_iterations, threads, boundary, hardness
+    )
+    warn_of_coarse_grid(grid, elasticity_of(elasticity), law)
+    return made
+
+
+def warn_of_coarse_grid(grid: Grid, solid: Elasticity, law: TractionLaw) -> None:
+    """Say to who made a contact where its grid does not resolve its law, as the review of a study does."""
+    zone = process_zone(solid.softest_modulus(max(grid.size), 2 * min(grid.spacing)), law)
+    spacing = max(grid.spacing)
+    if resolves(spacing, zone):
+        return
+    y, x = resolving_shape(grid.size, zone)
+    warnings.warn(
+        f"{too_coarse(spacing, zone)}; {y} x {x} points resolve it, or the law with a length of "
+        f"{length(resolved_length(law, spacing, zone))} and the same work of adhesion",
+        stacklevel=3,
+    )
+
+
+def contact_between(
+    heights: np.ndarray,
+    grid: Grid,
+    elasticity: Elasticity | float,
+    law: TractionLaw,
+    control: str = "pressure",
+    tolerance: float | None = None,
+    max_iterations: int | None = None,
+    threads: int = 1,
+    boundary: str = "periodic",
+    hardness: float | None = None,
+) -> Contact:
+    """As :func:`rough_contact`, of heights that are the contact's own, on their grid, without a word about it."""
     options: dict[str, Any] = {"control": control, "threads": threads}
     options |= {} if tolerance is None else {"tolerance": tolerance}
     options |= {} if max_iterations is None else {"max_iterations": max_iterations}

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from bem_adhesion.contact import Contact, rough_contact
+from bem_adhesion.contact import Contact, contact_between
 from bem_adhesion.interface import interface_state
 from bem_adhesion.paths import Account, account_of, follow, states_of
 from bem_adhesion.solution import Solution
@@ -28,7 +28,8 @@ def path_of_equilibria(
     contact = _contact_of(case, surface)
     state = contact.separated() if restart is None else restart["state"]
     account = _first_account(case, state) if restart is None else _kept_account(restart)
-    said: set[str] = set()
+    # A flat punch has nothing beyond its rim.
+    said = set() if np.ptp(surface.sampled) else {"contact", "tension"}
     for number, (value, _) in enumerate(case.path[start:], start):
         solution, account, passed = _next(case, contact, state, account, value)
         state = solution.state
@@ -63,9 +64,9 @@ def _next(
 
 def _contact_of(case: Case, surface: Surface) -> Contact:
     solver = case.solver
-    return rough_contact(
+    return contact_between(
         surface.sampled,
-        surface.grid.size,
+        surface.grid,
         case.solid,
         case.law,
         case.loading.control,

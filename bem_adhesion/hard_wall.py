@@ -14,6 +14,7 @@ from bem_adhesion.solution import Outcome, Solution
 from bem_adhesion.wall_search import pressed_until
 from contact_study.fields.arguments import step_arguments
 from contact_study.fields.grid import Grid
+from contact_study.fields.turns import in_turn
 from contact_study.problem.elasticity import Elasticity, elasticity_of
 
 LARGEST_SHARE = 1 - 1e-9
@@ -41,8 +42,9 @@ class HardWallContact(PressedWall):
     control : {"pressure", "gap", "approach"}
         What a step prescribes.
     tolerance : float, optional
-        Largest gap inside the contact and largest penetration outside, in units of the rms height; under control of the
-        gap or the approach also its largest error.
+        Largest gap inside the contact and largest penetration outside, in units of the rms height, for a nearly flat
+        punch with free boundaries of a thousandth of its displacement; under control of the gap or the approach also
+        its largest error.
     max_iterations : int, optional
         Limit of active-set iterations on each grid.
     threads : int, optional
@@ -78,6 +80,7 @@ class HardWallContact(PressedWall):
         super().__init__(height, grid, solid, tolerance, max_iterations, threads, hardness, unit)
         self.control = control
 
+    @in_turn
     def step(self, state: np.ndarray | Solution, target: float) -> Solution:
         """The contact at a load. It is unique: the state to start from is a matter of work alone.
 
@@ -154,7 +157,7 @@ class HardWallContact(PressedWall):
         uniform = stiffness * (self._mean_height - plane)
         if self._flat or (self._bounded and uniform >= self._least_full_contact_pressure()):
             first = uniform  # of full contact
-        unit = self._unit or approach
+        unit = self._unit_at(approach) or approach
         # Of small approaches their share: near first touch the surface is known to rounding.
         tolerance = self.tolerance * min(unit, approach)
         most = LARGEST_SHARE * self._share * self.hardness

@@ -8,6 +8,7 @@ the step then ends with :attr:`Outcome.DETACHED`, and the next begins out of rea
 """
 
 from dataclasses import replace
+from threading import RLock
 
 import numpy as np
 from scipy.optimize import brentq
@@ -24,6 +25,7 @@ from bem_adhesion.wall_passes import passes_of
 from contact_study.fields.arguments import step_arguments
 from contact_study.fields.grid import Grid
 from contact_study.fields.inner_product import inner_product
+from contact_study.fields.turns import in_turn
 from contact_study.problem.elasticity import Elasticity, elasticity_of
 from contact_study.problem.laws.base import TractionLaw
 
@@ -102,6 +104,7 @@ class LoadedContact:
         threads: int = 1,
         window: Window | None = None,
     ):
+        self.turn = RLock()
         self.elasticity = elasticity_of(elasticity)
         check_arguments(height, grid, control, tolerance, max_iterations, self.elasticity)
         self.height = height
@@ -140,6 +143,7 @@ class LoadedContact:
         """Displacement of the flat block just out of reach of the law (m)."""
         return np.full(self.height.shape, self.height.max() + self._reach)
 
+    @in_turn
     def step(self, state: np.ndarray | Solution, target: float) -> Solution:
         """The equilibrium that a state falls into under a new load.
 
@@ -204,6 +208,7 @@ class LoadedContact:
         # Rounding of a displacement that was stored and read is less than this.
         return bool(self._window.inside(gap).min() > (1 - 1e-6) * self._reach / self._length)
 
+    @in_turn
     def stiffness(self, solution: Solution) -> float:
         """−dp/dū of a state, mean pressure over mean gap (Pa/m).
 

@@ -21,13 +21,12 @@ from bem_adhesion.free_boundary import Window
 from bem_adhesion.load import Load
 from bem_adhesion.local_relaxation import LocalRelaxation
 from bem_adhesion.operator import MakeOperator
+from bem_adhesion.process_zone import process_zone
 from bem_adhesion.solution import NewtonResult, Outcome
 from contact_study.fields.grid import Grid
 from contact_study.fields.memory import Memory
 from contact_study.problem.laws.base import TractionLaw
 
-# A grid that resolves the process zone E*Δγ/σ_max² by at least this many points is free of lattice trapping.
-POINTS_PER_PROCESS_ZONE = 4
 # A coarser grid still predicts: down to this many points it saves more work than it costs.
 POINTS_FOR_PREDICTION = 1.25
 # Tolerance on the coarse grids: their solutions are predictions. With 1e-4 three paths (1024², 4 ε0) take 4 % more
@@ -55,13 +54,6 @@ TANGENT_STEPS, POINTS_FOR_STEPS = 3, 32
 POINTS_FOR_CURVATURE, CURVATURE_MARGIN = 4, 1.05
 # Points along an axis below which a grid is not halved: nothing is left to save.
 FEWEST_POINTS = 8
-
-
-def process_zone(contact_modulus: float, law: TractionLaw) -> float:
-    """Length E* Δγ / σ_max² over which the law bridges the edge of a contact (m), infinite without attraction."""
-    if not law.attracts:
-        return np.inf
-    return contact_modulus * law.work_of_adhesion / law.peak_tensile_stress**2
 
 
 @njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "arcp", "nsz"})

@@ -3,6 +3,8 @@
 The algorithm is in :mod:`bem_adhesion.active_set`, of a wall that yields in :mod:`bem_adhesion.bounded_set`.
 """
 
+from threading import RLock
+
 import numpy as np
 
 from bem_adhesion.active_set import ContactLevel
@@ -15,6 +17,7 @@ from bem_adhesion.tangent import PINNED, mean_stiffness
 from contact_study.fields.arguments import positive
 from contact_study.fields.grid import Grid
 from contact_study.fields.inner_product import inner_product
+from contact_study.fields.turns import in_turn
 from contact_study.problem.elasticity import Elasticity
 from contact_study.problem.laws import HardWall
 
@@ -25,6 +28,10 @@ better start than the coarser grids.
 In one iteration the edge of contact moves by about a spacing. A fresh nested start costs 19 to 30 pairs; from an
 earlier state it is 16 to 22 up to this limit, 20 to 30 at twice of it, 35 to 50 for a factor of two in the load (256²
 to 1024², roughness cut off at 12 waves and at 8 points a wave)."""
+
+SHARE_OF_PUNCH = 1e-3
+"""Share of a punch's displacement that errors are measured by where it has less rms height: what rounding leaves of it
+is more than any share of that."""
 
 
 class PressedWall:
@@ -44,6 +51,7 @@ class PressedWall:
         hardness: float | None,
         unit: float | None,
     ):
+        self.turn = RLock()
         self.elasticity = elasticity
         self.tolerance = tolerance
         self.max_iterations = max_iterations
@@ -55,30 +63,41 @@ class PressedWall:
         present = height if self._bounded else height[finite]
         self._share = present.size / height.size
         self._mean_height = float(present.mean())
-        mean_free = height - self._mean_height
         rms_height = float(present.std())
         self._unit = unit or rms_height
         self._rounding = float(np.finfo(float).eps * max(present.max(), -present.min()))
-        self._flat = rms_height <= self._rounding
-        if self._flat and not self._bounded:
-            raise ValueError("height: a flat punch with free boundaries has no height to measure errors by")
+        self._flat = self._bounded and rms_height <= self._rounding
+        self._threads = threads
+        self._unit_of_level = self._pairs_of_levels = 0.0
         if not self._flat:
-            period = max(grid.size)
-            modulus = self.elasticity.contact_modulus
-            self._pressure_unit = modulus * self._unit / period
-            unit_grid = Grid(grid.shape, (grid.size[0] / period, grid.size[1] / period))
-            mean_free /= self._unit
-            make_operator = periodic(self.elasticity.scaled(period, modulus), threads=threads)
-            self._level = (
-                ContactLevel(mean_free, unit_grid, make_operator)
-                if hardness is None
-                else BoundedLevel(self.hardness / self._pressure_unit, mean_free, unit_grid, make_operator)
-            )
+            self._scale_to(self._unit or max(grid.size))
+
+    def _scale_to(self, unit: float) -> None:
+        """Have a level in this unit of heights (m)."""
+        if unit == self._unit_of_level:
+            return
+        self._pairs_of_levels = self._pairs()
+        period, modulus = max(self.grid.size), self.elasticity.contact_modulus
+        self._unit_of_level, self._pressure_unit = unit, modulus * unit / period
+        grid = Grid(self.grid.shape, (self.grid.size[0] / period, self.grid.size[1] / period))
+        heights = self._height - self._mean_height
+        heights /= unit
+        make_operator = periodic(self.elasticity.scaled(period, modulus), threads=self._threads)
+        self._level = (
+            ContactLevel(heights, grid, make_operator)
+            if np.isinf(self.hardness)
+            else BoundedLevel(self.hardness / self._pressure_unit, heights, grid, make_operator)
+        )
+
+    def _unit_at(self, displacement: float) -> float:
+        """The unit of errors where a punch sinks in by about so much (m)."""
+        return self._unit if self._bounded else max(self._unit, SHARE_OF_PUNCH * displacement)
 
     def separated(self) -> np.ndarray:
         """The state without contact to start from: no pressure anywhere (Pa), in no memory and read-only."""
         return np.broadcast_to(0.0, self.grid.shape)
 
+    @in_turn
     def stiffness(self, solution: Solution) -> float:
         """−dp/dū of a state, mean pressure over mean gap (Pa/m): zero without contact, infinite in full contact.
 
@@ -102,6 +121,8 @@ class PressedWall:
             return self._solution(np.full(self.grid.shape, mean_pressure), np.zeros(self.grid.shape))
         if mean_pressure == 0:
             return self._apart(float(self._height.max()))
+        unit = self._unit_at(mean_pressure / self._share * max(self.grid.size) / self.elasticity.contact_modulus)
+        self._scale_to(unit)
         level, load = self._level, mean_pressure / self._pressure_unit
         full_contact, surface, indentation = False, None, None
         if _similar(state, mean_pressure):
@@ -114,18 +135,20 @@ class PressedWall:
         else:
             residual, iterations, outcome = level.solve(load, self.tolerance, self.max_iterations)
             gap = level.gap()
-            gap *= self._unit
+            gap *= unit
             indentation = level.indentation()
             if indentation is not None:
-                indentation *= self._unit
+                indentation *= unit
             if not self._bounded or indentation is not None:
-                surface = level.surface() * self._unit + self._mean_height
+                surface = level.surface() * unit + self._mean_height
         pressure = level.pressure * self._pressure_unit
         return self._solution(pressure, gap, residual, iterations, outcome, surface, indentation)
 
     def _pairs(self) -> float:
         """Transform pairs done so far, as float64 pairs on the grid."""
-        return 0.0 if self._flat else self._level.equivalent_pairs(self._level.grid)
+        if not self._unit_of_level:
+            return 0.0
+        return self._pairs_of_levels + self._level.equivalent_pairs(self._level.grid)
 
     def _least_full_contact_pressure(self) -> float:
         return self._level.least_full_contact_pressure() * self._pressure_unit

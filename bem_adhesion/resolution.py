@@ -4,9 +4,14 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 
-from scipy.fft import next_fast_len
-
-from bem_adhesion.multilevel import POINTS_PER_PROCESS_ZONE, process_zone
+from bem_adhesion.process_zone import (
+    POINTS_PER_PROCESS_ZONE,
+    process_zone,
+    resolved_length,
+    resolves,
+    resolving_shape,
+    too_coarse,
+)
 from contact_study.campaign.memory import grid_fits, memory_in_words, most_points
 from contact_study.problem.case import Case
 from contact_study.problem.errors import InputError
@@ -56,7 +61,7 @@ def _unresolved_law(study: Study, scales: Sequence[SurfaceScales]) -> list[str]:
     for case, scale in zip(study.cases, scales, strict=True):
         if case.law.attracts:
             zone = process_zone(_modulus(case, scale), case.law)
-            if scale.pixel * POINTS_PER_PROCESS_ZONE > zone:
+            if not resolves(scale.pixel, zone):
                 unresolved.append((scale.pixel / zone, zone, case, scale))
             reach = max(zone, case.law.length)
             if scale.pixel > _COARSEST * reach:
@@ -69,11 +74,7 @@ def _unresolved_law(study: Study, scales: Sequence[SurfaceScales]) -> list[str]:
         return []
     _, zone, case, scale = max(unresolved, key=lambda item: item[0])
     where = points([case for *_, case, _ in unresolved], len(study.cases))
-    return [
-        f"grid too coarse: its spacing is {length(scale.pixel)}, a quarter of the process zone {length(zone / 4)}"
-        f"{where}: contact edges may be trapped by the grid, and area and pull-off with them; "
-        + _way_out(case, scale, zone)
-    ]
+    return [f"{too_coarse(scale.pixel, zone, where)}; {_way_out(case, scale, zone)}"]
 
 
 def _way_out(case: Case, scale: SurfaceScales, zone: float) -> str:
@@ -83,15 +84,14 @@ def _way_out(case: Case, scale: SurfaceScales, zone: float) -> str:
     for the longest such range; else, where no memory holds them, what is left.
     """
     law, longest = case.law, _longest(case, scale)
-    # The process zone grows with the square of the law's length where the work of adhesion stays.
-    resolved = _two_digits(law.length * math.sqrt(POINTS_PER_PROCESS_ZONE * scale.pixel / zone))
+    resolved = resolved_length(law, scale.pixel, zone)
     cost = _cost(case, scale, resolved)
     accepted = f'interaction.length = "{length(resolved)}" of the same work of adhesion ({cost})'
     if resolved <= longest:
         return f"{accepted} resolves it"
     reach = max(longest, law.length)
     zone *= (reach / law.length) ** 2
-    y, x = _resolving(scale.size, zone)
+    y, x = resolving_shape(scale.size, zone)
     needs = memory_in_words((y, x))
     range_too, cost = "", ""
     if longest > law.length:
@@ -129,22 +129,6 @@ def _cost(case: Case, scale: SurfaceScales, reach: float) -> str:
     return f"Tabor parameter {tabor_parameter(*constants, reach):.2g}, a sphere's pull-off {change:+.2g} %{blurred}"
 
 
-def _two_digits(value: float) -> float:
-    """The next larger number of two digits."""
-    digits = 10 ** (math.floor(math.log10(value)) - 1)
-    return float(f"{math.ceil(value / digits * (1 - 1e-12)) * digits:.1e}")
-
-
 def _modulus(case: Case, scale: SurfaceScales) -> float:
     """E* of the wave of the grid for which the solid is softest (Pa)."""
     return case.solid.softest_modulus(*scale.grid_waves)
-
-
-def _resolving(size: tuple[float, float], zone: float) -> list[int]:
-    """Points along y and x that resolve a process zone (m)."""
-    return [_fast(math.ceil(POINTS_PER_PROCESS_ZONE * length / zone)) for length in size]
-
-
-def _fast(count: int) -> int:
-    """The next even number of points of small prime factors."""
-    return 2 * int(next_fast_len(math.ceil(count / 2), real=True))

@@ -6,7 +6,7 @@ import numpy as np
 
 from bem_adhesion.equilibrium_path import path_of_equilibria
 from bem_adhesion.friction_path import path_against_friction
-from bem_adhesion.multilevel import process_zone
+from bem_adhesion.process_zone import process_zone
 from bem_adhesion.resolution import review
 from bem_adhesion.time_path import path_in_time
 from contact_study.campaign import overdamped_path

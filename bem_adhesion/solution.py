@@ -43,7 +43,7 @@ class Solution:
     ----------
     state : numpy.ndarray, shape (y, x)
         What the next step starts from, of the solver that gave it: the displacement (m), or the pressure on a hard wall
-        (Pa).
+        (Pa). Read-only, with the field that it is.
     displacement : numpy.ndarray, shape (y, x)
         Position of the block's deformed surface (m): heights plus gap, mean included.
     gap : numpy.ndarray, shape (y, x)
@@ -89,6 +89,9 @@ class Solution:
     plane: float | None = None
     plastic_indentation: np.ndarray | None = None
     law: TractionLaw = field(kw_only=True)
+
+    def __post_init__(self):
+        self.state.setflags(write=False)  # it is the displacement's array, or a wall's pressure's, and a later start
 
     def __repr__(self) -> str:
         return in_two_lines(self)

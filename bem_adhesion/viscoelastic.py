@@ -20,7 +20,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from bem_adhesion.contact import Contact, rough_contact
+from bem_adhesion.contact import Contact, contact_between, warn_of_coarse_grid
 from bem_adhesion.solution import Solution
 from contact_study.fields import fourier
 from contact_study.fields.arguments import field, grid_of, positive, step_arguments
@@ -48,6 +48,11 @@ class ViscoelasticContact:
     ------
     ValueError
         As :func:`rough_contact`.
+
+    Warns
+    -----
+    UserWarning
+        As :func:`rough_contact`.
     """
 
     def __init__(
@@ -62,9 +67,9 @@ class ViscoelasticContact:
         self.solid = solid
         grid = grid_of(self.height, size)
         self._weight = grid.multiplicity * HalfSpace(1.0).stiffness_on(grid)
-        self._make: Callable[[np.ndarray, float], Contact] = lambda heights, modulus: rough_contact(
+        self._make: Callable[[np.ndarray, float], Contact] = lambda heights, modulus: contact_between(
             heights,
-            size,
+            grid,
             modulus,
             law,
             **options,  # type: ignore[arg-type]
@@ -74,6 +79,7 @@ class ViscoelasticContact:
         self._times = np.array(solid.relaxation_times)
         self._control = str(options.get("control", "pressure"))
         self._apart = self._make(self.height, solid.contact_modulus).separated()
+        warn_of_coarse_grid(grid, solid, law)
 
     @property
     def first_gap(self) -> float:

@@ -15,7 +15,7 @@ from bem_adhesion import LennardJones104, rough_contact
 
 parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
 parser.add_argument("-o", "--output", default="hysteresis_loop.png", help="figure")
-parser.add_argument("--points", type=int, default=160, help="grid points a side")
+parser.add_argument("--points", type=int, default=320, help="grid points a side")
 parser.add_argument("--steps", type=int, default=25, help="states of each branch")
 arguments = parser.parse_args()
 

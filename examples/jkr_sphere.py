@@ -18,7 +18,7 @@ from bem_adhesion import LennardJones104, rough_contact
 
 parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
 parser.add_argument("-o", "--output", default="jkr_sphere.png", help="figure")
-parser.add_argument("--points", type=int, default=128, help="grid points a side")
+parser.add_argument("--points", type=int, default=288, help="grid points a side")
 arguments = parser.parse_args()
 
 radius, modulus, work, length = 50e-9, 1e9, 0.05, 0.4e-9  # R, E*, w, r0

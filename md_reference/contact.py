@@ -1,11 +1,13 @@
 """Atoms under load, by the same face as the continuum: a state and a target in, a solution out."""
 
 from collections.abc import Callable, Sequence
+from threading import RLock
 
 import numpy as np
 
 from contact_study.fields import fourier
 from contact_study.fields.arguments import check_control, field, finite, grid_of, positive, step_arguments
+from contact_study.fields.turns import in_turn
 from contact_study.problem.lattice import Lattice, lattice_of
 from md_reference.block import SurfaceStiffness, element_matrix, surface_stiffness
 from md_reference.equilibrium import EquilibriumSolver
@@ -53,6 +55,7 @@ class AtomisticContact:
         max_iterations: int = 2000,
         threads: int = 1,
     ):
+        self.turn = RLock()
         check_control(control, tolerance, max_iterations)
         positive("contact_modulus", contact_modulus, "Pa")
         self.block = stiffness
@@ -84,6 +87,7 @@ class AtomisticContact:
         start[2] = np.maximum(start[2], self.interface.floor(start) + 0.5 * self.interface.length)
         return start
 
+    @in_turn
     def step(self, state: np.ndarray | Solution, target: float) -> Solution:
         """The equilibrium that a state falls into under a new load.
 

@@ -71,7 +71,7 @@ class Solution:
     Attributes
     ----------
     state : numpy.ndarray, shape (3, ny, nx)
-        What the next step starts from (m).
+        What the next step starts from (m); read-only, with the displacement that it is.
     displacement : numpy.ndarray, shape (3, ny, nx)
         As of :class:`Equilibrium` (m).
     gap : numpy.ndarray, shape (ny, nx)
@@ -110,6 +110,9 @@ class Solution:
     fft_pairs: float
     outcome: Outcome
     length: float
+
+    def __post_init__(self):
+        self.state.setflags(write=False)
 
     def __repr__(self) -> str:
         return in_two_lines(self)

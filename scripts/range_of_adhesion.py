@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from bem_adhesion import rough_contact
-from bem_adhesion.multilevel import POINTS_PER_PROCESS_ZONE, process_zone
+from bem_adhesion.process_zone import POINTS_PER_PROCESS_ZONE, process_zone
 from contact_study.campaign.command import Parser, guarded
 from contact_study.fields.grid import Grid
 from contact_study.problem.automatic import AUTO, LENGTH

@@ -14,6 +14,8 @@ from scripts import benchmark_peers
 from scripts.benchmark_peers import MEAN_PRESSURE, AtomOnHalfSpace, Problem, measured, ours, surface
 from tests.documentation.pages import ROOT
 
+pytestmark = pytest.mark.filterwarnings("ignore:grid too coarse")
+
 POINTS = 32
 
 

@@ -12,6 +12,8 @@ import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 
+pytestmark = pytest.mark.filterwarnings("ignore:grid too coarse")
+
 EXAMPLES = sorted((Path(__file__).parent.parent / "examples").glob("*.py"))
 # Sizes at which an example takes seconds.
 SMALLER = {

@@ -244,6 +244,7 @@ def test_maugis_has_his_limits():
     assert approach == pytest.approx(radius**2 / 3, rel=2e-3)
 
 
+@pytest.mark.filterwarnings("ignore:grid too coarse")
 def test_the_contact_mechanics_challenge(capsys):
     assert contact_challenge.main(["--size", "2 um", "--points", "48", "96", "--pressures", "1 MPa", "4 MPa"]) == 0
     said, errors = capsys.readouterr()
@@ -338,6 +339,7 @@ def test_the_work_of_separation_of_maugis_becomes_that_of_jkr():
     assert sphere_path.maugis_work(40.0) == pytest.approx(expected, rel=1e-3)
 
 
+@pytest.mark.filterwarnings("ignore:grid too coarse")
 def test_the_work_of_the_load_goes_into_the_energies(capsys):
     assert validate_energies.main(["--points", "32", "--steps", "4", "8"]) == 0
     _, _, coarse, fine, order = (row.strip("| ").split(" | ") for row in capsys.readouterr().out.splitlines())

@@ -6,6 +6,8 @@ import pytest
 from scripts import two_starts_with_adhesion
 from scripts.two_starts_with_adhesion import CELL, RADIUS, rms_curvature, surface
 
+pytestmark = pytest.mark.filterwarnings("ignore:grid too coarse")
+
 
 def test_surface_has_the_radius_it_says():
     points = 128

@@ -3,6 +3,7 @@
 import itertools
 
 import numpy as np
+import pytest
 
 from scripts import validate_waves
 from scripts.validate_waves import (
@@ -14,6 +15,8 @@ from scripts.validate_waves import (
     order,
     root_mean_square,
 )
+
+pytestmark = pytest.mark.filterwarnings("ignore:grid too coarse")
 
 
 def test_adhesive_wave_converges_to_johnson_s():

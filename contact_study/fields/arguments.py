@@ -79,9 +79,9 @@ def step_arguments(control: str, target: float, state: Any, shape: tuple[int, ..
 
 
 def field(name: str, values: object) -> np.ndarray:
-    """A field (y, x) of finite numbers; raises ValueError otherwise."""
+    """A copy of a field (y, x) of finite numbers; raises ValueError otherwise."""
     try:
-        array = np.asarray(values, dtype=float)
+        array = np.array(values, dtype=float)
     except (TypeError, ValueError):
         raise ValueError(f"{name} must be an array (y, x) of numbers") from None
     if array.ndim != 2 or not array.size:

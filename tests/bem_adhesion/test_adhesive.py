@@ -9,8 +9,9 @@ from bem_adhesion.adhesive import AdhesiveContact
 from bem_adhesion.linearised import LinearisedContact
 from bem_adhesion.load import FieldLoad
 from bem_adhesion.loading import LoadedContact
-from bem_adhesion.multilevel import MultilevelContact, process_zone
+from bem_adhesion.multilevel import MultilevelContact
 from bem_adhesion.operator import PeriodicOperator, periodic
+from bem_adhesion.process_zone import process_zone
 from bem_adhesion.solution import Outcome
 from contact_study.fields.grid import Grid
 from contact_study.problem.elasticity import HalfSpace

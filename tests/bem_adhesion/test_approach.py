@@ -18,6 +18,8 @@ from tests.bem_adhesion.rough_surfaces import self_affine
 from tests.laws_of_all_kinds import EVERY_LAW
 from theory.run import check as check_theory
 
+pytestmark = pytest.mark.filterwarnings("ignore:grid too coarse")
+
 LAWS = {
     "hard_wall": HardWall(),
     **{name: EVERY_LAW[name] for name in ("exponential", "lennard_jones_10_4", "repulsive")},

@@ -1,5 +1,9 @@
 """The face that both continuum solvers share."""
 
+import re
+import warnings
+from concurrent.futures import ThreadPoolExecutor
+
 import numpy as np
 import pytest
 
@@ -10,10 +14,13 @@ from bem_adhesion import (
     HardWall,
     Layer,
     LennardJones104,
+    Repulsive,
     Viscoelastic,
     ViscoelasticContact,
     rough_contact,
 )
+from contact_study.problem.units import quantity
+from tests.bem_adhesion.paper_system import study_table
 from tests.bem_adhesion.rough_surfaces import CONTACT_MODULUS, SIZE, self_affine
 
 LAW = LennardJones104(work_of_adhesion=0.2, length=3.28e-10)
@@ -153,3 +160,78 @@ def test_a_solution_has_the_numbers_of_a_dataset_and_compares_by_identity():
 def test_all_that_is_exported_exists():
     assert all(hasattr(bem_adhesion, name) for name in bem_adhesion.__all__)
     assert bem_adhesion.__version__
+
+
+@pytest.mark.parametrize("options", [{}, {"boundary": "free"}, {"control": "gap"}])
+def test_a_grid_that_does_not_resolve_its_law_is_told_of(options):
+    """As a study's review does; what is proposed is taken without a word."""
+    height, _ = self_affine(64)
+    strong = LennardJones104(5.52, 3.28e-10)
+
+    def told(points, law):
+        with warnings.catch_warnings(record=True) as said:
+            warnings.simplefilter("always")
+            rough_contact(np.zeros((points, points)) if points != 64 else height, SIZE, CONTACT_MODULUS, law, **options)
+        return [str(each.message) for each in said]
+
+    (line,) = told(64, strong)
+    assert line.startswith("grid too coarse: its spacing is 1.625 nm, the process zone")
+    assert "slow loading" in line
+    points = int(re.search(r"; (\d+) x \1 points resolve it", line)[1])
+    length = quantity(re.search(r"a length of (\S+ \S+) and", line)[1], "m", "")
+    assert told(points, strong) == told(64, LennardJones104(5.52, length)) == []
+    assert told(points - 64, strong) != [] != told(64, LennardJones104(5.52, 0.95 * length))
+    assert told(64, HardWall()) == told(64, Repulsive(0.0, 3.28e-10, 5.52)) == []
+
+
+@pytest.mark.parametrize("kind", ["half_space", "viscoelastic"])
+def test_a_study_says_it_once(kind):
+    """Its review does, for all cases; the contacts do not."""
+    table = study_table(32, size=500e-10, loading={"path": [1e9]})
+    table["interaction"]["length"] = 1e-10
+    if kind == "viscoelastic":
+        table["elasticity"] = {"kind": kind, "branch_youngs_moduli": [5e9], "relaxation_times": ["1 s"]}
+        table["loading"] |= {"duration": "1 s", "time_steps": 2}
+    with pytest.warns(UserWarning, match="grid too coarse") as said:
+        contact_study.run(table, "continuum")
+    assert len(said) == 1
+
+
+def test_a_viscoelastic_contact_says_it_once():
+    solid = Viscoelastic(1e9, (1e9,), (1.0,))
+    with pytest.warns(UserWarning, match="grid too coarse"):
+        contact = ViscoelasticContact(HEIGHT, 100e-9, solid, LAW)
+    contact.step(contact.separated(), 1e6, 0.1)  # a warning here were an error
+
+
+@pytest.mark.parametrize("law", [LAW, HardWall()])
+@pytest.mark.parametrize("boundary", ["periodic", "free"])
+def test_what_is_done_to_arrays_given_or_returned_changes_no_state(law, boundary):
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", "grid too coarse")
+        height = HEIGHT.copy()
+        contact = rough_contact(height, SIZE, CONTACT_MODULUS, law, boundary=boundary)
+        first = contact.step(contact.separated(), 1e9)
+        expected = contact.step(first, 2e9).gap
+        height *= 1.5
+        for field in (first.displacement, first.pressure, first.gap):
+            if field.flags.writeable:
+                np.multiply(field, 1e9, out=field)
+        with pytest.raises(ValueError, match="read-only"):
+            first.state[...] = 0
+        np.testing.assert_array_equal(contact.step(first, 2e9).gap, expected)
+
+
+@pytest.mark.parametrize("law", [LAW, HardWall()])
+def test_threads_that_share_a_contact_take_turns(law):
+    height, _ = self_affine(96)
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", "grid too coarse")
+        contact = rough_contact(height, SIZE, CONTACT_MODULUS, law)
+    start, loads = contact.separated(), np.linspace(0.5e9, 4e9, 8)
+    alone = [contact.step(start, load) for load in loads]
+    with ThreadPoolExecutor(4) as pool:
+        together = list(pool.map(lambda load: contact.step(start, load), loads))
+    for one, other in zip(alone, together, strict=True):
+        assert other.converged
+        np.testing.assert_array_equal(one.gap, other.gap)

@@ -13,6 +13,8 @@ from tests.bem_adhesion.paper_system import E_STAR, study_table
 from tests.bem_adhesion.rough_surfaces import self_affine
 from tests.laws_of_all_kinds import EVERY_LAW, KEYS
 
+pytestmark = pytest.mark.filterwarnings("ignore:grid too coarse")
+
 SOFT = {name: law for name, law in EVERY_LAW.items() if name != "hard_wall"}
 every_law = pytest.mark.parametrize("law", SOFT.values(), ids=SOFT)
 LOADS = {"pressure": (0.2e9, 2e9, 20e9, 1e9), "gap": (6e-10, 2e-10, 0.3e-10, 4e-10)}

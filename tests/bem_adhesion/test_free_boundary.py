@@ -18,6 +18,8 @@ from contact_study.problem.study import make_study
 from tests.problem.test_study import changed
 from theory import references as reference
 
+pytestmark = pytest.mark.filterwarnings("ignore:grid too coarse")
+
 
 def displacement_by_sums(pressure, grid, modulus):
     """Σ over cells of a cell's displacement, each in closed form, no transform."""
@@ -192,6 +194,48 @@ def test_the_work_of_the_force_is_the_energy_stored():
     assert energies[-1] - energies[0] == pytest.approx(-np.trapezoid(loads, planes), rel=1e-4)
 
 
+def punch(points, rms=0.0, **options):
+    """A square of sides one, flat but for so much."""
+    height = 0.3 + rms * np.random.default_rng(0).standard_normal((points, points))
+    return rough_contact(height, 1.0, 1.0, HardWall(), boundary="free", **options)
+
+
+def test_a_flat_square_punch():
+    """Its force over E* times approach and side is π times its capacitance over 4πε₀, 0.36679."""
+    found = []
+    for points in (32, 64):
+        contact = punch(points)
+        pressed = contact.step(contact.separated(), 0.01)
+        assert pressed.converged
+        approach = 0.3 - pressed.plane
+        found.append(0.01 / approach)
+        assert contact.stiffness(pressed) == pytest.approx(found[-1], rel=1e-6)
+        lowered = punch(points, control="approach")
+        same = lowered.step(lowered.separated(), approach)
+        assert same.pressure.mean() == pytest.approx(0.01, rel=1e-9)
+        lifted = lowered.step(same, -0.1)
+        np.testing.assert_allclose(lifted.gap, 0.1)
+    pressed = punch(16).step(punch(16).separated(), 0.01)
+    surface = pressed.plane + displacement_by_sums(pressed.pressure, Grid((16, 16), (1.0, 1.0)), 1.0)
+    np.testing.assert_allclose(surface, 0.3, atol=1e-14)  # the tolerance, of a thousandth of about a hundredth
+    # First order in the spacing: pressures go to infinity at the rim.
+    assert 2 * found[1] - found[0] == pytest.approx(0.36679 * np.pi, rel=3e-4)
+
+
+@pytest.mark.parametrize("hardness", [None, 0.02])
+@pytest.mark.parametrize("rms", [1e-6, 1e-9, 1e-13, 1e-16])
+def test_a_punch_that_is_nearly_flat(rms, hardness):
+    """Errors are no share of heights that are less than the rounding of its displacement."""
+    contact, flat = punch(32, rms, hardness=hardness), punch(32, hardness=hardness)
+    for load in (1e-8, 0.01):
+        found = contact.step(contact.separated(), load)
+        assert found.converged
+        assert found.pressure.mean() == pytest.approx(load, rel=1e-12)
+        if load > 1e4 * rms:
+            expected = flat.step(flat.separated(), load)
+            np.testing.assert_allclose(found.pressure, expected.pressure, rtol=2e4 * rms / load + 1e-6)
+
+
 def test_both_controls_have_the_same_states():
     height, _ = sphere(32, 0.4)
     for law in (HardWall(), Exponential(1e-4, 8e-3), LennardJones104(1e-4, 8e-3)):
@@ -309,6 +353,17 @@ def test_contact_at_the_rim_is_said():
         contact_study.run(table(interaction={"law": "hard_wall"}, loading={"path": ["20 MPa"]}), "continuum")
 
 
+def test_a_flat_punch_has_nothing_beyond_its_rim():
+    for law in ({"law": "hard_wall"}, table()["interaction"]):
+        flat = table(interaction=law, surface={"heights": np.zeros((64, 64)), "size": "20 nm"})
+        flat["loading"] = {"path": ["20 MPa"]}
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            found = contact_study.run(flat, "continuum").isel(step=0)
+        assert found.relative_contact_area == 1
+        assert found.converged == 1
+
+
 def held_apart(*shares):
     """A stiff sphere that comes no nearer than where an exponential of 0.5 nm pulls at its rim with these shares."""
     stiff, away = {"youngs_modulus": 1e12, "poissons_ratio": 0.3}, "-9 nm"
@@ -381,5 +436,3 @@ def test_library_arguments_are_named():
         rough_contact(height, 1.0, 1.0, HardWall(), "gap", boundary="free")
     with pytest.raises(ValueError, match="boundary = 'open'"):
         rough_contact(height, 1.0, 1.0, HardWall(), boundary="open")
-    with pytest.raises(ValueError, match="flat punch"):
-        rough_contact(np.zeros((8, 8)), 1.0, 1.0, HardWall(), boundary="free")

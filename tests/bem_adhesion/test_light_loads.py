@@ -20,6 +20,8 @@ from tests.bem_adhesion.paper_system import study_table
 from tests.bem_adhesion.rough_surfaces import random_heights
 from tests.laws_of_all_kinds import EVERY_LAW
 
+pytestmark = pytest.mark.filterwarnings("ignore:grid too coarse")
+
 E_STAR, SIZE = 230e9, 1e-6
 # Of the pressure: what may be missing of a light one with the default tolerance, by its share of LIGHT. Of 1 Pa,
 # 4e-12 E*, rounding leaves up to 3e-5.

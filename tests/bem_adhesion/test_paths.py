@@ -17,6 +17,8 @@ from tests.bem_adhesion.paper_system import E_STAR, R0, study_table
 from tests.bem_adhesion.rough_surfaces import self_affine
 from theory.references import maugis_dugdale_contact, maugis_dugdale_pull_off
 
+pytestmark = pytest.mark.filterwarnings("ignore:grid too coarse")
+
 SOLID = HalfSpace(E_STAR)
 LAW = LennardJones104(0.69, R0)
 

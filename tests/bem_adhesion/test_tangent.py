@@ -10,6 +10,8 @@ from tests.bem_adhesion.paper_system import E_STAR, study_table
 from tests.bem_adhesion.rough_surfaces import self_affine
 from tests.laws_of_all_kinds import EVERY_LAW
 
+pytestmark = pytest.mark.filterwarnings("ignore:grid too coarse")
+
 
 @pytest.mark.parametrize("solid", [HalfSpace(E_STAR), Layer(E_STAR, 0.3, 5e-9)], ids=["half-space", "layer"])
 @pytest.mark.parametrize("law", EVERY_LAW.values(), ids=EVERY_LAW)

@@ -15,6 +15,8 @@ from tests.bem_adhesion.paper_system import study_table
 from tests.bem_adhesion.rough_surfaces import SIZE, self_affine
 from theory.run import check as check_theory
 
+pytestmark = pytest.mark.filterwarnings("ignore:grid too coarse")
+
 RELAXED = 1e9
 SOLID = Viscoelastic(RELAXED, (2e9, 1e9), (1.0, 0.1))
 INSTANTANEOUS = 4e9

@@ -1,5 +1,7 @@
 """The atoms by the face that they share with the continuum."""
 
+from concurrent.futures import ThreadPoolExecutor
+
 import numpy as np
 import pytest
 
@@ -106,3 +108,17 @@ def test_a_solution_starts_a_step_and_speaks_for_itself():
 
 def test_all_that_is_exported_exists():
     assert all(hasattr(md_reference, name) for name in md_reference.__all__)
+
+
+def test_threads_that_share_a_block_take_turns_and_find_their_start_as_it_was():
+    height = 2e-10 * np.sin(2 * np.pi * np.arange(32) / 32)[:, None] * np.ones(32)
+    contact = rough_contact(height, 32 * LATTICE_CONSTANT, **BLOCK)
+    start, loads = contact.separated(), (0.5e9, 1e9, 2e9, 4e9)
+    alone = [contact.step(start, load) for load in loads]
+    with ThreadPoolExecutor(4) as pool:
+        together = list(pool.map(lambda load: contact.step(start, load), loads))
+    for one, other in zip(alone, together, strict=True):
+        assert other.converged
+        np.testing.assert_array_equal(one.gap, other.gap)
+    with pytest.raises(ValueError, match="read-only"):
+        alone[0].displacement[...] = 0

@@ -25,7 +25,7 @@ from contact_study.problem.laws.lennard_jones import LennardJones
 from contact_study.problem.laws.lennard_jones_9_3 import LennardJones93
 from contact_study.problem.laws.lennard_jones_10_4 import LennardJones104, work_of_adhesion
 from contact_study.problem.study import make_study
-from tests.laws_of_all_kinds import ADHESIVE, EVERY_LAW, KEYS, TABLE_GAPS, TABLE_TRACTIONS
+from tests.laws_of_all_kinds import ADHESIVE, EVERY_LAW, KEYS, TABLE_GAPS, TABLE_TRACTIONS, WORK
 from tests.problem.test_study import changed
 
 R0 = 3.28e-10
@@ -104,6 +104,37 @@ def test_repulsive_gap_at_any_pressure(law):
     """A weak law under a stiff block: pressures up to 1e16 times the peak."""
     traction = -law.peak_tensile_stress * np.geomspace(1e6, 1e16, 41)
     np.testing.assert_allclose(law.traction(law.repulsive_gap(traction)), traction, rtol=1e-12)
+
+
+class MorseThatSaysItDiverges(TractionLaw):
+    """Morse's potential with a range of its length: its repulsion at zero gap is 2 Δγ/r0 (e² − e)."""
+
+    title = words = "soft Morse"
+
+    def potential(self, gap):
+        fading = np.exp(1 - np.asarray(gap) / self.length)
+        return self.work_of_adhesion * (fading**2 - 2 * fading)
+
+
+class Saturating(MorseThatSaysItDiverges):
+    """Beyond zero gap its repulsion does not grow."""
+
+    diverges = False
+
+    def traction(self, gap):
+        return super().traction(np.maximum(gap, 0))
+
+
+def test_a_repulsion_that_ends_is_told():
+    """Both searches had no end."""
+    strongest = 2 * WORK / R0 * (np.e**2 - np.e)
+    for law, words in (
+        (MorseThatSaysItDiverges(WORK, R0), "soft Morse.*reaches .* Pa, not .* Pa; .*diverges is False"),
+        (Saturating(WORK, R0), "soft Morse.*reaches .* Pa, not .* Pa$"),
+    ):
+        assert law.traction(law.repulsive_gap(np.array(-1e-3 * strongest))) == pytest.approx(-1e-3 * strongest)
+        with pytest.raises(ValueError, match=words):
+            law.repulsive_gap(np.array([0.0, -1.1 * strongest]))
 
 
 @pytest.mark.parametrize("kind", [LennardJones104, LennardJones93])

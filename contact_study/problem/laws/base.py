@@ -19,6 +19,8 @@ _IMAGINARY_STEP, _REAL_STEP = 1e-30, 3e-4
 _SAMPLES = np.geomspace(1e-2, 1e2, 4001)
 # Halvings and Newton steps that find a gap from its traction; half of them would do for a power law.
 _INVERSE_STEPS = 100
+# Lengths of a law beyond which, or shares of one below which, no gap is looked for.
+_FARTHEST = 1e100
 # Gap below which points count as contact unless a study says otherwise, in units of the law's length.
 CONTACT_DISTANCE = 2 ** (1 / 6)
 
@@ -111,13 +113,24 @@ class TractionLaw(ABC):
         return (8 * near - far) / (12 * step)
 
     def repulsive_gap(self, traction: np.ndarray) -> np.ndarray:
-        """The gap at or below equilibrium at which the traction has the given value <= 0 (m)."""
+        """The gap at or below equilibrium at which the traction has the given value <= 0 (m).
+
+        Raises
+        ------
+        ValueError
+            If no gap has it: the repulsion is finite, at a gap of zero for a law that says it diverges there.
+        """
         traction = np.asarray(traction, dtype=float)
         high = np.full(traction.shape, self.equilibrium_distance)
         if self.has_wall:
             return high
         low, below = 0.5 * high, self.length
         while np.any(deeper := self.traction(low) > traction):
+            if not self.length / _FARTHEST < (np.min(low) if self.diverges else below) < _FARTHEST * self.length:
+                raise ValueError(
+                    f"law: {self.title}: its repulsion reaches {-self.traction(low).min():.3g} Pa, not "
+                    f"{-traction.min():.3g} Pa" + ("; with a finite one at zero gap, diverges is False" * self.diverges)
+                )
             low = np.where(deeper, 0.5 * low if self.diverges else low - below, low)
             below *= 2
         gap = high.copy()
