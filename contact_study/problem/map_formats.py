@@ -173,9 +173,9 @@ def _instrument(path: Path, channel: Channel, reason: str) -> RawMap:
                 raise line_scan(path, reader.channels[0].nb_grid_pts[0])
             # The unit of what is no length is no text with some readers.
             lengths = {one.channel_id for one in maps if one.is_height_channel and isinstance(one.unit, str | None)}
-            named = {name for name in lengths if not _NO_HEIGHTS.search(name)} or lengths
+            surfaces = {name for name in lengths if not _NO_HEIGHTS.search(name)}
             names = [one.channel_id for one in maps]
-            name = chosen(path, names, channel, others=set(names) - named)
+            name = chosen(path, names, channel, others=set(names) - surfaces)
             found = next(one for one in maps if one.channel_id == name)
             sides = found.physical_sizes
             # It asks for a size where the file has none.

@@ -195,6 +195,8 @@ def test_the_longest_range_of_rubber_is_proposed_with_the_shape_it_needs():
     assert review(json.loads(shape)[0], interaction=longer, **soft) == []
     (other,) = review(64, interaction=longer, **soft)
     assert other.endswith(f"surface.shape = {shape} (0.47 GB) resolves it")
+    # What half the points resolve is 1.4 times as long: no longer JKR-like.
+    assert f"surface.shape = {shape}" in review(json.loads(shape)[0] // 2, interaction=law, **soft)[0]
 
 
 def test_a_range_that_the_grid_resolves_and_that_stays_jkr_like_is_all_that_is_proposed():

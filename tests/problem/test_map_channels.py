@@ -65,9 +65,11 @@ def test_several_heights_leave_a_choice(tmp_path):
         )
 
 
-def test_a_file_of_phases_holds_no_heights(tmp_path):
-    nanoscope(tmp_path / "map.di", "Phase")
-    assert "holds no map of heights; it has 0: Phase (not a height)" in refused(tmp_path / "map.di", None)
+@pytest.mark.parametrize("name", ["Phase", "AmplitudeError"])
+def test_a_file_of_other_channels_holds_no_heights(tmp_path, name):
+    """In degrees, and in nanometres."""
+    nanoscope(tmp_path / "map.di", name)
+    assert f"holds no map of heights; it has 0: {name} (not a height)" in refused(tmp_path / "map.di", None)
 
 
 def test_a_line_scan_of_an_instrument_is_named(tmp_path):

@@ -151,8 +151,10 @@ def test_netcdf_with_the_attributes_of_surfacetopography(tmp_path, heights):
     mask[3, 2] = 1
     unit = {"unit": "A"}
     coordinates = {"x": ("x", np.arange(8.0), unit | {"length": 8.0}), "y": ("y", np.arange(6.0), unit)}
-    fields = {"heights": (("x", "y"), torn.T, unit), "mask": (("x", "y"), mask)}
-    xr.Dataset(fields, coordinates).to_netcdf(tmp_path / "map.nc")
+    fields = {"topography": (("x", "y"), torn.T, unit), "mask": (("x", "y"), mask)}
+    xr.Dataset(fields, coordinates).to_netcdf(tmp_path / "other.nc")
+    xr.Dataset(fields, coordinates).rename(topography="heights").to_netcdf(tmp_path / "map.nc")
+    np.testing.assert_array_equal(*(read_height_map(tmp_path / name).heights for name in ("other.nc", "map.nc")))
     found = read_height_map(tmp_path / "map.nc")
     assert found.size == pytest.approx((6e-10, 8e-10), abs=0, rel=1e-9)
     assert found.unit == "angstrom, its file"

@@ -81,6 +81,11 @@ def test_three_columns_are_points(tmp_path, head, separator):
     assert "missing key surface.lateral_unit" in refused(tmp_path / "map.txt", height_unit="nm")
 
 
+def test_a_table_of_three_columns_with_its_sides_is_too_small(tmp_path):
+    (tmp_path / "map.txt").write_text("# Width: 1 um\n# Height: 2 um\n" + "1 2 3\n" * 5)
+    assert "holds an array of shape (5, 3); expected at least 4 x 4" in refused(tmp_path / "map.txt")
+
+
 @pytest.mark.parametrize(
     "head", ["X[um] Y[um] Z[nm]\n", "X (um); Y (um); Z (nm)\n", "# Lateral units: um\n# Value units: nm\n"]
 )
