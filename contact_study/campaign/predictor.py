@@ -3,6 +3,7 @@
 import hashlib
 import tomllib
 from collections.abc import Iterator, Mapping
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -135,9 +136,14 @@ class GapFields:
 
 def _study(path: Path, attributes: Mapping[str, Any]) -> Study:
     try:
-        return make_study(tomllib.loads(str(attributes["study_toml"])), path.parent)
+        return _made(str(attributes["study_toml"]), path.parent)
     except (KeyError, tomllib.TOMLDecodeError, InputError):
         raise InputError(f"--predictor: {path} does not hold the study it came from (attribute study_toml)") from None
+
+
+@lru_cache(maxsize=1)  # every case of a study asks for it
+def _made(toml: str, directory: Path) -> Study:
+    return make_study(tomllib.loads(toml), directory)
 
 
 def _matching(study: Study, case: Case) -> Case | None:

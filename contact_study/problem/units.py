@@ -77,8 +77,13 @@ def refuse_decimal_comma(text: str, name: str) -> None:
 
 def is_a(value: Any, unit: str) -> bool:
     """Whether a value is a string with a unit of the same kind as another unit."""
+    return isinstance(value, str) and _reads_as(value, unit)
+
+
+@lru_cache(maxsize=10_000)  # every case of a study reads the same texts
+def _reads_as(text: str, unit: str) -> bool:
     try:
-        quantity(value if isinstance(value, str) else "", unit, "")
+        quantity(text, unit, "")
     except InputError:
         return False
     return True
@@ -112,7 +117,7 @@ def _split(text: str) -> tuple[str, str]:
     return match["number"], match["unit"]
 
 
-@lru_cache(maxsize=10_000)  # every case of a study reads the same texts
+@lru_cache(maxsize=10_000)
 def _from_text(text: str, unit: str, name: str) -> float:
     import pint
 

@@ -110,6 +110,22 @@ def test_joined_study_is_gone_on_from(parts, merge, run, tmp_path):
     assert {number for _, number in SOLVED} == {3}
 
 
+def test_values_in_other_units_are_one_point(run, merge, tmp_path):
+    output = {"gap_range": ["0 nm", "4 nm"]}
+    files = []
+    for name, heights in (("one.nc", ["1 angstrom", "0.5 nm"]), ("two.nc", ["5 angstrom", "0.3 nm"])):
+        files.append(
+            run(changed(sweep={"surface.rms_height": heights}, surface={"rms_height": None}, output=output), name)
+        )
+    assert merge(*files)[0] == 0
+    with xr.open_dataset(tmp_path / "all.nc") as joined:
+        np.testing.assert_allclose(joined.rms_height, [1e-10, 3e-10, 5e-10], rtol=1e-15)
+        for file in files:
+            with xr.open_dataset(file) as part:
+                at = {"rms_height": part.rms_height.values, "method": "nearest"}
+                np.testing.assert_array_equal(joined.relative_contact_area.sel(**at), part.relative_contact_area)
+
+
 def test_other_bins_are_brought_together(run, merge, tmp_path):
     """Parts of a sweep over adhesion resolve distributions of their own range."""
     table = changed(**SWEPT, output={"pressure_range": None})

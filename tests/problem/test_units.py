@@ -11,9 +11,12 @@ from contact_study.problem import units
 @pytest.fixture
 def fresh(tmp_path, monkeypatch):
     monkeypatch.setattr(units, "own_cache_folder", lambda: tmp_path)
-    units._registry.cache_clear()
+    forget = (units._registry.cache_clear, units._from_text.cache_clear)
+    for each in forget:
+        each()
     yield tmp_path
-    units._registry.cache_clear()
+    for each in forget:
+        each()
 
 
 def test_definitions_are_kept_and_damaged_ones_do_no_harm(fresh):
@@ -23,6 +26,7 @@ def test_definitions_are_kept_and_damaged_ones_do_no_harm(fresh):
     for path in kept:
         path.write_bytes(b"garbage")
     units._registry.cache_clear()
+    units._from_text.cache_clear()
     assert units.quantity("2 angstrom", "m", "key") == pytest.approx(2e-10, abs=0, rel=1e-15)
 
 

@@ -58,16 +58,12 @@ def joined_study(sources: Sequence[Source], along: Sequence[str] = ()) -> Study:
 
 def place_of(study: Study, case: Case) -> int:
     """Number of the case of a joined study that stands at the same point of its sweep."""
-    wanted = {name: _value(case, dotted) for name, dotted in _dotted(study).items()}
-    return next(
-        number
-        for number, other in enumerate(study.cases)
-        if all(same(value, other.coordinates[name]) for name, value in wanted.items())
-    )
-
-
-def _dotted(study: Study) -> dict[str, str]:
-    return {dotted.rpartition(".")[2]: dotted for dotted in study.table.get("sweep", {})}
+    number = 0
+    for dotted in study.table.get("sweep", {}):
+        values, value = study.sweep[dotted.rpartition(".")[2]].values, _value(case, dotted)
+        alike = (at for at, other in enumerate(values) if same(value, other))
+        number = number * len(values) + (values.index(value) if value in values else next(alike))
+    return number
 
 
 def _value(case: Case, dotted: str) -> Any:
@@ -96,14 +92,14 @@ def _differ_in_seeds(sources: Sequence[Source]) -> bool:
 
 def _values(sources: Sequence[Source], dotted: str) -> list[Any]:
     """Every value that a dataset has of a key, as its study writes it; numbers in increasing order."""
-    found: list[tuple[Any, Any]] = []
+    found: dict[Any, Any] = {}
     for source in sources:
         for size, written in _own_values(source, dotted):
-            if not any(same(size, known) for known, _ in found):
-                found.append((size, written))
-    if all(isinstance(size, int | float) and not isinstance(size, bool) for size, _ in found):
-        found.sort(key=lambda pair: pair[0])
-    return [written for _, written in found]
+            found.setdefault(size, written)
+    if not all(isinstance(size, int | float) and not isinstance(size, bool) for size in found):
+        return list(found.values())
+    sizes = sorted(found)
+    return [found[size] for size, before in zip(sizes, [None, *sizes], strict=False) if not same(size, before)]
 
 
 def _own_values(source: Source, dotted: str) -> Iterator[tuple[Any, Any]]:
