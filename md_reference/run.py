@@ -5,7 +5,7 @@ from collections.abc import Iterator, Mapping, Sequence
 import numpy as np
 
 from contact_study.campaign import overdamped_path
-from contact_study.campaign.memory import require_memory
+from contact_study.campaign.memory import Need
 from contact_study.campaign.model import Model
 from contact_study.observables.atoms import substrate_sites
 from contact_study.observables.base import Ensemble, InterfaceState, Value
@@ -102,13 +102,19 @@ def check(case: Case) -> None:
     if case.atomistic.method == "overdamped":
         overdamped_path.check(case, "atomistic.method")
     _ = case.block_layers  # raises where no number of cells makes the layer
-    rows, columns = case.lattice.atoms
     _check_length(case)
-    require_memory(
+
+
+def needs(case: Case) -> Iterator[Need]:
+    """The memory that the parts of a case take at least."""
+    rows, columns = case.lattice.atoms
+    yield Need(
         rows * columns * _BYTES_PER_ATOM,
         f"material.lattice_constant = {case.material.lattice_constant:g} m: a layer of {rows} x {columns} atoms",
         "a larger one or a smaller cell",
     )
+    if case.atomistic.method == "dynamics":
+        yield dynamics.need(case)
 
 
 def _check_length(case: Case) -> None:

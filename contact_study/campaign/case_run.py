@@ -14,6 +14,7 @@ import numpy as np
 from contact_study.campaign.case_file import CaseFile, CaseWriter
 from contact_study.campaign.engines.base import CampaignError, Report
 from contact_study.campaign.ensemble import Averages, restart_of
+from contact_study.campaign.memory import require
 from contact_study.campaign.model import Model
 from contact_study.campaign.record import Step, recorded
 from contact_study.campaign.resume.identity import content_hash
@@ -64,12 +65,15 @@ def run_case(job: Job, threads: int, report: Report) -> None:
     ------
     CampaignError
         If a height map has changed, or the folder of the run is not on this machine.
+    InputError
+        If the case needs more memory than this process may use.
     """
     if not job.file.parent.is_dir():
         raise CampaignError(
             f"{job.file.parent} does not exist on {socket.gethostname()}; put the output into a folder that all "
             "workers share under one name"
         )
+    require(job.model.needs(job.case))
     _check_height_map(job)
     kept = CaseWriter(job.file, len(job.case.path), job.case.output.restart)
     with kept, _kept_warnings(job, kept) as keep_warnings:

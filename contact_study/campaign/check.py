@@ -1,6 +1,5 @@
 """Everything that may refuse a study, and all that is to be said of it, before any work."""
 
-from contact_study.campaign.memory import check_memory
 from contact_study.campaign.model import Model
 from contact_study.fields.distributions import Bins
 from contact_study.problem.bins import bins_of
@@ -17,7 +16,6 @@ def checked(model: Model, study: Study) -> tuple[Bins, list[str]]:
     InputError
         If the model cannot serve it, or its numbers cannot belong together.
     """
-    check_memory(study)
     scales = scales_of(study)
     notes = [*study.notes, *review(study, scales)]
     for case in study.cases:

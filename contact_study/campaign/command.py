@@ -25,6 +25,7 @@ from contact_study.campaign.progress import Progress
 from contact_study.problem.dotted_keys import all_keys
 from contact_study.problem.errors import InputError
 from contact_study.problem.keys import as_written, replacement, suggestion
+from contact_study.problem.regular_files import require_file
 from contact_study.problem.study import read_study
 from contact_study.start import INTERRUPTED
 
@@ -162,9 +163,7 @@ def _inspect(given: argparse.Namespace, output: Path | None, overrides: Mapping[
 
     if given.study is not None:
         raise InputError(f"{given.study}: --inspect takes the map or the study, and runs none")
-    if not given.inspect.is_file():
-        fault = "is no file" if given.inspect.exists() else "does not exist"
-        raise InputError(f"--inspect: {given.inspect} {fault}")
+    require_file(given.inspect, "--inspect")
     if output is not None:
         check_inputs_kept(output, [given.inspect])
         writable_output(output)

@@ -18,7 +18,7 @@ from contact_study.campaign.progress import Progress
 from contact_study.campaign.resume.folder import Parts
 from contact_study.campaign.resume.identity import Run, run_of
 from contact_study.campaign.resume.take_up import Finished, earlier_commits, finished_at, take_up
-from contact_study.campaign.runner import run_cases
+from contact_study.campaign.runner import Where, check_memory, run_cases
 from contact_study.problem.errors import InputError
 from contact_study.problem.measured_surface import taken as maps_taken
 from contact_study.problem.study import Study
@@ -99,6 +99,7 @@ def conduct(
     if finished is not None and finished.is_of(run):
         return _already_done(run, parts, finished, progress)
     engines.check(how.engine, how.scheduler)
+    fitting = check_memory(model, study, how.engine, how.workers)
     writable_output(output)
     commit = provenance.git_commit()
     try:
@@ -111,7 +112,8 @@ def conduct(
             progress.say(line)
         for note in [*said, *commits, *taken.notes]:
             progress.warn(note)
-        files, notes = run_cases(run, names, parts, taken.whole, how.workers, progress, how.engine, how.scheduler)
+        where = Where(how.workers, fitting, how.engine, how.scheduler)
+        files, notes = run_cases(run, names, parts, taken.whole, progress, where)
         progress.close()
         parts.check_output()
         with taken.opened() as standing:
@@ -122,7 +124,7 @@ def conduct(
             groups[""].attrs.update(provenance.provenance(run, earlier, [*said, *notes, *commits], command, commit))
             parts.write(groups, last_states(run, sources))
         parts.publish()
-    except InputError:
+    except (InputError, OSError):
         parts.drop_if_empty()
         raise
     finally:

@@ -3,7 +3,8 @@
 import json
 import os
 import socket
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -36,6 +37,8 @@ def writable_output(path: Path) -> None:
     check_format(path)
     if path.is_dir() and not is_zarr(path):
         raise InputError(f"{path}: is a folder; name a file")
+    if path.is_symlink() and Path(real(path)).is_symlink():
+        raise InputError(f"{path}: is a loop of links; choose another output")
     if path.exists() and not path.is_file() and not is_zarr(path):
         raise InputError(f"{path}: is a device, not a file; choose another output")
     try:
@@ -50,8 +53,13 @@ def writable_output(path: Path) -> None:
 def check_inputs_kept(output: Path, inputs: Sequence[Path | None]) -> None:
     """Raise InputError if the output is a file that the run reads."""
     for path in inputs:
-        if path is not None and output.resolve() == path.resolve():
+        if path is not None and real(output) == real(path):
             raise InputError(f"{output}: is read by this run; choose another output")
+
+
+def real(path: Path) -> str:
+    """Where a path leads to, links followed as far as they lead anywhere."""
+    return os.path.realpath(path)  # pathlib's fails over a loop of links
 
 
 def write_aside(path: Path, write: Any) -> None:
@@ -65,14 +73,28 @@ def write_aside(path: Path, write: Any) -> None:
     # Two machines may have processes of one number.
     partial = path.with_name(f".{path.name}.{socket.gethostname()}.{os.getpid()}.tmp")
     try:
-        write(partial)
-        partial.replace(path)
+        with writing(path):
+            write(partial)
+            partial.replace(path)
+    finally:
+        partial.unlink(missing_ok=True)
+
+
+@contextmanager
+def writing(path: Path) -> Iterator[None]:
+    """Name the file in what is raised where it cannot be written.
+
+    Raises
+    ------
+    OSError
+        If it cannot.
+    """
+    try:
+        yield
     except OSError as error:
         raise OSError(f"{path}: cannot be written ({error.strerror or error})") from None
     except RuntimeError as error:  # what the NetCDF library makes of a failed write
         raise OSError(f"{path}: cannot be written; is the disk full? ({error})") from None
-    finally:
-        partial.unlink(missing_ok=True)
 
 
 def save_json(path: Path, content: Any) -> None:

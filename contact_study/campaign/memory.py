@@ -1,30 +1,56 @@
-"""Whether a study can fit this machine at all, said before anything is allocated."""
+"""Whether a case fits the memory that it will have, said before anything is allocated."""
 
 import os
+import socket
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
 from pathlib import Path
 
+from contact_study.problem.case import Case
 from contact_study.problem.errors import InputError
-from contact_study.problem.study import Study
 
 # Height, gap, pressure, displacement, its spectrum, the kernel and a few of the solver's own: a dozen doubles.
 _BYTES_PER_POINT = 100
 
+_GROUPS = Path("/sys/fs/cgroup")
+_OWN_GROUPS = Path("/proc/self/cgroup")
 
-def check_memory(study: Study) -> None:
-    """Refuse a grid that the machine's memory cannot hold; the system would otherwise kill the run without a word.
+_share = float("inf")  # bytes that this process may use, where whoever has started it says so
 
-    Raises
-    ------
-    InputError
-        If the largest grid of the study needs more than all memory.
+
+@dataclass(frozen=True)
+class Need:
+    """Memory that something takes at least.
+
+    Attributes
+    ----------
+    size : float
+        Bytes.
+    culprit : str
+        What takes them, as a message names it.
+    advice : str
+        What takes less.
     """
-    shape = max((case.surface.shape or (0, 0) for case in study.cases), key=lambda shape: shape[0] * shape[1])
-    require_memory(shape[0] * shape[1] * _BYTES_PER_POINT, f"surface.shape = {list(shape)}", "fewer points")
+
+    size: float
+    culprit: str
+    advice: str
+
+
+def grid_of(case: Case) -> Need:
+    """What a simulation on the grid of a case takes."""
+    shape = case.surface.shape or (0, 0)
+    return Need(_on_grid(shape), f"surface.shape = {list(shape)}", "fewer points")
+
+
+def _on_grid(shape: tuple[int, int]) -> float:
+    return float(shape[0] * shape[1] * _BYTES_PER_POINT)
 
 
 def grid_fits(shape: tuple[int, int]) -> bool:
     """Whether the machine's memory holds a simulation on so many points."""
-    return shape[0] * shape[1] <= most_points()
+    return _on_grid(shape) <= _memory()
 
 
 def most_points() -> float:
@@ -34,27 +60,91 @@ def most_points() -> float:
 
 def memory_in_words(shape: tuple[int, int]) -> str:
     """What a simulation on so many points needs, such as ``1.2 GB``."""
-    needed = shape[0] * shape[1] * _BYTES_PER_POINT
+    needed = _on_grid(shape)
     return f"{needed / 1e9:.2g} GB" if needed >= 1e8 else f"{needed / 1e6:.2g} MB"
 
 
+def require(need: Need) -> None:
+    """Raise InputError, as :func:`require_memory`, over what a case needs."""
+    require_memory(need.size, need.culprit, need.advice)
+
+
 def require_memory(needed: float, culprit: str, advice: str) -> None:
-    """Raise InputError, naming the culprit, if ``needed`` bytes are more than all memory."""
+    """Raise InputError, naming the culprit, if ``needed`` bytes are more than this process may ever use.
+
+    The system would otherwise kill the run without a word.
+    """
     available = _memory()
     if needed > available:
+        who = next((words for size, words in _limits() if size == available), "")
         raise InputError(
-            f"{culprit}: needs at least {needed / 1e9:.3g} GB of memory, this machine has {available / 1e9:.3g} GB; "
-            f"use {advice}"
+            f"{culprit}: needs at least {needed / 1e9:.3g} GB of memory, {who}{socket.gethostname()} has "
+            f"{available / 1e9:.3g} GB; use {advice}"
         )
 
 
+def require_memory_at_once(needs: Sequence[Need], workers: int | None) -> int:
+    """Make sure that memory holds cases, the largest of them side by side.
+
+    Parameters
+    ----------
+    needs : sequence of Need
+        What they take.
+    workers : int or None
+        How many are asked for at once; None: as many as fit.
+
+    Returns
+    -------
+    int
+        How many fit.
+
+    Raises
+    ------
+    InputError
+        If one alone, or as many as are asked for, need more.
+    """
+    largest = max(needs, key=lambda need: need.size)
+    require(largest)
+    fitting = int(_memory() / max(largest.size, 1))
+    if workers is not None and workers > fitting:
+        require_memory(workers * largest.size, f"--workers {workers}: {largest.culprit}", f"--workers {fitting}")
+    return fitting
+
+
+def set_share(size: float | None) -> None:
+    """Say how many bytes this process may use of its machine's memory, beside others there; None: it is not known."""
+    global _share
+    _share = float("inf") if size is None else float(size)
+
+
 def _memory() -> float:
-    """Bytes that this process may use: the machine's, or less in a container."""
+    """Bytes that this process may use: the machine's, or less inside a job's limit or a container."""
+    return min((size for size, _ in _limits()), default=float("inf"))
+
+
+def _limits() -> Iterator[tuple[float, str]]:
+    """Limits (bytes), each with whose it is, to be followed by the name of the machine."""
+    yield _share, "a Dask worker on "
+    with suppress(AttributeError, ValueError, OSError):  # not on every system
+        yield float(os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")), ""
+    for path in _limit_files():
+        with suppress(OSError, ValueError):  # no such group, or "max"
+            yield float(path.read_text()), "the job on "
+
+
+def _limit_files() -> Iterator[Path]:
+    """Where the groups that this process is in may have a limit: a batch job, a container, a session."""
+    yield _GROUPS / "memory.max"
     try:
-        physical = float(os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES"))
-    except (AttributeError, ValueError, OSError):  # not on every system
-        physical = float("inf")
-    try:
-        return min(physical, float(Path("/sys/fs/cgroup/memory.max").read_text()))
-    except (OSError, ValueError):  # no such group, or "max"
-        return physical
+        lines = _OWN_GROUPS.read_text().splitlines()
+    except OSError:  # not on every system
+        return
+    for line in lines:
+        _, kinds, group = line.split(":", 2)
+        if kinds and "memory" not in kinds.split(","):
+            continue
+        # Of version 2, for which no kinds are named, and of version 1.
+        root, name = (_GROUPS / "memory", "memory.limit_in_bytes") if kinds else (_GROUPS, "memory.max")
+        own = Path(group.lstrip("/"))
+        for parent in (own, *own.parents):
+            yield root / parent / name

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from contact_study.campaign.memory import Need, grid_of
 from contact_study.campaign.record import Step
 from contact_study.fields.fourier import POINTS_FOR_THREADS
 from contact_study.observables.base import Ensemble, InterfaceState, Value
@@ -38,7 +39,8 @@ class Model:
         ``"continuum"``, ``"atomistic"`` or ``"theory"``: the dataset's ``model`` attribute.
     module : str
         Module that has ``check(case)``, which raises InputError where the model cannot serve a case, ``review(study,
-        scales)``, ``constants(case, surface)`` and ``solve_path(case, surface, restart, start, predictor)``.
+        scales)``, ``constants(case, surface)`` and ``solve_path(case, surface, restart, start, predictor)``; where
+        cases take more memory than their grids ``needs(case)``, too, which yields each :class:`.memory.Need`.
     description : str
         One sentence for ``--help`` and the dataset's ``source``.
     references : str
@@ -75,6 +77,11 @@ class Model:
     def check(self, case: Case) -> None:
         """Raise InputError if the model cannot serve the case."""
         importlib.import_module(self.module).check(case)
+
+    def needs(self, case: Case) -> Need:
+        """The memory that a case takes at least; errors as :meth:`check`."""
+        own = getattr(importlib.import_module(self.module), "needs", None)
+        return max([grid_of(case), *(own(case) if own else ())], key=lambda need: need.size)
 
     def review(self, study: Study, scales: Sequence[SurfaceScales]) -> list[str]:
         """Warnings, once for the whole study; InputError where the model's grids cannot hold the scales of a case."""

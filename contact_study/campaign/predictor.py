@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from contact_study.campaign.dataset.formats import is_dataset
+from contact_study.campaign.dataset.formats import readable, require_dataset
 from contact_study.problem.case import Case
 from contact_study.problem.dotted_keys import SECTIONS, same
 from contact_study.problem.errors import InputError
@@ -60,17 +60,11 @@ def check_predictor(path: Path, study: Study, height_maps: Mapping[str, str]) ->
                 f'--predictor {path}: atoms of atomistic.method = "{case.atomistic.method}" come down by themselves; '
                 "leave it out"
             )
-    if not is_dataset(path):
-        raise InputError(f"--predictor: {path} does not exist")
-    try:
-        with xr.open_dataset(path) as dataset:
-            if "gap" not in dataset or not str(dataset["gap"].dims[-1]).startswith("x"):
-                raise InputError(f"--predictor: {path} holds no gap fields; write it with output.fields = true")
-            attributes = dict(dataset.attrs)
-    except (OSError, ValueError) as error:
-        if isinstance(error, InputError):
-            raise
-        raise InputError(f"--predictor: {path} is no readable dataset") from None
+    require_dataset(path, "--predictor")
+    with readable(path), xr.open_dataset(path, decode_timedelta=False) as dataset:
+        if "gap" not in dataset or not str(dataset["gap"].dims[-1]).startswith("x"):
+            raise InputError(f"--predictor: {path} holds no gap fields; write it with output.fields = true")
+        attributes = dict(dataset.attrs)
     other = _study(path, attributes)
     maps = {line.partition(" ")[2]: line.split(" ")[0] for line in str(attributes.get("height_maps", "")).splitlines()}
     differing: dict[str, tuple[Any, Any]] = {}
@@ -109,7 +103,7 @@ class GapFields:
         self._path = path
         self._case = case
         self._points = path_points_of(case)
-        with xr.open_dataset(path, decode_timedelta=False) as dataset:
+        with readable(path), xr.open_dataset(path, decode_timedelta=False) as dataset:
             study = _study(path, dataset.attrs)
         start = _matching(study, case)
         self._index = None if start is None else dict(zip(study.sweep, start.index, strict=True))
@@ -117,7 +111,7 @@ class GapFields:
     def __call__(self, number: int) -> np.ndarray | None:
         if self._index is None:
             return None
-        with xr.open_dataset(self._path, decode_timedelta=False) as dataset:
+        with readable(self._path), xr.open_dataset(self._path, decode_timedelta=False) as dataset:
             dataset = dataset.isel({name: i for name, i in self._index.items() if name in dataset.dims})
             points = path_points(dataset[f"applied_{self._case.loading.control}"].values, dataset["branch"].values)
             if self._points[number] not in points:

@@ -2,28 +2,55 @@
 
 import os
 from collections.abc import Container, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
 
 from contact_study.campaign import engines
 from contact_study.campaign.case_file import CaseFile
 from contact_study.campaign.case_run import Job, run_case
 from contact_study.campaign.engines import CampaignError
+from contact_study.campaign.memory import require_memory_at_once
 from contact_study.campaign.model import Model
 from contact_study.campaign.progress import Progress
 from contact_study.campaign.resume.folder import Parts
 from contact_study.campaign.resume.identity import Run
+from contact_study.problem.study import Study
+
+
+@dataclass(frozen=True)
+class Where:
+    """Where the cases of a study run.
+
+    Parameters
+    ----------
+    workers, engine, scheduler
+        See :class:`~contact_study.campaign.conduct.Conditions`.
+    fitting : int
+        How many cases this machine's memory holds at once.
+    """
+
+    workers: int | None
+    fitting: int
+    engine: str | None = None
+    scheduler: str | None = None
+
+
+def check_memory(model: Model, study: Study, engine: str | None, workers: int | None) -> int:
+    """How many cases of a study fit this machine's memory at once; any number where they run on others.
+
+    Raises
+    ------
+    InputError
+        If those that are to run at once do not fit. On other machines each says so where it runs.
+    """
+    if engine in engines.REMOTE:
+        return len(study.cases)
+    asked = None if workers is None else min(workers, len(study.cases))
+    return require_memory_at_once([model.needs(case) for case in study.cases], asked)
 
 
 def run_cases(
-    run: Run,
-    names: Sequence[str],
-    parts: Parts,
-    whole: Container[int],
-    workers: int | None,
-    progress: Progress,
-    engine: str | None = None,
-    scheduler: str | None = None,
+    run: Run, names: Sequence[str], parts: Parts, whole: Container[int], progress: Progress, where: Where
 ) -> tuple[dict[int, CaseFile], list[str]]:
     """Run every unfinished step of every case.
 
@@ -37,10 +64,10 @@ def run_cases(
         Where they are kept.
     whole : container of int
         Numbers of cases that stand in a dataset, and are not run.
-    workers, engine, scheduler
-        See :class:`~contact_study.campaign.conduct.Conditions`.
     progress : Progress
         Hears of every step.
+    where : Where
+        Where they run.
 
     Returns
     -------
@@ -73,15 +100,15 @@ def run_cases(
     missing = {number: job.missing(files[number]) for number, job in jobs.items()}
     progress.start(total, total - sum(missing.values()))
     unfinished = [number for number in jobs if missing[number] or not files[number].has_constants]
-    if engine in engines.REMOTE:  # whose cores are not known here
-        workers, threads = workers or len(unfinished), 1
+    if where.engine in engines.REMOTE:  # whose cores are not known here
+        workers, threads = where.workers or len(unfinished), 1
     else:
-        most = workers or _processes(run.model, len(run.study.cases))
+        most = where.workers or min(where.fitting, _processes(run.model, len(run.study.cases)))
         workers = min(most, len(unfinished))
         # Threads follow from the whole study, not from what is left of it: a resumed run repeats the arithmetic.
         threads = max(1, available_cores() // max(1, min(most, len(run.study.cases))))
     tasks = [partial(run_case, jobs[number], threads) for number in unfinished]
-    engines.run(tasks, workers, progress.step, engine, scheduler)
+    engines.run(tasks, workers, progress.step, where.engine, where.scheduler)
     for number in unfinished:
         files[number] = CaseFile(jobs[number].file)
         if jobs[number].missing(files[number]):

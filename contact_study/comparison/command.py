@@ -11,7 +11,7 @@ from typing import Any
 import contact_study
 from contact_study.campaign.command import DONE, NOT_CONVERGED, Parser, completed, guarded
 from contact_study.campaign.dataset.provenance import git_commit
-from contact_study.campaign.files import named_file, writable_output
+from contact_study.campaign.files import named_file, real, writable_output, writing
 from contact_study.campaign.schema import CONVENTIONS, SCHEMA_VERSION
 from contact_study.comparison.compute.deviations import MISSING, compute_deviations, pairs_of
 from contact_study.comparison.compute.ensemble import ensemble_statistics
@@ -133,16 +133,16 @@ def _parser() -> Parser:
 
 
 def _check_outputs(planned: Sequence[Path], datasets: Sequence[Path], *, overwrite: bool) -> None:
-    sources = {path.resolve() for path in datasets}
-    seen: set[Path] = set()
+    sources = {real(path) for path in datasets}
+    seen: set[str] = set()
     if planned[0].suffix != ".nc":
         raise InputError(f"{planned[0]}: a comparison is written as NetCDF; expected a name that ends in .nc")
     for path in planned:
-        if path.resolve() in sources:
+        if real(path) in sources:
             raise InputError(f"{path}: is one of the datasets to compare; choose another output")
-        if path.resolve() in seen:
+        if real(path) in seen:
             raise InputError(f"{path}: is named twice; give every output its own file")
-        seen.add(path.resolve())
+        seen.add(real(path))
         if path.is_dir():
             raise InputError(f"{path}: is a folder; name a file")
         if path.exists() and not overwrite:
@@ -180,9 +180,11 @@ def _write(outputs: Mapping[Path, Callable[[Path], Any]]) -> None:
     try:
         for path, write in outputs.items():
             writable_output(path)
-            write(partials[path])
+            with writing(path):
+                write(partials[path])
         for path, partial in partials.items():
-            partial.replace(path)
+            with writing(path):
+                partial.replace(path)
     finally:
         for partial in partials.values():
             if partial.parent.is_dir():

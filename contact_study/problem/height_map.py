@@ -9,6 +9,7 @@ from contact_study.problem import units
 from contact_study.problem.errors import InputError
 from contact_study.problem.map_formats import Channel, RawMap, read_map
 from contact_study.problem.map_grid import line_scan
+from contact_study.problem.regular_files import require_file
 from contact_study.problem.units import length
 
 # A cell wider than this (m) was written in another unit: no instrument that resolves roughness reaches as far.
@@ -74,8 +75,7 @@ def read_height_map(
         If the file is missing or damaged, is no table of at least 4 × 4 numbers, its coordinates are not evenly
         spaced, its size is unknown, or the study contradicts it.
     """
-    if not path.is_file():
-        raise InputError(f"surface.path: {path} {'is no file' if path.exists() else 'does not exist'}")
+    require_file(path, "surface.path")
     try:
         raw = read_map(path, channel)
         if np.iscomplexobj(raw.heights):

@@ -11,6 +11,7 @@ import numpy as np
 from contact_study.fields.tabulated_spectrum import TabulatedSpectrum
 from contact_study.problem import units
 from contact_study.problem.errors import InputError
+from contact_study.problem.regular_files import what_is_at
 from contact_study.problem.tables import numbers_of, text_of
 
 if TYPE_CHECKING:
@@ -163,13 +164,15 @@ def _netcdf(path: Path, where: str) -> tuple[np.ndarray, list[str | None]]:
     """The spectrum of a dataset and its wavevectors, with their units."""
     import xarray as xr  # slow to import
 
-    if not path.is_file():
-        raise InputError(f"{where} cannot be read (No such file or directory)")
+    if fault := what_is_at(path):
+        raise InputError(f"{where} {fault}")
     try:
         with xr.open_dataset(path, decode_timedelta=False) as opened:
             dataset = opened.load()
-    except (OSError, ValueError) as error:
-        raise InputError(f"{where} is no NetCDF file ({str(error).splitlines()[0]})") from None
+    except MemoryError:
+        raise
+    except Exception as error:  # of a dozen types, of a file that is damaged
+        raise InputError(f"{where} is no NetCDF file ({str(error).partition(chr(10))[0]})") from None
     density = _spectrum_in(dataset, where)
     axis = dataset[density.dims[0]]
     there = np.isfinite(axis.values)  # surfaces of fewer wavevectors are padded

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
-from contact_study.campaign.memory import require_memory
+from contact_study.campaign.memory import Need
 from contact_study.observables.atoms import block_nodes, surface_atoms
 from contact_study.observables.base import Ensemble, InterfaceState, SolverReport, ThermalMotion
 from contact_study.problem.case import Case
@@ -29,6 +29,16 @@ _SAFE_STEP = 0.2  # of the largest stable one, where the study says none: an ene
 _SLOW = 0.1  # of the speed of sound, above which an approach is an impact
 
 
+def need(case: Case) -> Need:
+    """The memory that the block in motion takes at least."""
+    nodes = node_count(case.lattice.atoms, level_layers(case.lattice.atoms, case.block_layers))
+    return Need(
+        nodes * _BYTES_PER_NODE,
+        f'atomistic.method = "dynamics": a block of {nodes:.3g} nodes',
+        "a larger material.lattice_constant, a smaller cell or fewer atomistic.layers",
+    )
+
+
 def check(case: Case) -> None:
     """Make sure that a case can be set in motion.
 
@@ -40,12 +50,6 @@ def check(case: Case) -> None:
     given, mass = case.dynamics, case.material.atom_mass
     if mass is None:
         raise InputError('missing key material.atom_mass: atomistic.method = "dynamics" needs the mass of an atom')
-    nodes = node_count(case.lattice.atoms, level_layers(case.lattice.atoms, case.block_layers))
-    require_memory(
-        nodes * _BYTES_PER_NODE,
-        f'atomistic.method = "dynamics": a block of {nodes:.3g} nodes',
-        "a larger material.lattice_constant, a smaller cell or fewer atomistic.layers",
-    )
     if case.loading.control == "gap" and given.approach_speed == 0:
         raise InputError(
             'loading.control = "gap": atomistic.method = "dynamics" moves the block from one gap to the next; give '

@@ -1,7 +1,9 @@
 """Cases on a Dask cluster: what every engine owes, workers that are killed, schedulers that are not there."""
 
 import os
+import pickle
 import signal
+import socket
 import subprocess
 import sys
 import threading
@@ -147,6 +149,44 @@ def test_a_case_that_kills_its_workers_is_given_up():
         # A cluster that is closed while it replaces a worker fails by itself.
         with distributed.Client(local) as client:
             client.wait_for_workers(1, timeout=60)
+
+
+def test_events_are_read_and_not_executed(cluster, tmp_path):
+    """Whoever reaches the scheduler may write to the topic of a run."""
+    sprung = tmp_path / "sprung"
+    seen = []
+
+    class Trap:
+        def __reduce__(self):
+            return Path.touch, (sprung,)
+
+    def report(*event):
+        seen.append(event)
+        if event == ("begun",):
+            topic = next(topic for topic in cluster.scheduler.get_events() if topic.startswith("contact-study-"))
+            for word in (pickle.dumps(Trap()), "no JSON"):
+                cluster.scheduler.log_event(topic, word)
+            (tmp_path / "go").touch()
+
+    on(cluster, [partial(wait_for, tmp_path / "go")], report)
+    assert ("ended",) in seen
+    assert not sprung.exists()
+
+
+@pytest.mark.validation
+def test_a_case_beyond_the_memory_of_a_worker_is_told_by_it(study, tmp_path, capsys):
+    """Where it runs: this machine may have more, or less."""
+    with distributed.LocalCluster(
+        n_workers=1, threads_per_worker=1, dashboard_address=None, silence_logs=50, memory_limit="1 GB"
+    ) as local:
+        where = ("--engine", "dask", "--scheduler", local.scheduler_address)
+        assert (
+            run(study, tmp_path / "bem.nc", "--surface.shape", "[4000, 4000]", "--output.fields", "false", *where) == 1
+        )
+    said = capsys.readouterr().err.splitlines()[-1]
+    host = socket.gethostname()
+    assert f"surface.shape = [4000, 4000]: needs at least 1.6 GB of memory, a Dask worker on {host} has 1 GB" in said
+    assert [path.name for path in tmp_path.iterdir()] == ["study.toml"]
 
 
 @pytest.mark.validation

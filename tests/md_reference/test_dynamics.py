@@ -15,7 +15,7 @@ from contact_study.problem.surface import realise
 from md_reference.methods import dynamics
 from md_reference.methods.dynamics import build_block, largest_time_step, longitudinal_modulus, time_step
 from md_reference.newtonian import NewtonianBlock
-from md_reference.run import check
+from md_reference.run import MODEL, check
 from md_reference.starts import separated
 from md_reference.system import build_interface
 from tests.md_reference.systems import CONTACT_MODULUS, LATTICE_CONSTANT, LENGTH
@@ -377,7 +377,7 @@ def test_block_beyond_the_memory_is_refused_with_what_it_needs(monkeypatch):
     assert 200 * nodes < taken < 300 * nodes
     monkeypatch.setattr(memory, "_memory", lambda: 0.5 * taken)
     with pytest.raises(InputError, match=r'"dynamics": a block of 3.98e\+04 nodes: needs at least 0.0119 GB'):
-        check(case)
+        memory.require(MODEL.needs(case))
 
 
 def test_atoms_without_mass_do_not_move():

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from contact_study.campaign.dataset.formats import engine_of, is_zarr, readable
+from contact_study.campaign.dataset.formats import engine_of, is_dataset, is_zarr, readable
 from contact_study.campaign.dataset.states import States, states_file
 from contact_study.campaign.files import write_aside
 from contact_study.campaign.schema import COORDINATES, LABELS, TRAJECTORY, variable_of
@@ -82,6 +82,8 @@ def chunks_of(shape: tuple[int, ...]) -> tuple[int, ...]:
 
 def attributes_of(path: Path) -> dict[str, Any] | None:
     """Global attributes of the dataset at a place; None where there is none that can be read."""
+    if not is_dataset(path):
+        return None
     try:
         with readable(path), xr.open_dataset(path, engine=engine_of(path), decode_timedelta=False) as dataset:
             return dict(dataset.attrs)

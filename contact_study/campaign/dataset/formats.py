@@ -6,6 +6,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from contact_study.problem.errors import InputError
+from contact_study.problem.regular_files import what_is_at
 
 _STORE = (".zgroup", "zarr.json")  # what a folder of Zarr has, of format 2 and 3
 
@@ -28,6 +29,13 @@ def is_dataset(path: Path) -> bool:
 def is_store(path: Path) -> bool:
     """Whether a folder is one of Zarr."""
     return any((path / name).is_file() for name in _STORE)
+
+
+def require_dataset(path: Path, name: str = "") -> None:
+    """Raise InputError, in the name of an option if there is one, unless a file or a folder of Zarr stands there."""
+    if not is_dataset(path):
+        fault = what_is_at(path) or "is a file"
+        raise InputError(f"{name}{': ' if name else ''}{path} {fault}; expected a dataset (NetCDF or Zarr)")
 
 
 def check_name(path: Path) -> None:
@@ -112,5 +120,6 @@ def readable(path: Path) -> Iterator[None]:
     except (InputError, MemoryError):
         raise
     except Exception as error:  # of a dozen types: a flipped bit may be anywhere
-        reason = f"{type(error).__name__}: {error}".splitlines()[0]
+        said = isinstance(error, OSError) and error.strerror
+        reason = str(said or f"{type(error).__name__}: {error}").splitlines()[0]
         raise InputError(f"{path}: cannot be read as a dataset, perhaps damaged or cut short ({reason})") from None

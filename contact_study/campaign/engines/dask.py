@@ -7,7 +7,6 @@ disk then; Dask gives them to another worker, which goes on from there.
 
 import json
 import logging
-import pickle
 import re
 import threading
 import uuid
@@ -18,6 +17,7 @@ from typing import Any
 
 import contact_study
 from contact_study.campaign.engines.base import CampaignError, Report, Task
+from contact_study.campaign.memory import set_share
 from contact_study.problem.errors import InputError
 
 _ANSWER = "10s"  # that a scheduler takes at most
@@ -53,7 +53,7 @@ def run(tasks: Sequence[Task], workers: int, report: Report, scheduler: str | No
 
     topic = f"contact-study-{uuid.uuid4()}"
     with _client(scheduler) as client:
-        client.subscribe_topic(topic, lambda event: report(*pickle.loads(event[1])))
+        client.subscribe_topic(topic, lambda event: report(*json.loads(event[1])))
         # The last case of a sweep is usually the hardest (strongest adhesion): started first, it is not waited for.
         waiting = [(_run_reporting, task, topic) for task in tasks]
         first = [client.submit(*waiting.pop(), pure=False) for _ in range(min(workers, len(waiting)))]
@@ -127,10 +127,16 @@ class _CancelledError(Exception):
     """Nobody waits for the task any more."""
 
 
+def _plain(number: Any) -> Any:
+    """A number of NumPy as one of Python's, of which JSON knows."""
+    return number.item()
+
+
 def _run_reporting(task: Task, topic: str) -> None:
     from distributed import get_worker
 
     worker = get_worker()
+    set_share(worker.memory_manager.memory_limit)  # at which its nanny kills it
     key = worker.get_current_task()
 
     def report(*event: Any) -> None:
@@ -138,7 +144,8 @@ def _run_reporting(task: Task, topic: str) -> None:
         known = worker.state.tasks.get(key)
         if known is None or known.state not in ("executing", "long-running"):
             raise _CancelledError
-        worker.log_event(topic, pickle.dumps(event))
+        # As text: whoever reaches the scheduler may write to the topic, and this process executes nothing of it.
+        worker.log_event(topic, json.dumps(event, default=_plain))
 
     with _ALONE:
         task(report)

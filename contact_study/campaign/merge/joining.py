@@ -17,7 +17,7 @@ from contact_study.campaign.dataset.assembly import assembled, last_states
 from contact_study.campaign.dataset.file import Earlier
 from contact_study.campaign.dataset.formats import check_name
 from contact_study.campaign.dataset.provenance import carried_warnings, provenance
-from contact_study.campaign.files import writable_output
+from contact_study.campaign.files import real, writable_output
 from contact_study.campaign.merge.joined_study import joined_study, place_of
 from contact_study.campaign.merge.sources import Source, read_sources
 from contact_study.campaign.progress import Progress
@@ -73,7 +73,7 @@ def merge(
         or the output is there already; nothing is written then.
     """
     check_name(output)
-    if output.resolve() in {path.resolve() for path in paths}:
+    if real(output) in {real(path) for path in paths}:
         raise InputError(f"{output}: is one of the datasets to join; choose another output")
     if output.exists() and not overwrite:
         raise InputError(f"{output} exists; use --overwrite to replace it")

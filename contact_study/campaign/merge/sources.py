@@ -8,7 +8,8 @@ from typing import Any
 
 import xarray as xr
 
-from contact_study.campaign.dataset.formats import is_dataset
+from contact_study.campaign.dataset.formats import readable, require_dataset
+from contact_study.campaign.files import real
 from contact_study.campaign.model import MODULES, Model, model_of
 from contact_study.campaign.resume.identity import Cases, recorded_height_maps
 from contact_study.problem.errors import InputError
@@ -45,11 +46,11 @@ def read_sources(paths: Sequence[Path]) -> list[Source]:
     """
     if len(paths) < 2:
         raise InputError("give at least two datasets to join")
-    seen: set[Path] = set()
+    seen: set[str] = set()
     for path in paths:
-        if path.resolve() in seen:
+        if real(path) in seen:
             raise InputError(f"{path} is given twice")
-        seen.add(path.resolve())
+        seen.add(real(path))
     sources = [_source(path) for path in paths]
     first = sources[0]
     for other in sources[1:]:
@@ -68,14 +69,10 @@ def read_sources(paths: Sequence[Path]) -> list[Source]:
 
 
 def _source(path: Path) -> Source:
-    if not is_dataset(path):
-        raise InputError(f"{path}: {'is a folder' if path.is_dir() else 'does not exist'}; expected a dataset")
-    try:
-        with xr.open_dataset(path, decode_timedelta=False) as dataset:
-            attributes, sizes = dict(dataset.attrs), dict(dataset.sizes)
-            held = {str(name): dataset[name].values.tolist() for name in dataset.dims if name in dataset.coords}
-    except (OSError, ValueError):
-        raise InputError(f"{path}: is no readable dataset") from None
+    require_dataset(path)
+    with readable(path), xr.open_dataset(path, decode_timedelta=False) as dataset:
+        attributes, sizes = dict(dataset.attrs), dict(dataset.sizes)
+        held = {str(name): dataset[name].values.tolist() for name in dataset.dims if name in dataset.coords}
     model = _model(path, attributes)
     try:
         study = make_study(tomllib.loads(str(attributes["study_toml"])), path.parent)

@@ -110,9 +110,9 @@ class Parts:
 
     def claim(self, attributes: Mapping[str, Any], replaces: str | None = None) -> None:
         """Write what the steps belong to, and the history of the dataset at the output that they are to replace."""
+        self._is_ours = True
         self.folder.mkdir(parents=True, exist_ok=True)
         save_json(self._manifest, {**attributes, _REPLACES: replaces, _STORAGE: _KIND_OF_STORAGE})
-        self._is_ours = True
 
     def close(self) -> None:
         """Let other runs write."""

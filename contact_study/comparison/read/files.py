@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from contact_study.campaign.dataset.formats import engine_of, is_dataset, is_zarr
+from contact_study.campaign.dataset.formats import engine_of, readable, require_dataset
 from contact_study.campaign.schema import LABELLED_GROUPS, LABELS, SCHEMA_VERSION, VARIABLES, variable_of
 from contact_study.comparison.models import file_kinds, known, of_file
 from contact_study.comparison.read.path_points import positions, swept_dims
@@ -32,18 +32,12 @@ def open_groups(path: Path) -> dict[str, xr.Dataset]:
     InputError
         If it is missing, unreadable or foreign.
     """
-    if not is_dataset(path):
-        raise InputError(f"{path}: {'is a folder' if path.is_dir() else 'does not exist'}; expected a dataset (NetCDF)")
-    try:
-        with xr.open_datatree(path, engine=engine_of(path), decode_timedelta=False) as tree:
-            attrs = tree.attrs
-            foreign = "schema_version" not in attrs or attrs.get("model") not in file_kinds()
-            nodes = {node.path.strip("/"): node for node in tree.subtree}
-            groups = {} if foreign else {name: _in_memory(nodes[name]) for name in _GROUPS if name in nodes}
-    except (OSError, RuntimeError, ValueError) as error:
-        words = "Zarr" if is_zarr(path) else "NetCDF"
-        reason = str(error).splitlines()[0] if str(error) else type(error).__name__
-        raise InputError(f"{path}: cannot be read as {words}, perhaps cut short ({reason})") from None
+    require_dataset(path)
+    with readable(path), xr.open_datatree(path, engine=engine_of(path), decode_timedelta=False) as tree:
+        attrs = tree.attrs
+        foreign = "schema_version" not in attrs or attrs.get("model") not in file_kinds()
+        nodes = {node.path.strip("/"): node for node in tree.subtree}
+        groups = {} if foreign else {name: _in_memory(nodes[name]) for name in _GROUPS if name in nodes}
     if foreign:
         raise InputError(f"{path}: is no dataset of bem-adhesion, md-reference or persson-theory")
     if str(attrs["schema_version"]).split(".")[0] != SCHEMA_VERSION.split(".")[0]:
@@ -138,7 +132,7 @@ def field_at(path: Path, name: str, selection: Mapping[str, Any], step: int) -> 
     step : int
         Position on the path.
     """
-    with xr.open_dataset(path, decode_timedelta=False) as dataset:
+    with readable(path), xr.open_dataset(path, decode_timedelta=False) as dataset:
         if name not in dataset:
             return None
         chosen = positions({dim: dataset[dim].values for dim in swept_dims(dataset)}, selection)

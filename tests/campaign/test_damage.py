@@ -1,0 +1,133 @@
+"""Inputs and datasets that are damaged, or no files at all: one line that names them."""
+
+import os
+import random
+import subprocess
+import sys
+
+import pytest
+import xarray as xr
+
+from contact_study.campaign.merge.command import main as merge
+from contact_study.campaign.model import MODULES
+from contact_study.comparison.command import main as compare
+from tests.campaign.toy_model import TOY_ATOMS
+from tests.campaign.toy_study import BASE, changed
+
+FEWER = changed(sweep={"interaction.well_depth_ratio": [2]})
+
+
+@pytest.fixture(autouse=True)
+def toy_is_the_continuum(monkeypatch):
+    monkeypatch.setitem(MODULES, "continuum", "tests.campaign.toy_model")
+
+
+@pytest.fixture
+def ways(finished, run, tmp_path, capsys):
+    """Every way to use the dataset at bem.nc; each returns its status and what it says."""
+    run(FEWER, output="other.nc")
+    dataset, other, new = (str(tmp_path / name) for name in ("bem.nc", "other.nc", "new.nc"))
+
+    def quietly(main, *arguments):
+        capsys.readouterr()
+        status = main([*arguments, "-o", new])
+        return status, capsys.readouterr().err
+
+    return {
+        "resume": lambda: run(BASE, "--resume")[::2],
+        "predictor": lambda: run(BASE, "--predictor", dataset, output="md.nc", model=TOY_ATOMS)[::2],
+        "merge": lambda: quietly(merge, dataset, other),
+        "compare": lambda: quietly(compare, dataset),
+        "wider": lambda: run(changed(sweep={"interaction.well_depth_ratio": [1, 4, 3]}), "--resume")[::2],
+    }
+
+
+@pytest.mark.parametrize("way", ["resume", "predictor", "merge", "compare", "wider"])
+@pytest.mark.parametrize("error", [RuntimeError("NetCDF: HDF error"), AttributeError("x"), SystemError("<built-in>")])
+def test_whatever_a_library_raises_is_one_line(ways, monkeypatch, tmp_path, way, error):
+    def fail(*_, **__):
+        raise error
+
+    for name in ("open_dataset", "open_datatree"):
+        monkeypatch.setattr(xr, name, fail)
+    status, said = ways[way]()
+    assert (status, said.count("\n")) == (1, 1), said
+    assert str(tmp_path / "bem.nc") in said
+
+
+@pytest.mark.validation
+def test_one_flipped_bit_is_one_line_or_none(ways, tmp_path, finished):
+    chance = random.Random(1)
+    whole = (tmp_path / "bem.nc").read_bytes()
+    refused = 0
+    for _ in range(60):
+        content = bytearray(whole)
+        content[chance.randrange(len(content))] ^= 1 << chance.randrange(8)
+        (tmp_path / "bem.nc").write_bytes(content)
+        for way in ("resume", "predictor", "merge", "wider"):
+            status, said = ways[way]()
+            assert "Traceback" not in said
+            if status == 1:
+                refused += 1
+                assert said.splitlines()[-1].count(str(tmp_path / "bem.nc")) == 1
+            for name in ("new.nc", "md.nc"):
+                (tmp_path / name).unlink(missing_ok=True)
+    assert refused > 20
+
+
+@pytest.fixture
+def pipe(tmp_path):
+    os.mkfifo(tmp_path / "pipe.nc")
+    return tmp_path / "pipe.nc"
+
+
+@pytest.mark.parametrize("what", ["pipe", "device", "loop", "folder"])
+def test_what_is_no_file_is_no_input(run, tmp_path, pipe, capsys, what):
+    """Each would be waited for or read for ever."""
+    (tmp_path / "loop.nc").symlink_to(tmp_path / "loop.nc")
+    path = str({"pipe": pipe, "device": "/dev/zero", "loop": tmp_path / "loop.nc", "folder": tmp_path}[what])
+    words = {"loop": "is a link that leads nowhere", "folder": "is a folder"}.get(
+        what, "is a pipe or a device, not a file"
+    )
+    surface = {"kind": "file", "path": path, "height_unit": "m", "rms_height": None, "cutoff_mode": None}
+    for status, said in (
+        run(BASE, "--predictor", path, output="md.nc", model=TOY_ATOMS)[::2],
+        run(changed(surface=surface), output="map.nc")[::2],
+        (merge([path, str(tmp_path / "none.nc"), "-o", str(tmp_path / "all.nc")]), capsys.readouterr().err),
+        (compare([path, "-o", str(tmp_path / "comparison.nc")]), capsys.readouterr().err),
+    ):
+        assert (status, said.count("\n")) == (1, 1), said
+        assert f"{path} {words}" in said
+
+
+def test_a_pipe_is_no_study(tmp_path, pipe):
+    command = [sys.executable, "-m", "tests.campaign.toy_model", str(pipe), "-o", str(tmp_path / "bem.nc")]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=60)
+    assert done.stderr == f"toy: error: {pipe}: is a pipe or a device, not a file; expected a study file (TOML)\n"
+
+
+@pytest.mark.parametrize("how", [(), ("--resume",), ("--overwrite",)])
+def test_what_is_no_file_is_no_output(run, tmp_path, pipe, how):
+    (tmp_path / "loop.nc").symlink_to(tmp_path / "loop.nc")
+    for name in ("pipe.nc", "loop.nc"):
+        status, solved, said = run(BASE, *how, output=name)
+        assert (status, solved, said.count("\n")) == (1, [], 1), said
+        assert str(tmp_path / name) in said
+    assert pipe.is_fifo()
+    assert (tmp_path / "loop.nc").is_symlink()
+
+
+def test_a_full_disk_while_a_comparison_is_written(finished, tmp_path):
+    """A file may grow to 40 kB: the library's own error, in one line, and nothing is left."""
+    code = (
+        "import resource, sys; resource.setrlimit(resource.RLIMIT_FSIZE, (40_000, 40_000)); "
+        "from contact_study.comparison.command import main; sys.exit(main())"
+    )
+    before = sorted(tmp_path.iterdir())
+    command = [sys.executable, "-c", code, str(tmp_path / "bem.nc"), "-o", str(tmp_path / "comparison.nc")]
+    done = subprocess.run(command, capture_output=True, text=True)
+    assert done.returncode == 1
+    last = done.stderr.splitlines()[-1]
+    assert last.startswith(f"contact-compare: error: {tmp_path / 'comparison.nc'}: cannot be written"), done.stderr
+    assert "Traceback" not in done.stderr
+    assert sorted(tmp_path.iterdir()) == before

@@ -1,0 +1,118 @@
+"""What a case may use of a machine's memory: inside a job's limit, beside others, on a worker's machine."""
+
+import socket
+
+import pytest
+
+from contact_study.campaign import engines, memory, runner
+from contact_study.campaign.command import main
+from contact_study.problem.errors import InputError
+from contact_study.problem.study import make_study
+from tests.campaign.toy_model import TOY
+from tests.campaign.toy_study import changed
+
+NEED = 16 * 16 * 100.0  # of a case of the toy's study
+
+
+@pytest.fixture
+def groups(tmp_path, monkeypatch):
+    """Write what the system says of the groups that this process is in; returns the memory that is found."""
+    monkeypatch.setattr(memory, "_GROUPS", tmp_path / "groups")
+    monkeypatch.setattr(memory, "_OWN_GROUPS", tmp_path / "own")
+
+    def said(own, limits):
+        (tmp_path / "own").write_text(own)
+        for name, limit in limits.items():
+            path = tmp_path / "groups" / name
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_text(limit)
+        return memory._memory()
+
+    return said
+
+
+JOB = "system.slice/slurmstepd.scope/job_7"
+
+
+@pytest.mark.parametrize(
+    ("own", "limits", "found"),
+    [
+        (f"0::/{JOB}/step_0/user/task_0\n", {f"{JOB}/memory.max": "4000\n", f"{JOB}/step_0/memory.max": "max\n"}, 4000),
+        ("0::/\n", {"memory.max": "5000\n"}, 5000),  # in a container
+        ("4:cpu,memory:/slurm/job_7/step_0\n1:pids:/x\n", {"memory/slurm/job_7/memory.limit_in_bytes": "6000\n"}, 6000),
+        ("4:memory:/slurm/job_7\n", {"memory/slurm/job_7/memory.limit_in_bytes": "9223372036854771712\n"}, None),
+        ("4:pids:/slurm/job_7\n", {"memory/slurm/job_7/memory.limit_in_bytes": "6000\n"}, None),
+        (f"0::/{JOB}\n", {f"{JOB}/memory.max": "max\n"}, None),
+    ],
+)
+def test_memory_is_that_of_the_job(groups, own, limits, found):
+    machine = groups("", {})
+    assert machine > 1e9
+    assert groups(own, limits) == (machine if found is None else found)
+    if found is not None:
+        with pytest.raises(InputError, match=f"needs at least 1 GB of memory, the job on {socket.gethostname()} has"):
+            memory.require_memory(1e9, "surface.shape = [1, 1]", "fewer points")
+
+
+def test_without_groups_memory_is_the_machine_s(tmp_path, monkeypatch):
+    monkeypatch.setattr(memory, "_OWN_GROUPS", tmp_path / "none")
+    monkeypatch.setattr(memory, "_GROUPS", tmp_path / "none")
+    with pytest.raises(InputError, match=f"needs at least 1e\\+09 GB of memory, {socket.gethostname()} has"):
+        memory.require_memory(1e18, "surface.shape = [1, 1]", "fewer points")
+
+
+@pytest.fixture
+def study(tmp_path):
+    path = tmp_path / "study.toml"
+    path.write_text(make_study(changed()).toml)
+    return path
+
+
+@pytest.mark.parametrize(
+    ("held", "asked", "workers"),
+    [(4.5, None, 2), (1.5, None, 1), (2.5, 2, 2), (2.5, 5, 2)],  # there are two cases
+)
+def test_no_more_cases_at_once_than_memory_holds(study, tmp_path, monkeypatch, held, asked, workers):
+    found, run = [], engines.run
+
+    def kept(tasks, workers, *rest):
+        found.append(workers)
+        run(tasks, 1, *rest)
+
+    monkeypatch.setattr(engines, "run", kept)
+    monkeypatch.setattr(runner, "available_cores", lambda: 8)
+    monkeypatch.setattr(memory, "_memory", lambda: held * NEED)
+    more = [] if asked is None else ["--workers", str(asked)]
+    assert main(TOY, [str(study), "-o", str(tmp_path / "bem.nc"), *more]) == 0
+    assert found == [workers]
+
+
+def test_more_workers_than_memory_holds_are_refused(study, tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(memory, "_memory", lambda: 1.5 * NEED)
+    assert main(TOY, [str(study), "-o", str(tmp_path / "bem.nc"), "--workers", "2"]) == 1
+    said = capsys.readouterr().err
+    assert said.count("\n") == 1
+    assert "--workers 2: surface.shape = [16, 16]: needs at least 5.12e-05 GB" in said
+    assert said.endswith("use --workers 1\n")
+    assert [path.name for path in tmp_path.iterdir()] == ["study.toml"]
+
+
+def test_on_other_machines_each_case_says_so_where_it_runs(monkeypatch):
+    cases = make_study(changed())
+    monkeypatch.setattr(memory, "_memory", lambda: 0.5 * NEED)
+    assert runner.check_memory(TOY, cases, "dask", 100) == 2
+    with pytest.raises(InputError, match=r"needs at least 2\.56e-05 GB"):
+        runner.check_memory(TOY, cases, None, None)
+    with pytest.raises(InputError, match=r"needs at least 2\.56e-05 GB"):
+        memory.require(TOY.needs(cases.cases[0]))
+
+
+def test_a_worker_has_its_share(monkeypatch):
+    monkeypatch.setattr(memory, "_share", float("inf"))
+    machine = memory._memory()
+    memory.set_share(2e6)
+    assert memory._memory() == 2e6
+    with pytest.raises(InputError, match=f"a Dask worker on {socket.gethostname()} has 0.002 GB"):
+        memory.require_memory(1e9, "x", "y")
+    memory.set_share(None)
+    assert memory._memory() == machine
