@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from contact_study.campaign.dataset.formats import readable, require_dataset
+from contact_study.campaign.dataset.formats import engine_of, readable, require_dataset
 from contact_study.problem.case import Case
 from contact_study.problem.dotted_keys import SECTIONS, same
 from contact_study.problem.errors import InputError
@@ -24,6 +24,7 @@ _CONTACT = ("surface", "material", "elasticity", "interaction")
 _APART = ("shape", "path", "atom_mass", "lattice_constant", "contact_distance")
 # Ways of the atoms that begin with none of another model's states.
 _WITHOUT_START = ("overdamped", "dynamics")
+_OPTION = "--predictor"
 # What stands for these is Δγ.
 _ADHESION = ("well_depth", "well_depth_ratio", "work_of_adhesion")
 
@@ -60,8 +61,8 @@ def check_predictor(path: Path, study: Study, height_maps: Mapping[str, str]) ->
                 f'--predictor {path}: atoms of atomistic.method = "{case.atomistic.method}" come down by themselves; '
                 "leave it out"
             )
-    require_dataset(path, "--predictor")
-    with readable(path), xr.open_dataset(path, decode_timedelta=False) as dataset:
+    require_dataset(path, _OPTION)
+    with readable(path, _OPTION), xr.open_dataset(path, engine=engine_of(path), decode_timedelta=False) as dataset:
         if "gap" not in dataset or not str(dataset["gap"].dims[-1]).startswith("x"):
             raise InputError(f"--predictor: {path} holds no gap fields; write it with output.fields = true")
         attributes = dict(dataset.attrs)
@@ -103,7 +104,7 @@ class GapFields:
         self._path = path
         self._case = case
         self._points = path_points_of(case)
-        with readable(path), xr.open_dataset(path, decode_timedelta=False) as dataset:
+        with readable(path, _OPTION), xr.open_dataset(path, engine=engine_of(path), decode_timedelta=False) as dataset:
             study = _study(path, dataset.attrs)
         start = _matching(study, case)
         self._index = None if start is None else dict(zip(study.sweep, start.index, strict=True))
@@ -111,7 +112,10 @@ class GapFields:
     def __call__(self, number: int) -> np.ndarray | None:
         if self._index is None:
             return None
-        with readable(self._path), xr.open_dataset(self._path, decode_timedelta=False) as dataset:
+        with (
+            readable(self._path, _OPTION),
+            xr.open_dataset(self._path, engine=engine_of(self._path), decode_timedelta=False) as dataset,
+        ):
             dataset = dataset.isel({name: i for name, i in self._index.items() if name in dataset.dims})
             points = path_points(dataset[f"applied_{self._case.loading.control}"].values, dataset["branch"].values)
             if self._points[number] not in points:

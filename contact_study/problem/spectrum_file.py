@@ -11,7 +11,7 @@ import numpy as np
 from contact_study.fields.tabulated_spectrum import TabulatedSpectrum
 from contact_study.problem import units
 from contact_study.problem.errors import InputError
-from contact_study.problem.regular_files import what_is_at
+from contact_study.problem.regular_files import refuse_endless
 from contact_study.problem.tables import numbers_of, text_of
 
 if TYPE_CHECKING:
@@ -164,8 +164,10 @@ def _netcdf(path: Path, where: str) -> tuple[np.ndarray, list[str | None]]:
     """The spectrum of a dataset and its wavevectors, with their units."""
     import xarray as xr  # slow to import
 
-    if fault := what_is_at(path):
-        raise InputError(f"{where} {fault}")
+    try:
+        refuse_endless(path)
+    except OSError as error:
+        raise InputError(f"{where} cannot be read ({error.strerror})") from None
     try:
         with xr.open_dataset(path, decode_timedelta=False) as opened:
             dataset = opened.load()

@@ -18,7 +18,7 @@ from contact_study.problem.case import Case
 from contact_study.problem.dotted_keys import SECTIONS, WHOLE_STUDY, is_sweep, last, read, split
 from contact_study.problem.errors import InputError
 from contact_study.problem.keys import Kinds, bind, keys_of
-from contact_study.problem.regular_files import what_is_at
+from contact_study.problem.regular_files import refuse_endless
 from contact_study.problem.replaced_keys import replace_keys
 from contact_study.problem.spectrum_file import with_spectrum
 from contact_study.problem.sweep import (
@@ -89,9 +89,8 @@ def read_study(path: Path | str, overrides: Mapping[str, Any] | None = None) -> 
         If the file cannot be read or any key is unknown, missing or impossible.
     """
     path = Path(path)
-    if fault := what_is_at(path):
-        raise InputError(f"{path}: {fault}; expected a study file (TOML)")
     try:
+        refuse_endless(path)
         table = tomllib.loads(path.read_text(encoding="utf-8"))
     except (OSError, UnicodeDecodeError) as error:
         reason = error.strerror if isinstance(error, OSError) else "is no text"

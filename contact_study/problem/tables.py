@@ -9,7 +9,7 @@ import numpy as np
 
 from contact_study.problem import units
 from contact_study.problem.errors import InputError
-from contact_study.problem.regular_files import require_file
+from contact_study.problem.regular_files import refuse_endless
 
 # Letters of a line that a message shows.
 _SHOWN = 40
@@ -108,8 +108,8 @@ def text_of(path: Path, name: str) -> str:
     InputError
         If it cannot be read.
     """
-    require_file(path, name)
     try:
+        refuse_endless(path)
         return path.read_text(encoding="utf-8-sig")
     except (OSError, UnicodeDecodeError) as error:
         reason = error.strerror if isinstance(error, OSError) else "is no text"

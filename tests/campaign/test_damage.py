@@ -97,13 +97,14 @@ def test_what_is_no_file_is_no_input(run, tmp_path, pipe, capsys, what):
         (compare([path, "-o", str(tmp_path / "comparison.nc")]), capsys.readouterr().err),
     ):
         assert (status, said.count("\n")) == (1, 1), said
-        assert f"{path} {words}" in said
+        assert f"{path} {words}" in said or f"{path}: {words}" in said
 
 
 def test_a_pipe_is_no_study(tmp_path, pipe):
     command = [sys.executable, "-m", "tests.campaign.toy_model", str(pipe), "-o", str(tmp_path / "bem.nc")]
     done = subprocess.run(command, capture_output=True, text=True, timeout=60)
-    assert done.stderr == f"toy: error: {pipe}: is a pipe or a device, not a file; expected a study file (TOML)\n"
+    assert done.stderr.startswith(f"toy: error: {pipe}: cannot be read (is a pipe or a device, not a file); expected a")
+    assert done.stderr.count("\n") == 1
 
 
 @pytest.mark.parametrize("how", [(), ("--resume",), ("--overwrite",)])

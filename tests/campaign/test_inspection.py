@@ -85,7 +85,7 @@ def test_a_flat_surface_is_looked_at_too(folder, capsys):
     ("arguments", "culprit"),
     [
         (("--inspect", "nowhere.npy"), "nowhere.npy does not exist"),
-        (("--inspect", "."), "--inspect: . is no file"),
+        (("--inspect", "."), "--inspect: . is a folder"),
         (("--inspect", "map.npy"), "surface.size"),
         (("--inspect", "map.npy", *KEYS, "--loading.unload", "true"), "loading.unload"),
         (("--inspect", "map.npy", *KEYS, "-o", "map.npy"), "map.npy"),

@@ -270,7 +270,7 @@ def test_inputs_that_are_none(parts, run, merge, tmp_path):
     assert refused(*merge(one, one), "is given twice")
     assert refused(*merge(one, tmp_path / "no.nc"), "does not exist")
     (tmp_path / "text.nc").write_text("text")
-    assert refused(*merge(one, tmp_path / "text.nc"), "is no readable dataset")
+    assert refused(*merge(one, tmp_path / "text.nc"), "cannot be read as NetCDF")
     xr.Dataset({"a": 1}).to_netcdf(tmp_path / "foreign.nc")
     assert refused(*merge(one, tmp_path / "foreign.nc"), "is no dataset of bem-adhesion")
     atoms = run(WHOLE, "md.nc", "--surface.seed", "2", model=TOY_ATOMS)

@@ -35,7 +35,7 @@ def require_dataset(path: Path, name: str = "") -> None:
     """Raise InputError, in the name of an option if there is one, unless a file or a folder of Zarr stands there."""
     if not is_dataset(path):
         fault = what_is_at(path) or "is a file"
-        raise InputError(f"{name}{': ' if name else ''}{path} {fault}; expected a dataset (NetCDF or Zarr)")
+        raise InputError(f"{f'{name}: {path}' if name else f'{path}:'} {fault}; expected a dataset (NetCDF or Zarr)")
 
 
 def check_name(path: Path) -> None:
@@ -107,8 +107,15 @@ def mark_of(path: Path) -> tuple[int, ...] | None:
 
 
 @contextmanager
-def readable(path: Path) -> Iterator[None]:
+def readable(path: Path, name: str = "") -> Iterator[None]:
     """Make one line of whatever libraries raise over a dataset that is damaged, or none.
+
+    Parameters
+    ----------
+    path : pathlib.Path
+        The dataset.
+    name : str, optional
+        The option that named it.
 
     Raises
     ------
@@ -122,4 +129,6 @@ def readable(path: Path) -> Iterator[None]:
     except Exception as error:  # of a dozen types: a flipped bit may be anywhere
         said = isinstance(error, OSError) and error.strerror
         reason = str(said or f"{type(error).__name__}: {error}").splitlines()[0]
-        raise InputError(f"{path}: cannot be read as a dataset, perhaps damaged or cut short ({reason})") from None
+        words = "Zarr" if is_zarr(path) else "NetCDF"
+        who = f"{name}: {path}" if name else f"{path}:"
+        raise InputError(f"{who} cannot be read as {words}, perhaps damaged or cut short ({reason})") from None

@@ -8,7 +8,7 @@ from typing import Any
 
 import xarray as xr
 
-from contact_study.campaign.dataset.formats import readable, require_dataset
+from contact_study.campaign.dataset.formats import engine_of, readable, require_dataset
 from contact_study.campaign.files import real
 from contact_study.campaign.model import MODULES, Model, model_of
 from contact_study.campaign.resume.identity import Cases, recorded_height_maps
@@ -70,7 +70,7 @@ def read_sources(paths: Sequence[Path]) -> list[Source]:
 
 def _source(path: Path) -> Source:
     require_dataset(path)
-    with readable(path), xr.open_dataset(path, decode_timedelta=False) as dataset:
+    with readable(path), xr.open_dataset(path, engine=engine_of(path), decode_timedelta=False) as dataset:
         attributes, sizes = dict(dataset.attrs), dict(dataset.sizes)
         held = {str(name): dataset[name].values.tolist() for name in dataset.dims if name in dataset.coords}
     model = _model(path, attributes)

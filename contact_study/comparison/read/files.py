@@ -132,8 +132,11 @@ def field_at(path: Path, name: str, selection: Mapping[str, Any], step: int) -> 
     step : int
         Position on the path.
     """
-    with readable(path), xr.open_dataset(path, decode_timedelta=False) as dataset:
+    with readable(path):
+        dataset = xr.open_dataset(path, engine=engine_of(path), decode_timedelta=False)
+    with dataset:
         if name not in dataset:
             return None
         chosen = positions({dim: dataset[dim].values for dim in swept_dims(dataset)}, selection)
-        return dataset[name].isel({**chosen, "step": step}, missing_dims="ignore").values
+        with readable(path):
+            return dataset[name].isel({**chosen, "step": step}, missing_dims="ignore").values
