@@ -25,6 +25,7 @@ import numpy as np
 import pandas as pd
 
 from bem_adhesion import rough_contact
+from bem_adhesion.process_zone import LESS_CONTACT, POINTS_FOR_ONE_STATE, process_zone
 from bem_adhesion.solution import Solution
 from contact_study.campaign.command import Parser, guarded
 from contact_study.campaign.memory import require_memory
@@ -125,6 +126,13 @@ def _main(arguments: Sequence[str] | None) -> int:
     )
     memory = max(row["peak_memory"] for rows in found for row in rows)
     print(f"\nPairs of transforms: {pairs}. Peak memory {memory:.1f} GB.")
+    share = process_zone(MODULUS, law) / spacing[-1]
+    if share < POINTS_FOR_ONE_STATE:
+        print(
+            f"\nThe process zone has {share:.2g} of the finest spacing: states depend on how they are loaded. These are "
+            f"of one step; slow loading ends with up to {100 * LESS_CONTACT:.0f} % less contact. The last two columns say "
+            "what the grid changes in that one way."
+        )
     failed = sum(not row["converged"] for rows in found for row in rows)
     if failed:
         print(f"\n{failed} states did not converge.")

@@ -7,6 +7,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
+import contact_study
 from contact_study.problem.study import make_study, read_study
 from scripts import (
     contact_challenge,
@@ -19,6 +20,7 @@ from scripts import (
     non_adhesive_shelf,
     polymer_contact,
     sphere_path,
+    trapped_edges,
     validate_energies,
     validate_spheres,
     validate_waves,
@@ -248,7 +250,8 @@ def test_maugis_has_his_limits():
 def test_the_contact_mechanics_challenge(capsys):
     assert contact_challenge.main(["--size", "2 um", "--points", "48", "96", "--pressures", "1 MPa", "4 MPa"]) == 0
     said, errors = capsys.readouterr()
-    head, _, names, _, *rows, _, work = said.splitlines()
+    head, _, names, _, *rows, _, work, _, warning = said.splitlines()
+    assert warning.startswith("The process zone has 0.1 of the finest spacing")
     assert "rms slope 1.000" in head
     assert re.fullmatch(r"Pairs of transforms: \d+ on 48², \d+ on 96²\. Peak memory \d+\.\d GB\.", work)
     assert [name.strip() for name in names.split("|")[3:-1]] == ["48²", "96²", "extrapolated", "error of the finest"]
@@ -337,6 +340,24 @@ def test_the_work_of_separation_of_maugis_becomes_that_of_jkr():
     expected = work * np.pi * (3 * np.pi / 4) ** (2 / 3)
     # What a range leaves: 5e-4 at λ = 20, a quarter at 40.
     assert sphere_path.maugis_work(40.0) == pytest.approx(expected, rel=1e-3)
+
+
+def test_slow_motion_and_one_step_part_where_the_grid_is_coarser_than_the_process_zone(tmp_path, capsys):
+    table, figure = tmp_path / "states.csv", tmp_path / "figure.png"
+    asked = ["--points", "32", "--seeds", "1", "--laws", "exponential", "-o", str(table)]
+    assert trapped_edges.main([*asked, "--ratios", "0.2", "2"]) == 0
+    rows = capsys.readouterr().out.splitlines()
+    assert rows[3].endswith("| = |")
+    assert float(re.search(r"\| (\S+) %, ", rows[2])[1]) > 5
+    assert rows[-1].startswith("- exponential, 32²: the same states from 2 on")
+    # The zone that it says is that of the solver.
+    words = "process zone 9.76 nm"
+    with pytest.warns(UserWarning, match=words):
+        contact_study.run(trapped_edges.study("exponential", 32, 0.2, 1))
+    before = table.read_text()
+    assert trapped_edges.main([*asked, "--ratios", "0.2", "--figure", str(figure)]) == 0
+    assert table.read_text() == before
+    assert figure.stat().st_size > 1000
 
 
 @pytest.mark.filterwarnings("ignore:grid too coarse")
