@@ -129,9 +129,9 @@ def _main(arguments: Sequence[str] | None) -> int:
     share = process_zone(MODULUS, law) / spacing[-1]
     if share < POINTS_FOR_ONE_STATE:
         print(
-            f"\nThe process zone has {share:.2g} of the finest spacing: states depend on how they are loaded. These are "
-            f"of one step; slow loading ends with up to {100 * LESS_CONTACT:.0f} % less contact. The last two columns say "
-            "what the grid changes in that one way."
+            f"\nThe process zone has {share:.2g} of the finest spacing: states depend on how they are loaded. "
+            f"These are of one step; slow loading ends with up to {100 * LESS_CONTACT:.0f} % less contact. "
+            "The last two columns say what the grid changes in that one way."
         )
     failed = sum(not row["converged"] for rows in found for row in rows)
     if failed:
