@@ -264,8 +264,11 @@ class CaseWriter(CaseFile):
         return [
             key
             for key in self._records
-            if _is_before(key, first, True)
-            and (key[0] not in (_STATE, _PARTIAL) or key[1] >= first - (key[0] == _STATE))
+            if key[0] == _CONSTANTS
+            or (
+                _is_before(key, first, True)
+                and (key[0] not in (_STATE, _PARTIAL) or key[1] >= first - (key[0] == _STATE))
+            )
         ]
 
     def _take_up(self) -> None:

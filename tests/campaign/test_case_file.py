@@ -63,6 +63,14 @@ def test_states_that_serve_nobody_do_not_pile_up(tmp_path, monkeypatch):
     assert [name.name for name in tmp_path.iterdir()] == ["a.case"]
 
 
+def test_large_constants_outlast_a_first_step(tmp_path):
+    heights = np.zeros(300_000)  # more than what a file is written anew for
+    with CaseWriter(tmp_path / "a.case", 1, last_state=True) as file:
+        file.save_constants({"height": heights})
+        file.save_step(0, step(0))
+    assert CaseFile(tmp_path / "a.case").constants["height"].size == heights.size
+
+
 def test_a_state_that_is_lost_costs_steps_back_to_the_last_one(tmp_path):
     path = tmp_path / "a.case"
     with CaseWriter(path, 3, last_state=True) as file:
