@@ -1,5 +1,6 @@
 """Formats of a dataset, told by the end of its name: ``.nc`` is a file of NetCDF, ``.zarr`` a folder of Zarr."""
 
+import gc
 import importlib.util
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -127,6 +128,8 @@ def readable(path: Path, name: str = "") -> Iterator[None]:
     except (InputError, MemoryError):
         raise
     except Exception as error:  # of a dozen types: a flipped bit may be anywhere
+        # A file half opened crashes netCDF's library when it is closed; what garbage collection leaves alone stays open.
+        gc.freeze()
         said = isinstance(error, OSError) and error.strerror
         reason = str(said or f"{type(error).__name__}: {error}").splitlines()[0]
         words = "Zarr" if is_zarr(path) else "NetCDF"
