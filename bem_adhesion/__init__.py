@@ -4,20 +4,11 @@ A height array, its size, a solid and a law make a contact; states follow from s
 :func:`rough_contact`. Whole studies are run by :func:`contact_study.run` or the command ``bem-adhesion``.
 """
 
-from bem_adhesion.contact import Contact, rough_contact
+from bem_adhesion.contacts.rough_contact import Contact, rough_contact
+from bem_adhesion.contacts.viscoelastic import ViscoelasticContact
 from bem_adhesion.solution import Outcome, Solution
-from bem_adhesion.viscoelastic import ViscoelasticContact
 from contact_study import __version__
-from contact_study.problem.elasticity import (
-    Elasticity,
-    HalfSpace,
-    Layer,
-    Layered,
-    Measured,
-    Tabulated,
-    Viscoelastic,
-)
-from contact_study.problem.laws import (
+from contact_study.physics.laws import (
     Dugdale,
     DugdaleCore,
     Exponential,
@@ -30,6 +21,15 @@ from contact_study.problem.laws import (
     Repulsive,
     TabulatedLaw,
     TractionLaw,
+)
+from contact_study.physics.solids import (
+    Elasticity,
+    HalfSpace,
+    Layer,
+    Layered,
+    Measured,
+    Tabulated,
+    Viscoelastic,
 )
 
 __all__ = [

@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from contact_study.fields.arguments import check_control
-from contact_study.fields.grid import Grid
-from contact_study.problem.elasticity import Elasticity
+from contact_study.numerics.arguments import check_control
+from contact_study.numerics.grid import Grid
+from contact_study.physics.solids import Elasticity
 
 
 def check_arguments(

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from contact_study.fields import fourier
-from contact_study.fields.grid import Grid
+from contact_study.numerics import fourier
+from contact_study.numerics.grid import Grid
 
 
 def typical_wavenumber(height: np.ndarray, grid: Grid) -> float:

@@ -5,8 +5,8 @@ from enum import Enum
 
 import numpy as np
 
-from contact_study.observables.base import in_two_lines
-from contact_study.problem.laws.base import TractionLaw
+from contact_study.physics.laws.base import TractionLaw
+from contact_study.results.state import in_two_lines
 
 
 class Outcome(Enum):
@@ -69,8 +69,8 @@ class Solution:
         Free boundaries: where the block's surface would be undeformed, in the coordinate of the heights (m).
     plastic_indentation : numpy.ndarray, shape (y, x), or None
         How far points have given way for good at the hardness, >= 0 (m): in this step, or of a
-        :class:`~bem_adhesion.plastic.PlasticContact` in all steps; the surfaces are at heights less indentation plus
-        gap. None where nothing has.
+        :class:`~bem_adhesion.contacts.plastic.PlasticContact` in all steps; the surfaces are at heights less
+        indentation plus gap. None where nothing has.
     law : TractionLaw
         The law of the interface, which says what counts as contact.
     """

@@ -10,19 +10,19 @@ if TYPE_CHECKING:
     from contact_study.campaign.dataset.vtk import to_vtk
     from contact_study.campaign.dataset.xyz import to_xyz
     from contact_study.campaign.library import run
-    from contact_study.problem.errors import InputError
-    from contact_study.problem.study import make_study, read_study
-    from contact_study.problem.surface import realise
+    from contact_study.errors import InputError
+    from contact_study.physics.surfaces.realisation import realise
+    from contact_study.study.study import make_study, read_study
 
 __all__ = ["InputError", "__version__", "make_study", "read_study", "realise", "run", "to_vtk", "to_xyz"]
 
 __version__ = "0.1.0"
 
 _MODULES = {
-    "InputError": "problem.errors",
-    "make_study": "problem.study",
-    "read_study": "problem.study",
-    "realise": "problem.surface",
+    "InputError": "errors",
+    "make_study": "study.study",
+    "read_study": "study.study",
+    "realise": "physics.surfaces.realisation",
     "run": "campaign.library",
     "to_vtk": "campaign.dataset.vtk",
     "to_xyz": "campaign.dataset.xyz",

@@ -8,22 +8,22 @@ INTERRUPTED = 130  # exit status
 
 def bem_adhesion() -> int:
     """The continuum."""
-    return _command("bem-adhesion", "bem_adhesion.run")
+    return _command("bem-adhesion", "bem_adhesion.study.model")
 
 
 def md_reference() -> int:
     """The atoms."""
-    return _command("md-reference", "md_reference.run")
+    return _command("md-reference", "md_reference.study.model")
 
 
 def persson_theory() -> int:
     """The theories."""
-    return _command("persson-theory", "theory.run")
+    return _command("persson-theory", "theory.study.model")
 
 
 def contact_compare() -> int:
     """The comparison."""
-    return _command("contact-compare", "contact_study.comparison.command")
+    return _command("contact-compare", "contact_study.report.command")
 
 
 def contact_merge() -> int:

@@ -5,8 +5,8 @@ A height array, a lattice, moduli and a pair potential make a contact; states fo
 """
 
 from contact_study import __version__
-from md_reference.contact import AtomisticContact, rough_contact
 from md_reference.solution import Outcome, Solution
+from md_reference.statics.contact import AtomisticContact, rough_contact
 
 __all__ = ["AtomisticContact", "Outcome", "Solution", "__version__", "rough_contact"]
 

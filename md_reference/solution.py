@@ -5,8 +5,8 @@ from enum import Enum
 
 import numpy as np
 
-from contact_study.observables.base import in_two_lines
-from contact_study.problem.laws.base import CONTACT_DISTANCE
+from contact_study.physics.laws.base import CONTACT_DISTANCE
+from contact_study.results.state import in_two_lines
 
 
 class Outcome(Enum):

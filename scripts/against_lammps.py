@@ -1,6 +1,6 @@
 """The atoms' forces against LAMMPS: interface and blocks in identical configurations, and the speed of both.
 
-The block in LAMMPS is made of bonds, which turn with their atoms (`md_reference/witness.py`): their forces are compared
+The block in LAMMPS is made of bonds, which turn with their atoms (`md_reference/lammps.py`): their forces are compared
 with those of the block of turning springs at displacements of a tenth of the lattice constant, and with those of the
 linear block in the part that is linear in the displacement, taken from four displacements that cancel the second to the
 fourth power. Everything is at a Poisson's ratio of ¼, where the block has no energy of its volume and is springs alone.
@@ -21,16 +21,16 @@ from typing import Any
 import numpy as np
 from scipy import constants
 
-from contact_study.campaign.command import Parser, guarded
-from contact_study.fields import fourier
-from contact_study.problem.lattice import lattice_of
-from md_reference.block import isotropic_element, lame_constants
-from md_reference.contact import interface_of
-from md_reference.interface import LennardJonesInterface
-from md_reference.multiscale_block import MultiscaleBlock
-from md_reference.newtonian import NewtonianBlock, fastest_wave
-from md_reference.rotating_block import RotatingBlock
-from md_reference.witness import Witness, block_witness, interface_witness, load_lammps
+from contact_study.campaign.command_line.command import Parser, guarded
+from contact_study.numerics import fourier
+from contact_study.physics.lattice import lattice_of
+from md_reference.block.condensed import isotropic_element, lame_constants
+from md_reference.block.multiscale import MultiscaleBlock
+from md_reference.block.nonlinear_springs import NonlinearSpringBlock
+from md_reference.interface.pairs import LennardJonesInterface
+from md_reference.lammps import Witness, block_witness, interface_witness, load_lammps
+from md_reference.statics.contact import interface_of
+from md_reference.thermal.langevin import NewtonianBlock, fastest_wave
 
 ANGSTROM = 1e-10
 
@@ -78,7 +78,7 @@ def _main(arguments: Sequence[str] | None) -> int:
     nodes = random_nodes((given.nodes,) * 3)
     springs = slab_witness(lammps, nodes.shape[1:])
     print(f"| linear block | {given.nodes**3} | {difference(block_forces(nodes), linear_part(springs, nodes)):.1e} |")
-    turned = difference(block_forces(FAR * nodes, RotatingBlock), springs.forces(springs.rest + FAR * nodes))
+    turned = difference(block_forces(FAR * nodes, NonlinearSpringBlock), springs.forces(springs.rest + FAR * nodes))
     print(f"| block of turning springs | {given.nodes**3} | {turned:.1e} |")
     if given.repeats:
         cut = interface_witness(lammps, interface, displacement, "lj/cut")
@@ -190,7 +190,7 @@ def timings(
 
         return move
 
-    linear, turning = (mover(springs_block((nodes,) * 3, kind)) for kind in (MultiscaleBlock, RotatingBlock))
+    linear, turning = (mover(springs_block((nodes,) * 3, kind)) for kind in (MultiscaleBlock, NonlinearSpringBlock))
 
     print("\n| 10⁶ atom-steps per second | LAMMPS | here | ratio | of the best runs |\n|---|---|---|---|---|")
     for name, atoms, steps, theirs, ours in (

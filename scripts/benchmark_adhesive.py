@@ -22,12 +22,12 @@ from pathlib import Path
 
 import numpy as np
 
-import bem_adhesion.operator
-from bem_adhesion.loading import LoadedContact
-from contact_study.fields.fourier import RealTransform
-from contact_study.problem.case import Case
-from contact_study.problem.study import read_study
-from contact_study.problem.surface import realise
+import bem_adhesion.operators.fourier
+from bem_adhesion.adhesive.contact import AdhesiveContact
+from contact_study.numerics.fourier import RealTransform
+from contact_study.physics.surfaces.realisation import realise
+from contact_study.study.case import Case
+from contact_study.study.study import read_study
 
 PRESSURES = np.array([0.1, 0.2, 0.5, 1, 2, 5, 10]) * 1e9
 # Gaps that differ by less, in units of the law's length, are those of one state: residuals over the softest stiffness.
@@ -65,10 +65,10 @@ class PathCost:
     transform_seconds: float
 
 
-def contact_of(case: Case) -> LoadedContact:
+def contact_of(case: Case) -> AdhesiveContact:
     """The contact that a case is about."""
     surface = realise(case)
-    return LoadedContact(surface.sampled, surface.grid, case.material.contact_modulus, case.law)
+    return AdhesiveContact(surface.sampled, surface.grid, case.material.contact_modulus, case.law)
 
 
 def cost_of_path(case: Case, pressures: np.ndarray) -> PathCost:
@@ -157,14 +157,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
     head = " | ".join(f"{ratio:g} ε₀ | worst" for ratio in given.ratios)
     print(f"| points (seeds) | {head} |" + (" transforms | s a step |" if given.times else ""))
     print("|---" * (1 + 2 * len(given.ratios) + (2 if given.times else 0)) + "|")
-    bem_adhesion.operator.RealTransform = TimedTransform  # type: ignore[misc]
+    bem_adhesion.operators.fourier.RealTransform = TimedTransform  # type: ignore[misc]
     try:
         for points, surfaces in zip(given.points, counts, strict=True):
             seeds = range(1, surfaces + 1)
             costs = {ratio: [cost(given.study, points, seed, ratio) for seed in seeds] for ratio in given.ratios}
             print(line(points, surfaces, costs, given.times), flush=True)
     finally:
-        bem_adhesion.operator.RealTransform = RealTransform  # type: ignore[misc]
+        bem_adhesion.operators.fourier.RealTransform = RealTransform  # type: ignore[misc]
     return 0
 
 

@@ -19,11 +19,11 @@ from pathlib import Path
 
 import numpy as np
 
-from contact_study.problem.case import Case
-from contact_study.problem.study import read_study
-from contact_study.problem.surface import realise
-from contact_study.problem.units import quantity
-from md_reference.system import build_contact
+from contact_study.physics.surfaces.realisation import realise
+from contact_study.study.case import Case
+from contact_study.study.study import read_study
+from contact_study.units import quantity
+from md_reference.statics.system import build_contact
 
 
 @dataclass(frozen=True)

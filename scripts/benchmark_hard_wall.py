@@ -17,15 +17,16 @@ from unittest import mock
 import numpy as np
 import xarray as xr
 
-from bem_adhesion import contact_passes, operator
-from bem_adhesion.extension import Extension
-from bem_adhesion.hard_wall import HardWallContact
+from bem_adhesion.hard_wall import kernels as contact_passes
+from bem_adhesion.hard_wall.contact import HardWallContact
+from bem_adhesion.hard_wall.preconditioner import Extension
+from bem_adhesion.operators import fourier as operator
 from bem_adhesion.solution import Solution
-from contact_study.fields import fourier
-from contact_study.fields.fourier import RealTransform
-from contact_study.fields.grid import Grid
-from contact_study.problem.study import make_study
-from contact_study.problem.surface import realise
+from contact_study.numerics import fourier
+from contact_study.numerics.fourier import RealTransform
+from contact_study.numerics.grid import Grid
+from contact_study.physics.surfaces.realisation import realise
+from contact_study.study.study import make_study
 
 SIZE, RMS_HEIGHT, CONTACT_MODULUS = 104e-9, 1e-9, 93.7348e9
 TOLERANCE = 1e-10

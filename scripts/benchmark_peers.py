@@ -38,8 +38,8 @@ import numpy as np
 import pandas as pd
 
 from bem_adhesion import Dugdale, Exponential, HardWall, LennardJones, TractionLaw, rough_contact
-from contact_study.problem.study import make_study
-from contact_study.problem.surface import realise
+from contact_study.physics.surfaces.realisation import realise
+from contact_study.study.study import make_study
 
 MEAN_PRESSURE, ROLL_OFF, SEED = 0.05, 4, 1
 WEAK, STRONG = (1e-4, 5e-3), (4e-4, 2e-3)  # work and range: a twelfth and half more contact

@@ -20,11 +20,11 @@ from pathlib import Path
 import numpy as np
 import tomli_w
 
-from contact_study.campaign.case_file import CaseWriter
-from contact_study.campaign.dataset.file import Earlier
-from contact_study.campaign.record import Step
-from contact_study.problem.bins import bins_of
-from contact_study.problem.study import Study, make_study, read_study
+from contact_study.campaign.dataset.file import DatasetReader
+from contact_study.campaign.store.case_file import CaseWriter
+from contact_study.results.step import Step
+from contact_study.study.bins import bins_of
+from contact_study.study.study import Study, make_study, read_study
 
 RATIOS, PRESSURES = (1, 4, 8), np.geomspace(1e8, 1e10, 60)
 
@@ -60,7 +60,7 @@ def run(study: Study, folder: Path, workers: int, flows: str) -> tuple[float, fl
     """Wall-clock and processor time of the command (s), its children included; and its dataset."""
     (folder / "study.toml").write_text(tomli_w.dumps(study.table))
     output = folder / "theory.nc"
-    command = [sys.executable, "-m", "theory.run", str(folder / "study.toml"), "-o", str(output)]
+    command = [sys.executable, "-m", "theory.study.model", str(folder / "study.toml"), "-o", str(output)]
     before, began = os.times(), time.perf_counter()
     command += ["--workers", str(workers), "--theory.flows", flows]
     subprocess.run(command, check=True, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
@@ -72,7 +72,7 @@ def run(study: Study, folder: Path, workers: int, flows: str) -> tuple[float, fl
 def write_and_read(study: Study, dataset: Path, path: Path) -> tuple[float, float, int]:
     """Processor time to write all steps of a dataset, and to read them (s), and their number."""
     bins = bins_of(study)
-    with Earlier(dataset, study.sweep) as earlier:
+    with DatasetReader(dataset, study.sweep) as earlier:
         values = [earlier.step(case.index, number) for case in study.cases for number in range(len(case.path))]
     with CaseWriter(path, len(values), last_state=False) as file:
         written = timed(lambda: [file.save_step(i, Step(one, bins=bins)) for i, one in enumerate(values)])

@@ -21,14 +21,14 @@ from pathlib import Path
 import numpy as np
 
 from bem_adhesion import HardWall, rough_contact
-from contact_study.fields.fourier import RealTransform
-from contact_study.problem.lattice import lattice_of
-from contact_study.problem.study import read_study
-from contact_study.problem.surface import realise
-from md_reference.block import isotropic_element, lame_constants
-from md_reference.contact import interface_of
-from md_reference.multiscale_block import MultiscaleBlock, level_layers
-from md_reference.newtonian import NewtonianBlock, fastest_wave
+from contact_study.numerics.fourier import RealTransform
+from contact_study.physics.lattice import lattice_of
+from contact_study.physics.surfaces.realisation import realise
+from contact_study.study.study import read_study
+from md_reference.block.condensed import isotropic_element, lame_constants
+from md_reference.block.multiscale import MultiscaleBlock, level_layers
+from md_reference.statics.contact import interface_of
+from md_reference.thermal.langevin import NewtonianBlock, fastest_wave
 
 # Of the paper's system, at any scale of the lengths.
 _CONSTANT, _LENGTH, _WELL_DEPTH, _CUTOFF = 2.6e-10, 3.28e-10, 2.98e-21, 4.0

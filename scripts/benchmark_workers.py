@@ -18,7 +18,11 @@ import time
 from collections.abc import Sequence
 from pathlib import Path
 
-COMMANDS = {"continuum": "bem_adhesion.run", "atoms": "md_reference.run", "theory": "theory.run"}
+COMMANDS = {
+    "continuum": "bem_adhesion.study.model",
+    "atoms": "md_reference.study.model",
+    "theory": "theory.study.model",
+}
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

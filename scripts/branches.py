@@ -18,10 +18,10 @@ from typing import Any
 import pandas as pd
 
 import contact_study
-from contact_study.campaign.command import Parser, guarded
-from contact_study.problem.errors import InputError
-from contact_study.problem.study import Study, read_study
-from contact_study.problem.units import quantity
+from contact_study.campaign.command_line.command import Parser, guarded
+from contact_study.errors import InputError
+from contact_study.study.study import Study, read_study
+from contact_study.units import quantity
 
 PRESSURES = ("0.1 GPa", "0.2 GPa", "0.5 GPa", "1 GPa", "2 GPa", "5 GPa", "10 GPa")
 _SMALL = 5  # small steps from one pressure to the next

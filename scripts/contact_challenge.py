@@ -27,15 +27,15 @@ import pandas as pd
 from bem_adhesion import rough_contact
 from bem_adhesion.process_zone import LESS_CONTACT, POINTS_FOR_ONE_STATE, process_zone
 from bem_adhesion.solution import Solution
-from contact_study.campaign.command import Parser, guarded
+from contact_study.campaign.command_line.command import Parser, guarded
 from contact_study.campaign.memory import require_memory
-from contact_study.fields.grid import Grid
-from contact_study.problem.errors import InputError
-from contact_study.problem.laws import Exponential, HardWall
-from contact_study.problem.study import make_study
-from contact_study.problem.surface import Surface, realise
-from contact_study.problem.units import quantity
-from theory.closed_forms import relative_contact_area
+from contact_study.errors import InputError
+from contact_study.numerics.grid import Grid
+from contact_study.physics.laws import Exponential, HardWall
+from contact_study.physics.surfaces.realisation import Surface, realise
+from contact_study.study.study import make_study
+from contact_study.units import quantity
+from theory.non_adhesive.closed_forms import relative_contact_area
 
 CELL, ROLL_OFF, CUTOFF, HURST = 100e-6, 20e-6, 0.1e-6, 0.8
 MODULUS, WORK, RANGE = 25e6, 0.05, 2.071e-9

@@ -19,28 +19,28 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-import md_reference.run
-from bem_adhesion.loading import LoadedContact
+import md_reference.study.model
+from bem_adhesion.adhesive.contact import AdhesiveContact
 from bem_adhesion.solution import Outcome as ContinuumOutcome
 from bem_adhesion.solution import Solution
-from contact_study.campaign import files
-from contact_study.campaign.command import Parser, guarded
-from contact_study.fields import fourier
-from contact_study.fields.grid import Grid
-from contact_study.problem.case import Case
-from contact_study.problem.elasticity import Elasticity, HalfSpace, Tabulated
-from contact_study.problem.errors import InputError
-from contact_study.problem.laws.base import TractionLaw
-from contact_study.problem.study import read_study
-from contact_study.problem.surface import Surface, realise
-from contact_study.problem.units import quantity
-from md_reference.block import SurfaceStiffness, without_lateral_freedom
-from md_reference.equilibrium import EquilibriumSolver
-from md_reference.interface import AtomwiseInteraction
+from contact_study.campaign.command_line.command import Parser, guarded
+from contact_study.campaign.store import files
+from contact_study.errors import InputError
+from contact_study.numerics import fourier
+from contact_study.numerics.grid import Grid
+from contact_study.physics.laws.base import TractionLaw
+from contact_study.physics.solids import Elasticity, HalfSpace, Tabulated
+from contact_study.physics.surfaces.realisation import Surface, realise
+from contact_study.study.case import Case
+from contact_study.study.study import read_study
+from contact_study.units import quantity
+from md_reference.block.condensed import SurfaceStiffness, without_lateral_freedom
+from md_reference.interface.pairs import AtomwiseInteraction
 from md_reference.solution import Equilibrium
 from md_reference.solution import Outcome as AtomisticOutcome
-from md_reference.starts import predicted
-from md_reference.system import build_interface, build_stiffness
+from md_reference.statics.initial_states import predicted
+from md_reference.statics.newton import EquilibriumSolver
+from md_reference.statics.system import build_interface, build_stiffness
 
 # Each model, and what sets it apart from the one before.
 MODELS = {
@@ -205,9 +205,11 @@ def solve(case: Case, surface: Surface, measured: dict[str, float]) -> list[list
     modulus = measured["measured_contact_modulus"]
     lattice = Tabulated(modulus, grid, stiffness.normal_stiffness)
 
-    def continuum(solid: Elasticity, law: TractionLaw) -> LoadedContact:
+    def continuum(solid: Elasticity, law: TractionLaw) -> AdhesiveContact:
         given = case.solver
-        return LoadedContact(heights, grid, solid, law, tolerance=given.tolerance, max_iterations=given.max_iterations)
+        return AdhesiveContact(
+            heights, grid, solid, law, tolerance=given.tolerance, max_iterations=given.max_iterations
+        )
 
     def minimiser(block: SurfaceStiffness, interaction: AtomwiseInteraction) -> EquilibriumSolver:
         given = case.solver
@@ -261,7 +263,7 @@ def _state(gap: np.ndarray, converged: bool, case: Case) -> tuple[float, float, 
 
 def constants(case: Case, surface: Surface) -> dict[str, float]:
     """Modulus and work of adhesion as the study gives them and as the atoms have them."""
-    measured = md_reference.run.constants(case, surface)
+    measured = md_reference.study.model.constants(case, surface)
     return {
         "contact_modulus": case.material.contact_modulus,
         "measured_contact_modulus": measured["contact_modulus"],
@@ -371,7 +373,7 @@ def _case(given: argparse.Namespace, ratio: float, pressures: Sequence[float]) -
         raise InputError(f"{given.study}: sweeps more than the well depth; give a study of one surface")
     loading = dataclasses.replace(cases[0].loading, control="pressure", path=tuple(pressures), unload=False)
     case = dataclasses.replace(cases[0], loading=loading)
-    md_reference.run.check(case)
+    md_reference.study.model.check(case)
     return case
 
 

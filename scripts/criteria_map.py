@@ -11,12 +11,13 @@ from pathlib import Path
 
 from matplotlib.figure import Figure
 
-from contact_study.campaign.command import Parser, guarded
-from contact_study.campaign.files import write_aside
+from contact_study.campaign.command_line.command import Parser, guarded
+from contact_study.campaign.store.files import write_aside
+from contact_study.physics.surfaces.realisation import realise
 from contact_study.plots import criteria_map
-from contact_study.problem.study import read_study
-from contact_study.problem.surface import realise
-from theory import StickinessCriteria, gap_flow, stickiness
+from contact_study.study.study import read_study
+from theory import StickinessCriteria, stickiness
+from theory.gap_flow import flow as gap_flow
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -22,11 +22,11 @@ from matplotlib.figure import Figure
 from scipy.integrate import trapezoid
 
 import contact_study
-from contact_study.campaign.command import Parser, guarded
-from contact_study.campaign.files import writable_output
+from contact_study.campaign.command_line.command import Parser, guarded
+from contact_study.campaign.store.files import writable_output
+from contact_study.errors import InputError
 from contact_study.plots.style import COLOURS, DOUBLE, RESOLUTION, styled
-from contact_study.problem.errors import InputError
-from contact_study.problem.study import read_study
+from contact_study.study.study import read_study
 
 DAMPING = "0.3 ps^-1"  # of motion against the plane; near the critical one of the block's slowest wave
 FRAMES = 5  # of each step of the path

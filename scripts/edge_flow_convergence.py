@@ -15,9 +15,9 @@ from pathlib import Path
 
 import numpy as np
 
-from contact_study.problem.study import read_study
-from contact_study.problem.surface import realise
-from theory import edge_flow
+from contact_study.physics.surfaces.realisation import realise
+from contact_study.study.study import read_study
+from theory.edge_flow import flow as edge_flow
 
 PRESSURE = 1e9
 COARSEST = 120

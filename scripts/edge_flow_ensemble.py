@@ -23,7 +23,7 @@ import pandas as pd
 import xarray as xr
 
 import contact_study
-from contact_study.problem.study import read_study
+from contact_study.study.study import read_study
 
 PAPER = Path(__file__).resolve().parent.parent / "data" / "yang2008.toml"
 PRESSURES = (0.1, 0.2, 0.5, 1.0, 2.0, 5.0)  # GPa

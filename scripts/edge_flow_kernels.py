@@ -19,12 +19,13 @@ import numpy as np
 import pandas as pd
 from scipy.optimize import brentq, least_squares
 
-from contact_study.problem.case import Case
-from contact_study.problem.study import make_study
-from contact_study.problem.surface import realise
+from contact_study.physics.surfaces.realisation import realise
+from contact_study.study.case import Case
+from contact_study.study.study import make_study
 from scripts.edge_flow_ensemble import PRESSURES, study
-from theory import EdgeFlow, edge_flow
-from theory.edge_equilibrium import KERNEL
+from theory import EdgeFlow
+from theory.edge_flow import flow as edge_flow
+from theory.edge_flow.equilibrium import KERNEL
 
 SIMULATIONS = Path(__file__).resolve().parent.parent / "data" / "edge_flow_trial_surfaces.csv"
 SHOWN = (0.5, 1.0, 2.0, 4.0, 8.0)  # p/q at which κ is printed

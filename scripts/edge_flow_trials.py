@@ -29,17 +29,18 @@ import pandas as pd
 from scipy.interpolate import PchipInterpolator, make_interp_spline
 from scipy.linalg import solve_banded
 
-from contact_study.fields.spectrum import RadialSpectrum
-from contact_study.problem.study import make_study
-from contact_study.problem.surface import realise
+from contact_study.physics.roughness.spectrum import RadialSpectrum
+from contact_study.physics.surfaces.realisation import realise
+from contact_study.study.study import make_study
 from scripts.edge_flow_ensemble import BRANCHES, PRESSURES, SHOWN, study
 from scripts.edge_flow_kernels import PRESSURE, SIMULATIONS, kernels, spectrum_stress
-from theory import EdgeFlow, edge_flow
-from theory.edge_equilibrium import KERNEL, Equilibrium, Problem
-from theory.edge_steps import differences
-from theory.fixed_point import accelerated
-from theory.gap_nodes import GapNodes
-from theory.gap_state import GapState
+from theory import EdgeFlow
+from theory.edge_flow import flow as edge_flow
+from theory.edge_flow.equilibrium import KERNEL, Equilibrium, Problem
+from theory.edge_flow.kernels import differences
+from theory.gap_flow.gap_grid import GapNodes
+from theory.gap_flow.state import GapState
+from theory.numerics.fixed_point import accelerated
 
 RATIOS = (1.0, 4.0, 8.0)
 POINTS = 256  # of the simulations; the spectra are those of the surfaces whatever their points

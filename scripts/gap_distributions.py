@@ -17,12 +17,13 @@ import numpy as np
 import pandas as pd
 
 from bem_adhesion import rough_contact
-from contact_study.fields.grid import Grid
-from contact_study.problem.case import Case
-from contact_study.problem.laws import HardWall, Repulsive
-from contact_study.problem.study import make_study
-from contact_study.problem.surface import realise
-from theory import edge_flow, gap_distribution
+from contact_study.numerics.grid import Grid
+from contact_study.physics.laws import HardWall, Repulsive
+from contact_study.physics.surfaces.realisation import realise
+from contact_study.study.case import Case
+from contact_study.study.study import make_study
+from theory.edge_flow import flow as edge_flow
+from theory.non_adhesive import gap_distribution
 
 PRESSURES = (1.0, 5.0)  # GPa
 DISTANCES = (0.0, 1.0, 3.0, 6.0, 10.0, 20.0)  # Å

@@ -14,10 +14,10 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from bem_adhesion import Contact, HardWall, Solution, rough_contact
-from contact_study.campaign.command import Parser, guarded
+from contact_study.campaign.command_line.command import Parser, guarded
+from contact_study.physics.surfaces.realisation import Surface, realise
 from contact_study.plots.style import COLOURS, DOUBLE, RESOLUTION, readable_decades, styled
-from contact_study.problem.study import read_study
-from contact_study.problem.surface import Surface, realise
+from contact_study.study.study import read_study
 
 MODULUS = 1.0
 HARDNESSES = (np.inf, 0.2, 0.1, 0.05, 0.02, 0.01)  # over E*

@@ -13,15 +13,15 @@ from pathlib import Path
 import numpy as np
 from matplotlib.figure import Figure
 
-from bem_adhesion.hard_wall import HardWallContact
+from bem_adhesion.hard_wall.contact import HardWallContact
 from bem_adhesion.solution import Solution
-from contact_study.campaign.command import Parser, guarded
-from contact_study.fields.grid import Grid
+from contact_study.campaign.command_line.command import Parser, guarded
+from contact_study.numerics.grid import Grid
+from contact_study.physics.solids import Elasticity, HalfSpace, Layer
+from contact_study.physics.surfaces.realisation import realise
 from contact_study.plots.style import COLOURS, DOUBLE, RESOLUTION, styled
-from contact_study.problem.elasticity import Elasticity, HalfSpace, Layer
-from contact_study.problem.study import read_study
-from contact_study.problem.surface import realise
-from theory.closed_forms import relative_contact_area
+from contact_study.study.study import read_study
+from theory.non_adhesive.closed_forms import relative_contact_area
 
 THICKNESSES = (1.0, 0.5, 0.25, 0.1, 0.03, 0.01)  # over the cell
 RATIOS = (0.3, 0.5)

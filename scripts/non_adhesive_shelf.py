@@ -23,12 +23,13 @@ import xarray as xr
 from scipy.special import erfc
 
 import contact_study
-from contact_study.fields.spectrum import RoughnessSpectrum
-from contact_study.problem.elasticity import Elasticity
-from contact_study.problem.study import make_study, read_study
-from contact_study.problem.surface import realise
-from theory import NonAdhesiveTheory, PerssonTheory, closed_forms
-from theory.non_adhesive import CORRECTIONS
+from contact_study.physics.roughness.spectrum import RoughnessSpectrum
+from contact_study.physics.solids import Elasticity
+from contact_study.physics.surfaces.realisation import realise
+from contact_study.study.study import make_study, read_study
+from theory import NonAdhesiveTheory, PerssonTheory
+from theory.non_adhesive import closed_forms
+from theory.non_adhesive.corrections import CORRECTIONS
 
 PAPER = Path(__file__).resolve().parent.parent / "data" / "yang2008.toml"
 PRESSURES = (0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0)  # GPa

@@ -21,7 +21,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from contact_study.campaign.files import write_aside
+from contact_study.campaign.store.files import write_aside
 from contact_study.plots.style import styled
 from theory import PerssonTheory, SelfAffineSpectrum, criteria
 

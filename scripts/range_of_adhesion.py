@@ -14,16 +14,16 @@ import numpy as np
 
 from bem_adhesion import rough_contact
 from bem_adhesion.process_zone import POINTS_PER_PROCESS_ZONE, process_zone
-from contact_study.campaign.command import Parser, guarded
-from contact_study.fields.grid import Grid
-from contact_study.problem.automatic import AUTO, LENGTH
-from contact_study.problem.case import Case
-from contact_study.problem.errors import InputError
-from contact_study.problem.laws import make_law
-from contact_study.problem.study import read_study
-from contact_study.problem.surface import realise
-from contact_study.problem.tabor import ATOMIC
-from contact_study.problem.units import length
+from contact_study.campaign.command_line.command import Parser, guarded
+from contact_study.errors import InputError
+from contact_study.numerics.grid import Grid
+from contact_study.physics.laws import make_law
+from contact_study.physics.surfaces.realisation import realise
+from contact_study.physics.tabor import ATOMIC
+from contact_study.study.case import Case
+from contact_study.study.checks.automatic import AUTO, LENGTH
+from contact_study.study.study import read_study
+from contact_study.units import length
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

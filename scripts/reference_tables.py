@@ -12,16 +12,16 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from types import ModuleType
 
-from contact_study.campaign import schema
-from contact_study.campaign.command import Parser, guarded
-from contact_study.campaign.schema import COORDINATES, OF_A_MEAN, VARIABLES
-from contact_study.comparison.compute import regime
-from contact_study.comparison.compute.regime import MEANINGS
-from contact_study.observables import OBSERVABLES, constants, roughness
-from contact_study.observables.constants import CONSTANTS
-from contact_study.observables.roughness import ROUGHNESS
-from contact_study.problem.dotted_keys import SECTIONS, all_keys
-from contact_study.problem.keys import Kinds, as_written, keys_of
+from contact_study.campaign.command_line.command import Parser, guarded
+from contact_study.report.compute import regime
+from contact_study.report.compute.regime import MEANINGS
+from contact_study.results import constants, schema
+from contact_study.results.constants import CONSTANTS
+from contact_study.results.observables import OBSERVABLES, roughness
+from contact_study.results.observables.roughness import ROUGHNESS
+from contact_study.results.schema import COORDINATES, OF_A_MEAN, VARIABLES
+from contact_study.study.schema.dotted_keys import SECTIONS, all_keys
+from contact_study.study.schema.keys import TaggedUnion, as_written, keys_of
 
 ROOT = Path(__file__).resolve().parent.parent
 
@@ -141,7 +141,7 @@ def _known(name: str) -> tuple[str, str, str]:
 def _home(section: str, key: str) -> ModuleType:
     """The module that declares a key of a study."""
     declared = SECTIONS[section]
-    kinds = declared.declared.values() if isinstance(declared, Kinds) else [declared]
+    kinds = declared.declared.values() if isinstance(declared, TaggedUnion) else [declared]
     owner = next(kind for kind in kinds if key in keys_of(kind))
     # Keys that several kinds share are of a base class.
     return sys.modules[

@@ -17,7 +17,7 @@ import time
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
-from contact_study.campaign.command import NOT_CONVERGED
+from contact_study.campaign.command_line.command import NOT_CONVERGED
 from contact_study.start import INTERRUPTED
 
 ROOT = Path(__file__).resolve().parent.parent

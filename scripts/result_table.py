@@ -12,12 +12,12 @@ from pathlib import Path
 
 import xarray as xr
 
-from contact_study.comparison.models import entry_of, file_kinds, spectrum_of
-from contact_study.comparison.read.files import models_in
-from contact_study.comparison.say.findings import headline, split_pair
-from contact_study.comparison.say.result_tables import results_tables
-from contact_study.comparison.wording import number
-from contact_study.problem.units import quantity
+from contact_study.report.models import entry_of, file_kinds, spectrum_of
+from contact_study.report.read.files import models_in
+from contact_study.report.text.findings import headline, split_pair
+from contact_study.report.text.result_tables import results_tables
+from contact_study.report.wording import number
+from contact_study.units import quantity
 
 
 def parser() -> argparse.ArgumentParser:

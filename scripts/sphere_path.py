@@ -15,9 +15,9 @@ import xarray as xr
 
 import contact_study
 from bem_adhesion import Dugdale
-from bem_adhesion.loading import reach
+from bem_adhesion.adhesive.contact import reach
 from contact_study import plots
-from contact_study.campaign.command import Parser, guarded
+from contact_study.campaign.command_line.command import Parser, guarded
 from contact_study.plots.style import RESOLUTION
 from theory.references import maugis_dugdale_contact, maugis_dugdale_pull_off
 

@@ -20,15 +20,15 @@ from pathlib import Path
 import numpy as np
 from scipy import constants
 
-from contact_study.campaign.command import Parser, guarded
-from contact_study.fields import fourier
-from contact_study.fields.time_series import SeriesStatistics, statistics_of
-from contact_study.problem.lattice import lattice_of
-from md_reference.block import isotropic_element, lame_constants, surface_stiffness
-from md_reference.contact import AtomisticContact, interface_of
-from md_reference.newtonian import Motion, NewtonianBlock, fastest_wave
-from md_reference.rotating_block import RotatingBlock
-from md_reference.witness import Witness, contact_witness, load_lammps
+from contact_study.campaign.command_line.command import Parser, guarded
+from contact_study.numerics import fourier
+from contact_study.numerics.time_series import SeriesStatistics, statistics_of
+from contact_study.physics.lattice import lattice_of
+from md_reference.block.condensed import isotropic_element, lame_constants, surface_stiffness
+from md_reference.block.nonlinear_springs import NonlinearSpringBlock
+from md_reference.lammps import Witness, contact_witness, load_lammps
+from md_reference.statics.contact import AtomisticContact, interface_of
+from md_reference.thermal.langevin import Motion, NewtonianBlock, fastest_wave
 
 LATTICE_CONSTANT = 2.6e-10
 LENGTH = 3.28e-10
@@ -113,7 +113,7 @@ class System:
 
     def moving(self, friction: float, temperature: float = 0.0) -> NewtonianBlock:
         """The block here, its rigid plane with the atoms of a whole layer, as in LAMMPS."""
-        block = RotatingBlock(
+        block = NonlinearSpringBlock(
             (self.side,) * 2, LATTICE_CONSTANT, SHEAR_MODULUS, SHEAR_MODULUS, (self.layers,), ATOM_MASS
         )
         return NewtonianBlock(block, self.interface, self.time_step, friction, temperature)

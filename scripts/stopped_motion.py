@@ -20,10 +20,10 @@ from typing import Any
 import tomli_w
 import xarray as xr
 
-from contact_study.campaign.command import Parser, guarded
-from contact_study.problem.errors import InputError
-from contact_study.problem.study import Study, make_study, read_study
-from md_reference.methods.dynamics import build_block, time_step
+from contact_study.campaign.command_line.command import Parser, guarded
+from contact_study.errors import InputError
+from contact_study.study.study import Study, make_study, read_study
+from md_reference.study.dynamics import build_block, time_step
 
 _LONG = 10**5  # time steps of a long run
 _OF_THE_RUN = ("wall_time",)  # differs from run to run, as nothing else may
@@ -54,7 +54,7 @@ def _main(arguments: Sequence[str] | None) -> int:
         folder = Path(name)
         study = folder / "study.toml"
         study.write_text(tomli_w.dumps(table), encoding="utf-8")
-        command = [sys.executable, "-m", "md_reference.run", str(study), "-o"]
+        command = [sys.executable, "-m", "md_reference.study.model", str(study), "-o"]
         run([*command, str(folder / "whole.nc")])
         used = resource.getrusage(resource.RUSAGE_CHILDREN)
         done = stopped([*command, str(folder / "stopped.nc")], folder)

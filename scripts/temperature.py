@@ -20,9 +20,9 @@ import numpy as np
 import xarray as xr
 
 import contact_study
-from contact_study.campaign.command import Parser, guarded
-from contact_study.problem.errors import InputError
-from contact_study.problem.study import Study, make_study, read_study
+from contact_study.campaign.command_line.command import Parser, guarded
+from contact_study.errors import InputError
+from contact_study.study.study import Study, make_study, read_study
 
 # Of atoms that come to rest: what the residual at the end of a point needs to be below 10⁻³ E* at the sizes in use.
 AT_REST = {"duration": "50 ps", "damping": "0.3 ps^-1", "approach_speed": "300 m/s", "frames": 4}

@@ -16,8 +16,8 @@ import xarray as xr
 from scipy import constants
 
 import contact_study
-from contact_study.problem.study import make_study, read_study
-from md_reference.methods.dynamics import build_block, largest_time_step
+from contact_study.study.study import make_study, read_study
+from md_reference.study.dynamics import build_block, largest_time_step
 from scripts.temperature import at_rest, shrunk
 
 TEMPERATURE = 300.0

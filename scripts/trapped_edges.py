@@ -20,10 +20,10 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 import contact_study
-from contact_study.campaign.command import Parser, guarded
+from contact_study.campaign.command_line.command import Parser, guarded
+from contact_study.errors import InputError
+from contact_study.physics.laws import make_law
 from contact_study.plots.style import COLOURS, RESOLUTION, SINGLE, styled
-from contact_study.problem.errors import InputError
-from contact_study.problem.laws import make_law
 
 MODULUS, WORK, SPACING, PRESSURE = 25e6, 0.05, 48.8e-9, 250e3
 RMS_HEIGHT = 0.04  # over the cell; an rms slope of about one

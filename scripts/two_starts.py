@@ -16,16 +16,16 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-import bem_adhesion.run
-import md_reference.run
-from contact_study.campaign import files
-from contact_study.campaign.command import Parser, guarded
-from contact_study.observables.base import InterfaceState
-from contact_study.problem.case import Case
-from contact_study.problem.errors import InputError
-from contact_study.problem.study import read_study
-from contact_study.problem.surface import realise
-from contact_study.problem.units import quantity
+import bem_adhesion.study.model
+import md_reference.study.model
+from contact_study.campaign.command_line.command import Parser, guarded
+from contact_study.campaign.store import files
+from contact_study.errors import InputError
+from contact_study.physics.surfaces.realisation import realise
+from contact_study.results.state import InterfaceState
+from contact_study.study.case import Case
+from contact_study.study.study import read_study
+from contact_study.units import quantity
 
 # Name: units and meaning.
 VARIABLES = {
@@ -108,9 +108,11 @@ def _main(arguments: Sequence[str] | None) -> int:
 def compare(case: Case) -> Iterator[dict[str, float]]:
     """What differs between the two states at each point of a case's path, by the names of ``VARIABLES``."""
     surface = realise(case)
-    gaps = [None if state.report.detached else state.gap for state in bem_adhesion.run.solve_path(case, surface)]
-    own = md_reference.run.solve_path(case, surface)
-    predicted = md_reference.run.solve_path(case, surface, predictor=gaps.__getitem__)
+    gaps = [
+        None if state.report.detached else state.gap for state in bem_adhesion.study.model.solve_path(case, surface)
+    ]
+    own = md_reference.study.model.solve_path(case, surface)
+    predicted = md_reference.study.model.solve_path(case, surface, predictor=gaps.__getitem__)
     for (pressure, _), first, second in zip(case.path, own, predicted, strict=True):
         if first.report.detached or second.report.detached:
             raise InputError(f"--pressures: {pressure:g} Pa pulls the atoms off; give states in contact")
@@ -156,7 +158,7 @@ def _case(given: argparse.Namespace, ratio: float, pressures: Sequence[float]) -
         raise InputError(f"{given.study}: sweeps more than the well depth; give a study of one surface")
     loading = dataclasses.replace(cases[0].loading, control="pressure", path=tuple(pressures), unload=False)
     case = dataclasses.replace(cases[0], loading=loading)
-    md_reference.run.check(case)
+    md_reference.study.model.check(case)
     return case
 
 

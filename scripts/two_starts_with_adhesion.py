@@ -18,8 +18,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from bem_adhesion import Exponential, HardWall, rough_contact
-from contact_study.problem.study import make_study
-from contact_study.problem.surface import realise
+from contact_study.physics.surfaces.realisation import realise
+from contact_study.study.study import make_study
 
 CELL, RADIUS, MODULUS, WORK, TABOR = 4e-6, 60e-9, 25e6, 5e-3, 3.0
 LONGEST, SHORTEST, HURST = 4, 40, 0.8  # waves to the cell

@@ -12,12 +12,12 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from bem_adhesion import Exponential, HalfSpace, HardWall, Layer, LennardJones104, rough_contact
-from bem_adhesion.paths import separation_of
-from contact_study.campaign.command import Parser, guarded
-from contact_study.problem.elasticity import Elasticity
-from contact_study.problem.laws.base import TractionLaw
-from contact_study.problem.study import make_study
-from contact_study.problem.surface import realise
+from bem_adhesion.study.adaptive import separation_of
+from contact_study.campaign.command_line.command import Parser, guarded
+from contact_study.physics.laws.base import TractionLaw
+from contact_study.physics.solids import Elasticity
+from contact_study.physics.surfaces.realisation import realise
+from contact_study.study.study import make_study
 
 MODULUS, WORK, RANGE = 93.7e9, 0.69, 3.28e-10
 SURFACE = {

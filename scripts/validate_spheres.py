@@ -22,7 +22,7 @@ from scipy.optimize import brentq, minimize_scalar
 
 from bem_adhesion import Dugdale, HardWall, rough_contact
 from bem_adhesion.solution import Solution
-from contact_study.campaign.command import Parser, guarded
+from contact_study.campaign.command_line.command import Parser, guarded
 from contact_study.plots.style import COLOURS, DOUBLE, RESOLUTION, styled
 from theory.references import maugis_dugdale_contact
 

@@ -16,11 +16,11 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from bem_adhesion import LennardJones93, Viscoelastic, ViscoelasticContact, rough_contact
-from bem_adhesion.time_path import Moment, follow_in_time
-from contact_study.campaign.command import Parser, guarded
+from bem_adhesion.study.viscoelastic import TimeState, follow_in_time
+from contact_study.campaign.command_line.command import Parser, guarded
+from contact_study.physics.surfaces.realisation import Surface, realise
 from contact_study.plots.style import COLOURS, DOUBLE, RESOLUTION, styled
-from contact_study.problem.study import read_study
-from contact_study.problem.surface import Surface, realise
+from contact_study.study.study import read_study
 
 RELAXED, BRANCH, TIME = 1e9, 9e9, 1.0
 LAW = LennardJones93(work_of_adhesion=0.02, length=1e-9)
@@ -91,7 +91,7 @@ def loop(heights: np.ndarray, surface: Surface, duration: float, steps: int) -> 
     solid = Viscoelastic(RELAXED, (BRANCH,), (TIME,))
     contact = ViscoelasticContact(heights, surface.size, solid, LAW, control="gap")
     # The start is come to so slowly that it is at rest.
-    first = Moment(contact.first_gap - LAW.equilibrium_distance)
+    first = TimeState(contact.first_gap - LAW.equilibrium_distance)
     solution, now = follow_in_time(contact, contact.separated(), first, OUT, 1e6 * TIME, 1)
     start, gaps, pressures = now.dissipated, [OUT], [float(solution.pressure.mean())]
     for gap in way(steps):

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from contact_study.problem.laws import (
+from contact_study.physics.laws import (
     LAWS,
     Dugdale,
     DugdaleCore,

@@ -2,9 +2,9 @@
 
 from pathlib import Path
 
-from contact_study.campaign.record import recorded
-from contact_study.problem.bins import bins_of
-from contact_study.problem.study import Study
+from contact_study.results.step import recorded
+from contact_study.study.bins import bins_of
+from contact_study.study.study import Study
 
 
 def bins_of_case(case):

@@ -6,9 +6,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from contact_study.problem.errors import InputError
-from md_reference import witness
-from md_reference.rotating_block import RotatingBlock
+from contact_study.errors import InputError
+from md_reference import lammps as witness
+from md_reference.block.nonlinear_springs import NonlinearSpringBlock
 from scripts import against_lammps, states_against_lammps
 
 STORED = Path(__file__).parent / "md_reference" / "lammps_forces.npz"
@@ -26,7 +26,7 @@ def own():
     return {
         "interface": against_lammps.interface_forces(interface, displacement),
         "block": against_lammps.block_forces(nodes),
-        "turning": against_lammps.block_forces(against_lammps.FAR * nodes, RotatingBlock),
+        "turning": against_lammps.block_forces(against_lammps.FAR * nodes, NonlinearSpringBlock),
     }
 
 

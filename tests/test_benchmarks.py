@@ -7,11 +7,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-import bem_adhesion.operator
+import bem_adhesion.operators.fourier
 import contact_study
-from contact_study.fields.fourier import RealTransform
-from contact_study.problem.study import read_study
-from contact_study.problem.surface import realise
+from contact_study.numerics.fourier import RealTransform
+from contact_study.physics.surfaces.realisation import realise
+from contact_study.study.study import read_study
 from scripts import (
     benchmark_adhesive,
     benchmark_atoms,
@@ -32,7 +32,7 @@ def test_benchmark_of_the_adhesive_solver(capsys):
         assert len(medians) == 7
         assert max(map(int, medians)) <= int(worst[0])
         assert 0 < int(share[0]) < 100
-    assert bem_adhesion.operator.RealTransform is RealTransform, "the timed transform is put away"
+    assert bem_adhesion.operators.fourier.RealTransform is RealTransform, "the timed transform is put away"
 
 
 def test_worst_and_median_of_the_benchmark():
@@ -90,7 +90,7 @@ def test_benchmark_of_the_atoms(capsys):
 
 
 def test_the_atoms_of_the_benchmark_keep_the_slopes():
-    from contact_study.problem.surface import realise
+    from contact_study.physics.surfaces.realisation import realise
 
     small, large = (realise(benchmark_atoms.case_of(Path("data/yang2008.toml"), n, 4.0)) for n in (40, 80))
     assert large.rms_slope == pytest.approx(small.rms_slope, rel=1e-9)
@@ -126,7 +126,7 @@ def test_two_workers_against_one(monkeypatch, capsys):
     assert benchmark_workers.main(["--repeats", "2", "study.toml", "--surface.seed", "1,2"]) == 0
     assert capsys.readouterr().out.splitlines()[-1] == "| continuum | 8 s | 2.00 | 1.12 |"
     assert len(runs) == 6
-    assert all(command[1:4] == ["-m", "bem_adhesion.run", "study.toml"] for command in runs)
+    assert all(command[1:4] == ["-m", "bem_adhesion.study.model", "study.toml"] for command in runs)
     assert all("1,2" in command and "--solver.threads" in command for command in runs)
 
 

@@ -10,12 +10,12 @@ import numpy as np
 import pytest
 import xarray as xr
 
-import bem_adhesion.run
-import md_reference.run
-import theory.run
-from contact_study.campaign.command import main
-from contact_study.campaign.schema import COORDINATES, VARIABLES
-from contact_study.comparison.command import main as compare
+import bem_adhesion.study.model
+import md_reference.study.model
+import theory.study.model
+from contact_study.campaign.command_line.command import main
+from contact_study.report.command import main as compare
+from contact_study.results.schema import COORDINATES, VARIABLES
 from tests.campaign.toy_study import steps_on_disk
 
 STUDY = """
@@ -194,7 +194,9 @@ def test_plots_as_the_readme_shows(folder):
     mpl.pyplot.close("all")
 
 
-@pytest.mark.parametrize("model", [bem_adhesion.run.MODEL, md_reference.run.MODEL, theory.run.MODEL])
+@pytest.mark.parametrize(
+    "model", [bem_adhesion.study.model.MODEL, md_reference.study.model.MODEL, theory.study.model.MODEL]
+)
 @pytest.mark.parametrize(
     ("arguments", "culprit"),
     [
@@ -225,7 +227,11 @@ def test_unreadable_dataset_is_named(folder, tmp_path, capsys):
 @pytest.mark.parametrize("name", MODELS)
 def test_smaller_study_is_widened_to_the_whole(folder, tmp_path, name):
     """One law, one pressure; then all of the study: the numbers are those of a run that asked for all at once."""
-    model = {"bem": bem_adhesion.run.MODEL, "md": md_reference.run.MODEL, "theory": theory.run.MODEL}[name]
+    model = {
+        "bem": bem_adhesion.study.model.MODEL,
+        "md": md_reference.study.model.MODEL,
+        "theory": theory.study.model.MODEL,
+    }[name]
     smaller = STUDY[: STUDY.index("[[override]]")].replace('"0.5 GPa", "2 GPa"', '"0.5 GPa"').replace("[1, 4]", "[1]")
     (tmp_path / "smaller.toml").write_text(smaller)
     arguments = ["-o", str(tmp_path / "out.nc"), "--workers", "1"]
@@ -247,17 +253,17 @@ def test_smaller_study_is_widened_to_the_whole(folder, tmp_path, name):
 
 def test_theory_of_the_steps_that_did_not_converge_is_named(folder, tmp_path, capsys, monkeypatch):
     """A Newton iteration less than the gap flow needs: its states fail, Persson's do not."""
-    flow = theory.case_theories.gap_flow
-    monkeypatch.setattr(theory.case_theories, "gap_flow", lambda *arguments: flow(*arguments, iterations=1))
+    flow = theory.study.case_theories.gap_flow
+    monkeypatch.setattr(theory.study.case_theories, "gap_flow", lambda *arguments: flow(*arguments, iterations=1))
     arguments = [str(folder / "study.toml"), "-o", str(tmp_path / "theory.nc"), "--workers", "1"]
     arguments += ["--interaction.well_depth_ratio", "4"]
-    assert main(theory.run.MODEL, arguments) == 2
+    assert main(theory.study.model.MODEL, arguments) == 2
     said = capsys.readouterr().err
     there = 'theory="gap_flow"'
     branches = [f'{there}, metastable_branch="{side}" in the group metastable' for side in ("loading", "unloading")]
     for where in (there, *branches):
         assert f"3 of 3 steps did not converge at {where};" in said
-    assert main(theory.run.MODEL, [*arguments, "--resume"]) == 2
+    assert main(theory.study.model.MODEL, [*arguments, "--resume"]) == 2
     assert "in the group metastable;" in capsys.readouterr().err
 
 
@@ -276,7 +282,7 @@ def test_killed_campaign_resumes_bit_for_bit(folder, tmp_path):
     process.wait()
     assert process.returncode == -9
     resumed = ["-o", str(output), "--resume", "--workers", "1"]
-    assert main(bem_adhesion.run.MODEL, [str(folder / "study.toml"), *resumed]) == 0
+    assert main(bem_adhesion.study.model.MODEL, [str(folder / "study.toml"), *resumed]) == 0
     with xr.open_dataset(folder / "bem.nc") as whole, xr.open_dataset(output) as resumed:
         for name in set(whole.variables) - {"wall_time"}:
             np.testing.assert_array_equal(whole[name].values, resumed[name].values, err_msg=name)

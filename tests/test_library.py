@@ -10,11 +10,12 @@ import pytest
 import bem_adhesion
 import theory
 from bem_adhesion import Elasticity
-from contact_study.fields.grid import Grid
-from contact_study.fields.spectrum import radial_spectrum
-from contact_study.problem import elasticity
-from contact_study.problem.laws import LAWS
-from theory import LennardJones104, PerssonTheory, gap_flow, spectrum_of
+from contact_study.numerics.grid import Grid
+from contact_study.physics import solids as elasticity
+from contact_study.physics.laws import LAWS
+from contact_study.physics.roughness.spectrum import radial_spectrum
+from theory import LennardJones104, PerssonTheory, spectrum_of
+from theory.gap_flow import flow as gap_flow
 
 PACKAGES = ("contact_study", "bem_adhesion", "md_reference", "theory", "theory.references")
 HEIGHT = 5e-10 * np.random.default_rng(0).standard_normal((16, 24))
@@ -49,12 +50,12 @@ def test_every_solid_and_law_of_a_study_is_at_hand_from_python():
 @pytest.mark.parametrize(
     "module",
     [
-        "bem_adhesion.contact",
-        "md_reference.contact",
-        "theory.persson",
-        "theory.gap_flow",
-        "theory.edge_flow",
-        "theory.non_adhesive",
+        "bem_adhesion.contacts.rough_contact",
+        "md_reference.statics.contact",
+        "theory.persson.theory",
+        "theory.gap_flow.flow",
+        "theory.edge_flow.flow",
+        "theory.non_adhesive.corrections",
     ],
 )
 def test_examples_of_docstrings(module):
@@ -107,7 +108,7 @@ def test_bad_choices_of_perssons_theory_are_named(arguments, message):
 def test_states_of_the_theories_at_a_pressure():
     spectrum = spectrum_of(HEIGHT, 1e-8)
     persson = PerssonTheory(spectrum, 93.7e9, 0.1)
-    np.testing.assert_array_equal(persson.at_pressure(1e9).contact, theory.persson.solve(persson, 1e9).contact)
+    np.testing.assert_array_equal(persson.at_pressure(1e9).contact, theory.persson.theory.solve(persson, 1e9).contact)
     with pytest.raises(ValueError, match="pressure = nan"):
         persson.at_pressure(np.nan)
     flow = gap_flow(spectrum, 93.7e9, LennardJones104(0.1, 3.28e-10), gaps=200, scales=200)

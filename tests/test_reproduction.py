@@ -8,8 +8,8 @@ import pandas as pd
 import pytest
 import xarray as xr
 
-from contact_study.comparison.command import main as compare
-from contact_study.problem.study import read_study
+from contact_study.report.command import main as compare
+from contact_study.study.study import read_study
 from scripts import (
     branches,
     continuum_against_atoms,
@@ -17,7 +17,7 @@ from scripts import (
     result_table,
     two_starts,
 )
-from tests.comparison.synthetic import AREA_FACTOR, GAP_SHIFT, area, gap, write_all
+from tests.report.synthetic import AREA_FACTOR, GAP_SHIFT, area, gap, write_all
 
 
 @pytest.mark.parametrize("predictor", [False, True])

@@ -8,7 +8,7 @@ import pandas as pd
 import pytest
 
 import contact_study
-from contact_study.problem.study import make_study, read_study
+from contact_study.study.study import make_study, read_study
 from scripts import (
     contact_challenge,
     dmt_limit,
@@ -25,8 +25,9 @@ from scripts import (
     validate_spheres,
     validate_waves,
 )
-from theory import LennardJones104, PerssonTheory, SelfAffineSpectrum, criteria, edge_flow, separation_curve
+from theory import LennardJones104, PerssonTheory, SelfAffineSpectrum, criteria, separation_curve
 from theory import references as reference
+from theory.edge_flow import flow as edge_flow
 
 
 def test_errors_of_the_theories_over_an_ensemble():

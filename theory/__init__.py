@@ -8,20 +8,20 @@ and a law or work of adhesion make a theory; each gives states at a pressure: :c
 """
 
 from contact_study import __version__
-from contact_study.fields.spectrum import RadialSpectrum, RoughnessSpectrum, SelfAffineSpectrum, spectrum_of
-from contact_study.fields.tabulated_spectrum import TabulatedSpectrum
-from contact_study.problem.elasticity import Elasticity, HalfSpace, Layer
-from contact_study.problem.laws import LennardJones93, LennardJones104, TractionLaw
-from contact_study.problem.spectrum_file import read_spectrum
+from contact_study.physics.laws import LennardJones93, LennardJones104, TractionLaw
+from contact_study.physics.roughness.spectrum import RadialSpectrum, RoughnessSpectrum, SelfAffineSpectrum, spectrum_of
+from contact_study.physics.roughness.tabulated_spectrum import TabulatedSpectrum
+from contact_study.physics.solids import Elasticity, HalfSpace, Layer
+from contact_study.study.reading.spectrum_file import read_spectrum
 from theory.criteria import StickinessCriteria, stickiness
-from theory.edge_flow import EdgeFlow, edge_flow
-from theory.gap_distribution import GapDistribution, dmt_limit, gap_distribution
-from theory.gap_flow import GapFlow, gap_flow
-from theory.gap_state import GapState
-from theory.non_adhesive import NonAdhesiveContact, NonAdhesiveTheory
-from theory.persson import PerssonTheory
-from theory.persson_contact import PerssonContact
-from theory.separation import SeparationCurve, energy_defect, pull_off_pressure, separation_curve
+from theory.edge_flow.flow import EdgeFlow, edge_flow
+from theory.gap_flow.flow import GapFlow, gap_flow
+from theory.gap_flow.state import GapState
+from theory.non_adhesive.corrections import NonAdhesiveContact, NonAdhesiveTheory
+from theory.non_adhesive.gap_distribution import GapDistribution, dmt_limit, gap_distribution
+from theory.persson.contact import PerssonContact
+from theory.persson.separation import SeparationCurve, energy_defect, pull_off_pressure, separation_curve
+from theory.persson.theory import PerssonTheory
 
 __all__ = [
     "EdgeFlow",

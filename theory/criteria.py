@@ -14,13 +14,13 @@ import numpy as np
 from scipy.optimize import minimize_scalar
 from scipy.special import ndtr
 
-from contact_study.fields.arguments import positive
-from contact_study.fields.spectrum import RoughnessSpectrum
-from contact_study.problem.elasticity import Elasticity, elasticity_of
-from contact_study.problem.laws import TractionLaw
-from theory.closed_forms import low_pressure_asymptote
-from theory.gap_distribution import attracted_at_light_load
-from theory.persson import true_area_factor
+from contact_study.numerics.arguments import positive
+from contact_study.physics.laws import TractionLaw
+from contact_study.physics.roughness.spectrum import RoughnessSpectrum
+from contact_study.physics.solids import Elasticity, elasticity_of
+from theory.non_adhesive.closed_forms import low_pressure_asymptote
+from theory.non_adhesive.gap_distribution import attracted_at_light_load
+from theory.persson.theory import true_area_factor
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -88,10 +88,10 @@ def dmt_tension_ratio(
     """Tension of the area within the range over the pressure of light contact, both of Persson's theory.
 
     This project's own criterion. Adhesion does not deform the contact, as in the DMT limit: its tension is Δγ/Δr on all
-    that is out of contact and within Δr. P(u) is :func:`theory.gap_distribution.attracted_at_light_load`, and the load
-    vanishes. For hard solids, at small Tabor parameters. Waves whose height is below the range hardly change it. G.
-    Violano, L. Afferrante, A. Papangelo, M. Ciavarella, J. Adhesion (2019), doi:10.1080/00218464.2019.1685384, start
-    from the same picture; their equation is another one.
+    that is out of contact and within Δr. P(u) is :func:`theory.non_adhesive.gap_distribution.attracted_at_light_load`,
+    and the load vanishes. For hard solids, at small Tabor parameters. Waves whose height is below the range hardly
+    change it. G. Violano, L. Afferrante, A. Papangelo, M. Ciavarella, J. Adhesion (2019),
+    doi:10.1080/00218464.2019.1685384, start from the same picture; their equation is another one.
 
     Parameters
     ----------
@@ -127,8 +127,8 @@ def bearing_area_pressure(
 
     The bearing-area model of M. Ciavarella, Meccanica (2017), doi:10.1007/s11012-017-0701-6, with a repulsion of this
     project's own. Experimental: not compared with the paper's numbers. Attraction does not deform the surface, and the
-    repulsion is the light-load limit p₀ e^(−ū/u₀) of :func:`theory.closed_forms.low_pressure_asymptote`, of the very
-    spectrum: for hard solids, at small Tabor parameters, and for gaps above some half of the rms height.
+    repulsion is the light-load limit p₀ e^(−ū/u₀) of :func:`theory.non_adhesive.closed_forms.low_pressure_asymptote`,
+    of the very spectrum: for hard solids, at small Tabor parameters, and for gaps above some half of the rms height.
 
     Parameters
     ----------

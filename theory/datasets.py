@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from contact_study.campaign.schema import COORDINATES, LABELS, variable_of
+from contact_study.results.schema import COORDINATES, LABELS, variable_of
 
 # Bins of a distribution where none are asked for.
 _BINS = 400

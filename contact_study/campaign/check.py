@@ -1,11 +1,11 @@
 """Everything that may refuse a study, and all that is to be said of it, before any work."""
 
 from contact_study.campaign.model import Model
-from contact_study.fields.distributions import Bins
-from contact_study.problem.bins import bins_of
-from contact_study.problem.plausibility import review
-from contact_study.problem.study import Study
-from contact_study.problem.surface_scales import scales_of
+from contact_study.numerics.distributions import Bins
+from contact_study.physics.surfaces.scales import scales_of
+from contact_study.study.bins import bins_of
+from contact_study.study.checks.plausibility import review
+from contact_study.study.study import Study
 
 
 def checked(model: Model, study: Study) -> tuple[Bins, list[str]]:

@@ -10,16 +10,16 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from contact_study.campaign.conduct import Conditions, conduct
 from contact_study.campaign.dataset.provenance import unconverged
 from contact_study.campaign.engines import CampaignError
-from contact_study.campaign.files import check_inputs_kept, named_file
 from contact_study.campaign.model import MODULES, Model, model_of
 from contact_study.campaign.progress import Progress, Warnings
-from contact_study.fields.arguments import field
-from contact_study.problem.errors import InputError
-from contact_study.problem.objects import with_keys
-from contact_study.problem.study import Study, make_study, read_study
+from contact_study.campaign.run import RunOptions, run_campaign
+from contact_study.campaign.store.files import check_inputs_kept, named_file
+from contact_study.errors import InputError
+from contact_study.numerics.arguments import field
+from contact_study.study.schema.objects import with_keys
+from contact_study.study.study import Study, make_study, read_study
 
 _HEIGHTS = "heights.npy"
 
@@ -105,8 +105,8 @@ def run(
             path = Path(folder) / "dataset.nc" if output is None else named_file(output)
             given = Path(study) if isinstance(study, str | Path) else None
             check_inputs_kept(path, [given, start, *(case.height_map for case in asked.cases)])
-            how = Conditions(resume, overwrite, workers, engine, scheduler)
-            groups = conduct(chosen, asked, path, shown, words, start, how)
+            how = RunOptions(resume, overwrite, workers, engine, scheduler)
+            groups = run_campaign(chosen, asked, path, shown, words, start, how)
         except (InputError, CampaignError) as error:
             raise type(error)(_in_python(str(error))) from None
         dataset = xr.load_dataset(path)

@@ -7,8 +7,8 @@ from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
-from contact_study.problem.case import Case
-from contact_study.problem.errors import InputError
+from contact_study.errors import InputError
+from contact_study.study.case import Case
 
 # Height, gap, pressure, displacement, its spectrum, the kernel and a few of the solver's own: a dozen doubles.
 _BYTES_PER_POINT = 100

@@ -8,16 +8,20 @@ from typing import Any
 import numpy as np
 
 from contact_study.campaign.memory import Need, grid_of
-from contact_study.campaign.record import Step
-from contact_study.fields.fourier import POINTS_FOR_THREADS
-from contact_study.observables.base import Ensemble, InterfaceState, Value
-from contact_study.problem.case import Case
-from contact_study.problem.study import Study
-from contact_study.problem.surface import Surface
-from contact_study.problem.surface_scales import SurfaceScales
+from contact_study.numerics.fourier import POINTS_FOR_THREADS
+from contact_study.physics.surfaces.realisation import Surface
+from contact_study.physics.surfaces.scales import SurfaceScales
+from contact_study.results.state import Ensemble, InterfaceState, Value
+from contact_study.results.step import Step
+from contact_study.study.case import Case
+from contact_study.study.study import Study
 
 # Where each model declares itself as MODEL, by what it is; imported when asked for, for models know of no other.
-MODULES = {"continuum": "bem_adhesion.run", "atomistic": "md_reference.run", "theory": "theory.run"}
+MODULES = {
+    "continuum": "bem_adhesion.study.model",
+    "atomistic": "md_reference.study.model",
+    "theory": "theory.study.model",
+}
 
 Predictor = Callable[[int], np.ndarray | None]
 

@@ -11,12 +11,12 @@ import numpy as np
 import xarray as xr
 
 from contact_study.campaign.dataset.formats import engine_of, readable, require_dataset
-from contact_study.problem.case import Case
-from contact_study.problem.dotted_keys import SECTIONS, same
-from contact_study.problem.errors import InputError
-from contact_study.problem.keys import keys_of, shown
-from contact_study.problem.path_points import path_points, path_points_of
-from contact_study.problem.study import Study, make_study
+from contact_study.errors import InputError
+from contact_study.study.case import Case
+from contact_study.study.load_steps import path_points, path_points_of
+from contact_study.study.schema.dotted_keys import SECTIONS, same
+from contact_study.study.schema.keys import keys_of, shown
+from contact_study.study.study import Study, make_study
 
 # Sections and keys that make a contact what it is. The grid is each model's own, a map's content counts and not its
 # place, and the lattice and the distance that counts as contact are nothing to a gap field.

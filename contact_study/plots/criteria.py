@@ -8,9 +8,9 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.ticker import LogLocator, NullFormatter
 
+from contact_study.physics.tabor import DMT_LIKE, JKR_LIKE
 from contact_study.plots.selection import label, require
 from contact_study.plots.style import COLOURS, DOUBLE, axes_of, styled
-from contact_study.problem.tabor import DMT_LIKE, JKR_LIKE
 
 # Of a criterion: its variable, its name, its marker, and whether it was made for large Tabor parameters.
 _CRITERIA = (

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 import xarray as xr
 
-from contact_study.observables.atoms import ATOMS, SURROUNDINGS
+from contact_study.results.observables.atoms import ATOMS, SURROUNDINGS
 
 LOADING, UNLOADING = 0, 1
 

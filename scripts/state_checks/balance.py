@@ -8,9 +8,9 @@ import numpy as np
 from scipy.fft import dctn, idctn
 from scipy.signal import fftconvolve
 
-from contact_study.fields.grid import Grid
-from contact_study.problem.elasticity import Elasticity, HalfSpace
-from contact_study.problem.laws import TractionLaw
+from contact_study.numerics.grid import Grid
+from contact_study.physics.laws import TractionLaw
+from contact_study.physics.solids import Elasticity, HalfSpace
 from scripts.state_checks.point import Point
 
 

@@ -5,9 +5,9 @@ from typing import Any
 
 import numpy as np
 
-from contact_study.problem.errors import InputError
-from contact_study.problem.laws import LAWS, LennardJones104
-from contact_study.problem.study import make_study
+from contact_study.errors import InputError
+from contact_study.physics.laws import LAWS, LennardJones104
+from contact_study.study.study import make_study
 
 SIZE = 100e-9
 MODULUS = (1e9, 100e9)  # Young's, log-uniform
@@ -24,7 +24,7 @@ class Drawn:
     Parameters
     ----------
     table : dict
-        As :func:`~contact_study.problem.study.make_study` takes it.
+        As :func:`~contact_study.study.study.make_study` takes it.
     subjects : tuple of str
         Those of :data:`SUBJECTS` that it is about.
     closed_form : dict or None

@@ -7,10 +7,10 @@ from functools import cached_property
 import numpy as np
 
 from bem_adhesion import Contact, Solution, rough_contact
-from contact_study.fields.grid import Grid
-from contact_study.problem.case import Case
-from contact_study.problem.elasticity import Elasticity
-from contact_study.problem.laws import TractionLaw
+from contact_study.numerics.grid import Grid
+from contact_study.physics.laws import TractionLaw
+from contact_study.physics.solids import Elasticity
+from contact_study.study.case import Case
 from scripts.state_checks.balance import FreeSurface, PeriodicSurface
 from scripts.state_checks.point import Point
 from scripts.state_checks.verdict import Verdict

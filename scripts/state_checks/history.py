@@ -11,8 +11,8 @@ from itertools import pairwise
 
 import numpy as np
 
-from contact_study.fields.grid import Grid
-from contact_study.problem.elasticity import HalfSpace, Viscoelastic
+from contact_study.numerics.grid import Grid
+from contact_study.physics.solids import HalfSpace, Viscoelastic
 from scripts.state_checks.balance import PeriodicSurface
 
 # Of the quadrature of what a step dissipates: Gauss's points on intervals that halve towards the step's beginning.

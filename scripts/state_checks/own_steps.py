@@ -5,10 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from bem_adhesion import Contact, Solution
-from bem_adhesion.run import solve_path
-from contact_study.observables.base import InterfaceState
-from contact_study.problem.case import Case
-from contact_study.problem.surface import Surface
+from bem_adhesion.study.model import solve_path
+from contact_study.physics.surfaces.realisation import Surface
+from contact_study.results.state import InterfaceState
+from contact_study.study.case import Case
 from scripts.state_checks import equilibrium
 from scripts.state_checks.equilibrium import Surfaces
 from scripts.state_checks.point import Point

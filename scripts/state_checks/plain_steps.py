@@ -3,7 +3,7 @@
 import numpy as np
 
 from bem_adhesion import Solution
-from contact_study.problem.case import Case
+from contact_study.study.case import Case
 from scripts.state_checks import equilibrium
 from scripts.state_checks.equilibrium import Surfaces
 from scripts.state_checks.point import Point

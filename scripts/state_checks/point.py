@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from bem_adhesion import Solution
-from contact_study.observables.base import InterfaceState
+from contact_study.results.state import InterfaceState
 
 
 @dataclass(frozen=True)

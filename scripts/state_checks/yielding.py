@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 
 from bem_adhesion import Solution
-from contact_study.problem.case import Case
-from contact_study.problem.elasticity import HalfSpace
+from contact_study.physics.solids import HalfSpace
+from contact_study.study.case import Case
 from scripts.state_checks import equilibrium
 from scripts.state_checks.equilibrium import CHANGE, Surfaces, changes
 from scripts.state_checks.point import Point

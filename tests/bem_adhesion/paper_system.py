@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from bem_adhesion.loading import LoadedContact
-from contact_study.problem.laws.lennard_jones_10_4 import LennardJones104
-from contact_study.problem.study import make_study
-from contact_study.problem.surface import Surface, realise
+from bem_adhesion.adhesive.contact import AdhesiveContact
+from contact_study.physics.laws.lennard_jones_10_4 import LennardJones104
+from contact_study.physics.surfaces.realisation import Surface, realise
+from contact_study.study.study import make_study
 
 E_STAR = 77.2e9 / (1 - 0.42**2)
 R0 = 3.28e-10
@@ -53,7 +53,7 @@ def surface(points: int, seed: int = 1, size: float = SIZE) -> Surface:
     return realise(make_study(study_table(points, seed, size)).cases[0])
 
 
-def touching(contact: LoadedContact) -> np.ndarray:
+def touching(contact: AdhesiveContact) -> np.ndarray:
     """Displacement of the flat block whose lowest gap is the law's equilibrium distance: a start within its reach."""
     return np.full(contact.height.shape, contact.height.max() + contact.law.equilibrium_distance)
 

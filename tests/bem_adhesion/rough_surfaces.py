@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from bem_adhesion.hard_wall import HardWallContact
-from contact_study.fields.grid import Grid
-from contact_study.problem.study import make_study
-from contact_study.problem.surface import realise
+from bem_adhesion.hard_wall.contact import HardWallContact
+from contact_study.numerics.grid import Grid
+from contact_study.physics.surfaces.realisation import realise
+from contact_study.study.study import make_study
 
 CONTACT_MODULUS = 93.7348e9
 SIZE = 1040e-10

@@ -5,17 +5,17 @@ import pytest
 from scipy.fft import irfft2, rfft2
 from scipy.optimize import minimize
 
-from bem_adhesion.adhesive import AdhesiveContact
-from bem_adhesion.linearised import LinearisedContact
-from bem_adhesion.load import FieldLoad
-from bem_adhesion.loading import LoadedContact
-from bem_adhesion.multilevel import MultilevelContact
-from bem_adhesion.operator import PeriodicOperator, periodic
+from bem_adhesion.adhesive.contact import AdhesiveContact
+from bem_adhesion.adhesive.multigrid import MultigridSolver
+from bem_adhesion.adhesive.newton import NewtonSolver
+from bem_adhesion.linear.conjugate_gradients import LinearisedContact
+from bem_adhesion.operators.fourier import PeriodicOperator, periodic
+from bem_adhesion.operators.load import FieldLoad
 from bem_adhesion.process_zone import process_zone
 from bem_adhesion.solution import Outcome
-from contact_study.fields.grid import Grid
-from contact_study.problem.elasticity import HalfSpace
-from contact_study.problem.laws.lennard_jones_10_4 import LennardJones104
+from contact_study.numerics.grid import Grid
+from contact_study.physics.laws.lennard_jones_10_4 import LennardJones104
+from contact_study.physics.solids import HalfSpace
 from tests.bem_adhesion.paper_system import E_STAR, R0, SIZE, law, relative_contact_area, surface, touching
 
 RATIOS = [1.0, 4.0, 8.0]
@@ -51,7 +51,7 @@ def test_gradient_is_that_of_the_energy_to_second_order():
         return abs((plus - minus) / (2 * h) - np.vdot(gradient, direction))
 
     assert np.log2(error(2e-3) / error(1e-3)) == pytest.approx(2.0, abs=0.1)
-    solver = AdhesiveContact(grid, periodic(UNIT), the_law, 0.01)
+    solver = NewtonSolver(grid, periodic(UNIT), the_law, 0.01)
     state = solver._evaluate(gap, FieldLoad(load - 0.01, 0.01))  # a field and a number
     assert state.energy == pytest.approx(energy_and_gradient(gap, load, stiffness_q, the_law)[0], rel=1e-13)
     assert state.largest == pytest.approx(np.abs(gradient).max(), rel=1e-12)
@@ -92,7 +92,7 @@ def test_linear_solver_finds_negative_curvature():
 def test_flat_surfaces_stay_uniform_and_follow_the_law(fraction):
     the_law = law()
     grid = Grid((12, 10), (3e-8, 2e-8))
-    contact = LoadedContact(np.zeros(grid.shape), grid, E_STAR, the_law)
+    contact = AdhesiveContact(np.zeros(grid.shape), grid, E_STAR, the_law)
     pressure = fraction * the_law.peak_tensile_stress
     solution = contact.step(touching(contact), pressure)
     assert solution.converged
@@ -106,7 +106,7 @@ def test_flat_surfaces_stay_uniform_and_follow_the_law(fraction):
 def test_flat_surfaces_part_at_the_peak_of_the_law(fraction, outcome):
     # Stiff enough (half-space against softening) that the flat state is stable up to the peak.
     grid = Grid((8, 8), (4e-9, 4e-9))
-    contact = LoadedContact(np.zeros(grid.shape), grid, E_STAR, law())
+    contact = AdhesiveContact(np.zeros(grid.shape), grid, E_STAR, law())
     solution = contact.step(touching(contact), -fraction * law().peak_tensile_stress)
     assert solution.outcome is outcome
 
@@ -115,7 +115,7 @@ def test_flat_surfaces_part_at_the_peak_of_the_law(fraction, outcome):
 def test_same_state_as_an_independent_minimisation(ratio):
     points, size = 40, 200e-10
     grid, the_law, load, gap = scaled_problem(points, ratio, size=size)
-    solver = AdhesiveContact(grid, periodic(UNIT), the_law, 0.01)
+    solver = NewtonSolver(grid, periodic(UNIT), the_law, 0.01)
     found = solver.solve(gap, FieldLoad(load), 1e-8, 500)
     assert found.outcome is Outcome.CONVERGED
     stiffness_q = UNIT.stiffness_on(grid)
@@ -137,8 +137,8 @@ def test_same_state_as_an_independent_minimisation(ratio):
 
 def test_two_level_and_single_grid_solvers_end_in_the_same_state():
     grid, the_law, load, gap = scaled_problem(128, 1.0, size=600e-10)
-    single = AdhesiveContact(grid, periodic(UNIT), the_law, 0.01)
-    double = MultilevelContact(grid, periodic(UNIT), the_law, 0.01)
+    single = NewtonSolver(grid, periodic(UNIT), the_law, 0.01)
+    double = MultigridSolver(grid, periodic(UNIT), the_law, 0.01)
     assert double.coarser is not None
     one, two = (solver.solve(gap.copy(), FieldLoad(load), 1e-10, 500) for solver in (single, double))
     assert one.outcome is two.outcome is Outcome.CONVERGED
@@ -151,14 +151,14 @@ def test_coarse_grids_stop_where_they_cannot_bridge_the_process_zone():
     the_law = law().scaled(R0, E_STAR)
     zone = process_zone(1.0, the_law)
     assert zone * R0 == pytest.approx(41e-10, rel=0.01)  # 41 Å by hand from the formula
-    level = MultilevelContact(Grid((96, 96), (24 * zone, 12 * zone)), periodic(UNIT), the_law, 0.01)
+    level = MultigridSolver(Grid((96, 96), (24 * zone, 12 * zone)), periodic(UNIT), the_law, 0.01)
     shapes = []
     while level is not None:
         shapes.append(level.finest.grid.shape)
         level = level.coarser
     # Spacing zone/4, then zone/2; at a whole zone there are fewer points than POINTS_FOR_PREDICTION.
     assert shapes == [(96, 96), (48, 48)]
-    assert MultilevelContact(Grid((95, 96), (2 * zone, 2 * zone)), periodic(UNIT), the_law, 0.01).coarser is None
+    assert MultigridSolver(Grid((95, 96), (2 * zone, 2 * zone)), periodic(UNIT), the_law, 0.01).coarser is None
 
 
 def test_solution_converges_faster_than_second_order_with_the_grid():
@@ -166,7 +166,7 @@ def test_solution_converges_faster_than_second_order_with_the_grid():
     gaps, energies = [], []
     for points in (64, 128, 256):
         rough = surface(points)
-        contact = LoadedContact(rough.heights(rough.shape), rough.grid, E_STAR, law())
+        contact = AdhesiveContact(rough.heights(rough.shape), rough.grid, E_STAR, law())
         solution = contact.step(contact.separated(), 1e9)
         gaps.append(solution.gap.mean())
         energies.append(solution.elastic_energy)
@@ -180,7 +180,7 @@ def test_solution_converges_faster_than_second_order_with_the_grid():
 def test_residual_along_a_path(ratio):
     rough = surface(128)
     height = rough.heights(rough.shape)
-    contact = LoadedContact(height, rough.grid, E_STAR, law(ratio))
+    contact = AdhesiveContact(height, rough.grid, E_STAR, law(ratio))
     stiffness_q = HalfSpace(E_STAR).stiffness_on(rough.grid)
     displacement = contact.separated()
     areas = []
@@ -203,7 +203,7 @@ def test_harder_law_needs_no_new_constants():
     grid = Grid((64, 64), (1e-3, 1e-3))
     y, x = grid.coordinates
     height = 1e-6 * np.cos(2 * np.pi * y / 1e-3)[:, None] * np.cos(2 * np.pi * x / 1e-3)[None, :]
-    contact = LoadedContact(height, grid, 1e6, LennardJones104(0.005, 1e-6))
+    contact = AdhesiveContact(height, grid, 1e6, LennardJones104(0.005, 1e-6))
     solution = contact.step(contact.separated(), 1e3)
     assert solution.converged
     assert solution.iterations < 40
@@ -211,24 +211,24 @@ def test_harder_law_needs_no_new_constants():
 
 def test_a_tolerance_below_rounding_is_reported():
     grid, the_law, load, gap = scaled_problem(40, 1.0, size=200e-10)
-    found = AdhesiveContact(grid, periodic(UNIT), the_law, 0.01).solve(gap, FieldLoad(load), 1e-18, 60)
+    found = NewtonSolver(grid, periodic(UNIT), the_law, 0.01).solve(gap, FieldLoad(load), 1e-18, 60)
     assert found.outcome in (Outcome.STALLED, Outcome.ITERATION_LIMIT)
     assert found.residual < 1e-12
 
 
 def test_not_a_number_is_never_taken_for_a_solution():
     grid, the_law, load, gap = scaled_problem(26, 1.0)
-    found = AdhesiveContact(grid, periodic(UNIT), the_law, 0.01).solve(gap, FieldLoad(np.nan * load), 1e-8, 20)
+    found = NewtonSolver(grid, periodic(UNIT), the_law, 0.01).solve(gap, FieldLoad(np.nan * load), 1e-8, 20)
     assert found.outcome in (Outcome.STALLED, Outcome.ITERATION_LIMIT)
 
 
 def test_a_residual_by_changes_is_that_of_the_gap_within_what_it_says():
     grid, the_law, field, start = scaled_problem(128, 4.0)
     load = FieldLoad(field)
-    solver = AdhesiveContact(grid, periodic(UNIT), the_law, 0.02)
+    solver = NewtonSolver(grid, periodic(UNIT), the_law, 0.02)
     result = solver.solve(start, load, 1e-8, 500)
     assert result.outcome is Outcome.CONVERGED
-    anew, _ = AdhesiveContact(grid, periodic(UNIT), the_law, 0.02).imbalance_at(result.gap, load)
+    anew, _ = NewtonSolver(grid, periodic(UNIT), the_law, 0.02).imbalance_at(result.gap, load)
     # What rounding in float32 may leave in it is a hundredth of the tolerance.
     assert result.residual == pytest.approx(anew.largest, abs=1e-10)
 
@@ -247,7 +247,7 @@ def test_a_residual_by_changes_is_that_of_the_gap_within_what_it_says():
 def test_a_solve_leaves_its_start_alone_unless_it_is_given_away():
     grid, the_law, field, start = scaled_problem(64, 4.0)
     load, near = FieldLoad(field), start - 0.01
-    solver = AdhesiveContact(grid, periodic(UNIT), the_law, 0.02)
+    solver = NewtonSolver(grid, periodic(UNIT), the_law, 0.02)
     given = start.copy(), near.copy()
     solver.press(near, load)
     kept = solver.solve(start, load, 1e-8, 500, known=near)
@@ -262,7 +262,7 @@ def test_a_solve_leaves_its_start_alone_unless_it_is_given_away():
 def test_coarser_grids_and_squares_lie_where_the_finest_grid_is_idle():
     """Neither is in use while the finest has a linear solve to do, nor are the two at the same time."""
     rough = surface(512, size=1040e-10)
-    whole = LoadedContact(rough.heights(rough.shape), rough.grid, E_STAR, law(1.0))._contact
+    whole = AdhesiveContact(rough.heights(rough.shape), rough.grid, E_STAR, law(1.0))._contact
     finest, guests = whole.finest, (whole.coarser.finest, whole.finest.relaxation._contact)
     in_use = (finest.solid.field, finest._single.field, finest.curvature, finest._right_side)
     for guest in guests:
@@ -279,11 +279,11 @@ def test_memory_of_a_step_stays_within_ten_and_a_half_arrays():
     points = 512
     rough = surface(points, size=1040e-10)
     height = rough.heights(rough.shape)
-    contact = LoadedContact(height, rough.grid, E_STAR, law(1.0))
+    contact = AdhesiveContact(height, rough.grid, E_STAR, law(1.0))
     contact.step(contact.separated(), 1e9)  # compiled and planned
     del contact
     tracemalloc.start()
-    contact = LoadedContact(height, rough.grid, E_STAR, law(1.0))
+    contact = AdhesiveContact(height, rough.grid, E_STAR, law(1.0))
     found = contact.step(contact.separated(), 1e9)
     _, peak = tracemalloc.get_traced_memory()
     tracemalloc.stop()

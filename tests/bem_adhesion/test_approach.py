@@ -6,17 +6,17 @@ from scipy.optimize import brentq
 
 import contact_study
 from bem_adhesion import HardWall, Layer, LennardJones104, rough_contact
-from bem_adhesion.hard_wall import HardWallContact
-from contact_study.fields.grid import Grid
-from contact_study.problem.bins import bins_of
-from contact_study.problem.elasticity import HalfSpace, Layered
-from contact_study.problem.errors import InputError
-from contact_study.problem.study import make_study
-from md_reference.run import check as check_atoms
+from bem_adhesion.hard_wall.contact import HardWallContact
+from contact_study.errors import InputError
+from contact_study.numerics.grid import Grid
+from contact_study.physics.solids import HalfSpace, Layered
+from contact_study.study.bins import bins_of
+from contact_study.study.study import make_study
+from md_reference.study.model import check as check_atoms
 from tests.bem_adhesion.paper_system import E_STAR, R0, SIZE, study_table
 from tests.bem_adhesion.rough_surfaces import self_affine
 from tests.laws_of_all_kinds import EVERY_LAW
-from theory.run import check as check_theory
+from theory.study.model import check as check_theory
 
 pytestmark = pytest.mark.filterwarnings("ignore:grid too coarse")
 

@@ -1,11 +1,11 @@
 import numpy as np
 import pytest
 
-from bem_adhesion.bed import FullBed, HalvedBed, bed_under
-from bem_adhesion.linearised import LinearisedContact
-from bem_adhesion.operator import periodic
-from contact_study.fields.grid import Grid
-from contact_study.problem.elasticity import HalfSpace
+from bem_adhesion.linear.conjugate_gradients import LinearisedContact
+from bem_adhesion.linear.preconditioner import FourierPreconditioner, TwoLevelPreconditioner, preconditioner_for
+from bem_adhesion.operators.fourier import periodic
+from contact_study.numerics.grid import Grid
+from contact_study.physics.solids import HalfSpace
 
 SHIFT = 0.02
 MAKE = periodic(HalfSpace(1.0), 0.3)
@@ -14,7 +14,7 @@ GRID = Grid((128, 64), (120.0, 70.0))
 
 def beds(grid=GRID):
     operator = MAKE(grid, np.float32)
-    return FullBed(operator, SHIFT), bed_under(operator, MAKE, SHIFT)
+    return FourierPreconditioner(operator, SHIFT), preconditioner_for(operator, MAKE, SHIFT)
 
 
 def applied(bed, field):
@@ -25,7 +25,7 @@ def applied(bed, field):
 
 def test_the_halved_bed_is_symmetric_and_knows_its_energy():
     _, bed = beds()
-    assert isinstance(bed, HalvedBed)
+    assert isinstance(bed, TwoLevelPreconditioner)
     one, other = np.random.default_rng(0).standard_normal((2, *GRID.shape))
     energy, of_one = applied(bed, one)
     _, of_other = applied(bed, other)
@@ -56,7 +56,7 @@ def test_conjugate_gradients_need_as_many_iterations(seed):
     right_side = np.ones(GRID.shape, np.float32)  # a change of the load
     full = LinearisedContact(operator, SHIFT)
     expected = full.solve(right_side, curvature, 1.0, 1e-3, 60)
-    halved = LinearisedContact(operator, SHIFT, bed_under(operator, MAKE, SHIFT))
+    halved = LinearisedContact(operator, SHIFT, preconditioner_for(operator, MAKE, SHIFT))
     found = halved.solve(right_side, curvature, 1.0, 1e-3, 60)
     assert not found.negative_curvature
     assert found.iterations <= expected.iterations + 1
@@ -66,7 +66,7 @@ def test_conjugate_gradients_need_as_many_iterations(seed):
 
 def test_transforms_of_the_coarser_grids_are_counted():
     operator = MAKE(GRID, np.float32)
-    bed = bed_under(operator, MAKE, SHIFT)
+    bed = preconditioner_for(operator, MAKE, SHIFT)
     bed.apply_and_sum()
     # In single precision, and no coarser than 32 points along an axis: one halving here.
     assert bed.equivalent_pairs(GRID) == 0.5 / 4
@@ -75,4 +75,6 @@ def test_transforms_of_the_coarser_grids_are_counted():
 
 @pytest.mark.parametrize("shape", [(64, 65), (62, 64), (32, 128)])
 def test_grids_that_cannot_be_halved_keep_their_transforms(shape):
-    assert isinstance(bed_under(MAKE(Grid(shape, (60.0, 60.0)), np.float32), MAKE, SHIFT), FullBed)
+    assert isinstance(
+        preconditioner_for(MAKE(Grid(shape, (60.0, 60.0)), np.float32), MAKE, SHIFT), FourierPreconditioner
+    )

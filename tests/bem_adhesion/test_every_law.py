@@ -7,8 +7,8 @@ import pytest
 
 import contact_study
 from bem_adhesion import rough_contact
-from bem_adhesion.law_passes import LawPasses
-from bem_adhesion.wall_passes import passes_of
+from bem_adhesion.kernels.law import LawPasses
+from bem_adhesion.kernels.wall import passes_of
 from tests.bem_adhesion.paper_system import E_STAR, study_table
 from tests.bem_adhesion.rough_surfaces import self_affine
 from tests.laws_of_all_kinds import EVERY_LAW, KEYS

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 import contact_study
-from contact_study.problem.errors import InputError
+from contact_study.errors import InputError
 from tests.bem_adhesion.paper_system import study_table
 from tests.laws_of_all_kinds import KEYS
-from tests.problem.test_elasticity import isotropic, on_half_space, through_the_thickness
+from tests.study.test_elasticity import isotropic, on_half_space, through_the_thickness
 
 E, NU = 77.2e9, 0.42
 Q = np.geomspace(1e8, 1e10, 41)

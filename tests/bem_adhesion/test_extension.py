@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from bem_adhesion.extension import Extension
+from bem_adhesion.hard_wall.preconditioner import Extension
 
 SHAPES = [(16, 16), (13, 7), (1, 9), (5, 1), (6, 32), (2, 3)]
 

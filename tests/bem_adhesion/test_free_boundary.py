@@ -9,13 +9,13 @@ from scipy.integrate import dblquad
 
 import contact_study
 from bem_adhesion import Dugdale, Exponential, HardWall, Layer, LennardJones104, Repulsive, rough_contact
-from bem_adhesion.free_boundary import FreeHalfSpace, Window, padded_grid
-from contact_study.fields.grid import Grid
-from contact_study.problem.elasticity import ELASTICITIES
-from contact_study.problem.elasticity.layer import LayerSection
-from contact_study.problem.errors import InputError
-from contact_study.problem.study import make_study
-from tests.problem.test_study import changed
+from bem_adhesion.operators.free_space import FreeHalfSpace, Window, padded_grid
+from contact_study.errors import InputError
+from contact_study.numerics.grid import Grid
+from contact_study.physics.solids import ELASTICITIES
+from contact_study.physics.solids.layer import LayerSection
+from contact_study.study.study import make_study
+from tests.study.test_study import changed
 from theory import references as reference
 
 pytestmark = pytest.mark.filterwarnings("ignore:grid too coarse")

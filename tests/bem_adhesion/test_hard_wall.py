@@ -6,9 +6,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.optimize import nnls
 
-from bem_adhesion.hard_wall import HardWallContact
+from bem_adhesion.hard_wall.contact import HardWallContact
 from bem_adhesion.solution import Outcome
-from contact_study.fields.grid import Grid
+from contact_study.numerics.grid import Grid
 from tests.bem_adhesion.rough_surfaces import CONTACT_MODULUS, at, random_heights, self_affine, solve
 
 SHAPES = [(12, 12), (11, 13), (9, 16), (16, 10), (1, 20), (2, 15)]

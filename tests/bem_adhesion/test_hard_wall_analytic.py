@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from contact_study.fields.grid import Grid
+from contact_study.numerics.grid import Grid
 from tests.bem_adhesion.rough_surfaces import CONTACT_MODULUS, solve
 from theory.references import (
     egg_box_full_contact_pressure,

@@ -5,7 +5,7 @@ import tracemalloc
 import numpy as np
 import pytest
 
-from bem_adhesion.hard_wall import HardWallContact
+from bem_adhesion.hard_wall.contact import HardWallContact
 from tests.bem_adhesion.rough_surfaces import CONTACT_MODULUS, at, self_affine, solve
 
 pytestmark = pytest.mark.validation

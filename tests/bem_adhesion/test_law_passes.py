@@ -5,10 +5,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from bem_adhesion import law_passes
-from bem_adhesion.law_passes import LawPasses
-from bem_adhesion.wall_passes import passes_of
-from tests.problem.test_laws import gaps, laws
+from bem_adhesion.kernels import law as law_passes
+from bem_adhesion.kernels.law import LawPasses
+from bem_adhesion.kernels.wall import passes_of
+from tests.study.test_laws import gaps, laws
 
 
 @laws

@@ -5,11 +5,11 @@ import pytest
 from scipy.fft import irfft2, rfft2
 from scipy.optimize import brentq
 
-from bem_adhesion.hard_wall import HardWallContact
-from bem_adhesion.loading import LoadedContact
-from contact_study.fields.grid import Grid
-from contact_study.problem.elasticity import HalfSpace, Layer, Tabulated
-from contact_study.problem.laws import LennardJones93
+from bem_adhesion.adhesive.contact import AdhesiveContact
+from bem_adhesion.hard_wall.contact import HardWallContact
+from contact_study.numerics.grid import Grid
+from contact_study.physics.laws import LennardJones93
+from contact_study.physics.solids import HalfSpace, Layer, Tabulated
 from tests.bem_adhesion.paper_system import E_STAR, R0, SIZE, law, surface, touching
 from tests.bem_adhesion.rough_surfaces import self_affine
 
@@ -62,7 +62,7 @@ def test_hard_wall_meets_the_conditions_of_contact(ratio, thickness):
 def test_adhesion_is_in_equilibrium(ratio, thickness, control):
     rough = surface(64)
     height, layer = rough.heights(rough.shape), Layer(E_STAR, ratio, thickness * SIZE)
-    contact = LoadedContact(height, rough.grid, layer, law(4.0), control)
+    contact = AdhesiveContact(height, rough.grid, layer, law(4.0), control)
     target = 2e9 if control == "pressure" else 3e-10
     found = contact.step(contact.separated(), target)
     assert found.converged
@@ -79,7 +79,7 @@ def test_energies_are_the_work_of_the_load_on_the_base():
     """d(elastic + interaction) = −p d(mean separation), with a layer's compression in both."""
     rough = surface(48)
     height, layer = rough.heights(rough.shape), Layer(E_STAR, 0.3, 0.2 * SIZE)
-    contact = LoadedContact(height, rough.grid, layer, law(1.0), tolerance=1e-11)
+    contact = AdhesiveContact(height, rough.grid, layer, law(1.0), tolerance=1e-11)
     pressures = 2e9 + 2e7 * np.arange(-1, 2)
     states, displacement = [], contact.separated()
     for pressure in pressures:
@@ -170,7 +170,7 @@ def test_uniform_compression_is_no_part_of_the_gap(fraction):
     the_law = LennardJones93(0.5, 1e-9)
     grid = Grid((8, 8), (2e-9, 2e-9))
     layer = Layer(5e9, 0.2, 3e-9)
-    contact = LoadedContact(np.zeros(grid.shape), grid, layer, the_law)
+    contact = AdhesiveContact(np.zeros(grid.shape), grid, layer, the_law)
     pressure = fraction * the_law.peak_tensile_stress
     found = contact.step(touching(contact), pressure)
     expected = brentq(
@@ -186,7 +186,7 @@ def test_a_table_of_a_half_space_is_that_half_space():
     table = Tabulated(E_STAR, rough.grid, solid.stiffness_on(rough.grid))
     for tabulated, plain in (
         [pressed(height, rough.grid, one, 2e9) for one in (table, solid)],
-        [(c := LoadedContact(height, rough.grid, one, law())).step(c.separated(), 2e9) for one in (table, solid)],
+        [(c := AdhesiveContact(height, rough.grid, one, law())).step(c.separated(), 2e9) for one in (table, solid)],
     ):
         np.testing.assert_allclose(tabulated.gap, plain.gap, atol=1e-9 * R0)
 
@@ -196,7 +196,7 @@ def test_a_table_of_the_grids_waves_does_without_squares():
     rough = surface(256)
     height, solid = rough.heights(rough.shape), HalfSpace(E_STAR)
     table = Tabulated(E_STAR, rough.grid, solid.stiffness_on(rough.grid))
-    whole, plain = (LoadedContact(height, rough.grid, one, law(4.0)) for one in (table, solid))
+    whole, plain = (AdhesiveContact(height, rough.grid, one, law(4.0)) for one in (table, solid))
     assert plain._contact.finest.relaxation is not None
     assert whole._contact.finest.relaxation is None
     found = [contact.step(contact.separated(), 2e9) for contact in (whole, plain)]

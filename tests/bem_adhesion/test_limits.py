@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from bem_adhesion.loading import LoadedContact
+from bem_adhesion.adhesive.contact import AdhesiveContact
 from bem_adhesion.solution import Outcome
-from contact_study.fields.grid import Grid
-from contact_study.problem.laws.lennard_jones_9_3 import LennardJones93
-from contact_study.problem.laws.lennard_jones_10_4 import LennardJones104
+from contact_study.numerics.grid import Grid
+from contact_study.physics.laws.lennard_jones_9_3 import LennardJones93
+from contact_study.physics.laws.lennard_jones_10_4 import LennardJones104
 from tests.bem_adhesion.paper_system import touching
 from theory import references as reference
 
@@ -20,7 +20,7 @@ def paraboloid(tabor_parameter, work_of_adhesion, points, cell, law=LennardJones
     grid = Grid((points, points), (cell * critical, cell * critical))
     y, x = (axis - size / 2 for axis, size in zip(grid.coordinates, grid.size, strict=True))
     height = -(y[:, None] ** 2 + x[None, :] ** 2) / (2 * radius)
-    return LoadedContact(height, grid, 1.0, law(work_of_adhesion, 1.0)), grid, radius
+    return AdhesiveContact(height, grid, 1.0, law(work_of_adhesion, 1.0)), grid, radius
 
 
 def pull_off_force(contact, grid, unit, bisections=7):
@@ -69,7 +69,7 @@ def test_adhesive_wave_follows_johnson():
     wavelength, amplitude, work_of_adhesion = 1000.0, 8.0, 0.02
     grid = Grid((4, 256), (4 * wavelength / 256, wavelength))
     height = np.broadcast_to(amplitude * np.cos(2 * np.pi * grid.coordinates[1] / wavelength), grid.shape)
-    contact = LoadedContact(height.copy(), grid, 1.0, LennardJones104(work_of_adhesion, 1.0))
+    contact = AdhesiveContact(height.copy(), grid, 1.0, LennardJones104(work_of_adhesion, 1.0))
     adhesion = reference.wave_adhesion(amplitude, wavelength, 1.0, work_of_adhesion)
     closing = reference.wave_full_contact_pressure(amplitude, wavelength, 1.0)
     state = contact.separated()

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from bem_adhesion.law_passes import blocks
-from bem_adhesion.load import FieldLoad, HeightLoad
-from bem_adhesion.operator import periodic
-from contact_study.fields.grid import Grid
-from contact_study.problem.elasticity.half_space import HalfSpace
+from bem_adhesion.kernels.law import blocks
+from bem_adhesion.operators.fourier import periodic
+from bem_adhesion.operators.load import FieldLoad, HeightLoad
+from contact_study.numerics.grid import Grid
+from contact_study.physics.solids.half_space import HalfSpace
 
 GRID = Grid((24, 30), (3.0, 5.0))
 UNIT = 0.25
@@ -36,7 +36,7 @@ def test_both_press_alike(solid):
 
 
 def test_both_have_the_energy_of_solid_and_field(solid, monkeypatch):
-    monkeypatch.setattr("bem_adhesion.law_passes.BLOCK", 200)
+    monkeypatch.setattr("bem_adhesion.kernels.law.BLOCK", 200)
     gap = np.random.default_rng(1).random(GRID.shape)
     for load in both(solid, 0.3):
         solid.field[...] = gap

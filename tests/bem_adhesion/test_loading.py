@@ -3,12 +3,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from bem_adhesion import multilevel
-from bem_adhesion.loading import LoadedContact, reach, typical_wavenumber
+from bem_adhesion.adhesive import multigrid as multilevel
+from bem_adhesion.adhesive.contact import AdhesiveContact, reach, typical_wavenumber
 from bem_adhesion.solution import Outcome
-from contact_study.fields.grid import Grid
-from contact_study.problem.laws.lennard_jones_9_3 import LennardJones93
-from contact_study.problem.laws.lennard_jones_10_4 import LennardJones104
+from contact_study.numerics.grid import Grid
+from contact_study.physics.laws.lennard_jones_9_3 import LennardJones93
+from contact_study.physics.laws.lennard_jones_10_4 import LennardJones104
 from tests.bem_adhesion.paper_system import E_STAR, R0, law, relative_contact_area, surface
 
 
@@ -23,7 +23,7 @@ def path(contact, targets):
 
 def rough_contact(ratio, points=96, control="pressure", **keywords):
     rough = surface(points, size=800e-10)
-    return LoadedContact(rough.heights(rough.shape), rough.grid, E_STAR, law(ratio), control, **keywords)
+    return AdhesiveContact(rough.heights(rough.shape), rough.grid, E_STAR, law(ratio), control, **keywords)
 
 
 def test_loading_is_reversible_at_weak_adhesion():
@@ -64,7 +64,7 @@ def test_without_pressure_separated_surfaces_stay_apart(target):
 @pytest.mark.parametrize("law_type", [LennardJones104, LennardJones93])
 def test_the_separated_block_is_out_of_reach_of_the_law(law_type):
     height, grid = small_problem()
-    contact = LoadedContact(height, grid, E_STAR, law_type(0.69, R0))
+    contact = AdhesiveContact(height, grid, E_STAR, law_type(0.69, R0))
     nearest = (contact.separated() - height).min()
     assert nearest == pytest.approx(reach(contact.law), rel=1e-12)
     # The tension falls with every larger gap, so that nowhere more than a thousandth of the peak acts.
@@ -77,7 +77,7 @@ def sphere(control, mean_gap_offset=0.0):
     grid = Grid((points, points), (size, size))
     y, x = (axis - size / 2 for axis in grid.coordinates)
     height = -(y[:, None] ** 2 + x[None, :] ** 2) / (2 * radius)
-    return LoadedContact(height - height.mean(), grid, 5e9 / (1 - 0.42**2), law(), control)
+    return AdhesiveContact(height - height.mean(), grid, 5e9 / (1 - 0.42**2), law(), control)
 
 
 def test_a_first_gap_from_separation_is_on_the_separated_branch():
@@ -98,14 +98,14 @@ def test_a_first_gap_from_separation_is_on_the_separated_branch():
 def test_flat_surfaces_do_not_rest_on_top_of_the_barrier():
     # Held 3 Å above equilibrium, where the law softens, the uniform state is an equilibrium but no minimum.
     grid = Grid((32, 32), (520e-10, 520e-10))
-    contact = LoadedContact(np.zeros(grid.shape), grid, E_STAR, law(8.0), "gap")
+    contact = AdhesiveContact(np.zeros(grid.shape), grid, E_STAR, law(8.0), "gap")
     solution = path(contact, [3e-10])[0]
     assert solution.outcome is Outcome.CONVERGED
     uniform = float(contact.law.potential(np.array(R0 + 3e-10)))
     assert solution.elastic_energy + solution.interaction_energy < 2 * uniform < 0
     assert np.ptp(solution.gap) > R0
     # The same start with a ripple that decides for it: a minimum of the same kind, within the law's depth.
-    rippled = LoadedContact(
+    rippled = AdhesiveContact(
         1e-13 * np.cos(np.arange(32) * np.pi / 16) * np.ones((32, 1)), grid, E_STAR, law(8.0), "gap"
     )
     other = path(rippled, [3e-10])[0]
@@ -179,7 +179,7 @@ def small_problem(shape=(20, 24)):
 @given(shift=st.tuples(st.integers(0, 19), st.integers(0, 23)), ratio=st.sampled_from([1.0, 8.0]))
 def test_translation_moves_the_solution(shift, ratio):
     height, grid = small_problem()
-    contact, moved = (LoadedContact(h, grid, E_STAR, law(ratio)) for h in (height, np.roll(height, shift, (0, 1))))
+    contact, moved = (AdhesiveContact(h, grid, E_STAR, law(ratio)) for h in (height, np.roll(height, shift, (0, 1))))
     one, two = path(contact, [2e9])[0], path(moved, [2e9])[0]
     # The state is determined to 1e-8 E* over the softest stiffness, about 1e-3 E*/r0.
     np.testing.assert_allclose(np.roll(one.gap, shift, (0, 1)), two.gap, atol=1e-4 * R0)
@@ -189,8 +189,8 @@ def test_translation_moves_the_solution(shift, ratio):
 def test_rotation_rotates_the_solution(ratio):
     height, grid = small_problem()
     turned = Grid(grid.shape[::-1], grid.size[::-1])
-    one = path(LoadedContact(height, grid, E_STAR, law(ratio)), [2e9])[0]
-    two = path(LoadedContact(np.ascontiguousarray(np.rot90(height)), turned, E_STAR, law(ratio)), [2e9])[0]
+    one = path(AdhesiveContact(height, grid, E_STAR, law(ratio)), [2e9])[0]
+    two = path(AdhesiveContact(np.ascontiguousarray(np.rot90(height)), turned, E_STAR, law(ratio)), [2e9])[0]
     np.testing.assert_allclose(np.rot90(one.gap), two.gap, atol=1e-4 * R0)
 
 
@@ -198,8 +198,8 @@ def test_rotation_rotates_the_solution(ratio):
 @given(length=st.floats(1e-3, 1e6), stress=st.floats(1e-6, 1e3))
 def test_units_change_nothing(length, stress):
     height, grid = small_problem()
-    original = LoadedContact(height, grid, E_STAR, law(4.0))
-    other = LoadedContact(
+    original = AdhesiveContact(height, grid, E_STAR, law(4.0))
+    other = AdhesiveContact(
         height * length,
         Grid(grid.shape, (grid.size[0] * length, grid.size[1] * length)),
         E_STAR * stress,
@@ -213,12 +213,12 @@ def test_units_change_nothing(length, stress):
 def test_wrong_arguments_are_refused():
     height, grid = small_problem()
     with pytest.raises(ValueError, match="shape"):
-        LoadedContact(height[1:], grid, E_STAR, law())
+        AdhesiveContact(height[1:], grid, E_STAR, law())
     with pytest.raises(ValueError, match="finite"):
-        LoadedContact(height * np.nan, grid, E_STAR, law())
+        AdhesiveContact(height * np.nan, grid, E_STAR, law())
     with pytest.raises(ValueError, match="control"):
-        LoadedContact(height, grid, E_STAR, law(), control="force")
-    contact = LoadedContact(height, grid, E_STAR, law())
+        AdhesiveContact(height, grid, E_STAR, law(), control="force")
+    contact = AdhesiveContact(height, grid, E_STAR, law())
     with pytest.raises(ValueError, match="target"):
         contact.step(contact.separated(), np.inf)
     with pytest.raises(ValueError, match="gaps"):
@@ -282,7 +282,7 @@ def test_a_fine_grid_takes_tangent_steps_until_its_interpolation_is_what_is_left
     length, points = 60.0, 2048
     grid = Grid((16, points), (16 * length / points, length))
     height = np.broadcast_to(1.5 * np.cos(2 * np.pi * grid.coordinates[1] / length), grid.shape).copy()
-    contact = LoadedContact(height, grid, 1.0, LennardJones104(0.1, 1.0))
+    contact = AdhesiveContact(height, grid, 1.0, LennardJones104(0.1, 1.0))
     assert contact._contact.coarser.points_per_process_zone > multilevel.POINTS_FOR_STEPS
     state = contact.step(contact.separated(), 0.01).state
     many = contact.step(state, 0.02)

@@ -1,16 +1,16 @@
 import numpy as np
 import pytest
 
-from bem_adhesion.adhesive import CLOSE, AdhesiveContact
-from bem_adhesion.load import FieldLoad
-from bem_adhesion.loading import LoadedContact
-from bem_adhesion.local_relaxation import MOST_SQUARES, LocalRelaxation, _largest_of_tiles, _squares
-from bem_adhesion.operator import periodic
+from bem_adhesion.adhesive.contact import AdhesiveContact
+from bem_adhesion.adhesive.local_newton import MOST_SQUARES, LocalNewton, _largest_of_tiles, _squares
+from bem_adhesion.adhesive.newton import CLOSE, NewtonSolver
+from bem_adhesion.operators.fourier import periodic
+from bem_adhesion.operators.load import FieldLoad
 from bem_adhesion.solution import Outcome
-from contact_study.fields.grid import Grid
-from contact_study.problem.elasticity import HalfSpace
-from contact_study.problem.study import make_study
-from contact_study.problem.surface import realise
+from contact_study.numerics.grid import Grid
+from contact_study.physics.solids import HalfSpace
+from contact_study.physics.surfaces.realisation import realise
+from contact_study.study.study import make_study
 from tests.bem_adhesion.paper_system import E_STAR, R0, law, relative_contact_area, study_table, surface
 
 UNIT = HalfSpace(1.0)
@@ -21,7 +21,7 @@ POINTS = 256
 def test_a_place_out_of_balance_relaxes_as_in_the_whole(place):
     the_law = law().scaled(law().length, E_STAR)
     grid = Grid((POINTS, POINTS), (POINTS * 0.5, POINTS * 0.5))
-    whole = AdhesiveContact(grid, periodic(UNIT), the_law, 0.05)
+    whole = NewtonSolver(grid, periodic(UNIT), the_law, 0.05)
     y, x = np.indices(grid.shape)
     away = [np.minimum((i - at) % POINTS, (at - i) % POINTS) for i, at in zip((y, x), place, strict=True)]
     bump = 0.05 * np.exp(-(away[0] ** 2 + away[1] ** 2) / 50.0)
@@ -29,7 +29,7 @@ def test_a_place_out_of_balance_relaxes_as_in_the_whole(place):
     load = FieldLoad(-the_law.traction(start) + bump)
     assert whole.imbalance_at(start, load)[0].largest == pytest.approx(0.05)
 
-    local, out = LocalRelaxation(grid, periodic(UNIT), the_law, 0.05), np.empty_like(start)
+    local, out = LocalNewton(grid, periodic(UNIT), the_law, 0.05), np.empty_like(start)
     assert local.relax(start, whole.solid.field.copy(), load, whole._right_side, out)
     expected = whole.solve(start, load, 1e-10, 50).gap
     changed = np.abs(expected - start).max()
@@ -44,13 +44,13 @@ def test_a_place_out_of_balance_relaxes_as_in_the_whole(place):
 def test_the_rim_stays_where_nothing_else_holds_it():
     the_law = law().scaled(law().length, E_STAR)
     grid = Grid((POINTS, POINTS), (POINTS * 0.5, POINTS * 0.5))
-    whole = AdhesiveContact(grid, periodic(UNIT), the_law, 0.05)
+    whole = NewtonSolver(grid, periodic(UNIT), the_law, 0.05)
     start = np.full(grid.shape, the_law.peak_distance)  # there the law has no stiffness
     push = np.zeros(grid.shape)
     push[120:128, 120:128] = 0.02
     load = FieldLoad(push - the_law.traction(start))
     whole.imbalance_at(start, load)
-    local, out = LocalRelaxation(grid, periodic(UNIT), the_law, 0.05), np.empty_like(start)
+    local, out = LocalNewton(grid, periodic(UNIT), the_law, 0.05), np.empty_like(start)
     assert local.relax(start, whole.solid.field.copy(), load, whole._right_side, out)
     change = np.abs(out - start)
     rows = np.flatnonzero(change.any(axis=1))
@@ -60,7 +60,7 @@ def test_the_rim_stays_where_nothing_else_holds_it():
 
 def test_springs_that_hold_the_rim_leave_negative_curvature_to_the_descent():
     the_law = law().scaled(law().length, E_STAR)
-    contact = AdhesiveContact(Grid((32, 32), (16.0, 16.0)), periodic(UNIT), the_law, 0.05)
+    contact = NewtonSolver(Grid((32, 32), (16.0, 16.0)), periodic(UNIT), the_law, 0.05)
     start = np.full(contact.grid.shape, 1.3)  # beyond the peak: balanced, but for a push, and unstable
     load = FieldLoad(-the_law.traction(start), 1e-4)
     for stalls, outcome in [(True, Outcome.STALLED), (False, Outcome.CONVERGED)]:
@@ -100,7 +100,7 @@ def test_a_first_load_ends_in_the_state_of_the_whole():
     """Where everything snaps in; of 60 Newton steps in place of 3 squares fill a hole of 230 points besides."""
     rough, found = realise(make_study(study_table(POINTS, 3)).cases[0]), []
     for relaxing in (True, False):
-        contact = LoadedContact(rough.heights(rough.shape), rough.grid, E_STAR, law(8.0))
+        contact = AdhesiveContact(rough.heights(rough.shape), rough.grid, E_STAR, law(8.0))
         if not relaxing:
             contact._contact.finest.relaxation = None
         found.append(contact.step(contact.separated(), 0.1e9))
@@ -113,7 +113,7 @@ def test_a_first_load_ends_in_the_state_of_the_whole():
 def test_a_path_with_jumps_takes_fewer_pairs_to_the_same_states():
     def path(relaxing):
         rough = surface(POINTS)
-        contact = LoadedContact(rough.sampled, rough.grid, E_STAR, law(4.0))
+        contact = AdhesiveContact(rough.sampled, rough.grid, E_STAR, law(4.0))
         finest = contact._contact.finest
         assert finest.relaxation is not None
         if not relaxing:
@@ -133,7 +133,7 @@ def test_a_path_with_jumps_takes_fewer_pairs_to_the_same_states():
 
 def test_squares_are_for_periodic_contacts_under_pressure_with_points_enough():
     rough = surface(POINTS)
-    held = LoadedContact(rough.sampled, rough.grid, E_STAR, law(), control="gap")
+    held = AdhesiveContact(rough.sampled, rough.grid, E_STAR, law(), control="gap")
     assert held._contact.finest.relaxation is None
     coarse = surface(POINTS // 2)
-    assert LoadedContact(coarse.sampled, coarse.grid, E_STAR, law())._contact.finest.relaxation is None
+    assert AdhesiveContact(coarse.sampled, coarse.grid, E_STAR, law())._contact.finest.relaxation is None

@@ -1,11 +1,11 @@
 import numpy as np
 import pytest
 
-from bem_adhesion.active_set import ContactLevel
-from bem_adhesion.operator import PeriodicOperator, periodic
-from contact_study.fields import fourier
-from contact_study.fields.grid import Grid
-from contact_study.problem.elasticity import HalfSpace
+from bem_adhesion.hard_wall.active_set import ContactLevel
+from bem_adhesion.operators.fourier import PeriodicOperator, periodic
+from contact_study.numerics import fourier
+from contact_study.numerics.grid import Grid
+from contact_study.physics.solids import HalfSpace
 
 E_STAR = 93.7348e9
 GRIDS = [

@@ -7,15 +7,15 @@ import pytest
 import xarray as xr
 
 import contact_study
-from bem_adhesion.overdamped import OverdampedContact
-from bem_adhesion.run import check, solve_path
-from contact_study.campaign import case_run
-from contact_study.campaign.overdamped_path import pace_of
-from contact_study.campaign.schema import TRAJECTORY
-from contact_study.fields.gradient_flow import Fate, at_rest, follow
-from contact_study.problem.errors import InputError
-from contact_study.problem.study import make_study
-from contact_study.problem.surface import realise
+from bem_adhesion.contacts.overdamped import OverdampedContact
+from bem_adhesion.study.model import check, solve_path
+from contact_study.campaign.worker import case_run
+from contact_study.campaign.worker.overdamped_path import pace_of
+from contact_study.errors import InputError
+from contact_study.numerics.gradient_flow import Status, at_rest, follow
+from contact_study.physics.surfaces.realisation import realise
+from contact_study.results.schema import TRAJECTORY
+from contact_study.study.study import make_study
 from tests.bem_adhesion.paper_system import CONTACT_DISTANCE, E_STAR, R0, study_table
 from tests.md_reference.test_sampling import assert_equal_groups, groups_of
 from tests.recording import stopper
@@ -87,7 +87,7 @@ def test_steps_stay_on_the_path_of_an_explicit_flow(landing):
     distances = []
     for step_error in (0.2, 0.05):
         found = landing.implicit(step_error, start=landing.start)
-        assert found[-1].fate is Fate.AT_REST
+        assert found[-1].fate is Status.AT_REST
         distances.append(max(np.min(np.max(np.abs(path - each.state), axis=(1, 2))) for each in found) / R0)
         np.testing.assert_allclose(found[-1].state, path[-1], rtol=0, atol=0.02 * R0)
     # Local errors of 0.05 r0 that the next steps damp.
@@ -109,7 +109,7 @@ def test_energy_never_rises_and_rest_is_an_equilibrium(law):
     change = np.diff(energies) + loads[1:] * np.diff(gaps)
     assert np.all(change <= 1e-9 * np.abs(energies[1:]))
     assert np.sum(change) < -0.1 * abs(energies[-1])
-    assert found[-1].fate is Fate.AT_REST
+    assert found[-1].fate is Status.AT_REST
     still = contact_study.run(table(interaction=interaction), "continuum")
     assert energies[-1] == pytest.approx((still.elastic_energy + still.interaction_energy).item(), rel=1e-6)
     if law == "lennard_jones_10_4":

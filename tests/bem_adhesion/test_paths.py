@@ -9,10 +9,10 @@ import pytest
 
 import contact_study
 from bem_adhesion import Dugdale, HardWall, LennardJones104, rough_contact
-from bem_adhesion.loading import reach
-from bem_adhesion.paths import Account, _passes_over_pull, _turns_too_sharply, account_of, follow
+from bem_adhesion.adhesive.contact import reach
 from bem_adhesion.solution import Outcome, Solution
-from contact_study.problem.elasticity import HalfSpace
+from bem_adhesion.study.adaptive import EnergyLedger, _passes_over_pull, _turns_too_sharply, account_of, follow
+from contact_study.physics.solids import HalfSpace
 from tests.bem_adhesion.paper_system import E_STAR, R0, study_table
 from tests.bem_adhesion.rough_surfaces import self_affine
 from theory.references import maugis_dugdale_contact, maugis_dugdale_pull_off
@@ -24,7 +24,7 @@ LAW = LennardJones104(0.69, R0)
 
 
 def start(contact):
-    return contact.separated(), Account(0.0, 0.0, float(contact.separated().mean()), 0.0, False)
+    return contact.separated(), EnergyLedger(0.0, 0.0, float(contact.separated().mean()), 0.0, False)
 
 
 def test_flat_surfaces_jump_in_for_their_work_of_adhesion_and_let_go_at_the_peak():
@@ -134,7 +134,7 @@ class Dropping(Spring):
 
 
 def test_a_jump_is_not_lost_in_what_the_rule_leaves_of_a_long_way():
-    begin = Account(0.0, 0.0, 0.0, 0.0, True)
+    begin = EnergyLedger(0.0, 0.0, 0.0, 0.0, True)
     _, passed = follow(Dropping(), np.zeros((2, 2)), begin, 1.0, 0.01, HalfSpace(1.0))
     # The jump, and what the rule leaves of the least step it is in.
     assert passed[-1].dissipated == pytest.approx(1 / 6, abs=1e-5)
@@ -158,10 +158,10 @@ class Passing(Spring):
 
 @pytest.mark.parametrize("begin", [0.0, 0.3, 0.5, 0.7])
 def test_the_strongest_pull_is_not_passed_over(begin, monkeypatch):
-    monkeypatch.setattr("bem_adhesion.paths.UNACCOUNTED", np.inf)  # which shortens steps, too
+    monkeypatch.setattr("bem_adhesion.study.adaptive.UNACCOUNTED", np.inf)  # which shortens steps, too
     contact = Passing()
     found = contact.step(np.zeros((2, 2)), begin)
-    account = Account(begin, float(found.pressure.mean()), begin, found.elastic_energy, True)
+    account = EnergyLedger(begin, float(found.pressure.mean()), begin, found.elastic_energy, True)
     _, passed = follow(contact, found.state, account, 8.0, 1e-3, HalfSpace(1.0))
     # A hundredth, and what the parabola leaves.
     assert min(at.pressure for at in passed) < -0.98
@@ -173,9 +173,9 @@ def test_the_strongest_pull_is_not_passed_over(begin, monkeypatch):
 @pytest.mark.parametrize("first", [0.6, 0.9, 1.2, 1.7, 2.4])
 def test_of_two_steps_about_the_strongest_pull_the_longer_is_taken_back(first, monkeypatch):
     """Where energies say nothing of what is between, as where every step loses a little."""
-    monkeypatch.setattr("bem_adhesion.paths._passes_over_pull", lambda *_: False)
-    monkeypatch.setattr("bem_adhesion.paths.UNACCOUNTED", np.inf)
-    account = Account(0.0, 0.0, 0.0, 0.0, True)
+    monkeypatch.setattr("bem_adhesion.study.adaptive._passes_over_pull", lambda *_: False)
+    monkeypatch.setattr("bem_adhesion.study.adaptive.UNACCOUNTED", np.inf)
+    account = EnergyLedger(0.0, 0.0, 0.0, 0.0, True)
     contact = Passing()
     _, passed = follow(contact, np.zeros((2, 2)), account, 4 * first, 1e-3, HalfSpace(1.0))
     assert min(at.pressure for at in passed) < -0.98
@@ -186,7 +186,9 @@ def test_of_two_steps_about_the_strongest_pull_the_longer_is_taken_back(first, m
 
 
 def test_a_strongest_pull_is_told_by_energies_or_by_three_states():
-    before, lowest, after = (Account(x, p, x, e, True) for x, p, e in ((0, -0.5, 0), (1, -1, 0.75), (3, -0.5, 2.25)))
+    before, lowest, after = (
+        EnergyLedger(x, p, x, e, True) for x, p, e in ((0, -0.5, 0), (1, -1, 0.75), (3, -0.5, 2.25))
+    )
     assert not _passes_over_pull(before, lowest, 0.0)
     more = replace(lowest, energy=1.0)  # stored: the pull is one on average, and one at the end
     assert _passes_over_pull(before, more, 0.0)
@@ -199,7 +201,7 @@ def test_a_strongest_pull_is_told_by_energies_or_by_three_states():
 
 
 def test_steps_that_do_not_converge_are_shortened():
-    begin = Account(0.0, 0.0, 10.0, 0.0, True)
+    begin = EnergyLedger(0.0, 0.0, 10.0, 0.0, True)
     found, (*_, account) = follow(Spring(0.3, np.inf), np.zeros((2, 2)), begin, 1.0, 0.01, HalfSpace(1.0))
     assert found.outcome is Outcome.CONVERGED
     assert account.position == 1.0
@@ -208,7 +210,7 @@ def test_steps_that_do_not_converge_are_shortened():
 
 
 def test_where_the_least_step_does_not_converge_the_path_says_so_and_keeps_the_state_before():
-    begin = Account(0.0, 0.0, 10.0, 0.0, True)
+    begin = EnergyLedger(0.0, 0.0, 10.0, 0.0, True)
     found, (*_, account) = follow(Spring(1.0, 0.7), np.zeros((2, 2)), begin, 1.0, 0.01, HalfSpace(1.0))
     assert found.outcome is Outcome.LEAST_STEP
     assert not found.converged
@@ -223,8 +225,8 @@ def test_where_the_least_step_does_not_converge_the_path_says_so_and_keeps_the_s
 
 
 def test_the_account_is_stored_whole():
-    account = Account(1.0, 2.0, 3.0, 4.0, True, 5.0)
-    restored = Account.of(account.array)
+    account = EnergyLedger(1.0, 2.0, 3.0, 4.0, True, 5.0)
+    restored = EnergyLedger.of(account.array)
     assert restored.array.tolist() == account.array.tolist()
     assert restored.attached is True
 
@@ -371,7 +373,7 @@ def test_flat_surfaces_take_their_work_of_adhesion_in_steps_of_any_length():
         found = contact_study.run(table, "continuum")
         work[farthest] = float(found.work_of_separation)
     assert work[2e-9] == pytest.approx(work[10e-9], rel=3e-3)
-    law = contact_study.problem.study.make_study(table).cases[0].law
+    law = contact_study.study.study.make_study(table).cases[0].law
     # Between the two states beside balance the rule is all there is.
     assert work[10e-9] == pytest.approx(law.work_of_adhesion, rel=3e-3)
 

@@ -8,16 +8,16 @@ from scipy.optimize import lsq_linear
 
 import contact_study
 from bem_adhesion import HardWall, LennardJones104, rough_contact
-from bem_adhesion.paths import separation_of
 from bem_adhesion.solution import Outcome
-from contact_study.fields.grid import Grid
-from contact_study.problem.elasticity import HalfSpace, Layer
-from contact_study.problem.errors import InputError
-from contact_study.problem.study import make_study
+from bem_adhesion.study.adaptive import separation_of
+from contact_study.errors import InputError
+from contact_study.numerics.grid import Grid
+from contact_study.physics.solids import HalfSpace, Layer
+from contact_study.study.study import make_study
 from tests.bem_adhesion.paper_system import study_table
 from tests.bem_adhesion.rough_surfaces import CONTACT_MODULUS, SIZE, random_heights, self_affine
 from tests.bem_adhesion.test_hard_wall import dense_compliance
-from theory.run import check as check_theory
+from theory.study.model import check as check_theory
 
 TOLERANCE = 1e-10
 

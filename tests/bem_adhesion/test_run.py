@@ -5,14 +5,14 @@ import warnings
 import numpy as np
 import pytest
 
-from bem_adhesion import run
+from bem_adhesion.study import model as run
 from contact_study.campaign import memory
-from contact_study.campaign.schema import COORDINATES, VARIABLES
-from contact_study.problem.errors import InputError
-from contact_study.problem.study import make_study
-from contact_study.problem.surface import BandLimitedSurface, realise
-from contact_study.problem.surface_scales import scales_of
-from contact_study.problem.units import quantity
+from contact_study.errors import InputError
+from contact_study.physics.surfaces.realisation import BandLimitedSurface, realise
+from contact_study.physics.surfaces.scales import scales_of
+from contact_study.results.schema import COORDINATES, VARIABLES
+from contact_study.study.study import make_study
+from contact_study.units import quantity
 from tests.bem_adhesion.paper_system import E_STAR, R0, study_table
 from tests.recording import bins_of_case, recorded_path
 

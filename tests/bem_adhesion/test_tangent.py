@@ -5,7 +5,7 @@ import pytest
 
 import contact_study
 from bem_adhesion import HalfSpace, HardWall, Layer, LennardJones104, Repulsive, rough_contact
-from contact_study.fields.grid import Grid
+from contact_study.numerics.grid import Grid
 from tests.bem_adhesion.paper_system import E_STAR, study_table
 from tests.bem_adhesion.rough_surfaces import self_affine
 from tests.laws_of_all_kinds import EVERY_LAW

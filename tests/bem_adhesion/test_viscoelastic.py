@@ -5,15 +5,15 @@ import pytest
 
 import contact_study
 from bem_adhesion import HardWall, LennardJones104, rough_contact
-from bem_adhesion.time_path import Moment, follow_in_time
-from bem_adhesion.viscoelastic import ViscoelasticContact
-from contact_study.problem.elasticity import Viscoelastic
-from contact_study.problem.errors import InputError
-from contact_study.problem.study import make_study
-from md_reference.run import check as check_atoms
+from bem_adhesion.contacts.viscoelastic import ViscoelasticContact
+from bem_adhesion.study.viscoelastic import TimeState, follow_in_time
+from contact_study.errors import InputError
+from contact_study.physics.solids import Viscoelastic
+from contact_study.study.study import make_study
+from md_reference.study.model import check as check_atoms
 from tests.bem_adhesion.paper_system import study_table
 from tests.bem_adhesion.rough_surfaces import SIZE, self_affine
-from theory.run import check as check_theory
+from theory.study.model import check as check_theory
 
 pytestmark = pytest.mark.filterwarnings("ignore:grid too coarse")
 
@@ -33,7 +33,7 @@ def relaxing(height, law=None, size=SIZE, solid=SOLID, **options):
 
 
 def followed(contact, targets, duration, steps):
-    state, now, found = contact.separated(), Moment(0.0), []
+    state, now, found = contact.separated(), TimeState(0.0), []
     for target in targets:
         solution, now = follow_in_time(contact, state, now, target, duration, steps)
         state = solution.state
@@ -122,7 +122,7 @@ def test_work_of_the_load_is_stored_or_dissipated():
     def unaccounted(steps):
         """Over a cycle of one second up and one down, from 10 MPa on; as a share of what is dissipated."""
         contact = relaxing(height)
-        state, now = contact.separated(), Moment(0.0)
+        state, now = contact.separated(), TimeState(0.0)
         solution, now = follow_in_time(contact, state, now, 1e7, 1.0, 4)
         work, stored, dissipated = 0.0, solution.elastic_energy, now.dissipated
         for target in [*np.linspace(1e7, 4e7, steps + 1)[1:], *np.linspace(4e7, 1e7, steps + 1)[1:]]:

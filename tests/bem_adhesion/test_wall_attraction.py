@@ -4,14 +4,14 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from bem_adhesion.hard_wall import HardWallContact
-from bem_adhesion.law_passes import LawPasses
-from bem_adhesion.loading import LoadedContact
+from bem_adhesion.adhesive.contact import AdhesiveContact
+from bem_adhesion.hard_wall.contact import HardWallContact
+from bem_adhesion.kernels.law import LawPasses
+from bem_adhesion.kernels.wall import WallPasses, passes_of
 from bem_adhesion.solution import Outcome
-from bem_adhesion.wall_passes import WallPasses, passes_of
-from contact_study.fields.grid import Grid
-from contact_study.problem.laws.dugdale import Dugdale
-from contact_study.problem.laws.exponential import Exponential
+from contact_study.numerics.grid import Grid
+from contact_study.physics.laws.dugdale import Dugdale
+from contact_study.physics.laws.exponential import Exponential
 from tests.bem_adhesion.paper_system import E_STAR
 from tests.bem_adhesion.rough_surfaces import self_affine
 from theory import references as reference
@@ -21,7 +21,7 @@ RANGE = 1.74e-10  # m: with this the law's peak is that of the 10-4 law of the s
 
 def contact_of(work_of_adhesion, points=64, control="pressure", **options):
     height, grid = self_affine(points)
-    return LoadedContact(height, grid, E_STAR, Exponential(work_of_adhesion, RANGE), control, **options)
+    return AdhesiveContact(height, grid, E_STAR, Exponential(work_of_adhesion, RANGE), control, **options)
 
 
 def elastic_pressure(contact, displacement):
@@ -160,7 +160,7 @@ def test_without_attraction_it_is_the_hard_wall():
 
 def test_flat_surfaces_hold_up_to_the_peak():
     grid = Grid((8, 8), (4e-9, 4e-9))
-    contact = LoadedContact(np.zeros(grid.shape), grid, E_STAR, Exponential(0.69, RANGE))
+    contact = AdhesiveContact(np.zeros(grid.shape), grid, E_STAR, Exponential(0.69, RANGE))
     pressed = contact.step(contact.separated(), 1e9)
     np.testing.assert_array_equal(pressed.gap, 0)
     np.testing.assert_allclose(pressed.pressure, 1e9, rtol=1e-12)
@@ -202,7 +202,7 @@ def paraboloid(tabor_parameter, work_of_adhesion, points, cell):
     grid = Grid((points, points), (cell * critical, cell * critical))
     y, x = (axis - size / 2 for axis, size in zip(grid.coordinates, grid.size, strict=True))
     height = -(y[:, None] ** 2 + x[None, :] ** 2) / (2 * radius)
-    return LoadedContact(height, grid, 1.0, Exponential(work_of_adhesion, 1.0)), radius, grid.size[0] * grid.size[1]
+    return AdhesiveContact(height, grid, 1.0, Exponential(work_of_adhesion, 1.0)), radius, grid.size[0] * grid.size[1]
 
 
 def test_a_sphere_of_short_range_is_that_of_jkr():
@@ -254,7 +254,7 @@ def test_adhesive_wave_follows_johnson():
     wavelength, amplitude, work_of_adhesion = 1000.0, 8.0, 0.02
     grid = Grid((4, 256), (4 * wavelength / 256, wavelength))
     height = np.broadcast_to(amplitude * np.cos(2 * np.pi * grid.coordinates[1] / wavelength), grid.shape)
-    contact = LoadedContact(height.copy(), grid, 1.0, Exponential(work_of_adhesion, 1.0))
+    contact = AdhesiveContact(height.copy(), grid, 1.0, Exponential(work_of_adhesion, 1.0))
     adhesion = reference.wave_adhesion(amplitude, wavelength, 1.0, work_of_adhesion)
     closing = reference.wave_full_contact_pressure(amplitude, wavelength, 1.0)
     state = contact.separated()

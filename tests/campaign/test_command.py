@@ -9,7 +9,7 @@ import pytest
 import xarray as xr
 
 from contact_study.campaign.dataset.file import chunks_of
-from contact_study.campaign.schema import COORDINATES, VARIABLES
+from contact_study.results.schema import COORDINATES, VARIABLES
 from tests.campaign.toy_study import assert_same, run
 
 
@@ -258,7 +258,7 @@ def test_help_shows_every_key(capsys):
         run("--help")
     assert stop.value.code == 0
     shown = capsys.readouterr().out
-    from contact_study.problem.dotted_keys import all_keys
+    from contact_study.study.schema.dotted_keys import all_keys
 
     for section, name, _, _ in all_keys():
         assert f"--{section}.{name}" in shown

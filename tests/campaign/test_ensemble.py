@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from contact_study.campaign.ensemble import Averages
-from contact_study.campaign.schema import AUTOCORRELATION_TIME, STANDARD_ERROR, variable_of
-from contact_study.fields.distributions import Bins
-from contact_study.fields.time_series import statistics_of
-from contact_study.observables.base import InterfaceState, SolverReport, ThermalMotion
+from contact_study.campaign.worker.ensemble import Averages
+from contact_study.numerics.distributions import Bins
+from contact_study.numerics.time_series import statistics_of
+from contact_study.results.schema import AUTOCORRELATION_TIME, STANDARD_ERROR, variable_of
+from contact_study.results.state import InterfaceState, SolverReport, ThermalMotion
 
 
 def state(separation, time):

@@ -10,12 +10,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from bem_adhesion.run import MODEL
-from contact_study.campaign.command import main
-from contact_study.campaign.examples import example, example_names
+from bem_adhesion.study.model import MODEL
+from contact_study.campaign.command_line.command import main
+from contact_study.campaign.command_line.examples import example, example_names
 from contact_study.campaign.merge.command import main as merge
-from contact_study.comparison.command import main as compare
-from contact_study.problem.study import read_study
+from contact_study.report.command import main as compare
+from contact_study.study.study import read_study
 
 MEASURED = "measured"  # waits for the map of a user
 

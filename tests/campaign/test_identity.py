@@ -5,9 +5,9 @@ import copy
 import pytest
 
 from contact_study.campaign.resume.identity import match, run_of
-from contact_study.problem.bins import bins_of
-from contact_study.problem.errors import InputError
-from contact_study.problem.study import make_study
+from contact_study.errors import InputError
+from contact_study.study.bins import bins_of
+from contact_study.study.study import make_study
 from tests.campaign.toy_model import TOY
 from tests.campaign.toy_study import BASE, changed
 

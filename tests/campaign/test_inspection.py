@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from contact_study.fields.grid import Grid
-from contact_study.fields.roughness import roughness_of
+from contact_study.numerics.grid import Grid
+from contact_study.physics.roughness.statistics import roughness_of
 from tests.campaign.toy_study import run
 
 MAP = """

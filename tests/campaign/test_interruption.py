@@ -11,8 +11,8 @@ from pathlib import Path
 import pytest
 import xarray as xr
 
-from contact_study.campaign.case_file import CaseFile, CaseWriter
 from contact_study.campaign.dataset import provenance
+from contact_study.campaign.store.case_file import CaseFile, CaseWriter
 from tests.campaign.toy_study import assert_same, run, steps_on_disk
 
 

@@ -9,8 +9,8 @@ import xarray as xr
 import contact_study
 from contact_study import plots
 from contact_study.campaign.merge.command import main as merge
-from contact_study.problem.errors import InputError
-from contact_study.problem.study import make_study
+from contact_study.errors import InputError
+from contact_study.study.study import make_study
 
 STUDY = {
     "surface": {"kind": "wavy", "size": "10 nm", "shape": [16, 24], "amplitude": "0.2 nm", "modes": [1, 1]},

@@ -4,10 +4,11 @@ import socket
 
 import pytest
 
-from contact_study.campaign import engines, memory, runner
-from contact_study.campaign.command import main
-from contact_study.problem.errors import InputError
-from contact_study.problem.study import make_study
+from contact_study.campaign import engines, memory
+from contact_study.campaign.command_line.command import main
+from contact_study.campaign.worker import runner
+from contact_study.errors import InputError
+from contact_study.study.study import make_study
 from tests.campaign.toy_model import TOY
 from tests.campaign.toy_study import changed
 

@@ -8,7 +8,7 @@ import pytest
 import tomli_w
 import xarray as xr
 
-from contact_study.campaign.command import main
+from contact_study.campaign.command_line.command import main
 from contact_study.campaign.dataset.states import States, states_file
 from contact_study.campaign.merge import joining
 from contact_study.campaign.merge.command import main as merge_main

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from contact_study.campaign import records
+from contact_study.campaign.store import records
 from tests.campaign.toy_study import run
 
 

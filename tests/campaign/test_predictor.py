@@ -7,9 +7,9 @@ import pytest
 import xarray as xr
 
 from contact_study.campaign.predictor import GapFields, check_predictor
-from contact_study.problem.errors import InputError
-from contact_study.problem.study import make_study
-from tests.problem.test_study import changed, of_another_kind
+from contact_study.errors import InputError
+from contact_study.study.study import make_study
+from tests.study.test_study import changed, of_another_kind
 
 PATH = [1e8, 1e9, 1e8, 2e9]
 

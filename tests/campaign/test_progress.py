@@ -1,4 +1,4 @@
-from bem_adhesion.run import main
+from bem_adhesion.study.model import main
 from contact_study.campaign.progress import Progress
 
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from contact_study.campaign import records
-from contact_study.campaign.case_file import CaseWriter
+from contact_study.campaign.store import records
+from contact_study.campaign.store.case_file import CaseWriter
 from tests.campaign.toy_model import TOY_ATOMS, TOY_OF_WHOLE_PATHS
 from tests.campaign.toy_study import BASE, assert_same, changed
 

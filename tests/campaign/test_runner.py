@@ -4,8 +4,9 @@ import dataclasses
 
 import pytest
 
-from contact_study.campaign import engines, runner
-from contact_study.campaign.command import main
+from contact_study.campaign import engines
+from contact_study.campaign.command_line.command import main
+from contact_study.campaign.worker import runner
 from tests.campaign.toy_model import TOY
 
 RUN = engines.run

@@ -11,14 +11,15 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from contact_study.campaign import case_file, progress, records
-from contact_study.campaign.case_file import CaseWriter
+from contact_study.campaign import progress
 from contact_study.campaign.dataset import assembly
 from contact_study.campaign.dataset.states import States
 from contact_study.campaign.progress import Progress
-from contact_study.campaign.resume import take_up
-from contact_study.campaign.resume.folder import Parts
-from contact_study.problem.errors import InputError
+from contact_study.campaign.resume import resume as resume_run
+from contact_study.campaign.resume.work_directory import WorkDirectory
+from contact_study.campaign.store import case_file, records
+from contact_study.campaign.store.case_file import CaseWriter
+from contact_study.errors import InputError
 from tests.campaign import toy_model
 from tests.campaign.toy_study import BASE, assert_same, changed
 
@@ -111,14 +112,14 @@ def interrupt(*_, **__):
 @pytest.mark.parametrize("then", [BASE, LONGER])
 def test_a_kill_after_the_rename_leaves_nothing_for_good(run, tmp_path, monkeypatch, at, then):
     """Neither the folder, nor its lock, nor a warning; the states come to their place."""
-    publish = Parts.publish
+    publish = WorkDirectory.publish
 
     def killed(parts):
-        monkeypatch.setattr(Parts, at, interrupt)
+        monkeypatch.setattr(WorkDirectory, at, interrupt)
         publish(parts)
         interrupt()
 
-    monkeypatch.setattr(Parts, "publish", killed)
+    monkeypatch.setattr(WorkDirectory, "publish", killed)
     assert run(BASE)[0] == 130
     monkeypatch.undo()
     if at != "close":  # a kill closes nothing
@@ -242,14 +243,14 @@ def test_what_is_to_be_overwritten_may_change_but_for_folders(finished, run, tmp
 
 
 def test_an_output_that_appears_before_the_lock_is_seen_under_it(run, tmp_path, monkeypatch, base_dataset):
-    opened = Parts.open
+    opened = WorkDirectory.open
 
     def late(parts, **how):
         found = opened(parts, **how)
         shutil.copy(base_dataset, tmp_path / "bem.nc")
         return found
 
-    monkeypatch.setattr(Parts, "open", late)
+    monkeypatch.setattr(WorkDirectory, "open", late)
     status, solved, said = run(BASE)
     assert (status, solved) == (1, [])
     assert "bem.nc exists; use --overwrite" in said
@@ -338,7 +339,7 @@ def test_a_step_garbled_while_a_study_runs_is_told_and_computed_again(run, tmp_p
 def test_whole_cases_of_a_dataset_are_read_where_they_stand(finished, run, monkeypatch):
     written = []
     append = records.append
-    monkeypatch.setattr(take_up, "write_case", lambda *_: written.append("case"))
+    monkeypatch.setattr(resume_run, "write_case", lambda *_: written.append("case"))
     monkeypatch.setattr(
         case_file.records, "append", lambda stream, kind, *rest: written.append(kind) or append(stream, kind, *rest)
     )
@@ -364,7 +365,7 @@ def test_assembling_and_widening_are_linear_in_cases(run, tmp_path, monkeypatch)
         monkeypatch.setattr(module, name, timing)
 
     timed(assembly, "assemble")
-    timed(Parts, "write")
+    timed(WorkDirectory, "write")
     taken = []
     for cases in (200, 1600):
         table = changed(output={"fields": False}, sweep={"surface.seed": list(range(cases))})

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from contact_study.campaign.schema import COORDINATES, VARIABLES
-from tests.comparison.synthetic import write
+from contact_study.results.schema import COORDINATES, VARIABLES
+from tests.report.synthetic import write
 
 units = pytest.importorskip("cf_xarray.units").units
 pytest.importorskip("pint_xarray")

@@ -11,14 +11,14 @@ from scipy import constants
 import contact_study
 from contact_study import plots
 from contact_study.campaign.dataset.xyz import to_xyz
-from contact_study.comparison import command
-from contact_study.comparison.compute.atom_state import read_atoms
-from contact_study.comparison.compute.shown_states import panel_points
-from contact_study.comparison.read.datasets import read_inputs
 from contact_study.plots.atoms import NEEDED
-from contact_study.problem.study import make_study
-from md_reference.methods.dynamics import build_block
-from md_reference.run import check
+from contact_study.report import command
+from contact_study.report.compute.atom_state import read_atoms
+from contact_study.report.compute.shown_states import panel_points
+from contact_study.report.read.datasets import read_inputs
+from contact_study.study.study import make_study
+from md_reference.study.dynamics import build_block
+from md_reference.study.model import check
 from tests.md_reference.systems import LATTICE_CONSTANT, LENGTH, WELL_DEPTH
 from tests.md_reference.test_dynamics import moving
 

@@ -8,15 +8,15 @@ import tomli_w
 import xarray as xr
 
 from contact_study.campaign import library
-from contact_study.campaign.command import main
+from contact_study.campaign.command_line.command import main
 from contact_study.campaign.merge.command import main as merge
 from contact_study.campaign.model import MODULES
 from contact_study.campaign.resume.identity import content_hash
-from contact_study.comparison.command import main as compare
+from contact_study.report.command import main as compare
 from tests.campaign.test_merge import WHOLE
 from tests.campaign.toy_model import SOLVED, TOY, TOY_ATOMS
 from tests.campaign.toy_study import changed
-from tests.comparison.synthetic import STUDY
+from tests.report.synthetic import STUDY
 
 pytest.importorskip("zarr")
 
@@ -112,7 +112,7 @@ def test_it_is_a_predictor(run, tmp_path, capsys):
 @pytest.mark.validation
 @pytest.mark.filterwarnings("ignore:grid too coarse")
 def test_comparison_reads_it_and_writes_none(tmp_path, capsys, monkeypatch):
-    monkeypatch.setitem(MODULES, "continuum", "bem_adhesion.run")
+    monkeypatch.setitem(MODULES, "continuum", "bem_adhesion.study.model")
     files = [tmp_path / "bem.zarr", tmp_path / "bem.nc"]
     for path in files:
         library.run(tomllib.loads(STUDY), output=path)

@@ -8,8 +8,8 @@ import warnings
 import numpy as np
 
 from contact_study.campaign.model import Model
-from contact_study.campaign.record import Step
-from contact_study.problem.errors import InputError
+from contact_study.errors import InputError
+from contact_study.results.step import Step
 
 TOY = Model("toy", "continuum", "tests.campaign.toy_model", "a toy", "none", ignores=("atomistic", "theory"))
 MODEL = TOY
@@ -63,7 +63,7 @@ def solve_path(case, surface, restart=None, start=0, predictor=None):
 
 
 def main():
-    from contact_study.campaign.command import main as run
+    from contact_study.campaign.command_line.command import main as run
 
     return run(TOY)
 

@@ -7,10 +7,10 @@ from pathlib import Path
 ROOT = Path(__file__).parents[2]
 PAGES = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").glob("*.md")])
 COMMANDS = {
-    "bem-adhesion": "bem_adhesion.run",
-    "md-reference": "md_reference.run",
-    "persson-theory": "theory.run",
-    "contact-compare": "contact_study.comparison.command",
+    "bem-adhesion": "bem_adhesion.study.model",
+    "md-reference": "md_reference.study.model",
+    "persson-theory": "theory.study.model",
+    "contact-compare": "contact_study.report.command",
     "contact-merge": "contact_study.campaign.merge.command",
 }
 SHELL = ("", "bash")

@@ -8,7 +8,7 @@ import tomllib
 
 import pytest
 
-from contact_study.problem.dotted_keys import SECTIONS, read
+from contact_study.study.schema.dotted_keys import SECTIONS, read
 from tests.documentation.pages import COMMANDS, PAGES, ROOT, SHELL, blocks, blocks_of
 
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]

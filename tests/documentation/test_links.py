@@ -6,8 +6,8 @@ from pathlib import Path
 import pytest
 
 import contact_study
-from contact_study.campaign.examples import example_names
-from contact_study.problem.dotted_keys import all_keys
+from contact_study.campaign.command_line.examples import example_names
+from contact_study.study.schema.dotted_keys import all_keys
 
 ROOT = Path(__file__).parents[2]
 PAGES = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").glob("*.md")])

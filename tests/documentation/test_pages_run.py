@@ -11,10 +11,10 @@ import numpy as np
 import pytest
 from scipy.ndimage import gaussian_filter
 
-import bem_adhesion.run
-import md_reference.run
-from contact_study.campaign.command import main
-from contact_study.campaign.examples import example
+import bem_adhesion.study.model
+import md_reference.study.model
+from contact_study.campaign.command_line.command import main
+from contact_study.campaign.command_line.examples import example
 from tests.documentation.pages import PAGES, SHELL, blocks
 
 # Not the sphere and rubber, which are large; the README's blocks are those of tests/test_examples.py, `make paper`.
@@ -39,10 +39,10 @@ def prepare(page, folder):
     arguments = [str(folder / "study.toml"), "--workers", "1", *_SMALL]
     arguments += ["--interaction.well_depth_ratio", "1,8", "--surface.seed", "1,2"]
     if page.stem in ("studies", "dataset"):
-        assert main(bem_adhesion.run.MODEL, [*arguments, "-o", str(folder / "bem.nc")]) == 0
+        assert main(bem_adhesion.study.model.MODEL, [*arguments, "-o", str(folder / "bem.nc")]) == 0
     if page.stem == "studies":
         atoms = ["--output.atoms", "surface", "-o", str(folder / "md.nc")]
-        assert main(md_reference.run.MODEL, [*arguments, *atoms]) == 0
+        assert main(md_reference.study.model.MODEL, [*arguments, *atoms]) == 0
 
 
 def in_shell(text, folder, **variables):

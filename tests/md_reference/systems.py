@@ -2,11 +2,11 @@
 
 import numpy as np
 
-from contact_study.fields.fourier import synthesise
-from contact_study.problem.study import make_study
-from md_reference.block import isotropic_element, surface_stiffness
-from md_reference.interface import LennardJonesInterface
-from md_reference.substrate import Substrate
+from contact_study.numerics.fourier import synthesise
+from contact_study.study.study import make_study
+from md_reference.block.condensed import isotropic_element, surface_stiffness
+from md_reference.interface.pairs import LennardJonesInterface
+from md_reference.interface.substrate import Substrate
 
 LATTICE_CONSTANT = 2.6e-10
 LENGTH = 3.28e-10

@@ -3,8 +3,14 @@
 import numpy as np
 import pytest
 
-from contact_study.fields.time_series import statistics_of
-from md_reference.methods.arrival import Descent, Warmth, load_missing, not_in_equilibrium, still_moving
+from contact_study.numerics.time_series import statistics_of
+from md_reference.thermal.equilibration import (
+    Descent,
+    TemperatureStatistics,
+    load_missing,
+    not_in_equilibrium,
+    still_moving,
+)
 from tests.md_reference.systems import CONTACT_MODULUS
 
 
@@ -67,7 +73,7 @@ def test_what_is_said_of_a_block_on_its_way():
 
 
 def warmth(nodes=300.0, whole=300.0, freedoms=10_000, states=100, forgotten=9.0):
-    return Warmth(nodes, whole, 300.0, freedoms, states, forgotten)
+    return TemperatureStatistics(nodes, whole, 300.0, freedoms, states, forgotten)
 
 
 def said_of(carried=1e9, speed=0.0, terminal_speed=np.inf, **given):

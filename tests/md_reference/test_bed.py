@@ -1,11 +1,11 @@
 import numpy as np
 import pytest
 
-from contact_study.fields.fourier import RealTransform
-from contact_study.fields.grid import Grid
-from contact_study.fields.halving import SHORT_WAVES
-from md_reference.bed import FullBed, HalvedBed, bed_under
-from md_reference.newton_step import NewtonSolver
+from contact_study.numerics.fourier import RealTransform
+from contact_study.numerics.grid import Grid
+from contact_study.numerics.multigrid import SHORT_WAVES
+from md_reference.statics.linear import NewtonSolver
+from md_reference.statics.preconditioner import FourierPreconditioner, TwoLevelPreconditioner, preconditioner_for
 from tests.md_reference.systems import stiffness_of
 
 SHAPE = (128, 64)
@@ -20,7 +20,10 @@ def coefficients_of(shape):
 def beds(shape=SHAPE):
     coefficients = coefficients_of(shape)
     shift = 0.02 * float(coefficients.max())
-    return [make(RealTransform((3, *shape), np.float32), coefficients, shift) for make in (FullBed, bed_under)]
+    return [
+        make(RealTransform((3, *shape), np.float32), coefficients, shift)
+        for make in (FourierPreconditioner, preconditioner_for)
+    ]
 
 
 def applied(bed, field):
@@ -41,7 +44,7 @@ def test_the_halved_bed_is_symmetric_and_knows_its_energy(shape):
         assert energy > 0
         scale = np.linalg.norm(one) * np.linalg.norm(of_other)
         assert np.vdot(one, of_other) == pytest.approx(np.vdot(other, of_one), abs=1e-6 * scale)
-    assert isinstance(bed, HalvedBed)
+    assert isinstance(bed, TwoLevelPreconditioner)
 
 
 @pytest.mark.parametrize("mode", [(1, 1), (-1, 1), (2, 0)])
@@ -70,7 +73,7 @@ def test_conjugate_gradients_need_as_many_iterations(seed, monkeypatch):
     gradient[2] = 1.0  # a change of the load
     found = []
     for halvings in (0, 2):
-        monkeypatch.setattr("md_reference.newton_step.HALVINGS", halvings)
+        monkeypatch.setattr("md_reference.statics.linear.HALVINGS", halvings)
         solver = NewtonSolver(stiffness, 0.02 * largest, False)
         solver.diagonal[...] = diagonal
         found.append(solver.solve(gradient, 1e-3, 60))
@@ -96,4 +99,4 @@ def test_transforms_of_the_coarser_layers_are_counted():
 
 @pytest.mark.parametrize("shape", [(64, 65), (62, 64), (32, 128)])
 def test_layers_that_cannot_be_halved_keep_their_transforms(shape):
-    assert isinstance(beds(shape)[1], FullBed)
+    assert isinstance(beds(shape)[1], FourierPreconditioner)

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from md_reference.block import (
+from md_reference.block.condensed import (
     condense,
     contact_modulus,
     element_matrix,

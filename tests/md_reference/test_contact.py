@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 import md_reference
-from contact_study.problem.surface import realise
+from contact_study.physics.surfaces.realisation import realise
 from md_reference import rough_contact
-from md_reference.run import solve_path
+from md_reference.study.model import solve_path
 from tests.md_reference.systems import LATTICE_CONSTANT, LENGTH, POISSONS_RATIO, WELL_DEPTH, YOUNGS_MODULUS, case_of
 
 BLOCK = {

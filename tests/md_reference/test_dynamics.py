@@ -7,17 +7,18 @@ import numpy as np
 import pytest
 
 import contact_study
-from contact_study.campaign import case_run, memory
-from contact_study.campaign.schema import STANDARD_ERROR, TRAJECTORY
-from contact_study.problem.errors import InputError
-from contact_study.problem.study import make_study
-from contact_study.problem.surface import realise
-from md_reference.methods import dynamics
-from md_reference.methods.dynamics import build_block, largest_time_step, longitudinal_modulus, time_step
-from md_reference.newtonian import NewtonianBlock
-from md_reference.run import MODEL, check
-from md_reference.starts import separated
-from md_reference.system import build_interface
+from contact_study.campaign import memory
+from contact_study.campaign.worker import case_run
+from contact_study.errors import InputError
+from contact_study.physics.surfaces.realisation import realise
+from contact_study.results.schema import STANDARD_ERROR, TRAJECTORY
+from contact_study.study.study import make_study
+from md_reference.statics.initial_states import separated
+from md_reference.statics.system import build_interface
+from md_reference.study import dynamics
+from md_reference.study.dynamics import build_block, largest_time_step, longitudinal_modulus, time_step
+from md_reference.study.model import MODEL, check
+from md_reference.thermal.langevin import NewtonianBlock
 from tests.md_reference.systems import CONTACT_MODULUS, LATTICE_CONSTANT, LENGTH
 from tests.md_reference.test_sampling import assert_equal_groups, changed, groups_of
 from tests.recording import stopper

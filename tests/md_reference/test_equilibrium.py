@@ -1,11 +1,11 @@
 import numpy as np
 import pytest
 
-from md_reference.equilibrium import EquilibriumSolver
-from md_reference.interface import LennardJonesInterface
+from md_reference.interface.pairs import LennardJonesInterface
+from md_reference.interface.substrate import Substrate
 from md_reference.solution import Outcome
-from md_reference.starts import at_mean_gap, separated
-from md_reference.substrate import Substrate
+from md_reference.statics.initial_states import at_mean_gap, separated
+from md_reference.statics.newton import EquilibriumSolver
 from tests.md_reference.systems import (
     CONTACT_MODULUS,
     LATTICE_CONSTANT,
@@ -146,7 +146,7 @@ def test_limits_and_impossible_starts_are_reported():
 
 def test_saddles_without_end_meet_the_iteration_limit(monkeypatch):
     interface, solver = solver_of((8, 8), max_iterations=30)
-    monkeypatch.setattr("md_reference.equilibrium.leave_saddle", lambda landscape, place: True)
+    monkeypatch.setattr("md_reference.statics.newton.leave_saddle", lambda landscape, place: True)
     found = solver.solve(touching(interface), 1e9)
     assert found.outcome is Outcome.ITERATION_LIMIT
     assert found.iterations == 31
@@ -177,7 +177,7 @@ def test_no_equilibrium_on_top_of_a_barrier(control, distance):
 
 def test_a_balance_found_by_expansion_is_that_of_the_atoms(monkeypatch):
     # Forces on the way may be off by a tenth of the residual: what is returned is evaluated, wherever the solve ends.
-    monkeypatch.setattr("md_reference.equilibrium._EXPANSION", 0.1)
+    monkeypatch.setattr("md_reference.statics.newton._EXPANSION", 0.1)
     interface, solver = solver_of((40, 40), 4, max_iterations=12)
     for _ in range(2):
         found = solver.solve(separated(interface), 1e9)

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from md_reference.followed_interface import FollowedInterface
+from md_reference.interface.cached import FollowedInterface
 from tests.md_reference.systems import CONTACT_MODULUS, LATTICE_CONSTANT, LENGTH, interface_of, rough_coefficients
 
 ATOMS = (30, 40)

@@ -3,8 +3,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from md_reference.interface import LennardJonesInterface
-from md_reference.substrate import Substrate
+from md_reference.interface.pairs import LennardJonesInterface
+from md_reference.interface.substrate import Substrate
 from tests.md_reference.systems import LATTICE_CONSTANT, LENGTH, WELL_DEPTH, interface_of, rough_coefficients
 
 ATOMS = (7, 10)

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from contact_study.problem.errors import InputError
-from contact_study.problem.surface import realise
-from md_reference import run
-from md_reference.system import build_stiffness
+from contact_study.errors import InputError
+from contact_study.physics.surfaces.realisation import realise
+from md_reference.statics.system import build_stiffness
+from md_reference.study import model as run
 from tests.md_reference.systems import case_of
 from tests.recording import recorded_path
 

@@ -9,7 +9,7 @@ from tests.bem_adhesion.paper_system import study_table
 from tests.bem_adhesion.rough_surfaces import random_heights
 
 LATTICE, WELL = 2.6e-10, 2.98e-21
-SHARE = 1.01e-5  # what may be missing of a light load, contact_study.fields.balance
+SHARE = 1.01e-5  # what may be missing of a light load, contact_study.numerics.balance
 
 
 @pytest.mark.parametrize("well_depth", [WELL, 0.01 * WELL])

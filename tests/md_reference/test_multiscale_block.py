@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 from scipy.sparse.linalg import LinearOperator, cg
 
-from md_reference.block import lame_constants
-from md_reference.multiscale_block import MultiscaleBlock, level_layers
+from md_reference.block.condensed import lame_constants
+from md_reference.block.multiscale import MultiscaleBlock, level_layers
 from tests.md_reference.systems import ELEMENT, LATTICE_CONSTANT, POISSONS_RATIO, YOUNGS_MODULUS, stiffness_of
 
 MASS = 3.27e-25

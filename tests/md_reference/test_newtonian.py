@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 from scipy import constants
 
-from contact_study.fields.time_series import statistics_of
-from md_reference.block import lame_constants
-from md_reference.multiscale_block import MultiscaleBlock
-from md_reference.newtonian import NewtonianBlock, fastest_wave
-from md_reference.verlet_pass import Action, move_planes
+from contact_study.numerics.time_series import statistics_of
+from md_reference.block.condensed import lame_constants
+from md_reference.block.multiscale import MultiscaleBlock
+from md_reference.block.verlet import Action, move_planes
+from md_reference.thermal.langevin import NewtonianBlock, fastest_wave
 from tests.md_reference.systems import (
     ELEMENT,
     LATTICE_CONSTANT,

@@ -6,17 +6,17 @@ import numpy as np
 import pytest
 
 import contact_study
-from contact_study.campaign import case_run
-from contact_study.campaign.overdamped_path import pace_of
-from contact_study.campaign.schema import TRAJECTORY
-from contact_study.fields.gradient_flow import Fate, at_rest, follow
-from contact_study.problem.errors import InputError
-from contact_study.problem.study import make_study
-from contact_study.problem.surface import realise
-from md_reference.methods.overdamped import MovingAtoms
-from md_reference.overdamped_block import OverdampedBlock
-from md_reference.run import check, solve_path
-from md_reference.system import build_contact, build_stiffness
+from contact_study.campaign.worker import case_run
+from contact_study.campaign.worker.overdamped_path import pace_of
+from contact_study.errors import InputError
+from contact_study.numerics.gradient_flow import Status, at_rest, follow
+from contact_study.physics.surfaces.realisation import realise
+from contact_study.results.schema import TRAJECTORY
+from contact_study.study.study import make_study
+from md_reference.statics.overdamped import OverdampedBlock
+from md_reference.statics.system import build_contact, build_stiffness
+from md_reference.study.model import check, solve_path
+from md_reference.study.overdamped import MovingAtoms
 from tests.md_reference.systems import CONTACT_MODULUS, LENGTH, case_of, touching
 from tests.md_reference.test_block import apply
 from tests.md_reference.test_sampling import assert_equal_groups, changed, groups_of
@@ -91,7 +91,7 @@ def test_steps_stay_on_the_path_of_an_explicit_flow(landing):
     distances = []
     for step_error in (0.2, 0.05):
         found = landing.implicit(step_error)
-        assert found[-1].fate is Fate.AT_REST
+        assert found[-1].fate is Status.AT_REST
         # Lateral slides, the slowest of all, still go on where the explicit path ends.
         distances.append(off_path([each.state for each in found if each.found.residual > 5e-3], path))
         np.testing.assert_allclose(found[-1].state[2], path[-1][2], rtol=0, atol=0.05 * LENGTH)

@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 
 import contact_study
-from contact_study.problem.study import make_study
-from md_reference.block import lame_constants
-from md_reference.multiscale_block import MultiscaleBlock
-from md_reference.rotating_block import RotatingBlock
-from md_reference.rotating_slab import rotating_slab_force
-from md_reference.run import check
-from md_reference.slab import fill_ghosts, slab_constants, slab_force
+from contact_study.study.study import make_study
+from md_reference.block.condensed import lame_constants
+from md_reference.block.multiscale import MultiscaleBlock
+from md_reference.block.nonlinear_slab import rotating_slab_force
+from md_reference.block.nonlinear_springs import NonlinearSpringBlock
+from md_reference.block.slab import fill_ghosts, slab_constants, slab_force
+from md_reference.study.model import check
 from tests.md_reference.systems import LATTICE_CONSTANT, POISSONS_RATIO, YOUNGS_MODULUS
 from tests.md_reference.test_dynamics import moving
 from tests.md_reference.test_multiscale_block import MASS, free_nodes, random_vector
@@ -35,7 +35,7 @@ def test_first_order_is_the_linear_block():
     for strain in (4e-3, 2e-3, 1e-3):
         one, other = (
             forces(block, strain * LATTICE_CONSTANT * random_vector(block))
-            for block in (block_of(MultiscaleBlock), block_of(RotatingBlock))
+            for block in (block_of(MultiscaleBlock), block_of(NonlinearSpringBlock))
         )
         errors.append(np.max(np.abs(one - other)) / SCALE)
         assert np.max(np.abs(one)) / SCALE > strain
@@ -64,7 +64,7 @@ def test_a_turn_costs_nothing():
 
 def test_forces_are_the_gradient_of_the_energy():
     """Over both levels and the plane that hangs between them, at strains where the block is far from linear."""
-    block = block_of(RotatingBlock)
+    block = block_of(NonlinearSpringBlock)
     at, along = 0.1 * LATTICE_CONSTANT * random_vector(block), LATTICE_CONSTANT * random_vector(block, 1)
 
     def energy(displacement):
@@ -101,7 +101,7 @@ def test_energy_is_a_sum_over_rows():
 @pytest.mark.parametrize("pressure", [1e8, 2e10, -5e9])
 def test_flat_block_under_pressure(pressure):
     """Strained along z alone, the forces on the plane on top are the pressure, and the energy that of the block."""
-    block = block_of(RotatingBlock)
+    block = block_of(NonlinearSpringBlock)
     area = 16 * 8 * LATTICE_CONSTANT**2
     strain = -pressure / (LAME[0] + 2 * LAME[1])
     for _ in range(30):  # Newton's method with the modulus at rest

@@ -3,16 +3,16 @@ import threading
 import numpy as np
 import pytest
 
-from contact_study.campaign.case_run import Job, run_case
-from md_reference import multiscale_block
-from md_reference.block import isotropic_element, lame_constants
-from md_reference.interface import LennardJonesInterface
-from md_reference.multiscale_block import MultiscaleBlock
-from md_reference.newtonian import NewtonianBlock, fastest_wave
-from md_reference.rotating_block import RotatingBlock
-from md_reference.row_blocks import RowBlocks
-from md_reference.run import MODEL
-from md_reference.system import row_threads
+from contact_study.campaign.worker.case_run import Job, run_case
+from md_reference.block import multiscale as multiscale_block
+from md_reference.block.condensed import isotropic_element, lame_constants
+from md_reference.block.multiscale import MultiscaleBlock
+from md_reference.block.nonlinear_springs import NonlinearSpringBlock
+from md_reference.interface.pairs import LennardJonesInterface
+from md_reference.parallel_rows import RowBlocks
+from md_reference.statics.system import row_threads
+from md_reference.study.model import MODEL
+from md_reference.thermal.langevin import NewtonianBlock, fastest_wave
 from tests.md_reference.systems import (
     LATTICE_CONSTANT,
     POISSONS_RATIO,
@@ -71,7 +71,7 @@ def with_threads(interface, threads):
     )
 
 
-@pytest.mark.parametrize("kind", [MultiscaleBlock, RotatingBlock])
+@pytest.mark.parametrize("kind", [MultiscaleBlock, NonlinearSpringBlock])
 def test_any_number_of_threads_gives_the_same_bits(kind, monkeypatch):
     """Atoms in motion with a thermostat, over a rough substrate: forces, curvature, energy, and where all nodes end.
 
@@ -110,9 +110,9 @@ def test_small_layers_have_one_thread(atoms, given, expected):
 def test_a_campaign_gives_idle_cores_to_layers_that_gain(atoms, expected, monkeypatch, tmp_path):
     given = []
     case = case_of((atoms, atoms))
-    monkeypatch.setattr("md_reference.run.constants", lambda case, surface: {})
+    monkeypatch.setattr("md_reference.study.model.constants", lambda case, surface: {})
     monkeypatch.setattr(
-        "md_reference.run.solve_path", lambda case, *_, **__: iter(given.append(case.solver.threads) or ())
+        "md_reference.study.model.solve_path", lambda case, *_, **__: iter(given.append(case.solver.threads) or ())
     )
     run_case(Job(MODEL, case, bins_of_case(case), tmp_path / "case", None, ""), 3, lambda *_: None)
     assert given == [expected]

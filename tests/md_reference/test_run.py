@@ -4,19 +4,19 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from contact_study.fields import fourier
-from contact_study.problem.errors import InputError
-from contact_study.problem.keys import keys_of
-from contact_study.problem.sections import AtomisticSection
-from contact_study.problem.study import Study
-from contact_study.problem.surface import realise
-from contact_study.problem.surface_scales import scales_of
-from md_reference.block import element_matrix, surface_stiffness
-from md_reference.interface import LennardJonesInterface
-from md_reference.methods import METHODS
-from md_reference.run import check, constants, review, solve_path
-from md_reference.starts import at_mean_gap, predicted, separated
-from md_reference.system import build_contact, build_interface, build_stiffness
+from contact_study.errors import InputError
+from contact_study.numerics import fourier
+from contact_study.physics.surfaces.realisation import realise
+from contact_study.physics.surfaces.scales import scales_of
+from contact_study.study.schema.keys import keys_of
+from contact_study.study.schema.sections import AtomisticSection
+from contact_study.study.study import Study
+from md_reference.block.condensed import element_matrix, surface_stiffness
+from md_reference.interface.pairs import LennardJonesInterface
+from md_reference.statics.initial_states import at_mean_gap, predicted, separated
+from md_reference.statics.system import build_contact, build_interface, build_stiffness
+from md_reference.study import METHODS
+from md_reference.study.model import check, constants, review, solve_path
 from tests.md_reference.systems import (
     CONTACT_MODULUS,
     LATTICE_CONSTANT,

@@ -10,16 +10,16 @@ import pytest
 import xarray as xr
 
 import contact_study
-from contact_study.campaign import case_run
-from contact_study.campaign.ensemble import Averages
-from contact_study.campaign.schema import AUTOCORRELATION_STATES, STANDARD_ERROR, TRAJECTORY, VARIABLES
-from contact_study.fields.time_series import statistics_of
-from contact_study.problem.errors import InputError
-from contact_study.problem.study import make_study
-from md_reference.methods import sampling
-from md_reference.random_state import generator_of, packed
-from md_reference.run import check
-from md_reference.thermal_sampler import SamplerState, ThermalSampler
+from contact_study.campaign.worker import case_run
+from contact_study.campaign.worker.ensemble import Averages
+from contact_study.errors import InputError
+from contact_study.numerics.time_series import statistics_of
+from contact_study.results.schema import AUTOCORRELATION_STATES, STANDARD_ERROR, TRAJECTORY, VARIABLES
+from contact_study.study.study import make_study
+from md_reference.study import sampling
+from md_reference.study.model import check
+from md_reference.thermal.hmc import SamplerState, ThermalSampler
+from md_reference.thermal.random_state import generator_of, packed
 from tests.md_reference.systems import CONTACT_MODULUS, LENGTH, POISSONS_RATIO, WELL_DEPTH, YOUNGS_MODULUS
 from tests.recording import bins_of_case, stopper
 

@@ -2,7 +2,7 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from md_reference.substrate import Substrate, sample_substrate
+from md_reference.interface.substrate import Substrate, sample_substrate
 from tests.md_reference.systems import rough_coefficients, sample
 
 SIZE = (48e-10, 80e-10)

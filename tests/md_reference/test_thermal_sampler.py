@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 from scipy import constants, integrate
 
-from contact_study.fields.grid import Grid
-from contact_study.fields.time_series import statistics_of
-from md_reference import thermal_sampler
-from md_reference.block import SurfaceStiffness
-from md_reference.equilibrium import EquilibriumSolver
-from md_reference.thermal_sampler import ThermalSampler
+from contact_study.numerics.grid import Grid
+from contact_study.numerics.time_series import statistics_of
+from md_reference.block.condensed import SurfaceStiffness
+from md_reference.statics.newton import EquilibriumSolver
+from md_reference.thermal import hmc as thermal_sampler
+from md_reference.thermal.hmc import ThermalSampler
 from tests.md_reference.systems import (
     CONTACT_MODULUS,
     LATTICE_CONSTANT,

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from scipy.ndimage import gaussian_filter
 
-from contact_study.fields.grid import Grid
-from contact_study.fields.spectrum import SelfAffineSpectrum, radial_spectrum
-from contact_study.problem.laws import LennardJones104
-from theory.persson import PerssonTheory
+from contact_study.numerics.grid import Grid
+from contact_study.physics.laws import LennardJones104
+from contact_study.physics.roughness.spectrum import SelfAffineSpectrum, radial_spectrum
+from theory.persson.theory import PerssonTheory
 
 ANGSTROM = 1e-10
 

@@ -5,7 +5,7 @@ import pytest
 from scipy.integrate import quad
 from scipy.special import erf
 
-from theory import closed_forms
+from theory.non_adhesive import closed_forms
 
 
 def test_stress_density_holds_the_contact_area_and_the_load():

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from contact_study.campaign.schema import variable_of
-from theory.edge_flow import edge_flow
-from theory.gap_flow import gap_flow
+from contact_study.results.schema import variable_of
+from theory.edge_flow.flow import edge_flow
+from theory.gap_flow.flow import gap_flow
 
 # Quantities every theory has.
 SHARED = ("mean_pressure", "mean_gap", "relative_contact_area", "elastic_energy", "interaction_energy", "pressure_pdf")
@@ -74,7 +74,7 @@ def test_edges_that_do_not_rise_are_refused(states):
 
 
 def test_the_mean_gap_of_perssons_theory_is_that_of_its_energy(states):
-    from theory.separation import separation_curve
+    from theory.persson.separation import separation_curve
 
     expected = separation_curve(states["persson"].theory, 1e8).mean_gap(1e9)
     # Two sweeps with other pressures.

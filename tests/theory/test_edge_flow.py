@@ -5,12 +5,13 @@ import dataclasses
 import numpy as np
 import pytest
 
-from contact_study.problem.elasticity import HalfSpace, Layer
-from contact_study.problem.laws import LennardJones93
-from theory import SelfAffineSpectrum, edge_equilibrium
-from theory.edge_equilibrium import modulation_cost, scales_of
-from theory.edge_flow import edge_flow
-from theory.gap_flow import gap_flow
+from contact_study.physics.laws import LennardJones93
+from contact_study.physics.solids import HalfSpace, Layer
+from theory import SelfAffineSpectrum
+from theory.edge_flow import equilibrium as edge_equilibrium
+from theory.edge_flow.equilibrium import modulation_cost, scales_of
+from theory.edge_flow.flow import edge_flow
+from theory.gap_flow.flow import gap_flow
 
 # A (u < 3.68 Å) and ū/h_rms at 1 GPa, 960 nodes and 320 scales.
 CONVERGED = {1: (0.18110, 0.93861), 8: (0.71456, 0.27360)}

@@ -5,12 +5,12 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from contact_study.problem.elasticity import HalfSpace, Layer
-from contact_study.problem.elasticity.base import Elasticity
-from theory import closed_forms
-from theory.gap_flow import gap_flow
-from theory.persson import PerssonTheory, solve
-from theory.separation import separation_curve
+from contact_study.physics.solids import HalfSpace, Layer
+from contact_study.physics.solids.base import Elasticity
+from theory.gap_flow.flow import gap_flow
+from theory.non_adhesive import closed_forms
+from theory.persson.separation import separation_curve
+from theory.persson.theory import PerssonTheory, solve
 
 
 @dataclass(frozen=True)

@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 from scipy.special import erf
 
-from contact_study.problem.laws import Dugdale
-from theory import SelfAffineSpectrum, closed_forms, dmt_limit, gap_distribution
-from theory.gap_distribution import attracted_at_light_load
+from contact_study.physics.laws import Dugdale
+from theory import SelfAffineSpectrum, dmt_limit
+from theory.non_adhesive import closed_forms, gap_distribution
+from theory.non_adhesive.gap_distribution import attracted_at_light_load
 
 E_STAR, Q = 93.7348e9, 6.0415e7
 SPECTRUM = SelfAffineSpectrum(0.8, 1e-9, Q, 3 * Q, 12 * Q)

@@ -7,11 +7,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from contact_study.fields.spectrum import RadialSpectrum, SelfAffineSpectrum
-from contact_study.problem.laws import Exponential, LennardJones104
-from contact_study.problem.laws.base import TractionLaw
-from theory.edge_flow import edge_flow
-from theory.gap_flow import BRANCHES, GapFlow, gap_flow
+from contact_study.physics.laws import Exponential, LennardJones104
+from contact_study.physics.laws.base import TractionLaw
+from contact_study.physics.roughness.spectrum import RadialSpectrum, SelfAffineSpectrum
+from theory.edge_flow.flow import edge_flow
+from theory.gap_flow.flow import BRANCHES, GapFlow, gap_flow
 
 PRESSURES = (0.1, 0.5, 1, 2, 5, 10)  # GPa
 # A (u < 3.68 Å) and ū/h_rms of a prototype with 3200 gaps and 800 scales, and its pull-off pressure (GPa).

@@ -5,8 +5,8 @@ import pytest
 from scipy.optimize import brentq
 from scipy.special import erf
 
-from theory import closed_forms
-from theory.non_adhesive import CORRECTIONS, NonAdhesiveTheory
+from theory.non_adhesive import closed_forms
+from theory.non_adhesive.corrections import CORRECTIONS, NonAdhesiveTheory
 
 PRESSURES = (1e7, 1e9, 5e9, 3e10)
 

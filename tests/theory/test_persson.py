@@ -6,10 +6,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import quad
 
-from contact_study.fields.spectrum import RadialSpectrum, SelfAffineSpectrum
-from theory import closed_forms, persson_solver
-from theory.persson import PerssonTheory, energy_weight, mean_cosine, solve, true_area_factor
-from theory.separation import separation_curve
+from contact_study.physics.roughness.spectrum import RadialSpectrum, SelfAffineSpectrum
+from theory.non_adhesive import closed_forms
+from theory.persson import solver as persson_solver
+from theory.persson.separation import separation_curve
+from theory.persson.theory import PerssonTheory, energy_weight, mean_cosine, solve, true_area_factor
 
 PRESSURES = (0.1, 0.2, 0.5, 1, 2, 5, 10)  # GPa
 # Relative contact area, two independent schemes within 0.2 % of each other (q₁ = 12 q_L, β = 0.4, α = 1).

@@ -7,13 +7,14 @@ import warnings
 import numpy as np
 import pytest
 
-from contact_study.campaign.schema import RESOLUTION_ERROR, VARIABLES, variable_of
-from contact_study.problem.study import make_study
-from contact_study.problem.surface import realise
+from contact_study.physics.surfaces.realisation import realise
+from contact_study.results.schema import RESOLUTION_ERROR, VARIABLES, variable_of
+from contact_study.study.study import make_study
 from tests.theory.test_run import STUDY
-from theory import resolution, run
-from theory.case_theories import case_theories
-from theory.resolution import Unresolved, errors
+from theory.study import accuracy as resolution
+from theory.study import model as run
+from theory.study.accuracy import Unresolved, errors
+from theory.study.case_theories import case_theories
 
 AREA, GAP = "relative_contact_area", "mean_gap"
 

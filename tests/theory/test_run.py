@@ -7,20 +7,22 @@ import warnings
 import numpy as np
 import pytest
 
-from contact_study.campaign.schema import COORDINATES, VARIABLES, quantity_of
-from contact_study.problem.errors import InputError
-from contact_study.problem.study import make_study
-from contact_study.problem.surface import realise
-from contact_study.problem.surface_scales import scales_of
-from tests.problem.test_study import of_another_kind
+from contact_study.errors import InputError
+from contact_study.physics.surfaces.realisation import realise
+from contact_study.physics.surfaces.scales import scales_of
+from contact_study.results.schema import COORDINATES, VARIABLES, quantity_of
+from contact_study.study.study import make_study
 from tests.recording import bins_of_case, recorded_path
-from theory import case_theories, closed_forms, gap_paths, run
-from theory.ahead import Ahead
+from tests.study.test_study import of_another_kind
 from theory.criteria import stickiness
-from theory.edge_flow import edge_flow
-from theory.gap_flow import gap_flow
-from theory.persson import solve, true_area_factor
-from theory.separation import NegativeSeparation, NotConverged
+from theory.edge_flow.flow import edge_flow
+from theory.gap_flow.flow import gap_flow
+from theory.non_adhesive import closed_forms
+from theory.numerics.background import BackgroundExecutor
+from theory.persson.separation import NegativeSeparation, NotConverged
+from theory.persson.theory import solve, true_area_factor
+from theory.study import case_theories, gap_paths
+from theory.study import model as run
 
 ENERGIES = ("mean_pressure", "mean_gap", "elastic_energy", "interaction_energy")
 STUDY = {
@@ -189,7 +191,7 @@ def test_what_the_edge_flow_does_not_find_is_said(case):
     surface = realise(case)
     flow = edge_flow(surface.spectrum, case.solid, case.law, gaps=60, scales=16, iterations=3)
     with pytest.warns(NotConverged, match=r"edge flow: \d+ of \d+ mean gaps"):
-        found = gap_paths._edge_flow_values(case, flow, Ahead(1), 0)
+        found = gap_paths._edge_flow_values(case, flow, BackgroundExecutor(1), 0)
     values = [found(number) for number in range(len(case.path))]
     assert not any(step["edge_flow/converged"] for step in values)
     beyond = [step for step in values if np.isnan(step["edge_flow/mean_pressure"])]

@@ -6,10 +6,9 @@ import warnings
 import numpy as np
 import pytest
 
-from theory import closed_forms, separation
-from theory.persson import solve
-from theory.persson_paths import _first
-from theory.separation import (
+from theory.non_adhesive import closed_forms
+from theory.persson import separation
+from theory.persson.separation import (
     NegativeSeparation,
     NotConverged,
     SeparationCurve,
@@ -17,6 +16,8 @@ from theory.separation import (
     pull_off_pressure,
     separation_curve,
 )
+from theory.persson.theory import solve
+from theory.study.persson_paths import _first
 
 LOG_PRESSURES = np.arange(-8.0, -1.0)  # ln(p/E*)
 # ū/h_rms, two independent schemes.

@@ -7,8 +7,8 @@ from hypothesis import strategies as st
 from scipy.special import erf
 from scipy.stats import norm
 
-from theory.stress_diffusion import _factorise, diffuse
-from theory.tridiagonal import solve
+from theory.numerics.tridiagonal import solve
+from theory.persson.diffusion import _factorise, diffuse
 
 
 def nodes(count=160):

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from theory.edge_equilibrium import KERNEL
-from theory.edge_steps import _respond, compare, differences
-from theory.tridiagonal import factorise, solve
+from theory.edge_flow.equilibrium import KERNEL
+from theory.edge_flow.kernels import _respond, compare, differences
+from theory.numerics.tridiagonal import factorise, solve
 
 
 @pytest.mark.parametrize("rows", [2, 3, 4, 7, 120, 121])

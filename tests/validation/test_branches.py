@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 from scipy.fft import irfft2, rfft2
 
-from bem_adhesion.loading import LoadedContact
-from bem_adhesion.local_relaxation import LocalRelaxation
-from bem_adhesion.operator import periodic
-from contact_study.problem.elasticity import HalfSpace
-from contact_study.problem.study import make_study
-from contact_study.problem.surface import realise
+from bem_adhesion.adhesive.contact import AdhesiveContact
+from bem_adhesion.adhesive.local_newton import LocalNewton
+from bem_adhesion.operators.fourier import periodic
+from contact_study.physics.solids import HalfSpace
+from contact_study.physics.surfaces.realisation import realise
+from contact_study.study.study import make_study
 from tests.bem_adhesion.paper_system import CONTACT_DISTANCE, E_STAR, R0, law, study_table
 
 pytestmark = pytest.mark.validation
@@ -23,7 +23,7 @@ def contact(ratio, points, spacing, rms_height, seed):
     size = points * spacing * 1e-10
     table = study_table(points, seed, size, surface={"rms_height": rms_height * 1e-10})
     surface = realise(make_study(table).cases[0])
-    return LoadedContact(surface.heights(surface.shape), surface.grid, E_STAR, law(ratio))
+    return AdhesiveContact(surface.heights(surface.shape), surface.grid, E_STAR, law(ratio))
 
 
 def on_one_grid(ratio, points, spacing, rms_height, seed):
@@ -70,7 +70,7 @@ def test_squares_end_in_the_states_of_the_whole(system):
         squares, whole = on_one_grid(*system, seed), on_one_grid(*system, seed)
         finest = squares._contact.finest
         # Of 40 points, fewer than pay; here it is their states that count.
-        finest.relaxation = LocalRelaxation(finest.grid, periodic(HalfSpace(1.0)), finest.law, 0.05)
+        finest.relaxation = LocalNewton(finest.grid, periodic(HalfSpace(1.0)), finest.law, 0.05)
         steps = steps_of_both(squares, whole, system[0], f"seed {seed}")
         moved += [local.fft_pairs != plain.fft_pairs for local, plain in steps]
     assert len(moved) > 10 * 20
@@ -83,7 +83,7 @@ def test_squares_end_in_the_states_of_the_whole(system):
 def test_no_square_runs_ahead_of_the_rest(seed, before, load):
     """On the paper's surface; of the second step a slow flow comes within 0.01 r0 of the whole's state."""
     surface = realise(make_study(study_table(400, seed)).cases[0])
-    squares, whole = (LoadedContact(surface.heights(surface.shape), surface.grid, E_STAR, law(8.0)) for _ in range(2))
+    squares, whole = (AdhesiveContact(surface.heights(surface.shape), surface.grid, E_STAR, law(8.0)) for _ in range(2))
     whole._contact.finest.relaxation = None
     state = whole.separated()
     for pressure in [pressure for pressure in LOADING if pressure <= before]:

@@ -8,9 +8,9 @@ import pytest
 
 import contact_study
 from contact_study.campaign.merge.command import main as merge
-from contact_study.campaign.schema import CONVENTIONS
-from contact_study.comparison.command import main as compare
-from tests.comparison.synthetic import STUDY, write
+from contact_study.report.command import main as compare
+from contact_study.results.schema import CONVENTIONS
+from tests.report.synthetic import STUDY, write
 
 runner = pytest.importorskip("compliance_checker.runner")
 pytestmark = [pytest.mark.validation, pytest.mark.filterwarnings("ignore")]  # the checker's own

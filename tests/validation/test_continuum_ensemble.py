@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.stats import norm
 
-from bem_adhesion.loading import LoadedContact
+from bem_adhesion.adhesive.contact import AdhesiveContact
 from tests.bem_adhesion.paper_system import E_STAR, R0, law, relative_contact_area, surface
 
 PRESSURES = np.array([0.1, 0.5, 1, 2, 5, 10]) * 1e9
@@ -32,7 +32,7 @@ LIMIT = norm.isf(0.01 / 2 / COMPARISONS)
 def load_and_unload(seed, ratio):
     """Solutions at PRESSURES and then back down to the first."""
     rough = surface(256, seed)
-    contact = LoadedContact(rough.heights(rough.shape), rough.grid, E_STAR, law(ratio))
+    contact = AdhesiveContact(rough.heights(rough.shape), rough.grid, E_STAR, law(ratio))
     state, solutions = contact.separated(), []
     for pressure in [*PRESSURES, *PRESSURES[-2::-1]]:
         solutions.append(contact.step(state, pressure))

@@ -5,13 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from bem_adhesion import equilibrium_path
-from bem_adhesion.plastic import PlasticContact
-from bem_adhesion.viscoelastic import ViscoelasticContact
-from contact_study.problem.elasticity import Layer, Measured
-from contact_study.problem.laws import LAWS
-from contact_study.problem.study import make_study
-from contact_study.problem.surface import realise
+from bem_adhesion.contacts.plastic import PlasticContact
+from bem_adhesion.contacts.viscoelastic import ViscoelasticContact
+from bem_adhesion.study import quasi_static as equilibrium_path
+from contact_study.physics.laws import LAWS
+from contact_study.physics.solids import Layer, Measured
+from contact_study.physics.surfaces.realisation import realise
+from contact_study.study.study import make_study
 from scripts.random_studies import checked
 from scripts.state_checks import equilibrium
 from scripts.state_checks.drawing import SUBJECTS, drawn

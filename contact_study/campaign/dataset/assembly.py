@@ -8,7 +8,10 @@ import xarray as xr
 
 from contact_study.campaign.progress import Progress
 from contact_study.campaign.resume.identity import Run
-from contact_study.campaign.schema import (
+from contact_study.numerics.distributions import Bins, redistributed
+from contact_study.results.observables.contact_autocorrelation import RELATIVE_DISTANCE
+from contact_study.results.path_results import PATH_RESULTS, path_results, series_of
+from contact_study.results.schema import (
     COORDINATES,
     FRAME,
     LABELS,
@@ -19,11 +22,8 @@ from contact_study.campaign.schema import (
     quantity_of,
     variable_of,
 )
-from contact_study.fields.distributions import Bins, redistributed
-from contact_study.observables.contact_autocorrelation import RELATIVE_DISTANCE
-from contact_study.observables.path_results import PATH_RESULTS, path_results, series_of
-from contact_study.problem.case import Case
-from contact_study.problem.sweep import SweptKey
+from contact_study.study.case import Case
+from contact_study.study.sweep import SweptKey
 
 # Arrays by name and by the labels before it.
 _Labelled = dict[str, dict[tuple[str, ...], np.ndarray]]

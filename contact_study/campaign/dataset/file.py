@@ -12,10 +12,10 @@ import xarray as xr
 
 from contact_study.campaign.dataset.formats import engine_of, is_dataset, is_zarr, readable
 from contact_study.campaign.dataset.states import States, states_file
-from contact_study.campaign.files import write_aside
-from contact_study.campaign.schema import COORDINATES, LABELS, TRAJECTORY, variable_of
-from contact_study.problem.errors import InputError
-from contact_study.problem.sweep import SweptKey
+from contact_study.campaign.store.files import write_aside
+from contact_study.errors import InputError
+from contact_study.results.schema import COORDINATES, LABELS, TRAJECTORY, variable_of
+from contact_study.study.sweep import SweptKey
 
 # Group in which datasets of earlier versions have what stands beside them now, see :mod:`.states`.
 _RESTART = "restart"
@@ -110,7 +110,7 @@ class _Quantity:
         return chosen.values if isinstance(self.values, xr.Variable) else chosen
 
 
-class Earlier:
+class DatasetReader:
     """The cases of a dataset that :func:`write_dataset` wrote.
 
     Parameters
@@ -139,7 +139,7 @@ class Earlier:
             self._quantities = list(self._read_quantities())
         self._states = States(states_file(path))
 
-    def __enter__(self) -> "Earlier":
+    def __enter__(self) -> "DatasetReader":
         return self
 
     def __exit__(self, *_: Any) -> None:

@@ -6,8 +6,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from contact_study.problem.errors import InputError
-from contact_study.problem.regular_files import what_is_at
+from contact_study.errors import InputError
+from contact_study.regular_files import what_is_at
 
 _STORE = (".zgroup", "zarr.json")  # what a folder of Zarr has, of format 2 and 3
 
@@ -128,7 +128,8 @@ def readable(path: Path, name: str = "") -> Iterator[None]:
     except (InputError, MemoryError):
         raise
     except Exception as error:  # of a dozen types: a flipped bit may be anywhere
-        # A file half opened crashes netCDF's library when it is closed; what garbage collection leaves alone stays open.
+        # A file half opened crashes netCDF's library when it is closed; what garbage collection leaves alone stays
+        # open.
         gc.freeze()
         said = isinstance(error, OSError) and error.strerror
         reason = str(said or f"{type(error).__name__}: {error}").splitlines()[0]

@@ -15,16 +15,16 @@ import contact_study
 from contact_study.campaign.check import checked
 from contact_study.campaign.dataset.formats import engine_of, readable
 from contact_study.campaign.resume.identity import Cases, Run
-from contact_study.campaign.resume.take_up import Finished
-from contact_study.campaign.schema import CONVENTIONS, LABELS
-from contact_study.problem.errors import InputError
-from contact_study.problem.study import make_study
+from contact_study.campaign.resume.resume import ExistingDataset
+from contact_study.errors import InputError
+from contact_study.results.schema import CONVENTIONS, LABELS
+from contact_study.study.study import make_study
 
 # Of this file's folder in a checkout.
 _PLACE = "contact_study/campaign/dataset/"
 
 
-def carried_warnings(run: Run, finished: Finished | None, earlier: Cases | None = None) -> list[str]:
+def carried_warnings(run: Run, finished: ExistingDataset | None, earlier: Cases | None = None) -> list[str]:
     """Warnings of an earlier dataset that hold on: those of its steps, not those that were said of its whole study.
 
     ``earlier`` are its cases, if they are known already.
@@ -63,7 +63,7 @@ def provenance(
     }
 
 
-def read_flags(finished: Finished) -> dict[str, xr.Dataset]:
+def read_flags(finished: ExistingDataset) -> dict[str, xr.Dataset]:
     """Which steps converged, in each group of a finished dataset."""
     with (
         readable(finished.path),

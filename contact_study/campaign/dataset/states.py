@@ -12,9 +12,9 @@ from typing import Any
 
 import numpy as np
 
-from contact_study.campaign import records
-from contact_study.campaign.files import write_aside
-from contact_study.campaign.records import Record
+from contact_study.campaign.store import records
+from contact_study.campaign.store.files import write_aside
+from contact_study.campaign.store.records import Record
 
 _OWNER, _STATE = b"ownr", b"stat"
 

@@ -5,8 +5,8 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from contact_study.campaign.files import named_file, writable_output
-from contact_study.problem.errors import InputError
+from contact_study.campaign.store.files import named_file, writable_output
+from contact_study.errors import InputError
 
 # VTK has no units: the names of the arrays say them.
 _FIELDS = {"gap": ("gap (nm)", 1e9), "pressure": ("pressure (MPa)", 1e-6), "height": ("height (nm)", 1e9)}

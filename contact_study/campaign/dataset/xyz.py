@@ -8,8 +8,8 @@ import numpy as np
 import xarray as xr
 from scipy import constants
 
-from contact_study.campaign.files import named_file, writable_output, write_aside
-from contact_study.problem.errors import InputError
+from contact_study.campaign.store.files import named_file, writable_output, write_aside
+from contact_study.errors import InputError
 
 if TYPE_CHECKING:
     from ase import Atoms

@@ -5,7 +5,7 @@ from functools import partial
 
 from contact_study.campaign.engines import dask, processes, serial
 from contact_study.campaign.engines.base import CampaignError, Engine, Report, Task
-from contact_study.problem.errors import InputError
+from contact_study.errors import InputError
 
 __all__ = ["ENGINES", "CampaignError", "check", "run"]
 

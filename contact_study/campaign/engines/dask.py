@@ -18,7 +18,7 @@ from typing import Any
 import contact_study
 from contact_study.campaign.engines.base import CampaignError, Report, Task
 from contact_study.campaign.memory import set_share
-from contact_study.problem.errors import InputError
+from contact_study.errors import InputError
 
 _ANSWER = "10s"  # that a scheduler takes at most
 

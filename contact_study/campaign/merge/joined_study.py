@@ -7,11 +7,11 @@ from typing import Any
 
 from contact_study.campaign.merge.sources import Source
 from contact_study.campaign.resume.identity import Cases, differing_keys, rounded
-from contact_study.problem.case import Case
-from contact_study.problem.dotted_keys import SECTIONS, WHOLE_STUDY, same
-from contact_study.problem.errors import InputError
-from contact_study.problem.keys import default_of, keys_of, shown, suggestion
-from contact_study.problem.study import Study, make_study
+from contact_study.errors import InputError
+from contact_study.study.case import Case
+from contact_study.study.schema.dotted_keys import SECTIONS, WHOLE_STUDY, same
+from contact_study.study.schema.keys import default_of, keys_of, shown, suggestion
+from contact_study.study.study import Study, make_study
 
 _SEED = "surface.seed"
 _SHOWN = 3  # differing keys that a message names

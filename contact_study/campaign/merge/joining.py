@@ -14,20 +14,20 @@ import xarray as xr
 
 from contact_study.campaign.check import checked
 from contact_study.campaign.dataset.assembly import assembled, last_states
-from contact_study.campaign.dataset.file import Earlier
+from contact_study.campaign.dataset.file import DatasetReader
 from contact_study.campaign.dataset.formats import check_name
 from contact_study.campaign.dataset.provenance import carried_warnings, provenance
-from contact_study.campaign.files import real, writable_output
 from contact_study.campaign.merge.joined_study import joined_study, place_of
 from contact_study.campaign.merge.sources import Source, read_sources
 from contact_study.campaign.progress import Progress
-from contact_study.campaign.resume.folder import Parts
 from contact_study.campaign.resume.identity import Run
-from contact_study.campaign.resume.take_up import COARSER, Finished, InPlace, recorded_bins
-from contact_study.fields.distributions import Bins
-from contact_study.problem.bins import bins_of
-from contact_study.problem.errors import InputError
-from contact_study.problem.study import Study
+from contact_study.campaign.resume.resume import COARSER, ExistingDataset, InPlace, recorded_bins
+from contact_study.campaign.resume.work_directory import WorkDirectory
+from contact_study.campaign.store.files import real, writable_output
+from contact_study.errors import InputError
+from contact_study.numerics.distributions import Bins
+from contact_study.study.bins import bins_of
+from contact_study.study.study import Study
 
 # Says how long a step took, not what came out; distributions may stand on other bins.
 _OF_THE_WORK = "wall_time"
@@ -79,9 +79,9 @@ def merge(
         raise InputError(f"{output} exists; use --overwrite to replace it")
     sources = read_sources(paths)
     study = joined_study(sources, along)
-    parts = Parts(output)
+    parts = WorkDirectory(output)
     with ExitStack() as opened:
-        datasets = [opened.enter_context(Earlier(source.path, source.study.sweep)) for source in sources]
+        datasets = [opened.enter_context(DatasetReader(source.path, source.study.sweep)) for source in sources]
         holders = _holders(sources, study)
         for number, held in holders.items():
             _check_agreement([(sources[i], datasets[i], at) for i, at in held], study.cases[number].label)
@@ -103,7 +103,7 @@ def merge(
 
 
 def _standing(
-    sources: Sequence[Source], datasets: Sequence[Earlier], taken: Sequence[tuple[int, int]], own: Bins
+    sources: Sequence[Source], datasets: Sequence[DatasetReader], taken: Sequence[tuple[int, int]], own: Bins
 ) -> Iterator[InPlace]:
     """Cases by dataset and number, with distributions that can be brought onto the bins of the joined dataset."""
     bins = [recorded_bins(dataset, own) for dataset in datasets]
@@ -115,7 +115,7 @@ def _standing(
         yield InPlace(datasets[which], sources[which].study.cases[number], number, bins[which])
 
 
-def _bins(study: Study, datasets: Sequence[Earlier]) -> Bins:
+def _bins(study: Study, datasets: Sequence[DatasetReader]) -> Bins:
     """Bins of the joined study; those that all parts have where its height map is not at hand."""
     try:
         return bins_of(study)
@@ -152,7 +152,7 @@ def _holders(sources: Sequence[Source], study: Study) -> dict[int, list[tuple[in
     return held
 
 
-def _check_agreement(held: Sequence[tuple[Source, Earlier, int]], label: str) -> None:
+def _check_agreement(held: Sequence[tuple[Source, DatasetReader, int]], label: str) -> None:
     """Refuse datasets that have other numbers of one case."""
     (first, one, at), *others = held
     for source, other, there in others:
@@ -205,7 +205,7 @@ def _attributes(run: Run, sources: Sequence[Source], notes: Sequence[str], comma
     attributes = [source.attributes for source in sources]
     said = _of_the_whole(run)
     for source in sources:
-        said += carried_warnings(run, Finished(source.path, source.attributes))
+        said += carried_warnings(run, ExistingDataset(source.path, source.attributes))
     commits = dict.fromkeys(str(own.get("git_commit")) for own in attributes)
     predictors = dict.fromkeys(str(own.get("predictor", "")) for own in attributes)
     if len(commits) > 1:

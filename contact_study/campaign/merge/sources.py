@@ -9,11 +9,11 @@ from typing import Any
 import xarray as xr
 
 from contact_study.campaign.dataset.formats import engine_of, readable, require_dataset
-from contact_study.campaign.files import real
 from contact_study.campaign.model import MODULES, Model, model_of
 from contact_study.campaign.resume.identity import Cases, recorded_height_maps
-from contact_study.problem.errors import InputError
-from contact_study.problem.study import make_study
+from contact_study.campaign.store.files import real
+from contact_study.errors import InputError
+from contact_study.study.study import make_study
 
 # What every file of one study has in common besides the study.
 _SAME = ("model", "version", "schema_version")

@@ -16,14 +16,14 @@ from typing import Any
 
 import contact_study
 from contact_study.campaign.model import Model
-from contact_study.campaign.schema import SCHEMA_VERSION
-from contact_study.fields.distributions import Bins
-from contact_study.problem.case import Case
-from contact_study.problem.dotted_keys import SECTIONS, WHOLE_STUDY
-from contact_study.problem.errors import InputError
-from contact_study.problem.keys import keys_of, shown
-from contact_study.problem.path_points import path_points_of
-from contact_study.problem.study import Study, make_study
+from contact_study.errors import InputError
+from contact_study.numerics.distributions import Bins
+from contact_study.results.schema import SCHEMA_VERSION
+from contact_study.study.case import Case
+from contact_study.study.load_steps import path_points_of
+from contact_study.study.schema.dotted_keys import SECTIONS, WHOLE_STUDY
+from contact_study.study.schema.keys import keys_of, shown
+from contact_study.study.study import Study, make_study
 
 # Keys of a case that decide none of its numbers, or decide them in a way of their own.
 _APART = ("loading.path", "loading.unload", "solver.threads")

@@ -1,0 +1,1 @@
+"""Adhesive contact by Newton's method over several grids."""

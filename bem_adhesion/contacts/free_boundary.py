@@ -1,0 +1,124 @@
+"""Contact of a half-space with a rigid surface of finite extent, by the periodic solvers on a padded grid."""
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from bem_adhesion.adhesive.contact import AdhesiveContact
+from bem_adhesion.hard_wall.contact import HardWallContact
+from bem_adhesion.operators.free_space import FreeHalfSpace, Window, padded_grid
+from bem_adhesion.solution import Solution
+from contact_study.numerics.arguments import step_arguments
+from contact_study.numerics.grid import Grid
+from contact_study.physics.laws.base import TractionLaw
+from contact_study.physics.solids import Elasticity, elasticity_of
+from contact_study.physics.solids.half_space import HalfSpace
+
+
+class FreeBoundaryContact:
+    """One rough surface of finite extent against a half-space, to be solved at any number of loads.
+
+    Parameters
+    ----------
+    height : numpy.ndarray, shape grid.shape
+        Heights of the rigid surface, toward the half-space (m); beyond the grid there is none.
+    grid : Grid
+        Its points; they stand for the cells around them.
+    elasticity : Elasticity or float
+        A half-space, or its contact modulus (Pa).
+    law : TractionLaw
+        The law of interaction.
+    control : {"pressure", "approach"}
+        What a step prescribes: force over the area of the grid (Pa), or how far the half-space has come beyond the
+        place where, undeformed, its surface has the law's equilibrium distance to the highest point (m).
+    **options
+        As the solvers' own: :class:`HardWallContact`, :class:`NewtonSolver`.
+
+    Raises
+    ------
+    ValueError
+        If the solid is no half-space or the control is another.
+    """
+
+    def __init__(
+        self,
+        height: np.ndarray,
+        grid: Grid,
+        elasticity: Elasticity | float,
+        law: TractionLaw,
+        control: str = "pressure",
+        **options: Any,
+    ):
+        solid = elasticity_of(elasticity)
+        if type(solid) is not HalfSpace:
+            raise ValueError(f"elasticity = {solid!r}: free boundaries are those of a half-space")
+        if control not in ("pressure", "approach"):
+            raise ValueError(f"control = {control!r}: with free boundaries 'pressure' or 'approach'")
+        self.height = height
+        self.law = law
+        self.control = control
+        self._window = Window(grid.shape)
+        self._grid = padded_grid(grid)
+        free = FreeHalfSpace(solid.contact_modulus)
+        self._mean_stiffness = free.mean_stiffness_on(self._grid)
+        self._share = grid.points / self._grid.points
+        self._padded: HardWallContact | AdhesiveContact
+        if law.has_wall and not law.attracts:
+            heights = self._window.padded(height, self._grid, -np.inf)
+            self._padded = HardWallContact(heights, self._grid, free, control, **options)
+        else:
+            heights = self._window.padded(height, self._grid, float(height.min()))
+            self._padded = AdhesiveContact(heights, self._grid, free, law, control, window=self._window, **options)
+
+    def separated(self) -> np.ndarray:
+        """The state of surfaces out of reach of each other, on the padded grid."""
+        return self._padded.separated()
+
+    def step(self, state: np.ndarray | Solution, target: float) -> Solution:
+        """The state that follows from one under a new load.
+
+        Parameters
+        ----------
+        state : numpy.ndarray, shape (2 ny, 2 nx), or Solution
+            The solution of an earlier step, its ``state``, or :meth:`separated`.
+        target : float
+            Mean pressure (Pa) or approach (m), as ``control`` says.
+
+        Returns
+        -------
+        Solution
+            Fields on the grid of the surface, the state on the padded one; ``plane`` is where the half-space's
+            surface would be undeformed.
+        """
+        state, target = step_arguments(self.control, target, state, self._grid.shape)
+        return self._cropped(self._padded.step(state, target * self._share if self.control == "pressure" else target))
+
+    def stiffness(self, solution: Solution) -> float:
+        """−dp/d(position of the undeformed surface), p the force over the area of the grid (Pa/m)."""
+        inner = self._padded.stiffness(solution)
+        if inner == 0:
+            return 0.0
+        # The mean of the padded surface gives way, and beyond it the plane.
+        return 1 / (self._share * (1 / inner + 1 / self._mean_stiffness))
+
+    def _cropped(self, found: Solution) -> Solution:
+        inside = self._window.inside
+        gap, pressure, displacement = (
+            np.ascontiguousarray(inside(field)) for field in (found.gap, found.pressure, found.displacement)
+        )
+        yielded = found.plastic_indentation
+        mean_pressure = float(pressure.mean())
+        plane = float(found.displacement.mean()) - mean_pressure * self._share / self._mean_stiffness
+        # Half the work of the pressures, each point from the plane to where it is.
+        elastic = 0.5 * float(np.mean(pressure * (displacement - plane)))
+        return replace(
+            found,
+            displacement=displacement,
+            gap=gap,
+            pressure=pressure,
+            plastic_indentation=None if yielded is None else np.ascontiguousarray(inside(yielded)),
+            elastic_energy=elastic,
+            interaction_energy=found.interaction_energy / self._share,
+            plane=plane,
+        )

@@ -1,0 +1,1 @@
+"""Contact with a hard wall by active sets, elastic or with a hardness."""

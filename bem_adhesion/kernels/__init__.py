@@ -1,0 +1,1 @@
+"""Compiled passes of the local interaction: adhesive laws, walls, windows and springs."""

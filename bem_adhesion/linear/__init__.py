@@ -1,0 +1,1 @@
+"""Linear problems of one Newton step: conjugate gradients, preconditioners, contact stiffness."""

@@ -1,0 +1,202 @@
+"""The linearised contact: conjugate gradients for (K + D) x = r with a preconditioner split into core and tail.
+
+K is the solid, D = φ'' the curvature of the law at each point: large where surfaces repel (the shift), small and
+often negative where they attract (the tail). A weight b² = c / (D⁺ + c) tells them apart, and
+
+    z = (1 − b²) / (D⁺ + ½ K_max) r + b (K + c)⁻¹ b r
+
+inverts D in the core and K in the tail, with one pair of transforms. The iteration count does not depend on the grid.
+All runs in float32: the outer Newton iteration restores float64.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numba import njit
+
+from bem_adhesion.linear.preconditioner import Bed, FourierPreconditioner
+from bem_adhesion.operators.fourier import Operator
+from contact_study.numerics.inner_product import inner_product
+from contact_study.numerics.memory import Memory
+
+# Energy of a direction s below this fraction of what it is the sum of counts as negative: the rounding of float32.
+# Above this fraction of |s|² none needs a second look.
+CURVATURE_ROUNDING = 1e-7
+
+
+@njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "arcp", "nsz"})
+def _begin(right_side, curvature, shift, grid, residual, direction, solution, buffer):
+    """Zero start: residual = right side, buffer = b·residual; returns Σ residual² and the core part of Σ r z."""
+    square = 0.0
+    core_product = 0.0
+    zero = right_side.dtype.type(0)
+    one = right_side.dtype.type(1)
+    for i in range(right_side.shape[0]):
+        row = zero
+        core_row = zero
+        for j in range(right_side.shape[1]):
+            r = right_side[i, j]
+            d = max(curvature[i, j], zero)
+            tail = shift / (d + shift)
+            residual[i, j] = r
+            direction[i, j] = zero
+            solution[i, j] = zero
+            buffer[i, j] = np.sqrt(tail) * r
+            row += r * r
+            core_row += (one - tail) / (d + grid) * r * r
+        square += row
+        core_product += core_row
+    return square, core_product
+
+
+@njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "arcp", "nsz"})
+def _direct(curvature, residual, shift, grid, softening, beta, direction, buffer):
+    """New direction s = z + β s, also into the buffer; returns Σ D s² and Σ s²."""
+    product = 0.0
+    square = 0.0
+    zero = residual.dtype.type(0)
+    one = residual.dtype.type(1)
+    for i in range(residual.shape[0]):
+        row = zero
+        square_row = zero
+        for j in range(residual.shape[1]):
+            d = curvature[i, j]
+            positive = max(d, zero)
+            negative = min(d, zero)
+            tail = shift / (positive + shift)
+            z = (one - tail) / (positive + grid) * residual[i, j] + np.sqrt(tail) * buffer[i, j]
+            s = z + beta * direction[i, j]
+            direction[i, j] = s
+            buffer[i, j] = s
+            row += (positive + softening * negative) * s * s
+            square_row += s * s
+        product += row
+        square += square_row
+    return product, square
+
+
+@njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "arcp", "nsz"})
+def _descend(curvature, shift, grid, softening, alpha, direction, solution, residual, buffer):
+    """x += α s, r −= α (K + D) s with K s in the buffer; buffer = b r. Returns Σ r² and the core part of Σ r z."""
+    square = 0.0
+    core_product = 0.0
+    zero = residual.dtype.type(0)
+    one = residual.dtype.type(1)
+    for i in range(residual.shape[0]):
+        row = zero
+        core_row = zero
+        for j in range(residual.shape[1]):
+            d = curvature[i, j]
+            positive = max(d, zero)
+            negative = min(d, zero)
+            s = direction[i, j]
+            solution[i, j] += alpha * s
+            r = residual[i, j] - alpha * (buffer[i, j] + (positive + softening * negative) * s)
+            residual[i, j] = r
+            tail = shift / (positive + shift)
+            buffer[i, j] = np.sqrt(tail) * r
+            row += r * r
+            core_row += (one - tail) / (positive + grid) * r * r
+        square += row
+        core_product += core_row
+    return square, core_product
+
+
+@dataclass(frozen=True)
+class LinearResult:
+    """How the linear solve ended: its iterations and whether it met a direction of negative curvature."""
+
+    iterations: int
+    negative_curvature: bool
+
+
+class LinearisedContact:
+    """Workspace of the linear solver on one grid.
+
+    Parameters
+    ----------
+    operator : Operator
+        The elastic solid, in float32.
+    shift : float
+        Stiffness c above which a point belongs to the shift, and of the bed of springs that stands for the law in
+        the tail (Pa/m).
+    bed : Bed, optional
+        The solid on that bed, inverted, in the operator's buffer; by its own transforms without one.
+    memory : Memory, optional
+        Where its arrays lie.
+
+    Attributes
+    ----------
+    operator : Operator
+        The elastic solid.
+    solution : numpy.ndarray
+        The step x (m).
+    direction : numpy.ndarray
+        The last search direction (m): one of negative curvature if the solver stopped on it.
+    idle : numpy.ndarray of uint8
+        The memory of its arrays. Between two solves another may use it who has no need of ``solution`` and
+        ``direction``.
+    """
+
+    def __init__(self, operator: Operator, shift: float, bed: Bed | None = None, memory: Memory | None = None):
+        self.operator = operator
+        self._shift = np.float32(shift)
+        self._grid = np.float32(0.5 * operator.largest)
+        self._bed = bed or FourierPreconditioner(operator, shift)
+        arrays = (memory or Memory()).array((3, *operator.grid.shape), np.float32)
+        self._residual, self.direction, self.solution = arrays
+        self.idle = arrays.reshape(-1).view(np.uint8)
+
+    def solve(
+        self,
+        right_side: np.ndarray,
+        curvature: np.ndarray,
+        softening: float,
+        reduction: float,
+        iterations: int,
+        total: float = np.inf,
+    ) -> LinearResult:
+        """Solve (K + D⁺ + softening·D⁻) x = right side until |residual| <= reduction·|right side|.
+
+        Parameters
+        ----------
+        right_side, curvature : numpy.ndarray of float32
+            −gradient (Pa) and φ'' (Pa/m); not changed.
+        softening : float
+            Fraction of the negative curvature that is kept, between 0 (convex) and 1.
+        reduction : float
+            Reduction of the 2-norm of the residual to reach.
+        iterations : int
+            Largest number of iterations.
+        total : float, optional
+            Largest |Σ residual| to leave (Pa): the softest mode of a light contact, its mean gap, may be a small part
+            of the 2-norm.
+        """
+        operator, buffer = self.operator, self.operator.field
+        weights = self._shift, self._grid
+        kept = np.float32(softening)
+        residual, direction, solution = self._residual, self.direction, self.solution
+        square, core_product = _begin(right_side, curvature, *weights, residual, direction, solution, buffer)
+        target = reduction**2 * square
+        previous = np.inf
+        for iteration in range(1, iterations + 1):
+            product = core_product + self._bed.apply_and_sum()
+            beta = np.float32(product / previous)
+            local, length = _direct(curvature, residual, *weights, kept, beta, direction, buffer)
+            elastic = operator.apply_and_sum(operator.stiffness)
+            energy = local + elastic
+            if energy <= CURVATURE_ROUNDING * length and energy <= self._rounding(curvature, kept, elastic, length):
+                return LinearResult(iteration, True)
+            alpha = np.float32(product / energy)
+            square, core_product = _descend(curvature, *weights, kept, alpha, direction, solution, residual, buffer)
+            previous = product
+            if square <= target and (np.isinf(total) or abs(residual.sum(dtype=float)) <= total):
+                break
+        return LinearResult(iteration, False)
+
+    def _rounding(self, curvature: np.ndarray, softening: np.float32, elastic: float, length: float) -> float:
+        """Energy of the direction s that may be rounding, of <s, K s> = ``elastic`` and |s|² = ``length``."""
+        softened = np.abs(np.where(curvature < 0, softening * curvature, curvature))
+        local = inner_product(softened * self.direction, self.direction)
+        # K of a field that is nearly uniform is itself rounding.
+        return CURVATURE_ROUNDING * (local + elastic + CURVATURE_ROUNDING * self.operator.largest * length)

@@ -1,0 +1,1 @@
+"""Boundary elements as a campaign runs them: loading paths, checks, the command."""

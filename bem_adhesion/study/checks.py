@@ -1,0 +1,134 @@
+"""Where the grid of a study cannot resolve its law or layer, each said in one line for the whole study."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+
+from bem_adhesion.process_zone import (
+    POINTS_PER_PROCESS_ZONE,
+    process_zone,
+    resolved_length,
+    resolves,
+    resolving_shape,
+    too_coarse,
+)
+from contact_study.campaign.memory import grid_fits, memory_in_words, most_points
+from contact_study.errors import InputError
+from contact_study.physics.surfaces.scales import SurfaceScales
+from contact_study.physics.tabor import SHARE_OF_HEIGHT, longest_range, sphere_pull_off, tabor_parameter
+from contact_study.study.case import Case
+from contact_study.study.study import Study
+from contact_study.study.sweep import points
+from contact_study.units import length
+
+# Grid spacing, in units of the longer of process zone and law's length, beyond which a study is refused: steps stop
+# converging from some 1e3 on where roughness and cell grow together, rubber with an atomic law works at 5e3.
+_COARSEST = 1e5
+
+
+def review(study: Study, scales: Sequence[SurfaceScales]) -> list[str]:
+    """Say where the grid cannot resolve law or layer, each in one line for the whole study; errors as for the law."""
+    return _unresolved_law(study, scales) + _unresolved_layer(study, scales)
+
+
+def _unresolved_layer(study: Study, scales: Sequence[SurfaceScales]) -> list[str]:
+    """Below the grid spacing a layer's points hardly know of their neighbours: its edges, a depth wide, are lost."""
+    pairs = zip(study.cases, scales, strict=True)
+    thin = [(case, scale) for case, scale in pairs if case.solid.layer_thickness < scale.pixel]
+    if not thin:
+        return []
+    case, scale = max(thin, key=lambda item: item[1].pixel / item[0].solid.layer_thickness)
+    return [
+        f"the layer of {case.solid.layer_thickness:.3g} m is thinner than the grid spacing {scale.pixel:.3g} m"
+        f"{points([case for case, _ in thin], len(study.cases))}: what happens at contact edges within a thickness is "
+        "not resolved; use a finer surface.shape or a larger elasticity.thickness"
+    ]
+
+
+def _unresolved_law(study: Study, scales: Sequence[SurfaceScales]) -> list[str]:
+    """Where the grid cannot resolve the law.
+
+    A grid coarser than a quarter of the process zone E*Δγ/σ_max² lets contact edges lock in to its points ("lattice
+    trapping"): its hysteresis is then not the continuum's. E* is the least of
+    the grid's waves: a bound, as a zone shorter than a stiff layer on a soft base feels the layer alone.
+
+    Raises
+    ------
+    InputError
+        If the grid is so coarse that law and surface have nothing to do with each other.
+    """
+    unresolved = []
+    for case, scale in zip(study.cases, scales, strict=True):
+        if case.law.attracts:
+            zone = process_zone(_modulus(case, scale), case.law)
+            if not resolves(scale.pixel, zone):
+                unresolved.append((scale.pixel / zone, zone, case, scale))
+            reach = max(zone, case.law.length)
+            if scale.pixel > _COARSEST * reach:
+                raise InputError(
+                    f"surface.size, surface.shape: the grid spacing {scale.pixel:.3g} m is {scale.pixel / reach:.2g} "
+                    f"times what the law acts over (its length {case.law.length:.3g} m, its process zone {zone:.3g} m)"
+                    f"; beyond {_COARSEST:g} no grid point feels it: check size, shape and interaction.length"
+                )
+    if not unresolved:
+        return []
+    _, zone, case, scale = max(unresolved, key=lambda item: item[0])
+    where = points([case for *_, case, _ in unresolved], len(study.cases))
+    return [f"{too_coarse(scale.pixel, zone, where)}; {_way_out(case, scale, zone)}"]
+
+
+def _way_out(case: Case, scale: SurfaceScales, zone: float) -> str:
+    """The one thing to do about a process zone (m) that a grid does not resolve.
+
+    A longer range of the same work of adhesion, if the grid resolves it and contacts stay JKR-like; else more points,
+    for the longest such range; else, where no memory holds them, what is left.
+    """
+    law, longest = case.law, _longest(case, scale)
+    resolved = resolved_length(law, scale.pixel, zone)
+    cost = _cost(case, scale, resolved)
+    accepted = f'interaction.length = "{length(resolved)}" of the same work of adhesion ({cost})'
+    if resolved <= longest:
+        return f"{accepted} resolves it"
+    reach = max(longest, law.length)
+    zone *= (reach / law.length) ** 2
+    y, x = resolving_shape(scale.size, zone)
+    needs = memory_in_words((y, x))
+    range_too, cost = "", ""
+    if longest > law.length:
+        range_too, cost = f'interaction.length = "auto" ({length(reach)}) on ', f"; {_cost(case, scale, reach)}"
+    if grid_fits((y, x)):
+        return f"{range_too}surface.shape = [{y}, {x}] ({needs}{cost}) resolves it"
+    widest = 0.9 * math.sqrt(most_points()) * zone / POINTS_PER_PROCESS_ZONE
+    left = f", or accept {accepted}" if resolved < scale.rms_height else ""
+    return (
+        f"it cannot be resolved here: {range_too}surface.shape = [{y}, {x}] needs {needs}; take a part of the surface "
+        f"of up to {length(widest)}{left}"
+    )
+
+
+def _longest(case: Case, scale: SurfaceScales) -> float:
+    """The range that "auto" takes (m), zero where it takes none."""
+    try:
+        return longest_range(
+            scale.rms_curvature, scale.rms_height, case.solid.contact_modulus, case.law.work_of_adhesion
+        )
+    except ValueError:  # flat, or not soft
+        return 0.0
+
+
+def _cost(case: Case, scale: SurfaceScales, reach: float) -> str:
+    """What another range (m) of the same work of adhesion makes of an asperity's contact."""
+    if not scale.rms_curvature > 0:
+        return "a flat surface's pull-off falls as its inverse"
+    constants = (1 / scale.rms_curvature, case.solid.contact_modulus, case.law.work_of_adhesion)
+    longer = replace(case.law, length=reach)
+    before, after = (sphere_pull_off(*constants, law.peak_tensile_stress) for law in (case.law, longer))
+    change = 100 * (after / before - 1)
+    share = reach / scale.rms_height
+    blurred = f", {share:.2g} of the rms height" if share > SHARE_OF_HEIGHT * (1 + 1e-9) else ""
+    return f"Tabor parameter {tabor_parameter(*constants, reach):.2g}, a sphere's pull-off {change:+.2g} %{blurred}"
+
+
+def _modulus(case: Case, scale: SurfaceScales) -> float:
+    """E* of the wave of the grid for which the solid is softest (Pa)."""
+    return case.solid.softest_modulus(*scale.grid_waves)

@@ -1,0 +1,104 @@
+"""The continuum model as a campaign runs it, and its command ``bem-adhesion``."""
+
+from collections.abc import Iterator, Mapping, Sequence
+
+import numpy as np
+
+from bem_adhesion.process_zone import process_zone
+from bem_adhesion.study.checks import review
+from bem_adhesion.study.overdamped import path_against_friction
+from bem_adhesion.study.quasi_static import path_of_equilibria
+from bem_adhesion.study.viscoelastic import path_in_time
+from contact_study.campaign.model import Model
+from contact_study.campaign.worker import overdamped_path
+from contact_study.errors import InputError
+from contact_study.physics.solids import Viscoelastic
+from contact_study.physics.surfaces.realisation import Surface
+from contact_study.results.constants import InterfaceConstants, heights_on
+from contact_study.results.state import Ensemble, InterfaceState, Value
+from contact_study.study.case import Case
+
+__all__ = ["MODEL", "check", "constants", "main", "review", "solve_path"]
+
+MODEL = Model(
+    command="bem-adhesion",
+    kind="continuum",
+    module="bem_adhesion.study.model",
+    description="boundary elements: elastic half-space on a rigid rough surface, hard wall or adhesive",
+    references="C. Yang, B. N. J. Persson, J. Israelachvili, K. Rosenberg, EPL 84, 46004 (2008)",
+    ignores=("atomistic", "sampling", "dynamics", "theory"),
+    own_steps=True,
+)
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """The command ``bem-adhesion``; returns the exit status."""
+    from contact_study.campaign.command_line import command
+
+    return command.main(MODEL, arguments)
+
+
+def check(case: Case) -> None:
+    """Make sure that the way along the path is one that the solver knows; every case else is served.
+
+    Raises
+    ------
+    InputError
+        If a prescribed gap leaves none, or motion against friction is asked for under another control than pressure, or
+        with what it has no part in.
+    """
+    case.require_gap()
+    if case.solver.path == "overdamped":
+        overdamped_path.check(case, "solver.path")
+        if case.elasticity.boundary == "free":
+            raise InputError('elasticity.boundary = "free": solver.path = "overdamped" is for periodic boundaries')
+        if case.loading.adaptive:
+            raise InputError(
+                'loading.adaptive = true: solver.path = "overdamped" follows the load steadily; leave one out'
+            )
+
+
+def constants(case: Case, surface: Surface) -> dict[str, Value]:
+    """What does not change along the path."""
+    law, modulus = case.law, case.solid.contact_modulus
+    known = InterfaceConstants(
+        contact_modulus=modulus,
+        work_of_adhesion=law.work_of_adhesion,
+        equilibrium_distance=law.equilibrium_distance,
+        peak_tensile_stress=law.peak_tensile_stress,
+        contact_distance=case.contact_distance,
+        rms_height=surface.rms_height,
+        rms_slope=surface.rms_slope,
+        pixel=max(surface.grid.spacing),
+        peak_distance=law.peak_distance if law.attracts else None,
+        process_zone=process_zone(modulus, law) if law.attracts else None,
+    )
+    fields = heights_on(surface.grid, surface.sampled) if case.output.fields else {}
+    return {**known.values, **fields}
+
+
+def solve_path(
+    case: Case, surface: Surface, restart: Mapping[str, np.ndarray] | None = None, start: int = 0
+) -> Iterator[InterfaceState | Ensemble]:
+    """The state at each path point from number ``start`` on, by the way that the case asks for.
+
+    Parameters
+    ----------
+    case : Case
+        The case.
+    surface : Surface
+        Its surface.
+    restart : mapping, optional
+        ``InterfaceState.restart`` of point ``start`` − 1; None to start from separation.
+    start : int, optional
+        Number of the first point to solve.
+    """
+    if case.solver.path == "overdamped" and case.law.attracts:  # without attraction no state depends on the path
+        return path_against_friction(case, surface, restart, start)
+    if isinstance(case.solid, Viscoelastic):
+        return path_in_time(case, surface, case.solid, restart, start)
+    return path_of_equilibria(case, surface, restart, start)
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

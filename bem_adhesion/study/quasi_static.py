@@ -1,0 +1,118 @@
+"""A loading path of equilibria: each point, or each step of the path's own, is the one that the last falls into."""
+
+import warnings
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from bem_adhesion.contacts.rough_contact import Contact, contact_between
+from bem_adhesion.solution import Solution
+from bem_adhesion.study.adaptive import EnergyLedger, account_of, follow, states_of
+from bem_adhesion.study.state import interface_state
+from contact_study.physics.surfaces.realisation import Surface
+from contact_study.results.state import InterfaceState, OwnSteps
+from contact_study.study.case import Case
+
+# Work on a step that is none, over the work of adhesion.
+_NOISE = 1e-6
+# Tension at the rim, over the law's peak, of which nothing is said: beyond it there is less, and grids that resolve a
+# law leave about a hundredth of a pull-off, too (docs/validation.md).
+_RIM_TENSION = 0.01
+
+
+def path_of_equilibria(
+    case: Case, surface: Surface, restart: Mapping[str, np.ndarray] | None, start: int
+) -> Iterator[InterfaceState]:
+    """The equilibrium at each point of a case's path; parameters as :func:`bem_adhesion.study.model.solve_path`."""
+    contact = _contact_of(case, surface)
+    state = contact.separated() if restart is None else restart["state"]
+    account = _first_account(case, state) if restart is None else _kept_account(restart)
+    # A flat punch has nothing beyond its rim.
+    said = set() if np.ptp(surface.sampled) else {"contact", "tension"}
+    for number, (value, _) in enumerate(case.path[start:], start):
+        solution, account, passed = _next(case, contact, state, account, value)
+        state = solution.state
+        stiffness = contact.stiffness(solution) if case.output.stiffness and solution.converged else None
+        found = interface_state(case, solution, surface.grid.spacing, stiffness)
+        if account is not None:
+            found = replace(
+                found,
+                own_steps=OwnSteps(account.dissipated, account.uncertain),
+                passed=states_of(passed, case.law.equilibrium_distance),
+                restart={**found.restart, "account": account.array},
+            )
+        _warn_of_rim(case, number, found, said)
+        yield found
+
+
+def _next(
+    case: Case, contact: Contact, state: np.ndarray, account: EnergyLedger | None, target: float
+) -> tuple[Solution, EnergyLedger | None, list[EnergyLedger]]:
+    """The next point, its place in the books of a path with steps of its own, and the states passed on the way."""
+    if account is None:
+        solution = contact.step(state, target)
+        if case.least_step is None or not solution.converged:
+            return solution, None, []
+        account = account_of(solution, target, case.solid)
+        return solution, account, [account]
+    assert case.least_step is not None  # who keeps books takes steps of its own
+    noise = _NOISE * case.law.work_of_adhesion
+    solution, (_, *passed) = follow(contact, state, account, target, case.least_step, case.solid, noise)
+    return solution, passed[-1] if passed else account, passed
+
+
+def _contact_of(case: Case, surface: Surface) -> Contact:
+    solver = case.solver
+    return contact_between(
+        surface.sampled,
+        surface.grid,
+        case.solid,
+        case.law,
+        case.loading.control,
+        solver.tolerance,
+        solver.max_iterations,
+        max(1, solver.threads),
+        case.elasticity.boundary,
+        case.material.hardness,
+    )
+
+
+def _first_account(case: Case, separated: np.ndarray) -> EnergyLedger | None:
+    """Where a path with steps of its own begins: without load, out of reach; under other control at its first point."""
+    if case.least_step is None or case.loading.control != "pressure":
+        return None
+    return EnergyLedger(0.0, 0.0, float(separated.mean()), 0.0, False)
+
+
+def _kept_account(restart: Mapping[str, np.ndarray]) -> EnergyLedger | None:
+    return EnergyLedger.of(restart["account"]) if "account" in restart else None
+
+
+def _warn_of_rim(case: Case, number: int, found: InterfaceState, said: set[str]) -> None:
+    """With free boundaries, where the first or last row or column is in contact or pulled at; once a path each."""
+    if case.elasticity.boundary != "free":
+        return
+    head, tail = f'elasticity.boundary = "free": at {case.point_in_words(number)} ', "a larger surface.size has it"
+    if _rim(found.contact).any():
+        if "contact" not in said:
+            warnings.warn(
+                f"{head}contact reaches the rim of the surface; what would touch beyond it is missing: {tail}",
+                stacklevel=3,
+            )
+        said |= {"contact", "tension"}  # of which contact is the graver
+    elif case.law.attracts and "tension" not in said:
+        pull = -_rim(found.pressure) / case.law.peak_tensile_stress
+        if pull.max() > _RIM_TENSION:
+            warnings.warn(
+                f"{head}the law pulls at the rim of the surface, at {100 * np.mean(pull > _RIM_TENSION):.0f} % of its "
+                f"points and with up to {100 * pull.max():.3g} % of its peak; what it would pull beyond is missing: "
+                f"{tail}",
+                stacklevel=3,
+            )
+            said.add("tension")
+
+
+def _rim(field: np.ndarray) -> np.ndarray:
+    """The points of the first and last row and column."""
+    return np.concatenate([field[[0, -1]].ravel(), field[1:-1, [0, -1]].ravel()])

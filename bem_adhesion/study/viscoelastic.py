@@ -1,0 +1,135 @@
+"""A loading path in time: from point to point evenly, in equal steps of time."""
+
+import warnings
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from bem_adhesion.contacts.viscoelastic import ViscoelasticContact
+from bem_adhesion.process_zone import TOO_COARSE
+from bem_adhesion.solution import Solution
+from bem_adhesion.study.adaptive import account_of, states_of
+from bem_adhesion.study.state import interface_state
+from contact_study.physics.solids import Viscoelastic
+from contact_study.physics.surfaces.realisation import Surface
+from contact_study.results.state import InterfaceState, Relaxation
+from contact_study.study.case import Case
+
+
+@dataclass(frozen=True)
+class TimeState:
+    """Where a path in time has come to: the load there, the time since its start (s), the energy dissipated (J/m²)."""
+
+    position: float
+    time: float = 0.0
+    dissipated: float = 0.0
+
+    @property
+    def array(self) -> np.ndarray:
+        """To be stored between the points of a path."""
+        return np.array([self.position, self.time, self.dissipated])
+
+    @classmethod
+    def of(cls, array: np.ndarray) -> "TimeState":
+        """What :attr:`array` was made of."""
+        return cls(*map(float, array))
+
+
+def steps_in_time(
+    contact: ViscoelasticContact, state: np.ndarray, before: TimeState, target: float, duration: float, steps: int
+) -> Iterator[tuple[Solution, TimeState]]:
+    """Go from one point of a path to the next, the load changing evenly.
+
+    Parameters
+    ----------
+    contact : ViscoelasticContact
+        The contact.
+    state : numpy.ndarray
+        Where the path has come to, see :meth:`ViscoelasticContact.step`.
+    before : Moment
+        The same place in time.
+    target : float
+        The next point: mean pressure (Pa) or mean gap (m).
+    duration : float
+        Time until then (s).
+    steps : int
+        In how many steps.
+
+    Yields
+    ------
+    Solution
+        After each step, with the work of all so far. One that did not converge ends them where it stands.
+    Moment
+        The same place in time.
+    """
+    now, pairs, iterations = before, 0.0, 0
+    for number in range(1, steps + 1):
+        share = number / steps
+        position = target if number == steps else before.position + share * (target - before.position)
+        solution, dissipated = contact.step(state, position, duration / steps)
+        now = TimeState(position, before.time + share * duration, now.dissipated + dissipated)
+        pairs, iterations = pairs + solution.fft_pairs, iterations + solution.iterations
+        yield replace(solution, fft_pairs=pairs, iterations=iterations), now
+        if not solution.converged:
+            return
+        state = solution.state
+
+
+def follow_in_time(
+    contact: ViscoelasticContact, state: np.ndarray, before: TimeState, target: float, duration: float, steps: int
+) -> tuple[Solution, TimeState]:
+    """Where :func:`steps_in_time` ends: at the target, or at a step that did not converge; parameters as there."""
+    *_, last = steps_in_time(contact, state, before, target, duration, steps)
+    return last
+
+
+def path_in_time(
+    case: Case, surface: Surface, solid: Viscoelastic, restart: Mapping[str, np.ndarray] | None, start: int
+) -> Iterator[InterfaceState]:
+    """The states of a case's path from point number ``start`` on, with where they are in time.
+
+    Parameters
+    ----------
+    case : Case
+        The case.
+    surface : Surface
+        Its surface.
+    solid : Viscoelastic
+        Its solid.
+    restart : mapping or None
+        ``state`` and ``moment`` after point ``start`` − 1; None to start from rest without contact.
+    start : int
+        Number of the first point.
+    """
+    solver, loading = case.solver, case.loading
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", TOO_COARSE)  # the review of the study has said it for all cases
+        contact = ViscoelasticContact(
+            surface.sampled,
+            surface.grid.size,
+            solid,
+            case.law,
+            control=loading.control,
+            tolerance=solver.tolerance,
+            max_iterations=solver.max_iterations,
+            threads=max(1, solver.threads),
+        )
+    if restart is None:
+        out_of_reach = contact.first_gap - case.law.equilibrium_distance
+        state, now = contact.separated(), TimeState(0.0 if loading.control == "pressure" else out_of_reach)
+    else:
+        state, now = restart["state"], TimeState.of(restart["moment"])
+    for (target, _), duration in list(zip(case.path, case.durations, strict=True))[start:]:
+        passed = []
+        for solution, moment in steps_in_time(contact, state, now, target, duration, loading.time_steps):
+            if solution.converged:
+                passed.append(account_of(solution, moment.position, case.solid))
+        state, now = solution.state, moment
+        found = interface_state(case, solution, surface.grid.spacing)
+        yield replace(
+            found,
+            relaxation=Relaxation(now.time, now.dissipated),
+            passed=states_of(passed, case.law.equilibrium_distance),
+            restart={**found.restart, "moment": now.array},
+        )

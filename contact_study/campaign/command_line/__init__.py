@@ -1,0 +1,1 @@
+"""The command line that the three models share."""

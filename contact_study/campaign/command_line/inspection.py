@@ -1,0 +1,114 @@
+"""A look at a surface before anything is run: its numbers in words, a picture, and its spectrum as a table."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import xarray as xr
+
+from contact_study.campaign.store.files import write_aside
+from contact_study.errors import InputError
+from contact_study.numerics.grid import Grid
+from contact_study.physics.height_maps.description import described, doubts
+from contact_study.physics.roughness.power_law import PowerSpectrum
+from contact_study.physics.roughness.statistics import Roughness
+from contact_study.physics.surfaces import SURFACES
+from contact_study.physics.surfaces.base import SurfaceSection
+from contact_study.study.case import Case
+from contact_study.study.schema.keys import bind
+from contact_study.study.study import read_study
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+# Points of the picture along the longer side.
+_PICTURE = 1024
+
+
+def inspect(path: Path, overrides: Mapping[str, Any], picture: Path | None = None) -> list[str]:
+    """Look at a map, or at the surface of a study's first point.
+
+    Parameters
+    ----------
+    path : pathlib.Path
+        A map, or a study file (``.toml``).
+    overrides : mapping
+        Dotted keys ("surface.key") and their values, in place of the study's; of a map, all that is said of it.
+    picture : pathlib.Path, optional
+        Figure to write; default beside ``path``. The spectrum goes to a table of the same name (``.csv``).
+
+    Returns
+    -------
+    list of str
+        What there is to say, the last line naming the files that were written.
+
+    Raises
+    ------
+    InputError
+        If the surface cannot be made.
+    """
+    from matplotlib.figure import Figure  # slow to import, and needed here only
+
+    from contact_study.plots.style import DOUBLE, RESOLUTION
+
+    section, directory, words = _surface(path, overrides)
+    scales = section.scales(directory)
+    surface = section.realise(directory)
+    lines = [words, *described(surface.roughness, surface.sample, surface.filled)]
+    lines += [f"warning: {line}" for line in doubts(str(section.map_path), scales)]
+    if surface.roughness.rms_slope > 1:
+        lines.append("warning: surface: an rms slope above 1; linear elasticity of a half-space is meant for far less")
+    figure = picture or path.with_name(f"{path.stem}.inspect.png")
+    drawn = Figure(figsize=(DOUBLE, 2.8), layout="constrained")
+    known = drawn.canvas.get_supported_filetypes()
+    kind = figure.suffix.lower().lstrip(".")
+    if kind not in known:
+        raise InputError(f"-o {figure}: --inspect writes a figure; expected a name that ends in {', '.join(known)}")
+    table = figure.with_suffix(".csv")
+    grid = surface.roughness.grid
+    heights = surface.heights(grid.shape)
+    _picture(drawn, heights, grid, surface.sample)
+    write_aside(figure, lambda partial: drawn.savefig(partial, dpi=RESOLUTION, format=kind))
+    write_aside(table, lambda partial: _tabulate(partial, surface.sample.spectrum))
+    return [*lines, f"{figure} (map and spectrum), {table} (spectrum)"]
+
+
+def _surface(path: Path, overrides: Mapping[str, Any]) -> tuple[SurfaceSection, Path, str]:
+    if path.suffix.lower() == ".toml":
+        study = read_study(path, overrides)
+        case: Case = study.cases[0]
+        kinds = len({one.surface for one in study.cases})
+        which = f", at {case.label}, the first of {kinds} surfaces" if kinds > 1 else ""
+        return case.surface, case.directory, f"{path}: surface of kind {case.surface.kind}{which}"
+    strangers = [dotted for dotted in overrides if not dotted.startswith("surface.")]
+    if strangers:
+        raise InputError(f"--{strangers[0]}: a map alone has no such key; --inspect STUDY.toml looks at a study")
+    table = {dotted.removeprefix("surface."): value for dotted, value in overrides.items()}
+    section = bind(SURFACES, {**table, "kind": "file", "path": path.name}, "surface")
+    return section, path.parent, f"{path}: heights in {section.measured(path.parent).unit}"
+
+
+def _picture(figure: "Figure", heights: np.ndarray, grid: Grid, sample: Roughness) -> None:
+    """Draw the map, with every so many of a large one's points, and the spectrum."""
+    from matplotlib import rc_context
+
+    from contact_study import plots
+    from contact_study.plots.densities import draw_spectrum
+    from contact_study.plots.style import STYLE
+
+    y, x = grid.coordinates
+    surface = xr.Dataset({"height": (("y", "x"), heights)}, coords={"y": y, "x": x})
+    with rc_context(STYLE):
+        left, right = figure.subplots(1, 2)
+    every = max(1, max(grid.shape) // _PICTURE)
+    plots.height_map(surface.isel(y=slice(None, None, every), x=slice(None, None, every)), left)
+    if sample.rms_height > 0:
+        draw_spectrum(sample.spectrum, sample.fit, right)
+    else:
+        right.set_axis_off()
+
+
+def _tabulate(path: Path, spectrum: PowerSpectrum) -> None:
+    columns = np.column_stack([spectrum.wavevectors, spectrum.density, spectrum.waves])
+    np.savetxt(path, columns, fmt=("%.9g", "%.9g", "%g"), delimiter=",", header="q (1/m),C (m^4),waves", comments="")

@@ -1,1 +1,0 @@
-"""Numerics on a periodic grid: grid, Fourier transforms, roughness spectra and observables."""

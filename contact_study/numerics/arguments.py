@@ -1,0 +1,114 @@
+"""Checks of what a person hands to the solvers from Python: the name of what is wrong, and what it should be."""
+
+import math
+from collections.abc import Sequence
+from numbers import Real
+from typing import Any
+
+import numpy as np
+
+from contact_study.numerics.grid import Grid
+
+
+def finite(name: str, value: object, unit: str) -> float:
+    """A finite number.
+
+    Raises
+    ------
+    ValueError
+        If it is none; text with a unit is for study files.
+    """
+    if isinstance(value, Real) and not isinstance(value, bool) and math.isfinite(value):
+        return float(value)
+    raise ValueError(f"{name} = {value!r}: must be a finite number, in {unit}")
+
+
+def positive(name: str, value: object, unit: str) -> float:
+    """A positive finite number; raises ValueError otherwise."""
+    number = finite(name, value, unit)
+    if number <= 0:
+        raise ValueError(f"{name} = {value!r}: must be a positive finite number, in {unit}")
+    return number
+
+
+def check_control(
+    control: str, tolerance: float, max_iterations: int, controls: Sequence[str] = ("pressure", "gap")
+) -> None:
+    """Make sure that a solver knows what it is to hold and when to stop; raises ValueError otherwise."""
+    if control not in controls:
+        raise ValueError(f"control = {control!r}: must be {' or '.join(map(repr, controls))}")
+    positive("tolerance", tolerance, "units of the scale that the solver names")
+    positive("max_iterations", max_iterations, "iterations")
+
+
+def step_arguments(control: str, target: float, state: Any, shape: tuple[int, ...]) -> tuple[np.ndarray, float]:
+    """The state and the target of a load step, checked.
+
+    Parameters
+    ----------
+    control : {"pressure", "gap", "approach"}
+        What the target is.
+    target : float
+        In Pa or m.
+    state : numpy.ndarray or solution
+        A solution stands for its ``state``.
+    shape : tuple of int
+        Shape that the state must have.
+
+    Raises
+    ------
+    ValueError
+        If the target is no finite number, or the state no array of that shape.
+    """
+    quantity, unit = {"pressure": ("mean pressure", "Pa"), "gap": ("mean gap", "m"), "approach": ("approach", "m")}[
+        control
+    ]
+    try:
+        number = math.nan if isinstance(target, str | bool) else float(target)
+    except (TypeError, ValueError):
+        number = math.nan
+    if not math.isfinite(number):
+        raise ValueError(f"target = {target!r}: a {quantity} must be a finite number, in {unit}")
+    start = getattr(state, "state", state)
+    if not isinstance(start, np.ndarray):
+        given = "None" if state is None else f"a {type(state).__name__}"
+        raise ValueError(f"state is {given}: give contact.separated(), or the solution of an earlier step")
+    if start.shape != shape:
+        raise ValueError(f"state has shape {start.shape}, this contact needs {shape}")
+    return start, number
+
+
+def field(name: str, values: object) -> np.ndarray:
+    """A copy of a field (y, x) of finite numbers; raises ValueError otherwise."""
+    try:
+        array = np.array(values, dtype=float)
+    except (TypeError, ValueError):
+        raise ValueError(f"{name} must be an array (y, x) of numbers") from None
+    if array.ndim != 2 or not array.size:
+        raise ValueError(f"{name} has shape {array.shape}: must be an array (y, x)")
+    if not np.all(np.isfinite(array)):
+        count = np.count_nonzero(~np.isfinite(array))
+        raise ValueError(f"{name} is not finite everywhere: {count} {'point is' if count == 1 else 'points are'} not")
+    return array
+
+
+def grid_of(height: np.ndarray, size: float | Sequence[float]) -> Grid:
+    """The periodic grid of a height array.
+
+    Parameters
+    ----------
+    height : numpy.ndarray, shape (y, x)
+        Heights, one a point.
+    size : float or pair of float
+        Periods along y and x; one number is both (m).
+
+    Raises
+    ------
+    ValueError
+        If a period is not a positive number, or there are not two.
+    """
+    pair = (size, size) if np.ndim(size) == 0 else tuple(size)  # type: ignore[arg-type]
+    if len(pair) != 2:
+        raise ValueError(f"size = {size!r}: must be one period or two, along y and x, in m")
+    periods = (positive("size", pair[0], "m"), positive("size", pair[1], "m"))
+    return Grid((height.shape[0], height.shape[1]), periods)

@@ -1,0 +1,269 @@
+"""One owner of FFTW plans and buffers: real transforms of periodic fields, and what is built on them.
+
+Plans are measured once per machine and shape and kept as FFTW "wisdom" in the user's cache directory. Every process
+of one machine therefore runs the same plan, and a resumed run repeats the arithmetic of an uninterrupted one.
+"""
+
+import hashlib
+import json
+import math
+import os
+import sys
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+from filelock import FileLock
+
+from contact_study.numerics.cache import cache_folder, has_locks
+from contact_study.numerics.memory import Memory, Scratch
+
+# OpenMP's threads spin while they wait for one another. Where another process holds a core they then wait for the
+# scheduler at every barrier, and two threads take up to a hundred times as long as one. Read when FFTW is loaded.
+os.environ.setdefault("OMP_WAIT_POLICY", "passive")
+if "dask" in sys.modules:
+    import pyfftw
+else:
+    # Where Dask is installed, pyFFTW takes it up for its own face of dask.array: half of the start of every command.
+    sys.modules["dask"] = None  # type: ignore[assignment]
+    try:
+        import pyfftw
+    finally:
+        del sys.modules["dask"]
+
+# Below it a second thread of FFTW gains little or nothing, and costs much when the other core is busy.
+POINTS_FOR_THREADS = 1024**2
+# Above it a transform for occasional use is planned anew each time, from the wisdom, rather than held.
+POINTS_TO_HOLD = 512**2
+
+
+def _wisdom_file() -> Path:
+    return cache_folder() / "fftw-wisdom.txt"
+
+
+def _load_wisdom(path: Path) -> None:
+    """Take up what is there, if it is whole: FFTW may end the process over wisdom that is not."""
+    try:
+        checksum, _, content = path.read_text("ascii").partition("\n")
+        if checksum == _checksum(content):
+            pyfftw.import_wisdom([wisdom.encode() for wisdom in json.loads(content)])
+    except (OSError, ValueError):
+        return  # none yet, or a damaged file: measured anew
+
+
+def _save_wisdom(path: Path) -> None:
+    content = json.dumps([wisdom.decode() for wisdom in pyfftw.export_wisdom()])
+    partial = path.with_suffix(f".{os.getpid()}")
+    partial.write_text(f"{_checksum(content)}\n{content}", "ascii")
+    partial.replace(path)
+
+
+def _checksum(content: str) -> str:
+    return hashlib.sha256(content.encode()).hexdigest()
+
+
+_planned: set[tuple[tuple[int, ...], np.dtype, int]] = set()  # what this process has planned and saved
+
+
+class RealTransform:
+    """A planned pair of real transforms over the last two axes, with its own aligned buffers.
+
+    Write into :attr:`field`, call :meth:`forward`, multiply :attr:`spectrum`, call :meth:`backward`.
+    Neither direction is normalised: fold ``1 / points`` into the kernel. :meth:`backward` destroys the spectrum.
+
+    Parameters
+    ----------
+    shape : tuple of int
+        Shape of the real field; leading axes are transformed independently.
+    dtype : numpy.dtype, optional
+        ``float64`` or ``float32``.
+    threads : int, optional
+        Threads of FFTW.
+    scratch : Scratch, optional
+        Where the spectrum lies, which then holds from a :meth:`forward` to the next use of any of its transforms.
+    memory : Memory, optional
+        Where the field lies.
+
+    Attributes
+    ----------
+    field : numpy.ndarray
+        The real buffer, of the given shape.
+    spectrum : numpy.ndarray
+        The complex buffer, last axis ``shape[-1] // 2 + 1``.
+    pairs : float
+        Forward and backward transforms done so far, counted one half each.
+    """
+
+    def __init__(
+        self,
+        shape: tuple[int, ...],
+        dtype: type = np.float64,
+        threads: int = 1,
+        scratch: Scratch | None = None,
+        memory: Memory | None = None,
+    ):
+        self.shape = tuple(shape)
+        self.dtype = np.dtype(dtype)
+        self.points = shape[-2] * shape[-1]
+        self.pairs = 0.0
+        complex_type = np.dtype(np.complex128 if self.dtype == np.float64 else np.complex64)
+        self.field = (memory or Memory()).array(self.shape, dtype)
+        self.spectrum = (scratch or Scratch()).array((*self.shape[:-1], self.shape[-1] // 2 + 1), complex_type)
+        self._plan(threads)
+
+    def _plan(self, threads: int) -> None:
+        def plans(*flags: str) -> tuple[pyfftw.FFTW, pyfftw.FFTW]:
+            common = {"axes": (-2, -1), "threads": threads}
+            return (
+                pyfftw.FFTW(self.field, self.spectrum, flags=flags, **common),
+                pyfftw.FFTW(
+                    self.spectrum,
+                    self.field,
+                    direction="FFTW_BACKWARD",
+                    flags=(*flags, "FFTW_DESTROY_INPUT"),
+                    **common,
+                ),
+            )
+
+        key = (self.shape, self.dtype, threads)
+        path = _wisdom_file()
+        try:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            if key in _planned:  # the exact plan is in memory: no need to read the file again
+                self._forward, self._backward = plans("FFTW_MEASURE", "FFTW_WISDOM_ONLY")
+            elif not has_locks(path.parent):
+                raise OSError(f"{path.parent}: its file system has no locks")
+            else:
+                with FileLock(path.with_suffix(".lock")):
+                    _load_wisdom(path)
+                    self._forward, self._backward = plans("FFTW_MEASURE")
+                    # Saved even when nothing had to be measured: a plan put together from the wisdom of other shapes
+                    # must be the plan of every later process too, whatever it has planned before.
+                    _save_wisdom(path)
+                _planned.add(key)
+        except OSError:  # a read-only home, or one without locks: plan without keeping
+            self._forward, self._backward = plans("FFTW_MEASURE")
+        self.field[...] = 0  # measuring overwrites the buffers
+        self.spectrum[...] = 0
+
+    def forward(self) -> np.ndarray:
+        """Transform :attr:`field` into :attr:`spectrum`, which is returned."""
+        self._forward.execute()
+        self.pairs += 0.5
+        return self.spectrum
+
+    def backward(self) -> np.ndarray:
+        """Transform :attr:`spectrum` into :attr:`field`, which is returned, without ``1 / points``."""
+        self._backward.execute()
+        self.pairs += 0.5
+        return self.field
+
+    def interpolate(self, coarser: "RealTransform") -> np.ndarray:
+        """Write the field of a transform of fewer points, interpolated, into :attr:`field`, which is returned.
+
+        Parameters
+        ----------
+        coarser : RealTransform
+            That of a coarser grid of the same periods.
+        """
+        coefficients = coarser.forward() / coarser.points  # a copy: the spectra may lie in one memory
+        resize_spectrum(coefficients, coarser.shape, self.shape, self.spectrum)
+        return self.backward()
+
+    def filter(self, kernel: np.ndarray) -> np.ndarray:
+        """Multiply the spectrum of :attr:`field` by ``kernel``, in place; returns :attr:`field`.
+
+        Parameters
+        ----------
+        kernel : numpy.ndarray
+            Real array that broadcasts to :attr:`spectrum`, with ``1 / points`` folded in.
+        """
+        self.forward()
+        np.multiply(self.spectrum, kernel, out=self.spectrum)
+        return self.backward()
+
+
+_held = cache(RealTransform)
+
+
+def _is_held(shape: tuple[int, ...]) -> bool:
+    return math.prod(shape) <= POINTS_TO_HOLD
+
+
+def _occasional(shape: tuple[int, ...]) -> RealTransform:
+    """A single-threaded transform of that shape, its buffers overwritten; a large one holds no memory afterwards."""
+    return _held(shape) if _is_held(shape) else RealTransform(shape)
+
+
+def transform(field: np.ndarray) -> np.ndarray:
+    """Coefficients h_q of ``h(x) = Σ_q h_q exp(i q·x)`` of a real field, in the layout of ``rfft2``."""
+    plan = _occasional(field.shape)
+    plan.field[...] = field
+    return plan.forward() / plan.points
+
+
+def synthesise(coefficients: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
+    """The real field on ``shape`` points whose coefficients :func:`transform` would return."""
+    plan = _occasional(tuple(shape))
+    plan.spectrum[...] = coefficients
+    return _kept(plan, plan.backward())
+
+
+def _kept(plan: RealTransform, field: np.ndarray) -> np.ndarray:
+    """The field of an occasional transform, for good."""
+    return field.copy() if _is_held(plan.shape) else field
+
+
+def resize_spectrum(
+    coefficients: np.ndarray, old: tuple[int, ...], new: tuple[int, ...], out: np.ndarray | None = None
+) -> np.ndarray:
+    """Coefficients of the same trigonometric polynomial on another number of points.
+
+    Modes that the new grid cannot carry are dropped. A Nyquist mode of an even old grid is split evenly between
+    the two signs when the new grid is finer, so that the interpolant stays real and of least curvature.
+
+    Parameters
+    ----------
+    coefficients : numpy.ndarray, shape (old[0], old[1] // 2 + 1)
+        As returned by :func:`transform`.
+    old, new : tuple of int
+        Shapes of the two grids.
+    out : numpy.ndarray, shape (new[0], new[1] // 2 + 1), optional
+        Where to write them.
+    """
+    rows = _resize_full_axis(coefficients, old[0], new[0])
+    out = np.empty((new[0], new[1] // 2 + 1), dtype=coefficients.dtype) if out is None else out
+    out[...] = 0
+    keep = (min(old[1], new[1]) - 1) // 2 + 1  # modes strictly below both Nyquist modes
+    out[:, :keep] = rows[:, :keep]
+    if old[1] % 2 == 0 and new[1] > old[1]:
+        out[:, old[1] // 2] = 0.5 * rows[:, old[1] // 2]
+    elif new[1] % 2 == 0 and old[1] >= new[1]:
+        # Both signs of the mode fall on the new Nyquist column.
+        column = rows[:, new[1] // 2]
+        mirrored = np.conj(np.roll(column[::-1], 1))
+        out[:, new[1] // 2] = column if old[1] == new[1] else column + mirrored
+    return out
+
+
+def _resize_full_axis(coefficients: np.ndarray, old: int, new: int) -> np.ndarray:
+    if old == new:
+        return coefficients
+    out = np.zeros((new, coefficients.shape[1]), dtype=coefficients.dtype)
+    keep = (min(old, new) - 1) // 2
+    out[: keep + 1] = coefficients[: keep + 1]
+    if keep:
+        out[-keep:] = coefficients[-keep:]
+    if old % 2 == 0 and new > old:
+        out[old // 2] = 0.5 * coefficients[old // 2]
+        out[-(old // 2)] = 0.5 * coefficients[old // 2]
+    elif new % 2 == 0 and old > new:
+        out[new // 2] = coefficients[new // 2] + coefficients[-(new // 2)]
+    return out
+
+
+def interpolate(field: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
+    """Trigonometric interpolation of a periodic field on another number of points."""
+    if field.shape == tuple(shape):
+        return field.copy()
+    return synthesise(resize_spectrum(transform(field), field.shape, shape), shape)

@@ -1,0 +1,190 @@
+"""Overdamped motion under a slowly changing load: η du/dt = −∂E/∂u until all is at rest.
+
+Every degree of freedom has the same friction η, so that the motion is the steepest descent of the energy E in the plain
+sum of squares over all points; the state behind a jump depends on that choice. Time is measured in units of η over the
+unit of stiffness, and η does not appear.
+
+The step from u_n to u_{n+1} is implicit Euler's: u_{n+1} minimises E(u) + |u − u_n|²/2τ at the load of its end, so that
+at that load the energy never rises, by any step. Its local error, ½τ²ü, is the distance to the point that the velocity
+before leads to, times τ/(τ + τ_before) (as in K. E. Brenan, S. L. Campbell and L. R. Petzold, Numerical Solution of
+Initial-Value Problems in Differential-Algebraic Equations, 1989, for the lowest order), and decides on τ.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from enum import Enum
+from typing import Generic, Protocol, TypeVar
+
+import numpy as np
+
+# A step whose error was e of what is allowed is followed (or replaced) by one 0.9 e^(−1/2) times as long, within these.
+_SAFETY, _LARGEST_GROWTH, _SMALLEST_GROWTH = 0.9, 3.0, 0.2
+_NOT_FOUND = 0.3  # the same, where the step could not be solved for
+# A step shorter than this share of the first one says that rounding is all that is left; longer ones feel no friction.
+_SHORTEST, _LONGEST = 1e-12, 1e15
+
+
+class Status(Enum):
+    """How a motion stands."""
+
+    MOVING = "moving"
+    AT_REST = "at rest"
+    APART = "apart"
+    TOO_LONG = "too long"
+    STUCK = "stuck"
+
+
+class Advance(Protocol):
+    """What a step leads to.
+
+    Attributes
+    ----------
+    state : numpy.ndarray
+        u_{n+1}.
+    at_rest : bool
+        Whether it is in balance without friction.
+    apart : bool
+        Whether nothing acts any more that would bring the surfaces to rest.
+    """
+
+    @property
+    def state(self) -> np.ndarray: ...
+    @property
+    def at_rest(self) -> bool: ...
+    @property
+    def apart(self) -> bool: ...
+
+
+Found = TypeVar("Found", bound=Advance)
+FoundByStep = TypeVar("FoundByStep", bound=Advance, covariant=True)
+
+
+class Overdamped(Protocol[FoundByStep]):
+    """What moves."""
+
+    def advance(self, state: np.ndarray, load: float, drag: float) -> FoundByStep | None:
+        """The minimum of E(u) + drag |u − state|²/2 next to ``state``; None if it was not found."""
+
+    def beside_saddle(self, state: np.ndarray, load: float) -> np.ndarray | None:
+        """A state of lower energy next to one at rest that is no minimum; None if it is one."""
+
+
+@dataclass(frozen=True)
+class Instant(Generic[Found]):
+    """Where a motion has come to.
+
+    Attributes
+    ----------
+    state : numpy.ndarray
+        u.
+    load : float
+        That acts.
+    move : numpy.ndarray or float
+        Of the last step.
+    duration, wanted : float
+        τ of the last step, and that to try next.
+    steps : int
+        Done so far.
+    time : float
+        Since the motion began.
+    fate : Fate
+        How it stands.
+    found : Advance or None
+        What the last step led to.
+    """
+
+    state: np.ndarray
+    load: float
+    move: np.ndarray | float
+    duration: float
+    wanted: float
+    steps: int = 0
+    time: float = 0.0
+    fate: Status = Status.MOVING
+    found: Found | None = None
+
+
+def at_rest(state: np.ndarray, load: float, pace: "StepControl", time: float = 0.0) -> Instant[Found]:
+    """Where a motion begins, or goes on from a rest."""
+    return Instant(state, load, 0.0, pace.first, pace.first, time=time)
+
+
+@dataclass(frozen=True)
+class StepControl:
+    """How fast and how exactly a motion is followed.
+
+    Attributes
+    ----------
+    rate : float
+        Largest change of the load in a unit of time.
+    first : float
+        τ to try first.
+    allowed : float
+        Largest local error of a step, in the unit of the state.
+    most : int
+        Steps until a motion is given up.
+    """
+
+    rate: float
+    first: float
+    allowed: float
+    most: int
+
+
+def follow(system: Overdamped[Found], at: Instant[Found], target: float, pace: StepControl) -> Iterator[Instant[Found]]:
+    """Bring the load to its target, and wait for rest.
+
+    Parameters
+    ----------
+    system : Overdamped
+        What moves.
+    at : Instant
+        From where.
+    target : float
+        Of the load.
+    pace : Pace
+        How fast, how exactly.
+
+    Yields
+    ------
+    Instant
+        After every step; the last one's fate is not ``MOVING``.
+    """
+    while True:
+        moved = _stepped(system, at, target, pace)
+        if moved is None or moved.found is None:
+            yield replace(at, fate=Status.STUCK)
+            return
+        at = moved
+        if moved.found.apart:
+            at = replace(at, fate=Status.APART)
+        elif at.load == target and moved.found.at_rest:
+            lower = system.beside_saddle(at.state, target)
+            at = replace(at, fate=Status.AT_REST) if lower is None else replace(at, state=lower, move=0.0)
+        if at.fate is Status.MOVING and at.steps >= pace.most:
+            at = replace(at, fate=Status.TOO_LONG)
+        yield at
+        if at.fate is not Status.MOVING:
+            return
+
+
+def _stepped(system: Overdamped[Found], at: Instant[Found], target: float, pace: StepControl) -> Instant[Found] | None:
+    """The next instant; None where steps of no length find any."""
+    tau = at.wanted
+    while tau > _SHORTEST * pace.first:
+        change = target - at.load
+        load = target if abs(change) <= pace.rate * tau else at.load + float(np.copysign(pace.rate * tau, change))
+        found = system.advance(at.state, load, 1 / tau)
+        if found is None:
+            tau *= _NOT_FOUND
+            continue
+        move = found.state - at.state
+        ratio = tau / at.duration
+        error = float(np.max(np.abs(move - ratio * at.move))) * ratio / (1 + ratio)
+        growth = _LARGEST_GROWTH if error == 0 else _SAFETY * (pace.allowed / error) ** 0.5
+        growth = min(max(growth, _SMALLEST_GROWTH), _LARGEST_GROWTH)
+        if error <= pace.allowed:
+            wanted = min(growth * tau, _LONGEST * pace.first)
+            return Instant(found.state, load, move, tau, wanted, at.steps + 1, at.time + tau, found=found)
+        tau *= growth
+    return None

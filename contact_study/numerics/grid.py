@@ -1,0 +1,92 @@
+"""A doubly periodic grid of points and its wavevectors."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class Grid:
+    """Points ``(i * size[0] / shape[0], j * size[1] / shape[1])`` of a periodic rectangle.
+
+    Parameters
+    ----------
+    shape : tuple of int
+        Number of points along y and x, in that order.
+    size : tuple of float
+        Periods along y and x (m).
+    """
+
+    shape: tuple[int, int]
+    size: tuple[float, float]
+
+    @property
+    def spacing(self) -> tuple[float, float]:
+        """Distance between neighbouring points along y and x (m)."""
+        return self.size[0] / self.shape[0], self.size[1] / self.shape[1]
+
+    @property
+    def points(self) -> int:
+        """Number of points."""
+        return self.shape[0] * self.shape[1]
+
+    @property
+    def spectrum_shape(self) -> tuple[int, int]:
+        """Shape of a real transform on this grid."""
+        return self.shape[0], self.shape[1] // 2 + 1
+
+    @property
+    def coordinates(self) -> tuple[np.ndarray, np.ndarray]:
+        """Coordinates y and x of the points along each axis (m)."""
+        return (
+            np.arange(self.shape[0]) * self.spacing[0],
+            np.arange(self.shape[1]) * self.spacing[1],
+        )
+
+    @cached_property
+    def wavevectors(self) -> tuple[np.ndarray, np.ndarray]:
+        """Components q_y, shape (ny, 1), and q_x, shape (1, nx // 2 + 1), in the layout of ``rfft2`` (1/m)."""
+        dy, dx = self.spacing
+        q_y = 2 * np.pi * np.fft.fftfreq(self.shape[0], dy)
+        q_x = 2 * np.pi * np.fft.rfftfreq(self.shape[1], dx)
+        return q_y[:, None], q_x[None, :]
+
+    @property
+    def wavenumber(self) -> np.ndarray:
+        """|q| in the layout of ``rfft2``, shape ``spectrum_shape`` (1/m); made anew, a grid holds no field."""
+        q_y, q_x = self.wavevectors
+        return np.hypot(q_y, q_x)
+
+    @cached_property
+    def multiplicity(self) -> np.ndarray:
+        """How often each entry of a half spectrum stands in the full one, shape (1, nx // 2 + 1).
+
+        One for the columns q_x = 0 and, on an even grid, the Nyquist column; two elsewhere (the conjugate).
+        """
+        weight = np.full(self.spectrum_shape[1], 2.0)
+        weight[0] = 1.0
+        if self.shape[1] % 2 == 0:
+            weight[-1] = 1.0
+        return weight[None, :]
+
+    def variances(self, coefficients: np.ndarray) -> np.ndarray:
+        """Mean square of each wave of a real field from its normalised half spectrum; the field's mean has none.
+
+        Parameters
+        ----------
+        coefficients : numpy.ndarray, shape ``spectrum_shape``
+            As :func:`contact_study.numerics.fourier.transform` gives them.
+
+        Returns
+        -------
+        numpy.ndarray, shape ``spectrum_shape``
+            Their sum is the variance of the field (Parseval).
+        """
+        variances = self.multiplicity * np.abs(coefficients) ** 2
+        variances[0, 0] = 0.0
+        return variances
+
+    def with_shape(self, shape: tuple[int, int]) -> "Grid":
+        """The same rectangle with another number of points."""
+        return Grid(shape, self.size)

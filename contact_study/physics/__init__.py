@@ -1,0 +1,1 @@
+"""What is in contact: adhesive laws, elastic solids, rough surfaces. Formulas, and nothing of a solver."""

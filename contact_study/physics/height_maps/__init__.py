@@ -1,0 +1,1 @@
+"""Measured height maps: file formats, units, levelling, description."""

@@ -1,0 +1,108 @@
+"""What a study takes a surface to be, in words, and what of a measured map should not be so.
+
+Criteria, each a ratio or a size that no surface of use has:
+
+- **edges**: heights differ across an edge of the cell :data:`JUMP` times as much as from line to line inside. A
+  periodic surface has 1, for scatter rarely more than 2; a map cut from a larger surface tens.
+- **order**: rms heights outside :data:`HEIGHTS`, a cell above
+:data:`~contact_study.physics.height_maps.height_map.WIDEST`, an rms
+  slope below :data:`FLATTEST`; the usual cause is a unit taken for another.
+- **noise**: the spectrum of the waves shorter than four points falls more slowly than 1/q, as noise of single points
+  does and no self-affine surface (q⁻² and steeper), and they make more than a tenth of the mean square slope.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from contact_study.physics.height_maps.height_map import WIDEST
+from contact_study.physics.roughness.power_law import SelfAffineFit
+from contact_study.physics.roughness.statistics import Roughness
+from contact_study.physics.surfaces.scales import SurfaceScales
+from contact_study.study.case import Case
+from contact_study.units import length
+
+JUMP = 4.0
+HEIGHTS = (1e-12, 1e-3)
+FLATTEST = 1e-4
+NOISE_POWER, NOISE_SHARE = -1.0, 0.1
+
+
+def described(roughness: Roughness, sample: Roughness, filled: float = 0.0) -> list[str]:
+    """What a surface was taken to be, a few lines.
+
+    Parameters
+    ----------
+    roughness, sample : Roughness
+        What it is like repeated, and by itself: without what the edges of a map add.
+    filled : float, optional
+        Share of the points of a map that were missing.
+    """
+    grid, fit = roughness.grid, sample.fit
+    lines = [
+        f"{grid.shape[0]} x {grid.shape[1]} points, spacing {length(*grid.spacing)}, size {length(*grid.size)} "
+        f"(y, x), {100 * filled:.3g} % filled",
+        f"h_rms {length(roughness.rms_height)}, rms slope {sample.rms_slope:.4g}, rms curvature "
+        f"{sample.rms_curvature:.4g} 1/m, jump at the edges {length(roughness.edge_jump)} "
+        f"({roughness.edge_ratio:.3g} times that of neighbouring lines)",
+    ]
+    if fit is not None:
+        lines.append(
+            f"spectrum: {law_in_words(fit)} between wavelengths of {length(2 * np.pi / fit.roll_off)} and "
+            f"{length(2 * np.pi / fit.cutoff)}"
+        )
+    return lines
+
+
+def law_in_words(fit: SelfAffineFit) -> str:
+    """Hurst exponent of a law with its uncertainty, or what it is in place of self-affine."""
+    hurst, error = fit.hurst_exponent, fit.uncertainty
+    if hurst + error >= 0 and hurst - error <= 1:
+        return f"Hurst exponent {hurst:.2f} ± {error:.2f}"
+    how = "steeper, as of filtered surfaces" if hurst > 1 else "flatter, as of noise"
+    return f"C falls as q^{-2 - 2 * hurst:.1f} ± {2 * error:.1f}, {how}, than any self-affine surface's,"
+
+
+def doubts(path: str, scales: SurfaceScales) -> list[str]:
+    """What of a measured map looks wrong; each line says what to do."""
+    found, sample, notes = scales.measured, scales.sample, []
+    if found is None or sample is None:
+        return []
+    strange = []
+    if found.rms_height and not HEIGHTS[0] <= found.rms_height <= HEIGHTS[1]:
+        strange.append(f"rms heights of {found.rms_height:.3g} m")
+    if max(scales.size) > WIDEST:
+        strange.append(f"a cell of {length(*scales.size)}")
+    if 0 < sample.rms_slope < FLATTEST:
+        strange.append(f"an rms slope of {sample.rms_slope:.2g}")
+    if strange:
+        notes.append(
+            f"surface: {path} has {' and '.join(strange)}; are its units right (heights in {scales.unit}, cell of "
+            f"{length(*scales.size)})?"
+        )
+    if found.edge_ratio > JUMP:
+        notes.append(
+            f"surface: the edges of {path} do not meet: heights jump by {length(found.edge_jump)} across them, "
+            f"{found.edge_ratio:.3g} times as much as between neighbouring lines, and repeated the map has an rms "
+            f'slope of {scales.rms_slope:.3g} in place of {sample.rms_slope:.3g}; surface.detrend = "tilt" and '
+            'surface.edges = "mirror" or "window" join them'
+        )
+    power, share = sample.noise
+    if power > NOISE_POWER and share > NOISE_SHARE:
+        notes.append(
+            f"surface: {path} has the spectrum of noise in single points (q^{power:.2g} below four of them), which "
+            f"makes {100 * share:.0f} % of the mean square slope; surface.lowpass = "
+            f'"{length(4 * max(found.grid.spacing))}" would leave it out'
+        )
+    return notes
+
+
+def taken(cases: Sequence[Case], scales: Sequence[SurfaceScales]) -> list[str]:
+    """Lines on each measured map of a study as it was taken, each once."""
+    words = (
+        f"surface {case.surface.map_path}: {line}"
+        for case, scale in zip(cases, scales, strict=True)
+        if scale.measured is not None and scale.sample is not None
+        for line in described(scale.measured, scale.sample, scale.filled)
+    )
+    return list(dict.fromkeys(words))

@@ -1,0 +1,198 @@
+"""Height maps as text: tables, columns x, y and height, ESRI and WSxM ASCII; the lines are read, nothing more."""
+
+import re
+import warnings
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from contact_study.errors import InputError
+from contact_study.physics.height_maps.grid import gridded
+from contact_study.units import quantity
+
+# Letters of a line that a message shows.
+_SHOWN = 40
+# The words of Gwyddion's export in the languages of its menus.
+_WIDTH = "Width|Šířka|Breite|Anchura|Largeur|Larghezza|Largura|Ширина|幅|폭"
+_HEIGHT = "Height|Výška|Höhe|Altura|Hauteur|Altezza|Высота|高さ|높이"
+_NUMBER = re.compile(r"\s*[-+]?\.?\d|\s*nan\b", re.IGNORECASE)
+
+
+@dataclass(frozen=True)
+class RawMap:
+    """A map as its file has it.
+
+    Attributes
+    ----------
+    heights : numpy.ndarray, shape (ny, nx)
+        Numbers of the file, y and x increasing along the axes; NaN where there is none.
+    size : tuple of float or None
+        Periods along y and x, points times spacing, in the lateral unit.
+    height_unit, lateral_unit : str or None
+        Units; None where the file is silent.
+    """
+
+    heights: np.ndarray
+    size: tuple[float, float] | None = None
+    height_unit: str | None = None
+    lateral_unit: str | None = None
+
+
+def read_text(path: Path) -> RawMap:
+    """A table of heights, or what its first lines say it is.
+
+    Raises
+    ------
+    InputError
+        If it is of a known kind, and damaged.
+    ValueError
+        If there are other things than numbers in it.
+    """
+    lines = _lines(path)
+    head = "\n".join(lines[:30])
+    if head.startswith("WSxM") and "ASCII XYZ" in head:
+        return _points(path, lines)
+    if head.startswith("WSxM") and "ASCII Matrix" in head:
+        size = _sides(path, head, r"^{} Amplitude:\s*(.*)$", ("Y", "X"))
+        unit = re.search(r"^Z Amplitude:\s*[-+\d.eE]+\s*(\S+)", head, re.MULTILINE)
+        rows = lines[1 + max(number for number, line in enumerate(lines[:30]) if "Amplitude:" in line) :]
+        return RawMap(_numbers(path, rows)[::-1], size, unit[1] if unit else None, "m")
+    if re.match(r"\s*ncols\s", head, re.IGNORECASE):
+        return _esri(path, lines)
+    return _table(path, lines)
+
+
+def read_points(path: Path) -> RawMap:
+    """Columns x, y and height of points in any order; errors as :func:`read_text`."""
+    return _points(path, _lines(path))
+
+
+def _table(path: Path, lines: Sequence[str]) -> RawMap:
+    """Rows of heights; three columns are points, as no map is as narrow."""
+    head = "\n".join(line for line in lines[:30] if line.lstrip().startswith("#"))
+    rows = [line for line in lines if line.strip() and not line.lstrip().startswith("#")]
+    named = bool(rows) and not _NUMBER.match(rows[0])
+    if named and len(rows) > 1 and _NUMBER.match(rows[1]) and _numbers(path, rows[1:2]).shape[1] == 3:
+        return _points(path, lines)
+    if rows and rows[0].lstrip()[:1] in (",", ";"):
+        raise InputError(
+            f"surface.path: {path} begins with an empty cell; leave out names of rows and columns, write nan for a "
+            "missing height"
+        )
+    try:
+        table = _numbers(path, rows)
+    except ValueError as error:
+        if not named:  # no header of an instrument either: of numbers with words between them nothing is left out
+            raise InputError(f"surface.path: {path} cannot be read ({error})") from None
+        raise
+    size = _sides(path, head, r"^#\s*(?:{}):\s*(.*)$", (_HEIGHT, _WIDTH))
+    if table.shape[1] == 3 and table.shape[0] > 3 and size is None:
+        return _points(path, lines)
+    unit = re.search(r"^#\s*Value units:\s*(\S+)", head, re.MULTILINE)
+    # The comments in which Gwyddion and others export a table, whose first row is the top.
+    said = size is not None or unit is not None
+    return RawMap(table[::-1] if said else table, size, unit[1] if unit else None, "m")
+
+
+def _sides(path: Path, head: str, pattern: str, sides: Sequence[str]) -> tuple[float, float] | None:
+    """Lengths of both sides as a header says them (m)."""
+    found = [re.search(pattern.format(side), head, re.MULTILINE) for side in sides]
+    if found[0] is None or found[1] is None:
+        return None
+    y, x = (quantity(one[1].strip().replace(",", "."), "m", f"surface.path: {path}, {one[0]}") for one in found if one)
+    return y, x
+
+
+def _points(path: Path, lines: Sequence[str]) -> RawMap:
+    """Columns x, y and height on an even grid, in any order; a header ``X[nm] Y[nm] Z[nm]`` gives the units."""
+    first = next((number for number, line in enumerate(lines) if _NUMBER.match(line)), len(lines))
+    head = "\n".join(lines[:first])
+    units: list[str | None] = list(re.findall(r"[XYZ]\s*[\[(](.*?)[\])]", head, re.IGNORECASE))
+    if len(units) == 3 and units[0] != units[1]:
+        raise InputError(f"surface.path: {path} has x in {units[0]} and y in {units[1]}; give both in one unit")
+    if len(units) != 3:
+        said = (re.search(rf"^#\s*{key} units:\s*(\S+)", head, re.MULTILINE) for key in ("Lateral", "Value"))
+        lateral, height = (one[1] if one else None for one in said)
+        units = [lateral, lateral, height]
+    table = _numbers(path, lines[first:])
+    if table.shape[1] < 3:
+        raise InputError(f"surface.path: {path} has {table.shape[1]} columns; points need three, x, y and height")
+    heights, size = gridded(path, table[:, :3])
+    return RawMap(heights, size, units[2], units[0])
+
+
+def _esri(path: Path, lines: Sequence[str]) -> RawMap:
+    """An ASCII grid of ESRI: columns, rows, corner, cell size and the mark of missing heights, then rows."""
+    said: dict[str, float] = {}
+    while re.match(r"\s*[A-Za-z_]", lines[len(said)]):
+        name, number = lines[len(said)].split()
+        said[name.lower()] = float(number)
+    heights = _numbers(path, lines[len(said) :])[::-1].copy()
+    rows, columns = int(said.get("nrows", -1)), int(said["ncols"])
+    if heights.shape != (rows, columns):
+        raise InputError(
+            f"surface.path: {path} holds {heights.shape[0]} x {heights.shape[1]} heights, its header says "
+            f"{rows} x {columns}"
+        )
+    heights[heights == said.get("nodata_value", -9999.0)] = np.nan
+    return RawMap(heights, (rows * said["cellsize"], columns * said["cellsize"]))
+
+
+def _lines(path: Path) -> list[str]:
+    """The lines of a text; instruments still write the micro sign in Latin-1."""
+    content = path.read_bytes()
+    try:
+        return content.decode("utf-8-sig").splitlines()
+    except UnicodeDecodeError:
+        return content.decode("latin-1").splitlines()
+
+
+def _numbers(path: Path, lines: Sequence[str]) -> np.ndarray:
+    """Rows of numbers between blanks, tabs, semicolons or commas, with decimal points or commas.
+
+    An empty place between two separators is a missing number.
+
+    Raises
+    ------
+    ValueError
+        With the row, where there are other things or rows of other lengths.
+    """
+    separator, decimal = _separation([line for line in lines if _NUMBER.match(line)][:30])
+    if decimal == ",":
+        lines = [line.replace(",", ".") for line in lines]
+    if separator:
+        lines = _whole(lines, separator)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", UserWarning)  # of no rows
+        try:
+            table = np.loadtxt(lines, ndmin=2, delimiter=separator)
+        except ValueError as error:
+            words = next((line for line in lines if line.strip()[:1] not in ("", "#") and not _NUMBER.match(line)), "")
+            # After a semicolon NumPy names arguments of its own.
+            reason = str(error).partition(";")[0]
+            raise ValueError(f"it has the line {words.strip()[:_SHOWN]!r}" if words else reason) from None
+    if not table.size:
+        raise InputError(f"surface.path: {path} holds no numbers")
+    return table
+
+
+def _separation(lines: Sequence[str]) -> tuple[str | None, str]:
+    """What parts the numbers of these lines, None for blanks and tabs, and their decimal sign."""
+    text = "\n".join(lines)
+    if ";" in text:
+        return ";", "," if "," in text and "." not in text else "."
+    if "," not in text:
+        return None, "."
+    # Between blanks a comma inside of every number is its decimal sign.
+    inside = re.search(r"\d,\d", text) and not re.search(r",\s|,$|\.\d", text, re.MULTILINE)
+    return (None, ",") if inside and re.search(r"\d[ \t]+[-+]?\d", text) else (",", ".")
+
+
+def _whole(lines: Sequence[str], separator: str) -> list[str]:
+    """Lines whose empty places hold NaN; what all of them end with parts nothing."""
+    there = [line.strip() for line in lines if line.strip() and not line.lstrip().startswith("#")]
+    if all(line.endswith(separator) for line in there):
+        there = [line.removesuffix(separator) for line in there]
+    return [separator.join(cell if cell.strip() else "nan" for cell in line.split(separator)) for line in there]

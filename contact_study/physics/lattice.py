@@ -1,0 +1,76 @@
+"""The lattices of block and substrate that fill the cell of a study."""
+
+from dataclasses import dataclass
+
+from contact_study.errors import InputError
+
+GOLDEN_MEAN = (1 + 5**0.5) / 2
+
+
+@dataclass(frozen=True)
+class Lattice:
+    """Atoms of the block's bottom layer on the sites of a substrate that is incommensurate with it.
+
+    Parameters
+    ----------
+    size : tuple of float
+        Periods of the cell along y and x (m).
+    constant : float
+        Lattice constant a of the block (m).
+    atoms : tuple of int
+        Atoms of the block's bottom layer along y and x.
+    """
+
+    size: tuple[float, float]
+    constant: float
+    atoms: tuple[int, int]
+
+    @property
+    def substrate_sites(self) -> tuple[int, int]:
+        """Sites of the substrate layer along y and x: the golden mean times the atoms, to the nearest integer."""
+        rows, columns = self.atoms
+        return round(GOLDEN_MEAN * rows), round(GOLDEN_MEAN * columns)
+
+    @property
+    def site_spacing(self) -> tuple[float, float]:
+        """Distance of neighbouring sites of the substrate along y and x (m)."""
+        return self.size[0] / self.substrate_sites[0], self.size[1] / self.substrate_sites[1]
+
+    @property
+    def densities(self) -> tuple[float, float]:
+        """Atoms and substrate sites per area (1/m²)."""
+        area = self.size[0] * self.size[1]
+        (rows, columns), (site_rows, site_columns) = self.atoms, self.substrate_sites
+        return rows * columns / area, site_rows * site_columns / area
+
+
+def lattice_of(size: tuple[float, float] | None, constant: float | None) -> Lattice:
+    """The lattices of a cell.
+
+    Parameters
+    ----------
+    size : tuple of float or None
+        Periods of the cell along y and x (m).
+    constant : float or None
+        Lattice constant of the block (m).
+
+    Raises
+    ------
+    InputError
+        If either is missing, or the lattice constant does not divide the lateral size.
+    """
+    if constant is None:
+        raise InputError("missing key material.lattice_constant: atoms and interaction.well_depth need it")
+    if size is None:
+        raise InputError("missing key surface.size: atoms need it")
+    counts = []
+    for length in size:
+        number = length / constant
+        # An integer up to the rounding of two decimal inputs.
+        if abs(number - round(number)) > 1e-6 * number or round(number) < 4:
+            raise InputError(
+                f"material.lattice_constant = {constant:g} m: {length:g} m holds {number:.6g} atoms, "
+                f"not a whole number of at least 4; {length / max(round(number), 4):.6g} m divides it"
+            )
+        counts.append(round(number))
+    return Lattice(size, constant, (counts[0], counts[1]))

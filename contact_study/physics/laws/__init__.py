@@ -1,0 +1,74 @@
+"""Traction-separation laws, one a file."""
+
+from dataclasses import MISSING, fields
+
+from contact_study.physics.laws.base import TractionLaw
+from contact_study.physics.laws.dugdale import Dugdale
+from contact_study.physics.laws.dugdale_core import DugdaleCore
+from contact_study.physics.laws.exponential import Exponential
+from contact_study.physics.laws.exponential_core import ExponentialCore
+from contact_study.physics.laws.hard_wall import HardWall
+from contact_study.physics.laws.lennard_jones import LennardJones
+from contact_study.physics.laws.lennard_jones_9_3 import LennardJones93
+from contact_study.physics.laws.lennard_jones_10_4 import LennardJones104
+from contact_study.physics.laws.morse import Morse
+from contact_study.physics.laws.repulsive import Repulsive
+from contact_study.physics.laws.tabulated import TabulatedLaw
+from contact_study.study.schema.keys import TaggedUnion
+
+__all__ = [
+    "INTERACTIONS",
+    "LAWS",
+    "Dugdale",
+    "DugdaleCore",
+    "Exponential",
+    "ExponentialCore",
+    "HardWall",
+    "LennardJones",
+    "LennardJones93",
+    "LennardJones104",
+    "Morse",
+    "Repulsive",
+    "TabulatedLaw",
+    "TractionLaw",
+    "make_law",
+]
+
+LAWS: dict[str, type[TractionLaw]] = {
+    "lennard_jones_10_4": LennardJones104,
+    "lennard_jones_9_3": LennardJones93,
+    "morse": Morse,
+    "exponential_core": ExponentialCore,
+    "dugdale_core": DugdaleCore,
+    "tabulated": TabulatedLaw,
+    "exponential": Exponential,
+    "dugdale": Dugdale,
+    "repulsive": Repulsive,
+    "hard_wall": HardWall,
+}
+INTERACTIONS = TaggedUnion("law", {name: law.section for name, law in LAWS.items()})
+
+
+def make_law(name: str, work_of_adhesion: float, length: float, **own: float) -> TractionLaw:
+    """The law called ``name`` in a study file, with Δγ (J/m²), its length (m) and fields of its own.
+
+    A hard wall has none of these, a soft repulsion no Δγ; a tabulated law is made by :meth:`TabulatedLaw.through`.
+
+    Raises
+    ------
+    ValueError
+        If there is no law of that name, or it is given other than positive numbers or the fields it has.
+    """
+    if name not in LAWS or LAWS[name] is TabulatedLaw:
+        by_name = [known for known in LAWS if known != "tabulated"]
+        raise ValueError(f"law = {name!r}: expected one of {', '.join(by_name)}")
+    law = LAWS[name]
+    if law is HardWall:
+        return HardWall()
+    known = [field.name for field in fields(law)[2:]]
+    if unknown := [given for given in own if given not in known]:
+        raise ValueError(f"{unknown[0]}: law = {name!r} has no such field; its own: {', '.join(known) or 'none'}")
+    needed = [field.name for field in fields(law)[2:] if field.default is MISSING and field.name not in own]
+    if needed:
+        raise ValueError(f"{needed[0]}: law = {name!r} needs it")
+    return law(work_of_adhesion if law.attracts else 0.0, length, **own)

@@ -1,0 +1,213 @@
+"""What every traction-separation law says of itself."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable
+from dataclasses import dataclass, fields, replace
+from functools import cached_property
+from typing import Any, ClassVar
+
+import numpy as np
+from scipy.optimize import brentq, minimize_scalar
+
+from contact_study.numerics.arguments import positive
+from contact_study.study.schema.interaction import InteractionSection, SmoothInteraction
+
+# Steps of the numerical derivatives, in units of the law's length: along the imaginary axis nothing cancels; along the
+# real one truncation (of fourth order) and rounding stay below 1e-9 of the curvature.
+_IMAGINARY_STEP, _REAL_STEP = 1e-30, 3e-4
+# Gaps, in units of the law's length, among which its characteristic points are looked for.
+_SAMPLES = np.geomspace(1e-2, 1e2, 4001)
+# Halvings and Newton steps that find a gap from its traction; half of them would do for a power law.
+_INVERSE_STEPS = 100
+# Lengths of a law beyond which, or shares of one below which, no gap is looked for.
+_FARTHEST = 1e100
+# Gap below which points count as contact unless a study says otherwise, in units of the law's length.
+CONTACT_DISTANCE = 2 ** (1 / 6)
+
+
+@dataclass(frozen=True)
+class TractionLaw(ABC):
+    """Interaction energy φ per area as a function of the local gap.
+
+    Sign: the traction φ'(gap) is positive in tension. A law must give :meth:`potential`, written so that it takes
+    complex gaps; all else follows from it, by derivatives in the complex plane and by search, and may be given in
+    closed form for speed.
+
+    Parameters
+    ----------
+    work_of_adhesion : float
+        Depth of the minimum of φ (J/m²).
+    length : float
+        The law's length: r0 or range (m).
+
+    Attributes
+    ----------
+    has_wall : bool
+        Whether the gap cannot fall below zero, whatever the pressure: a constraint, of which φ says nothing.
+    attracts : bool
+        Whether it reaches beyond contact, and so carries tension.
+    title : str
+        Its name in a label.
+    words : str
+        Its name in a sentence.
+    of_pairs : bool
+        Whether it follows from the Lennard-Jones pairs that the atoms have.
+    counts_as_contact : str
+        What makes a point count, see :meth:`in_contact`, in words.
+    diverges : bool
+        Whether repulsion grows without bound as the gap closes, so that no gap is ever zero or less.
+    own_lengths : tuple of str
+        Fields beside ``length`` that are lengths.
+    section : type
+        Its keys in a study file.
+
+    Raises
+    ------
+    ValueError
+        If work of adhesion or length is not a positive finite number.
+    """
+
+    has_wall: ClassVar[bool] = False
+    attracts: ClassVar[bool] = True
+    title: ClassVar[str]
+    words: ClassVar[str]
+    of_pairs: ClassVar[bool] = False
+    counts_as_contact: ClassVar[str] = "a gap below the contact distance"
+    diverges: ClassVar[bool] = True
+    own_lengths: ClassVar[tuple[str, ...]] = ()
+    section: ClassVar[type[InteractionSection]] = SmoothInteraction
+
+    work_of_adhesion: float
+    length: float
+
+    def __post_init__(self):
+        for name, unit in (("work_of_adhesion", "J/m²"), ("length", "m")):
+            positive(name, getattr(self, name), unit)
+
+    @classmethod
+    def of(cls, section: InteractionSection, work_of_adhesion: float) -> "TractionLaw":
+        """The law of a study file: Δγ, ``length`` and the keys of its section that are fields of the law."""
+        own = {field.name: getattr(section, field.name) for field in fields(cls)[2:]}
+        return cls(work_of_adhesion, section.length or 0.0, **own)
+
+    def keys(self) -> dict[str, Any]:
+        """The keys of a study file that make this law, without its name: what :meth:`of` reads."""
+        own = {field.name: getattr(self, field.name) for field in fields(self)[1:]}
+        return own | ({"work_of_adhesion": self.work_of_adhesion} if self.attracts else {})
+
+    @abstractmethod
+    def potential(self, gap: np.ndarray) -> np.ndarray:
+        """Energy φ (J/m²), zero at infinite gap."""
+
+    def traction(self, gap: np.ndarray) -> np.ndarray:
+        """Traction φ' (Pa), tension positive."""
+        step = _IMAGINARY_STEP * self.length
+        return np.imag(self.potential(np.asarray(gap) + 1j * step)) / step
+
+    def stiffness(self, gap: np.ndarray) -> np.ndarray:
+        """Curvature φ'' (Pa/m)."""
+        gap = np.asarray(gap)
+        step = _REAL_STEP * (self.length if self.has_wall else gap)
+        near = self.traction(gap + step) - self.traction(gap - step)
+        far = self.traction(gap + 2 * step) - self.traction(gap - 2 * step)
+        return (8 * near - far) / (12 * step)
+
+    def repulsive_gap(self, traction: np.ndarray) -> np.ndarray:
+        """The gap at or below equilibrium at which the traction has the given value <= 0 (m).
+
+        Raises
+        ------
+        ValueError
+            If no gap has it: the repulsion is finite, at a gap of zero for a law that says it diverges there.
+        """
+        traction = np.asarray(traction, dtype=float)
+        high = np.full(traction.shape, self.equilibrium_distance)
+        if self.has_wall:
+            return high
+        low, below = 0.5 * high, self.length
+        while np.any(deeper := self.traction(low) > traction):
+            if not self.length / _FARTHEST < (np.min(low) if self.diverges else below) < _FARTHEST * self.length:
+                raise ValueError(
+                    f"law: {self.title}: its repulsion reaches {-self.traction(low).min():.3g} Pa, not "
+                    f"{-traction.min():.3g} Pa" + ("; with a finite one at zero gap, diverges is False" * self.diverges)
+                )
+            low = np.where(deeper, 0.5 * low if self.diverges else low - below, low)
+            below *= 2
+        gap = high.copy()
+        for _ in range(_INVERSE_STEPS):
+            excess = self.traction(gap) - traction
+            low, high = np.where(excess <= 0, gap, low), np.where(excess >= 0, gap, high)
+            if np.all(high - low <= 4 * np.finfo(float).eps * np.abs(high)):
+                break
+            newton = gap - excess / self.stiffness(gap)
+            gap = np.where((newton > low) & (newton < high), newton, 0.5 * (low + high))
+        return gap
+
+    @cached_property
+    def equilibrium_distance(self) -> float:
+        """Gap at which the traction vanishes, at a wall the wall (m).
+
+        Raises
+        ------
+        ValueError
+            If there is none: nothing keeps the bodies apart.
+        """
+        if self.has_wall:
+            return 0.0
+        lowest = int(np.argmin(self.potential(self.length * _SAMPLES)))
+        if lowest in (0, _SAMPLES.size - 1):
+            raise ValueError(f"law: {self.title}: has no core, or none from 0.01 to 100 times its length: give it one")
+        near, far = _SAMPLES[lowest - 1], _SAMPLES[lowest + 1]
+        return self.length * float(brentq(lambda gap: float(self.traction(np.array(self.length * gap))), near, far))
+
+    @cached_property
+    def peak_distance(self) -> float:
+        """Gap of the largest tensile traction (m)."""
+        return self.lowest(lambda gap: -self.traction(gap))
+
+    @cached_property
+    def peak_tensile_stress(self) -> float:
+        """Largest tensile traction (Pa)."""
+        return float(self.traction(np.array(self.peak_distance)))
+
+    @cached_property
+    def equilibrium_stiffness(self) -> float:
+        """φ'' at the equilibrium distance (Pa/m); a wall's own is infinite and not meant."""
+        return float(self.stiffness(np.array(self.equilibrium_distance)))
+
+    @cached_property
+    def strongest_softening(self) -> float:
+        """Largest −φ'' of the attractive tail (Pa/m)."""
+        return -float(self.stiffness(np.array(self.lowest(self.stiffness))))
+
+    def lowest(self, function: Callable[[np.ndarray], np.ndarray]) -> float:
+        """Gap from equilibrium outwards where a function is lowest (m)."""
+        gaps = self.equilibrium_distance + self.length * np.concatenate([[0.0], _SAMPLES])
+        at = int(np.argmin(function(gaps)))
+        if at == 0:
+            return self.equilibrium_distance
+        near, far = gaps[at - 1] / self.length, gaps[at + 1] / self.length
+        found = minimize_scalar(
+            lambda gap: float(function(np.array(self.length * gap))),
+            bounds=(near, far),
+            method="bounded",
+            options={"xatol": 1e-9},
+        )
+        return self.length * float(found.x)
+
+    @property
+    def contact_distance(self) -> float:
+        """Gaps up to it count as contact unless a study says otherwise (m)."""
+        return 0.0 if self.has_wall else CONTACT_DISTANCE * self.length
+
+    def in_contact(self, gap: np.ndarray, pressure: np.ndarray, contact_distance: float) -> np.ndarray:
+        """Which points of an interface are in contact, by their gap (m) and pressure (Pa)."""
+        return gap <= contact_distance if self.has_wall else gap < contact_distance
+
+    def scaled(self, length: float, stress: float) -> "TractionLaw":
+        """The same law in other units: lengths divided by ``length`` (m), stresses by ``stress`` (Pa).
+
+        A law with lengths of its own names them in ``own_lengths``.
+        """
+        lengths = {name: getattr(self, name) / length for name in ("length", *self.own_lengths)}
+        return replace(self, work_of_adhesion=self.work_of_adhesion / (length * stress), **lengths)

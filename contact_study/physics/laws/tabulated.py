@@ -1,0 +1,286 @@
+"""A law measured or computed elsewhere, by its traction at a number of gaps.
+
+Between the points the traction is monotone and its stiffness continuous (SciPy's ``PchipInterpolator``): no peak is
+higher than the table's, and there is no gap of zero stress that is not in it. Below the first gap the repulsion goes
+on as the power of the gap that has the value and slope there. Beyond the last one a tension that is left fades as the
+exponential through the last two points, whose slope the interpolant takes there: its own, of three points, is zero
+where they fall steeply, and with it nothing would fade. Energy follows by exact integration.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any, ClassVar
+
+import numpy as np
+from scipy.interpolate import CubicHermiteSpline, PchipInterpolator, PPoly
+from scipy.optimize import brentq
+
+from contact_study.errors import InputError
+from contact_study.physics.laws.base import TractionLaw
+from contact_study.study.schema.interaction import InteractionSection
+from contact_study.study.schema.keys import key, quantity, sequence, text
+
+# Tension at the last gap, over the table's peak, up to which an end is guessed.
+_LARGEST_END = 0.05
+# Least power of the gap with which the repulsion grows at the first gaps.
+_LEAST_POWER = 2.0
+_FEWEST_POINTS = 5
+_INVERSE_STEPS = 60
+
+
+@dataclass(frozen=True, kw_only=True)
+class TabulatedInteraction(InteractionSection):
+    """Keys of a tabulated law: a file, or its numbers, which the file's become when the study is read.
+
+    Attributes
+    ----------
+    columns : mapping
+        Of the file, see :func:`~contact_study.study.reading.tables.with_columns`.
+    """
+
+    columns: ClassVar[dict[str, tuple[str, str, str]]] = {
+        "gap": ("gap_unit", "m", "m"),
+        "traction": ("traction_unit", "Pa", "Pa"),
+    }
+
+    path: str | None = key(text(), "text table of gap and traction, tension positive, relative to the study file", None)
+    gap_unit: str = key(text(), "unit of the gaps in that table", "m")
+    traction_unit: str = key(text(), "unit of the tractions in that table", "Pa")
+    gap: tuple[float, ...] | None = key(
+        sequence(quantity("m", positive=True)), "gaps of the table, in place of path", None
+    )
+    traction: tuple[float, ...] | None = key(
+        sequence(quantity("Pa")), "tractions at these gaps, tension positive, in place of path", None
+    )
+
+    def __post_init__(self):
+        super().__post_init__()
+        for name in ("well_depth", "work_of_adhesion", "length"):
+            if getattr(self, name) is not None:
+                raise InputError(f'interaction.{name}: law = "{self.law}" has its own, from the table')
+        if self.path is not None:
+            raise InputError("interaction.path: one table a study; it cannot be swept or overridden")
+        if self.gap is None or self.traction is None:
+            raise InputError(
+                f'missing key interaction.path: law = "{self.law}" needs a table, or interaction.gap and traction'
+            )
+
+
+@dataclass(frozen=True, eq=False)
+class TabulatedLaw(TractionLaw):
+    """A law through a table; make it with :meth:`through`, which finds its work of adhesion and equilibrium distance.
+
+    Parameters
+    ----------
+    gaps, tractions : numpy.ndarray, shape (points,)
+        The table (m, Pa).
+    """
+
+    title = "tabulated"
+    words = "A law by a table"
+    section = TabulatedInteraction
+
+    gaps: np.ndarray
+    tractions: np.ndarray
+
+    @classmethod
+    def through(cls, gaps: Sequence[float] | np.ndarray, tractions: Sequence[float] | np.ndarray) -> "TabulatedLaw":
+        """The law through a table of gaps (m) and tractions (Pa), tension positive.
+
+        Raises
+        ------
+        ValueError
+            If the table is no law: gaps that do not increase, no core, no attraction, a tension that does not end.
+        """
+        gap, traction = (np.asarray(values, dtype=float) for values in (gaps, tractions))
+        _check(gap, traction)
+        first = int(np.argmax(traction > 0))
+        bare = cls(1.0, 1.0, gap, traction)
+        interpolant = bare._between
+        if traction[first - 1] == 0:
+            length = float(gap[first - 1])
+        else:
+            length = float(brentq(interpolant, gap[first - 1], gap[first], xtol=1e-15 * gap[first], rtol=1e-15))
+        return replace(bare, work_of_adhesion=-float(bare.potential(np.array(length))), length=length)
+
+    @classmethod
+    def of(cls, section: Any, work_of_adhesion: float) -> "TabulatedLaw":
+        try:
+            return cls.through(section.gap, np.asarray(section.traction) * section.well_depth_ratio)
+        except ValueError as error:
+            raise InputError(f"interaction: the table of the law {error}") from None
+
+    def keys(self) -> dict[str, Any]:
+        return {"gap": self.gaps, "traction": self.tractions}
+
+    @cached_property
+    def _between(self) -> CubicHermiteSpline:
+        _, tension, fading = self._end
+        slopes = PchipInterpolator(self.gaps, self.tractions).derivative()(self.gaps)
+        # Up to three times the secant a cubic is monotone; the exponential has less, unless its length is the bound.
+        secant = (self.tractions[-1] - self.tractions[-2]) / (self.gaps[-1] - self.gaps[-2])
+        slopes[-1] = max(-tension / fading, 3 * secant)
+        return CubicHermiteSpline(self.gaps, self.tractions, slopes)
+
+    @cached_property
+    def _slope(self) -> PPoly:
+        return self._between.derivative()
+
+    @cached_property
+    def _work(self) -> PPoly:
+        return self._between.antiderivative()
+
+    @cached_property
+    def _core(self) -> tuple[float, float, float]:
+        """First gap, its pressure and the power of the gap with which that grows."""
+        gap, pressure = float(self.gaps[0]), -float(self.tractions[0])
+        return gap, pressure, gap * float(self._slope(gap)) / pressure
+
+    @cached_property
+    def _end(self) -> tuple[float, float, float]:
+        """Last gap, its tension, and the length over which that fades.
+
+        No longer than from the peak to there: tensions that hardly fall between the last points, or are rounded to one
+        number, would fade over any length.
+        """
+        gap, tension = float(self.gaps[-1]), float(self.tractions[-1])
+        longest = gap - self.peak_distance
+        if tension == 0:
+            return gap, 0.0, longest
+        fall = math.log(self.tractions[-2]) - math.log(tension)
+        step = float(self.gaps[-1] - self.gaps[-2])
+        return gap, tension, step / max(fall, step / longest)
+
+    def _pieces(self, gap: np.ndarray, core: Any, between: Any, end: Any) -> np.ndarray:
+        """One function of the gap below, one within and one beyond the table."""
+        gap = np.asarray(gap, dtype=float)
+        result = np.asarray(between(np.clip(gap, self.gaps[0], self.gaps[-1])))
+        near, far = gap < self.gaps[0], gap > self.gaps[-1]
+        if near.any():
+            result = np.where(near, core(self.gaps[0] / np.where(near, gap, 1.0)), result)
+        if far.any():
+            result = np.where(far, end(np.where(far, gap, self.gaps[-1])), result)
+        return result
+
+    def potential(self, gap):
+        first, pressure, power = self._core
+        last, tension, fading = self._end
+        at_last, at_first = -tension * fading, -tension * fading - float(self._work(last))
+
+        return self._pieces(
+            gap,
+            lambda s: at_first + pressure * first / (power - 1) * (s ** (power - 1) - 1),
+            lambda d: at_last - (self._work(last) - self._work(d)),
+            lambda d: at_last * np.exp(-(d - last) / fading),
+        )
+
+    def traction(self, gap):
+        _, pressure, power = self._core
+        last, tension, fading = self._end
+        return self._pieces(
+            gap, lambda s: -pressure * s**power, self._between, lambda d: tension * np.exp(-(d - last) / fading)
+        )
+
+    def stiffness(self, gap):
+        first, pressure, power = self._core
+        last, tension, fading = self._end
+        return self._pieces(
+            gap,
+            lambda s: pressure * power / first * s ** (power + 1),
+            self._slope,
+            lambda d: -tension / fading * np.exp(-(d - last) / fading),
+        )
+
+    def repulsive_gap(self, traction):
+        wanted = np.minimum(np.asarray(traction, dtype=float), 0.0)
+        first, pressure, power = self._core
+        rising = int(np.argmax(self.tractions > 0)) + 1
+        # The points around the value are known; within them Newton, by halves where it leaves them.
+        right = np.clip(np.searchsorted(self.tractions[:rising], wanted, side="right"), 1, rising - 1)
+        low, high = self.gaps[right - 1], self.gaps[right]
+        gap = 0.5 * (low + high)
+        for _ in range(_INVERSE_STEPS):
+            excess = self._between(gap) - wanted
+            low, high = np.where(excess <= 0, gap, low), np.where(excess >= 0, gap, high)
+            if np.all(high - low <= 4 * np.finfo(float).eps * high):
+                break
+            newton = gap - excess / np.maximum(self._slope(gap), np.finfo(float).tiny)
+            gap = np.where((newton > low) & (newton < high), newton, 0.5 * (low + high))
+        deep = np.maximum(-wanted, pressure) / pressure
+        gap = np.where(-wanted > pressure, first * deep ** (-1 / power), gap)
+        return np.where(wanted == 0, self.length, np.minimum(gap, self.length))
+
+    @property
+    def equilibrium_distance(self) -> float:
+        return self.length
+
+    @property
+    def peak_distance(self) -> float:
+        return float(self.gaps[np.argmax(self.tractions)])
+
+    @cached_property
+    def strongest_softening(self) -> float:
+        # The slope is a parabola between two points: lowest at one of them or at its vertex, where the curvature ends.
+        bends = self._slope.derivative().roots(extrapolate=False)
+        outside = np.concatenate([self.gaps, bends[np.isfinite(bends)]])
+        return -float(self.stiffness(outside[outside >= self.length]).min())
+
+    def scaled(self, length: float, stress: float) -> "TabulatedLaw":
+        return TabulatedLaw(
+            self.work_of_adhesion / (length * stress),
+            self.length / length,
+            self.gaps / length,
+            self.tractions / stress,
+        )
+
+
+def _check(gap: np.ndarray, traction: np.ndarray) -> None:
+    """Whether a table is a law; each fault in one line."""
+    if gap.ndim != 1 or gap.shape != traction.shape or gap.size < _FEWEST_POINTS:
+        raise ValueError(f"needs at least {_FEWEST_POINTS} gaps, and as many tractions as gaps")
+    if not (np.all(np.isfinite(gap)) and np.all(np.isfinite(traction))):
+        raise ValueError("holds what is no finite number")
+    if not gap[0] > 0 or np.any(np.diff(gap) <= 0):
+        raise ValueError("must have positive gaps in increasing order")
+    if not traction[0] < 0:
+        flipped = traction[0] > 0 > traction.min()
+        raise ValueError(
+            "has no core: at its smallest gap the traction must be negative, a repulsion"
+            + ("; tension is positive here, so change all signs if the table counts it negative" if flipped else "")
+        )
+    if not traction.max() > 0:
+        raise ValueError('does not attract: no traction is positive; law = "repulsive" is a repulsion alone')
+    first = int(np.argmax(traction > 0))
+    if np.any(np.diff(traction[: first + 1]) <= 0):
+        raise ValueError(
+            f"must fall steadily in its core: up to a gap of {gap[first]:g} m the traction has to rise from point to "
+            "point; smooth the measurement there"
+        )
+    if np.any(traction[first:] < 0):
+        at = gap[first + int(np.argmax(traction[first:] < 0))]
+        raise ValueError(
+            f"repels again at a gap of {at:g} m: there may be one distance of zero stress, no more; smooth the "
+            "measurement there, or end the table before"
+        )
+    # Solvers take surfaces pulled past the peak to part for good, and to be out of reach where the tension is gone.
+    peak = int(np.argmax(traction))
+    rises = np.diff(traction) > 0
+    strays = np.flatnonzero(np.concatenate([np.diff(traction[first : peak + 1]) < 0, rises[peak:]]))
+    if strays.size:
+        raise ValueError(
+            f"has a second peak of tension, near a gap of {gap[first + int(strays[0])]:g} m: it has to rise to "
+            "one and fall from there on; smooth the measurement there"
+        )
+    if traction[-1] > _LARGEST_END * traction.max():
+        raise ValueError(
+            f"ends at a tension of {traction[-1] / traction.max():.2g} of its peak; go on to where it is below "
+            f"{_LARGEST_END:g}"
+        )
+    power = -gap[0] * float(PchipInterpolator(gap, traction).derivative()(gap[0])) / traction[0]
+    if power < _LEAST_POWER:
+        raise ValueError(
+            f"has no core: at its smallest gaps the repulsion grows as the power {power:.2g} of 1/gap, which keeps no "
+            f"surfaces apart; add smaller gaps, until it is {_LEAST_POWER:g} or more"
+        )

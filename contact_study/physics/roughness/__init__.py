@@ -1,0 +1,1 @@
+"""Spectra of rough surfaces: random realisations, moments, statistics and fits."""

@@ -1,0 +1,323 @@
+"""Isotropic roughness spectra: a self-affine target and that of a realised surface, with their moments.
+
+Convention: C(q) = (2π)⁻² ∫ d²x <h(x) h(0)> exp(−i q·x), so that h_rms² = 2π ∫ q C dq. All that contact theories
+need is in the moments M_n(q) = ∫ q'ⁿ C dq' from the smallest wavevector to q.
+"""
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from contact_study.numerics import fourier
+from contact_study.numerics.arguments import field, grid_of
+from contact_study.numerics.grid import Grid
+
+# Pieces, at least, in which a weighted integral over a continuous spectrum is done.
+_PIECES = 200
+
+
+class RoughnessSpectrum(ABC):
+    """What the theories ask of a spectrum, continuous or discrete."""
+
+    @property
+    @abstractmethod
+    def limits(self) -> tuple[float, float]:
+        """Smallest and largest wavevector (1/m)."""
+
+    @abstractmethod
+    def moment(self, order: float, lower: float | None = None, upper: float | np.ndarray | None = None) -> np.ndarray:
+        """M_n = ∫ qⁿ C dq between two wavevectors.
+
+        Parameters
+        ----------
+        order : float
+            The power n.
+        lower : float, optional
+            Lower limit (1/m), default the smallest wavevector.
+        upper : float or numpy.ndarray, optional
+            Upper limits (1/m), default the largest wavevector. Limits outside the spectrum are moved to its ends.
+
+        Returns
+        -------
+        numpy.ndarray
+            In m^(3−n), of the shape of ``upper`` (without axes for a single limit).
+        """
+
+    @abstractmethod
+    def weighted_variance(
+        self, weight: Callable[[np.ndarray], np.ndarray], upper: float | np.ndarray | None = None
+    ) -> np.ndarray:
+        """2π ∫ w(q) q C dq, the height variance below ``upper`` with a weight for each wave.
+
+        Parameters
+        ----------
+        weight : callable
+            w at wavevectors (1/m), smooth on the scale of an octave.
+        upper : float or numpy.ndarray, optional
+            Upper limits as in :meth:`moment`.
+
+        Returns
+        -------
+        numpy.ndarray
+            In m² times the unit of the weight, of the shape of ``upper``.
+        """
+
+    @abstractmethod
+    def band_edges(self, count: int) -> np.ndarray:
+        """At most ``count`` + 1 increasing wavevectors that divide the whole spectrum well (1/m)."""
+
+    @property
+    def mean_square_height(self) -> float:
+        """<h²> = 2π M₁ (m²)."""
+        return float(2 * np.pi * self.moment(1))
+
+    @property
+    def rms_slope(self) -> float:
+        """Root-mean-square slope √<(∇h)²> = √(2π M₃)."""
+        return float(np.sqrt(2 * np.pi * self.moment(3)))
+
+    @property
+    def rms_laplacian(self) -> float:
+        """√<(∇²h)²> = √(2π M₅) (1/m)."""
+        return float(np.sqrt(2 * np.pi * self.moment(5)))
+
+    def full_contact_stress_variance(
+        self, stiffness: Callable[[np.ndarray], np.ndarray], upper: float | np.ndarray | None = None
+    ) -> np.ndarray:
+        """Variance of the stress that full contact with the roughness up to ``upper`` makes, 2π ∫ K² q C dq (Pa²).
+
+        Each wave h of full contact carries the stress K h, on a half-space E* q h/2.
+
+        Parameters
+        ----------
+        stiffness : callable
+            K at wavevectors (1/m), in Pa/m.
+        upper : float or numpy.ndarray, optional
+            Largest wavevectors (1/m).
+        """
+        return self.weighted_variance(lambda q: stiffness(q) ** 2, upper)
+
+    def full_contact_energy(
+        self, stiffness: Callable[[np.ndarray], np.ndarray], upper: float | np.ndarray | None = None
+    ) -> np.ndarray:
+        """Elastic energy per area of full contact, π ∫ K q C dq (J/m²); parameters as for its stress variance."""
+        return 0.5 * self.weighted_variance(stiffness, upper)
+
+
+@dataclass(frozen=True)
+class SelfAffineSpectrum(RoughnessSpectrum):
+    """C = C₀ from ``low`` to ``roll_off``, C₀ (q/q_0)^(−2(1+H)) from there to ``cutoff``, zero elsewhere.
+
+    Parameters
+    ----------
+    hurst_exponent : float
+        H = 3 − D_f, from 0 to 1.
+    rms_height : float
+        h_rms of the ensemble (m); it fixes C₀.
+    low, roll_off, cutoff : float
+        Wavevectors q_L <= q_0 <= q_1, with q_L < q_1 (1/m).
+
+    Raises
+    ------
+    ValueError
+        If the wavevectors are out of order, the height is not positive or the exponent is not from 0 to 1.
+    """
+
+    hurst_exponent: float
+    rms_height: float
+    low: float
+    roll_off: float
+    cutoff: float
+
+    def __post_init__(self):
+        if not 0 < self.low <= self.roll_off <= self.cutoff or self.low == self.cutoff:
+            raise ValueError(
+                f"low = {self.low:g}, roll_off = {self.roll_off:g}, cutoff = {self.cutoff:g} 1/m: "
+                "must be positive, not decrease, and span a range"
+            )
+        if not self.rms_height > 0:
+            raise ValueError(f"rms_height = {self.rms_height:g} m: must be positive")
+        if not 0 <= self.hurst_exponent <= 1:
+            raise ValueError(f"hurst_exponent = {self.hurst_exponent:g}: must be from 0 to 1")
+
+    @property
+    def limits(self) -> tuple[float, float]:
+        return self.low, self.cutoff
+
+    @cached_property
+    def plateau(self) -> float:
+        """C₀, the density between ``low`` and ``roll_off`` (m⁴)."""
+        return float(self.rms_height**2 / (2 * np.pi * self._shape_moment(1, self.low, self.cutoff)))
+
+    def density(self, wavevector: float | np.ndarray) -> np.ndarray:
+        """C(q) (m⁴), zero outside the spectrum."""
+        q = np.asarray(wavevector, dtype=float)
+        decay = (np.maximum(q, self.roll_off) / self.roll_off) ** (-2 * (1 + self.hurst_exponent))
+        return np.where((q >= self.low) & (q <= self.cutoff), self.plateau * decay, 0.0)
+
+    def moment(self, order: float, lower: float | None = None, upper: float | np.ndarray | None = None) -> np.ndarray:
+        a = self.low if lower is None else min(max(lower, self.low), self.cutoff)
+        b = np.clip(self.cutoff if upper is None else upper, self.low, self.cutoff)
+        return self.plateau * self._shape_moment(order, a, b)
+
+    def weighted_variance(
+        self, weight: Callable[[np.ndarray], np.ndarray], upper: float | np.ndarray | None = None
+    ) -> np.ndarray:
+        b = np.clip(self.cutoff if upper is None else upper, self.low, self.cutoff)
+        # Gauss's rule on ln q, in pieces on which q²C is next to linear; exact limits and the roll-off are among them.
+        ends = np.unique(np.concatenate([np.ravel(b), self.band_edges(_PIECES)]))
+        nodes, weights = np.polynomial.legendre.leggauss(6)
+        half = 0.5 * np.diff(np.log(ends))
+        q = np.sqrt(ends[1:] * ends[:-1])[:, None] * np.exp(half[:, None] * nodes)
+        pieces = half * np.sum(weights * q**2 * self.density(q) * weight(q), axis=1)
+        cumulative = np.concatenate([[0.0], np.cumsum(pieces)])
+        return 2 * np.pi * cumulative[np.searchsorted(ends, b)]
+
+    def _shape_moment(self, order: float, a: float, b: float | np.ndarray) -> np.ndarray:
+        """∫ qⁿ C/C₀ dq from a to b, exact in each of the two power laws."""
+        q0, decay = self.roll_off, 2 * (1 + self.hurst_exponent)
+        flat = power_integral(order, min(a, q0), np.minimum(b, q0))
+        falling = power_integral(order - decay, max(a, q0), np.maximum(b, q0)) * q0**decay
+        return flat + falling
+
+    def band_edges(self, count: int) -> np.ndarray:
+        """Logarithmically spaced wavevectors, with the roll-off among them."""
+        edges = np.geomspace(self.low, self.cutoff, count + 1)
+        edges[np.argmin(np.abs(np.log(edges / self.roll_off)))] = self.roll_off
+        edges[0], edges[-1] = self.low, self.cutoff
+        return edges
+
+
+def power_integral(power: float | np.ndarray, a: float, b: float | np.ndarray) -> np.ndarray:
+    """∫ q^power dq from a to b, without cancellation when power nears −1."""
+    exponent = power + 1
+    octaves = np.log(np.asarray(b) / a)
+    x = exponent * octaves
+    ratio = np.where(x == 0, 1.0, np.expm1(x) / np.where(x == 0, 1.0, x))
+    return a**exponent * octaves * ratio
+
+
+@dataclass(frozen=True)
+class RadialSpectrum(RoughnessSpectrum):
+    """Spectrum of one surface: shells of Fourier modes of equal wavevector and the height variance of each.
+
+    A continuous theory cannot use lines as they are. Each shell is therefore spread between the geometric means of
+    its wavevector with its neighbours' (mirrored at both ends), where every moment grows linearly to the exact sum
+    M_n = Σ <h²>_i q_i^(n−1) / 2π of the shells below. So the moments of any order are exact between shells.
+
+    Parameters
+    ----------
+    wavevectors : numpy.ndarray, shape (n,)
+        Magnitudes q of the shells, increasing (1/m).
+    variances : numpy.ndarray, shape (n,)
+        Height variance in each shell (m²); their sum is h_rms².
+
+    Raises
+    ------
+    ValueError
+        If there is no shell, the wavevectors do not increase from above zero or a variance is negative or no number.
+    """
+
+    wavevectors: np.ndarray
+    variances: np.ndarray
+
+    def __post_init__(self):
+        q = self.wavevectors
+        if q.size == 0 or not q[0] > 0 or not np.all(np.diff(q) > 0) or self.variances.shape != q.shape:
+            raise ValueError("wavevectors: need at least one, increasing from above zero, with a variance each")
+        wrong = np.flatnonzero(~((self.variances >= 0) & np.isfinite(self.variances)))
+        if wrong.size:
+            first = wrong[0]
+            raise ValueError(
+                f"variances: {self.variances[first]:g} m² at {q[first]:g} 1/m: must be finite, not negative"
+            )
+
+    @cached_property
+    def shell_edges(self) -> np.ndarray:
+        """Wavevectors between which each shell is spread, shape (n + 1,) (1/m)."""
+        q = self.wavevectors
+        if q.size == 1:
+            return q[0] * np.array([0.5, 2.0]) ** 0.5  # an octave: a single wave has no neighbour
+        inner = np.sqrt(q[1:] * q[:-1])
+        return np.concatenate([[q[0] ** 2 / inner[0]], inner, [q[-1] ** 2 / inner[-1]]])
+
+    @property
+    def limits(self) -> tuple[float, float]:
+        return float(self.shell_edges[0]), float(self.shell_edges[-1])
+
+    @property
+    def rms_height(self) -> float:
+        """h_rms of this surface (m)."""
+        return float(np.sqrt(self.variances.sum()))
+
+    def moment(self, order: float, lower: float | None = None, upper: float | np.ndarray | None = None) -> np.ndarray:
+        parts = self.variances * self.wavevectors ** (order - 1) / (2 * np.pi)
+        cumulative = np.concatenate([[0.0], np.cumsum(parts)])
+        below = 0.0 if lower is None else np.interp(lower, self.shell_edges, cumulative)
+        return np.interp(self.limits[1] if upper is None else upper, self.shell_edges, cumulative) - below
+
+    def weighted_variance(
+        self, weight: Callable[[np.ndarray], np.ndarray], upper: float | np.ndarray | None = None
+    ) -> np.ndarray:
+        cumulative = np.concatenate([[0.0], np.cumsum(self.variances * weight(self.wavevectors))])
+        return np.interp(self.limits[1] if upper is None else upper, self.shell_edges, cumulative)
+
+    def band_edges(self, count: int) -> np.ndarray:
+        """Edges of the shells; where they lie denser than ``count`` bands in all, of groups of neighbours."""
+        edges = self.shell_edges
+        if edges.size <= count + 1:
+            return edges.copy()
+        wanted = np.geomspace(edges[0], edges[-1], count + 1)
+        return edges[np.unique(np.abs(np.log(edges[:, None] / wanted[None, :])).argmin(axis=0))]
+
+
+def radial_spectrum(heights: np.ndarray, grid: Grid) -> RadialSpectrum:
+    """Spectrum of a realised periodic surface.
+
+    Parameters
+    ----------
+    heights : numpy.ndarray, shape (ny, nx)
+        Heights (m); their mean plays no part.
+    grid : Grid
+        Where they were taken.
+
+    Raises
+    ------
+    ValueError
+        If the surface is flat.
+    """
+    power = grid.variances(fourier.transform(heights))
+    q = np.broadcast_to(grid.wavenumber, power.shape).ravel()
+    unit = 2 * np.pi / max(grid.size)
+    # Modes of one shell differ in |q| by rounding only; nine digits tell neighbouring shells apart.
+    _, first, index = np.unique(np.round(q / unit, 9), return_index=True, return_inverse=True)
+    variances = np.bincount(index.ravel(), weights=power.ravel())
+    # Modes that a band-limited surface does not have hold the transform's rounding, some 1e-16 of the heights each.
+    present = variances > 1e-26 * np.mean(np.square(heights))
+    if not present.any():
+        raise ValueError("heights: the surface is flat and has no spectrum")
+    return RadialSpectrum(q[first[present]], variances[present])
+
+
+def spectrum_of(height: np.ndarray, size: float | Sequence[float]) -> RadialSpectrum:
+    """Spectrum of a height array.
+
+    Parameters
+    ----------
+    height : array_like, shape (y, x)
+        Heights (m), continued periodically; their mean is left out.
+    size : float or pair of float
+        Periods along y and x; one number is both (m).
+
+    Raises
+    ------
+    ValueError
+        If the heights are no array of finite numbers, or flat, or a period is not a positive number.
+    """
+    heights = field("height", height)
+    if np.ptp(heights) == 0:
+        raise ValueError("height is flat: it has no spectrum")
+    return radial_spectrum(heights, grid_of(heights, size))

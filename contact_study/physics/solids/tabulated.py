@@ -1,0 +1,82 @@
+"""A solid whose stiffness is known wavevector by wavevector, such as a lattice's own."""
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Self
+
+import numpy as np
+
+from contact_study.numerics.grid import Grid
+from contact_study.physics.solids.base import Elasticity, contact_modulus_of
+
+
+@dataclass(frozen=True, eq=False)
+class Tabulated(Elasticity):
+    """K on the wavevectors of a grid, which may depend on their direction; theories see its mean over directions.
+
+    Parameters
+    ----------
+    contact_modulus : float
+        E* to quote, and the unit of stresses: that of the half-space which the solid is compared with (Pa).
+    grid : Grid
+        Whose wavevectors they are.
+    table : numpy.ndarray, shape grid.spectrum_shape
+        K in the layout of ``rfft2`` (Pa/m), positive; the first entry, that of the mean, is not looked at.
+
+    Raises
+    ------
+    ValueError
+        If the table does not fit the grid or holds what is no stiffness.
+    """
+
+    on_any_grid = False
+    grid: Grid
+    table: np.ndarray
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.table.shape != self.grid.spectrum_shape:
+            raise ValueError(f"table has shape {self.table.shape}, the grid's spectrum {self.grid.spectrum_shape}")
+        waves = self.table.reshape(-1)[1:]
+        if not (np.all(np.isfinite(waves)) and np.all(waves > 0)):
+            raise ValueError("table: every stiffness must be positive and finite")
+
+    @cached_property
+    def _by_wavenumber(self) -> tuple[np.ndarray, np.ndarray]:
+        """Wavenumbers and E*(q) = 2K/q, both in the mean over rings as wide as the longest wave's wavenumber."""
+        q = self.grid.wavenumber.reshape(-1)[1:]
+        weight = np.broadcast_to(self.grid.multiplicity, self.grid.spectrum_shape).reshape(-1)[1:]
+        ring = np.rint(q * max(self.grid.size) / (2 * np.pi)).astype(int)
+        count = np.bincount(ring, weight)
+        filled = count > 0
+        modulus = contact_modulus_of(self.table.reshape(-1)[1:], q)
+        means = [np.bincount(ring, weight * values)[filled] / count[filled] for values in (q, modulus)]
+        return means[0], means[1]
+
+    def stiffness(self, wavenumber: np.ndarray | float) -> np.ndarray:
+        """Mean of K over directions, between the rings of the table with E*(q) linear, beyond them constant (Pa/m)."""
+        q = np.asarray(wavenumber, dtype=float)
+        return 0.5 * q * np.interp(q, *self._by_wavenumber)
+
+    def stiffness_on(self, grid: Grid) -> np.ndarray:
+        """The table itself, or of a coarser grid the part that it holds.
+
+        Raises
+        ------
+        ValueError
+            If the grid has waves that the table has not.
+        """
+        fits = np.allclose(grid.size, self.grid.size, rtol=1e-9, atol=0)
+        if not fits or grid.shape[0] > self.grid.shape[0] or grid.shape[1] > self.grid.shape[1]:
+            raise ValueError(
+                f"the stiffness is tabulated on {self.grid.shape} points over {self.grid.size} m: "
+                f"{grid.shape} points over {grid.size} m have other waves"
+            )
+        rows = np.rint(np.fft.fftfreq(grid.shape[0], 1 / grid.shape[0])).astype(int)
+        stiffness_q = self.table[rows, : grid.spectrum_shape[1]].copy()
+        stiffness_q[0, 0] = 0.0
+        return stiffness_q
+
+    def scaled(self, length: float, stress: float) -> Self:
+        grid = Grid(self.grid.shape, (self.grid.size[0] / length, self.grid.size[1] / length))
+        return replace(super().scaled(length, stress), grid=grid, table=self.table * (length / stress))

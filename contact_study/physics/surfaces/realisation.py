@@ -1,0 +1,116 @@
+"""The rigid surface of a case: one height function, sampled by each model on the points it needs."""
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from contact_study.numerics import fourier
+from contact_study.numerics.grid import Grid
+from contact_study.physics.roughness.spectrum import RadialSpectrum, SelfAffineSpectrum, radial_spectrum
+from contact_study.physics.roughness.statistics import Roughness, roughness_of
+
+if TYPE_CHECKING:
+    from contact_study.study.case import Case
+
+
+@dataclass(frozen=True)
+class Surface(ABC):
+    """A periodic height function of zero mean; heights point toward the block.
+
+    Parameters
+    ----------
+    size : tuple of float
+        Periods along y and x (m).
+    shape : tuple of int
+        Points of the continuum grid.
+    spectrum : SelfAffineSpectrum or None
+        The target spectrum of a random surface.
+    """
+
+    size: tuple[float, float]
+    shape: tuple[int, int]
+    spectrum: SelfAffineSpectrum | None
+
+    @abstractmethod
+    def heights(self, shape: tuple[int, int]) -> np.ndarray:
+        """Heights of this surface on a grid of the given shape (m)."""
+
+    @property
+    def grid(self) -> Grid:
+        """The continuum grid."""
+        return Grid(self.shape, self.size)
+
+    @cached_property
+    def sampled(self) -> np.ndarray:
+        """Heights on the continuum grid, made once (m)."""
+        return self.heights(self.shape)
+
+    @property
+    def rms_height(self) -> float:
+        """Root-mean-square height of this surface on the continuum grid (m)."""
+        return float(np.sqrt(np.mean(self.sampled**2)))
+
+    @property
+    def peak_to_valley(self) -> float:
+        """Highest minus lowest point of the continuum grid (m)."""
+        return float(np.ptp(self.sampled))
+
+    @property
+    def rms_slope(self) -> float:
+        """√<|∇h|²> of the trigonometric interpolant on the continuum grid."""
+        power = self.grid.variances(fourier.transform(self.sampled))
+        return float(np.sqrt(np.sum(self.grid.wavenumber**2 * power)))
+
+    @cached_property
+    def roughness(self) -> Roughness:
+        """What this surface is like: of a measured one its map, of all others the continuum grid."""
+        target = self.spectrum
+        return roughness_of(self.sampled, self.grid, None if target is None else (target.roll_off, target.cutoff))
+
+    @property
+    def sample(self) -> Roughness:
+        """The same but for what the edges of a measured map make of it."""
+        return self.roughness
+
+    @property
+    def filled(self) -> float:
+        """Share of a map's points that were missing and filled."""
+        return 0.0
+
+    def measured_spectrum(self) -> RadialSpectrum:
+        """Radial spectrum of this very surface."""
+        return radial_spectrum(self.sampled, self.grid)
+
+
+@dataclass(frozen=True)
+class BandLimitedSurface(Surface):
+    """A trigonometric polynomial: refined, never changed, by more points.
+
+    Parameters
+    ----------
+    coefficients : numpy.ndarray
+        h_q in the layout of ``rfft2`` on ``native_shape`` points (m).
+    native_shape : tuple of int
+        The smallest grid that carries every mode.
+    """
+
+    coefficients: np.ndarray
+    native_shape: tuple[int, int]
+
+    def heights(self, shape: tuple[int, int]) -> np.ndarray:
+        coefficients = fourier.resize_spectrum(self.coefficients, self.native_shape, shape)
+        return fourier.synthesise(coefficients, shape)
+
+
+def realise(case: "Case") -> Surface:
+    """The surface of a case; equal cases give equal surfaces, for every model.
+
+    Raises
+    ------
+    InputError
+        If a height map cannot be read or used.
+    """
+    return case.surface.realise(case.directory)

@@ -1,0 +1,125 @@
+"""What a study alone says of a surface's heights and slopes, before any surface is made.
+
+Every realisation of a random surface gets the same numbers, so that what is chosen from them, such as the bins of the
+distributions, is equal for all seeds.
+"""
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from contact_study.numerics.grid import Grid
+from contact_study.physics.roughness.spectrum import RadialSpectrum, RoughnessSpectrum
+from contact_study.physics.roughness.statistics import Roughness
+from contact_study.physics.solids import Elasticity
+
+if TYPE_CHECKING:
+    from contact_study.physics.surfaces.base import SurfaceSection
+    from contact_study.study.study import Study
+
+
+@dataclass(frozen=True)
+class SurfaceScales:
+    """Scales of a surface.
+
+    Attributes
+    ----------
+    size : tuple of float
+        Periods along y and x (m).
+    shape : tuple of int
+        Points of the continuum grid.
+    rms_height : float
+        Root-mean-square height (m).
+    rms_slope : float
+        √<|∇h|²>.
+    peak_to_valley : float
+        Highest minus lowest point (m); of a random surface one that few realisations exceed.
+    shortest_wave : float
+        Wavelength of the finest roughness (m), infinite if there is none.
+    spectrum : RoughnessSpectrum or None
+        Waves that have these heights and slopes; None if there are none.
+    lost : tuple of float or None
+        Height and slope of a map, as above, on a ``shape`` that cannot carry all of its waves.
+    measured, sample : Roughness or None
+        What a map from a file is like, repeated and by itself.
+    unit : str
+        Unit that the heights of a map were taken to be in, and who says so.
+    filled : float
+        Fraction of its points that were missing and filled.
+    apex_curvature : float or None
+        Mean curvature of a surface that is one asperity, whose waves are those of its edges (1/m).
+    """
+
+    size: tuple[float, float]
+    shape: tuple[int, int]
+    rms_height: float
+    rms_slope: float
+    peak_to_valley: float
+    shortest_wave: float
+    spectrum: RoughnessSpectrum | None = field(default=None, compare=False)
+    lost: tuple[float, float] | None = None
+    measured: Roughness | None = field(default=None, compare=False)
+    sample: Roughness | None = field(default=None, compare=False)
+    unit: str = ""
+    filled: float = 0.0
+    apex_curvature: float | None = None
+
+    @property
+    def pixel(self) -> float:
+        """Largest grid spacing (m)."""
+        return max(Grid(self.shape, self.size).spacing)
+
+    @property
+    def grid_waves(self) -> tuple[float, float]:
+        """Wavelengths of the longest and of the shortest wave along an axis of the grid (m)."""
+        return max(self.size), 2 * min(Grid(self.shape, self.size).spacing)
+
+    @property
+    def rms_curvature(self) -> float:
+        """Root mean square of the mean curvature, half of the rms Laplacian (1/m)."""
+        if self.apex_curvature is not None:
+            return self.apex_curvature
+        if self.sample is not None:
+            return self.sample.rms_curvature
+        return 0.0 if self.spectrum is None else self.spectrum.rms_laplacian / 2
+
+    def full_contact_stress(self, solid: Elasticity) -> float:
+        """Deviation of the stress that a solid feels in full contact, of a half-space E* ξ / 2 (Pa)."""
+        if self.spectrum is None:
+            return 0.0
+        return float(np.sqrt(self.spectrum.full_contact_stress_variance(solid.stiffness)))
+
+
+def spectrum_of_waves(wavenumber: np.ndarray, variance: np.ndarray) -> RadialSpectrum | None:
+    """Any number of waves in bands of an eighth of an octave, each of the height and the slope of its waves.
+
+    Parameters
+    ----------
+    wavenumber, variance : numpy.ndarray
+        |q| > 0 of each wave (1/m), and its height variance (m²).
+
+    Returns
+    -------
+    RadialSpectrum or None
+        None if all variances are zero.
+    """
+    band = np.floor(8 * np.log2(wavenumber / wavenumber.min()) + 1e-6).astype(int)
+    heights, slopes = np.bincount(band, variance), np.bincount(band, wavenumber**2 * variance)
+    present = heights > 0
+    return RadialSpectrum(np.sqrt(slopes[present] / heights[present]), heights[present]) if present.any() else None
+
+
+def scales_of(study: "Study") -> tuple[SurfaceScales, ...]:
+    """Scales of the surface of each case; each section is looked at, and each height map read, once.
+
+    Raises
+    ------
+    InputError
+        If a height map cannot be used.
+    """
+    known: dict[SurfaceSection, SurfaceScales] = {}
+    for case in study.cases:
+        if case.surface not in known:
+            known[case.surface] = case.surface.scales(case.directory)
+    return tuple(known[case.surface] for case in study.cases)

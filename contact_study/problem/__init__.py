@@ -1,1 +1,0 @@
-"""The question, in SI units: study, surface and traction-separation law."""

@@ -1,0 +1,80 @@
+"""The atoms of a state one by one, by their names in a dataset: where they are, how fast, what the substrate does."""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from contact_study.numerics.grid import Grid
+from contact_study.results.state import Value, Variable
+
+_PLANE = ("step", "y", "x")
+_NODES = ("step", "node")
+
+ATOMS: dict[str, Variable] = {
+    "lateral_displacement_x": Variable("m", "move of a surface atom along x from its rest position", _PLANE),
+    "lateral_displacement_y": Variable("m", "move of a surface atom along y from its rest position", _PLANE),
+    "atom_height": Variable("m", "height of a surface atom over the mean plane of the substrate", _PLANE),
+    "shear_stress_x": Variable("Pa", "force of the substrate on a surface atom along x over its area", _PLANE),
+    "shear_stress_y": Variable("Pa", "force of the substrate on a surface atom along y over its area", _PLANE),
+    "normal_stress": Variable("Pa", "stress of the substrate on a surface atom, compression positive", _PLANE),
+    "velocity_x": Variable("m s-1", "velocity of a surface atom along x", _PLANE),
+    "velocity_y": Variable("m s-1", "velocity of a surface atom along y", _PLANE),
+    "velocity_z": Variable("m s-1", "velocity of a surface atom along z", _PLANE),
+    "node_x": Variable("m", "position of a node of the block along x", _NODES),
+    "node_y": Variable("m", "position of a node of the block along y", _NODES),
+    "node_z": Variable("m", "height of a node of the block over the mean plane of the substrate", _NODES),
+    "node_velocity_x": Variable("m s-1", "velocity of a node of the block along x", _NODES),
+    "node_velocity_y": Variable("m s-1", "velocity of a node of the block along y", _NODES),
+    "node_velocity_z": Variable("m s-1", "velocity of a node of the block along z", _NODES),
+}
+
+# What does not change along the path.
+SURROUNDINGS: dict[str, Variable] = {
+    "substrate_height": Variable("m", "height of a site of the substrate", ("site_y", "site_x")),
+    "atom_mass": Variable("kg", "mass of an atom of the block", ()),
+    "node_mass": Variable("kg", "mass of a node of the block; the rigid plane's is shared by its nodes", ("node",)),
+    "node_level": Variable("1", "level of a node of the block: cells of 2^level lattice constants", ("node",), "count"),
+}
+
+SITES: dict[str, Variable] = {
+    "site_y": Variable("m", "position of a site of the substrate along y", ("site_y",)),
+    "site_x": Variable("m", "position of a site of the substrate along x", ("site_x",)),
+}
+
+
+def surface_atoms(
+    displacement: np.ndarray, stress: np.ndarray, velocity: np.ndarray | None = None
+) -> dict[str, np.ndarray]:
+    """Fields of the bottom layer's atoms by their names.
+
+    Parameters
+    ----------
+    displacement : numpy.ndarray, shape (3, ny, nx)
+        Moves along x and y from the rest positions, and height over the substrate's mean plane (m).
+    stress : numpy.ndarray, shape (3, ny, nx)
+        Force of the substrate on each atom over its area (Pa).
+    velocity : numpy.ndarray, shape (3, ny, nx), optional
+        Of atoms in motion (m/s).
+    """
+    names = ("lateral_displacement_x", "lateral_displacement_y", "atom_height")
+    found = dict(zip(names, displacement, strict=True))
+    found |= zip(("shear_stress_x", "shear_stress_y", "normal_stress"), stress, strict=True)
+    if velocity is not None:
+        found |= zip(("velocity_x", "velocity_y", "velocity_z"), velocity, strict=True)
+    return {name: np.array(field) for name, field in found.items()}
+
+
+def block_nodes(position: np.ndarray, velocity: np.ndarray) -> dict[str, np.ndarray]:
+    """Nodes of an explicit block by their names: positions (m) and velocities (m/s), shape (3, nodes) each."""
+    found = dict(zip(("node_x", "node_y", "node_z"), position, strict=True))
+    found |= zip(("node_velocity_x", "node_velocity_y", "node_velocity_z"), velocity, strict=True)
+    return {name: np.array(field) for name, field in found.items()}
+
+
+def substrate_sites(heights: np.ndarray, size: tuple[float, float]) -> Mapping[str, Value]:
+    """Heights of the substrate's sites, shape (site_y, site_x), and where they stand (m); ``size`` is that of the cell.
+
+    Site (0, 0) stands at the origin, as the atom (0, 0) does at rest.
+    """
+    y, x = Grid((heights.shape[0], heights.shape[1]), size).coordinates
+    return {"site_y": y, "site_x": x, "substrate_height": heights}

@@ -1,0 +1,293 @@
+"""What a whole path tells of adhesion: where it pulls off, where it jumps in, the work of separation.
+
+All three are read off the series of states in equilibrium that the path passes: mean pressure p, mean separation s,
+energy U per area. Between two of them the load does the work −∫p ds; along a branch all of it is stored, in a jump it
+is not.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from contact_study.results.state import Variable
+
+# Share of the work and of the energy exchanged that a smooth step may leave unaccounted for.
+UNACCOUNTED = 0.02
+
+# Of the largest energy of a path, below which what a step leaves is the solver's error and no jump.
+_NOISE = 1e-6
+
+# What is kept of each state that a path passes in steps of its own or of time.
+PASSED = ("pressure", "separation", "energy")
+
+PATH_RESULTS: dict[str, Variable] = {
+    "pull_off_pressure": Variable(
+        "Pa", "lowest mean pressure that surfaces in contact carry: of a path where it pulls them apart", ()
+    ),
+    "jump_in_pressure": Variable("Pa", "mean pressure of the last state before the first jump of an approach", ()),
+    "jump_in_separation": Variable("m", "mean separation of the last state before the first jump of an approach", ()),
+    "work_of_separation": Variable(
+        "J m-2",
+        "work of the load per nominal area of the last retraction, from balance or its beginning to full separation",
+        (),
+    ),
+}
+
+
+@dataclass(frozen=True)
+class PathSeries:
+    """The states in equilibrium that a path passes, one after the other.
+
+    Parameters
+    ----------
+    pressure : numpy.ndarray, shape (n,)
+        Mean pressure (Pa), compression positive; where surfaces came apart under a load, that load.
+    separation : numpy.ndarray, shape (n,)
+        Mean separation (m); infinite where they came apart under a load.
+    energy : numpy.ndarray, shape (n,), or None
+        Elastic and of the interaction, per area (J/m²); None of a path whose points are too far apart to integrate, or
+        whose solid dissipates.
+    ends_apart : bool
+        Whether there was contact on the path, and none is left at its end.
+    points : numpy.ndarray of int, optional
+        Which of the states are the path's own points, between which it goes one way; all, if not given.
+    """
+
+    pressure: np.ndarray
+    separation: np.ndarray
+    energy: np.ndarray | None = None
+    ends_apart: bool = False
+    points: np.ndarray | None = None
+
+    def part(self, states: slice) -> "PathSeries":
+        """Some of the states."""
+        energy = None if self.energy is None else self.energy[states]
+        return PathSeries(self.pressure[states], self.separation[states], energy, self.ends_apart)
+
+
+def unaccounted(before: np.ndarray, after: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Work of the load that is not in the energy, by the trapezoidal rule, and what was exchanged (J/m²).
+
+    Parameters
+    ----------
+    before, after : numpy.ndarray, shape (..., 3)
+        Mean pressure (Pa), mean separation (m) and energy (J/m²) of two states.
+    """
+    way = 0.5 * (after[..., 1] - before[..., 1])
+    work = -(before[..., 0] + after[..., 0]) * way
+    stored = after[..., 2] - before[..., 2]
+    # Beside balance the work of push and of pull cancel; both are exchanged.
+    return work - stored, (np.abs(before[..., 0]) + np.abs(after[..., 0])) * np.abs(way) + np.abs(stored)
+
+
+def undecided(before: np.ndarray, after: np.ndarray) -> np.ndarray:
+    """By how much the work of a step that is a jump may be off (J/m²): where within it the jump lies is not known.
+
+    Parameters
+    ----------
+    before, after : numpy.ndarray, shape (..., 3)
+        As of :func:`unaccounted`.
+    """
+    change = after - before
+    return 0.5 * np.abs(change[..., 0] * change[..., 1])
+
+
+def lowest_between(before: np.ndarray, after: np.ndarray) -> np.ndarray:
+    """Lowest pressure on a branch from one state to another (Pa): of the parabola that stores what the step does.
+
+    Parameters
+    ----------
+    before, after : numpy.ndarray, shape (..., 3)
+        As of :func:`unaccounted`; their separations differ.
+    """
+    start, end = before[..., 0], after[..., 0]
+    stored = (after[..., 2] - before[..., 2]) / (after[..., 1] - before[..., 1])
+    # p = start + (end − start) t + bend t (1 − t), of mean (start + end)/2 + bend/6
+    bend = -6 * (stored + 0.5 * (start + end))
+    turn = 0.5 * (1 + np.divide(end - start, bend, out=np.ones_like(bend), where=bend != 0))
+    at = np.clip(turn, 0.0, 1.0)
+    return np.minimum(np.minimum(start, end), start + (end - start) * at + bend * at * (1 - at))
+
+
+def path_results(series: PathSeries, control: str) -> dict[str, float]:
+    """What a path tells of adhesion, by names of the schema; what it does not tell is left out.
+
+    Parameters
+    ----------
+    series : PathSeries
+        Its states.
+    control : {"pressure", "gap", "approach"}
+        What is prescribed. A load below the pull-off pressure pulls the surfaces apart; at a prescribed distance the
+        lowest pressure of retraction is passed. Only there a path meets its jump-in, and does a finite work on its way
+        out: under a prescribed pressure surfaces that attract come together without a load and fly apart.
+    """
+    if not series.pressure.size:  # no state of the path converged
+        return {}
+    if control == "pressure":
+        return _lost_under_load(series)
+    found = _lowest_of_retraction(series)
+    if series.energy is not None:
+        found |= _jump_in(series) | _work_of_separation(series)
+    return found
+
+
+def _lost_under_load(series: PathSeries) -> dict[str, float]:
+    """The lowest pressure that was held before one that was not, and how far that lies below."""
+    apart = np.isinf(series.separation)
+    last = np.flatnonzero(~apart[:-1] & apart[1:])
+    if not last.size:
+        return {}
+    # Under no load surfaces that attract are held: this is known of every path.
+    held = np.minimum(series.pressure[last], 0.0)
+    lowest = int(np.argmin(held))
+    return {
+        "pull_off_pressure": float(held[lowest]),
+        "pull_off_pressure_resolution_error": float(held[lowest] - series.pressure[last[lowest] + 1]),
+    }
+
+
+def _last_retraction(series: PathSeries) -> slice:
+    """The last of the path's ways outwards, from the point where it turned."""
+    points, distance = _points(series)
+    end = len(points) - 1
+    while end > 0 and distance[end] < distance[end - 1]:
+        end -= 1
+    start = end
+    while start > 0 and distance[start - 1] <= distance[start]:
+        start -= 1
+    return slice(int(points[start]), int(points[end]) + 1)
+
+
+def _first_approach(series: PathSeries) -> slice:
+    """The path up to the point where it first turns back."""
+    points, distance = _points(series)
+    start = 0
+    while start + 1 < len(points) and distance[start + 1] >= distance[start]:
+        start += 1
+    end = start
+    while end + 1 < len(points) and distance[end + 1] <= distance[end]:
+        end += 1
+    return slice(0, int(points[end]) + 1)
+
+
+def _points(series: PathSeries) -> tuple[np.ndarray, np.ndarray]:
+    """The path's points and their separations."""
+    points = np.arange(series.separation.size) if series.points is None else series.points
+    return points, series.separation[points]
+
+
+def _lowest_of_retraction(series: PathSeries) -> dict[str, float]:
+    """The lowest state of the last retraction, and how far the pressure goes below it between the states beside it."""
+    retraction = series.part(_last_retraction(series))
+    pressure, separation = retraction.pressure, retraction.separation
+    lowest = int(np.argmin(pressure))
+    if not (0 < lowest < pressure.size - 1 and pressure[lowest] < 0):
+        return {}
+    near = slice(lowest - 1, lowest + 2)
+    if not np.all(np.isfinite(separation[near])):  # torn off right after it: no parabola goes through infinity
+        return {"pull_off_pressure": float(pressure[lowest])}
+    below = _depth(separation[near], pressure[near])
+    if retraction.energy is not None:
+        below = max(below, float(pressure[lowest]) - _lowest_of_branches(retraction))
+    return {"pull_off_pressure": float(pressure[lowest]), "pull_off_pressure_resolution_error": below}
+
+
+def _lowest_of_branches(series: PathSeries) -> float:
+    """The lowest pressure along the branches, between states as well."""
+    states = _states(series)
+    smooth = ~_jumps(series)[1] & (np.diff(series.separation) > 0)
+    return float(np.min(lowest_between(states[:-1][smooth], states[1:][smooth]), initial=series.pressure.min()))
+
+
+def _depth(x: np.ndarray, y: np.ndarray) -> float:
+    """How far the parabola through three points goes below the middle one, the lowest of them."""
+    left, right = (y[1] - y[0]) / (x[1] - x[0]), (y[2] - y[1]) / (x[2] - x[1])
+    curvature = (right - left) / (x[2] - x[0])
+    slope = (left * (x[2] - x[1]) + right * (x[1] - x[0])) / (x[2] - x[0])
+    return float(slope**2 / (4 * curvature)) if curvature > 0 else 0.0
+
+
+def _states(series: PathSeries) -> np.ndarray:
+    """Pressure, separation and energy of every state, shape (n, 3)."""
+    assert series.energy is not None
+    return np.stack([series.pressure, series.separation, series.energy], axis=-1)
+
+
+def _jumps(series: PathSeries) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Of each step from one state to the next what it lost, whether that is a jump, and what is undecided then."""
+    assert series.energy is not None
+    states = _states(series)
+    lost, exchanged = unaccounted(states[:-1], states[1:])
+    noise = _NOISE * np.abs(series.energy).max(initial=0.0)
+    return lost, (lost > UNACCOUNTED * exchanged) & (lost > noise), undecided(states[:-1], states[1:])
+
+
+def _jump_in(series: PathSeries) -> dict[str, float]:
+    approach = series.part(_first_approach(series))
+    lost, jumped, unknown = _jumps(approach)
+    # Where the pressure only rises or only falls the rule errs by no more than this: beside balance, where little is
+    # exchanged, points that meet a wall one by one lose as much, and no energy.
+    proven = jumped & (lost > unknown)
+    if not proven.any():
+        return {}
+    first = int(np.argmax(proven))
+    return {
+        "jump_in_pressure": float(approach.pressure[first]),
+        "jump_in_separation": float(approach.separation[first]),
+        "jump_in_separation_resolution_error": float(approach.separation[first] - approach.separation[first + 1]),
+    }
+
+
+def _work_of_separation(series: PathSeries) -> dict[str, float]:
+    """∫−p ds of the last retraction from p = 0 on: what its branches store, and what its jumps lose.
+
+    Beyond its end, where nothing touches, the energy left is due: the work is the energy of full separation, zero, less
+    that of balance, and the jumps. A sum of p ds would add the rule's errors along the branches.
+    """
+    retraction = series.part(_last_retraction(series))
+    pressure, separation, energy = retraction.pressure, retraction.separation, retraction.energy
+    assert energy is not None
+    if not series.ends_apart or pressure.size < 2 or not (pressure < 0).any():
+        return {}
+    lost, jumped, unknown = _jumps(retraction)
+    first, begun = 0, float(energy[0])
+    balances = np.flatnonzero((pressure[:-1] >= 0) & (pressure[1:] < 0))
+    if balances.size:
+        before, first = int(balances[-1]), int(balances[-1]) + 1
+        share = pressure[before] / (pressure[before] - pressure[first])
+        balance = separation[before] + share * (separation[first] - separation[before])
+        nearer = first if jumped[before] or -pressure[first] <= pressure[before] else before
+        begun = float(energy[nearer] + 0.5 * pressure[nearer] * (separation[nearer] - balance))
+    lost, jumped, unknown = lost[first:], jumped[first:], unknown[first:]
+    return {
+        "work_of_separation": float(lost[jumped].sum()) - begun,
+        "work_of_separation_resolution_error": float(unknown[jumped].sum() + abs(lost[~jumped].sum())),
+    }
+
+
+def series_of(steps: Sequence[Mapping[str, Any]], control: str) -> PathSeries:
+    """The series of a path from what is kept of its points.
+
+    Parameters
+    ----------
+    steps : sequence of mapping
+        Quantities of each point by names of the schema: the states that its steps passed, or those at the points.
+    control : str
+        What is prescribed.
+    """
+    touching = [step["relative_contact_area"] > 0 for step in steps]
+    ends_apart = any(touching) and not touching[-1]
+    if all("passed_pressure" in step for step in steps):
+        pressure, separation, energy = (np.concatenate([step[f"passed_{name}"] for step in steps]) for name in PASSED)
+        last = np.cumsum([len(step[f"passed_{PASSED[0]}"]) for step in steps]) - 1
+        # Of a solid that relaxes work goes into it, too, and what is not in the energy is no jump.
+        books = energy if all("dissipated_energy" in step for step in steps) else None
+        # A point that did not converge may have passed none.
+        return PathSeries(pressure, separation, books, ends_apart, np.unique(last[last >= 0]))
+    known = [step for step in steps if step["converged"]]
+    lost = np.array([bool(step["detached"]) for step in known], bool)
+    load = np.array([step["applied_pressure" if control == "pressure" else "mean_pressure"] for step in known])
+    separation = np.array([step["mean_separation"] for step in known])
+    return PathSeries(load, np.where(lost, np.inf, separation), ends_apart=ends_apart)

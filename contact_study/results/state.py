@@ -1,0 +1,310 @@
+"""What a simulation hands over of a contact, and how a quantity that is read off it stands in a dataset."""
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import Any, Protocol
+
+import numpy as np
+
+from contact_study.numerics.distributions import Bins
+
+Value = float | int | bool | str | np.ndarray
+
+
+class Solved(Protocol):
+    """What the solutions of all solvers have."""
+
+    @property
+    def pressure(self) -> np.ndarray: ...
+    @property
+    def relative_contact_area(self) -> float: ...
+    @property
+    def mean_gap(self) -> float: ...
+    @property
+    def converged(self) -> bool: ...
+    @property
+    def detached(self) -> bool: ...
+    @property
+    def residual(self) -> float: ...
+    @property
+    def iterations(self) -> int: ...
+    @property
+    def fft_pairs(self) -> float: ...
+    @property
+    def message(self) -> str: ...
+
+
+def in_two_lines(solution: Solved) -> str:
+    """A solution for a person at a prompt."""
+    return (
+        f"<{type(solution).__name__}: mean pressure {np.mean(solution.pressure):.4g} Pa, relative contact area "
+        f"{solution.relative_contact_area:.4g}, mean gap {solution.mean_gap:.4g} m,\n "
+        f"{' x '.join(map(str, solution.pressure.shape))} points, residual {solution.residual:.1e}, "
+        f"{solution.iterations} iterations: {solution.message}>"
+    )
+
+
+@dataclass(frozen=True)
+class SolverReport:
+    """What a solver has to say of a state.
+
+    Attributes
+    ----------
+    converged : bool
+        Whether the question is answered within the tolerance.
+    detached : bool
+        Whether the surfaces have come apart under the load; not where a gap or an approach holds them apart.
+    residual : float
+        Error left in the equations, in units of their own scales.
+    iterations : int
+        Iterations of the solver.
+    fft_pairs : float
+        Pairs of Fourier transforms, in equivalents of the finest grid in double precision.
+    force_evaluations : int or None
+        Evaluations of the interface forces, of a model that counts them.
+    message : str
+        What is to be known of the step; empty if nothing.
+    complementarity_residual : float or None
+        How far the conditions of a wall are violated, of a solver that knows one beside another law.
+    acceptance_rate : float or None
+        Share of the proposals taken, of a method that proposes states.
+    """
+
+    converged: bool
+    detached: bool
+    residual: float
+    iterations: int
+    fft_pairs: float
+    force_evaluations: int | None = None
+    message: str = ""
+    complementarity_residual: float | None = None
+    acceptance_rate: float | None = None
+
+    @classmethod
+    def of(cls, solution: Solved, **known: int | float | None) -> "SolverReport":
+        """The report on a solution, with what only its solver knows.
+
+        A message stands where there is no plain equilibrium.
+        """
+        return cls(
+            solution.converged,
+            solution.detached,
+            solution.residual,
+            solution.iterations,
+            solution.fft_pairs,
+            message="" if solution.converged and not solution.detached else solution.message,
+            **known,  # type: ignore[arg-type]
+        )
+
+
+@dataclass(frozen=True)
+class ThermalMotion:
+    """Of atoms in motion.
+
+    Attributes
+    ----------
+    time : float
+        Since it began (s).
+    temperature : float
+        Kinetic, against a driven plane, of the velocities in the middle of time steps (K).
+    kinetic_energy : float
+        Of all nodes and the rigid plane against the substrate, of the velocities at the end of the time step, per
+        nominal area (J/m²).
+    mechanical_energy : float
+        That, the whole elastic and the interaction energy, and the load's, its pressure times the height of the rigid
+        plane over the substrate's mean plane (J/m²).
+    """
+
+    time: float
+    temperature: float
+    kinetic_energy: float
+    mechanical_energy: float
+
+
+@dataclass(frozen=True)
+class SlowMotion:
+    """Of overdamped motion: time over the friction of a unit of area (m/Pa) and mean pressure that acts (Pa)."""
+
+    time: float
+    load: float
+
+
+@dataclass(frozen=True)
+class Plasticity:
+    """Of a contact that yields: by how much each point has so far (m), shape (ny, nx), and at what pressure (Pa)."""
+
+    indentation: np.ndarray
+    hardness: float
+
+
+@dataclass(frozen=True)
+class Relaxation:
+    """Of a viscoelastic solid: the time since the path began (s), and what it has dissipated since (J/m²)."""
+
+    time: float
+    dissipated: float
+
+
+@dataclass(frozen=True)
+class OwnSteps:
+    """Of a path with steps of its own: what its jumps have dissipated so far.
+
+    Attributes
+    ----------
+    dissipated : float
+        Per nominal area (J/m²).
+    uncertain : float
+        By how much that may be off, as the steps do not say where within them a jump lies (J/m²).
+    """
+
+    dissipated: float
+    uncertain: float
+
+
+@dataclass(frozen=True)
+class InterfaceState:
+    """One state of a contact, as every simulation yields it for a point of the loading path.
+
+    Attributes
+    ----------
+    gap : numpy.ndarray, shape (ny, nx)
+        Local gap (m), infinite where the surfaces are apart for good; of a driven block its own.
+    pressure : numpy.ndarray, shape (ny, nx)
+        Local pressure (Pa), compression positive.
+    contact : numpy.ndarray, shape (ny, nx)
+        Whether a point counts as contact.
+    equilibrium_distance : float
+        Distance of flat surfaces without load, from which mean gaps are measured (m).
+    mean_separation : float
+        Distance of the mean planes of block and surface less the equilibrium distance (m).
+    elastic_energy, interaction_energy : float
+        Per nominal area (J/m²).
+    report : SolverReport
+        The solver's.
+    restart : mapping
+        All that the next point of the path starts from, nothing else.
+    spacing : tuple of float or None
+        Distance of points along y and x (m).
+    contact_stiffness : float or None
+        −dp/dū (Pa/m), of a model that was asked for it.
+    own_steps : OwnSteps or None
+        Of a path with steps of its own.
+    passed : numpy.ndarray, shape (n, 3), or None
+        Of a path with steps between its points: mean pressure (Pa), mean separation (m) and energy (J/m²) of each state
+        on the way to this point, itself last; of surfaces that come apart under a load that load and an infinite
+        separation.
+    motion : ThermalMotion or None
+        Of atoms in motion.
+    slow_motion : SlowMotion or None
+        Of a state in overdamped motion.
+    atoms : mapping
+        The atoms one by one, as :mod:`contact_study.results.observables.atoms` names them, where the study asks for them.
+    plasticity : Plasticity or None
+        Of a contact with a hardness.
+    relaxation : Relaxation or None
+        Of a viscoelastic solid.
+    periodic : bool
+        Whether the map goes on over its edges at the opposite ones; of free boundaries the surface ends there.
+    """
+
+    gap: np.ndarray
+    pressure: np.ndarray
+    contact: np.ndarray
+    equilibrium_distance: float
+    mean_separation: float
+    elastic_energy: float
+    interaction_energy: float
+    report: SolverReport
+    restart: Mapping[str, np.ndarray] = field(default_factory=dict)
+    spacing: tuple[float, float] | None = None
+    contact_stiffness: float | None = None
+    own_steps: OwnSteps | None = None
+    passed: np.ndarray | None = None
+    motion: ThermalMotion | None = None
+    slow_motion: SlowMotion | None = None
+    atoms: Mapping[str, np.ndarray] = field(default_factory=dict)
+    plasticity: Plasticity | None = None
+    relaxation: Relaxation | None = None
+    periodic: bool = True
+
+
+@dataclass(frozen=True)
+class Ensemble:
+    """States of one point of the loading path, whose means are the point's numbers, or of which the last one has them.
+
+    Attributes
+    ----------
+    states : iterator of InterfaceState
+        One after the other, as often as they are to count; read once. The ``restart`` of each holds all that the next
+        one follows from; the ``report`` of the last one is the point's.
+    discarded : int or None, optional
+        How many of them come before those whose mean is taken; None: only the last one counts. The series has all.
+    """
+
+    states: Iterator[InterfaceState]
+    discarded: int | None = 0
+
+
+@dataclass(frozen=True)
+class Variable:
+    """How one quantity stands in a dataset.
+
+    Parameters
+    ----------
+    units : str
+        UDUNITS.
+    long_name : str
+        What it is, in words.
+    dims : tuple of str
+        Dimensions beyond those of the sweep.
+    kind : str
+        ``"float"``, ``"count"``, ``"flag"`` or ``"text"``.
+    attrs : dict
+        Further attributes.
+    """
+
+    units: str
+    long_name: str
+    dims: tuple[str, ...] = ("step",)
+    kind: str = "float"
+    attrs: dict[str, Any] = field(default_factory=dict)
+
+    @property
+    def empty(self) -> Any:
+        """What stands where a case has no such point."""
+        return {"float": np.nan, "count": np.int32(-1), "flag": np.int8(-1), "text": ""}[self.kind]
+
+    @property
+    def dtype(self) -> Any:
+        """Type in memory."""
+        return {"float": np.float64, "count": np.int32, "flag": np.int8, "text": object}[self.kind]
+
+    @property
+    def encoding(self) -> dict[str, Any]:
+        """How it is written."""
+        if self.kind == "text":
+            return {}
+        if self.kind == "flag":  # integers for the reader too; "absent" is one of the flag's values
+            return {"_FillValue": None}
+        fill = np.nan if self.kind == "float" else self.empty
+        compressed = {"zlib": True, "complevel": 1, "shuffle": True} if len(self.dims) > 1 else {}
+        return {"_FillValue": fill, **compressed}
+
+
+@dataclass(frozen=True)
+class Observable:
+    """Quantities that are read off a state together.
+
+    Parameters
+    ----------
+    variables : mapping
+        How each stands in a dataset, by its name.
+    read : callable
+        State and bins of the study -> the quantities by name, all of them or those that the state has.
+    averaged : bool, optional
+        Whether the quantity of an ensemble is the mean over its states, not that of the last one.
+    """
+
+    variables: Mapping[str, Variable]
+    read: Callable[[InterfaceState, Bins], Mapping[str, Value]]
+    averaged: bool = True

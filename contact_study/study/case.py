@@ -1,0 +1,262 @@
+"""One point of a study's sweep: all that a model is given besides the surface, frozen, in plain SI numbers."""
+
+import math
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+from contact_study.errors import InputError
+from contact_study.physics.lattice import Lattice, lattice_of
+from contact_study.physics.laws import LAWS, TractionLaw
+from contact_study.physics.laws.lennard_jones_10_4 import work_of_adhesion
+from contact_study.physics.solids import Elasticity, Viscoelastic
+from contact_study.physics.solids.base import ElasticitySection
+from contact_study.physics.surfaces.base import SurfaceSection
+from contact_study.study.schema import sections
+from contact_study.study.schema.interaction import InteractionSection
+from contact_study.units import stress
+
+# Lengths of the law that the least step of a path through distances is the resolution's share of: with the default a
+# twentieth of one. Pressures follow a distance over that length; what the rule leaves of a step is its square over 12.
+_LENGTHS = 5
+
+
+@dataclass(frozen=True)
+class Case:
+    """One point of a study's sweep.
+
+    Attributes
+    ----------
+    coordinates : dict
+        The swept keys, by their last part, and this case's values.
+    index : tuple of int
+        Position along each swept key.
+    """
+
+    study: sections.StudySection
+    surface: SurfaceSection
+    material: sections.MaterialSection
+    elasticity: ElasticitySection
+    interaction: InteractionSection
+    loading: sections.LoadingSection
+    solver: sections.SolverSection
+    atomistic: sections.AtomisticSection
+    overdamped: sections.OverdampedSection
+    sampling: sections.SamplingSection
+    dynamics: sections.DynamicsSection
+    theory: sections.TheorySection
+    output: sections.OutputSection
+    coordinates: dict[str, Any] = field(default_factory=dict)
+    index: tuple[int, ...] = ()
+    directory: Path = Path(".")
+
+    def __post_init__(self):
+        _ = self.solid  # raises where no solid has these constants
+        if not self.law.attracts and self.loading.control == "pressure" and min(self.loading.path) <= 0:
+            raise InputError(
+                f"loading.path: {min(self.loading.path):g} Pa cannot be carried by {self.law.words}; "
+                "give positive pressures"
+            )
+        self._check_hardness()
+        self._check_time()
+        self._check_control()
+        if self.law.attracts and self.loading.control == "pressure":
+            peak, path = self.law.peak_tensile_stress, self.loading.path
+            if min(path) < -peak:
+                raise InputError(
+                    f"loading.path[{path.index(min(path))}] = {stress(min(path))} exceeds the largest tensile stress "
+                    f"of the adhesive law, {stress(peak)}: no state can carry it; give values above {stress(-peak)}"
+                )
+
+    def _check_control(self) -> None:
+        free, control = self.elasticity.boundary == "free", self.loading.control
+        if free and control == "gap":
+            raise InputError('loading.control = "gap": elasticity.boundary = "free" takes "pressure" or "approach"')
+        if not free and control == "approach" and not self.solid.mean_compliance:
+            held = math.isfinite(self.solid.depth)
+            moved = "not at all, being incompressible" if held else "by no finite distance, repeated periodically"
+            raise InputError(
+                f'loading.control = "approach": a uniform pressure moves elasticity.kind = "{self.elasticity.kind}" '
+                f'{moved}; use "pressure" or "gap"'
+            )
+
+    def require_gap(self) -> None:
+        """Raise InputError if a prescribed mean gap is none; that of a driven block is another distance."""
+        lowest = min(self.loading.path) + self.law.equilibrium_distance
+        # Only a wall can be met everywhere, at a mean gap of zero.
+        if self.loading.control == "gap" and (lowest < 0 or (lowest == 0 and not self.law.has_wall)):
+            raise InputError(
+                f"loading.path: a mean gap of {min(self.loading.path):g} m above the equilibrium distance, "
+                f"{self.law.equilibrium_distance:g} m, leaves no gap between the surfaces"
+            )
+
+    def _check_hardness(self) -> None:
+        hardness, control = self.material.hardness, self.loading.control
+        if hardness is None:
+            return
+        given = f"material.hardness = {hardness:g} Pa"
+        if self.law.attracts or not self.law.has_wall:
+            raise InputError(
+                f'{given}: known of interaction.law = "hard_wall" only, not of "{self.interaction.law}"; leave one out'
+            )
+        if control == "pressure" and max(self.loading.path) >= hardness:
+            raise InputError(
+                f"loading.path: a mean pressure of {max(self.loading.path):g} Pa is not below {given}: no state can "
+                "carry it, all of the surface would give way"
+            )
+        if control == "gap" and min(self.loading.path) <= 0:
+            raise InputError(f"loading.path: with {given} surfaces close at no one pressure; give gaps above zero")
+
+    def _check_time(self) -> None:
+        duration, path = self.loading.duration, self.loading.path
+        if not isinstance(self.solid, Viscoelastic):
+            if duration is not None:
+                raise InputError(
+                    f'loading.duration: elasticity.kind = "{self.elasticity.kind}" knows of no time; it belongs to '
+                    '"viscoelastic"'
+                )
+            return
+        if duration is None:
+            raise InputError(
+                'missing key loading.duration: elasticity.kind = "viscoelastic" needs times between points'
+            )
+        if isinstance(duration, tuple) and len(duration) != len(path):
+            raise InputError(f"loading.duration holds {len(duration)} times for {len(path)} points of loading.path")
+        for refused, name in (
+            (self.loading.adaptive, "loading.adaptive"),
+            (self.solver.path == "overdamped", 'solver.path = "overdamped"'),
+            (self.output.stiffness, "output.stiffness"),
+            (self.material.hardness is not None, "material.hardness"),
+        ):
+            if refused:
+                raise InputError(f'{name}: not known of elasticity.kind = "viscoelastic"; leave it out')
+
+    @property
+    def spectra(self) -> tuple[str, ...]:
+        """The roughness spectra that theories are fed with, the first one under their own names."""
+        own = ("surface",) if self.surface.target_spectrum is None else ("surface", "analytic")
+        return self.theory.spectra or own
+
+    @property
+    def durations(self) -> list[float]:
+        """Time to each point of :attr:`path` from the one before it (s), of a viscoelastic solid."""
+        given, points = self.loading.duration, len(self.loading.path)
+        there = list(given) if isinstance(given, tuple) else [given or 0.0] * points
+        # The way back takes each interval as long as the way there.
+        return there + there[:0:-1] if self.loading.unload else there
+
+    @property
+    def label(self) -> str:
+        """Coordinates in words, for progress and messages."""
+        return ", ".join(f"{name} = {value}" for name, value in self.coordinates.items())
+
+    @cached_property
+    def kept_fields(self) -> frozenset[int]:
+        """Numbers of the points of the path whose fields are kept."""
+        points = range(len(self.path))
+        if not self.output.fields:
+            return frozenset()
+        if self.output.field_steps is None:
+            return frozenset(points)
+        return frozenset(points[number] for number in self.output.field_steps if -len(points) <= number < len(points))
+
+    @cached_property
+    def solid(self) -> Elasticity:
+        """The elastic block, by the stiffness of its surface."""
+        return self.elasticity.solid(self.material)
+
+    @property
+    def block_layers(self) -> int:
+        """Cells of the block of atoms from its surface to the plane that holds it; on a half-space as many as across.
+
+        Raises
+        ------
+        InputError
+            If the solid's depth is no whole number of cells, or ``atomistic.layers`` says another; as :attr:`lattice`.
+        """
+        given, depth, constant = self.atomistic.layers, self.solid.depth, self.lattice.constant
+        if not math.isfinite(depth):
+            return given or max(self.lattice.atoms)
+        layers = round(depth / constant)
+        if layers < 1 or abs(depth / constant - layers) > 1e-6 * layers or given not in (0, layers):
+            clash = f" and atomistic.layers = {given}" if given else ""
+            raise InputError(
+                f"elasticity.thickness = {depth:g} m{clash}: the layer is {depth / constant:.6g} cells of "
+                f"material.lattice_constant = {constant:g} m; atoms need a whole number, and atomistic.layers = 0"
+            )
+        return layers
+
+    @cached_property
+    def law(self) -> TractionLaw:
+        """The traction-separation law."""
+        return self._law.of(self.interaction, self.work_of_adhesion)
+
+    @property
+    def _law(self) -> type[TractionLaw]:
+        return LAWS[self.interaction.law]
+
+    @property
+    def contact_distance(self) -> float:
+        """Gaps below it count as contact (m)."""
+        given, law = self.interaction.contact_distance, self.law
+        return law.contact_distance if given is None or (law.has_wall and not law.attracts) else given
+
+    @property
+    def height_map(self) -> Path | None:
+        """File of the heights, for a surface from a file."""
+        return None if self.surface.map_path is None else self.directory / self.surface.map_path
+
+    @property
+    def path(self) -> list[tuple[float, str]]:
+        """Prescribed values in order, each with its branch: "loading" or "unloading"."""
+        points = [(value, "loading") for value in self.loading.path]
+        if self.loading.unload:
+            points += [(value, "unloading") for value in self.loading.path[-2::-1]]
+        return points
+
+    @property
+    def least_step(self) -> float | None:
+        """Least step of a path that takes steps of its own between its points, in its unit; None where it takes none.
+
+        Through distances it is so short that the trapezoidal rule is exact along a branch.
+        """
+        if not (self.loading.adaptive and self.law.attracts):
+            return None
+        largest = max(map(abs, self.loading.path))
+        if self.loading.control != "pressure":
+            largest = min(largest, _LENGTHS * self.law.length)
+        return self.loading.resolution * largest
+
+    def point_in_words(self, number: int) -> str:
+        """A point of the path in the unit that the study is written in."""
+        name, size = self.loading.unit
+        what = "" if self.loading.control == "pressure" else f"{self.loading.control} "
+        return f"{what}{self.path[number][0] / size:.6g} {name}"
+
+    @cached_property
+    def lattice(self) -> Lattice:
+        """The lattices of the atoms; errors as :func:`~contact_study.physics.lattice.lattice_of`."""
+        return lattice_of(self.surface.cell(self.directory), self.material.lattice_constant)
+
+    @property
+    def work_of_adhesion(self) -> float:
+        """Δγ (J/m²), including ``well_depth_ratio``; zero for a hard wall without adhesion."""
+        given = self.interaction
+        if not self._law.attracts:
+            return 0.0
+        if given.work_of_adhesion is not None:
+            return given.work_of_adhesion * given.well_depth_ratio
+        if given.well_depth is None or given.length is None:
+            return 0.0
+        return work_of_adhesion(given.well_depth * given.well_depth_ratio, given.length, *self.lattice.densities)
+
+    @property
+    def well_depth(self) -> float:
+        """ε of the pair potential (J), including ``well_depth_ratio``."""
+        given = self.interaction
+        if given.well_depth is not None:
+            return given.well_depth * given.well_depth_ratio
+        if given.length is None:
+            raise InputError("missing key interaction.length: atoms need a pair potential")
+        return self.work_of_adhesion / work_of_adhesion(1.0, given.length, *self.lattice.densities)

@@ -1,0 +1,83 @@
+"""Values that a study leaves to be chosen: the range of adhesion, from surface, modulus and work of adhesion."""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from contact_study.errors import InputError
+from contact_study.physics.laws import INTERACTIONS, LAWS
+from contact_study.physics.tabor import JKR_LIKE, SHARE_OF_HEIGHT, longest_range, tabor_parameter
+from contact_study.study.case import Case
+from contact_study.study.schema.keys import default_of, keys_of
+from contact_study.units import length
+
+AUTO, LENGTH = "auto", "interaction.length"
+
+
+def with_length(interaction: Mapping[str, Any], bound: Mapping[str, Any], directory: Path) -> dict[str, Any]:
+    """The interaction of a study with a number for its length, the longest that leaves contacts JKR-like.
+
+    Parameters
+    ----------
+    interaction : mapping
+        The section as the file has it.
+    bound : mapping
+        The sections before it, bound: surface, material and elasticity among them.
+    directory : pathlib.Path
+        Where relative paths of the study start.
+
+    Raises
+    ------
+    InputError
+        If nothing attracts, adhesion is not given as its work, the surface is flat or cannot be read.
+    """
+    given = dict(interaction)
+    if given.get("length") != AUTO:
+        return given
+    law = LAWS.get(str(INTERACTIONS.kind_of(given)))
+    if law is not None and not law.attracts:
+        raise InputError(f'{LENGTH} = "{AUTO}": law = "{INTERACTIONS.kind_of(given)}" does not attract; leave it out')
+    if "work_of_adhesion" not in given:
+        raise InputError(
+            f'{LENGTH} = "{AUTO}": needs interaction.work_of_adhesion, which pairs of atoms would make of it'
+        )
+    work, ratio = (
+        keys_of(INTERACTIONS)[name].read(given.get(name, default_of(INTERACTIONS, name)), f"interaction.{name}")
+        for name in ("work_of_adhesion", "well_depth_ratio")
+    )
+    scales = bound["surface"].scales(directory)
+    solid = bound["elasticity"].solid(bound["material"])
+    try:
+        given["length"] = longest_range(scales.rms_curvature, scales.rms_height, solid.contact_modulus, work * ratio)
+    except ValueError as error:
+        raise InputError(f'{LENGTH} = "{AUTO}": {error}; give the length of the interaction') from None
+    return given
+
+
+def choices(tables: Sequence[Mapping[str, Any]], cases: Sequence[Case]) -> tuple[str, ...]:
+    """What was chosen, in words, each once.
+
+    Parameters
+    ----------
+    tables : sequence of mapping
+        The study's sections at each point of its sweep, as the file has them.
+    cases : sequence of Case
+        The same points, bound.
+    """
+    said = []
+    for table, case in zip(tables, cases, strict=True):
+        if table["interaction"].get("length") == AUTO:
+            scales = case.surface.scales(case.directory)
+            tabor = tabor_parameter(
+                1 / scales.rms_curvature, case.solid.contact_modulus, case.work_of_adhesion, case.law.length
+            )
+            why = (
+                f"the longest of a Tabor parameter above {JKR_LIKE:g}"
+                if tabor / JKR_LIKE * case.law.length < SHARE_OF_HEIGHT * scales.rms_height
+                else "a tenth of the rms height"
+            )
+            said.append(
+                f'range of adhesion ({LENGTH} = "{AUTO}"): {length(case.law.length)}, {why}; Tabor parameter '
+                f"{tabor:.2g}: JKR-like"
+            )
+    return tuple(dict.fromkeys(said))

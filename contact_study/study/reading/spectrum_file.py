@@ -1,0 +1,223 @@
+"""A roughness spectrum from a file, as it goes into a study: text with a header, or NetCDF."""
+
+import math
+import re
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from contact_study import units
+from contact_study.errors import InputError
+from contact_study.physics.roughness.tabulated_spectrum import TabulatedSpectrum
+from contact_study.regular_files import refuse_endless
+from contact_study.study.reading.tables import numbers_of, text_of
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+FILE, TABLE = "file", "table"
+_KEY = "spectrum_path"
+_UNIT_KEYS = ("wavevector_unit", "density_unit")
+_SI = ("m^-1", "m^4")
+_NAMES = ("wavevector", "power")
+
+# The spectrum of a surface in this project's own datasets.
+_OWN = "power_spectrum"
+
+# More rows than any average over directions has; a study holds them all.
+_MOST = 20_000
+
+# Of the largest power: what a transform leaves of waves that a surface does not have.
+_ROUNDING = 1e-20
+
+
+def read_spectrum(
+    path: Path | str, wavevector_unit: str | None = None, density_unit: str | None = None
+) -> TabulatedSpectrum:
+    """A spectrum from a file.
+
+    Parameters
+    ----------
+    path : path-like
+        NetCDF (``.nc``), with one spectrum on its wavevectors, or ``power_spectrum`` as the datasets here have it; else
+        text, q and C(q) a row a line, between blanks, tabs or commas. A header names the columns with their units,
+        ``q (1/m), C (m^4)``; columns beyond these two need one, and are left out. Rows of no power at the ends, or of
+        a transform's rounding, are outside of the spectrum.
+    wavevector_unit, density_unit : str, optional
+        Units where the file is silent.
+
+    Raises
+    ------
+    InputError
+        If there is no such file, a unit is missing, unknown or not that of the quantity, or there is no spectrum in it.
+    """
+    return TabulatedSpectrum(*_columns(Path(path), "path", (wavevector_unit, density_unit)))
+
+
+def with_spectrum(table: Mapping[str, Any], directory: Path) -> dict[str, Any]:
+    """A study with the numbers of the file that ``theory.spectrum_path`` names, and ``"table"`` for ``"file"``.
+
+    A study then holds all that decides its numbers, wherever it goes.
+
+    Raises
+    ------
+    InputError
+        As :func:`read_spectrum`; also if the numbers are given beside the file.
+    """
+    section = table.get("theory", {})
+    if not isinstance(section, Mapping) or not isinstance(section.get(_KEY), str):
+        return dict(table)
+    beside = [name for name in ("wavevectors", "density") if name in section]
+    if beside:
+        raise InputError(f"theory.{_KEY} and theory.{beside[0]}: give the file or its numbers, not both")
+    swept = table.get("sweep", {})
+    if not _asked(section.get("spectrum")) and not _asked(swept.get("theory.spectrum")):
+        raise InputError(f'theory.{_KEY} is given, but theory.spectrum does not name "{FILE}"')
+    given = [section.get(name) for name in _UNIT_KEYS]
+    q, density = _columns(directory / section[_KEY], f"theory.{_KEY}", given)
+    kept = {name: value for name, value in section.items() if name not in (_KEY, *_UNIT_KEYS)}
+    if "spectrum" in kept:
+        kept["spectrum"] = _renamed(kept["spectrum"])
+    changed = {**table, "theory": {**kept, "wavevectors": q.tolist(), "density": density.tolist()}}
+    if "theory.spectrum" in swept:
+        changed["sweep"] = {**swept, "theory.spectrum": _renamed(swept["theory.spectrum"])}
+    return changed
+
+
+def _asked(spectrum: Any) -> bool:
+    return FILE in _words(spectrum)
+
+
+def _words(spectrum: Any) -> list[Any]:
+    if isinstance(spectrum, str):
+        return [word.strip() for word in spectrum.split(",")]
+    return spectrum if isinstance(spectrum, list) else [spectrum]
+
+
+def _renamed(spectrum: Any) -> Any:
+    words = [TABLE if word == FILE else word for word in _words(spectrum)]
+    return words if isinstance(spectrum, list) or len(words) > 1 else words[0]
+
+
+def _columns(path: Path, key: str, given: Sequence[Any]) -> tuple[np.ndarray, np.ndarray]:
+    """q and C in SI, checked row by row."""
+    where = f"{key}: {path}"
+    columns, said = _netcdf(path, where) if path.suffix.lower() == ".nc" else _text(path, key, where)
+    q, density = (
+        column * _factor(where, name, own, asked, si)
+        for column, name, own, asked, si in zip(columns, _NAMES, said, given, _SI, strict=True)
+    )
+    return _checked(where, q, density)
+
+
+def _factor(where: str, name: str, own: str | None, asked: Any, si: str) -> float:
+    """Size of a column's unit in SI."""
+    if own is None and asked is None:
+        keys = dict(zip(_NAMES, _UNIT_KEYS, strict=True))
+        raise InputError(
+            f'{where} does not say the unit of its {name}; give a header, "q (1/m), C (m^4)", or theory.{keys[name]}'
+        )
+    sizes = [units.quantity(f"1 {_spelt(unit)}", si, f"{where}, unit of {name}") for unit in (own, asked) if unit]
+    if len(sizes) > 1 and not math.isclose(*sizes, rel_tol=1e-9):
+        raise InputError(f"{where}: its {name} is in {own}, the study says {asked}")
+    return sizes[0]
+
+
+def _spelt(unit: Any) -> str:
+    """A unit as keys spell it: 1/m and m-1 are m^-1, m4 is m^4."""
+    words = re.sub(r"^1\s*/\s*([^\W\d]+)$", r"\1^-1", str(unit).strip())
+    return re.sub(r"([^\W\d])(-?\d+)", r"\1^\2", words)
+
+
+def _text(path: Path, key: str, where: str) -> tuple[np.ndarray, list[str | None]]:
+    """Both columns, and the units that a header gives them."""
+    stripped = ((number, line.strip()) for number, line in enumerate(text_of(path, key).splitlines(), 1))
+    lines = [(number, line) for number, line in stripped if line]
+    header = [line.lstrip("#").strip() for _, line in lines if line.startswith("#") or not _is_number(line)]
+    rows = [(number, line) for number, line in lines if not line.startswith("#") and _is_number(line)]
+    named = next((line for line in reversed(header) if len(_units_in(line)) >= len(_NAMES)), None)
+    table = numbers_of(rows, where, r"[\s,;]+")
+    if not table.size or table.shape[1] < len(_NAMES) or (table.shape[1] > len(_NAMES) and named is None):
+        raise InputError(
+            f"{where} holds {table.shape[1] if table.size else 'no'} columns of numbers; expected q and C(q), and more "
+            'only under a header such as "q (1/m), C (m^4)"'
+        )
+    return table.T[:2], [*_units_in(named)[:2]] if named is not None else [None, None]
+
+
+def _is_number(line: str) -> bool:
+    try:
+        float(re.split(r"[\s,;]+", line)[0])
+    except ValueError:
+        return False
+    return True
+
+
+def _units_in(header: str) -> list[str]:
+    """What stands in brackets."""
+    return re.findall(r"[(\[]\s*([^()\[\]]+?)\s*[)\]]", header)
+
+
+def _netcdf(path: Path, where: str) -> tuple[np.ndarray, list[str | None]]:
+    """The spectrum of a dataset and its wavevectors, with their units."""
+    import xarray as xr  # slow to import
+
+    try:
+        refuse_endless(path)
+    except OSError as error:
+        raise InputError(f"{where} cannot be read ({error.strerror})") from None
+    try:
+        with xr.open_dataset(path, decode_timedelta=False) as opened:
+            dataset = opened.load()
+    except MemoryError:
+        raise
+    except Exception as error:  # of a dozen types, of a file that is damaged
+        raise InputError(f"{where} is no NetCDF file ({str(error).partition(chr(10))[0]})") from None
+    density = _spectrum_in(dataset, where)
+    axis = dataset[density.dims[0]]
+    there = np.isfinite(axis.values)  # surfaces of fewer wavevectors are padded
+    return np.stack([axis.values, density.values])[:, there], [
+        variable.attrs.get("units") for variable in (axis, density)
+    ]
+
+
+def _spectrum_in(dataset: "xr.Dataset", where: str) -> "xr.DataArray":
+    names = [_OWN] if _OWN in dataset else [str(name) for name, values in dataset.items() if values.squeeze().ndim == 1]
+    if len(names) != 1:
+        raise InputError(f"{where} holds {len(names)} variables on one dimension ({', '.join(names)}); expected one")
+    density = dataset[names[0]].squeeze(drop=True)
+    if density.ndim != 1 or density.dims[0] not in dataset.coords:
+        raise InputError(
+            f"{where}: {names[0]} stands on {', '.join(map(str, density.dims))}; expected one spectrum on its "
+            "wavevectors"
+        )
+    return density
+
+
+def _checked(where: str, q: np.ndarray, density: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The rows that hold a spectrum; those at the ends whose power is none, or a transform's rounding, are outside."""
+    rows = np.arange(1, q.size + 1)
+    for name, column, si in (("wavevector", q, _SI[0]), ("power", density, _SI[1])):
+        bad = ~np.isfinite(column) | (column < 0 if name == "power" else column <= 0)
+        if bad.any():
+            row = int(np.argmax(bad))
+            raise InputError(f"{where}, row {rows[row]}: {name} {column[row]:g} {si}; must be a positive number")
+    falling = np.flatnonzero(np.diff(q) <= 0)
+    if falling.size:
+        row = int(falling[0]) + 1
+        raise InputError(f"{where}, row {rows[row]}: wavevector {q[row]:g} m^-1 after {q[row - 1]:g}; they must rise")
+    held = np.flatnonzero(density > _ROUNDING * density.max(initial=0.0))
+    if held.size < 2:
+        raise InputError(f"{where} holds {held.size} rows with power; a spectrum needs two, a range of wavevectors")
+    if held.size > _MOST:
+        raise InputError(f"{where} holds {held.size} rows; average it to {_MOST} at most")
+    inside = slice(held[0], held[-1] + 1)
+    if not density[inside].all():
+        row = held[0] + int(np.argmin(density[inside]))
+        raise InputError(f"{where}, row {rows[row]}: power 0 m^4 between others; leave such rows out")
+    for name, column, si in (("wavevector", q, _SI[0]), ("power", density, _SI[1])):
+        for value in (column[inside].min(), column[inside].max()):
+            units.quantity(float(value), si, f"{where}, {name}")
+    return q[inside], density[inside]

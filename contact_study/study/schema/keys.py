@@ -1,0 +1,358 @@
+"""Keys of a study file: how each is read, checked and described, in one declaration beside the dataclass field.
+
+A section of the study file is a frozen dataclass whose fields carry a :class:`Key`; :func:`bind` turns a TOML table
+into the dataclass and names the culprit of any mistake; the commands' ``--help`` is made from the same declarations.
+"""
+
+import contextlib
+import dataclasses
+import difflib
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+from contact_study import units
+from contact_study.errors import InputError
+
+Reader = tuple[Callable[[Any, str], Any], str]  # how a value is read, and its kind in words
+
+
+@dataclass(frozen=True)
+class Key:
+    """How one key is read and described."""
+
+    read: Callable[[Any, str], Any]
+    kind: str
+    description: str
+
+    @property
+    def unit(self) -> str | None:
+        """SI unit of its numbers, None for pure ones and words."""
+        unit = self.kind.partition(" or ")[0].rpartition(" ")[2]
+        return unit if unit in units.EXAMPLES else None
+
+
+def key(reader: Reader, description: str, default: Any = dataclasses.MISSING) -> Any:
+    """A dataclass field bound to a key of the study file; without a default the key must be given."""
+    read, kind = reader
+    return dataclasses.field(default=default, metadata={"key": Key(read, kind, description)})
+
+
+def quantity(
+    unit: str, *, positive: bool = False, minimum: float | None = None, maximum: float | None = None, why: str = ""
+) -> Reader:
+    """A dimensional number, in SI or as a string with a unit; ``positive`` excludes zero, ``why`` is of the minimum."""
+
+    def read(value: Any, name: str) -> float:
+        number = units.quantity(value, unit, name)
+        if positive and number <= 0:
+            raise InputError(f"{name} = {value!r}: must be positive")
+        if minimum is not None and number < minimum:
+            raise InputError(f"{name} = {value!r}: must be at least {minimum:g}{why and f'; {why}'}")
+        if maximum is not None and number > maximum:
+            raise InputError(f"{name} = {value!r}: must be at most {maximum:g}")
+        return number
+
+    return read, unit if unit != "1" else "number"
+
+
+def integer(minimum: int | None = None, maximum: int | None = None) -> Reader:
+    """A whole number."""
+
+    def read(value: Any, name: str) -> int:
+        if isinstance(value, bool) or not isinstance(value, int):
+            raise InputError(f"{name} = {value!r}: expected a whole number")
+        if minimum is not None and value < minimum:
+            raise InputError(f"{name} = {value!r}: must be at least {minimum}")
+        if maximum is not None and value > maximum:
+            raise InputError(f"{name} = {value!r}: must be at most {maximum}")
+        return value
+
+    return read, "integer"
+
+
+def choice(*allowed: str) -> Reader:
+    """One of a few words."""
+
+    def read(value: Any, name: str) -> str:
+        if value not in allowed:
+            raise InputError(f"{name} = {value!r}: expected one of {', '.join(allowed)}{suggestion(value, allowed)}")
+        return value
+
+    return read, " | ".join(allowed)
+
+
+def choices(*allowed: str) -> Reader:
+    """One of a few words, or a list of different ones."""
+    read_one, kind = choice(*allowed)
+
+    def read(value: Any, name: str) -> str | tuple[str, ...]:
+        if isinstance(value, str) and "," in value:
+            value = listed(value)
+        if not isinstance(value, list):
+            return read_one(value, name)
+        if not value:
+            raise InputError(f"{name} = []: is empty; give at least one value")
+        given = tuple(read_one(item, f"{name}[{i}]") for i, item in enumerate(value))
+        if len(set(given)) < len(given):
+            raise InputError(f"{name} = {value!r}: names one twice")
+        return given[0] if len(given) == 1 else given
+
+    return read, f"{kind}, or a list"
+
+
+def flag() -> Reader:
+    """True or false."""
+
+    def read(value: Any, name: str) -> bool:
+        if not isinstance(value, bool):
+            raise InputError(f"{name} = {value!r}: expected true or false")
+        return value
+
+    return read, "true | false"
+
+
+def text() -> Reader:
+    """Free text."""
+
+    def read(value: Any, name: str) -> str:
+        if not isinstance(value, str):
+            raise InputError(f"{name} = {value!r}: expected text")
+        return value
+
+    return read, "text"
+
+
+def name_or_number() -> Reader:
+    """Text, or a whole number from 0."""
+
+    def read(value: Any, name: str) -> str | int:
+        if isinstance(value, bool) or not isinstance(value, str | int) or (isinstance(value, int) and value < 0):
+            raise InputError(f"{name} = {value!r}: expected a name or a number from 0")
+        return value
+
+    return read, "text or integer"
+
+
+def or_word(reader: Reader, word: str) -> Reader:
+    """What another reader reads, or one word in its place, which is left as it is."""
+    read_other, kind = reader
+    return lambda value, name: value if value == word else read_other(value, name), kind
+
+
+def pair(reader: Reader, *, broadcast: bool = False, names: str = "[y, x]") -> Reader:
+    """Two values, along y and x unless named otherwise; with ``broadcast`` one value stands for both."""
+    read_one, kind = reader
+
+    def read(value: Any, name: str) -> tuple[Any, Any]:
+        if isinstance(value, str) and "," in value:
+            units.refuse_decimal_comma(value, name)
+            value = listed(value)
+        if broadcast and not isinstance(value, list):
+            value = [value, value]
+        if not isinstance(value, list) or len(value) != 2:
+            raise InputError(f"{name} = {value!r}: expected two values, {names}")
+        return read_one(value[0], f"{name}[0]"), read_one(value[1], f"{name}[1]")
+
+    return read, f"{kind} or {names}" if broadcast else f"{names} in {kind}"
+
+
+def sequence(reader: Reader) -> Reader:
+    """A list of at least one value."""
+    read_one, kind = reader
+
+    def read(value: Any, name: str) -> tuple[Any, ...]:
+        if isinstance(value, str):
+            units.refuse_decimal_comma(value, name)
+            value = listed(value)
+        if not isinstance(value, list):
+            value = [value]
+        if not value:
+            raise InputError(f"{name} = []: is empty; give at least one value")
+        return tuple(read_one(item, f"{name}[{i}]") for i, item in enumerate(value))
+
+    return read, f"list of {kind}"
+
+
+def one_or_several(reader: Reader) -> Reader:
+    """One value, or a list of at least one."""
+    read_one, kind = reader
+    read_all, _ = sequence(reader)
+
+    def read(value: Any, name: str) -> Any:
+        several = isinstance(value, list) or (isinstance(value, str) and "," in value)
+        return read_all(value, name) if several else read_one(value, name)
+
+    return read, f"{kind} or a list"
+
+
+def listed(text: str) -> list[Any]:
+    """The values of a list written as text: bare numbers, "512, 512", or each with its unit, "1 nm, 2 um"."""
+    parts = [part.strip() for part in text.split(",")]
+    numbers = [_number(part) for part in parts]
+    with_unit = any(isinstance(number, str) and number[:1] in set("+-.0123456789") for number in numbers)
+    return parts if with_unit else numbers
+
+
+def _number(text: str) -> Any:
+    for kind in (int, float):
+        with contextlib.suppress(ValueError):
+            return kind(text)
+    return text
+
+
+@dataclass(frozen=True)
+class TaggedUnion:
+    """A section of the study file whose keys depend on one of them: a dataclass for each kind.
+
+    Parameters
+    ----------
+    tag : str
+        The key that names the kind; every dataclass has it as a field.
+    declared : mapping
+        Dataclass of each kind. Kinds may share keys; one name is then one meaning.
+    """
+
+    tag: str
+    declared: Mapping[str, type]
+
+    @cached_property
+    def keys(self) -> dict[str, Key]:
+        """The keys of all kinds; those that not every kind has say whose they are."""
+        owners: dict[str, list[str]] = {}
+        found: dict[str, Key] = {}
+        for kind, section in self.declared.items():
+            for name, declaration in keys_of(section).items():
+                owners.setdefault(name, []).append(kind)
+                found.setdefault(name, declaration)
+        for name, kinds in owners.items():
+            if len(kinds) < len(self.declared):
+                words = f"{found[name].description} ({', '.join(kinds)})"
+                found[name] = dataclasses.replace(found[name], description=words)
+        read, written = choice(*self.declared)
+        return {**found, self.tag: Key(read, written, found[self.tag].description)}
+
+    def default(self, name: str) -> Any:
+        """The default of a key in the first kind that has it; MISSING if it must be given."""
+        return next(default_of(section, name) for section in self.declared.values() if name in keys_of(section))
+
+    def kind_of(self, table: Mapping[str, Any]) -> Any:
+        """The kind that a table names, as it is written."""
+        default = self.default(self.tag)
+        return table.get(self.tag, None if default is dataclasses.MISSING else default)
+
+    def section_of(self, table: Mapping[str, Any]) -> type | None:
+        """The dataclass of the kind that a table names; None if it names none that is known."""
+        kind = self.kind_of(table)
+        return self.declared.get(kind) if isinstance(kind, str) else None
+
+    def without_others(self, tables: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
+        """Each point's table without keys that its kind does not have but that of another point has.
+
+        A sweep over kinds holds the keys of all of them; what no point has a use for stays, to be refused.
+        """
+        present = {section for table in tables if (section := self.section_of(table)) is not None}
+        used = {name for section in present for name in keys_of(section)}
+        return [
+            {name: value for name, value in table.items() if self.has(table, name) or name not in used}
+            for table in tables
+        ]
+
+    def has(self, table: Mapping[str, Any], name: str) -> bool:
+        """Whether the kind that a table names has a key."""
+        section = self.section_of(table)
+        return section is None or name in keys_of(section)
+
+    def bind(self, table: Mapping[str, Any], name: str) -> Any:
+        """The section of the kind that a table names, errors as :func:`bind`."""
+        kind = self.kind_of(table)
+        if kind is None:
+            declaration = self.keys[self.tag]
+            raise InputError(f"missing key {name}.{self.tag} ({declaration.kind}: {declaration.description})")
+        kind = self.keys[self.tag].read(kind, f"{name}.{self.tag}")
+        section = self.declared[kind]
+        for given in table:
+            if given in self.keys and given not in keys_of(section):
+                raise InputError(
+                    f'{name}.{given}: {self.tag} = "{kind}" has no such key; it belongs to '
+                    + ", ".join(other for other, declared in self.declared.items() if given in keys_of(declared))
+                )
+        for needed, declaration in keys_of(section).items():
+            if default_of(section, needed) is dataclasses.MISSING and needed not in table:
+                raise InputError(
+                    f'missing key {name}.{needed}: {self.tag} = "{kind}" needs it '
+                    f"({declaration.kind}: {declaration.description})"
+                )
+        return bind(section, table, name)
+
+
+def keys_of(section: type | TaggedUnion) -> dict[str, Key]:
+    """The keys of a section, in the order of declaration."""
+    if isinstance(section, TaggedUnion):
+        return section.keys
+    return {field.name: field.metadata["key"] for field in dataclasses.fields(section)}
+
+
+def default_of(section: type | TaggedUnion, name: str) -> Any:
+    """The default of a key, ``dataclasses.MISSING`` if it must be given."""
+    if isinstance(section, TaggedUnion):
+        return section.default(name)
+    return section.__dataclass_fields__[name].default  # type: ignore[attr-defined]
+
+
+def bind(section: type | TaggedUnion, table: Mapping[str, Any], name: str) -> Any:
+    """Build a section from a TOML table.
+
+    Raises
+    ------
+    InputError
+        If a key is unknown, missing, of the wrong kind or out of range.
+    """
+    if isinstance(section, TaggedUnion):
+        return section.bind(table, name)
+    known = keys_of(section)
+    for given in table:
+        if given not in known:
+            meant = replacement(f"{name}.{given}") or suggestion(given, known)
+            raise InputError(f"unknown key {name}.{given}{meant}; known: {', '.join(known)}")
+    values = {given: known[given].read(value, f"{name}.{given}") for given, value in table.items()}
+    for needed, declaration in known.items():
+        if needed not in values and default_of(section, needed) is dataclasses.MISSING:
+            raise InputError(f"missing key {name}.{needed} ({declaration.kind}: {declaration.description})")
+    return section(**values)
+
+
+# Names of keys that may be looked for in a section, and where they are.
+_ELSEWHERE = dict.fromkeys(
+    ("atomistic.seed", "sampling.seed", "sampling.random_seed", "dynamics.seed", "dynamics.random_seed"),
+    "atomistic.random_seed",
+)
+
+
+def replacement(dotted: str, mark: str = "") -> str:
+    """The key that stands in another section or under another name, for the end of a message; empty if none does.
+
+    ``mark`` stands before the key: "--" of options.
+    """
+    return f" (use {mark}{_ELSEWHERE[dotted]})" if dotted in _ELSEWHERE else ""
+
+
+def suggestion(given: Any, known: Iterable[str]) -> str:
+    """A known name close to the one given, for the end of a message; empty if there is none."""
+    close = difflib.get_close_matches(str(given), list(known), n=1)
+    return f" (did you mean {close[0]}?)" if close else ""
+
+
+def as_written(default: Any) -> str:
+    """A default as the command line takes it."""
+    if isinstance(default, tuple):
+        return ", ".join(map(as_written, default))
+    return str(default).lower() if isinstance(default, bool) else str(default)
+
+
+def shown(value: Any) -> str:
+    """A value of a key for a message."""
+    if isinstance(value, tuple | list):
+        return "[" + ", ".join(shown(item) for item in value) + "]"
+    return "not given" if value is None else f"{value:g}" if isinstance(value, float) else str(value)

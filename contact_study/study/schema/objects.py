@@ -1,0 +1,83 @@
+"""Laws and solids as objects in a study: the keys of its sections that make them again."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from contact_study.errors import InputError
+from contact_study.physics.laws import LAWS, TractionLaw
+from contact_study.physics.solids import Elasticity
+from contact_study.study.schema.keys import keys_of
+from contact_study.study.schema.sections import MaterialSection
+
+_CONSTANTS = ("youngs_modulus", "poissons_ratio")
+
+
+def with_keys(study: Mapping[str, Any]) -> dict[str, Any]:
+    """A study with keys in place of objects.
+
+    Parameters
+    ----------
+    study : mapping
+        Its sections. ``interaction``, or its ``law``, may be a :class:`TractionLaw`; ``elasticity``, or its ``kind``,
+        an :class:`Elasticity`, whose contact modulus then is the material's.
+
+    Raises
+    ------
+    InputError
+        If no keys of a study make the object, or keys beside it say what it says itself.
+    """
+    found = dict(study)
+    law, beside = _object(found.get("interaction"), "law", TractionLaw)
+    if law is not None:
+        found["interaction"] = _joined("interaction", _keys_of_law(law), beside)
+    solid, beside = _object(found.get("elasticity"), "kind", Elasticity)
+    if solid is not None:
+        material = found.get("material", {})
+        if "youngs_modulus" in material:
+            raise InputError("material.youngs_modulus: elasticity is an object with a modulus of its own; leave it out")
+        for name in _CONSTANTS:
+            if f"material.{name}" in found.get("sweep", {}):
+                raise InputError(f"sweep.material.{name}: elasticity is an object of one material")
+        constants = _constants(solid, material)
+        found["elasticity"] = _joined("elasticity", solid.keys(constants["poissons_ratio"]), beside)
+        found["material"] = {**material, **constants}
+    return found
+
+
+def _object(section: Any, tag: str, kind: type) -> tuple[Any, dict[str, Any]]:
+    """The object that a section is, or names, and the keys beside it; None without one."""
+    if isinstance(section, kind):
+        return section, {}
+    if isinstance(section, Mapping) and isinstance(section.get(tag), kind):
+        return section[tag], {name: value for name, value in section.items() if name != tag}
+    return None, {}
+
+
+def _joined(section: str, own: Mapping[str, Any], beside: Mapping[str, Any]) -> dict[str, Any]:
+    for name in beside:
+        if name in own:
+            raise InputError(f"{section}.{name}: the object in this section has its own; leave it out")
+    return {**own, **beside}
+
+
+def _keys_of_law(law: TractionLaw) -> dict[str, Any]:
+    for name, known in LAWS.items():
+        if type(law) is known:
+            return {"law": name, **law.keys()}
+    raise InputError(
+        f"interaction: {type(law).__name__} is no law of a study; pass TabulatedLaw.through(gaps, law.traction(gaps))"
+    )
+
+
+def _constants(solid: Elasticity, material: Mapping[str, Any]) -> dict[str, float]:
+    """E and ν of a solid, ν its own or the material's."""
+    given = material.get("poissons_ratio")
+    ratio = getattr(solid, "poissons_ratio", None)
+    if given is not None:
+        said = keys_of(MaterialSection)["poissons_ratio"].read(given, "material.poissons_ratio")
+        if ratio not in (None, said):
+            raise InputError(f"material.poissons_ratio = {given!r}: the solid's is {ratio:g}; leave it out")
+        ratio = said
+    if ratio is None:
+        raise InputError(f"missing key material.poissons_ratio: {type(solid).__name__} has a contact modulus alone")
+    return {"youngs_modulus": solid.contact_modulus * (1 - ratio**2), "poissons_ratio": ratio}

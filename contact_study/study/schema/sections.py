@@ -1,0 +1,348 @@
+"""The sections of a study file: every key with its unit, default and meaning, in SI once bound."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from contact_study.errors import InputError
+from contact_study.physics.roughness.tabulated_spectrum import TabulatedSpectrum
+from contact_study.study.schema.keys import (
+    choice,
+    choices,
+    flag,
+    integer,
+    key,
+    one_or_several,
+    pair,
+    quantity,
+    sequence,
+    text,
+)
+from contact_study.units import is_a, unit_of
+
+
+@dataclass(frozen=True)
+class StudySection:
+    """What the study is called."""
+
+    title: str = key(text(), "title of the study, written into every dataset", "untitled study")
+
+
+@dataclass(frozen=True)
+class MaterialSection:
+    """The elastic block."""
+
+    youngs_modulus: float = key(quantity("Pa", positive=True), "Young's modulus E")
+    poissons_ratio: float = key(quantity("1", minimum=-0.999, maximum=0.5), "Poisson's ratio ν")
+    lattice_constant: float | None = key(
+        quantity("m", positive=True),
+        "lattice constant a of the block; divides surface.size (atoms, well_depth)",
+        None,
+    )
+    atom_mass: float | None = key(
+        quantity("kg", positive=True), "mass of a block atom, for atomistic.method = dynamics", None
+    )
+    hardness: float | None = key(
+        quantity("Pa", positive=True),
+        "largest pressure; points that reach it give way for good (continuum, hard wall)",
+        None,
+    )
+
+    @property
+    def contact_modulus(self) -> float:
+        """E* = E / (1 − ν²) (Pa)."""
+        return self.youngs_modulus / (1 - self.poissons_ratio**2)
+
+
+@dataclass(frozen=True)
+class LoadingSection:
+    """The loading path, from separation, in the order given."""
+
+    path: tuple[float, ...] = key(
+        sequence((lambda value, name: value, "pressures or gaps")),
+        "pressures (control = pressure, Pa) or forces on the whole cell (with a unit, N), mean gaps above equilibrium "
+        "(control = gap, m) or approaches beyond first touch (control = approach, m; free boundaries or a compressible "
+        "layer), in any order",
+    )
+    control: str = key(choice("pressure", "gap", "approach"), "what is prescribed", "pressure")
+    unload: bool = key(flag(), "go back through the path after its last point", False)
+    adaptive: bool = key(
+        flag(),
+        "steps of their own between the points, shortened where the state jumps (continuum, with adhesion)",
+        False,
+    )
+    resolution: float = key(
+        quantity("1", positive=True, maximum=1.0),
+        "least step of adaptive, to which jumps and pull-off are located, over the largest value of the path; of a gap "
+        "or approach over five lengths of the law where those are less",
+        0.01,
+    )
+
+    duration: float | tuple[float, ...] | None = key(
+        one_or_several(quantity("s", positive=True)),
+        "time to each point of the path from the one before it, or a list of one for each point (viscoelastic)",
+        None,
+    )
+    time_steps: int = key(
+        integer(minimum=1, maximum=1_000_000), "equal steps of time to each point of the path (viscoelastic)", 1
+    )
+
+    def __post_init__(self):
+        si = "m" if self.control != "pressure" else "N" if is_a(self.path[0], "N") else "Pa"
+        read = quantity(si)[0]
+        values = tuple(read(value, f"loading.path[{i}]") for i, value in enumerate(self.path))
+        with_unit = [isinstance(value, str) for value in self.path]
+        if any(with_unit) and not all(with_unit):  # a forgotten unit is likelier than a number of pascals meant
+            bare = self.path[with_unit.index(False)]
+            raise InputError(f"loading.path: mixes values with a unit and bare numbers; give {bare!r} its unit, too")
+        unit = unit_of(str(self.path[0])) if all(with_unit) else si
+        self.__dict__["_unit"] = unit, read(f"1 {unit}", "loading.path")
+        self.__dict__["_forces"] = si == "N"
+        object.__setattr__(self, "path", values)
+
+    @property
+    def has_forces(self) -> bool:
+        """Whether the path is one of forces (N) still, not of pressures."""
+        return self.__dict__["_forces"]
+
+    def spread(self, area: float) -> "LoadingSection":
+        """The same with mean pressures on an area (m²) in place of forces."""
+        found = replace(self, path=tuple(force / area for force in self.path))
+        name, size = self.unit
+        found.__dict__["_unit"] = name, size / area
+        return found
+
+    @property
+    def unit(self) -> tuple[str, float]:
+        """Name, and size in SI, of the unit that the path's first point is written in: to speak to the user in it."""
+        return self.__dict__["_unit"]
+
+
+@dataclass(frozen=True)
+class SolverSection:
+    """Accuracy and effort."""
+
+    tolerance: float = key(
+        quantity("1", minimum=1e-15, maximum=1e-2),  # less is the rounding of double precision
+        "largest residual stress over the contact modulus, less for loads below 0.001 of it",
+        1e-8,
+    )
+    max_iterations: int = key(
+        integer(minimum=1, maximum=2**31 - 1), "outer iterations of one step before it is flagged", 2000
+    )
+    threads: int = key(
+        integer(minimum=0, maximum=1024), "threads of one solve; 0: the cores that the cases leave idle", 0
+    )
+    path: str = key(
+        choice("quasi_static", "overdamped"),
+        "how the continuum comes along the path: equilibria, each from the one before it, or slow motion against "
+        "friction",
+        "quasi_static",
+    )
+
+
+@dataclass(frozen=True)
+class AtomisticSection:
+    """The block of atoms."""
+
+    block: str = key(
+        choice("isotropic", "nonlinear_springs"),
+        "springs of the block: linear and elastically isotropic, or the same turning with their atoms (dynamics)",
+        "isotropic",
+    )
+    method: str = key(
+        choice("quasi_static", "overdamped", "sampling", "dynamics"),
+        "how the atoms come along the path: equilibria at zero temperature, each from the one before it, slow motion "
+        "against friction, thermal averages about equilibria, or the explicit block in motion",
+        "quasi_static",
+    )
+    temperature: float = key(quantity("K", minimum=0.0), "temperature of the atoms, for sampling and dynamics", 0.0)
+    cutoff: float = key(
+        quantity(
+            "1",
+            minimum=2.0,
+            maximum=20.0,
+            why="the law's peak must lie within, and the switch to zero well beyond it",
+        ),
+        "cutoff of the pair potential in units of interaction.length",
+        4.0,
+    )
+    layers: int = key(integer(minimum=0, maximum=1_000_000), "atomic layers of the block; 0: as thick as wide", 0)
+    random_seed: int = key(integer(minimum=0, maximum=2**63 - 1), "seed of thermal motion", 1)
+
+
+@dataclass(frozen=True)
+class OverdampedSection:
+    """Slow motion against friction, of continuum and atoms."""
+
+    loading_rate: float = key(
+        quantity("1", positive=True),
+        "change of the mean pressure, over the contact modulus, while the longest wave of the surface relaxes",
+        1e-3,
+    )
+    step_error: float = key(
+        quantity("1", positive=True, maximum=1.0), "error allowed to a time step, over the law's length", 0.1
+    )
+
+
+@dataclass(frozen=True)
+class SamplingSection:
+    """Thermal averages of the atoms, by Hamiltonian Monte Carlo."""
+
+    trajectories: int = key(integer(minimum=2, maximum=2**31 - 1), "states of each point that count", 300)
+    equilibration: int = key(
+        integer(minimum=10, maximum=2**31 - 1), "trajectories before them, which set the time step and do not count", 50
+    )
+
+
+@dataclass(frozen=True)
+class DynamicsSection:
+    """The explicit block of atoms in motion."""
+
+    time_step: float | None = key(
+        quantity("s", positive=True), "of velocity Verlet, default a fifth of the largest stable one", None
+    )
+    duration: float = key(quantity("s", positive=True), "of each point of the path", 1e-10)
+    damping: float = key(quantity("s^-1", minimum=0.0), "rate at which friction takes momentum", 0.0)
+    approach_speed: float = key(quantity("m/s", minimum=0.0), "at which the block first comes down", 0.0)
+    frames: int = key(integer(minimum=2, maximum=2**31 - 1), "states of each point that are looked at", 200)
+
+
+def _each(words: str | tuple[str, ...]) -> tuple[str, ...]:
+    """The words of a key that takes one or several."""
+    return (words,) if isinstance(words, str) else words
+
+
+@dataclass(frozen=True)
+class TheorySection:
+    """Choices inside Persson's theory with adhesion (root of the dataset), what stands beside it, what all are fed."""
+
+    flows: str | tuple[str, ...] = key(
+        choices("gap_flow", "edge_flow", "none"),
+        "theories beside Persson's; most of the time goes into them",
+        ("gap_flow", "edge_flow"),
+    )
+    spectrum: str | tuple[str, ...] | None = key(
+        choices("analytic", "surface", "table", "file"),
+        "roughness spectrum: the target, that of the very surface, the table below or that of a file, or several side "
+        "by side, the first under the theories' own names; default that of the surface, then its target if it has one",
+        None,
+    )
+    wavevectors: tuple[float, ...] | None = key(
+        sequence(quantity("m^-1", positive=True)), 'spectrum "table": rising wavevectors q', None
+    )
+    density: tuple[float, ...] | None = key(
+        sequence(quantity("m^4", positive=True)), 'spectrum "table": C(q) at each, a power law between two', None
+    )
+    spectrum_path: str | None = key(
+        text(), 'spectrum "file": text with q and C(q) a row, or NetCDF; the study then holds its numbers', None
+    )
+    wavevector_unit: str | None = key(text(), "unit of its q, where the file does not say it", None)
+    density_unit: str | None = key(text(), "unit of its C(q), where the file does not say it", None)
+    energy_weight: str = key(
+        choice("paper", "wang_mueser", "area"),
+        "weight W of the elastic energy in incomplete contact",
+        "paper",
+    )
+    beta: float = key(quantity("1", positive=True, maximum=1.0), "β of the paper's weight", 0.4)
+    true_area: str = key(
+        choice("persson", "none", "lattice"),
+        "true over projected contact area, for the adhesion energy",
+        "persson",
+    )
+    alpha: float = key(quantity("1", positive=True), "α in σ_a² = α E* q γ_eff", 1.0)
+    cap_detachment_stress: bool = key(flag(), "limit σ_a to the law's largest tensile stress", False)
+    magnifications: int = key(
+        integer(minimum=0, maximum=10_000),
+        "magnifications ζ at which P(σ, ζ) of Persson's theory is kept, evenly in ln ζ; 0: none",
+        0,
+    )
+    accuracy: float | None = key(
+        quantity("1", positive=True),
+        "error that the resolution may make, of the area over the area, of the mean gap over the rms height; with it "
+        "every state is compared with one of half the nodes, which takes 40 % longer",
+        None,
+    )
+
+    def __post_init__(self):
+        if "none" in self.flows and self.flows != "none":  # in a list of several
+            raise InputError('theory.flows: "none" leaves no room for another')
+        if "file" in self.spectra:
+            raise InputError(
+                'missing key theory.spectrum_path: theory.spectrum = "file" needs it, the same at all points'
+            )
+        for name in ("spectrum_path", "wavevector_unit", "density_unit"):
+            if getattr(self, name) is not None:
+                raise InputError(f'theory.{name}: belongs to theory.spectrum = "file"')
+        if "table" in self.spectra:
+            for name in ("wavevectors", "density"):
+                if getattr(self, name) is None:
+                    raise InputError(f'missing key theory.{name}: theory.spectrum = "table" needs it')
+            self.table()
+
+    def table(self) -> TabulatedSpectrum:
+        """The spectrum of the table.
+
+        Raises
+        ------
+        InputError
+            If it is none.
+        """
+        try:
+            return TabulatedSpectrum(np.array(self.wavevectors), np.array(self.density))
+        except ValueError as error:
+            raise InputError(f"theory.{error}") from None
+
+    def has(self, flow: str) -> bool:
+        """Whether a theory stands beside Persson's."""
+        return flow in _each(self.flows)
+
+    @property
+    def spectra(self) -> tuple[str, ...]:
+        """The spectra that are named, if any."""
+        return () if self.spectrum is None else _each(self.spectrum)
+
+
+@dataclass(frozen=True)
+class OutputSection:
+    """What is kept."""
+
+    fields: bool = key(flag(), "keep gap and pressure fields of every step", False)
+    field_steps: tuple[int, ...] | None = key(
+        sequence(integer()), "points of the path whose fields are kept, from 0 on, -1 for the last; default all", None
+    )
+    field_precision: str = key(
+        choice("double", "single"), "digits of the fields that are kept: 16, or 7 in half the space", "double"
+    )
+    atoms: str = key(
+        choice("none", "surface", "block"),
+        "of the atoms one by one keep, at every step, nothing; positions, stresses and velocities of the bottom layer; "
+        "or the nodes of the explicit block (dynamics), too",
+        "none",
+    )
+    stiffness: bool = key(flag(), "contact_stiffness of every step of the continuum, by one linear solve more", False)
+    restart: bool = key(
+        flag(),
+        "keep each case's last state (8 bytes a point, 24 an atom), so that --resume can lengthen its path; without it "
+        "a longer path is computed from its beginning",
+        True,
+    )
+    pressure_range: tuple[float, float] | None = key(
+        pair(quantity("Pa"), names="[low, high]"), "range of pressure_pdf, default from modulus, slopes and law", None
+    )
+    pressure_bins: int = key(integer(minimum=2, maximum=100_000), "bins of pressure_pdf", 300)
+    gap_range: tuple[float, float] | None = key(
+        pair(quantity("m", minimum=0.0), names="[low, high]"),
+        "range of gap_pdf, default from the surface's heights",
+        None,
+    )
+    gap_bins: int = key(integer(minimum=2, maximum=100_000), "bins of gap_pdf", 400)
+
+    def __post_init__(self):
+        for name, default in (("field_steps", None), ("field_precision", "double")):
+            if getattr(self, name) != default and not self.fields:
+                raise InputError(f"output.{name}: no fields are kept; set output.fields = true, or leave it out")
+        for name in ("pressure_range", "gap_range"):
+            limits = getattr(self, name)
+            if limits is not None and not limits[0] < limits[1]:
+                raise InputError(f"output.{name} = {list(limits)}: the second value must exceed the first")

@@ -1,0 +1,178 @@
+"""A study file: read, checked and expanded into cases.
+
+A :class:`Study` is the file, a :class:`~contact_study.study.case.Case` one point of its sweep.
+"""
+
+import math
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import tomli_w
+
+from contact_study.errors import InputError
+from contact_study.regular_files import refuse_endless
+from contact_study.study.case import Case
+from contact_study.study.checks import automatic
+from contact_study.study.checks.bare_numbers import bare_numbers
+from contact_study.study.reading.overrides import replace_keys
+from contact_study.study.reading.spectrum_file import with_spectrum
+from contact_study.study.reading.tables import with_columns
+from contact_study.study.schema.dotted_keys import SECTIONS, WHOLE_STUDY, is_sweep, last, read, split
+from contact_study.study.schema.keys import TaggedUnion, bind, keys_of
+from contact_study.study.sweep import (
+    SweptKey,
+    check_exceptions,
+    check_sweep,
+    coordinates_of,
+    points_of,
+    sections_at,
+    swept_key,
+    without_effect,
+)
+
+
+@dataclass(frozen=True)
+class Study:
+    """A study file, checked.
+
+    Attributes
+    ----------
+    table : dict
+        The whole input, overrides included, as TOML would hold it.
+    directory : pathlib.Path
+        Where relative paths of the study start.
+    cases : tuple of Case
+        Every point of the sweep, the last swept key running fastest.
+    sweep : dict
+        Swept keys by their last part, the leading dimensions of every dataset.
+    notes : tuple of str
+        What in the file has no effect, or is likely to mean something else.
+    choices : tuple of str
+        What the file left to be chosen, and what was.
+    """
+
+    table: dict[str, Any]
+    directory: Path
+    cases: tuple[Case, ...]
+    sweep: dict[str, SweptKey]
+    notes: tuple[str, ...] = ()
+    choices: tuple[str, ...] = ()
+
+    @property
+    def title(self) -> str:
+        """The study's title."""
+        return self.cases[0].study.title
+
+    @property
+    def toml(self) -> str:
+        """The whole input as TOML text."""
+        return tomli_w.dumps(self.table)
+
+
+def read_study(path: Path | str, overrides: Mapping[str, Any] | None = None) -> Study:
+    """Read a study file.
+
+    Parameters
+    ----------
+    path : path-like
+        A TOML file.
+    overrides : mapping, optional
+        Dotted keys ("section.key") and their values, in place of the file's. A swept key takes a value or a list; a
+        list for a key that takes one value sweeps it.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read or any key is unknown, missing or impossible.
+    """
+    path = Path(path)
+    try:
+        refuse_endless(path)
+        table = tomllib.loads(path.read_text(encoding="utf-8"))
+    except (OSError, UnicodeDecodeError) as error:
+        reason = error.strerror if isinstance(error, OSError) else "is no text"
+        raise InputError(f"{path}: cannot be read ({reason}); expected a study file (TOML)") from None
+    except tomllib.TOMLDecodeError as error:
+        raise InputError(f"{path}: is no valid TOML: {error}") from None
+    _check_structure(table)
+    replace_keys(table, overrides or {})
+    study = make_study(table, path.parent)
+    return replace(study, notes=study.notes + bare_numbers(table))
+
+
+def make_study(table: dict[str, Any], directory: Path | str = ".") -> Study:
+    """Check a table as TOML would hold it and expand its sweep; errors as :func:`read_study`."""
+    _check_structure(table)
+    table = _with_files(table, Path(directory))
+    swept = table.get("sweep", {})
+    points = list(points_of(swept))
+    merged = sections_at(table, [point for point, _ in points])
+    cases = tuple(_case(one, *point, Path(directory)) for one, point in zip(merged, points, strict=True))
+    _check_field_steps(cases)
+    keys = {last(dotted): swept_key(dotted, written, cases) for dotted, written in swept.items()}
+    notes = without_effect(table, merged)
+    return Study(table, Path(directory), cases, keys, notes, automatic.choices(merged, cases))
+
+
+def _check_field_steps(cases: tuple[Case, ...]) -> None:
+    """Every point whose fields are to be kept is on some path."""
+    longest = max(len(case.path) for case in cases)
+    for number in cases[0].output.field_steps or ():
+        if not -longest <= number < longest:
+            raise InputError(
+                f"output.field_steps: {number} is no point of the path, which has {longest}: 0 to {longest - 1}, or "
+                "-1 for the last"
+            )
+
+
+def _with_files(table: dict[str, Any], directory: Path) -> dict[str, Any]:
+    """The table with the numbers of files that its sections name, see :func:`with_columns`, :func:`with_spectrum`."""
+    found = with_spectrum(table, directory)
+    for section, declared in SECTIONS.items():
+        if isinstance(declared, TaggedUnion) and section in table:
+            columns = getattr(declared.section_of(table[section]), "columns", None)
+            if columns:
+                found[section] = with_columns(table[section], section, columns, directory)
+    return found
+
+
+def _check_structure(table: dict[str, Any]) -> None:
+    """Sections, sweep and overrides are what they should be, and every value alone can be read."""
+    for section, content in table.items():
+        if section in SECTIONS or section == "sweep":
+            if not isinstance(content, dict):
+                raise InputError(f"{section} = {content!r}: expected a section, [{section}]")
+        elif section != "override":
+            raise InputError(f"unknown section [{section}]; known: {', '.join(SECTIONS)}, sweep, override")
+    _check_lists(table)
+    check_sweep(table.get("sweep", {}))
+    check_exceptions(table.get("override", []), table.get("sweep", {}))
+    for dotted in table.get("sweep", {}):  # a value that the sweep replaces is written there to be read, too
+        section, name = split(dotted, "sweep")
+        if name in table.get(section, {}):
+            read(dotted, table[section][name])
+
+
+def _check_lists(table: dict[str, Any]) -> None:
+    """No key that takes one value has a list of them, which is a sweep."""
+    for section, content in table.items():
+        for name, value in content.items() if section in SECTIONS and section not in WHOLE_STUDY else ():
+            dotted = f"{section}.{name}"
+            if name in keys_of(SECTIONS[section]) and is_sweep(dotted, value, value):
+                raise InputError(
+                    f"{dotted} = {value!r}: takes one value; to run a case for each, put the list into [sweep], "
+                    f'"{dotted}" = [...]'
+                )
+
+
+def _case(merged: dict[str, Any], point: dict[str, Any], index: tuple[int, ...], directory: Path) -> Case:
+    bound: dict[str, Any] = {}
+    for name, declared in SECTIONS.items():
+        asked = merged[name] if name != "interaction" else automatic.with_length(merged[name], bound, directory)
+        bound[name] = bind(declared, asked, name)
+    if bound["loading"].has_forces:
+        bound["loading"] = bound["loading"].spread(math.prod(bound["surface"].cell(directory)))
+    return Case(**bound, coordinates=coordinates_of(point), index=index, directory=directory)

@@ -1,0 +1,157 @@
+"""The points of a study's sweep, and the exceptions, ``[[override]]``, that single points make."""
+
+import itertools
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from contact_study.errors import InputError
+from contact_study.study.case import Case
+from contact_study.study.checks import automatic
+from contact_study.study.schema.dotted_keys import SECTIONS, WHOLE_STUDY, last, read, same, split
+from contact_study.study.schema.keys import TaggedUnion, default_of, keys_of
+
+
+@dataclass(frozen=True)
+class SweptKey:
+    """A key that a study varies: its values in SI, their unit (UDUNITS) and meaning."""
+
+    values: tuple[Any, ...]
+    units: str
+    description: str
+
+
+def check_sweep(swept: dict[str, Any]) -> None:
+    """Raise InputError unless these keys can be swept over these values."""
+    seen: set[str] = set()
+    for dotted, values in swept.items():
+        section, name = split(dotted, "sweep")
+        if section in WHOLE_STUDY:
+            raise InputError(f"sweep.{dotted}: section [{section}] is one for the whole study and cannot be swept")
+        if dotted == "loading.path":
+            raise InputError(
+                "sweep.loading.path: a path cannot be swept; give points of a sweep their own by [[override]]"
+            )
+        if not isinstance(values, list) or not values:
+            raise InputError(f"sweep.{dotted} = {values!r}: expected a list of at least one value")
+        if dotted == automatic.LENGTH and automatic.AUTO in values:
+            raise InputError(f'sweep.{dotted}: "{automatic.AUTO}" is no number to sweep over; give it in [[override]]')
+        if any(isinstance(value, list | dict) for value in values):
+            raise InputError(f"sweep.{dotted}: each value must be a number or a text")
+        if name in seen:
+            raise InputError(f"sweep: two swept keys are called {name}")
+        seen.add(name)
+
+
+def check_exceptions(exceptions: Any, swept: dict[str, Any]) -> None:
+    """Raise InputError unless these are exceptions that points of this sweep may make."""
+    if not isinstance(exceptions, list) or not all(isinstance(item, dict) for item in exceptions):
+        raise InputError('override: expected tables, [[override]] with when = { "section.key" = value }')
+    for item in exceptions:
+        if not isinstance(item.get("when"), dict) or not item["when"]:
+            raise InputError('override: needs when = { "section.key" = value }')
+        changes = {dotted: value for dotted, value in item.items() if dotted != "when"}
+        for dotted, value in [*item["when"].items(), *changes.items()]:
+            split(dotted, "override")
+            read(dotted, value, "override: ")
+        for dotted in changes:
+            if dotted in swept:
+                raise InputError(f"override: {dotted} is swept; an override may change other keys only")
+            if dotted.partition(".")[0] in WHOLE_STUDY:
+                raise InputError(f"override: {dotted} is one for the whole study and cannot differ between points")
+
+
+def points_of(swept: dict[str, list[Any]]) -> Iterator[tuple[dict[str, Any], tuple[int, ...]]]:
+    """Values by dotted key, and index along each key, of every point; the last key runs fastest."""
+    for index in itertools.product(*(range(len(values)) for values in swept.values())):
+        yield {dotted: values[i] for (dotted, values), i in zip(swept.items(), index, strict=True)}, index
+
+
+def _apply(table: dict[str, Any], point: dict[str, Any], exceptions: list[dict[str, Any]]) -> dict[str, Any]:
+    merged = {name: dict(table.get(name, {})) for name in SECTIONS}
+    for dotted, value in point.items():
+        section, name = split(dotted, "sweep")
+        merged[section][name] = value
+    for item in exceptions:
+        if _matches(merged, item["when"]):
+            for dotted, value in item.items():
+                if dotted != "when":
+                    section, name = split(dotted, "override")
+                    merged[section][name] = value
+    return merged
+
+
+def sections_at(table: dict[str, Any], points: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
+    """The sections of a study's table as each point has them: swept, with its exceptions and of its own kinds only."""
+    exceptions = table.get("override", [])
+    return _of_own_kind([_apply(table, point, exceptions) for point in points])
+
+
+def without_effect(table: dict[str, Any], merged: Sequence[dict[str, Any]]) -> tuple[str, ...]:
+    """The exceptions that none of the points, given by their sections, makes; in words."""
+    return tuple(
+        f"override {number} ({', '.join(f'{k} = {v!r}' for k, v in item['when'].items())}) matches no point"
+        for number, item in enumerate(table.get("override", []), 1)
+        if not any(_matches(one, item["when"]) for one in merged)
+    )
+
+
+def _of_own_kind(merged: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """The points of a sweep, each with the keys of its own kinds only."""
+    for section, declared in SECTIONS.items():
+        if isinstance(declared, TaggedUnion):
+            own = declared.without_others([one[section] for one in merged])
+            merged = [{**one, section: table} for one, table in zip(merged, own, strict=True)]
+    return merged
+
+
+def _matches(merged: dict[str, Any], when: dict[str, Any]) -> bool:
+    """Whether a point has these values, however they are written: 8, 8.0; "1 nm", "10 angstrom"."""
+    for dotted, wanted in when.items():
+        section, name = split(dotted, "override")
+        given = merged[section]
+        value = read(dotted, given[name]) if name in given else default_of(SECTIONS[section], name)
+        if not same(value, read(dotted, wanted)):
+            return False
+    return True
+
+
+def points(cases: Sequence[Case], study_size: int) -> str:
+    """Which part of the sweep is meant, in brackets; nothing for all of it."""
+    if len(cases) == study_size:
+        return ""
+    return f" ({len(cases)} of {study_size} points of the sweep, such as {cases[0].label})"
+
+
+def swept_key(dotted: str, written: Sequence[Any], cases: Sequence[Case]) -> SweptKey:
+    """A key that the cases vary over the values written in the file.
+
+    Raises
+    ------
+    InputError
+        If two of the values are one.
+    """
+    section, name = split(dotted, "sweep")
+    declaration = keys_of(SECTIONS[section])[name]
+    units = (declaration.unit or "1").replace("J/m^2", "J m-2")
+    values = tuple(dict.fromkeys(case.coordinates[name] for case in cases))
+    numbers = sorted(value for value in values if isinstance(value, int | float))
+    if len(values) < len(written) or any(same(*pair) for pair in itertools.pairwise(numbers)):
+        raise InputError(f"sweep.{dotted} = {written!r}: holds a value twice")
+    return SweptKey(values, units, declaration.description)
+
+
+def coordinates_of(point: dict[str, Any]) -> dict[str, Any]:
+    """Value of each swept key at a point, in SI, by the key's name."""
+    return {last(dotted): _scalar(read(dotted, value), dotted) for dotted, value in point.items()}
+
+
+def _scalar(value: Any, dotted: str) -> Any:
+    """One number for a key that takes one for both axes: a sweep's values are scalars."""
+    if not isinstance(value, tuple):
+        return value
+    if len(value) != 2:
+        raise InputError(f"sweep.{dotted}: a list cannot be swept; give points of a sweep their own by [[override]]")
+    if value[0] != value[1]:
+        raise InputError(f"sweep.{dotted}: holds {list(value)}; a swept pair must have two equal values")
+    return value[0]

@@ -1,0 +1,165 @@
+"""Dimensional input, parsed once at the edge into SI floats."""
+
+import math
+import re
+from collections.abc import Sequence
+from functools import cache, lru_cache
+from typing import Any
+
+from contact_study.errors import InputError
+from contact_study.numerics.cache import own_cache_folder
+
+# Moments take the fifth power of a wavevector: within these limits no product over- or underflows.
+SMALLEST, LARGEST = 1e-40, 1e40
+# One number and a product of units. Pint alone would also calculate, for as long as "9**9**9 m" takes, and would read
+# "GPa" as 1 GPa.
+_LONGEST = 100
+_FACTOR = r"[^\W\d]+(?:\s*(?:\^|\*\*)\s*-?\d)?"
+_QUANTITY = re.compile(
+    r"\s*(?P<number>[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)"
+    rf"\s*(?P<unit>(?:{_FACTOR}(?:\s*[*/·]\s*|\s+))*{_FACTOR}|)\s*"
+)
+# Within a list each number has a unit: one without before a comma is a part of a number.
+_DECIMAL_COMMA = re.compile(r"(?<![\w.,])(?P<whole>[+-]?\d+),(?P<rest>\d+(?:[eE][+-]?\d+)?\s*[^\W\d].*)")
+
+
+@cache
+def _registry() -> Any:
+    import pint  # takes a noticeable fraction of a second: only where input is parsed
+
+    try:
+        return pint.UnitRegistry(cache_folder=own_cache_folder() / "units")  # the units' definitions, parsed
+    except Exception:  # a damaged or forbidden folder raises many types
+        return pint.UnitRegistry()
+
+
+def quantity(value: Any, unit: str, name: str) -> float:
+    """A number in SI, or a string with a unit, as an SI float.
+
+    Parameters
+    ----------
+    value : float, int or str
+        For instance ``1e-9`` or ``"10 angstrom"``.
+    unit : str
+        The SI unit, for instance ``"m"``; ``"1"`` for a pure number.
+    name : str
+        The key, for the message.
+
+    Raises
+    ------
+    InputError
+        If the value is no finite number of a sensible size or has another dimension.
+    """
+    if isinstance(value, bool) or not isinstance(value, int | float | str):
+        raise InputError(f"{name} = {value!r}: expected {_expected(unit)}")
+    number = _from_text(value, unit, name) if isinstance(value, str) else float(value)
+    if not math.isfinite(number):
+        raise InputError(f"{name} = {value!r}: must be a finite number")
+    if number and not SMALLEST <= abs(number) <= LARGEST:
+        raise InputError(f"{name} = {value!r}: is far from any size of use; expected {_expected(unit)}")
+    return number
+
+
+def unit_of(text: str) -> str:
+    """The unit that a string such as ``"0.1 GPa"`` carries, as it is written."""
+    return _split(text)[1]
+
+
+def refuse_decimal_comma(text: str, name: str) -> None:
+    """Raise InputError if a text has a comma where its number has a decimal sign, as in "10,5 um"."""
+    found = _DECIMAL_COMMA.search(text)
+    if found:
+        meant = f"{found['whole']}.{found['rest']}"
+        raise InputError(
+            f'{name} = {text!r}: use a decimal point, "{meant}"; of several values each has a unit, "10 um, 5 um"'
+        )
+
+
+def is_a(value: Any, unit: str) -> bool:
+    """Whether a value is a string with a unit of the same kind as another unit."""
+    return isinstance(value, str) and _reads_as(value, unit)
+
+
+@lru_cache(maxsize=10_000)  # every case of a study reads the same texts
+def _reads_as(text: str, unit: str) -> bool:
+    try:
+        quantity(text, unit, "")
+    except InputError:
+        return False
+    return True
+
+
+_LENGTHS = ((1.0, "m"), (1e-3, "mm"), (1e-6, "µm"), (1e-9, "nm"), (1e-12, "pm"))
+_STRESSES = ((1e9, "GPa"), (1e6, "MPa"), (1e3, "kPa"), (1.0, "Pa"))
+
+
+def length(*metres: float) -> str:
+    """Lengths in the unit that suits the largest, to four digits: ``1.024 x 2 µm``."""
+    return _suited(metres, _LENGTHS, 4)
+
+
+def stress(pascals: float) -> str:
+    """A stress in the unit that suits it, to three digits."""
+    return _suited((pascals,), _STRESSES, 3)
+
+
+def _suited(values: Sequence[float], known: Sequence[tuple[float, str]], digits: int) -> str:
+    largest = max(abs(value) for value in values)
+    size, unit = next((pair for pair in known if largest >= 0.9995 * pair[0]), known[-1])
+    return " x ".join(f"{value / size:.{digits}g}" for value in values) + f" {unit}"
+
+
+def _split(text: str) -> tuple[str, str]:
+    """Number and unit; ValueError if the text is anything else."""
+    match = _QUANTITY.fullmatch(text) if len(text) <= _LONGEST else None
+    if match is None:
+        raise ValueError(text)
+    return match["number"], match["unit"]
+
+
+@lru_cache(maxsize=10_000)
+def _from_text(text: str, unit: str, name: str) -> float:
+    import pint
+
+    refuse_decimal_comma(text, name)
+    try:
+        number, written = _split(text)
+        if unit == "1" and written:
+            raise InputError(f"{name} = {text!r}: must be a pure number, without a unit")
+        if unit != "1" and not written:
+            raise InputError(f"{name} = {text!r}: has no unit; expected {_expected(unit)}")
+        return float(_registry().Quantity(float(number), written).to("" if unit == "1" else unit).magnitude)
+    except pint.DimensionalityError as error:
+        raise InputError(
+            f"{name} = {text!r}: a unit of {error.units1} cannot be converted; expected {_expected(unit)}"
+        ) from None
+    except pint.UndefinedUnitError as error:
+        raise InputError(f"{name} = {text!r}: unknown unit {error.unit_names!r}; expected {_expected(unit)}") from None
+    except InputError:
+        raise
+    except Exception:  # pint's parser raises several unrelated types on malformed text
+        raise InputError(f"{name} = {text!r}: cannot be read; expected {_expected(unit)}") from None
+
+
+EXAMPLES = {
+    "m": "10 nm",
+    "Pa": "1 GPa",
+    "J": "18.6 meV",
+    "J/m^2": "0.69 J/m^2",
+    "kg": "197 u",
+    "N": "10 nN",
+    "K": "300 K",
+    "s": "10 fs",
+    "m/s": "10 m/s",
+    "s^-1": "0.1 ps^-1",
+    "m^-1": "0.3 nm^-1",
+    "m^4": "2 nm^4",
+    "Pa/m": "2 GPa/nm",
+}
+
+
+def _expected(unit: str) -> str:
+    if unit == "1":
+        return "a number"
+    example = f', such as "{EXAMPLES[unit]}"' if unit in EXAMPLES else ""
+    return f"a number in {unit} or a string with a unit{example}"

@@ -1,0 +1,306 @@
+"""The harmonic block, condensed exactly onto its bottom layer of atoms.
+
+The block is a simple cubic lattice of linear springs, periodic in x and y, clamped to a rigid plane at the top. Linear
+and laterally translation-invariant, it acts on its bottom layer through one 3×3 matrix S(q) per lateral wavevector,
+which binary doubling of one layer of cells yields at full resolution for any thickness.
+
+Components are ordered x, y, z. With u_z replaced by i u_z every S(q) is real and symmetric: six reals per wavevector,
+in the order xx, yy, zz, xy, xz, yz, where the true S_xz is i times the stored one and S_zx minus i times.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numba import njit
+
+from contact_study.numerics.grid import Grid
+from contact_study.physics.solids import contact_modulus_of
+
+_OPTIONS = {"cache": True, "error_model": "numpy", "fastmath": {"contract", "arcp", "nsz"}}
+
+# Corners of a cubic cell; degree of freedom 3 * corner + component.
+_CORNERS = np.array([(x, y, z) for z in (0, 1) for y in (0, 1) for x in (0, 1)])
+
+
+def lame_constants(youngs_modulus: float, poissons_ratio: float) -> tuple[float, float]:
+    """First Lamé constant λ and shear modulus μ (Pa) of an isotropic solid."""
+    shear_modulus = youngs_modulus / (2 * (1 + poissons_ratio))
+    first = youngs_modulus * poissons_ratio / ((1 + poissons_ratio) * (1 - 2 * poissons_ratio))
+    return first, shear_modulus
+
+
+def isotropic_element(lattice_constant: float, youngs_modulus: float, poissons_ratio: float) -> np.ndarray:
+    """Stiffness of one cubic cell of an elastically isotropic lattice.
+
+    Springs μa along the edges and the face diagonals, and a dilatation energy ½(λ−μ)a³θ² of the cell. A cell owns a
+    quarter of each edge and half of each face diagonal, so that free surfaces are consistent.
+
+    Parameters
+    ----------
+    lattice_constant : float
+        Edge of the cell a (m).
+    youngs_modulus, poissons_ratio : float
+        Of the solid at long wavelengths (Pa, 1).
+
+    Returns
+    -------
+    numpy.ndarray, shape (24, 24)
+        Symmetric stiffness (N/m); degree of freedom ``3 * corner + component``, corner ``(z * 2 + y) * 2 + x``.
+    """
+    first, shear_modulus = lame_constants(youngs_modulus, poissons_ratio)
+    element = np.zeros((24, 24))
+    share_of_cell = {1: 0.25, 2: 0.5}  # by squared length of the bond
+    for p in range(8):
+        for q in range(p):
+            bond = _CORNERS[p] - _CORNERS[q]
+            squared_length = int(bond @ bond)
+            if squared_length not in share_of_cell:
+                continue
+            elongation = np.zeros(24)
+            elongation[3 * p : 3 * p + 3] = bond / np.sqrt(squared_length)
+            elongation[3 * q : 3 * q + 3] = -bond / np.sqrt(squared_length)
+            stiffness = share_of_cell[squared_length] * shear_modulus * lattice_constant
+            element += stiffness * np.outer(elongation, elongation)
+    dilatation = ((2 * _CORNERS - 1) / (4 * lattice_constant)).ravel()
+    return element + (first - shear_modulus) * lattice_constant**3 * np.outer(dilatation, dilatation)
+
+
+def element_matrix(model: str, lattice_constant: float, youngs_modulus: float, poissons_ratio: float) -> np.ndarray:
+    """Element matrix of the named block model at small strains, see :func:`isotropic_element`.
+
+    Raises
+    ------
+    ValueError
+        If there is no block model of that name.
+    """
+    if model not in ("isotropic", "nonlinear_springs"):  # the same to first order
+        raise ValueError(
+            f"atomistic.block: {model!r} is not available; the block models are: 'isotropic', 'nonlinear_springs'"
+        )
+    return isotropic_element(lattice_constant, youngs_modulus, poissons_ratio)
+
+
+@njit(**_OPTIONS)
+def _stack(lower, upper, out):
+    """Schur complement of two slabs on their common plane; slab[0, 1, 2] are A, B, D of [[A, B], [Bᵀ, D]], real."""
+    i_xx, i_yy, i_zz, i_xy, i_xz, i_yz = invert_symmetric(
+        lower[2, 0, 0] + upper[0, 0, 0],
+        lower[2, 1, 1] + upper[0, 1, 1],
+        lower[2, 2, 2] + upper[0, 2, 2],
+        lower[2, 0, 1] + upper[0, 0, 1],
+        lower[2, 0, 2] + upper[0, 0, 2],
+        lower[2, 1, 2] + upper[0, 1, 2],
+    )
+    inverse = ((i_xx, i_xy, i_xz), (i_xy, i_yy, i_yz), (i_xz, i_yz, i_zz))
+    for r in range(3):
+        for c in range(3):
+            to_a = 0.0
+            to_b = 0.0
+            to_d = 0.0
+            for k in range(3):
+                for m in range(3):
+                    to_a += lower[1, r, k] * inverse[k][m] * lower[1, c, m]
+                    to_b += lower[1, r, k] * inverse[k][m] * upper[1, m, c]
+                    to_d += upper[1, k, r] * inverse[k][m] * upper[1, m, c]
+            out[0, r, c] = lower[0, r, c] - to_a
+            out[1, r, c] = -to_b
+            out[2, r, c] = upper[2, r, c] - to_d
+
+
+@njit(**_OPTIONS)
+def invert_symmetric(xx, yy, zz, xy, xz, yz):
+    """Inverse of a symmetric 3×3 matrix, six numbers for six."""
+    c_xx = yy * zz - yz * yz
+    c_xy = xz * yz - xy * zz
+    c_xz = xy * yz - yy * xz
+    scale = 1.0 / (xx * c_xx + xy * c_xy + xz * c_xz)
+    return (
+        c_xx * scale,
+        (xx * zz - xz * xz) * scale,
+        (xx * yy - xy * xy) * scale,
+        c_xy * scale,
+        c_xz * scale,
+        (xy * xz - xx * yz) * scale,
+    )
+
+
+@njit(**_OPTIONS)
+def _bloch(element, phase_y, phase_x, slab):
+    """Real form of the matrices A, B, D between the two planes of one layer of cells."""
+    for n in range(3):
+        for c in range(3):
+            for d in range(3):
+                slab[n, c, d] = 0.0
+    for p in range(8):
+        for q in range(8):
+            if p >> 2 > q >> 2:
+                continue  # Bᵀ
+            phase = phase_x * ((q & 1) - (p & 1)) + phase_y * (((q >> 1) & 1) - ((p >> 1) & 1))
+            cosine = np.cos(phase)
+            sine = np.sin(phase)
+            for c in range(3):
+                for d in range(3):
+                    factor = cosine
+                    if c != 2 and d == 2:
+                        factor = sine
+                    elif c == 2 and d != 2:
+                        factor = -sine
+                    slab[(p >> 2) + (q >> 2), c, d] += factor * element[3 * p + c, 3 * q + d]
+
+
+@njit(**_OPTIONS)
+def _condense(element, phase_y, phase_x, layers, coefficients):
+    """Fill coefficients[6, n] with S of ``layers`` cells under a clamped plane, for n pairs of Bloch phases."""
+    # Slabs of 2^bit layers in ``powers``, what is stacked so far in ``stacked``, two buffers each.
+    powers = np.empty((2, 3, 3, 3))
+    stacked = np.empty((2, 3, 3, 3))
+    for n in range(phase_y.size):
+        power = 0
+        current = -1
+        _bloch(element, phase_y[n], phase_x[n], powers[0])
+        remaining = layers
+        while True:
+            if remaining & 1:
+                if current < 0:
+                    current = 0
+                    stacked[0] = powers[power]
+                else:
+                    _stack(stacked[current], powers[power], stacked[1 - current])
+                    current = 1 - current
+            remaining >>= 1
+            if remaining == 0:
+                break
+            _stack(powers[power], powers[power], powers[1 - power])
+            power = 1 - power
+        coefficients[0, n] = stacked[current, 0, 0, 0]
+        coefficients[1, n] = stacked[current, 0, 1, 1]
+        coefficients[2, n] = stacked[current, 0, 2, 2]
+        coefficients[3, n] = stacked[current, 0, 0, 1]
+        coefficients[4, n] = stacked[current, 0, 0, 2]
+        coefficients[5, n] = stacked[current, 0, 1, 2]
+
+
+def condense(element: np.ndarray, phase_y: np.ndarray, phase_x: np.ndarray, layers: int) -> np.ndarray:
+    """S(q) of a block of ``layers`` cells under a clamped plane, at chosen wavevectors.
+
+    Parameters
+    ----------
+    element : numpy.ndarray, shape (24, 24)
+        Stiffness of one cell (N/m); any harmonic model of cubic symmetry.
+    phase_y, phase_x : numpy.ndarray
+        q_y a and q_x a, of one common shape.
+    layers : int
+        Number of cells across the thickness, at least one.
+
+    Returns
+    -------
+    numpy.ndarray, shape (6, *phase_y.shape)
+        xx, yy, zz, xy, xz, yz in the real form of this module (N/m).
+    """
+    if layers < 1:
+        raise ValueError(f"atomistic.layers: a block needs at least one layer of cells, got {layers}")
+    phase_y, phase_x = np.broadcast_arrays(np.asarray(phase_y, dtype=float), np.asarray(phase_x, dtype=float))
+    coefficients = np.empty((6, phase_y.size))
+    _condense(np.ascontiguousarray(element), phase_y.ravel(), phase_x.ravel(), layers, coefficients)
+    return coefficients.reshape(6, *phase_y.shape)
+
+
+def normal_stiffness(coefficients: np.ndarray, lattice_constant: float) -> np.ndarray:
+    """K = 1 / (a² [S⁻¹]_zz), the normal pressure per displacement where no shear acts (Pa/m).
+
+    Parameters
+    ----------
+    coefficients : numpy.ndarray, shape (6, ...)
+        As returned by :func:`condense`.
+    lattice_constant : float
+        Of the block (m).
+    """
+    normal_compliance = invert_symmetric.py_func(*coefficients)[2]  # plain NumPy, on whole arrays
+    return 1 / (lattice_constant**2 * normal_compliance)
+
+
+def contact_modulus(coefficients: np.ndarray, wavenumber: np.ndarray, lattice_constant: float) -> np.ndarray:
+    """Surface modulus E*(q) = 2 K/q that a frictionless normal traction feels.
+
+    Parameters
+    ----------
+    coefficients : numpy.ndarray, shape (6, ...)
+        As returned by :func:`condense`.
+    wavenumber : numpy.ndarray
+        |q| > 0 of each entry (1/m).
+    lattice_constant : float
+        Of the block (m).
+
+    Returns
+    -------
+    numpy.ndarray
+        E*(q) (Pa), of the shape of ``wavenumber``.
+    """
+    return contact_modulus_of(normal_stiffness(coefficients, lattice_constant), wavenumber)
+
+
+@dataclass(frozen=True)
+class SurfaceStiffness:
+    """S(q) of a block on the half spectrum of its bottom layer.
+
+    Parameters
+    ----------
+    grid : Grid
+        Rest positions of the bottom atoms.
+    lattice_constant : float
+        Of the block (m).
+    coefficients : numpy.ndarray, shape (6, ny, nx // 2 + 1)
+        Real form of S, see the module (N/m). S_zz at q = 0 is the uniform compression of the block, which a
+        calculation under prescribed pressure or prescribed mean height leaves out.
+    """
+
+    grid: Grid
+    lattice_constant: float
+    coefficients: np.ndarray
+
+    @property
+    def normal_stiffness(self) -> np.ndarray:
+        """K of each wavevector for a frictionless normal pressure, on the half spectrum (Pa/m).
+
+        At q = 0 that of the block's uniform compression.
+        """
+        return normal_stiffness(self.coefficients, self.lattice_constant)
+
+    @property
+    def contact_modulus(self) -> np.ndarray:
+        """E*(q) on the half spectrum (Pa), NaN at q = 0."""
+        wavenumber = np.where(self.grid.wavenumber > 0, self.grid.wavenumber, np.nan)
+        return contact_modulus(self.coefficients, wavenumber, self.lattice_constant)
+
+    @property
+    def area_per_atom(self) -> float:
+        """a² (m²)."""
+        return self.lattice_constant**2
+
+
+def surface_stiffness(
+    element: np.ndarray, shape: tuple[int, int], lattice_constant: float, layers: int
+) -> SurfaceStiffness:
+    """S(q) of a block of ``shape`` (y, x) atoms a layer and ``layers`` cells thick, see :func:`condense`."""
+    grid = Grid(shape, (shape[0] * lattice_constant, shape[1] * lattice_constant))
+    # Phases from integers: the Nyquist phase is then exactly π and the matrix there real to rounding.
+    phase_y = 2 * np.pi * np.fft.fftfreq(shape[0])[:, None]
+    phase_x = 2 * np.pi * np.fft.rfftfreq(shape[1])[None, :]
+    return SurfaceStiffness(grid, lattice_constant, condense(element, phase_y, phase_x, layers))
+
+
+def without_lateral_freedom(stiffness: SurfaceStiffness) -> SurfaceStiffness:
+    """The block as a frictionless continuum sees it: normal compliance only, the bottom atoms on vertical rails.
+
+    For taking apart what separates atoms from a continuum model, see ``scripts/continuum_against_atoms.py``.
+
+    Parameters
+    ----------
+    stiffness : SurfaceStiffness
+        The full block.
+    """
+    coefficients = np.zeros_like(stiffness.coefficients)
+    # Stiff beyond any force that the interface can exert; the value only has to leave the matrix invertible.
+    coefficients[:2] = 1e6 * np.max(stiffness.coefficients)
+    coefficients[2] = stiffness.area_per_atom * stiffness.normal_stiffness
+    return SurfaceStiffness(stiffness.grid, stiffness.lattice_constant, coefficients)

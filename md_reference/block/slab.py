@@ -1,0 +1,208 @@
+"""Forces of a slab of isotropic cells with explicit nodes, both faces free, periodic along x and y.
+
+The springs and the dilatation energy of :func:`md_reference.block.condensed.isotropic_element`, gathered node by node:
+springs along edges, springs along face diagonals, and the dilatation of every cell, of which two planes at a time are
+kept. Arrays of nodes have shape (3, planes, ny + 2, nx + 2): a frame of ghosts holds the periodic images.
+"""
+
+import numpy as np
+from numba import njit
+
+from md_reference.block.verlet import move_plane
+
+_OPTIONS = {"cache": True, "nogil": True, "error_model": "numpy", "fastmath": {"contract", "nsz"}}
+
+
+def slab_constants(lattice_constant: float, first_lame: float, shear_modulus: float) -> tuple[float, float, float]:
+    """Stiffnesses of edge springs, of diagonal springs along an axis, and of the dilatation (N/m).
+
+    Parameters
+    ----------
+    lattice_constant : float
+        Edge of the cell (m).
+    first_lame, shear_modulus : float
+        λ and μ (Pa).
+    """
+    edge = shear_modulus * lattice_constant
+    # A diagonal spring acts along (1, 1)/√2; a cell's dilatation is a sum of differences over 4a, in force and energy.
+    return edge, edge / 2, (first_lame - shear_modulus) * lattice_constant / 16
+
+
+@njit(**_OPTIONS)
+def fill_ghosts(u):
+    """Copy the periodic images of the nodes into the frame."""
+    for c in range(u.shape[0]):
+        for k in range(u.shape[1]):
+            rows, columns = u.shape[2:]
+            for j in range(rows):
+                u[c, k, j, 0] = u[c, k, j, columns - 2]
+                u[c, k, j, columns - 1] = u[c, k, j, 1]
+            for i in range(columns):
+                u[c, k, 0, i] = u[c, k, rows - 2, i]
+                u[c, k, rows - 1, i] = u[c, k, 1, i]
+
+
+@njit(**_OPTIONS)
+def _add_plane(u, k, width, start, below, dilatation):
+    """Dilatation of the cells under plane k, as a sum of corner differences, 4a times it, nodes start on.
+
+    ``below`` has what the plane under it adds to that, and is given what plane k adds to the cells over it.
+    """
+    x = u[0, k]
+    y = u[1, k]
+    z = u[2, k]
+    for q in range(np.uint64(dilatation.size)):
+        i = start + q
+        e = i + np.uint64(1)
+        n = i + width
+        ne = n + np.uint64(1)
+        within = ((x[e] - x[i]) + (x[ne] - x[n])) + ((y[n] - y[i]) + (y[ne] - y[e]))
+        height = (z[i] + z[e]) + (z[n] + z[ne])
+        dilatation[q] = below[q] + (within + height)
+        below[q] = within - height
+
+
+@njit(**_OPTIONS)
+def _start(nodes, first, end):
+    """Dilatation of the cells under and over the lowest plane from the row of cells before ``first`` on.
+
+    Returns an array for the two layers of cells about a plane, and one of what the plane under a layer adds to it.
+    """
+    dilatation = np.zeros((2, (end - first + 1) * nodes.shape[3] - 1))
+    below = np.zeros(dilatation.shape[1])
+    width = np.uint64(nodes.shape[3])
+    _add_plane(nodes.reshape(3, nodes.shape[1], -1), 0, width, np.uint64(first) * width, below, dilatation[1])
+    return dilatation, below
+
+
+@njit(**_OPTIONS)
+def _plane_force(nodes, k, dilatation, below, edge, diagonal, volume, first, f_x, f_y, f_z):
+    """Write the forces on some rows of plane k, from row ``first`` on, after those of the plane below.
+
+    Row after row in one line, ``f_x`` … of their length: the ghosts between them cost less than to begin a loop anew.
+    """
+    planes = nodes.shape[1]
+    width = np.uint64(nodes.shape[3])
+    one = np.uint64(1)
+    begin = np.uint64(first) * width
+    u = nodes.reshape(3, planes, -1)
+    under = dilatation[(k + 1) & 1]
+    over = dilatation[k & 1]
+    if k < planes - 1:
+        _add_plane(u, k + 1, width, begin, below, over)
+    else:
+        over[:] = 0.0
+    if k == 0:
+        under[:] = 0.0
+    # Springs within a face of the slab belong to one cell instead of two.
+    share = 1.0 if 0 < k < planes - 1 else 0.5
+    edge_in = share * edge
+    diagonal_in = share * diagonal
+    has_over = 1.0 if k < planes - 1 else 0.0
+    has_under = 1.0 if k > 0 else 0.0
+    diagonal_o = has_over * diagonal
+    diagonal_u = has_under * diagonal
+    edge_o = has_over * edge
+    edge_u = has_under * edge
+    own_x = 2.0 * edge_in + 4.0 * diagonal_in + 2.0 * (diagonal_o + diagonal_u)
+    own_z = edge_o + edge_u + 4.0 * (diagonal_o + diagonal_u)
+    k_o = k + 1 if k < planes - 1 else k
+    k_u = k - 1 if k > 0 else k
+    x_c = u[0, k]
+    x_o = u[0, k_o]
+    x_u = u[0, k_u]
+    y_c = u[1, k]
+    y_o = u[1, k_o]
+    y_u = u[1, k_u]
+    z_c = u[2, k]
+    z_o = u[2, k_o]
+    z_u = u[2, k_u]
+    for q in range(np.uint64(f_x.size - 2)):
+        sw = q
+        se = q + one
+        nw = q + width
+        ne = nw + one
+        i = begin + ne
+        e = i + one
+        w = i - one
+        n = i + width
+        s = i - width
+        # Diagonals within the plane; those of x with y change sides for the other.
+        rising = (x_c[n + one] + x_c[s - one]) + (y_c[n + one] + y_c[s - one])
+        falling = (x_c[n - one] + x_c[s + one]) - (y_c[n - one] + y_c[s + one])
+        g_x = edge_in * (x_c[e] + x_c[w]) + diagonal_in * (rising + falling)
+        g_y = edge_in * (y_c[n] + y_c[s]) + diagonal_in * (rising - falling)
+        g_x += diagonal_o * ((x_o[e] + x_o[w]) + (z_o[e] - z_o[w]))
+        g_x += diagonal_u * ((x_u[e] + x_u[w]) - (z_u[e] - z_u[w]))
+        g_y += diagonal_o * ((y_o[n] + y_o[s]) + (z_o[n] - z_o[s]))
+        g_y += diagonal_u * ((y_u[n] + y_u[s]) - (z_u[n] - z_u[s]))
+        g_z = diagonal_o * (((x_o[e] - x_o[w]) + (y_o[n] - y_o[s])) + ((z_o[e] + z_o[w]) + (z_o[n] + z_o[s])))
+        g_z += diagonal_u * (((z_u[e] + z_u[w]) + (z_u[n] + z_u[s])) - ((x_u[e] - x_u[w]) + (y_u[n] - y_u[s])))
+        g_z += edge_o * z_o[i] + edge_u * z_u[i]
+        t_sw = under[sw] + over[sw]
+        t_se = under[se] + over[se]
+        t_nw = under[nw] + over[nw]
+        t_ne = under[ne] + over[ne]
+        f_x[q + one] = (g_x - own_x * x_c[i]) - volume * ((t_sw - t_se) + (t_nw - t_ne))
+        f_y[q + one] = (g_y - own_x * y_c[i]) - volume * ((t_sw + t_se) - (t_nw + t_ne))
+        f_z[q + one] = (g_z - own_z * z_c[i]) - volume * (
+            ((under[sw] - over[sw]) + (under[se] - over[se])) + ((under[nw] - over[nw]) + (under[ne] - over[ne]))
+        )
+
+
+@njit(**_OPTIONS)
+def slab_force(nodes, force, edge, diagonal, volume, first, end):
+    """Write the forces on the nodes of some rows of a slab whose ghosts are filled.
+
+    Parameters
+    ----------
+    nodes, force : numpy.ndarray, shape (3, planes, ny + 2, nx + 2)
+        Displacements (m) and forces (N); what is written at the ghosts means nothing.
+    edge, diagonal, volume : float
+        As :func:`slab_constants`.
+    first, end : int
+        The rows, of ny without ghosts: from ``first`` to before ``end``.
+    """
+    dilatation, below = _start(nodes, first, end)
+    for k in range(nodes.shape[1]):
+        f_x = force[0, k, first + 1 : end + 1].reshape(-1)
+        f_y = force[1, k, first + 1 : end + 1].reshape(-1)
+        f_z = force[2, k, first + 1 : end + 1].reshape(-1)
+        _plane_force(nodes, k, dilatation, below, edge, diagonal, volume, first, f_x, f_y, f_z)
+
+
+@njit(**_OPTIONS)
+def move_slab(nodes, moved, velocity, faces, inverse_mass, action, edge, diagonal, volume, number, first, end):
+    """Let the forces of :func:`slab_force` act on the inner planes, a plane of the rows at a time: none is kept.
+
+    Parameters
+    ----------
+    nodes, moved, velocity : numpy.ndarray, shape (3, planes, ny + 2, nx + 2)
+        Displacements before and after (m), velocities (m/s), see :func:`md_reference.block.verlet.move_plane`.
+    faces : numpy.ndarray, shape (3, 2, ny + 2, nx + 2)
+        Given the forces on the lowest and highest plane (N), which are not moved.
+    inverse_mass : numpy.ndarray, shape (planes,)
+        Of a node of each plane (1/kg).
+    action : md_reference.block.verlet.Action
+        Of the forces.
+    edge, diagonal, volume : float
+        As :func:`slab_constants`.
+    number : int
+        Of the slab's first node among all of the block.
+    first, end : int
+        The rows, of ny without ghosts: from ``first`` to before ``end``.
+    """
+    dilatation, below = _start(nodes, first, end)
+    inside = np.empty((3, 1, end - first, nodes.shape[3]))
+    last = nodes.shape[1] - 1
+    for k in range(last + 1):
+        if 0 < k < last:
+            f_x, f_y, f_z = inside[0, 0].reshape(-1), inside[1, 0].reshape(-1), inside[2, 0].reshape(-1)
+        else:
+            face = 0 if k == 0 else 1
+            f_x = faces[0, face, first + 1 : end + 1].reshape(-1)
+            f_y = faces[1, face, first + 1 : end + 1].reshape(-1)
+            f_z = faces[2, face, first + 1 : end + 1].reshape(-1)
+        _plane_force(nodes, k, dilatation, below, edge, diagonal, volume, first, f_x, f_y, f_z)
+        if 0 < k < last:
+            move_plane(nodes, moved, velocity, inside, 0, 0, inverse_mass[k], action, number, k, first, end)

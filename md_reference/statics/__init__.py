@@ -1,0 +1,1 @@
+"""Mechanical equilibria at zero temperature: energy, Newton steps, linear solver, overdamped motion."""

@@ -1,0 +1,266 @@
+"""The linear problem of one Newton step: conjugate gradients with a preconditioner split into core and tail.
+
+Solve (S + D) x = −g, S the block's surface stiffness and D one 3×3 matrix an atom: large along the normal n where atoms
+touch (the core), small everywhere else (the tail). With k = n·Dn and β² = c/(k + c) tells B = 1 − (1 − β) n nᵀ them
+apart, and
+
+    z = (1 − β²)/(k + ½ S_max) n nᵀ r + B (S + c)⁻¹ B r
+
+inverts D in the core and S in the tail (:mod:`md_reference.statics.preconditioner`: long waves on coarser layers). It
+takes far fewer iterations than (S + c)⁻¹ alone, each of a transform pair and a sixteenth of one. The arithmetic is
+single precision on a right-hand side scaled to one: the step only has to be good to the forcing term of the truncated
+Newton method, whose residual is evaluated in double precision.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numba import njit
+
+from contact_study.numerics.fourier import RealTransform
+from contact_study.numerics.inner_product import inner_product
+from contact_study.numerics.multigrid import HALVINGS
+from md_reference.block.condensed import SurfaceStiffness
+from md_reference.block.stiffness_kernels import multiply
+from md_reference.statics.preconditioner import preconditioner_for
+from md_reference.statics.splitting import split
+
+_OPTIONS = {"cache": True, "error_model": "numpy", "fastmath": {"contract", "reassoc", "arcp", "nsz"}}
+
+# Energy of a direction s below this fraction of what it is the sum of counts as none: the rounding of single precision.
+# Above this fraction of c |s|² none needs a second look.
+_CURVATURE_ROUNDING = 1e-6
+
+
+@dataclass(frozen=True)
+class NewtonStep:
+    """Outcome of a linear solve.
+
+    Attributes
+    ----------
+    step : numpy.ndarray, shape (3, ny, nx)
+        Approximate solution x (m).
+    iterations : int
+        Conjugate-gradient iterations, each of a transform pair and what the bed takes.
+    indefinite : bool
+        True if a direction of negative curvature ended the iteration; ``step`` is what was reached before.
+    """
+
+    step: np.ndarray
+    iterations: int
+    indefinite: bool
+
+
+class NewtonSolver:
+    """Owner of the single-precision arrays and transforms.
+
+    Parameters
+    ----------
+    stiffness : SurfaceStiffness
+        S of the block; S_zz at q = 0 is left out.
+    shift : float
+        c of the preconditioner (N/m), positive.
+    fixed_mean : bool
+        Keep the mean of the normal component (gap control) instead of leaving it free (pressure control).
+    threads : int, optional
+        Threads of FFTW.
+
+    Attributes
+    ----------
+    diagonal : numpy.ndarray of float32, shape (6, ny, nx)
+        D (N/m), to be written by the caller: xx, yy, zz, xy, xz, yz.
+    direction : numpy.ndarray of float32, shape (3, ny, nx)
+        The last search direction: one of negative curvature if the solver stopped on it.
+    """
+
+    def __init__(self, stiffness: SurfaceStiffness, shift: float, fixed_mean: bool, threads: int = 1):
+        shape = (3, *stiffness.grid.shape)
+        self.transform = RealTransform(shape, np.float32, threads)
+        self.fixed_mean = fixed_mean
+        self.diagonal = np.zeros((6, *shape[1:]), np.float32)
+        self.direction = np.empty(shape, np.float32)
+        self._shift = shift
+        self._coefficients = stiffness.coefficients.astype(np.float32)
+        self._coefficients[2, 0, 0] = 0.0
+        self._half_grid = 0.5 * float(np.max(self._coefficients[2]))
+        self._multiplicity = stiffness.grid.multiplicity[0].astype(np.float32)
+        self._bed = preconditioner_for(self.transform, self._coefficients, shift, HALVINGS, threads)
+        self._residual = np.empty(shape, np.float32)
+        self._solution = np.empty(shape, np.float32)
+        self._split_curvature = np.full(self.diagonal.shape, np.nan, np.float32)
+        self._normal = np.zeros(shape, np.float32)
+        self._removed = np.empty(shape[1:], np.float32)
+        self._core = np.empty(shape[1:], np.float32)
+
+    @property
+    def pairs(self) -> float:
+        """Transform pairs so far, on coarser grids in proportion to their points."""
+        return self.transform.pairs + self._bed.pairs
+
+    def solve(self, gradient: np.ndarray, reduction: float, max_iterations: int, total: float = np.inf) -> NewtonStep:
+        """Solve (S + D) x = −gradient with the D that the caller has put into :attr:`diagonal`.
+
+        Parameters
+        ----------
+        gradient : numpy.ndarray, shape (3, ny, nx)
+            Right-hand side, negated (N); its normal mean is zero if that mean is fixed.
+        reduction : float
+            Stop when the residual's norm has fallen by this factor.
+        max_iterations : int
+            Largest number of iterations.
+        total : float, optional
+            Largest |Σ residual| of the normal component to leave (N): the softest mode of a light contact, its mean
+            height, may be a small part of the norm.
+        """
+        scale = float(np.max(np.abs(gradient)))
+        transform, normalisation = self.transform, 1 / self.transform.points
+        spectrum, field = transform.spectrum.view(np.float32), transform.field
+        waves = self._coefficients, self._multiplicity
+        parts = self._normal, self._removed, self._core
+        residual, direction, solution = self._residual, self.direction, self._solution
+        split(self.diagonal, self._shift, self._half_grid, self._split_curvature, *parts)
+        np.multiply(gradient, -1 / scale, out=residual, casting="same_kind")
+        solution[...] = 0.0
+        direction[...] = 0.0
+        squares, core = _take_tail(residual, *parts, field)
+        target = reduction**2 * squares
+        previous = np.inf
+        indefinite = False
+        iterations = 0
+        while iterations < max_iterations:
+            product = core + self._bed.apply_and_sum()
+            if not product > 0.0:
+                break  # rounding is all that is left
+            iterations += 1
+            local, length = _turn(residual, *parts, product / previous, self.diagonal, direction, field)
+            if self.fixed_mean:
+                local -= self._take_mean_out()
+            previous = product
+            transform.forward()
+            elastic = multiply(spectrum, *waves, normalisation)
+            curvature = local + elastic
+            if curvature <= _CURVATURE_ROUNDING * self._shift * length and curvature <= self._rounding(elastic, length):
+                indefinite = True
+                break
+            transform.backward()
+            _descend(product / curvature, direction, self.diagonal, field, solution, residual)
+            if self.fixed_mean:
+                residual[2] -= np.mean(residual[2], dtype=np.float64)  # the constraint's own force
+            squares, core = _take_tail(residual, *parts, field)
+            if squares <= target and (np.isinf(total) or abs(residual[2].sum(dtype=float)) * scale <= total):
+                break
+        return NewtonStep(solution * scale, iterations, indefinite)
+
+    def _rounding(self, elastic: float, length: float) -> float:
+        """Energy of the direction s that may be rounding, of s·S s = ``elastic`` and s·s = ``length``."""
+        local = inner_product(np.abs(self.diagonal[:3]) * self.direction, self.direction)
+        # S of a field that is nearly uniform is itself rounding.
+        return _CURVATURE_ROUNDING * (local + elastic + 2 * _CURVATURE_ROUNDING * self._half_grid * length)
+
+    def _take_mean_out(self) -> float:
+        """Make the normal mean of the direction (and of the transform's field) zero; returns what s·D s loses."""
+        mean = np.float32(np.mean(self.direction[2], dtype=np.float64))
+        xz, yz, zz = self.diagonal[4], self.diagonal[5], self.diagonal[2]
+        x, y, w = self.direction
+        lost = 2 * mean * (xz * x + yz * y + zz * w) - mean * mean * zz
+        self.direction[2] -= mean
+        self.transform.field[2] -= mean
+        return float(np.sum(lost, dtype=np.float64))
+
+    def unstable_direction(self, max_iterations: int) -> np.ndarray | None:
+        """A direction of negative curvature of S + D, shape (3, ny, nx); None if conjugate gradients meet none.
+
+        Their right side is random (the same each time) and lies where D is negative, as every unstable mode does.
+
+        Parameters
+        ----------
+        max_iterations : int
+            As in :meth:`solve`.
+        """
+        start = np.maximum(-self.diagonal[:3], 0)
+        start *= 1 + np.random.default_rng(0).standard_normal(start.shape, dtype=np.float32)
+        if self.fixed_mean:
+            start[2] -= np.mean(start[2])
+        if not start.any():
+            return None
+        found = self.solve(start, 0.0, max_iterations)
+        return self.direction / np.abs(self.direction).max() if found.indefinite else None
+
+
+@njit(**_OPTIONS)
+def _take_tail(r, normal, removed, core, field):
+    """Write B r into ``field``; returns r·r and the core's part of r·z."""
+    squares = 0.0
+    product = 0.0
+    for j in range(r.shape[1]):
+        row = np.float32(0.0)
+        row_product = np.float32(0.0)
+        for i in range(r.shape[2]):
+            x = r[0, j, i]
+            y = r[1, j, i]
+            w = r[2, j, i]
+            along = normal[0, j, i] * x + normal[1, j, i] * y + normal[2, j, i] * w
+            taken = removed[j, i] * along
+            field[0, j, i] = x - taken * normal[0, j, i]
+            field[1, j, i] = y - taken * normal[1, j, i]
+            field[2, j, i] = w - taken * normal[2, j, i]
+            row += x * x + y * y + w * w
+            row_product += core[j, i] * along * along
+        squares += float(row)
+        product += float(row_product)
+    return squares, product
+
+
+@njit(**_OPTIONS)
+def _turn(r, normal, removed, core, ratio, diagonal, direction, field):
+    """New direction s = z + ratio·s, also into ``field``, which holds (S + c)⁻¹ B r; returns s·D s and s·s."""
+    beta = np.float32(ratio)
+    local = 0.0
+    length = 0.0
+    for j in range(r.shape[1]):
+        row = np.float32(0.0)
+        row_length = np.float32(0.0)
+        for i in range(r.shape[2]):
+            n_x = normal[0, j, i]
+            n_y = normal[1, j, i]
+            n_z = normal[2, j, i]
+            x = field[0, j, i]
+            y = field[1, j, i]
+            w = field[2, j, i]
+            along = core[j, i] * (n_x * r[0, j, i] + n_y * r[1, j, i] + n_z * r[2, j, i])
+            along -= removed[j, i] * (n_x * x + n_y * y + n_z * w)
+            x += along * n_x + beta * direction[0, j, i]
+            y += along * n_y + beta * direction[1, j, i]
+            w += along * n_z + beta * direction[2, j, i]
+            direction[0, j, i] = x
+            direction[1, j, i] = y
+            direction[2, j, i] = w
+            field[0, j, i] = x
+            field[1, j, i] = y
+            field[2, j, i] = w
+            row_length += x * x + y * y + w * w
+            row += diagonal[0, j, i] * x * x + diagonal[1, j, i] * y * y + diagonal[2, j, i] * w * w
+            row += np.float32(2.0) * (diagonal[3, j, i] * x * y + diagonal[4, j, i] * x * w + diagonal[5, j, i] * y * w)
+        local += float(row)
+        length += float(row_length)
+    return local, length
+
+
+@njit(**_OPTIONS)
+def _descend(step, direction, diagonal, stretch, solution, r):
+    """Step along the direction s, with S s in ``stretch``."""
+    alpha = np.float32(step)
+    for j in range(r.shape[1]):
+        for i in range(r.shape[2]):
+            x = direction[0, j, i]
+            y = direction[1, j, i]
+            w = direction[2, j, i]
+            xy = diagonal[3, j, i]
+            xz = diagonal[4, j, i]
+            yz = diagonal[5, j, i]
+            solution[0, j, i] += alpha * x
+            solution[1, j, i] += alpha * y
+            solution[2, j, i] += alpha * w
+            r[0, j, i] -= alpha * (stretch[0, j, i] + diagonal[0, j, i] * x + xy * y + xz * w)
+            r[1, j, i] -= alpha * (stretch[1, j, i] + xy * x + diagonal[1, j, i] * y + yz * w)
+            r[2, j, i] -= alpha * (stretch[2, j, i] + xz * x + yz * y + diagonal[2, j, i] * w)

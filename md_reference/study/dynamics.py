@@ -1,0 +1,348 @@
+"""Atoms in motion: the explicit block comes down under its load by Newton's law, with friction and noise on demand."""
+
+import dataclasses
+import math
+from collections.abc import Iterator, Mapping
+
+import numpy as np
+
+from contact_study.campaign.memory import Need
+from contact_study.errors import InputError
+from contact_study.physics.surfaces.realisation import Surface
+from contact_study.results.observables.atoms import block_nodes, surface_atoms
+from contact_study.results.state import Ensemble, InterfaceState, SolverReport, ThermalMotion
+from contact_study.study.case import Case
+from md_reference.block.condensed import element_matrix, lame_constants
+from md_reference.block.multiscale import MultiscaleBlock, level_layers, node_count
+from md_reference.block.nonlinear_springs import NonlinearSpringBlock
+from md_reference.interface.pairs import LennardJonesInterface
+from md_reference.statics.initial_states import separated
+from md_reference.statics.system import build_interface, row_threads
+from md_reference.study.method import Predictor
+from md_reference.thermal.equilibration import (
+    Descent,
+    TemperatureStatistics,
+    load_missing,
+    not_in_equilibrium,
+    still_moving,
+)
+from md_reference.thermal.langevin import Motion, NewtonianBlock, fastest_wave
+from md_reference.thermal.trajectory_state import Frame, TrajectoryState
+
+# Displacements before and after a step, velocities, what a point goes on from, and the nodes that are kept.
+_BYTES_PER_NODE = 300
+_SAFE_STEP = 0.2  # of the largest stable one, where the study says none: an energy error of a hundredth
+_SLOW = 0.1  # of the speed of sound, above which an approach is an impact
+
+
+def need(case: Case) -> Need:
+    """The memory that the block in motion takes at least."""
+    nodes = node_count(case.lattice.atoms, level_layers(case.lattice.atoms, case.block_layers))
+    return Need(
+        nodes * _BYTES_PER_NODE,
+        f'atomistic.method = "dynamics": a block of {nodes:.3g} nodes',
+        "a larger material.lattice_constant, a smaller cell or fewer atomistic.layers",
+    )
+
+
+def check(case: Case) -> None:
+    """Make sure that a case can be set in motion.
+
+    Raises
+    ------
+    InputError
+        If the atoms have no mass, the time step is unstable, the approach an impact, or a gap presses the block flat.
+    """
+    given, mass = case.dynamics, case.material.atom_mass
+    if mass is None:
+        raise InputError('missing key material.atom_mass: atomistic.method = "dynamics" needs the mass of an atom')
+    if case.loading.control == "gap" and given.approach_speed == 0:
+        raise InputError(
+            'loading.control = "gap": atomistic.method = "dynamics" moves the block from one gap to the next; give '
+            "dynamics.approach_speed"
+        )
+    thickness = case.block_layers * case.lattice.constant
+    if case.loading.control == "gap" and min(case.loading.path) <= -thickness:
+        raise InputError(
+            f"loading.path: a gap of {min(case.loading.path):g} m presses a block of {thickness:g} m flat; the rigid "
+            "plane above it is driven to the gap that the block would have without compression"
+        )
+    if given.time_step is not None and given.time_step >= (largest := largest_time_step(case)):
+        raise InputError(
+            f"dynamics.time_step = {given.time_step:g} s: velocity Verlet is unstable from {largest:.3g} s on, "
+            "2/ω of the lattice's fastest wave and a stiff contact; use a fifth of that"
+        )
+    step = time_step(case)
+    if given.duration < given.frames * step:
+        raise InputError(
+            f"dynamics.duration = {given.duration:g} s: shorter than dynamics.frames = {given.frames} steps of "
+            f"{step:.3g} s"
+        )
+    sound = math.sqrt(longitudinal_modulus(case) * case.lattice.constant**3 / mass)
+    if given.approach_speed > _SLOW * sound:
+        raise InputError(
+            f"dynamics.approach_speed = {given.approach_speed:g} m/s: is an impact; use at most a tenth of the speed "
+            f"of sound, {_SLOW * sound:.3g} m/s"
+        )
+    if case.atomistic.temperature > 0 and given.damping == 0:
+        raise InputError(
+            f"atomistic.temperature = {case.atomistic.temperature:g} K: a thermostat needs dynamics.damping above zero"
+        )
+
+
+def lame(case: Case) -> tuple[float, float]:
+    """λ and μ of the case's block (Pa)."""
+    return lame_constants(case.material.youngs_modulus, case.material.poissons_ratio)
+
+
+def longitudinal_modulus(case: Case) -> float:
+    """λ + 2μ: of compression without lateral strain, and of the faster sound (Pa)."""
+    first, shear = lame(case)
+    return first + 2 * shear
+
+
+def largest_time_step(case: Case) -> float:
+    """2/ω (s), ω² at most that of the lattice's fastest wave and the contact's stiffness at equilibrium over a mass."""
+    assert case.material.atom_mass is not None
+    constant, material = case.lattice.constant, case.material
+    element = element_matrix(case.atomistic.block, constant, material.youngs_modulus, material.poissons_ratio)
+    law = case.law
+    contact = float(law.stiffness(np.array([law.equilibrium_distance]))[0]) * constant**2
+    return 2 / math.sqrt(fastest_wave(element, case.material.atom_mass) ** 2 + contact / case.material.atom_mass)
+
+
+def time_step(case: Case) -> float:
+    """The time step of a case (s)."""
+    return _SAFE_STEP * largest_time_step(case) if case.dynamics.time_step is None else case.dynamics.time_step
+
+
+def build_block(case: Case) -> MultiscaleBlock:
+    """The explicit block of a case."""
+    assert case.material.atom_mass is not None
+    atoms = case.lattice.atoms
+    kind = NonlinearSpringBlock if case.atomistic.block == "nonlinear_springs" else MultiscaleBlock
+    return kind(
+        atoms,
+        case.lattice.constant,
+        *lame(case),
+        level_layers(atoms, case.block_layers),
+        case.material.atom_mass,
+        row_threads(case),
+    )
+
+
+def solve_path(
+    case: Case,
+    surface: Surface,
+    restart: Mapping[str, np.ndarray] | None = None,
+    start: int = 0,
+    predictor: Predictor | None = None,
+) -> Iterator[InterfaceState | Ensemble]:
+    """The motion along the path: at each point its pressure acts for ``dynamics.duration``.
+
+    The block begins just out of reach of the substrate, at the speed of approach. Under gap control its rigid plane
+    moves at that speed to each point of the path, and rests for ``dynamics.duration`` where a point repeats the one
+    before. The last state of a point is its answer; of atoms with a thermostat, or without friction, the second half of
+    its states, unless the plane is on its way.
+
+    Parameters
+    ----------
+    case, surface, restart, start
+        As :data:`md_reference.study.method.Method`.
+    predictor : callable, optional
+        Not used: the atoms come down by themselves.
+    """
+    run = _Run(case, build_interface(case, surface))
+    at = run.begin(start) if restart is None else TrajectoryState.unpacked(restart)
+    for number in range(start, len(case.path)):
+        if at.point != number:
+            at.enter(number)
+        # A driven motion passes a value once: there is no mean of it.
+        passing = case.loading.control == "gap" and case.path[number][0] != (
+            case.path[number - 1][0] if number else None
+        )
+        comes_to_rest = case.atomistic.temperature == 0 and case.dynamics.damping > 0
+        discarded = None if passing or comes_to_rest else case.dynamics.frames // 2
+        yield Ensemble(run.states(at, case.path[number][0], discarded), discarded)
+
+
+class _Run:
+    """The moving block of a case, and what its states look like to the campaign."""
+
+    def __init__(self, case: Case, interface: LennardJonesInterface):
+        self._case = case
+        self._interface = interface
+        self._driven = case.loading.control == "gap"
+        self._mean_height = float(np.mean(interface.rest_heights()))
+        step = time_step(case)
+        self._system = NewtonianBlock(
+            build_block(case), interface, step, case.dynamics.damping, case.atomistic.temperature, self._driven
+        )
+        self._steps = round(case.dynamics.duration / step)
+
+    def begin(self, point: int, time: float = 0.0) -> TrajectoryState:
+        """A block apart, at the speed of approach."""
+        motion = self._system.start(separated(self._interface), -self._case.dynamics.approach_speed)
+        motion.time = time
+        return TrajectoryState(
+            motion, np.random.Generator(np.random.PCG64([self._case.atomistic.random_seed, point])), point
+        )
+
+    def states(self, at: TrajectoryState, target: float, discarded: int | None) -> Iterator[InterfaceState]:
+        """The states of a point from where it stands, in place; ends early where a pressure's block is torn off."""
+        system, pressure = self._system, 0.0 if self._driven else target
+        if at.frame == 0:
+            at.share(self._drive(at, target) if self._driven else self._steps, self._case.dynamics.frames)
+        while at.frame < at.frames:
+            self._move(at, pressure)
+            within_reach = bool(system.interface_force.any())
+            at.touched |= within_reach
+            # A driven plane is somewhere, and can come back.
+            apart = not (self._driven or within_reach or pressure > 0 or at.motion.top_velocity < 0)
+            state = self._state(at, pressure, discarded, apart)
+            if apart:
+                fresh = self.begin(at.point, at.motion.time)
+                at.motion, at.touched, at.frame = fresh.motion, False, at.frames
+                yield dataclasses.replace(state, restart=at.packed)
+                return
+            yield dataclasses.replace(state, restart=at.packed)
+
+    def _move(self, at: TrajectoryState, pressure: float) -> None:
+        """The time steps of the next frame."""
+        before = at.taken
+        at.frame += 1
+        try:
+            self._system.move(at.motion, pressure, at.generator, at.taken - before)
+        except FloatingPointError as error:
+            raise InputError(
+                f"dynamics.time_step = {self._system.time_step:.3g} s: {error} {1e12 * at.motion.time:.3g} ps or more "
+                "after the start; a hard impact is stiffer than the contact at rest that the step is stable for: use "
+                "a shorter one, or a lower dynamics.approach_speed"
+            ) from None
+
+    def _drive(self, at: TrajectoryState, gap: float) -> int:
+        """Set the rigid plane's velocity, to a gap at the speed of approach or for a rest; steps that it takes."""
+        way = gap + self._mean_height + self._case.law.equilibrium_distance - at.motion.top
+        # The plane arrives within rounding, which is no way to go.
+        if abs(way) < 1e-9 * self._case.law.equilibrium_distance:
+            at.motion.top_velocity = 0.0
+            return self._steps
+        step = self._system.time_step
+        steps = math.ceil(abs(way) / (self._case.dynamics.approach_speed * step))
+        at.motion.top_velocity = way / (steps * step)
+        return steps
+
+    def _state(self, at: TrajectoryState, pressure: float, discarded: int | None, apart: bool) -> InterfaceState:
+        case, system = self._case, self._system
+        area = case.lattice.constant**2
+        displacement = np.ascontiguousarray(system.block.bottom_of(at.motion.displacement))
+        stress = system.interface_force[2] / area
+        mean_pressure = float(np.mean(stress))
+        nominal = area * stress.size
+        gap = np.full(stress.shape, np.inf) if apart else self._interface.gap(displacement)
+        held = math.isfinite(case.solid.depth)  # a layer, whose separation is that of what holds it
+        height = at.motion.top if held else float(np.mean(displacement[2]))
+        elastic = whole = system.elastic_energy(at.motion) / nominal
+        if not held:  # a half-space has no uniform compression: the block's is taken off
+            elastic -= system.block.compression_energy(at.motion.displacement)
+        interaction, kinetic = system.interaction_energy / nominal, system.kinetic_energy(at.motion) / nominal
+        lifted = pressure * (at.motion.top - self._mean_height)
+        temperature = system.temperature(at.motion)
+        whole_moves = system.temperature_of_whole(at.motion)
+        at.series.append(Frame(at.motion.time, at.motion.top, mean_pressure, temperature, whole_moves))
+        return InterfaceState(
+            gap=gap,
+            pressure=stress.copy(),
+            contact=case.law.in_contact(gap, stress, case.contact_distance),
+            equilibrium_distance=case.law.equilibrium_distance,
+            mean_separation=np.inf if apart else height - self._mean_height - case.law.equilibrium_distance,
+            elastic_energy=0.0 if apart else elastic,
+            interaction_energy=interaction,
+            report=self._report(at, pressure, discarded, apart),
+            spacing=(case.lattice.constant, case.lattice.constant),
+            motion=ThermalMotion(at.motion.time, temperature, kinetic, kinetic + whole + interaction + lifted),
+            atoms=self._atoms(at.motion) if apart or at.frame == at.frames else {},
+        )
+
+    def _atoms(self, motion: Motion) -> dict[str, np.ndarray]:
+        """The atoms one by one, as far as the study asks for them."""
+        case, block = self._case, self._system.block
+        if case.output.atoms == "none":
+            return {}
+        stress = self._system.interface_force / case.lattice.constant**2
+        found = surface_atoms(block.bottom_of(motion.displacement), stress, block.bottom_of(motion.velocity))
+        if case.output.atoms == "block":
+            velocity = motion.velocity.copy()
+            block.top_of(velocity)[2] = motion.top_velocity
+            found |= block_nodes(block.rest_positions + block.nodes_of(motion.displacement), block.nodes_of(velocity))
+        return found
+
+    def _report(self, at: TrajectoryState, pressure: float, discarded: int | None, apart: bool) -> SolverReport:
+        case = self._case
+        message, converged = "", True
+        if apart:
+            what = "was torn off and" if at.touched else "has not been within reach of the substrate, and"
+            residual, message = 0.0, f"detached: the block {what} moves away"
+        elif self._driven and not np.any(self._carried(at, discarded)):
+            residual, message, apart = 0.0, "detached: no atom is within reach", True
+        elif self._driven:  # a state of the motion that was asked for; none in balance
+            residual = self._unbalanced(at) / case.material.contact_modulus
+        elif at.frame < at.frames:  # the report of the last state is the point's
+            residual = np.nan
+        else:
+            descent = self._descent(at, pressure, discarded)
+            if case.atomistic.temperature > 0:
+                warmth = self._warmth(at.series[-descent.carried.size :])
+                residual, message = not_in_equilibrium(descent, warmth, case.material.contact_modulus)
+            elif case.dynamics.damping == 0:
+                residual, message = load_missing(descent, case.material.contact_modulus, swings=True)
+            else:
+                residual, message = still_moving(descent, self._unbalanced(at), case.material.contact_modulus)
+            converged = not message
+        return SolverReport(
+            converged=converged,
+            detached=apart,
+            residual=residual,
+            iterations=at.taken,
+            fft_pairs=0.0,
+            force_evaluations=at.taken + at.frame,  # a frame ends with the forces of its last step, as the next begins
+            message=message,
+        )
+
+    @staticmethod
+    def _carried(at: TrajectoryState, discarded: int | None) -> np.ndarray:
+        """Mean pressure of the interface in the states that count (Pa); before there are any, of the last one."""
+        last = len(at.series) - 1
+        return np.array(at.series[last if discarded is None else min(discarded, last) :])[:, 2]
+
+    def _unbalanced(self, at: TrajectoryState) -> float:
+        """Largest stress left on an atom of the surface (Pa)."""
+        return self._system.unbalanced(at.motion) / self._case.lattice.constant**2
+
+    def _descent(self, at: TrajectoryState, pressure: float, discarded: int | None) -> Descent:
+        """What the block did in the states that count, from the one before them on."""
+        case, carried = self._case, self._carried(at, discarded)
+        time, top, *_ = np.array(at.series[-carried.size - 1 :]).T
+        assert case.material.atom_mass is not None
+        density = case.material.atom_mass / case.lattice.constant**3
+        friction = self._system.block.thickness * density * case.dynamics.damping
+        speed_of_whole = self._system.momentum(at.motion) / self._system.block.total_mass
+        return Descent(
+            carried=carried,
+            load=pressure,
+            reached=bool(np.any(carried)),
+            speed=float((top[0] - top[-1]) / (time[-1] - time[0])),
+            terminal_speed=pressure / friction if friction else math.inf,
+            impact=math.sqrt(density * longitudinal_modulus(case)) * abs(speed_of_whole),
+        )
+
+    def _warmth(self, counted: list[Frame]) -> TemperatureStatistics:
+        case = self._case
+        return TemperatureStatistics(
+            nodes=float(np.mean([frame.temperature for frame in counted])),
+            whole=float(np.mean([frame.whole for frame in counted])),
+            bath=case.atomistic.temperature,
+            freedoms=self._system.block.freedoms,
+            states=len(counted),
+            forgotten=case.dynamics.damping * (counted[-1].time - counted[0].time),
+        )

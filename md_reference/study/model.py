@@ -1,0 +1,244 @@
+"""The atomistic model of a case: its measured constants and its states along the loading path; the command."""
+
+from collections.abc import Iterator, Mapping, Sequence
+
+import numpy as np
+
+from contact_study.campaign.memory import Need
+from contact_study.campaign.model import Model
+from contact_study.campaign.worker import overdamped_path
+from contact_study.errors import InputError
+from contact_study.physics.surfaces.realisation import Surface
+from contact_study.physics.surfaces.scales import SurfaceScales
+from contact_study.results.constants import InterfaceConstants, heights_on
+from contact_study.results.observables.atoms import substrate_sites
+from contact_study.results.state import Ensemble, InterfaceState, Value
+from contact_study.study.case import Case
+from contact_study.study.checks.idle_keys import idle_motion
+from contact_study.study.checks.plausibility import contact_stress, squeeze
+from contact_study.study.study import Study
+from contact_study.study.sweep import points
+from contact_study.units import length
+from md_reference.interface.pairs import INSIDE
+from md_reference.parallel_rows import ATOMS_FOR_THREADS
+from md_reference.statics.system import build_stiffness
+from md_reference.study import METHODS, dynamics
+from md_reference.study.method import Predictor
+from md_reference.study.properties import FlatInterface, effective_contact_modulus, measure_interface
+
+MODEL = Model(
+    command="md-reference",
+    kind="atomistic",
+    module="md_reference.study.model",
+    description="Atomistic reference: a harmonic block of atoms, condensed exactly to its bottom layer, in equilibrium "
+    "at zero or another temperature on a rigid rough layer of Lennard-Jones sites",
+    references="C. Yang, B. N. J. Persson, J. Israelachvili, K. Rosenberg, EPL 84, 46004 (2008)",
+    takes_predictor=True,
+    ignores=("theory",),
+    keeps=("fields", "atoms"),
+    points_for_threads=ATOMS_FOR_THREADS,
+)
+
+# Displacements, forces, Hessians, stiffness, transforms and substrate of one atom, as scripts/benchmark_atoms.py finds.
+_BYTES_PER_ATOM = 1000
+
+# The springs' Lamé modulus grows as 1/(1 − 2ν): five digits nearer to 0.5 than this, rounding makes moduli negative.
+_MOST_INCOMPRESSIBLE = 0.49999
+
+# Range of the pairs over the distance of the substrate's sites below which these are no layer any more: the work of
+# adhesion of flat on flat is then 0.3 % below the law's, at 0.2 it is 5 %, at 0.1 the layers have no equilibrium.
+_SHORTEST = 0.3
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """The command ``md-reference``; returns the exit status."""
+    from contact_study.campaign.command_line import command
+
+    return command.main(MODEL, arguments)
+
+
+def check(case: Case) -> None:
+    """Make sure that the atomistic model can serve a case.
+
+    Raises
+    ------
+    InputError
+        If the law is not that of Lennard-Jones atoms, the solid is another or its boundaries are free, an approach is
+        prescribed, the block is incompressible, or the lattice does not fit the cell or the layer.
+    """
+    if case.interaction.law != "lennard_jones_10_4":
+        raise InputError(
+            f'interaction.law = "{case.interaction.law}": the atomistic model has Lennard-Jones pairs; '
+            'use "lennard_jones_10_4", the law that follows from them'
+        )
+    if case.elasticity.kind not in ("half_space", "layer"):
+        raise InputError(f'elasticity.kind = "{case.elasticity.kind}": the block of atoms is a half-space or a layer')
+    if case.elasticity.boundary != "periodic":
+        raise InputError(f'elasticity.boundary = "{case.elasticity.boundary}": the block of atoms is periodic')
+    if case.loading.control == "approach":
+        raise InputError(
+            'loading.control = "approach": the block of atoms takes "pressure", or its separation as "gap"'
+        )
+    if case.material.poissons_ratio > _MOST_INCOMPRESSIBLE:
+        raise InputError(
+            f"material.poissons_ratio = {case.material.poissons_ratio:.12g}: springs cannot make a block "
+            f"incompressible; use at most {_MOST_INCOMPRESSIBLE}"
+        )
+    _check_temperature(case)
+    if case.atomistic.block == "nonlinear_springs" and case.atomistic.method != "dynamics":
+        raise InputError(
+            'atomistic.block = "nonlinear_springs": only a linear block can be condensed to its bottom layer; '
+            'use atomistic.method = "dynamics"'
+        )
+    if case.output.atoms == "block" and case.atomistic.method != "dynamics":
+        raise InputError(
+            'output.atoms = "block": the nodes of the block are explicit in atomistic.method = "dynamics" only; '
+            'use "surface"'
+        )
+    if case.atomistic.method == "dynamics":
+        dynamics.check(case)
+    else:
+        case.require_gap()
+    if case.atomistic.method == "overdamped":
+        overdamped_path.check(case, "atomistic.method")
+    _ = case.block_layers  # raises where no number of cells makes the layer
+    _check_length(case)
+
+
+def needs(case: Case) -> Iterator[Need]:
+    """The memory that the parts of a case take at least."""
+    rows, columns = case.lattice.atoms
+    yield Need(
+        rows * columns * _BYTES_PER_ATOM,
+        f"material.lattice_constant = {case.material.lattice_constant:g} m: a layer of {rows} x {columns} atoms",
+        "a larger one or a smaller cell",
+    )
+    if case.atomistic.method == "dynamics":
+        yield dynamics.need(case)
+
+
+def _check_length(case: Case) -> None:
+    spacing = max(case.lattice.site_spacing)
+    if case.law.length < _SHORTEST * spacing:
+        raise InputError(
+            f"interaction.length = {length(case.law.length)}: atoms would fall between the substrate's sites, "
+            f"{length(spacing)} apart; use at least {length(_SHORTEST * spacing)}, or a smaller "
+            "material.lattice_constant"
+        )
+
+
+def _check_temperature(case: Case) -> None:
+    given = case.atomistic
+    if given.method in ("quasi_static", "overdamped") and given.temperature > 0:
+        what = "finds equilibria at zero temperature" if given.method == "quasi_static" else "is a motion without noise"
+        raise InputError(
+            f'atomistic.temperature = {given.temperature:g} K: atomistic.method = "{given.method}" {what}; "sampling" '
+            'and "dynamics" take a temperature'
+        )
+    if given.method == "sampling" and given.temperature == 0:
+        raise InputError(
+            'atomistic.method = "sampling": needs an atomistic.temperature above 0 K; at zero temperature the atoms '
+            'stand still, use "quasi_static"'
+        )
+
+
+def review(study: Study, scales: Sequence[SurfaceScales]) -> list[str]:
+    """Say what the lattice cannot carry, in one line for the whole study.
+
+    Raises
+    ------
+    InputError
+        If the pair potential is too weak to hold the atoms of the block out of the substrate.
+    """
+    notes = idle_motion(study.cases)
+    if any(case.solver.path == "overdamped" != case.atomistic.method for case in study.cases):
+        notes.append('solver.path = "overdamped": atoms do not read it; their way is atomistic.method')
+    ringing = [case for case in study.cases if case.atomistic.method == "dynamics" and case.dynamics.damping == 0]
+    if ringing:
+        notes.append(
+            f"dynamics.damping = 0{points(ringing, len(study.cases))}: nothing takes the energy of the descent, the "
+            "block rings without end; its numbers are means over the second half of dynamics.frames"
+        )
+    filtered = []
+    for case, scale in zip(study.cases, scales, strict=True):
+        # Six deviations of the stress in full contact, to which the highest pressures of a rough contact come near.
+        stress = 6 * scale.full_contact_stress(case.solid)
+        closest = squeeze(case.law, max(stress, contact_stress(case, scale)))
+        if closest < INSIDE:
+            raise InputError(
+                f"interaction: against stresses of up to {stress:.3g} Pa the pair potential lets atoms come to "
+                f"{closest:.2g} of interaction.length, where they count as inside the substrate; check well_depth "
+                "(work_of_adhesion) and well_depth_ratio"
+            )
+        spacing = max(case.lattice.site_spacing)
+        if scale.shortest_wave < 2 * spacing:
+            filtered.append((case, scale.shortest_wave, spacing))
+    if not filtered:
+        return notes
+    case, wave, spacing = filtered[0]
+    where = points([case for case, *_ in filtered], len(study.cases))
+    return [
+        *notes,
+        f"surface: its shortest wave, {wave:.3g} m, is below two distances of the substrate's sites, {spacing:.3g} m"
+        f"{where}: what the sites cannot carry is left out",
+    ]
+
+
+def constants(case: Case, surface: Surface) -> Mapping[str, Value]:
+    """What the atoms of a case are, measured on them: moduli, adhesion; and the surface under their rest positions."""
+    stiffness = build_stiffness(case)
+    flat = FlatInterface(
+        case.lattice.site_spacing,
+        stiffness.area_per_atom,
+        case.well_depth,
+        case.law.length,
+        case.atomistic.cutoff,
+    )
+    properties = measure_interface(flat, case.law.length)
+    heights = surface.heights(case.lattice.atoms)
+    known = InterfaceConstants(
+        contact_modulus=effective_contact_modulus(stiffness, heights),
+        work_of_adhesion=properties.work_of_adhesion,
+        equilibrium_distance=properties.equilibrium_distance,
+        peak_tensile_stress=properties.peak_tensile_stress,
+        contact_distance=case.contact_distance,
+        rms_height=surface.rms_height,
+        rms_slope=surface.rms_slope,
+        pixel=stiffness.lattice_constant,
+        peak_distance=properties.peak_distance,
+    )
+    return {
+        **known.values,
+        **heights_on(stiffness.grid, heights),
+        **_surroundings(case, surface),
+        "wavevector": stiffness.grid.wavenumber[0, 1:],
+        "contact_modulus_at": stiffness.contact_modulus[0, 1:],
+    }
+
+
+def _surroundings(case: Case, surface: Surface) -> Mapping[str, Value]:
+    """What stands about the atoms that are kept one by one."""
+    if case.output.atoms == "none":
+        return {}
+    found = dict(substrate_sites(surface.heights(case.lattice.substrate_sites), case.lattice.size))
+    if case.material.atom_mass is not None:
+        found["atom_mass"] = case.material.atom_mass
+    if case.output.atoms == "block":
+        block = dynamics.build_block(case)
+        found |= {"node_level": block.node_levels, "node_mass": block.node_masses}
+    return found
+
+
+def solve_path(
+    case: Case,
+    surface: Surface,
+    restart: Mapping[str, np.ndarray] | None = None,
+    start: int = 0,
+    predictor: Predictor | None = None,
+) -> Iterator[InterfaceState | Ensemble]:
+    """States along the loading path by the case's method, see :data:`md_reference.study.method.Method`."""
+    return METHODS[case.atomistic.method](case, surface, restart, start, predictor)
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

@@ -1,0 +1,123 @@
+"""What the atoms themselves are: adhesion of flat on flat, and the modulus of the block for a given surface.
+
+Nothing here knows a traction–separation law. The interface is measured from the pair potential alone, so that it can
+confirm or refute the continuum's law; the modulus is that of the lattice, not of the material constants it was built
+from.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import optimize
+
+from contact_study.numerics import fourier
+from md_reference.block.condensed import SurfaceStiffness
+from md_reference.interface.pairs import LennardJonesInterface
+from md_reference.interface.substrate import Substrate
+
+# Positions of a block atom over the substrate's cell, along each axis. The corrugation of a layer is periodic, its
+# harmonics fall by exp(−2π·3.28/1.607) each, and the mean over n shifts is exact but for the n-th: 8 leave 1e-40.
+_SHIFTS = 8
+
+
+@dataclass(frozen=True)
+class InterfaceProperties:
+    """Flat block layer on flat substrate layer, averaged over the lateral registry.
+
+    Attributes
+    ----------
+    work_of_adhesion : float
+        Depth of the energy's minimum (J/m²).
+    equilibrium_distance : float
+        Distance of the layers there (m).
+    peak_tensile_stress : float
+        Largest tension that the interface carries (Pa).
+    peak_distance : float
+        Distance of the layers there (m).
+    """
+
+    work_of_adhesion: float
+    equilibrium_distance: float
+    peak_tensile_stress: float
+    peak_distance: float
+
+
+class FlatInterface:
+    """Energy and tension of a rigid flat layer of block atoms on the flat substrate layer.
+
+    Parameters
+    ----------
+    substrate_spacing : tuple of float
+        Distance of the substrate's sites along y and x (m).
+    area_per_atom : float
+        Of the block's layer (m²).
+    well_depth, length : float
+        ε (J) and r0 (m).
+    cutoff : float
+        In units of r0.
+    """
+
+    def __init__(
+        self,
+        substrate_spacing: tuple[float, float],
+        area_per_atom: float,
+        well_depth: float,
+        length: float,
+        cutoff: float,
+    ):
+        shifts = (_SHIFTS, _SHIFTS)
+        spacing = (substrate_spacing[0] / _SHIFTS, substrate_spacing[1] / _SHIFTS)
+        self._interface = LennardJonesInterface(
+            Substrate(np.zeros((2, 2)), substrate_spacing), shifts, spacing, well_depth, length, cutoff
+        )
+        self._displacement = np.zeros((3, *shifts))
+        self._force = np.empty((3, *shifts))
+        self._area = area_per_atom * _SHIFTS**2
+
+    def energy(self, distance: float) -> float:
+        """Energy per area (J/m²) at a distance of the layers (m)."""
+        self._displacement[2] = distance
+        return self._interface.evaluate(self._displacement, self._force) / self._area
+
+    def tension(self, distance: float) -> float:
+        """Tensile stress (Pa) at a distance of the layers (m)."""
+        self.energy(distance)
+        return -float(np.sum(self._force[2])) / self._area
+
+
+def measure_interface(flat: FlatInterface, length: float) -> InterfaceProperties:
+    """Equilibrium and peak of a flat interface whose minimum lies near ``length`` (m)."""
+    # The 10-4 law has its zero at 1 and its peak at 1.14 lengths; the lattice and the cut move both a little.
+    equilibrium = optimize.brentq(flat.tension, 0.8 * length, 1.1 * length, xtol=1e-12 * length)
+    peak = optimize.minimize_scalar(
+        lambda distance: -flat.tension(distance * length), bounds=(1.02, 1.4), method="bounded", options={"xatol": 1e-8}
+    )
+    return InterfaceProperties(
+        work_of_adhesion=-flat.energy(equilibrium),
+        equilibrium_distance=equilibrium,
+        peak_tensile_stress=-float(peak.fun),
+        peak_distance=float(peak.x) * length,
+    )
+
+
+def effective_contact_modulus(stiffness: SurfaceStiffness, heights: np.ndarray) -> float:
+    """The modulus that the block shows to a surface: E*(q), weighted by the energy of full contact, q|h_q|².
+
+    Parameters
+    ----------
+    stiffness : SurfaceStiffness
+        The condensed block.
+    heights : numpy.ndarray, shape (ny, nx)
+        Heights under the block's atoms (m).
+
+    Returns
+    -------
+    float
+        In Pa; for a flat surface that of the longest wave.
+    """
+    grid = stiffness.grid
+    weight = grid.multiplicity * grid.wavenumber * np.abs(fourier.transform(heights)) ** 2
+    if not weight.any():
+        weight = (grid.wavenumber == np.min(grid.wavenumber[grid.wavenumber > 0])).astype(float)
+    modulus = np.nan_to_num(stiffness.contact_modulus)  # NaN at q = 0 only, where the weight is zero
+    return float(np.sum(weight * modulus) / np.sum(weight))

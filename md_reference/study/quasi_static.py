@@ -1,0 +1,69 @@
+"""Equilibria at zero temperature: each point of the path is the minimum that the state before it slides into."""
+
+import warnings
+from collections.abc import Iterator, Mapping
+
+import numpy as np
+
+from contact_study.physics.surfaces.realisation import Surface
+from contact_study.results.state import InterfaceState
+from contact_study.study.case import Case
+from md_reference.statics.contact import AtomisticContact
+from md_reference.statics.system import build_contact, interface_state
+from md_reference.study.method import Predictor
+
+
+def solve_path(
+    case: Case,
+    surface: Surface,
+    restart: Mapping[str, np.ndarray] | None = None,
+    start: int = 0,
+    predictor: Predictor | None = None,
+) -> Iterator[InterfaceState]:
+    """Equilibria along the loading path, each from its predictor or else from the state before it.
+
+    Parameters
+    ----------
+    case, surface : Case, Surface
+        The question.
+    restart : mapping, optional
+        ``InterfaceState.restart`` of the point before ``start``; without it the path begins from separation.
+    start : int, optional
+        First point of the path to solve.
+    predictor : callable, optional
+        Point number -> gap field (y, x) of a continuum solution on any grid (m): the atoms start at their lateral
+        rest positions, at the surface's height plus that gap. Where it has none (None) a warning names the point.
+
+    Returns
+    -------
+    iterator of InterfaceState
+        For each point from ``start`` on.
+    """
+    return states(case, build_contact(case, surface), restart, start, predictor)
+
+
+def states(
+    case: Case,
+    contact: AtomisticContact,
+    restart: Mapping[str, np.ndarray] | None = None,
+    start: int = 0,
+    predictor: Predictor | None = None,
+) -> Iterator[InterfaceState]:
+    """The same of a contact that is there already."""
+    state = contact.separated() if restart is None else restart["state"]
+    for number in range(start, len(case.path)):
+        value, branch = case.path[number]
+        gap = None
+        # Blocks that are apart are not brought together by tension.
+        if predictor is not None and not (contact.is_separated(state) and contact.control == "pressure" and value <= 0):
+            gap = predictor(number)
+            if gap is None:
+                unit = "Pa" if contact.control == "pressure" else "m"
+                warnings.warn(
+                    f"the predictor holds no state in contact for point {number + 1} of the path, {value:g} {unit} "
+                    f"({branch}): the atoms start from where they were",
+                    stacklevel=2,
+                )
+        found = contact.step(state if gap is None else contact.predicted(gap), value)
+        state = found.state
+        yield interface_state(case, found)

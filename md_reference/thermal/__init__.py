@@ -1,0 +1,1 @@
+"""Atoms at a temperature: hybrid Monte Carlo and Langevin dynamics."""

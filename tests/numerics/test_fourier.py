@@ -1,0 +1,164 @@
+"""Transforms and grids: exact on trigonometric polynomials, on any shape."""
+
+import errno
+import os
+import pickle
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from contact_study.numerics import fourier
+from contact_study.numerics.grid import Grid
+from contact_study.numerics.memory import Scratch
+
+SHAPES = [(8, 8), (9, 9), (8, 9), (9, 8), (12, 5), (5, 12), (1, 6), (6, 1)]
+
+
+def random_field(shape, seed=0):
+    return np.random.default_rng(seed).standard_normal(shape)
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+def test_transform_and_back(shape):
+    field = random_field(shape)
+    # A few roundings of numbers of order one.
+    np.testing.assert_allclose(fourier.synthesise(fourier.transform(field), shape), field, atol=1e-14)
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+def test_variances_of_the_waves_add_up_to_that_of_the_field(shape):
+    field = random_field(shape) + 3.0
+    variances = Grid(shape, (1.0, 2.0)).variances(fourier.transform(field))
+    assert variances[0, 0] == 0.0
+    assert np.sum(variances) == pytest.approx(np.var(field), rel=1e-13)  # rounding of a sum of 100 terms
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+def test_laplacian_of_a_wave(shape):
+    grid = Grid(shape, (3.0, 5.0))
+    y, x = grid.coordinates
+    m_y, m_x = (shape[0] - 1) // 2, (shape[1] - 1) // 2
+    q_y, q_x = 2 * np.pi * m_y / 3.0, 2 * np.pi * m_x / 5.0
+    wave = np.cos(q_y * y[:, None] + q_x * x[None, :] + 0.3)
+    plan = fourier.RealTransform(shape)
+    plan.field[...] = wave
+    result = plan.filter(grid.wavenumber**2 / grid.points)
+    scale = max(q_y**2 + q_x**2, 1.0)
+    np.testing.assert_allclose(result / scale, (q_y**2 + q_x**2) / scale * wave, atol=1e-13)
+    assert plan.pairs == 1
+
+
+@settings(max_examples=60)
+@given(
+    st.tuples(st.integers(1, 9), st.integers(1, 9)), st.tuples(st.integers(0, 9), st.integers(0, 9)), st.integers(0, 99)
+)
+def test_interpolation_keeps_the_samples(shape, more, seed):
+    """On a grid that contains the old points the interpolant passes through them."""
+    field = random_field(shape, seed)
+    factors = (1 + more[0] // 4, 1 + more[1] // 4)
+    fine = fourier.interpolate(field, (shape[0] * factors[0], shape[1] * factors[1]))
+    np.testing.assert_allclose(fine[:: factors[0], :: factors[1]], field, atol=1e-12)
+
+
+@settings(max_examples=60)
+@given(
+    st.tuples(st.integers(3, 12), st.integers(3, 12)),
+    st.tuples(st.integers(0, 8), st.integers(0, 8)),
+    st.integers(0, 99),
+)
+def test_refining_and_coarsening_back(shape, more, seed):
+    field = random_field(shape, seed)
+    fine = fourier.interpolate(field, (shape[0] + more[0], shape[1] + more[1]))
+    np.testing.assert_allclose(fourier.interpolate(fine, shape), field, atol=1e-12)
+
+
+def test_stacked_fields_are_transformed_one_by_one():
+    field = random_field((3, 6, 7))
+    plan = fourier.RealTransform((3, 6, 7))
+    plan.field[...] = field
+    np.testing.assert_allclose(plan.forward(), np.fft.rfft2(field), atol=1e-13)
+
+
+def wisdom_of_a_plan(folder, monkeypatch, shape=(14, 22)):
+    """The file in which a plan is kept; the plan works."""
+    monkeypatch.setenv("BEM_ADHESION_CACHE", str(folder))
+    monkeypatch.setattr(fourier, "_planned", set())  # as in a process of its own
+    plan = fourier.RealTransform(shape)
+    plan.field[...] = 1.0
+    assert plan.forward()[0, 0] == pytest.approx(shape[0] * shape[1])
+    return folder / "fftw-wisdom.txt"
+
+
+def test_what_stands_in_the_cache_is_not_executed(tmp_path, monkeypatch):
+    class Trap:
+        def __reduce__(self):
+            return Path.touch, (tmp_path / "sprung",)
+
+    for name in ("fftw-wisdom.pickle", "fftw-wisdom.txt"):
+        (tmp_path / name).write_bytes(pickle.dumps(Trap()))
+    wisdom_of_a_plan(tmp_path, monkeypatch)
+    assert not (tmp_path / "sprung").exists()
+
+
+@pytest.mark.parametrize("where", [0, 70, 300, -4])
+def test_damaged_wisdom_is_measured_anew(tmp_path, monkeypatch, where):
+    imported = []
+    path = wisdom_of_a_plan(tmp_path, monkeypatch)
+    content = bytearray(path.read_bytes())
+    content[where] ^= 1
+    path.write_bytes(content)
+    monkeypatch.setattr(fourier.pyfftw, "import_wisdom", imported.append)
+    wisdom_of_a_plan(tmp_path, monkeypatch, (14, 26))
+    assert not imported, "of a bit that is another"
+    wisdom_of_a_plan(tmp_path, monkeypatch, (14, 30))
+    assert len(imported) == 1, "what was written in its place is whole"
+
+
+@pytest.mark.parametrize("number", [errno.ENOLCK, errno.ENOSYS])
+def test_without_locks_plans_are_not_kept(tmp_path, monkeypatch, number):
+    def refused(*_):
+        raise OSError(number, os.strerror(number))
+
+    monkeypatch.setattr("fcntl.flock", refused)
+    wisdom_of_a_plan(tmp_path, monkeypatch, (14, 34))
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(("chosen", "expected"), [(None, "PASSIVE"), ("active", "ACTIVE")])
+def test_threads_that_wait_sleep_unless_told_otherwise(chosen, expected):
+    """What OpenMP itself says it has read when FFTW's library was loaded."""
+    environment = {key: value for key, value in os.environ.items() if key != "OMP_WAIT_POLICY"}
+    environment |= {"OMP_DISPLAY_ENV": "true"} | ({"OMP_WAIT_POLICY": chosen} if chosen else {})
+    command = [sys.executable, "-c", "import bem_adhesion.study.model, md_reference.study.model, theory.study.model"]
+    shown = subprocess.run(command, env=environment, capture_output=True, text=True, check=True).stderr
+    assert f"OMP_WAIT_POLICY = '{expected}'" in shown
+
+
+def test_transforms_take_turns_in_one_memory():
+    scratch, shapes = Scratch(), [(12, 8), (6, 5), (20, 16)]
+    kinds = [(shape, dtype) for shape in shapes for dtype in (np.float64, np.float32)]
+    shared = [fourier.RealTransform(shape, dtype, scratch=scratch) for shape, dtype in kinds]
+    # The largest came last but one and took memory of its own; what followed fits into it.
+    assert np.shares_memory(shared[0].spectrum, shared[3].spectrum)
+    assert np.shares_memory(shared[4].spectrum, shared[5].spectrum)
+    for plan, (shape, dtype) in zip(shared, kinds, strict=True):
+        field = random_field(shape)
+        plan.field[...] = field
+        expected = np.fft.rfft2(field)
+        rounding = 1e-14 if dtype == np.float64 else 1e-5  # of sums of some hundred numbers of order one
+        np.testing.assert_allclose(plan.forward(), expected, atol=rounding * shape[0] * shape[1])
+        assert plan.spectrum.ctypes.data % 16 == 0
+
+
+def test_a_large_field_leaves_no_buffers_behind(monkeypatch):
+    monkeypatch.setattr(fourier, "POINTS_TO_HOLD", 100)
+    fourier._held.cache_clear()
+    for shape, held in (((10, 10), 1), ((10, 11), 1), ((5, 4), 2)):
+        field = random_field(shape)
+        np.testing.assert_allclose(fourier.synthesise(fourier.transform(field), shape), field, atol=1e-14)
+        assert fourier._held.cache_info().currsize == held

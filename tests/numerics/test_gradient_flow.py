@@ -1,0 +1,177 @@
+"""Overdamped motion of small systems with a known answer: a spring, two wells, a saddle."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+from scipy.optimize import minimize
+
+from contact_study.numerics.gradient_flow import Instant, Status, StepControl, at_rest, follow
+
+PACE = StepControl(rate=1.0, first=0.01, allowed=1e-3, most=100_000)
+
+
+@dataclass(frozen=True)
+class Point:
+    state: np.ndarray
+    at_rest: bool
+    apart: bool = False
+
+
+class System:
+    """Of an energy E(u) and its gradient, pushed along −u_0 by the load; steps are solved for by SciPy."""
+
+    def __init__(self, energy, gradient, lower=None, apart=lambda state: False, tolerance=1e-6):
+        self.energy, self.gradient, self.lower, self.apart = energy, gradient, lower, apart
+        self.tolerance = tolerance
+        self.calls = []
+
+    def force(self, state, load):
+        return self.gradient(state) + load * np.eye(state.size)[0]
+
+    def advance(self, state, load, drag):
+        self.calls.append((load, 1 / drag))
+        found = minimize(
+            lambda u: self.energy(u) + load * u[0] + 0.5 * drag * np.sum((u - state) ** 2),
+            state,
+            jac=lambda u: self.force(u, load) + drag * (u - state),
+            method="BFGS",
+            options={"gtol": 1e-9},
+        )
+        residual = float(np.abs(self.force(found.x, load)).max())
+        return Point(found.x, residual <= self.tolerance, self.apart(found.x))
+
+    def beside_saddle(self, state, load):
+        return None if self.lower is None else self.lower(state)
+
+
+def spring(stiffness=2.0, **options):
+    return System(lambda u: 0.5 * stiffness * u @ u, lambda u: stiffness * u, **options)
+
+
+def moments(system, start, target, pace):
+    return list(follow(system, at_rest(np.array(start), 0.0, pace), target, pace))
+
+
+def test_spring_relaxes_in_its_own_time():
+    """u = (F/k)(1 − e^(−kt)) under a load that is there at once; errors fall with the root of the one allowed."""
+    errors = []
+    for allowed in (4e-3, 1e-3):
+        pace = replace(PACE, rate=1e9, allowed=allowed)
+        found = moments(spring(), [0.0], -3.0, pace)
+        time = np.cumsum([each.duration for each in found])
+        exact = 1.5 * (1 - np.exp(-2.0 * time))
+        errors.append(np.max(np.abs([each.state[0] for each in found] - exact)))
+        assert found[-1].fate is Status.AT_REST
+        assert found[-1].state[0] == pytest.approx(1.5, abs=1e-6)
+    # First order in the step, whose square the local error is.
+    assert errors[0] / errors[1] == pytest.approx(2.0, rel=0.3)
+    assert errors[1] < 0.05
+
+
+def test_every_step_errs_by_what_is_allowed_and_not_by_more():
+    pace = replace(PACE, rate=1e9)
+    found = moments(spring(), [0.0], -3.0, pace)
+    before = np.array([0.0] + [each.state[0] for each in found[:-1]])
+    duration = np.array([each.duration for each in found])
+    exact = 1.5 + (before - 1.5) * np.exp(-2.0 * duration)
+    errors = np.abs(np.array([each.state[0] for each in found]) - exact) / pace.allowed
+    # The estimate is the leading term; steps of 0.03/k and more know it to some ten per cent.
+    assert np.max(errors) < 1.2
+    assert np.sum(errors > 0.5) > len(found) / 2
+
+
+@pytest.mark.parametrize(("allowed", "tries"), [(0.76, 1), (0.74, 2)])
+def test_error_of_a_step_of_another_length_than_the_one_before(allowed, tries):
+    """From rest a move of 1 in a time of 3 after one of 1 is off by τ/(τ + τ_before) of it, ¾."""
+
+    class Moving(System):
+        def advance(self, state, load, drag):
+            self.calls.append(1 / drag)
+            return Point(state + 1 / (3 * drag), False)
+
+    system = Moving(None, None)
+    at = Instant(np.array([0.0]), 0.0, 0.0, 1.0, 3.0)
+    next(follow(system, at, 0.0, replace(PACE, allowed=allowed)))
+    assert len(system.calls) == tries
+
+
+def test_no_rest_before_the_load_is_there():
+    found = moments(spring(tolerance=1.0), [0.0], -0.5, replace(PACE, rate=0.1))
+    assert len(found) > 5
+    assert found[-1].load == -0.5
+
+
+def test_load_rises_at_its_rate_and_is_then_held():
+    system = spring(tolerance=1e-4)
+    found = moments(system, [0.0], -0.5, replace(PACE, rate=0.1))
+    load = np.array([0.0] + [each.load for each in found])
+    duration = np.array([each.duration for each in found])
+    rising = load[1:] > -0.5
+    assert rising.sum() > 5
+    np.testing.assert_allclose(-np.diff(load)[rising], 0.1 * duration[rising], rtol=1e-9)
+    assert np.all(load >= -0.5)
+    assert load[-1] == -0.5
+    # Behind a steady load the spring lags by rate × η/k²; the first step's own error apart.
+    last = np.flatnonzero(rising)[-1]
+    assert -found[last].load / 2.0 - found[last].state[0] == pytest.approx(0.1 / 4, rel=0.1)
+
+
+def test_jump_ends_where_the_exact_flow_does():
+    """A ball that leaves a fold and could roll into either of two valleys behind a ridge that the path passes by."""
+
+    def energy(u):
+        x, y = u
+        return 0.25 * (x + 1) ** 2 + 0.25 * (y**2 - 1) ** 2 + 0.2 * np.sin(3 * x) * y
+
+    def gradient(u):
+        x, y = u
+        return np.array([0.5 * (x + 1) + 0.6 * np.cos(3 * x) * y, y * (y**2 - 1) + 0.2 * np.sin(3 * x)])
+
+    numeric = [(energy(np.array([0.3, 0.2]) + d) - energy(np.array([0.3, 0.2]) - d)) / 2e-6 for d in 1e-6 * np.eye(2)]
+    np.testing.assert_allclose(gradient(np.array([0.3, 0.2])), numeric, rtol=1e-6)
+    ends = set()
+    for start in np.linspace(-0.4, 0.4, 9):
+        exact = solve_ivp(lambda t, u: -gradient(u), (0, 50), [2.0, start], rtol=1e-9, atol=1e-10).y[:, -1]
+        found = moments(System(energy, gradient, tolerance=1e-5), [2.0, start], 0.0, replace(PACE, allowed=0.01))
+        np.testing.assert_allclose(found[-1].state, exact, atol=1e-4)
+        ends.add(tuple(np.round(exact, 2)))
+        heights = [energy(each.state) for each in found]
+        assert np.all(np.diff(heights) <= 1e-12)
+    assert len(ends) == 2, "starts on both sides of the ridge"
+
+
+def test_rest_on_a_saddle_is_left_and_rest_in_a_valley_is_not():
+    double = (lambda u: 0.25 * (u[1] ** 2 - 1) ** 2 + u[0] ** 2, lambda u: np.array([2 * u[0], u[1] * (u[1] ** 2 - 1)]))
+
+    def lower(state):
+        return state + np.array([0.0, 0.01]) if abs(state[1]) < 0.5 else None
+
+    assert moments(System(*double), [0.5, 0.0], 0.0, PACE)[-1].state[1] == 0.0
+    found = moments(System(*double, lower=lower), [0.5, 0.0], 0.0, PACE)
+    assert found[-1].fate is Status.AT_REST
+    np.testing.assert_allclose(found[-1].state, [0, 1], atol=1e-5)
+
+
+def test_ends_of_a_motion_are_told_apart():
+    assert moments(spring(), [1.0], -3.0, replace(PACE, most=5))[-1].fate is Status.TOO_LONG
+    assert len(moments(spring(), [1.0], -3.0, replace(PACE, most=5))) == 5
+    gone = moments(spring(apart=lambda state: state[0] > 1.0), [0.0], -3.0, PACE)
+    assert gone[-1].fate is Status.APART
+    assert gone[-1].state[0] > 1.0 >= gone[-2].state[0]
+
+    class Rough(System):
+        def advance(self, state, load, drag):
+            return None if state[0] > 1.0 else super().advance(state, load, drag)
+
+    stuck = moments(Rough(lambda u: 0.0 * u[0], lambda u: 0.0 * u), [0.0], -3.0, PACE)
+    assert stuck[-1].fate is Status.STUCK
+    assert stuck[-1].state is stuck[-2].state
+
+
+def test_motion_goes_on_from_any_instant_to_the_same_bits():
+    whole = moments(spring(), [0.0], -3.0, PACE)
+    middle = whole[len(whole) // 2]
+    rest = list(follow(spring(), middle, -3.0, PACE))
+    assert [each.state[0] for each in rest] == [each.state[0] for each in whole[len(whole) // 2 + 1 :]]

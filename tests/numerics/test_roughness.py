@@ -1,0 +1,229 @@
+"""What a surface is like, against surfaces of which it is known."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from contact_study.numerics.grid import Grid
+from contact_study.physics.roughness.power_law import PowerSpectrum, self_affine_fit
+from contact_study.physics.roughness.statistics import roughness_of, roughness_of_sample
+from contact_study.physics.surfaces.realisation import realise
+from contact_study.study.study import make_study
+from tests.study.test_study import changed
+
+UNIT = 2 * np.pi / 104e-9
+
+
+def surface(**keys):
+    return realise(make_study(changed("surface", **keys)).cases[0])
+
+
+def test_moments_of_a_wave():
+    grid = Grid((32, 40), (2.0, 3.0))
+    y, x = grid.coordinates
+    q = 2 * np.pi * np.hypot(3 / 2, 2 / 3)
+    heights = 5 + 0.1 * np.cos(2 * np.pi * (3 * y[:, None] / 2 + 2 * x[None, :] / 3))
+    found = roughness_of(heights, grid)
+    amplitude = 0.1 / np.sqrt(2)
+    # To rounding of transforms of heights of 5.
+    assert found.rms_height == pytest.approx(amplitude, abs=0, rel=1e-12)
+    assert found.rms_slope == pytest.approx(amplitude * q, abs=0, rel=1e-12)
+    assert found.rms_curvature == pytest.approx(amplitude * q**2 / 2, abs=0, rel=1e-12)
+
+
+def test_the_spectrum_integrates_to_the_heights():
+    """Σ C (2π)²/A over all waves is h_rms², and of a sample of many waves C is its target's within their scatter."""
+    found = surface(cutoff_mode=24, roll_off_mode=4, seed=5)
+    spectrum = found.roughness.spectrum
+    cell = UNIT**2
+    assert np.sum(spectrum.density * spectrum.waves) * cell == pytest.approx(found.rms_height**2, abs=0, rel=1e-9)
+    several = (spectrum.waves > 100) & (spectrum.wavevectors < 22 * UNIT)
+    assert several.sum() >= 5
+    ratio = spectrum.density[several] / found.spectrum.density(spectrum.wavevectors[several])
+    # |h_q|² scatters by itself: a mean over n/2 pairs of waves by √(2/n); the mean square is that of the ensemble,
+    # of which a sample's long waves are off by some ten per cent.
+    assert np.all(np.abs(np.log(ratio)) < 4 * np.sqrt(2 / spectrum.waves[several]) + 0.02)
+
+
+@pytest.mark.parametrize(("hurst", "roll_off", "cutoff"), [(0.8, 4, 64), (0.5, 8, 100), (0.2, 12, 90), (0.9, 1, 127)])
+def test_the_law_of_a_self_affine_surface_is_found(hurst, roll_off, cutoff):
+    keys = {"shape": [256, 256], "hurst_exponent": hurst, "roll_off_mode": roll_off, "cutoff_mode": cutoff}
+    samples = [surface(**keys, seed=seed) for seed in range(3)]
+    fits = [roughness_of(sample.sampled, sample.grid).fit for sample in samples]  # which is not told the limits
+    # Thousands of waves give H to a hundredth; roll-offs are ends of bands of an eighth of an octave (9 %) among
+    # few waves, cutoffs end among many.
+    assert np.mean([fit.hurst_exponent for fit in fits]) == pytest.approx(hurst, abs=0.03)
+    assert np.median([fit.roll_off for fit in fits]) / UNIT == pytest.approx(roll_off, abs=0, rel=0.15)
+    assert np.mean([fit.cutoff for fit in fits]) / UNIT == pytest.approx(cutoff, abs=0, rel=0.03)
+
+
+def test_the_law_is_found_above_noise_which_is_told():
+    clean = surface(shape=[256, 256], roll_off_mode=4, cutoff_mode=64)
+    assert clean.roughness.noise[1] < 0.01
+    noise = 5e-11 * np.random.default_rng(0).standard_normal((256, 256))
+    noisy = roughness_of(clean.sampled + noise, clean.grid)
+    power, share = noisy.noise
+    assert abs(power) < 0.2  # white: C is flat
+    assert share > 0.1
+    # The floor of the noise adds to the law just below the cutoff, too, and flattens it a little.
+    assert noisy.fit.hurst_exponent == pytest.approx(0.8, abs=0.07)
+
+
+def quarter(hurst, **keys):
+    """A quarter of a surface, whose edges do not meet, and the whole."""
+    whole = surface(shape=[256, 256], size="104 nm", hurst_exponent=hurst, **keys)
+    return whole.sampled[:128, :128], Grid((128, 128), (52e-9, 52e-9)), whole.roughness
+
+
+@pytest.mark.parametrize(("hurst", "roll_off", "cutoff"), [(0.8, 1, 50), (0.5, 4, 100), (0.2, 8, 127), (1.0, 2, 127)])
+def test_of_a_part_the_edges_count_for_nothing(hurst, roll_off, cutoff):
+    """Repeated, a smooth part has its jump's slope and curvature."""
+    found = []
+    for seed in range(4):
+        part, grid, whole = quarter(hurst, roll_off_mode=roll_off, cutoff_mode=cutoff, seed=seed)
+        sample, torn = roughness_of_sample(part, grid), roughness_of(part, grid)
+        if hurst >= 0.8:
+            assert torn.rms_slope > 1.3 * whole.rms_slope
+            assert torn.rms_curvature > 1.3 * whole.rms_curvature
+        assert sample.edge_ratio == torn.edge_ratio
+        found.append(
+            (
+                sample.rms_slope / whole.rms_slope,
+                sample.rms_curvature / whole.rms_curvature,
+                sample.fit.hurst_exponent - hurst,
+                sample.fit.uncertainty,
+            )
+        )
+    slope, curvature, error, uncertainty = np.array(found).T
+    # A quarter has a quarter of the few long waves, and none of those that are longer than itself.
+    assert slope.mean() == pytest.approx(1, abs=0, rel=0.05)
+    assert curvature.mean() == pytest.approx(1, abs=0, rel=0.05)
+    assert np.all(np.abs(error) < 2.5 * uncertainty)
+    assert np.all(uncertainty < 0.15)
+
+
+def test_the_slope_of_a_part_is_that_of_its_heights_tilt_included():
+    part, grid, _ = quarter(0.8, roll_off_mode=4, cutoff_mode=50)
+    level = roughness_of_sample(part, grid)
+    tilted = roughness_of_sample(part + 0.5 * grid.coordinates[0][:, None], grid)
+    # The mean gradient of the part adds to the tilt by itself; a hundredth is the corner between it and its image.
+    assert tilted.rms_slope == pytest.approx(np.hypot(level.rms_slope, 0.5), abs=0, rel=0.1)
+    steps = (np.diff(part + 0.5 * grid.coordinates[0][:, None], axis=axis) / grid.spacing[axis] for axis in range(2))
+    assert tilted.rms_slope == pytest.approx(np.sqrt(sum(np.mean(step**2) for step in steps)), abs=0, rel=0.05)
+    assert tilted.rms_curvature == pytest.approx(level.rms_curvature, abs=0, rel=1e-6)
+    np.testing.assert_allclose(tilted.spectrum.density, level.spectrum.density, rtol=1e-6)
+
+
+def test_the_spectrum_of_a_part_is_that_of_its_mirror_images():
+    part, grid, _ = quarter(0.5, roll_off_mode=4, cutoff_mode=100)
+    spectrum = roughness_of_sample(part, grid).spectrum
+    assert 2 * np.pi / 52e-9 * (1 - 1e-9) <= spectrum.wavevectors[0]
+    several = (spectrum.waves > 200) & (spectrum.wavevectors < 95 * UNIT)
+    target = surface(shape=[256, 256], hurst_exponent=0.5, roll_off_mode=4, cutoff_mode=100).spectrum
+    ratio = spectrum.density[several] / target.density(spectrum.wavevectors[several])
+    # Squares of n/2 pairs of amplitudes, and the few long waves that a normalisation goes by.
+    assert several.sum() > 10
+    assert abs(np.mean(np.log(ratio))) < 0.1
+    assert np.std(np.log(ratio)) < 2 * np.sqrt(2 / 200)
+
+
+def test_a_part_whose_edges_meet_is_taken_as_it_is():
+    whole = surface(shape=[64, 64], cutoff_mode=12)
+    alone, repeated = (find(whole.sampled, whole.grid) for find in (roughness_of_sample, roughness_of))
+    assert alone.rms_slope == repeated.rms_slope
+    np.testing.assert_array_equal(alone.spectrum.density, repeated.spectrum.density)
+    smooth = roughness_of_sample(whole.sampled, whole.grid, 104e-9 / 6)
+    assert smooth.spectrum.density[smooth.spectrum.wavevectors > 6.1 * UNIT].max() < 1e-20 * smooth.spectrum.density[0]
+    assert smooth.rms_slope < 0.9 * whole.roughness.rms_slope
+
+
+def test_waves_that_do_not_count_leave_slope_and_spectrum_of_a_part():
+    part, grid, _ = quarter(0.5, roll_off_mode=4, cutoff_mode=100)
+    shortest = 104e-9 / 25
+    cut, whole = roughness_of_sample(part, grid, shortest), roughness_of_sample(part, grid)
+    q, density = whole.spectrum.wavevectors, whole.spectrum.density * whole.spectrum.waves
+    kept = q <= 2 * np.pi / shortest
+    share = np.sum((q**2 * density)[kept]) / np.sum(q**2 * density)
+    assert (cut.rms_slope / whole.rms_slope) ** 2 == pytest.approx(share, abs=0.05)  # a band is divided
+    assert cut.fit.cutoff == pytest.approx(2 * np.pi / shortest, abs=0, rel=0.05)
+
+
+@pytest.mark.parametrize("seed", range(1, 7))
+def test_a_narrow_law_is_found_between_its_own_limits(seed):
+    """The example ``first``: 1.6 octaves and a hundred waves, of which a search for the limits made H = 0.26."""
+    fit = surface(shape=[100, 100], roll_off_mode=2, cutoff_mode=6, normalisation="realised", seed=seed).roughness.fit
+    assert abs(fit.hurst_exponent - 0.8) < 2 * fit.uncertainty
+    # Of n = 50 pairs of waves over an octave and a half H is known to √(1/4n var(ln q)), 0.26.
+    assert 0.15 < fit.uncertainty < 0.45
+    assert (fit.roll_off, fit.cutoff) == pytest.approx((2 * UNIT, 6 * UNIT), abs=0, rel=1e-9)
+
+
+def test_the_uncertainty_is_the_scatter_of_samples():
+    fits = [surface(shape=[64, 64], roll_off_mode=3, cutoff_mode=12, seed=seed).roughness.fit for seed in range(20)]
+    deviations = np.array([(fit.hurst_exponent - 0.8) / fit.uncertainty for fit in fits])
+    assert 0.4 < np.sqrt(np.mean(deviations**2)) < 1.3
+
+
+def test_what_a_law_misses_adds_to_its_uncertainty():
+    q = np.geomspace(1e6, 1e8, 54)
+    sign, waves = np.where(np.arange(54) % 4 < 2, 1, -1), np.full(54, 400.0)
+    spectra = [PowerSpectrum(q, q**-3.6 * (1 + part * sign), waves) for part in (0.0, 0.6)]
+    there, missed = (self_affine_fit(spectrum, (q[0], q[-1])) for spectrum in spectra)
+    assert there.hurst_exponent == pytest.approx(0.8, abs=0.001)
+    assert missed.hurst_exponent == pytest.approx(0.8, abs=0.05)
+    # n = 67 pairs a band, √(1/200 + 0.1²) of C: 1/√(4 · 54 n var(ln q)); and 0.6 in place of that √(1/200 + 0.1²).
+    assert there.uncertainty == pytest.approx(0.5 / np.sqrt(54 * 66.7 * np.var(np.log(q))), abs=0, rel=0.15)
+    assert missed.uncertainty / there.uncertainty == pytest.approx(0.6 / np.sqrt(0.015), abs=0, rel=0.3)
+
+
+def test_a_spectrum_that_is_no_power_law_is_less_certain():
+    keys = {"shape": [256, 256], "roll_off_mode": 1, "cutoff_mode": 127}
+    one, two = surface(**keys, seed=3), surface(**keys, hurst_exponent=0.1, rms_height="2 angstrom", seed=4)
+    pure = roughness_of(one.sampled, one.grid).fit.uncertainty
+    mixed = roughness_of(one.sampled + two.sampled, one.grid).fit.uncertainty
+    assert mixed > 1.5 * pure
+
+
+def test_too_narrow_or_flat_spectra_have_no_law():
+    assert roughness_of(np.zeros((16, 16)), Grid((16, 16), (1.0, 1.0))).fit is None
+    assert roughness_of(np.random.default_rng(1).standard_normal((4, 4)), Grid((4, 4), (1.0, 1.0))).fit is None
+
+
+@settings(deadline=None, max_examples=30)
+@given(st.integers(0, 10**6), st.floats(0.1, 10), st.floats(1e-9, 1e3))
+def test_turning_and_scaling(seed, stretch, scale):
+    rough = np.random.default_rng(seed).standard_normal((12, 18)).cumsum(axis=0)
+    grid, turned = Grid((12, 18), (1.0, stretch)), Grid((18, 12), (stretch * scale, scale))
+    one, two = roughness_of(rough, grid), roughness_of(scale * rough.T, turned)
+    # The same sums in another order.
+    assert two.rms_height == pytest.approx(scale * one.rms_height, abs=0, rel=1e-10)
+    assert two.rms_slope == pytest.approx(one.rms_slope, abs=0, rel=1e-10)
+    assert two.rms_curvature == pytest.approx(one.rms_curvature / scale, abs=0, rel=1e-10)
+    assert two.edge_jump == pytest.approx(scale * one.edge_jump, abs=0, rel=1e-10)
+    assert two.edge_ratio == pytest.approx(one.edge_ratio, abs=0, rel=1e-10)
+
+
+@pytest.mark.parametrize("axis", [0, 1])
+def test_edges_that_jump(axis):
+    periodic = surface(cutoff_mode=12, shape=[64, 64])
+    assert periodic.roughness.edge_ratio < 2  # rows across the edge differ as any two do, but for scatter
+    tilt = np.linspace(0, 1e-8, 64)
+    tilted = roughness_of(periodic.sampled + (tilt[:, None] if axis == 0 else tilt[None, :]), periodic.grid)
+    # 1e-8 across one edge, on heights that differ by far less from row to row.
+    assert tilted.edge_jump == pytest.approx(1e-8, abs=0, rel=0.05)
+    assert tilted.edge_ratio > 20
+
+
+def test_a_flat_axis_has_no_jump():
+    wave = surface(kind="wavy", amplitude="1 nm", modes=[0, 2])
+    assert wave.roughness.edge_ratio < 2
+
+
+def test_the_spectrum_ends_where_waves_of_all_directions_do():
+    """Waves along the diagonals are shorter than two points; bands of them alone would be of one direction."""
+    grid = Grid((32, 32), (1.0, 1.0))
+    heights = np.random.default_rng(2).standard_normal(grid.shape)
+    spectrum = roughness_of(heights, grid).spectrum
+    assert spectrum.wavevectors[-1] <= 32 * np.pi
+    assert spectrum.waves.sum() == np.sum(np.hypot(*np.meshgrid(*2 * [np.fft.fftfreq(32)])) <= 0.5) - 1

@@ -1,0 +1,325 @@
+"""The command from end to end: files, report, refusals, exit status."""
+
+import contextlib
+import html
+import io
+import re
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from contact_study.physics.surfaces.realisation import realise
+from contact_study.report import illustrations
+from contact_study.report.command import main
+from contact_study.report.compute.deviations import compute_deviations
+from contact_study.report.compute.gap_maps import read_gap_maps
+from contact_study.report.compute.shown_states import panel_points
+from contact_study.report.read.datasets import read_inputs
+from contact_study.report.read.files import field_at
+from contact_study.report.wording import percent
+from tests.report.synthetic import GAP_STUDY, STUDY, study, write, write_all
+
+
+@pytest.fixture(scope="module")
+def files(tmp_path_factory):
+    return write_all(tmp_path_factory.mktemp("inputs"), warnings="a grid too coarse")
+
+
+@pytest.fixture(scope="module")
+def compared(files, tmp_path_factory):
+    """A folder with all outputs, and what was printed."""
+    folder = tmp_path_factory.mktemp("compared")
+    outputs = ["-o", folder / "a" / "comparison.nc", "--figures", folder / "f", "--report", folder / "r.html"]
+    with contextlib.redirect_stdout(io.StringIO()) as printed:
+        assert run(*files[1:], files[0], *outputs) == 0
+    return folder, printed.getvalue()
+
+
+@pytest.fixture(scope="module")
+def special(tmp_path_factory):
+    """Exit status and report of two seeds, one unconverged step, another pressure and a title that is no text."""
+    folder = tmp_path_factory.mktemp("special")
+    odd = STUDY.replace('title = "synthetic"', "title = '<script>&'")
+    odd = odd.replace("[sweep]\n", '[sweep]\n"surface.seed" = [1, 2]\n')
+    paths = [
+        write(folder / "c.nc", "continuum", odd),
+        write(folder / "a.nc", "atomistic", odd, unconverged=[(0, 1), (2, 1)]),
+    ]
+    report = folder / "r.html"
+    status = run(*paths, "-o", folder / "out.nc", "--report", report, "--reference-pressure", "5 GPa")
+    return status, report.read_text(encoding="utf-8")
+
+
+def run(*arguments):
+    return main([str(argument) for argument in arguments])
+
+
+def test_names_what_it_writes(compared):
+    folder, printed = compared
+    named = printed.splitlines()
+    assert named[0] == str(folder / "a" / "comparison.nc")
+    assert sorted(named) == sorted(str(path) for path in folder.rglob("*") if path.is_file())
+    assert len(named) == 7
+
+
+def test_the_dataset_holds_everything_with_units(compared, files):
+    with xr.open_datatree(compared[0] / "a" / "comparison.nc", decode_timedelta=False) as tree:
+        assert {node.path for node in tree.subtree} == {
+            *("/", "/atomistic", "/continuum", "/theory", "/theory/metastable", "/deviations", "/regime"),
+        }
+        for node in tree.subtree:
+            for name, variable in node.to_dataset().variables.items():
+                assert variable.attrs.get("units"), (node.path, name)
+                assert variable.attrs.get("long_name"), (node.path, name)
+        for name in ("Conventions", "title", "source", "history", "references", "study_toml", "git_commit"):
+            assert tree.attrs[name], name
+        assert tree.attrs["schema_version"]
+        with xr.open_dataset(files[0], decode_timedelta=False) as original:
+            kept = tree["continuum"].to_dataset()
+            xr.testing.assert_equal(kept, original.drop_vars(["gap"])[list(kept.variables)])
+        table = compute_deviations(read_inputs(files).models, "pressure")
+        for name in ("state", "branch"):
+            flags = tree["deviations"][name]
+            assert flags.dtype == np.int8, name
+            assert np.isin(flags, flags.attrs["flag_values"]).all(), name
+            assert (flags == -1).any(), "a padded point is marked, not missing"
+        xr.testing.assert_equal(tree["deviations"].to_dataset(), table)
+    with xr.open_dataset(compared[0] / "a" / "comparison.nc", group="theory/metastable") as group:
+        assert "applied_pressure" in group.coords, "a group stands by itself"
+
+
+def test_report_holds_the_numbers(compared, files):
+    page = (compared[0] / "r.html").read_text(encoding="utf-8")
+    assert page.count("data:image/png;base64,") == 5
+    assert not re.search(r'(src|href)="(?!data:|#)', page), "nothing from outside"
+    text = html.unescape(re.sub(r"<[^>]+>", "", page)).replace("\u00a0", " ")
+    table = compute_deviations(read_inputs(files).models, "pressure")
+    for value in table["relative_contact_area_relative_deviation"].values.ravel():
+        if np.isfinite(value):
+            assert percent(value) in text
+    with xr.open_dataset(files[1], decode_timedelta=False) as atomistic:
+        for value in atomistic["relative_contact_area"].values.ravel():
+            if np.isfinite(value):
+                assert f"{value:.4f}" in text
+    for words in (
+        "ε = 8 ε₀",
+        "E = 77.2 GPa",
+        "24 × 24 points",
+        "160 × 160 atoms",
+        "0.1, −0.4987, 0.7799, 5.8725 GPa",
+        "a grid too coarse",
+        "nearest to the atoms: the continuum (11 %), then the gap-flow theory (39 %), then Persson's theory (44 %)",
+        "p/E* = −0.00532, 0.00832, 0.06265",
+        "A theory with the target spectrum",
+        f"the simulations have one realisation of it (rms slope {realise(study().cases[0]).rms_slope:.4g})",
+        "states of the same surface, which are no independent samples",
+        "[surface]",
+        "xr.open_datatree",
+    ):
+        assert words in text, words
+
+
+def test_figures_of_one_column_are_narrow(compared):
+    page = (compared[0] / "r.html").read_text(encoding="utf-8")
+    narrow = dict.fromkeys(re.findall(r'<img class="narrow" alt="([^"]*)"', page))
+    assert list(narrow) == [], "every figure of this study has two panels"
+    assert page.count("<img alt=") == 5
+
+
+def test_text_of_a_study_cannot_break_the_page(special):
+    _, page = special
+    assert "<script>" not in page
+    assert "&lt;script&gt;&amp;" in page
+
+
+def test_report_of_seeds_and_of_unconverged_steps(special):
+    status, page = special
+    assert status == 2
+    assert "2 realisations (seed 1, 2)" in page
+    assert "states of the same surfaces" in page
+    assert "the mean over those that converged in contact" in page
+    assert "surface of the first seed (1)" in page
+    assert "Persson" not in page
+    assert " ± " in page
+    assert "standard errors over seeds" in page
+    assert "not converged" in page
+    text = page.replace("\u00a0", " ")
+    assert "for each point of the sweep at p/E* = 0.06265" in text, "the pressure of the path nearest to 5 GPa"
+    assert "Not shown" not in text
+
+
+@pytest.mark.usefixtures("unrendered")
+def test_a_study_without_compression(tmp_path):
+    tension = GAP_STUDY.replace('"1 nm", "0.7 nm", "0.3 nm", "0.2 nm"', '"1 nm", "0.7 nm"')
+    paths = [write(tmp_path / f"{kind}.nc", kind, tension) for kind in ("continuum", "atomistic", "theory")]
+    report = tmp_path / "r.html"
+    assert run(*paths, "-o", tmp_path / "out.nc", "--report", report) == 0
+    page = report.read_text(encoding="utf-8")
+    assert "logarithm" not in page, "neither panel b of figure 3 nor figure 4"
+
+
+def test_contact_of_a_hard_wall_is_shown(tmp_path):
+    text = (
+        STUDY[: STUDY.index("[sweep]")]
+        .replace('well_depth = "18.6 meV"', 'law = "hard_wall"')
+        .replace('length = "3.28 angstrom"\ncontact_distance = "3.68 angstrom"\n', "")
+    )
+    paths = [write(tmp_path / f"{kind}.nc", kind, text) for kind in ("continuum", "atomistic")]
+    inputs = read_inputs(paths)
+    maps = read_gap_maps(inputs, panel_points(inputs.models, "pressure"), None)
+    pressed = field_at(paths[0], "pressure", {}, 0) > 0
+    assert pressed.any()
+    np.testing.assert_array_equal(np.ma.getmaskarray(maps.gaps["continuum"]), pressed)
+    assert maps.size == pytest.approx((416e-10, 416e-10), rel=1e-12)
+    report = tmp_path / "r.html"
+    assert run(*paths, "-o", tmp_path / "out.nc", "--report", report) == 0
+    page = report.read_text(encoding="utf-8")
+    assert '<img class="narrow" alt="Mean gap"' in page
+    assert '<img alt="Contact area"' in page
+    assert "contact, a positive pressure, is black" in page
+    for words in ("Persson", "gap-flow", "gap flow", "10-4", "Tabor", "local minimum"):
+        assert words not in page, words
+
+
+@pytest.mark.usefixtures("unrendered")
+def test_a_large_contact_with_another_law(tmp_path):
+    text = (
+        STUDY[: STUDY.index("[sweep]")]
+        .replace('well_depth = "18.6 meV"', 'law = "lennard_jones_9_3"\nwork_of_adhesion = "0.05 J/m^2"')
+        .replace('"416 angstrom"', '"4 mm"')
+        .replace('rms_height = "10 angstrom"', 'rms_height = "5 um"')
+        .replace('lattice_constant = "2.6 angstrom"', "")
+    )
+    paths = [write(tmp_path / f"{kind}.nc", kind, text) for kind in ("continuum", "theory")]
+    report = tmp_path / "r.html"
+    assert run(*paths, "-o", tmp_path / "out.nc", "--report", report) == 0
+    text = html.unescape(re.sub(r"<[^>]+>", "", report.read_text(encoding="utf-8"))).replace("\u00a0", " ")
+    assert "in the 9-3 traction-separation law for continuum and gap-flow theory" in text
+    assert "10-4" not in text
+    assert "hrms (µm)" in text
+    assert "The gap-flow theory gives the equilibrium at each point" in text
+
+
+@pytest.mark.usefixtures("unrendered")
+def test_a_point_of_the_sweep_that_one_model_lacks(tmp_path, capsys):
+    paths = [
+        write(tmp_path / "c.nc", "continuum", STUDY.replace("[1, 8]", "[1, 4]").split("[[override]]")[0]),
+        write(tmp_path / "t.nc", "theory", STUDY.replace("[1, 8]", "[1, 4, 8]")),
+    ]
+    report = tmp_path / "r.html"
+    assert run(*paths, "-o", tmp_path / "out.nc", "--report", report) == 0
+    assert "share 2 points of their sweeps" in capsys.readouterr().err
+    with xr.open_dataset(tmp_path / "out.nc", group="deviations") as deviations:
+        np.testing.assert_array_equal(deviations["well_depth_ratio"], [1, 4])
+    page = report.read_text(encoding="utf-8").replace("\u00a0", " ")
+    # Panel b is of the strongest adhesion; the continuum has none of it and is not called detached there.
+    assert "Not shown" not in page
+    assert "Not on the loading path" not in page
+
+
+def test_existing_files_are_kept_unless_told(compared, files, tmp_path, capsys):
+    folder, _ = compared
+    before = {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+    figures = folder / "f"
+    assert run(*files, "-o", folder / "a" / "comparison.nc") == 1
+    assert run(*files, "-o", folder / "new.nc", "--figures", figures) == 1
+    assert run(*files, "-o", folder / "new.nc", "--report", folder / "r.html") == 1
+    errors = capsys.readouterr().err.splitlines()
+    assert len(errors) == 3
+    assert all("--overwrite" in line for line in errors)
+    assert {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()} == before
+
+
+def test_overwriting_leaves_other_files_of_the_folder(files, tmp_path):
+    (tmp_path / "f").mkdir()
+    (tmp_path / "f" / "notes.txt").write_text("mine")
+    (tmp_path / "f" / "figure_4_mean_gap.png").write_text("old")
+    assert run(*files[:2], "-o", tmp_path / "c.nc", "--figures", tmp_path / "f", "--overwrite") == 0
+    assert (tmp_path / "f" / "notes.txt").read_text() == "mine"
+    assert (tmp_path / "f" / "figure_4_mean_gap.png").read_bytes().startswith(b"\x89PNG")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "culprit"),
+    [
+        ([], "-o"),
+        (["-o", "{}/c.nc", "--figure", "x"], "--figure"),
+        (["-o", "{}/c.nc", "--reference-pressure", "1 nm"], "--reference-pressure"),
+        (["-o", "{}/c.nc", "--report", "{}/c.nc"], "named twice"),
+        (["-o", "{}/c.csv"], "c.csv: a comparison is written as NetCDF"),
+        (["-o", "{}/c.nc/"], "c.nc/: is the name of a folder"),
+        (["-o", "{}/c.nc", "--report", "{}/r.html/"], "r.html/: is the name of a folder"),
+    ],
+)
+def test_wrong_arguments_write_nothing(files, tmp_path, capsys, arguments, culprit):
+    assert run(*files, *(argument.format(tmp_path) for argument in arguments)) == 1
+    error = capsys.readouterr().err
+    assert error.startswith("contact-compare: error: ")
+    assert error.count("\n") == 1
+    assert culprit in error
+    assert not list(tmp_path.iterdir())
+
+
+def test_an_input_is_never_the_output(files, capsys):
+    before = files[0].read_bytes()
+    assert run(*files, "-o", files[0], "--overwrite") == 1
+    assert "is one of the datasets" in capsys.readouterr().err
+    assert files[0].read_bytes() == before
+
+
+def test_wrong_input_writes_nothing(files, tmp_path, capsys):
+    assert run(files[0], files[0], "-o", tmp_path / "c.nc", "--figures", tmp_path / "f") == 1
+    assert "is given twice" in capsys.readouterr().err
+    assert not list(tmp_path.iterdir())
+
+
+def test_paths_without_a_common_point_are_refused(files, tmp_path, capsys):
+    single = STUDY[: STUDY.index("[sweep]")]
+    other = single.replace('"0.1 GPa", "0.7799 GPa", "5.8725 GPa"', '"0.3 GPa", "3 GPa"')
+    paths = [write(tmp_path / "c.nc", "continuum", single), write(tmp_path / "a.nc", "atomistic", other)]
+    assert run(*paths, "-o", tmp_path / "out.nc") == 1
+    assert "no point of their loading paths in common" in capsys.readouterr().err
+    assert not (tmp_path / "out.nc").exists()
+
+
+def test_unconverged_input_gives_status_two_and_detachment_does_not(files, tmp_path, capsys):
+    detached = write(tmp_path / "d.nc", "atomistic", unconverged=[(1, 1)], detached=[(1, 1)])
+    assert run(files[0], detached, "-o", tmp_path / "one.nc") == 0
+    failed = write(tmp_path / "f.nc", "atomistic", unconverged=[(0, 1)])
+    assert run(files[0], failed, "-o", tmp_path / "two.nc") == 2
+    assert "1 of the inputs' steps did not converge" in capsys.readouterr().err
+    assert (tmp_path / "two.nc").exists()
+
+
+def test_figures_in_other_formats(files, tmp_path, monkeypatch):
+    """PDF and SVG beside PNG or alone, text as text, equal runs equal bytes; the report keeps its own.
+
+    Of two figures: what is written where does not depend on their number.
+    """
+    monkeypatch.setattr(illustrations.plotted, "stress_distribution_data", lambda *_: ())
+    monkeypatch.setattr(illustrations.plotted, "gap_distribution_data", lambda *_: ())
+    monkeypatch.setattr(illustrations, "read_gap_maps", lambda *_: None)
+    monkeypatch.setattr(illustrations, "read_magnification", lambda *_: None)
+    monkeypatch.setattr(illustrations, "read_atoms", lambda *_: None)
+    folder, report = tmp_path / "figures", tmp_path / "report.html"
+    arguments = [*files, "-o", tmp_path / "c.nc", "--figures", folder, "--overwrite"]
+    formats = ["--figure-format", "pdf", "--figure-format", "svg"]
+    assert run(*arguments, *formats, "--report", report) == 0
+    names = sorted(path.name for path in folder.iterdir())
+    assert {name.rpartition(".")[2] for name in names} == {"pdf", "svg"}
+    assert len(names) == 4
+    first = {path.name: path.read_bytes() for path in folder.iterdir()}
+    assert first["figure_3_contact_area.pdf"].startswith(b"%PDF")
+    assert b"Persson" in first["figure_3_contact_area.svg"]
+    assert "data:image/png" in report.read_text()
+    assert run(*arguments, *formats, "--figure-format", "png") == 0
+    assert {name: (folder / name).read_bytes() for name in names} == first
+    assert (folder / "figure_3_contact_area.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_figures_of_another_format_are_not_overwritten(files, tmp_path):
+    (tmp_path / "figure_3_contact_area.svg").write_text("precious")
+    arguments = [*files, "-o", tmp_path / "c.nc", "--figures", tmp_path, "--figure-format", "svg"]
+    assert run(*arguments) == 1
+    assert (tmp_path / "figure_3_contact_area.svg").read_text() == "precious"

@@ -1,0 +1,123 @@
+"""Regime numbers: of a wave in closed form, and of the paper's system."""
+
+import numpy as np
+import pytest
+
+from contact_study.physics.solids import HalfSpace, Layer
+from contact_study.physics.surfaces.realisation import realise
+from contact_study.report.compute.regime import compute_regime, roughness
+from contact_study.report.read.datasets import read_inputs
+from tests.report.synthetic import STUDY, study, write
+
+
+def test_roughness_of_a_wave():
+    height, size, shape = 2e-10, (3e-8, 2e-8), (9, 15)
+    q = 2 * np.pi * 2 / size[1]
+    x = np.arange(shape[1]) * size[1] / shape[1]
+    wave = np.broadcast_to(height * np.cos(q * x), shape)
+    found = roughness(wave, size, HalfSpace(7.0))
+    # A cosine that the grid holds exactly: rounding only.
+    assert found.rms_height == pytest.approx(height / np.sqrt(2), rel=1e-13)
+    assert found.rms_slope == pytest.approx(height * q / np.sqrt(2), rel=1e-13)
+    assert found.rms_laplacian == pytest.approx(height * q**2 / np.sqrt(2), rel=1e-13)
+    # ½ <w K w> with K = E* q / 2 and <w²> = h²/2.
+    assert found.conformal_energy == pytest.approx(q * height**2 / 8, rel=1e-13)
+    assert found.conformal_stress == pytest.approx(q * height / np.sqrt(8), rel=1e-13)
+    layer = Layer(7.0, 0.3, 1e-9)
+    on_layer, stiffness = roughness(wave, size, layer), float(layer.stiffness(q)) / 7.0
+    assert on_layer.conformal_energy == pytest.approx(stiffness * height**2 / 4, rel=1e-13)
+    assert on_layer.conformal_stress == pytest.approx(stiffness * height / np.sqrt(2), rel=1e-13)
+    slope = height * q
+    angle = np.linspace(0, 2 * np.pi, 16384, endpoint=False)
+    exact = np.mean(np.sqrt(1 + (slope * np.sin(angle)) ** 2))
+    # The mean over fifteen points of a smooth periodic function is exact far beyond this.
+    assert found.area_factor == pytest.approx(exact, rel=1e-8)
+
+
+def test_roughness_does_not_depend_on_the_grid():
+    surface = realise(study().cases[0])
+    coarse, fine = (roughness(surface.heights(shape), surface.size, HalfSpace(1.0)) for shape in ((24, 24), (45, 64)))
+    for name in ("rms_height", "rms_slope", "rms_laplacian", "conformal_energy", "conformal_stress"):
+        assert getattr(coarse, name) == pytest.approx(getattr(fine, name), rel=1e-12)
+
+
+PAPER = (
+    STUDY.replace('"416 angstrom"', '"1040 angstrom"')
+    .replace("[24, 24]", "[64, 64]")
+    .replace("roll_off_mode = 2", "roll_off_mode = 3")
+    .replace("cutoff_mode = 6", "cutoff_mode = 12")
+    .replace("[1, 8]", "[1, 4, 8]")
+)
+
+
+def test_paper_system(tmp_path):
+    paths = [write(tmp_path / f"{kind}.nc", kind, PAPER) for kind in ("continuum", "atomistic")]
+    inputs = read_inputs(paths)
+    regime = compute_regime(inputs)
+    # Of the ensemble 0.30, 0.76, 1.21; one surface's curvature scatters by some per cent, the cube root by a third.
+    np.testing.assert_allclose(regime["tabor_parameter"], [0.30, 0.76, 1.21], rtol=0.03)
+    np.testing.assert_allclose(regime["process_zone"], [41e-10, 10.3e-10, 5.13e-10], rtol=0.01)
+    np.testing.assert_allclose(regime["pixel_over_process_zone"] * regime["process_zone"], 1040e-10 / 64, rtol=1e-12)
+    # Ensemble: U_full = 5.353 J/m², S = 1.0334.
+    theta = 0.692 * np.array([1, 4, 8]) * 1.0334 / 5.353
+    np.testing.assert_allclose(regime["adhesion_over_elastic_energy"], theta, rtol=0.06)
+    for name, variable in regime.data_vars.items():
+        assert variable.attrs["units"], name
+        assert variable.attrs["long_name"], name
+
+
+def test_without_sweep_and_without_roughness(tmp_path):
+    flat = STUDY[: STUDY.index("[sweep]")].replace('kind = "self_affine"', 'kind = "flat"')
+    own = ("rms_height", "roll_off_mode", "cutoff_mode", "normalisation")
+    flat = "\n".join(line for line in flat.splitlines() if not line.startswith(own))
+    paths = [write(tmp_path / f"{kind}.nc", kind, flat) for kind in ("continuum", "atomistic")]
+    inputs = read_inputs(paths)
+    regime = compute_regime(inputs)
+    assert regime["process_zone"].dims == ()
+    assert np.isfinite(regime["process_zone"])
+    assert np.isnan(regime["tabor_parameter"])
+
+
+def test_a_point_that_the_first_file_lacks(tmp_path):
+    paths = [
+        write(tmp_path / "a.nc", "atomistic", STUDY.replace("[1, 8]", "[1, 4]").split("[[override]]")[0]),
+        write(tmp_path / "t.nc", "theory", STUDY.replace("[1, 8]", "[1, 4, 8]")),
+    ]
+    regime = compute_regime(read_inputs(paths))
+    np.testing.assert_array_equal(regime["well_depth_ratio"], [1, 4, 8])
+    assert np.isfinite(regime["tabor_parameter"]).all(), "the theory's study knows the surface of the third"
+
+
+def test_the_surface_is_said_to_be_of_the_first_seed(tmp_path):
+    text = STUDY.replace("[sweep]\n", '[sweep]\n"surface.seed" = [3, 2]\n')
+    paths = [write(tmp_path / f"{kind}.nc", kind, text) for kind in ("continuum", "atomistic")]
+    regime = compute_regime(read_inputs(paths))
+    first = regime_of_seed(3)
+    assert float(regime["rms_slope"][0]) == pytest.approx(first.rms_slope, rel=1e-12)
+    assert regime["rms_slope"].attrs["long_name"].endswith("first seed")
+    assert not regime["process_zone"].attrs["long_name"].endswith("first seed")
+
+
+def regime_of_seed(seed):
+    surface = realise(study(STUDY.replace("[sweep]\n", f'[sweep]\n"surface.seed" = [{seed}]\n')).cases[0])
+    return roughness(surface.heights(surface.shape), surface.size, HalfSpace(1.0))
+
+
+def test_full_contact_with_a_layer_is_that_of_its_stiffness(tmp_path):
+    thin = STUDY + '[elasticity]\nkind = "layer"\nthickness = "10.4 angstrom"\n'
+    found = []
+    for name, text in (("half_space", STUDY), ("layer", thin)):
+        paths = [write(tmp_path / f"{name}_{kind}.nc", kind, text) for kind in ("continuum", "atomistic")]
+        found.append(compute_regime(read_inputs(paths)))
+    case = study(thin).cases[0]
+    surface = realise(case)
+    expected = roughness(surface.heights(surface.shape), surface.size, case.solid)
+    plain = roughness(surface.heights(surface.shape), surface.size, HalfSpace(1.0))
+    for name, own in (
+        ("full_contact_energy", "conformal_energy"),
+        ("full_contact_stress_over_peak", "conformal_stress"),
+    ):
+        ratio = getattr(expected, own) / getattr(plain, own)
+        assert ratio > 3
+        np.testing.assert_allclose(found[1][name] / found[0][name], ratio, rtol=1e-10)
+    np.testing.assert_allclose(found[1]["process_zone"], found[0]["process_zone"], rtol=1e-12)

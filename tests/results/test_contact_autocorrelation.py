@@ -1,0 +1,90 @@
+"""Autocorrelation of the contact on patterns whose pairs can be counted."""
+
+import numpy as np
+import pytest
+
+import contact_study
+from contact_study.results.observables.contact_autocorrelation import (
+    RELATIVE_DISTANCE,
+    RING_EDGES,
+    RINGS,
+    contact_autocorrelation,
+)
+from contact_study.results.observables.contact_edge import edge_sides
+from tests.bem_adhesion.paper_system import study_table
+
+
+def counted(contact, spacing, periodic=True):
+    """The definition, pair by pair; inside the map alone once in either direction across is enough."""
+    rows, columns = contact.shape
+    side = min(rows * spacing[0], columns * spacing[1])
+    sums, pairs = np.zeros(RINGS), np.zeros(RINGS)
+    for down in range(rows) if periodic else range(1 - rows, rows):
+        for across in range(columns):
+            way = (min(down, rows - down), min(across, columns - across)) if periodic else (down, across)
+            distance = np.hypot(way[0] * spacing[0], way[1] * spacing[1]) / side
+            inside = [k for k in range(RINGS) if RING_EDGES[k] < distance * (1 - 1e-9) <= RING_EDGES[k + 1]]
+            if inside:
+                meet = contact & np.roll(contact, (down, across), (0, 1))
+                if not periodic:
+                    meet = meet[max(down, 0) : rows + min(down, 0), across:]
+                # Without a step across, up and down are the same pairs.
+                once = 0.5 if not periodic and across == 0 else 1.0
+                sums[inside[0]] += once * np.sum(meet)
+                pairs[inside[0]] += once * meet.size
+    with np.errstate(invalid="ignore"):
+        return sums / pairs
+
+
+@pytest.mark.parametrize(("shape", "spacing"), [((16, 16), (1.0, 1.0)), ((9, 14), (1.0, 0.7)), ((12, 7), (0.2, 0.3))])
+@pytest.mark.parametrize("periodic", [True, False])
+def test_equals_the_count_of_pairs(shape, spacing, periodic):
+    contact = np.random.default_rng(1).random(shape) < 0.4
+    found = contact_autocorrelation(contact, spacing, periodic)
+    np.testing.assert_allclose(found, counted(contact, spacing, periodic), atol=1e-14)  # rounding
+
+
+def test_stripes_are_correlated_over_their_period():
+    """Stripes of half of every 32 points: pairs along x in contact by the triangle wave of their distance."""
+    x = np.arange(256)
+    contact = np.broadcast_to(x % 32 < 16, (256, 256))
+    found = contact_autocorrelation(contact, (1.0, 1.0))
+    angle = 2 * np.pi * (np.arange(720) + 0.5) / 720
+    for ring in (6, 9, 12, 14):
+        # Over the ring's area, of each radius by its share of it.
+        radius = 256 * np.sqrt(np.linspace(RING_EDGES[ring] ** 2, RING_EDGES[ring + 1] ** 2, 400))
+        lag = np.abs((radius[:, None] * np.cos(angle) + 16) % 32 - 16)
+        # Lags are points, not an area: a ring of radius 6 has some forty.
+        assert found[ring] == pytest.approx(np.mean(0.5 - lag / 32), abs=0.02)
+
+
+def test_patches_far_apart_do_not_know_of_one_another():
+    contact = np.random.default_rng(2).random((256, 256)) < 0.3
+    found = contact_autocorrelation(contact, (1.0, 1.0))
+    wide = 256 * RELATIVE_DISTANCE > 8
+    np.testing.assert_allclose(found[wide], 0.09, rtol=0.01)
+    assert np.all(np.isnan(found[256 * RING_EDGES[1:] < 1]))
+
+
+def test_near_a_point_it_falls_by_the_length_of_the_edge():
+    """c(r) = A − (edge/area) r/π for a disc, whose edge is known."""
+    x = np.arange(512) - 255.5
+    radius = 150.0
+    contact = x[:, None] ** 2 + x[None, :] ** 2 < radius**2
+    found = contact_autocorrelation(contact, (1.0, 1.0))
+    near = (512 * RELATIVE_DISTANCE > 4) & (512 * RELATIVE_DISTANCE < 12)
+    slope = (contact.mean() - found[near]) / (512 * RELATIVE_DISTANCE[near])
+    np.testing.assert_allclose(slope, 2 * radius / 512**2, rtol=0.05)
+    along_x, along_y = edge_sides(contact)
+    np.testing.assert_allclose(slope, (along_x + along_y) / 4 / 512**2, rtol=0.05)
+
+
+def test_a_dataset_has_it_on_relative_distances():
+    table = study_table(32, size=500e-10, loading={"path": [1e9, 3e9]})
+    table["interaction"] = {"law": "hard_wall"}
+    found = contact_study.run(table, "continuum")
+    assert found.contact_autocorrelation.dims == ("step", "relative_distance")
+    np.testing.assert_array_equal(found.relative_distance, RELATIVE_DISTANCE)
+    nearest = found.contact_autocorrelation.isel(relative_distance=RELATIVE_DISTANCE > 1 / 32)
+    assert np.all(nearest <= found.relative_contact_area)
+    assert np.all(nearest.isel(relative_distance=0) > 2 * found.relative_contact_area**2)

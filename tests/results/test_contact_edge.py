@@ -1,0 +1,82 @@
+"""The edge of contact: sides by hand, the area of discs, Hertz's sphere."""
+
+import numpy as np
+import pytest
+
+from bem_adhesion import HardWall, rough_contact
+from contact_study.results.observables.contact_edge import CONTACT_EDGE, OVERCOUNT, edge_sides
+from tests.results.test_contact_clusters import contact_map
+from tests.results.test_observables import BINS, state
+
+
+@pytest.mark.parametrize(
+    ("text", "sides"),
+    [
+        ("..... ..... .....", (0, 0)),
+        ("##### ##### #####", (0, 0)),
+        ("..... .#... .....", (2, 2)),
+        ("..... .##.. .....", (4, 2)),
+        ("#...# ..... .....", (4, 2)),  # one patch across the edge
+        ("##### ..... .....", (10, 0)),
+    ],
+)
+def test_sides_by_hand(text, sides):
+    assert edge_sides(contact_map(text)) == sides
+
+
+@pytest.mark.parametrize(
+    ("text", "sides"),
+    [
+        ("#...# ..... .....", (2, 2)),  # two patches whose other sides are the rim
+        ("##### ..... .....", (5, 0)),
+        ("##### ##### #####", (0, 0)),
+        (".#... ..... .....", (1, 2)),
+    ],
+)
+def test_the_rim_of_a_free_surface_is_no_side(text, sides):
+    assert edge_sides(contact_map(text), periodic=False) == sides
+
+
+def test_perimeter_and_area_of_cells_of_any_proportions():
+    contact = contact_map("....... .##.... .##.... .##.... .......")
+    found = CONTACT_EDGE.read(state(contact=contact, spacing=(2.0, 0.5)), BINS)
+    assert found["contact_perimeter"] == pytest.approx(np.pi / 4 * (2 * 3 * 2.0 + 2 * 2 * 0.5) / (35 * 2.0 * 0.5))
+    assert found["corrected_contact_area"] == pytest.approx((6 - OVERCOUNT * 10) / 35)
+
+
+def test_the_pressed_area_has_an_edge_of_its_own():
+    contact = contact_map(".###. .###. .....")
+    pressure = np.where(contact_map(".#... ..... ....."), 1e9, -1e6)
+    found = CONTACT_EDGE.read(state(contact=contact, pressure=pressure), BINS)
+    assert found["corrected_contact_area"] == pytest.approx((6 - OVERCOUNT * 10) / 15)
+    assert found["corrected_repulsive_area"] == pytest.approx((1 - OVERCOUNT * 4) / 15)
+
+
+def test_the_perimeter_of_discs_is_that_of_circles():
+    """Mean over places of the centre; π/4 of the sides is exact for every direction's mean."""
+    rng, axis = np.random.default_rng(0), (np.arange(64) + 0.5) / 64
+    found = []
+    for _ in range(20):
+        y, x = 0.5 + rng.uniform(-0.5, 0.5, 2) / 64
+        contact = (axis[:, None] - y) ** 2 + (axis - x) ** 2 < 0.3**2
+        found.append(CONTACT_EDGE.read(state(contact=contact, spacing=(1 / 64, 1 / 64)), BINS)["contact_perimeter"])
+    assert np.mean(found) == pytest.approx(2 * np.pi * 0.3, rel=5e-3)
+
+
+def test_the_corrected_area_is_hertzs():
+    """The sphere's area is too large in first order of the spacing; corrected it is several times nearer."""
+    radius, contact_radius, size, points = 1.0, 0.1, 0.3, 64
+    force = 4 * contact_radius**3 / (3 * radius)
+    rng, plain, corrected = np.random.default_rng(1), [], []
+    for _ in range(8):
+        axis = (np.arange(points) - points / 2) * size / points
+        y, x = rng.uniform(-0.5, 0.5, 2) * size / points
+        height = -((axis[:, None] - y) ** 2 + (axis - x) ** 2) / (2 * radius)
+        contact = rough_contact(height, size, 1.0, HardWall(), boundary="free")
+        touching = contact.step(contact.separated(), force / size**2).pressure > 0
+        found = CONTACT_EDGE.read(state(contact=touching), BINS)
+        plain.append(np.mean(touching))
+        corrected.append(found["corrected_contact_area"])
+    expected = np.pi * contact_radius**2 / size**2
+    assert np.mean(plain) / expected - 1 > 0.01
+    assert abs(np.mean(corrected) / expected - 1) < 0.004

@@ -1,0 +1,161 @@
+"""Bins of the distributions: one set for a study, wide enough, with zero stress inside a bin."""
+
+import numpy as np
+import pytest
+
+from contact_study.physics.surfaces.realisation import realise
+from contact_study.physics.surfaces.scales import scales_of
+from contact_study.study.bins import bins_of
+from contact_study.study.study import make_study
+from tests.study.test_study import changed
+
+
+def chosen(**keys):
+    table = changed("output", **keys)
+    table["sweep"] = {"interaction.well_depth_ratio": [1, 8]}
+    study = make_study(table)
+    return bins_of(study), study.cases[-1]
+
+
+def test_zero_stress_lies_in_the_middle_of_a_bin():
+    bins, _ = chosen()
+    nearest = np.argmin(np.abs(bins.pressure))
+    width = bins.pressure_edges[1] - bins.pressure_edges[0]
+    assert abs(bins.pressure[nearest]) < 1e-9 * width  # rounding of edges of a hundred widths
+
+
+def test_tension_of_the_strongest_law_fits():
+    bins, strongest = chosen()
+    assert bins.pressure_edges[0] < -strongest.law.peak_tensile_stress
+    assert bins.pressure_edges[-1] > 10e9
+    assert bins.gap_edges[0] == 0.0
+
+
+def test_detachment_stress_of_perssons_theory_fits_and_nothing_beyond_full_contact():
+    """Cracks of a weak law on a smooth surface carry five times its peak stress; a flatter one never stresses them."""
+    table = changed("surface", rms_height="1 angstrom")
+    table["interaction"]["well_depth_ratio"] = 0.1
+    (case,) = make_study(table).cases
+    wave = case.solid.stiffness(np.array([2 * np.pi * 12 / 104e-9]))[0]
+    cracks = np.sqrt(2 * wave * case.law.work_of_adhesion)
+    assert cracks > 5 * case.law.peak_tensile_stress
+    edge = bins_of(make_study(table)).pressure_edges[0]
+    assert edge == pytest.approx(-cracks, rel=0.1)  # two digits, upwards, and half a bin
+    assert edge < -cracks
+    table["surface"]["rms_height"] = "0.1 angstrom"
+    assert bins_of(make_study(table)).pressure_edges[0] > -cracks
+
+
+@pytest.mark.parametrize("normalisation", ["spectrum", "realised"])
+@pytest.mark.parametrize("control", ["pressure", "gap"])
+def test_seeds_have_the_same_bins(normalisation, control):
+    bins = []
+    for seeds in ([1], [2], [3, 4, 5]):
+        table = changed("surface", normalisation=normalisation)
+        table["sweep"] = {"surface.seed": seeds}
+        table["loading"] = {"control": control, "path": ["1 GPa"] if control == "pressure" else ["2 nm"]}
+        bins.append(bins_of(make_study(table)))
+    for other in bins[1:]:
+        np.testing.assert_array_equal(other.pressure_edges, bins[0].pressure_edges)
+        np.testing.assert_array_equal(other.gap_edges, bins[0].gap_edges)
+
+
+@pytest.mark.parametrize(
+    "surface", [{"cutoff_mode": 12, "roll_off_mode": 3}, {"cutoff_mode": 28, "hurst_exponent": 0.3}]
+)
+def test_surfaces_fit_into_the_bins(surface):
+    """One surface in fifty may be higher than its bins expect, by the choice of the expected number of such places."""
+    table = changed("surface", normalisation="spectrum", **surface)
+    table["sweep"] = {"surface.seed": list(range(100))}
+    study = make_study(table)
+    (scale,) = set(scales_of(make_study(changed("surface", **surface))))
+    surfaces = [realise(case) for case in study.cases]
+    extreme = np.array([np.abs(one.heights(one.shape)).max() for one in surfaces])
+    # Places of excess come singly at this height: Poisson, of mean 0.02 a surface, hence above 8 in 100 surfaces with a
+    # probability of 3e-4. The bound is no wider than that: at four fifths of it places are 20 times as many.
+    assert np.count_nonzero(extreme > scale.peak_to_valley / 2) <= 8
+    assert np.count_nonzero(extreme > 0.4 * scale.peak_to_valley) >= 12
+    assert scale.rms_height == 1e-9
+    slopes = np.array([one.rms_slope for one in surfaces])
+    # The integral over the spectrum is not the sum over the cell's modes.
+    assert scale.rms_slope == pytest.approx(np.sqrt(np.mean(slopes**2)), rel=0.15)
+
+
+@pytest.mark.parametrize(
+    ("surface", "error"),
+    [
+        ({"kind": "wavy", "amplitude": "1 nm", "modes": [2, 3]}, 1e-12),
+        ({"kind": "wavy", "amplitude": "1 nm", "modes": [0, 3]}, 1e-12),
+        # Sums over 256 points are the integrals to the square of their distance.
+        ({"kind": "sphere", "radius": "50 nm", "shape": [256, 256]}, 1e-4),
+        ({"kind": "flat"}, 0),
+    ],
+)
+def test_scales_of_other_surfaces_are_theirs(surface, error):
+    table = changed("surface", size=["104 nm", "52 nm"], **surface)
+    study = make_study(table)
+    (scale,) = scales_of(study)
+    heights = realise(study.cases[0]).heights(scale.shape)
+    assert scale.rms_height == pytest.approx(heights.std(), rel=error, abs=1e-30)
+    assert scale.peak_to_valley == pytest.approx(
+        np.ptp(heights), abs=0, rel=max(error, 0.01)
+    )  # points beside the crests
+    slope_y, slope_x = np.gradient(heights, *(size / n for size, n in zip(scale.size, scale.shape, strict=True)))
+    # Differences of second order, one-sided at the rim.
+    assert scale.rms_slope == pytest.approx(np.sqrt(np.mean(slope_y**2 + slope_x**2)), rel=0.05, abs=1e-30)
+    assert scale.pixel == 104e-9 / scale.shape[0]
+
+
+def test_ranges_are_those_of_the_largest_values():
+    """Six deviations of the full-contact stress beside pressure and peak; heights, contact and prescribed gaps."""
+    table = changed("loading", path=["1 GPa", "200 GPa"])
+    study = make_study(table)
+    bins = bins_of(study)
+    (case,), (scale,) = study.cases, scales_of(study)
+    highest = 3 * case.material.contact_modulus * scale.rms_slope + 200e9 + case.law.peak_tensile_stress
+    # Rounded upwards to two digits, and moved by half a bin for zero to lie in the middle of one.
+    width = bins.pressure_edges[1] - bins.pressure_edges[0]
+    assert 0 <= bins.pressure_edges[-1] + width - highest <= 0.1 * highest
+    widest = 1.1 * scale.peak_to_valley + 4 * case.contact_distance
+    assert 0 <= bins.gap_edges[-1] - widest <= 0.1 * widest
+    table["loading"] = {"control": "gap", "path": ["30 nm", "1 nm"]}
+    bins = bins_of(make_study(table))
+    assert 0 <= bins.gap_edges[-1] - (widest + 30e-9) <= 0.1 * (widest + 30e-9)
+    assert bins.pressure_edges[-1] < 0.5 * highest  # 30 nm are no pressure
+
+
+def test_peak_to_valley_of_random_surfaces():
+    """Places above u rms heights in the mean, 0.01: the Euler characteristic of the excursion set, solved for u."""
+    (scale,) = scales_of(make_study(changed("surface", size=["104 nm", "52 nm"])))
+    u = 0.5 * scale.peak_to_valley / scale.rms_height
+    area, axis_slope = 104e-9 * 52e-9, scale.rms_slope / np.sqrt(2)
+    places = area * (axis_slope / scale.rms_height) ** 2 * (2 * np.pi) ** -1.5 * u * np.exp(-(u**2) / 2)
+    assert places == pytest.approx(0.01, rel=1e-9)
+
+
+def test_scales_of_a_height_map(tmp_path):
+    heights = 5e-9 + 1e-9 * np.cos(2 * np.pi * np.arange(16)[:, None] / 16) * np.ones(32)
+    np.save(tmp_path / "map.npy", heights)
+    table = changed("surface", kind="file", path="map.npy", shape=[16, 32], size=["104 nm", "52 nm"])
+    (scale,) = scales_of(make_study(table, tmp_path))
+    assert scale.rms_height == pytest.approx(1e-9 / np.sqrt(2), rel=1e-12, abs=0)  # about its mean
+    assert scale.rms_slope == pytest.approx(1e-9 / np.sqrt(2) * 2 * np.pi / 104e-9, rel=1e-12)
+    assert scale.peak_to_valley == pytest.approx(2e-9, rel=1e-12, abs=0)
+    assert scale.shortest_wave == pytest.approx(2 * 104e-9 / 16, rel=1e-12, abs=0)  # of the coarser axis
+    assert scale.lost is None
+
+
+def test_bins_of_a_wall_that_carries_nothing():
+    table = changed("surface", kind="flat")
+    table["interaction"] = {"law": "hard_wall"}
+    table["loading"] = {"control": "gap", "path": [0.0, 1e-9]}
+    bins = bins_of(make_study(table))
+    assert np.all(np.isfinite(bins.pressure_edges))
+    assert bins.pressure_edges[0] < 0 < bins.pressure_edges[-1]
+    assert bins.gap_edges[-1] >= 1e-9
+
+
+def test_given_ranges_are_kept():
+    bins, _ = chosen(pressure_range=["-1 GPa", "3 GPa"], pressure_bins=8, gap_range=["0 nm", "2 nm"], gap_bins=4)
+    np.testing.assert_allclose(bins.pressure_edges, np.linspace(-1e9, 3e9, 9))
+    assert bins.gap == pytest.approx([0.25e-9, 0.75e-9, 1.25e-9, 1.75e-9], rel=1e-12, abs=0)

@@ -1,0 +1,447 @@
+"""Stiffness of a wave: closed forms against the equations of elasticity, their limits and their units."""
+
+import re
+
+import numpy as np
+import pytest
+from scipy.linalg import expm, schur
+
+from contact_study.errors import InputError
+from contact_study.numerics import fourier
+from contact_study.numerics.grid import Grid
+from contact_study.physics.solids import (
+    HalfSpace,
+    Layer,
+    Layered,
+    Measured,
+    Tabulated,
+    contact_modulus_of,
+    elasticity_of,
+)
+from contact_study.physics.solids.transversely_isotropic import indentation_modulus, stiffnesses
+from contact_study.physics.surfaces.realisation import realise
+from contact_study.physics.surfaces.scales import scales_of
+from contact_study.study.study import make_study
+
+RATIOS = [-0.3, 0.0, 0.3, 0.42, 0.4999, 0.5]
+
+
+def through_the_thickness(wavenumber, shear_modulus, ratio, thickness):
+    """K of a bonded layer by integrating the equations of elasticity from base to surface.
+
+    With u_x = U sin qx, u_z = W cos qx, σ_xz = T sin qx, σ_zz = S cos qx, Hooke's law and equilibrium give a linear
+    system in (U, W, T, S) of constant coefficients, finite for ν = 1/2 too.
+    """
+    q, mu = wavenumber, shear_modulus
+    share = ratio / (1 - ratio)
+    system = np.array(
+        [
+            [0, q, 1 / mu, 0],
+            [-share * q, 0, 0, (1 - 2 * ratio) / (2 * mu * (1 - ratio))],
+            [2 * mu * q**2 / (1 - ratio), 0, 0, share * q],
+            [0, 0, -q, 0],
+        ]
+    )
+    propagated = expm(system * thickness)
+    # The base is held: only T and S there are free. At the surface T = 0, S = 1.
+    at_base = np.linalg.solve(propagated[2:, 2:], [0.0, 1.0])
+    return 1 / (propagated[1, 2:] @ at_base)
+
+
+@pytest.mark.parametrize("ratio", RATIOS)
+@pytest.mark.parametrize("thickness_in_waves", [0.01, 0.1, 0.49, 0.51, 1.0, 2.0, 5.0])
+def test_layer_solves_the_equations_of_elasticity(ratio, thickness_in_waves):
+    shear_modulus, thickness = 3.0, 0.7
+    layer = Layer(2 * shear_modulus / (1 - ratio), ratio, thickness)
+    wavenumber = thickness_in_waves / thickness
+    expected = through_the_thickness(wavenumber, shear_modulus, ratio, thickness)
+    # Two growing and two decaying exponentials: integration loses e^(2qd) of rounding, thin layers (qd)³.
+    lost = max(np.exp(2 * thickness_in_waves), thickness_in_waves**-3)
+    assert layer.stiffness(wavenumber) == pytest.approx(expected, rel=1e-14 * lost)
+
+
+@pytest.mark.parametrize("ratio", RATIOS)
+def test_thick_layers_are_half_spaces(ratio):
+    """The base is felt by what decays to it and back, (qd)² e^(−2qd)."""
+    wavenumber = np.array([5.0, 10.0, 17.0, 300.0])
+    relative = Layer(2.0, ratio, 1.0).stiffness(wavenumber) / HalfSpace(2.0).stiffness(wavenumber) - 1
+    x = wavenumber
+    rest = (4 * x**2 + 4 * x + 10 - 24 * ratio + 16 * ratio**2) / (3 - 4 * ratio) * np.exp(-2 * x)
+    np.testing.assert_allclose(relative[:3], rest[:3], rtol=2 * rest[0], atol=1e-15)  # its square comes next
+    assert relative[3] == 0
+
+
+@pytest.mark.parametrize("ratio", [-0.3, 0.0, 0.3, 0.42])
+def test_thin_compressible_layers_are_a_bed_of_springs(ratio):
+    modulus, thickness = 5.0, 2e-3
+    layer = Layer(modulus / (1 - ratio**2), ratio, thickness)
+    springs = (1 - ratio) * modulus / ((1 + ratio) * (1 - 2 * ratio) * thickness)
+    assert layer.mean_compliance * springs == pytest.approx(1, rel=1e-14)
+    error = layer.stiffness(np.array([1.0, 2.0]) / thickness * 1e-2) / springs - 1
+    # Of second order in qd, whose coefficient is proportional to ν.
+    assert error[1] / error[0] == pytest.approx(4 if ratio else 16, rel=1e-2)
+    assert abs(error[0]) < 1e-2
+
+
+def test_thin_incompressible_layers_resist_flow_along_them():
+    """K = 3 μ/(q² d³): pressure drives Poiseuille's flow of displacement between base and surface."""
+    shear_modulus, thickness = 3.0, 0.5
+    layer = Layer(4 * shear_modulus, 0.5, thickness)
+    wavenumber = np.array([1e-6, 1e-2, 2e-2]) / thickness
+    error = layer.stiffness(wavenumber) * wavenumber**2 * thickness**3 / (3 * shear_modulus) - 1
+    assert abs(error[0]) < 1e-11
+    assert error[2] / error[1] == pytest.approx(4, rel=1e-2)
+    assert layer.mean_compliance == 0
+
+
+def test_nearly_incompressible_layers_tend_to_incompressible_ones():
+    wavenumber = np.array([0.3, 1.0, 3.0])
+    limit = Layer(4.0, 0.5, 1.0).stiffness(wavenumber)
+    errors = [np.abs(Layer(4.0, 0.5 - e, 1.0).stiffness(wavenumber) / limit - 1).max() for e in (2e-6, 1e-6)]
+    assert errors[0] / errors[1] == pytest.approx(2, rel=1e-2)
+
+
+MEASURED = Measured(3.0, [0.4, 2.0, 50.0], [1.0, 2.0, 80.0])
+
+
+@pytest.mark.parametrize("solid", [HalfSpace(3.0), Layer(3.0, 0.3, 0.2), Layered(3.0, 0.3, 0.2, 7.0, 0.4), MEASURED])
+def test_units_change_nothing(solid):
+    wavenumber, length, stress = np.array([0.5, 3.0, 40.0]), 1e-9, 1e9
+    scaled = solid.scaled(length, stress)
+    np.testing.assert_allclose(
+        scaled.stiffness(wavenumber * length) * stress / length, solid.stiffness(wavenumber), rtol=1e-14
+    )
+    assert scaled.mean_compliance * length / stress == pytest.approx(solid.mean_compliance, rel=1e-14)
+
+
+def test_stiffness_on_a_grid_is_that_of_each_wave_and_none_of_the_mean():
+    grid = Grid((6, 9), (2.0, 3.0))
+    layer = Layer(3.0, 0.3, 0.2)
+    stiffness_q = layer.stiffness_on(grid)
+    assert stiffness_q.shape == grid.spectrum_shape
+    assert stiffness_q[0, 0] == 0
+    assert stiffness_q[5, 2] == pytest.approx(layer.stiffness(2 * np.pi * np.hypot(1 / 2, 2 / 3)), rel=1e-14)
+    assert contact_modulus_of(HalfSpace(7.0).stiffness(3.0), 3.0) == pytest.approx(7.0)
+
+
+def test_a_number_is_the_contact_modulus_of_a_half_space():
+    assert elasticity_of(2.5) == HalfSpace(2.5)
+    layer = Layer(1.0, 0.5, 1.0)
+    assert elasticity_of(layer) is layer
+
+
+@pytest.mark.parametrize(
+    ("arguments", "name"),
+    [
+        ((0.0, 0.3, 1.0), "contact_modulus"),
+        ((np.nan, 0.3, 1.0), "contact_modulus"),
+        ((1.0, 0.51, 1.0), "poissons_ratio"),
+        ((1.0, -1.0, 1.0), "poissons_ratio"),
+        ((1.0, 0.3, 0.0), "thickness"),
+        ((1.0, 0.3, np.inf), "thickness"),
+    ],
+)
+def test_impossible_layers_are_named(arguments, name):
+    with pytest.raises(ValueError, match=name):
+        Layer(*arguments)
+
+
+def direction_dependent(shape=(12, 10), size=(3.0, 2.0)):
+    """A lattice-like K that depends on direction, and every entry on its own wavevector."""
+    grid = Grid(shape, size)
+    q_y, q_x = grid.wavevectors
+    stiffness_q = 0.5 * 4.0 * grid.wavenumber * (1 - 1e-3 * q_x**2 - 2e-3 * q_y**2 - 1e-3 * q_x * q_y)
+    return grid, Tabulated(4.0, grid, stiffness_q)
+
+
+def test_a_table_gives_each_wave_its_own_stiffness():
+    grid, solid = direction_dependent()
+    stiffness_q = solid.stiffness_on(grid)
+    np.testing.assert_array_equal(stiffness_q.ravel()[1:], solid.table.ravel()[1:])
+    assert stiffness_q[0, 0] == 0
+    coarse = grid.with_shape((6, 5))
+    q_y, q_x = coarse.wavevectors
+    expected = 2.0 * coarse.wavenumber * (1 - 1e-3 * q_x**2 - 2e-3 * q_y**2 - 1e-3 * q_x * q_y)
+    np.testing.assert_allclose(solid.stiffness_on(coarse), expected, rtol=1e-14)
+    scaled = solid.scaled(1e-9, 5.0)
+    in_units = scaled.stiffness_on(Grid(grid.shape, (3e9, 2e9)))
+    np.testing.assert_allclose(in_units * 5.0 / 1e-9, stiffness_q, rtol=1e-14)
+
+
+def test_theories_see_the_mean_over_directions():
+    grid = Grid((64, 64), (1.0, 1.0))
+    with np.errstate(invalid="ignore"):
+        cosine = (grid.wavevectors[1] / grid.wavenumber) ** 2
+    isotropic = 3.0 * grid.wavenumber
+    solid = Tabulated(6.0, grid, isotropic * (1 + 0.2 * cosine))
+    wavenumber = 2 * np.pi * np.array([8.0, 16.0, 30.0])
+    # <cos²> = 1/2, to what the points on a ring of finite width are uneven.
+    np.testing.assert_allclose(solid.stiffness(wavenumber), 3.3 * wavenumber, rtol=5e-3)
+    # A half-space in the table is a half-space.
+    plain = Tabulated(6.0, grid, isotropic)
+    np.testing.assert_allclose(plain.stiffness(wavenumber * 0.77), 3.0 * wavenumber * 0.77, rtol=1e-13)
+
+
+def test_impossible_tables_are_named():
+    grid, solid = direction_dependent()
+    with pytest.raises(ValueError, match="table has shape"):
+        Tabulated(4.0, grid, solid.table[1:])
+    for wrong in (0.0, np.nan):
+        table = solid.table.copy()
+        table[3, 2] = wrong
+        with pytest.raises(ValueError, match="positive and finite"):
+            Tabulated(4.0, grid, table)
+    for other in (Grid((13, 10), grid.size), Grid((12, 12), grid.size), Grid(grid.shape, (3.0, 2.1))):
+        with pytest.raises(ValueError, match="other waves"):
+            solid.stiffness_on(other)
+
+
+def layered(**sections):
+    """A small study of a layer; ``sections`` replaces keys."""
+    table = {
+        "surface": {"kind": "self_affine", "size": 1e-7, "shape": [48, 48], "rms_height": 5e-10, "cutoff_mode": 8},
+        "material": {"youngs_modulus": "2 GPa", "poissons_ratio": 0.3},
+        "elasticity": {"kind": "layer", "thickness": "20 nm"},
+        "interaction": {"work_of_adhesion": 0.05, "length": "0.4 nm"},
+        "loading": {"path": ["20 MPa"]},
+    }
+    return {**table, **{name: {**table.get(name, {}), **keys} for name, keys in sections.items()}}
+
+
+def test_a_study_names_its_solid():
+    assert make_study(layered()).cases[0].solid == Layer(2e9 / (1 - 0.3**2), 0.3, 20e-9)
+    plain = layered()
+    del plain["elasticity"]
+    assert make_study(plain).cases[0].solid == HalfSpace(2e9 / (1 - 0.3**2))
+    swept = {**layered(), "sweep": {"elasticity.thickness": ["10 nm", "20 nm"]}}
+    assert [case.solid.thickness for case in make_study(swept).cases] == pytest.approx([1e-8, 2e-8])
+
+
+@pytest.mark.parametrize(
+    ("section", "words"),
+    [
+        ({"kind": "half_space", "thickness": "20 nm"}, 'elasticity.thickness: kind = "half_space" has no such key'),
+        ({"thickness": "20 nm"}, 'elasticity.thickness: kind = "half_space" has no such key'),
+        ({"kind": "layer"}, "missing key elasticity.thickness"),
+        ({"kind": "layer", "thickness": 0}, "elasticity.thickness = 0: must be positive"),
+        ({"kind": "slab"}, "elasticity.kind = 'slab'"),
+    ],
+)
+def test_impossible_solids_end_in_one_line(section, words):
+    with pytest.raises(InputError, match=re.escape(words)):
+        make_study({**layered(), "elasticity": section})
+
+
+SURFACES = {
+    "self_affine": {},
+    "wavy": {"amplitude": 1e-9, "modes": [2, 3]},
+    "sphere": {"radius": 3e-7},
+    "flat": {},
+}
+
+
+@pytest.mark.parametrize("elasticity", [{"kind": "half_space"}, {"kind": "layer", "thickness": "3 nm"}])
+@pytest.mark.parametrize("kind", SURFACES)
+def test_stress_of_full_contact_is_that_of_the_surface(kind, elasticity):
+    """What the study alone says, against the waves of a realised surface; the sphere's edge needs many of them."""
+    own = {"kind": kind, "size": [1e-7, 8e-8], "shape": [480, 384], **SURFACES[kind]}
+    if kind == "self_affine":
+        own |= {"rms_height": 5e-10, "cutoff_mode": 40, "roll_off_mode": 3, "seed": 2}
+    material = {"youngs_modulus": "2 GPa", "poissons_ratio": 0.45}
+    study = make_study({**layered(material=material), "surface": own, "elasticity": elasticity})
+    case, surface = study.cases[0], realise(study.cases[0])
+    scales = scales_of(study)[0]
+    found = scales.full_contact_stress(case.solid)
+    if isinstance(case.solid, HalfSpace):
+        assert found == pytest.approx(0.5 * case.solid.contact_modulus * scales.rms_slope, rel=1e-12)
+    power = surface.grid.variances(fourier.transform(surface.heights(surface.shape)))
+    expected = np.sqrt(np.sum(case.solid.stiffness_on(surface.grid) ** 2 * power))
+    # One sample of the ensemble; of the sphere waves beyond the grid are missing.
+    assert found == pytest.approx(expected, rel={"self_affine": 0.1, "sphere": 0.01}.get(kind, 1e-9))
+
+
+def test_stress_of_full_contact_with_a_height_map(tmp_path):
+    grid = Grid((64, 48), (1e-7, 8e-8))
+    heights = 1e-9 * np.random.default_rng(5).standard_normal(grid.shape)
+    np.save(tmp_path / "map.npy", heights)
+    own = {"kind": "file", "path": "map.npy", "size": list(grid.size)}
+    study = make_study({**layered(), "surface": own}, tmp_path)
+    solid = study.cases[0].solid
+    power = grid.variances(fourier.transform(heights))
+    expected = np.sqrt(np.sum(solid.stiffness_on(grid) ** 2 * power))
+    # Bands of an eighth of an octave, in which K is taken at one wavenumber.
+    assert scales_of(study)[0].full_contact_stress(solid) == pytest.approx(expected, rel=2e-3)
+
+
+def equations_of(q, c11, c13, c33, c44):
+    """The system of :func:`through_the_thickness` for an axis of symmetry along z."""
+    return np.array(
+        [
+            [0, q, 1 / c44, 0],
+            [-c13 * q / c33, 0, 0, 1 / c33],
+            [(c11 - c13**2 / c33) * q**2, 0, 0, c13 * q / c33],
+            [0, 0, -q, 0],
+        ]
+    )
+
+
+def isotropic(modulus, ratio):
+    """C₁₁, C₁₃, C₃₃ and C₄₄ of E and ν."""
+    lame = modulus * ratio / ((1 + ratio) * (1 - 2 * ratio))
+    shear = modulus / (2 * (1 + ratio))
+    return lame + 2 * shear, lame, lame + 2 * shear, shear
+
+
+def on_half_space(q, base, layer=None, thickness=0.0):
+    """K by integration: what decays into the half-space, carried through the layer, without shear on the surface."""
+    _, vectors, count = schur(equations_of(q, *base), sort=lambda value: value.real > 0)
+    assert count == 2
+    at_surface = expm(equations_of(q, *(layer or base)) * thickness) @ vectors[:, :2]
+    weights = np.linalg.solve(at_surface[2:], [0.0, 1.0])
+    return 1 / (at_surface[1] @ weights)
+
+
+@pytest.mark.parametrize("ratios", [(0.3, 0.3), (0.0, 0.45), (0.49, 0.1), (-0.3, 0.2)])
+@pytest.mark.parametrize("contrast", [1e-3, 0.1, 1.0, 20.0, 1e4])
+def test_layers_on_half_spaces_solve_the_equations_of_elasticity(contrast, ratios):
+    (ratio, base_ratio), thickness, modulus = ratios, 0.7, 3.0
+    solid = Layered(modulus / (1 - ratio**2), ratio, thickness, contrast * modulus / (1 - base_ratio**2), base_ratio)
+    for thickness_in_waves in (0.01, 0.3, 1.0, 3.0):
+        q = thickness_in_waves / thickness
+        expected = on_half_space(q, isotropic(contrast * modulus, base_ratio), isotropic(modulus, ratio), thickness)
+        # Rounding of the integration: contrasts and growing exponentials.
+        lost = max(contrast, 1 / contrast) * np.exp(2 * thickness_in_waves)
+        assert solid.stiffness(q) == pytest.approx(expected, rel=1e-13 * lost + 1e-10)
+
+
+def test_limits_of_a_layer_on_a_half_space():
+    q = np.array([1e-4, 0.5, 2.0, 40.0])
+    solid = Layered(2.0, 0.3, 1.0, 9.0, 0.4)
+    modulus = contact_modulus_of(solid.stiffness(q), q)
+    # Long waves feel the base to first order in qd, short ones the layer.
+    assert modulus[0] == pytest.approx(9.0, rel=1e-3)
+    assert modulus[-1] == pytest.approx(2.0, rel=1e-12)
+    assert np.all(np.diff(modulus) < 0)
+    same = Layered(2.0, 0.3, 1.0, 2.0, 0.3)
+    np.testing.assert_allclose(same.stiffness(q), HalfSpace(2.0).stiffness(q), rtol=1e-14)
+    bonded = Layer(2.0, 0.3, 1.0).stiffness(q[1:])
+    rigid = [np.abs(Layered(2.0, 0.3, 1.0, base, 0.4).stiffness(q[1:]) / bonded - 1).max() for base in (1e6, 2e6)]
+    assert rigid[0] / rigid[1] == pytest.approx(2, rel=1e-2)
+
+
+@pytest.mark.parametrize(
+    ("modulus", "ratio", "axial_modulus", "axial_ratio", "shear"),
+    [
+        (3.0, 0.3, 3.0, 0.3, 3.0 / 2.6),
+        (1.0, 0.2, 10.0, 0.3, 0.8),
+        (10.0, 0.1, 1.0, 0.02, 2.0),
+        (2.0, -0.2, 5.0, 0.4, 0.1),
+    ],
+)
+def test_transversely_isotropic_half_spaces_solve_the_equations_of_elasticity(
+    modulus, ratio, axial_modulus, axial_ratio, shear
+):
+    known = stiffnesses(modulus, ratio, axial_modulus, axial_ratio)
+    # Hooke's law backwards: a pull along one axis leaves no other stress.
+    c11, c13, c33 = known
+    c12 = c11 - modulus / (1 + ratio)
+    law = np.array([[c11, c12, c13], [c12, c11, c13], [c13, c13, c33]])
+    strain = np.linalg.solve(law, [0.0, 0.0, 1.0])
+    assert strain[2] == pytest.approx(1 / axial_modulus)
+    assert strain[0] == pytest.approx(-axial_ratio / axial_modulus)
+    strain = np.linalg.solve(law, [1.0, 0.0, 0.0])
+    assert strain[:2] == pytest.approx([1 / modulus, -ratio / modulus])
+    for q in (0.3, 4.0):
+        expected = on_half_space(q, (*known, shear))
+        assert 0.5 * indentation_modulus(*known, shear) * q == pytest.approx(expected, rel=1e-7)
+    if axial_modulus == modulus:
+        assert indentation_modulus(*known, shear) == pytest.approx(modulus / (1 - ratio**2), rel=1e-14)
+
+
+def test_a_table_of_stiffness_is_met_at_its_points_and_is_a_half_space_beyond():
+    q = np.array([0.4, 2.0, 50.0])
+    np.testing.assert_allclose(MEASURED.stiffness(q), [1.0, 2.0, 80.0], rtol=1e-14)
+    modulus = contact_modulus_of(MEASURED.stiffness(np.array([1e-3, 0.4, 50.0, 1e4])), np.array([1e-3, 0.4, 50.0, 1e4]))
+    np.testing.assert_allclose(modulus, [5.0, 5.0, 3.2, 3.2], rtol=1e-14)
+    layer, fine = Layer(3.0, 0.3, 0.2), np.geomspace(0.1, 100, 61)
+    close = Measured(3.0, fine, layer.stiffness(fine))
+    between = np.sqrt(fine[1:] * fine[:-1])
+    np.testing.assert_allclose(close.stiffness(between), layer.stiffness(between), rtol=2e-3)
+
+
+@pytest.mark.parametrize(
+    ("wavenumbers", "stiffness", "words"),
+    [
+        ([1.0], [1.0], "at least two"),
+        ([1.0, 2.0], [1.0], "as many stiffnesses"),
+        ([2.0, 1.0], [1.0, 1.0], "increasing"),
+        ([0.0, 1.0], [1.0, 1.0], "positive wavenumbers"),
+        ([1.0, 2.0], [1.0, -1.0], "positive stiffnesses"),
+    ],
+)
+def test_bad_tables_of_stiffness_are_named(wavenumbers, stiffness, words):
+    with pytest.raises(ValueError, match=words):
+        Measured(1.0, wavenumbers, stiffness)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "name"),
+    [
+        ((1.0, 0.3, 1.0, 0.0, 0.3), "base_modulus"),
+        ((1.0, 0.3, 1.0, 1.0, 0.6), "base_poissons_ratio"),
+        ((1.0, 0.6, 1.0, 1.0, 0.3), "^poissons_ratio"),
+        ((1.0, 0.3, 0.0, 1.0, 0.3), "thickness"),
+    ],
+)
+def test_impossible_layers_on_half_spaces_are_named(arguments, name):
+    with pytest.raises(ValueError, match=name):
+        Layered(*arguments)
+
+
+KINDS = {
+    "layered": {"thickness": "3 nm", "base_youngs_modulus": "50 GPa", "base_poissons_ratio": 0.2},
+    "transversely_isotropic": {
+        "axial_modulus": "9 GPa",
+        "axial_poissons_ratio": 0.1,
+        "axial_shear_modulus": "3 GPa",
+    },
+    "tabulated": {"path": "k.txt", "wavenumber_unit": "nm^-1", "stiffness_unit": "GPa/nm"},
+}
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_studies_make_every_solid(kind, tmp_path):
+    (tmp_path / "k.txt").write_text("0.01 0.1\n1 5\n")
+    study = make_study({**layered(), "elasticity": {"kind": kind, **KINDS[kind]}}, tmp_path)
+    solid, material = study.cases[0].solid, study.cases[0].material
+    q = np.array([1e8])
+    if kind == "layered":
+        expected = Layered(material.contact_modulus, material.poissons_ratio, 3e-9, 50e9 / 0.96, 0.2).stiffness(q)
+    elif kind == "transversely_isotropic":
+        known = stiffnesses(material.youngs_modulus, material.poissons_ratio, 9e9, 0.1)
+        expected = 0.5 * indentation_modulus(*known, 3e9) * q
+    else:
+        expected = Measured(1.0, [1e7, 1e9], [1e17, 5e18]).stiffness(q)
+        (tmp_path / "k.txt").unlink()
+        assert make_study(study.table, tmp_path).cases[0].solid.stiffness(q) == solid.stiffness(q)
+    assert solid.stiffness(q) == pytest.approx(expected, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("section", "words"),
+    [
+        ({"kind": "layered", "thickness": "3 nm"}, "missing key elasticity.base_youngs_modulus"),
+        ({"kind": "tabulated"}, "missing key elasticity.path"),
+        (
+            {"kind": "tabulated", "wavenumber": ["2 nm^-1", "1 nm^-1"], "stiffness": [1e18, 1e18]},
+            "the table of the stiffness must have positive wavenumbers in increasing order",
+        ),
+        (
+            {"kind": "transversely_isotropic", **KINDS["transversely_isotropic"], "axial_poissons_ratio": 1.9},
+            "elasticity.axial_poissons_ratio = 1.9: no solid has it",
+        ),
+    ],
+)
+def test_solids_that_cannot_be_are_named(section, words):
+    with pytest.raises(InputError, match=re.escape(words)):
+        make_study({**layered(), "elasticity": section})

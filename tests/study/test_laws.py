@@ -1,0 +1,576 @@
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from scipy.integrate import quad
+
+from contact_study.errors import InputError
+from contact_study.physics.laws import LAWS as TABLE
+from contact_study.physics.laws import (
+    Dugdale,
+    DugdaleCore,
+    Exponential,
+    ExponentialCore,
+    Morse,
+    Repulsive,
+    TabulatedLaw,
+    TractionLaw,
+    make_law,
+)
+from contact_study.physics.laws.lennard_jones import LennardJones
+from contact_study.physics.laws.lennard_jones_9_3 import LennardJones93
+from contact_study.physics.laws.lennard_jones_10_4 import LennardJones104, work_of_adhesion
+from contact_study.study.schema.dotted_keys import SECTIONS
+from contact_study.study.schema.interaction import SmoothInteraction
+from contact_study.study.schema.keys import TaggedUnion, key, quantity
+from contact_study.study.study import make_study
+from tests.laws_of_all_kinds import ADHESIVE, EVERY_LAW, KEYS, TABLE_GAPS, TABLE_TRACTIONS, WORK
+from tests.study.test_study import changed
+
+R0 = 3.28e-10
+
+
+class AtomOnHalfSpace(LennardJones):
+    """The family's third, between the two that study files name."""
+
+    title = words = "9-3 of an atom"
+    exponent = 4
+
+
+LAWS = [
+    LennardJones104(0.69, R0),
+    LennardJones104(5.52, R0),
+    LennardJones104(0.05, 2e-9),
+    LennardJones93(0.69, R0),
+    AtomOnHalfSpace(0.69, R0),
+    Morse(0.69, R0, 0.6e-10),
+    ExponentialCore(0.05, 2e-9, 1e-9, 0.2e-9),
+]
+LAWS_93 = LennardJones93(1.0, 1.0)
+laws = pytest.mark.parametrize("law", LAWS, ids=lambda law: f"{type(law).__name__}-{law.work_of_adhesion}")
+
+
+def gaps(law):
+    return law.length * np.geomspace(0.7, 6.0, 41)
+
+
+@laws
+@pytest.mark.parametrize(("function", "derivative"), [("potential", "traction"), ("traction", "stiffness")])
+def test_derivatives_are_those_of_the_potential_to_second_order(law, function, derivative):
+    gap = gaps(law)
+    f, df = getattr(law, function), getattr(law, derivative)
+
+    def error(h):
+        return np.max(np.abs((f(gap + h) - f(gap - h)) / (2 * h) - df(gap))) / np.max(np.abs(df(gap)))
+
+    coarse, fine = error(1e-3 * law.length), error(5e-4 * law.length)
+    # Central differences: halving h divides the error by four.
+    assert np.log2(coarse / fine) == pytest.approx(2.0, abs=0.02)
+
+
+@laws
+def test_characteristic_points(law):
+    gap = law.length * np.linspace(0.9, 3.0, 200001)
+    at = np.array(law.equilibrium_distance)
+    assert abs(law.traction(at)) < 1e-12 * law.peak_tensile_stress
+    assert law.potential(at) == pytest.approx(-law.work_of_adhesion, rel=1e-13)
+    assert law.stiffness(at) == pytest.approx(law.equilibrium_stiffness, rel=1e-13)
+    # The maxima of sampled smooth functions are low by the curvature times the square of the spacing, 1e-5.
+    assert law.traction(gap).max() == pytest.approx(law.peak_tensile_stress, rel=1e-8)
+    assert gap[np.argmax(law.traction(gap))] == pytest.approx(law.peak_distance, abs=0, rel=1e-5)
+    assert -law.stiffness(gap).min() == pytest.approx(law.strongest_softening, rel=1e-8)
+
+
+def test_maugis_parameter_of_the_two_laws():
+    # λ = 2 σ0 (9R/16πwE*²)^(1/3) in units of Tabor's μ: the factors for each law's peak stress.
+    for law, factor in ((LennardJones93(1.0, 1.0), 1.1570), (LennardJones104(1.0, 1.0), 2.125)):
+        assert 2 * law.peak_tensile_stress * (9 / (16 * np.pi)) ** (1 / 3) == pytest.approx(factor, rel=3e-4)
+
+
+def test_values_of_the_paper():
+    law = LennardJones104(0.69, R0)
+    assert law.peak_tensile_stress == pytest.approx(1.8850 * 0.69 / R0, rel=1e-4)
+    assert law.peak_distance == pytest.approx(3.741e-10, abs=0, rel=1e-4)
+    assert law.equilibrium_stiffness == pytest.approx(40 * 0.69 / R0**2, rel=1e-12)
+    assert law.strongest_softening == pytest.approx(3.788 * 0.69 / R0**2, rel=1e-4)
+    block, substrate = 1 / 2.6e-10**2, (647 / 1040e-10) ** 2
+    # The sum over discrete atoms gives 0.6924; smearing them costs 0.06 %.
+    assert work_of_adhesion(18.6e-3 * 1.602176634e-19, R0, block, substrate) == pytest.approx(0.6924, rel=1e-3)
+
+
+@laws
+def test_repulsive_gap_at_any_pressure(law):
+    """A weak law under a stiff block: pressures up to 1e16 times the peak."""
+    traction = -law.peak_tensile_stress * np.geomspace(1e6, 1e16, 41)
+    np.testing.assert_allclose(law.traction(law.repulsive_gap(traction)), traction, rtol=1e-12)
+
+
+class MorseThatSaysItDiverges(TractionLaw):
+    """Morse's potential with a range of its length: its repulsion at zero gap is 2 Δγ/r0 (e² − e)."""
+
+    title = words = "soft Morse"
+
+    def potential(self, gap):
+        fading = np.exp(1 - np.asarray(gap) / self.length)
+        return self.work_of_adhesion * (fading**2 - 2 * fading)
+
+
+class Saturating(MorseThatSaysItDiverges):
+    """Beyond zero gap its repulsion does not grow."""
+
+    diverges = False
+
+    def traction(self, gap):
+        return super().traction(np.maximum(gap, 0))
+
+
+def test_a_repulsion_that_ends_is_told():
+    """Both searches had no end."""
+    strongest = 2 * WORK / R0 * (np.e**2 - np.e)
+    for law, words in (
+        (MorseThatSaysItDiverges(WORK, R0), "soft Morse.*reaches .* Pa, not .* Pa; .*diverges is False"),
+        (Saturating(WORK, R0), "soft Morse.*reaches .* Pa, not .* Pa$"),
+    ):
+        assert law.traction(law.repulsive_gap(np.array(-1e-3 * strongest))) == pytest.approx(-1e-3 * strongest)
+        with pytest.raises(ValueError, match=words):
+            law.repulsive_gap(np.array([0.0, -1.1 * strongest]))
+
+
+@pytest.mark.parametrize("kind", [LennardJones104, LennardJones93])
+@pytest.mark.parametrize(
+    ("work_of_adhesion", "length", "culprit"),
+    [
+        (-0.69, R0, "work_of_adhesion = -0.69"),
+        (0.0, R0, "work_of_adhesion"),
+        (float("nan"), R0, "work_of_adhesion"),
+        (float("inf"), R0, "work_of_adhesion"),
+        ("0.69", R0, "work_of_adhesion"),
+        (True, R0, "work_of_adhesion"),
+        (0.69, "3.28 angstrom", "length = '3.28 angstrom'"),
+        (0.69, -R0, "length"),
+        (0.69, None, "length"),
+    ],
+)
+def test_laws_refuse_what_is_no_law(kind, work_of_adhesion, length, culprit):
+    with pytest.raises(ValueError, match=culprit):
+        kind(work_of_adhesion, length)
+
+
+def test_laws_take_numbers_of_any_kind():
+    assert LennardJones104(np.float64(1), 2).traction(np.array(2.0)) == 0
+    assert LennardJones104(np.float32(0.5), np.float64(R0)).length == R0
+
+
+def test_a_wall_has_what_every_law_has():
+    wall = make_law("hard_wall", 0.69, R0)
+    for name in ("work_of_adhesion", "length", "equilibrium_distance", "peak_tensile_stress"):
+        assert getattr(wall, name) == 0.0
+        assert getattr(make_law("lennard_jones_9_3", 0.69, R0), name) > 0
+    with pytest.raises(ValueError, match="lennard_jones_10_4"):
+        make_law("lennard_jones", 0.69, R0)
+
+
+def test_the_names_count_exponents():
+    """10-4 those of the energy, 9-3 those of the traction: far out and deep in, the powers of each law."""
+    for law, energy, traction in ((LennardJones104(1.0, 1.0), (10, 4), (11, 5)), (LAWS_93, (8, 2), (9, 3))):
+        for gap, which in ((1e-3, 0), (1e3, 1)):
+            pair = np.array([gap, 2 * gap])
+            # The other power is (1e-3)⁶ of this one.
+            slope = np.diff(np.log(np.abs(law.potential(pair)))) / np.log(2)
+            assert slope == pytest.approx(-energy[which], abs=1e-12)
+            slope = np.diff(np.log(np.abs(law.traction(pair)))) / np.log(2)
+            assert slope == pytest.approx(-traction[which], abs=1e-12)
+
+
+def test_half_spaces_of_lennard_jones_atoms_make_the_9_3_law():
+    """Δγ and z0 of the documentation: pairs summed over planes of continuous density, in units of ε, r0 and ρ."""
+
+    def plane(z):  # energy of an atom at height z over a half-space of unit density: ∫ V(r) d³r
+        return 4 * np.pi * (1 / (45 * z**9) - 1 / (6 * z**3))
+
+    length = (2 / 15) ** (1 / 6)
+    law = LennardJones93(np.pi / 4 * (15 / 2) ** (1 / 3), length)
+    for gap in length * np.array([0.8, 1.0, 1.5, 4.0]):
+        energy = quad(plane, gap, np.inf, epsabs=0, epsrel=1e-12)[0]
+        assert law.potential(np.array(gap)) == pytest.approx(energy, rel=1e-9)
+
+
+@laws
+def test_repulsive_gap_inverts_the_traction(law):
+    traction = -law.peak_tensile_stress * np.concatenate([[0.0], np.geomspace(1e-12, 1e6, 60)])
+    gap = law.repulsive_gap(traction)
+    assert np.all(gap <= law.equilibrium_distance * (1 + 1e-15))
+    # Near equilibrium the traction of a rounded gap is uncertain by eps times gap times stiffness.
+    floor = 4 * np.finfo(float).eps * law.equilibrium_stiffness * law.equilibrium_distance
+    np.testing.assert_allclose(law.traction(gap), traction, rtol=1e-12, atol=floor)
+
+
+adhesive = pytest.mark.parametrize("law", ADHESIVE.values(), ids=ADHESIVE)
+analytic = pytest.mark.parametrize(
+    "law", [law for name, law in ADHESIVE.items() if name != "tabulated"], ids=lambda law: law.title
+)
+
+
+def by_default(law):
+    """The law of which only the potential is known: all else as the base class derives it."""
+    members = {"potential": lambda _, gap: law.potential(gap), "has_wall": law.has_wall, "diverges": law.diverges}
+    return type("PotentialOnly", (TractionLaw,), members)(law.work_of_adhesion, law.length)
+
+
+@adhesive
+def test_every_law_of_the_table(law):
+    """What solvers and theories take for granted of a law, whatever it is."""
+    nearest, peak = law.equilibrium_distance, law.peak_tensile_stress
+    assert law.potential(np.array(nearest)) == pytest.approx(-law.work_of_adhesion, rel=1e-12)
+    # The work of adhesion is the integral of the tension; 1e-9 of the quadrature.
+    pieces = [0.0, *((TABLE_GAPS[nearest < TABLE_GAPS] - nearest) / law.length if law.title == "tabulated" else ())]
+    work = sum(
+        quad(lambda x: float(law.traction(np.array(nearest + law.length * x))), *ends, epsrel=1e-10, limit=200)[0]
+        for ends in pairwise([*pieces, np.inf])
+    )
+    assert work * law.length == pytest.approx(law.work_of_adhesion, rel=1e-8)
+    gap = nearest + law.length * np.geomspace(1e-4, 30, 4001)
+    assert np.all(law.traction(gap) > 0), "tension everywhere beyond equilibrium"
+    assert law.traction(gap).max() <= peak * (1 + 1e-12)
+    assert law.traction(np.array(law.peak_distance)) == pytest.approx(peak, rel=1e-12)
+    assert -law.stiffness(gap).min() <= law.strongest_softening * (1 + 1e-12)
+    assert law.stiffness(np.array(nearest)) == pytest.approx(law.equilibrium_stiffness, rel=1e-12)
+    # Second-order differences: 1e-8 of them at this step, for energy and traction alike.
+    step = 1e-5 * law.length
+    if law.title == "tabulated":  # the stiffness bends at its points
+        gap = gap[np.abs(gap[:, None] - TABLE_GAPS).min(axis=1) > step]
+    for integral, derivative in ((law.potential, law.traction), (law.traction, law.stiffness)):
+        differences = (integral(gap + step) - integral(gap - step)) / (2 * step)
+        np.testing.assert_allclose(differences, derivative(gap), atol=3e-8 * np.abs(derivative(gap)).max())
+
+
+@analytic
+def test_all_follows_from_the_potential(law):
+    """Defaults against closed forms: rounding for the traction, differences of fourth order for the stiffness."""
+    default = by_default(law)
+    gap = law.equilibrium_distance + law.length * np.geomspace(1e-3, 30, 301)
+    if not law.has_wall:
+        gap = np.concatenate([law.length * np.linspace(0.5, 1, 51), gap])
+    np.testing.assert_allclose(
+        default.traction(gap), law.traction(gap), rtol=1e-12, atol=1e-13 * law.peak_tensile_stress
+    )
+    np.testing.assert_allclose(
+        default.stiffness(gap), law.stiffness(gap), rtol=3e-8, atol=1e-9 * law.strongest_softening
+    )
+    for name, tolerance in (
+        ("equilibrium_distance", 1e-12),
+        ("peak_distance", 1e-7),  # a maximum is found to the square root of rounding
+        ("peak_tensile_stress", 1e-12),
+        ("equilibrium_stiffness", 1e-8),
+        ("strongest_softening", 1e-8),
+    ):
+        # A wall has no stiffness of its own: that of the tension there, to the differences' share of the largest.
+        floor = 1e-9 * law.strongest_softening if law.has_wall and "stiffness" in name else 0
+        assert getattr(default, name) == pytest.approx(getattr(law, name), abs=floor, rel=tolerance), name
+    pressure = law.peak_tensile_stress * np.concatenate([[0.0], np.geomspace(1e-6, 1e8, 57)])
+    np.testing.assert_allclose(default.repulsive_gap(-pressure), law.repulsive_gap(-pressure), rtol=1e-12)
+    assert default.contact_distance == law.contact_distance
+
+
+@pytest.mark.parametrize("law", [law for name, law in EVERY_LAW.items() if name != "hard_wall"])
+def test_scaling_changes_units_only(law):
+    length, stress = 3e-10, 9e10
+    scaled = law.scaled(length, stress)
+    gap = gaps(law)
+    np.testing.assert_allclose(scaled.traction(gap / length) * stress, law.traction(gap), rtol=1e-11, atol=1e-3)
+    np.testing.assert_allclose(
+        scaled.potential(gap / length) * stress * length, law.potential(gap), rtol=1e-12, atol=1e-14
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class OwnInteraction(SmoothInteraction):
+    width: float = key(quantity("m", positive=True), "range of the attraction")
+
+
+@dataclass(frozen=True)
+class OwnMorse(TractionLaw):
+    """What a contributor writes: a potential, a key of its own, words."""
+
+    title = "Morse"
+    words = "Morse's"
+    section = OwnInteraction
+
+    width: float = 1.0
+
+    @classmethod
+    def of(cls, section, work_of_adhesion):
+        return cls(work_of_adhesion, section.length, section.width)
+
+    def potential(self, gap):
+        decay = np.exp(-(gap - self.length) / self.width)
+        return self.work_of_adhesion * (decay**2 - 2 * decay)
+
+
+def test_a_new_law_is_a_potential_and_its_keys(monkeypatch):
+    monkeypatch.setitem(TABLE, "own_morse", OwnMorse)
+    sections = {name: law.section for name, law in TABLE.items()}
+    monkeypatch.setitem(SECTIONS, "interaction", TaggedUnion("law", sections))
+    (case,) = make_study(changed("interaction", law="own_morse", width="0.5 angstrom")).cases
+    law, width = case.law, 0.5e-10
+    assert law.equilibrium_distance == pytest.approx(3.28e-10, abs=0, rel=1e-12)
+    assert law.peak_tensile_stress == pytest.approx(law.work_of_adhesion / (2 * width), rel=1e-12)
+    assert law.peak_distance == pytest.approx(3.28e-10 + np.log(2) * width, abs=0, rel=1e-7)
+    assert law.equilibrium_stiffness == pytest.approx(2 * law.work_of_adhesion / width**2, rel=1e-8)
+    pressure = np.geomspace(1e-6, 1e6, 13) * law.peak_tensile_stress
+    floor = 4 * np.finfo(float).eps * law.equilibrium_stiffness * law.equilibrium_distance  # of a rounded gap
+    np.testing.assert_allclose(law.traction(law.repulsive_gap(-pressure)), -pressure, rtol=1e-12, atol=floor)
+    with pytest.raises(InputError, match=r'interaction\.width: law = "lennard_jones_10_4" has no such key'):
+        make_study(changed("interaction", width="0.5 angstrom"))
+    with pytest.raises(InputError, match=r'missing key interaction\.width: law = "own_morse" needs it'):
+        make_study(changed("interaction", law="own_morse"))
+
+
+@pytest.mark.parametrize("name", KEYS)
+def test_a_study_makes_every_law(name):
+    table = changed("loading", path=["1 GPa"])
+    table["interaction"] = {"law": name, **KEYS[name]}
+    (case,) = make_study(table).cases
+    law, expected = case.law, EVERY_LAW[name]
+    assert type(law) is type(expected)
+    gap = np.array([0.9e-10, 3.3e-10, 5e-10])
+    np.testing.assert_allclose(law.potential(gap), expected.potential(gap), rtol=1e-12)
+    assert law.contact_distance == pytest.approx(expected.contact_distance, abs=0)
+
+
+def test_morse_is_the_exponential_core_of_half_its_range():
+    morse, cored = Morse(0.69, R0, 0.6e-10), ExponentialCore(0.69, R0, 0.6e-10, 0.3e-10)
+    gap = gaps(morse)
+    np.testing.assert_allclose(cored.traction(gap), morse.traction(gap), rtol=1e-12, atol=1e-13 * 5e9)
+    assert cored.peak_distance == pytest.approx(morse.peak_distance, rel=1e-14, abs=0)
+    assert cored.strongest_softening == pytest.approx(morse.strongest_softening, rel=1e-10)  # differences
+
+
+@pytest.mark.parametrize(
+    ("cored", "wall"),
+    [
+        (lambda core: ExponentialCore(1.0, 1.0, 0.5, core), Exponential(1.0, 0.5)),
+        (lambda core: DugdaleCore(1.0, 1.0, 0.5, core), Dugdale(1.0, 0.5)),
+    ],
+)
+def test_a_core_vanishes_into_the_wall_in_first_order(cored, wall):
+    x = 0.5 * np.linspace(0.2, 3, 15)
+    errors = [np.abs(cored(core).traction(1 + x) - wall.traction(x)).max() for core in (4e-3, 2e-3)]
+    assert errors[0] / errors[1] == pytest.approx(2, rel=0.02)
+    assert errors[0] < 0.02 * wall.peak_tensile_stress
+
+
+@pytest.mark.parametrize("ramp", [0.05, 0.01])
+def test_dugdales_tension_is_constant_up_to_its_reach(ramp):
+    law = Dugdale(0.69, R0, ramp)
+    # ln(1 + e^(1/ramp)) is 1/ramp to e^(−1/ramp), 2e-9 and less.
+    assert law.traction(np.array(0.0)) == pytest.approx(0.69 / R0, rel=1e-7)
+    assert law.traction(np.array(R0)) == pytest.approx(0.5 * 0.69 / R0, rel=1e-7)
+    near, far = law.traction(R0 * np.array([1 - 2.2 * ramp, 1 + 2.2 * ramp])) * R0 / 0.69
+    assert (near, far) == pytest.approx((0.9, 0.1), abs=2e-3)  # 1/(1 + e^-2.2) = 0.9002
+
+
+def test_repulsion_alone_is_half_of_the_9_3_law():
+    law, whole = EVERY_LAW["repulsive"], LennardJones93(0.69, R0)
+    inside, outside = R0 * np.linspace(0.5, 1, 20, endpoint=False), R0 * np.linspace(1, 5, 20)
+    np.testing.assert_allclose(law.traction(inside), whole.traction(inside))
+    np.testing.assert_allclose(law.stiffness(inside), whole.stiffness(inside))
+    np.testing.assert_allclose(law.potential(inside) - whole.potential(inside), 0.69)
+    for function in (law.potential, law.traction, law.stiffness):
+        np.testing.assert_array_equal(function(outside), 0)
+    pressure = np.geomspace(1e2, 1e16, 20)  # a gap is rounded to 0.1 Pa at the onset
+    np.testing.assert_allclose(law.traction(law.repulsive_gap(-pressure)), -pressure, rtol=1e-6)
+    assert law.peak_tensile_stress == 0
+    assert law.work_of_adhesion == 0
+
+
+def test_a_table_is_met_at_its_points_and_near_its_source_between():
+    source, law = LennardJones104(0.69, R0), EVERY_LAW["tabulated"]
+    np.testing.assert_allclose(law.traction(TABLE_GAPS), TABLE_TRACTIONS, rtol=1e-12)
+    gap = R0 * np.linspace(0.76, 7.9, 1000)
+    # Of third order in the spacing at worst, 2 % of r0: measured 2e-3 of the peak, at the steep end.
+    beyond = gap > R0
+    np.testing.assert_allclose(
+        law.traction(gap[beyond]), source.traction(gap[beyond]), atol=5e-3 * source.peak_tensile_stress
+    )
+    assert law.work_of_adhesion == pytest.approx(0.69, rel=2e-3)
+    assert law.equilibrium_distance == pytest.approx(R0, rel=1e-4, abs=0)
+    # Its ends join on: value and slope of the core, value and slope of the tail.
+    for end in (TABLE_GAPS[0], TABLE_GAPS[-1]):
+        beside = end * (1 + 1e-9 * np.array([-1, 1]))
+        for function in (law.potential, law.traction, law.stiffness):
+            near, far = function(beside)
+            assert near == pytest.approx(far, rel=1e-6)
+    deep = law.traction(R0 * np.array([0.01, 0.02]))
+    assert np.log2(deep[0] / deep[1]) == pytest.approx(law._core[2])
+    assert law._core[2] == pytest.approx(11.0, rel=0.15)  # that of the source, its other power 0.18 of it there
+
+
+NM_MPA = np.array([[0.2, -200], [0.25, -50], [0.3, -10], [0.35, 0], [0.4, 20], [0.6, 25], [1, 10], [2, 1], [3, 0.1]])
+
+
+@pytest.mark.parametrize(
+    ("rows", "fading"),
+    [
+        ([[2, 1], [3, 0.1]], 1 / np.log(10)),
+        ([[2, 1], [3, 1e-300]], 1 / np.log(1e300)),
+        ([[2, 1], [3, 0]], None),
+        ([[2, 0], [3, 0]], None),
+        ([[2, 1], [3, 1]], 2.4),  # as far as from the peak to the end
+        ([[2, 1.0000001], [3, 1]], 2.4),
+    ],
+    ids=["steep", "steepest", "zero", "zeros", "level", "rounded"],
+)
+def test_a_table_ends_as_its_last_points_fall(rows, fading):
+    gap, traction = np.concatenate([NM_MPA[:-2], rows]).T * [[1e-9], [1e6]]
+    law = TabulatedLaw.through(gap, traction)
+    last, tension = gap[-1], traction[-1]
+    beyond = last + 1e-9 * np.array([0.01, 0.3, 2.0])
+    expected = 0 * beyond if fading is None else tension * np.exp(-(beyond - last) / (fading * 1e-9))
+    np.testing.assert_allclose(law.traction(beyond), expected, rtol=1e-12)
+    # Coefficients of the last cubic are rounded to some eps of 1 MPa.
+    np.testing.assert_allclose(law.traction(gap), traction, rtol=1e-12, atol=1e-15 * 1e6)
+    assert np.all(np.diff(law.traction(np.linspace(gap[-2], last, 101))) <= 1e-15 * 1e6)
+    near, far = law.stiffness(last * (1 + 1e-9 * np.array([-1, 1])))
+    # The slope changes by 1e-9 of 6 times the secant, 1 MPa/nm; where the end is level it jumps by a hundredth of the
+    # law's softening: with a slope there the cubic would rise before it.
+    jump = tension / 2.4e-9 if fading == 2.4 else 0.0
+    assert near - far == pytest.approx(jump, abs=1e-7 * 1e15, rel=1e-5)
+    assert jump < 0.02 * law.strongest_softening
+    # The exact integral: two cubics of each interval and the tail, to 1e-10 of the quadrature.
+    ends = [law.length, *gap[gap > law.length], last + 50e-9]
+    work = sum(quad(lambda d: float(law.traction(np.array(d))), *pair, epsrel=1e-10)[0] for pair in pairwise(ends))
+    assert law.work_of_adhesion == pytest.approx(work, rel=1e-8)
+    assert law.work_of_adhesion < 0.021  # 17.6 mJ/m² within the table, 1 MPa over 2.4 nm beyond it
+
+
+def test_a_few_points_of_a_law_that_falls_steeply_have_its_work():
+    source = Morse(0.05, 1e-9, 0.3e-9)
+    gap = 1e-9 * np.geomspace(0.85, 3, 12)
+    law = TabulatedLaw.through(gap, source.traction(gap))
+    assert law.work_of_adhesion == pytest.approx(0.05, rel=5e-3)  # measured 2.4e-3, of the cubics
+    # Beyond the end the exponential is Morse's own, to e^(−2/0.3), its core's share there.
+    beyond = 1e-9 * np.array([3.1, 3.5])
+    np.testing.assert_allclose(law.traction(beyond), source.traction(beyond), rtol=5e-3)
+
+
+PEAK = int(np.argmax(TABLE_TRACTIONS))
+
+
+def table_of(gap=TABLE_GAPS, traction=TABLE_TRACTIONS):
+    return np.array(gap, dtype=float), np.array(traction, dtype=float)
+
+
+def changed_point(index, value):
+    gap, traction = table_of()
+    traction[index] = value
+    return gap, traction
+
+
+@pytest.mark.parametrize(
+    ("table", "words"),
+    [
+        (table_of(TABLE_GAPS[:4], TABLE_TRACTIONS[:4]), "at least 5 gaps"),
+        (table_of(TABLE_GAPS[:-1]), "as many tractions as gaps"),
+        (table_of(TABLE_GAPS[::-1], TABLE_TRACTIONS[::-1]), "increasing order"),
+        (table_of(TABLE_GAPS - TABLE_GAPS[0]), "positive gaps"),
+        (table_of(TABLE_GAPS[20:], TABLE_TRACTIONS[20:]), "no core: .*, a repulsion$"),  # no sign of a sign
+        (table_of(traction=-np.abs(TABLE_TRACTIONS)), "does not attract"),
+        (table_of(TABLE_GAPS[:30], TABLE_TRACTIONS[:30]), "ends at a tension"),
+        (changed_point(5, TABLE_TRACTIONS[4]), "fall steadily"),
+        (changed_point(70, -1e3), "repels again at a gap of .* smooth the measurement there, or end the table before"),
+        (table_of(traction=-TABLE_TRACTIONS), "no core: .*, a repulsion; tension is positive .* change all signs"),
+        (changed_point(70, TABLE_TRACTIONS[69] * 1.001), "second peak"),
+        (changed_point(PEAK - 2, 0.99 * TABLE_TRACTIONS[PEAK - 3]), "second peak"),
+        (changed_point(0, TABLE_TRACTIONS[1] * 1.001), "grows as the power"),
+        (changed_point(50, np.nan), "no finite number"),
+    ],
+)
+def test_bad_tables_are_named(table, words):
+    with pytest.raises(ValueError, match=words):
+        TabulatedLaw.through(*table)
+
+
+def study_with(tmp_path, **keys):
+    table = changed("loading", path=["1 GPa"])
+    table["interaction"] = {"law": "tabulated", **keys}
+    return make_study(table, tmp_path)
+
+
+def test_a_table_from_a_file_has_units_and_goes_into_the_study(tmp_path):
+    lines = [f"{gap * 1e10:.12g}, {traction * 1e-9:.12g}" for gap, traction in zip(*table_of(), strict=True)]
+    (tmp_path / "law.txt").write_text("# gap (angstrom), traction (GPa)\n" + "\n".join(lines))
+    found = study_with(tmp_path, path="law.txt", gap_unit="angstrom", traction_unit="GPa", well_depth_ratio=2.0)
+    law = found.cases[0].law
+    assert law.work_of_adhesion == pytest.approx(2 * EVERY_LAW["tabulated"].work_of_adhesion, rel=1e-10)
+    assert law.length == pytest.approx(EVERY_LAW["tabulated"].length, rel=1e-10, abs=0)
+    (tmp_path / "law.txt").unlink()  # a dataset is read without it
+    again = make_study(found.table, tmp_path / "elsewhere")
+    np.testing.assert_array_equal(again.cases[0].law.tractions, law.tractions)
+
+
+@pytest.mark.parametrize(
+    ("keys", "words"),
+    [
+        ({}, r"missing key interaction\.path"),
+        ({"path": "none.txt"}, r"^interaction\.path: \S*none\.txt cannot be read"),
+        ({"path": "law.txt", "gap": [1e-10]}, r"interaction\.path and interaction\.gap"),
+        (
+            {"path": "words.txt"},
+            r"^interaction\.path: \S*words\.txt is no table of numbers: line 2 is 'gap, traction'; remove words, or",
+        ),
+        ({"path": "semicolons.txt"}, r"line 1 is '1;2'; .* columns by blanks, tabs or commas$"),
+        ({"path": "ragged.txt"}, r"ragged\.txt is no table of numbers: line 4 has 1 of them, line 2 has 2$"),
+        ({"path": "commas.txt"}, r"expected 2 columns"),
+        ({"path": "empty.txt"}, r"interaction\.path: .*empty\.txt is empty; expected 2 columns"),
+        ({"path": "law.txt"}, r"expected 2 columns"),
+        ({"path": "two.txt", "gap_unit": "MPa"}, r"^interaction\.gap_unit = 'MPa': is no unit that .* to m$"),
+        ({"path": "two.txt", "traction_unit": "m"}, r"^interaction\.traction_unit = 'm': is no unit that .* to Pa$"),
+        ({"path": "two.txt"}, "interaction: the table of the law needs at least 5 gaps"),
+        ({"path": "two.txt", "work_of_adhesion": 1.0}, r"interaction\.work_of_adhesion: .* from the table"),
+    ],
+)
+def test_a_table_that_cannot_be_used_is_one_line(tmp_path, keys, words):
+    (tmp_path / "law.txt").write_text("1 2 3\n4 5 6\n")
+    (tmp_path / "two.txt").write_text("1 -2\n4 5\n")
+    (tmp_path / "words.txt").write_text("# measured\ngap, traction # of a law\n1, 2\n")
+    (tmp_path / "semicolons.txt").write_text("1;2\n")
+    (tmp_path / "ragged.txt").write_text("\n1 2,\n,\n3 # 4\n")
+    (tmp_path / "commas.txt").write_text(",,\n")
+    (tmp_path / "empty.txt").write_text("# gap traction\n\n")
+    with pytest.raises(InputError, match=words):
+        study_with(tmp_path, **keys)
+
+
+@pytest.mark.parametrize(
+    ("keys", "words"),
+    [
+        ({"law": "morse", "work_of_adhesion": 1.0, "length": R0}, r"missing key interaction\.range"),
+        ({"law": "morse", "well_depth": 1e-20, "length": R0, "range": R0}, r"interaction\.well_depth"),
+        ({**KEYS["exponential_core"], "law": "exponential_core", "core": 2e-10}, r"interaction\.core .* shorter than"),
+        ({**KEYS["dugdale_core"], "law": "dugdale_core", "core": 0.5e-10}, r"interaction\.core .* the ramp"),
+        ({**KEYS["dugdale"], "law": "dugdale", "ramp": 0.6}, r"interaction\.ramp = 0\.6"),
+        ({"law": "repulsive", "length": R0, "work_of_adhesion": 1.0, "repulsion": 1.0}, "does not attract"),
+        ({"law": "repulsive", "length": R0}, r"missing key interaction\.repulsion"),
+    ],
+)
+def test_keys_that_make_no_law_are_named(keys, words):
+    table = changed("loading", path=["1 GPa"])
+    table["interaction"] = keys
+    with pytest.raises(InputError, match=words):
+        make_study(table)
+
+
+def test_laws_by_name_take_fields_of_their_own():
+    assert make_law("morse", 0.69, R0, range=1e-10) == Morse(0.69, R0, 1e-10)
+    assert make_law("repulsive", 0.69, R0, repulsion=2.0) == Repulsive(0.0, R0, 2.0)
+    for name, own, words in (
+        ("morse", {}, "range: .* needs it"),
+        ("dugdale", {"core": 1.0}, "core: .* no such field"),
+        ("tabulated", {}, "expected one of"),
+    ):
+        with pytest.raises(ValueError, match=words):
+            make_law(name, 0.69, R0, **own)
+    with pytest.raises(ValueError, match="no work of adhesion"):
+        Repulsive(0.69, R0, 1.0)

@@ -1,0 +1,323 @@
+"""Height maps of many formats, made ready by the keys of the study; what does not fit ends in one line."""
+
+import struct
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from contact_study.errors import InputError
+from contact_study.physics.height_maps.grid import gridded
+from contact_study.physics.height_maps.height_map import read_height_map
+from contact_study.physics.surfaces.realisation import realise
+from contact_study.study.study import make_study
+from tests.study.test_study import TABLE
+
+SIZE = (6e-6, 8e-6)  # y, x
+
+
+@pytest.fixture
+def heights():
+    """In nm, with no symmetry that a wrong axis would leave unseen."""
+    return np.round(np.random.default_rng(3).normal(0, 20, (6, 8)), 3) + np.arange(6)[:, None] - np.arange(8)
+
+
+def surface(folder, name, **keys):
+    table = {
+        "surface": {"kind": "file", "path": name, **keys},
+        "material": TABLE["material"],
+        "interaction": {"law": "hard_wall"},
+        "loading": TABLE["loading"],
+    }
+    return realise(make_study(table, folder).cases[0])
+
+
+def refused(folder, name, **keys):
+    with pytest.raises(InputError) as failure:
+        surface(folder, name, **keys)
+    assert "\n" not in str(failure.value)
+    return str(failure.value)
+
+
+def taken(found, expected, size=SIZE, rounded=1e-9):
+    np.testing.assert_allclose(found.sampled, expected - expected.mean(), atol=1e-12 * np.ptp(expected))
+    np.testing.assert_allclose(found.size, size, rtol=rounded)
+
+
+def wsxm_xyz(path, heights):
+    y, x = np.mgrid[:6, :8]
+    lines = [f"{a} {b} {h}" for a, b, h in zip(x.ravel(), y.ravel(), heights.ravel(), strict=True)]
+    path.write_text(
+        "\n".join(["WSxM file copyright UAM", "WSxM ASCII XYZ file", "X[um]\tY[um]\tZ[nm]", "", *lines[::-1]])
+    )
+
+
+def rows(heights):
+    return "\n".join(" ".join(map(str, row)) for row in heights[::-1]) + "\n"
+
+
+def wsxm_matrix(path, heights):
+    head = "WSxM file copyright UAM\nWSxM ASCII Matrix file\n"
+    said = "X Amplitude: 8000 nm\nY Amplitude: 6 µm\nZ Amplitude: 90 nm\n\n"
+    path.write_text(head + said + rows(heights), encoding="utf-8")
+
+
+def gwyddion(path, heights):
+    head = "# Channel: Height\n# Width: 8.00 µm\n# Height: 6.00 µm\n# Value units: nm\n"
+    path.write_text(head + rows(heights), encoding="utf-8")
+
+
+def netcdf(path, heights):
+    units = {"units": "um"}
+    coordinates = {"x": ("x", np.arange(8.0), units), "y": ("y", np.arange(6.0), units)}
+    xr.Dataset({"height": (("x", "y"), heights.T, {"units": "nm"})}, coordinates).to_netcdf(path)
+
+
+def bcr(path, heights):
+    """Binary 16-bit integers below a header; 0.001 nm a unit."""
+    said = {
+        "fileformat": "bcrstm",
+        "headersize": 2048,
+        "xpixels": 8,
+        "ypixels": 6,
+        "xlength": 8000,
+        "ylength": 6000,
+        "xunit": "nm",
+        "yunit": "nm",
+        "zunit": "nm",
+        "bit2nm": 0.01,
+        "intelmode": 1,
+    }
+    header = "".join(f"{name} = {value}\n" for name, value in said.items()).ljust(2048, "\0")
+    path.write_bytes(header.encode() + struct.pack("<48h", *np.rint(heights / 0.01).astype(int).ravel()))
+
+
+@pytest.mark.parametrize(
+    ("name", "write"),
+    [
+        ("map.nc", netcdf),
+        ("map.xyz", wsxm_xyz),
+        ("map.txt", wsxm_xyz),
+        ("map.txt", wsxm_matrix),
+        ("map.asc", gwyddion),
+    ],
+)
+def test_files_that_say_all(tmp_path, heights, name, write):
+    write(tmp_path / name, heights)
+    found = surface(tmp_path, name)
+    taken(found, 1e-9 * heights)
+    assert found.shape == (6, 8)
+    # What the study repeats is no contradiction; what differs is one, with both in the line.
+    surface(tmp_path, name, size=["6 um", "8.001 um"], height_unit="nm")
+    assert "says 6e-06 x 8e-06" in refused(tmp_path, name, size=["6 um", "7 um"])
+    assert "says nm" in refused(tmp_path, name, height_unit="um")
+
+
+@pytest.mark.parametrize("name", ["map.npy", "map.npz", "map.txt", "map.dat"])
+def test_bare_tables_are_told_their_size_and_unit(tmp_path, heights, name):
+    if name == "map.npy":
+        np.save(tmp_path / name, heights)
+    elif name == "map.npz":
+        np.savez(tmp_path / name, heights=heights)
+    else:
+        np.savetxt(tmp_path / name, heights, fmt="%.17g")
+    taken(surface(tmp_path, name, size=["6 um", "8 um"], height_unit="nm"), 1e-9 * heights)
+    assert "missing key surface.size: how wide is the map?" in refused(tmp_path, name)
+    assert "surface.height_unit" in refused(tmp_path, name, size="6 um", height_unit="N")
+    assert "surface.lateral_unit" in refused(tmp_path, name, size="6 um", lateral_unit="um")
+
+
+def test_coordinates_without_a_unit(tmp_path, heights):
+    coordinates = {"x": ("x", np.arange(8.0)), "y": ("y", np.arange(6.0))}
+    xr.Dataset({"height": (("y", "x"), heights, {"units": "nm"})}, coordinates).to_netcdf(tmp_path / "map.nc")
+    taken(surface(tmp_path, "map.nc", lateral_unit="um"), 1e-9 * heights)
+    assert "missing key surface.lateral_unit: " in refused(tmp_path, "map.nc"), "6 x 8 m are no map"
+    taken(surface(tmp_path, "map.nc", lateral_unit="m"), 1e-9 * heights, (6.0, 8.0))
+    # A cell of a size of use may be in metres.
+    xr.open_dataset(tmp_path / "map.nc").assign_coords(x=1e-6 * np.arange(8), y=1e-6 * np.arange(6)).to_netcdf(
+        tmp_path / "metres.nc"
+    )
+    taken(surface(tmp_path, "metres.nc"), 1e-9 * heights)
+    netcdf(tmp_path / "other.nc", heights)
+    assert 'surface.lateral_unit = "nm"' in refused(tmp_path, "other.nc", lateral_unit="nm")
+
+
+def test_netcdf_with_the_attributes_of_surfacetopography(tmp_path, heights):
+    """``unit``, not ``units``; (x, y); missing heights in a variable of their own; Å as A."""
+    torn = heights.copy()
+    torn[2, 3] = 1e30
+    mask = np.zeros((8, 6), "i1")
+    mask[3, 2] = 1
+    unit = {"unit": "A"}
+    coordinates = {"x": ("x", np.arange(8.0), unit | {"length": 8.0}), "y": ("y", np.arange(6.0), unit)}
+    fields = {"topography": (("x", "y"), torn.T, unit), "mask": (("x", "y"), mask)}
+    xr.Dataset(fields, coordinates).to_netcdf(tmp_path / "other.nc")
+    xr.Dataset(fields, coordinates).rename(topography="heights").to_netcdf(tmp_path / "map.nc")
+    np.testing.assert_array_equal(*(read_height_map(tmp_path / name).heights for name in ("other.nc", "map.nc")))
+    found = read_height_map(tmp_path / "map.nc")
+    assert found.size == pytest.approx((6e-10, 8e-10), abs=0, rel=1e-9)
+    assert found.unit == "angstrom, its file"
+    assert np.isnan(found.heights[2, 3])
+    there = ~np.isnan(found.heights)
+    assert there.sum() == 47
+    np.testing.assert_allclose(found.heights[there], 1e-10 * heights[there], rtol=1e-12)
+    assert "says angstrom" in refused(tmp_path, "map.nc", height_unit="nm")
+
+
+def test_one_coordinate_speaks_for_both(tmp_path, heights):
+    coordinates = {"x": ("x", np.arange(8.0), {"units": "um"}), "y": ("y", np.arange(6.0))}
+    xr.Dataset({"height": (("y", "x"), heights, {"units": "nm"})}, coordinates).to_netcdf(tmp_path / "map.nc")
+    taken(surface(tmp_path, "map.nc"), 1e-9 * heights)
+
+
+def test_the_micro_sign_of_old_files(tmp_path, heights):
+    wsxm_matrix(tmp_path / "map.txt", heights)
+    text = (tmp_path / "map.txt").read_text(encoding="utf-8")
+    (tmp_path / "map.txt").write_bytes(text.encode("latin-1"))
+    taken(surface(tmp_path, "map.txt"), 1e-9 * heights)
+
+
+def test_esri_grid_and_its_missing_heights(tmp_path, heights):
+    torn = heights.copy()
+    torn[2, 3] = -9999
+    head = "ncols 8\nnrows 6\nxllcorner 0.0\nyllcorner 0.0\ncellsize 1.0\nNODATA_value -9999\n"
+    (tmp_path / "map.asc").write_text(head + rows(torn))
+    keys = {"height_unit": "nm", "lateral_unit": "um"}
+    assert "2.1 % of the heights in" in refused(tmp_path, "map.asc", **keys)
+    found = surface(tmp_path, "map.asc", fill="harmonic", **keys)
+    torn[2, 3] = np.mean([torn[1, 3], torn[3, 3], torn[2, 2], torn[2, 4]])
+    # The mean is taken before filling, of the heights that are there, and once more after it.
+    taken(found, 1e-9 * torn)
+    assert found.filled == pytest.approx(1 / 48, abs=0, rel=1e-9)
+    (tmp_path / "map.asc").write_text(head.replace("nrows 6", "nrows 5") + rows(torn))
+    assert "header says 5 x 8" in refused(tmp_path, "map.asc", **keys)
+
+
+def test_points_in_any_order_with_whole_lines_missing(tmp_path, heights):
+    y, x = np.mgrid[:6, :8]
+    points = np.column_stack([0.1 * x.ravel(), y.ravel() / 3, heights.ravel()])
+    np.random.default_rng(1).shuffle(points)
+    keys = {"height_unit": "nm", "lateral_unit": "nm", "fill": "harmonic"}
+    np.savetxt(tmp_path / "map.xyz", points, fmt="%.4f")  # a third rounds to 0.01 % of a step
+    taken(surface(tmp_path, "map.xyz", **keys), 1e-9 * heights, (2e-9, 0.8e-9), rounded=1e-4)
+    left = points[np.abs(points[:, 0] - 0.3) > 1e-3]
+    np.savetxt(tmp_path / "map.xyz", left, fmt="%.4f")
+    found = surface(tmp_path, "map.xyz", **keys)
+    assert found.shape == (6, 8)
+    assert found.filled == pytest.approx(1 / 8, abs=0, rel=1e-9)
+    np.savetxt(tmp_path / "map.xyz", np.vstack([points, points[:1]]))
+    assert "two heights for one place" in refused(tmp_path, "map.xyz", **keys)
+    points[:, 0] += np.random.default_rng(1).uniform(-0.03, 0.03, 48)
+    np.savetxt(tmp_path / "map.xyz", points)
+    assert "surface.path" in refused(tmp_path, "map.xyz", **keys)
+    np.savetxt(tmp_path / "map.xyz", points[:, :2])
+    assert "2 columns" in refused(tmp_path, "map.xyz", **keys)
+
+
+def test_an_instruments_file(tmp_path, heights):
+    pytest.importorskip("SurfaceTopography", reason="extra instruments")
+    bcr(tmp_path / "map.bcr", heights)
+    found = surface(tmp_path, "map.bcr")
+    assert found.shape == (6, 8)
+    np.testing.assert_allclose(found.size, SIZE, rtol=1e-9)
+    # Integers of 0.01 nm; this format's rows begin at the top or the bottom, as its reader decides.
+    expected = 1e-9 * (heights - heights.mean())
+    assert min(np.abs(found.sampled - turned).max() for turned in (expected, expected[::-1])) < 6e-12
+    assert "says" in refused(tmp_path, "map.bcr", size="6 um")
+    assert "says nm" in refused(tmp_path, "map.bcr", height_unit="um")
+    assert "7" in refused(tmp_path, "map.bcr", channel=7)
+
+
+def test_unknown_formats(tmp_path, monkeypatch):
+    (tmp_path / "map.spm").write_bytes(b"\0\1\2\3 nothing that anyone knows" * 100)
+    pytest.importorskip("SurfaceTopography", reason="extra instruments")
+    said = refused(tmp_path, "map.spm", size="1 um")
+    assert "in no format that is known" in said
+    assert ".npy, .npz, .nc, .nc4, .netcdf, .xyz, .gz and those of SurfaceTopography" in said
+    (tmp_path / "words.txt").write_text("there are no numbers here\n")
+    assert "words.txt" in refused(tmp_path, "words.txt", size="1 um")
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "words"),
+    [
+        ("empty.txt", "", "empty.txt holds no numbers"),
+        ("header.txt", "# Width: 1 um\n# Height: 1 um\n", "header.txt holds no numbers"),
+        ("empty.xyz", "X[nm] Y[nm] Z[nm]\n", "empty.xyz holds no numbers"),
+        ("short.xyz", "0 0 1\n0 1\n", "short.xyz cannot be read (the number of columns changed from 3 to 2 at row 2)"),
+    ],
+)
+def test_tables_without_rows_of_numbers(tmp_path, name, text, words):
+    (tmp_path / name).write_text(text)
+    assert words in refused(tmp_path, name, size="1 um")
+
+
+def test_a_text_as_long_as_a_square_of_integers_is_no_map(tmp_path, capfd):
+    pytest.importorskip("SurfaceTopography", reason="extra instruments")
+    # 4 x 4 numbers of two bytes would be a tile of elevations, a format that marks itself by its name alone.
+    (tmp_path / "words.txt").write_text("height of a surface\nis not here\n")
+    assert "in no format that is known" in refused(tmp_path, "words.txt", size="1 um")
+    (tmp_path / "noise.dat").write_bytes(b"\0\1\2 nonsense" * 20)
+    assert "in no format that is known" in refused(tmp_path, "noise.dat", size="1 um")
+    assert capfd.readouterr() == ("", ""), "the library's own remarks"
+
+
+def test_complex_numbers_are_no_heights(tmp_path):
+    np.save(tmp_path / "map.npy", np.ones((8, 8)) * 1j)
+    assert "holds complex numbers; expected heights" in refused(tmp_path, "map.npy", size="1 um")
+
+
+def test_instruments_need_their_extra(tmp_path, monkeypatch):
+    monkeypatch.setitem(__import__("sys").modules, "SurfaceTopography.IO", None)
+    (tmp_path / "map.spm").write_bytes(b"\0\1\2\3 of some instrument" * 100)
+    assert "bem-adhesion[instruments]" in refused(tmp_path, "map.spm", size="1 um")
+
+
+def test_several_maps_leave_a_choice(tmp_path, heights):
+    xr.Dataset({"trace": (("y", "x"), heights), "retrace": (("y", "x"), heights + 1.0 * heights**2)}).to_netcdf(
+        tmp_path / "map.nc"
+    )
+    np.savez(tmp_path / "map.npz", trace=heights, retrace=heights + heights**2, scale=np.ones(3))
+    for name in ("map.nc", "map.npz"):
+        keys = {"size": ["6 um", "8 um"], "height_unit": "nm"}
+        line = refused(tmp_path, name, **keys)
+        assert "surface.channel" in line
+        assert "0: trace, 1: retrace" in line
+        for channel in (1, "retrace"):
+            taken(surface(tmp_path, name, channel=channel, **keys), 1e-9 * (heights + heights**2))
+        taken(surface(tmp_path, name, channel="trace", **keys), 1e-9 * heights)
+        for channel in (2, "phase"):
+            assert f"surface.channel = {channel!r}" in refused(tmp_path, name, channel=channel, **keys)
+    np.save(tmp_path / "one.npy", heights)
+    assert "holds one map" in refused(tmp_path, "one.npy", channel="retrace", size="1 um")
+
+
+@pytest.mark.parametrize(
+    ("array", "culprit"),
+    [
+        (np.ones((3, 9)), r"at least 4 x 4"),
+        (np.ones((1, 9)), "line scan (9 points)"),
+        (np.full((9, 9), np.nan), "all of its heights are missing"),
+    ],
+)
+def test_maps_that_are_none(tmp_path, array, culprit):
+    np.save(tmp_path / "map.npy", array)
+    assert culprit in refused(tmp_path, "map.npy", size="1 um", fill="harmonic")
+
+
+def test_the_unit_says_who_said_it(tmp_path, heights):
+    gwyddion(tmp_path / "map.txt", heights)
+    assert read_height_map(tmp_path / "map.txt").unit == "nm, its file"
+    np.save(tmp_path / "map.npy", heights)
+    assert read_height_map(tmp_path / "map.npy", "nm", (1.0, 1.0)).unit == "nm, surface.height_unit"
+    assert read_height_map(tmp_path / "map.npy", None, (1.0, 1.0)).unit == "m, default"
+
+
+def test_many_lines_with_rounded_places_are_counted(tmp_path):
+    """The median step is a thousandth too short, which over two thousand lines is two lines too many."""
+    places = np.round(np.arange(2001) / 3, 3)
+    points = np.array([[x, y, np.sin(x) + y] for y in (0.0, 1 / 3) for x in places])
+    heights, size = gridded(tmp_path / "map.xyz", points)
+    assert heights.shape == (2, 2001)
+    assert np.all(np.isfinite(heights))
+    assert size == pytest.approx((2 / 3, 2001 / 3), rel=1e-3)

@@ -1,0 +1,118 @@
+"""What the keys of a study make of a height map before it is repeated."""
+
+import numpy as np
+import pytest
+
+from contact_study.physics.surfaces.scales import scales_of
+from contact_study.study.study import make_study
+from tests.study.test_map_files import refused, surface, taken
+from tests.study.test_study import TABLE
+
+
+@pytest.fixture
+def tilted(tmp_path):
+    y, x = np.mgrid[:24, :30]
+    heights = 1e-9 * (np.sin(2 * np.pi * 3 * y / 24) + np.cos(2 * np.pi * 5 * x / 30))
+    np.save(tmp_path / "map.npy", heights + 3e-9 * y - 2e-9 * x + 4e-10 * (y - 12.0) ** 2)
+    return tmp_path
+
+
+KEYS = {"size": ["24 nm", "30 nm"]}
+
+
+def test_detrending(tilted):
+    left = [surface(tilted, "map.npy", detrend=how, **KEYS).rms_height for how in ("mean", "tilt", "curvature")]
+    assert left[0] > 1.5 * left[1] > 3 * left[2]
+    # The waves that are left correlate a little with a plane and a bowl.
+    assert left[2] == pytest.approx(1e-9, abs=0, rel=0.2)
+
+
+def test_detrending_leaves_what_is_of_a_higher_degree(tmp_path):
+    y = np.linspace(-1, 1, 64)[:, None]
+    np.save(tmp_path / "map.npy", 1e-9 * (y**3 + 0.5 * y**2) + np.zeros((64, 32)))
+    left = surface(tmp_path, "map.npy", detrend="curvature", size=["64 nm", "32 nm"]).rms_height
+    # (2/5) P₃ is what a fit of the second degree leaves of y³, √(4/175) of its amplitude but for sums over points.
+    assert left == pytest.approx(1e-9 * np.sqrt(4 / 175), abs=0, rel=0.05)
+
+
+def test_crop_takes_the_part_and_its_size(tilted):
+    found = surface(tilted, "map.npy", crop=[["4 nm", "16 nm"], [0, "10 nm"]], **KEYS)
+    taken(found, np.load(tilted / "map.npy")[4:16, :10], (12e-9, 10e-9))
+    assert "y = 2.5e-08 m lies beyond" in refused(tilted, "map.npy", crop=[[0, "25 nm"], [0, "10 nm"]], **KEYS)
+    assert "3 points" in refused(tilted, "map.npy", crop=[[0, "20 nm"], [0, "3 nm"]], **KEYS)
+    assert "must increase" in refused(tilted, "map.npy", crop=[[0, "20 nm"], ["3 nm", "3 nm"]], **KEYS)
+
+
+def test_edges(tilted):
+    torn = surface(tilted, "map.npy", **KEYS).roughness
+    assert torn.edge_ratio > 10
+    mirror = surface(tilted, "map.npy", edges="mirror", **KEYS)
+    assert mirror.shape == (48, 60)
+    assert mirror.size == pytest.approx((48e-9, 60e-9), abs=0, rel=1e-9)
+    assert mirror.roughness.edge_ratio == 0
+    window = surface(tilted, "map.npy", edges="window", window_share=0.4, **KEYS)
+    assert window.size == pytest.approx((24e-9, 30e-9), abs=0, rel=1e-9)
+    assert window.roughness.edge_ratio < 2
+    assert window.rms_height < torn.rms_height
+    # A wider window leaves less.
+    assert surface(tilted, "map.npy", edges="window", window_share=0.8, **KEYS).rms_height < window.rms_height
+
+
+def test_resample_and_lowpass(tilted):
+    keys = {"detrend": "curvature", "edges": "mirror", **KEYS}
+    whole = surface(tilted, "map.npy", **keys)
+    finer = surface(tilted, "map.npy", resample=[96, 120], **keys)
+    np.testing.assert_allclose(finer.sampled[::2, ::2], whole.sampled, atol=1e-20)  # rounding of 1e-8
+    smooth = surface(tilted, "map.npy", lowpass="9 nm", **keys)
+    power = np.abs(np.fft.fft2(smooth.sampled))
+    q = np.hypot(np.fft.fftfreq(48, 1e-9)[:, None], np.fft.fftfreq(60, 1e-9)[None, :])
+    assert power[q > 1 / 9e-9 * 1.001].max() < 1e-10 * power.max()
+    assert power[(q < 1 / 9e-9) & (q > 1 / 10e-9)].max() > 1e-4 * power.max()
+    table = {"surface": {"kind": "file", "path": "map.npy", "lowpass": "9 nm", **keys}, "material": TABLE["material"]}
+    table |= {"interaction": {"law": "hard_wall"}, "loading": TABLE["loading"]}
+    assert scales_of(make_study(table, tilted))[0].shortest_wave == pytest.approx(9e-9, abs=0, rel=1e-9)
+    assert "surface.lowpass" in refused(tilted, "map.npy", lowpass="25 nm", **keys)
+
+
+def test_missing_heights_outside_the_crop_do_not_matter(tilted):
+    heights = np.load(tilted / "map.npy")
+    heights[20, 20] = np.inf
+    np.save(tilted / "map.npy", heights)
+    surface(tilted, "map.npy", crop=[[0, "16 nm"], [0, "30 nm"]], **KEYS)
+    assert "row 20, column 20" in refused(tilted, "map.npy", **KEYS)
+    heights[:16, :10] = np.nan
+    np.save(tilted / "map.npy", heights)
+    assert "in it are missing" in refused(tilted, "map.npy", crop=[[0, "16 nm"], [0, "10 nm"]], fill="harmonic", **KEYS)
+
+
+def test_a_plane_is_fitted_to_what_was_measured(tilted):
+    """Filling first would let the hole weigh in the fit."""
+    heights = np.load(tilted / "map.npy")
+    plane = 3e-9 * np.arange(24)[:, None] - 2e-9 * np.arange(30)[None, :]
+    heights[:8, :8] = np.nan
+    left = []
+    for more in (0, 5 * plane):
+        np.save(tilted / "map.npy", heights + more)
+        left.append(surface(tilted, "map.npy", detrend="tilt", fill="harmonic", **KEYS).sampled)
+    np.testing.assert_allclose(left[0], left[1], atol=1e-18)  # rounding of 1e-6
+
+
+def test_a_changed_file_is_read_again(tilted):
+    before = surface(tilted, "map.npy", **KEYS).rms_height
+    np.save(tilted / "map.npy", 2 * np.load(tilted / "map.npy").astype(np.longdouble))
+    assert surface(tilted, "map.npy", **KEYS).rms_height == pytest.approx(2 * before, abs=0, rel=1e-9)
+
+
+def test_atoms_stand_on_the_cell_that_is_left(tmp_path):
+    heights = 1e-10 * np.random.default_rng(1).standard_normal((20, 40))
+    np.save(tmp_path / "map.npy", heights)
+    table = {
+        "surface": {"kind": "file", "path": "map.npy", "size": ["5.2 nm", "10.4 nm"], "crop": [[0, "2.6 nm"]] * 2},
+        "material": TABLE["material"],
+        "interaction": TABLE["interaction"],
+        "loading": TABLE["loading"],
+    }
+    assert make_study(table, tmp_path).cases[0].lattice.atoms == (10, 10)
+    del table["surface"]["crop"]
+    table["surface"]["edges"] = "mirror"
+    assert make_study(table, tmp_path).cases[0].lattice.atoms == (40, 80)

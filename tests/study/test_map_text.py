@@ -1,0 +1,148 @@
+"""Height maps as text: what parts the numbers, what the decimal sign is, what is no map."""
+
+import gzip
+
+import numpy as np
+import pytest
+
+from contact_study.errors import InputError
+from contact_study.physics.height_maps.height_map import read_height_map
+
+HEIGHTS = np.round(np.random.default_rng(5).normal(0, 20, (6, 8)), 3)
+SIZE = (6e-6, 8e-6)
+
+
+def table(separator, decimal=".", end=""):
+    rows = (separator.join(f"{value:.3f}" for value in row) + end for row in HEIGHTS)
+    return "\n".join(rows).replace(".", decimal) + "\n"
+
+
+def read(path, **keys):
+    return read_height_map(path, **keys)
+
+
+def refused(path, **keys):
+    with pytest.raises(InputError) as failure:
+        read(path, **keys)
+    assert "\n" not in str(failure.value)
+    return str(failure.value)
+
+
+@pytest.mark.parametrize(
+    ("separator", "decimal", "end"),
+    [
+        (",", ".", ""),
+        (", ", ".", ""),
+        (",", ".", ","),
+        (";", ".", ""),
+        (";", ",", ";"),
+        ("; ", ",", ""),
+        ("\t", ".", ""),
+        ("\t", ",", ""),
+        (" ", ",", ""),
+        ("  ", ".", " "),
+    ],
+)
+def test_what_parts_the_numbers_and_their_decimal_sign(tmp_path, separator, decimal, end):
+    (tmp_path / "map.csv").write_text("# of a profiler\n" + table(separator, decimal, end))
+    found = read(tmp_path / "map.csv", height_unit="nm", size=SIZE)
+    np.testing.assert_allclose(found.heights, 1e-9 * HEIGHTS, rtol=1e-12)
+
+
+def test_whole_numbers_between_commas(tmp_path):
+    (tmp_path / "map.csv").write_text("1,2,3,4\n" * 4)
+    np.testing.assert_array_equal(read(tmp_path / "map.csv", size=SIZE).heights, [[1, 2, 3, 4]] * 4)
+
+
+def test_an_empty_cell_is_a_missing_height(tmp_path):
+    rows = table(";", ",").splitlines()
+    rows[1] = rows[1].rpartition(";")[0] + ";"
+    rows[3] = ";" + rows[3].partition(";")[2]
+    (tmp_path / "map.csv").write_text("\n".join(rows))
+    missing = np.argwhere(np.isnan(read(tmp_path / "map.csv", size=SIZE).heights))
+    np.testing.assert_array_equal(missing, [[1, 7], [3, 0]])
+
+
+def test_names_of_rows_and_columns_are_no_heights(tmp_path):
+    (tmp_path / "map.csv").write_text(",0,1,2,3\n" + "".join(f"{row},1.5,2,3,4\n" for row in range(4)))
+    assert "map.csv begins with an empty cell; leave out names" in refused(tmp_path / "map.csv", size=SIZE)
+
+
+@pytest.mark.parametrize("head", ["", "# Channel: Z\n", "x,y,z\n"])
+@pytest.mark.parametrize("separator", [" ", ",", ";", "\t"])
+def test_three_columns_are_points(tmp_path, head, separator):
+    y, x = np.mgrid[:6, :8]
+    points = np.stack([x.ravel(), y.ravel(), HEIGHTS.ravel()], axis=1)[::-1]
+    rows = "\n".join(separator.join(f"{value:.3f}" for value in row) for row in points)
+    (tmp_path / "map.txt").write_text(head + rows)
+    found = read(tmp_path / "map.txt", height_unit="nm", lateral_unit="um")
+    np.testing.assert_allclose(found.heights, 1e-9 * HEIGHTS, rtol=1e-12)
+    assert found.size == pytest.approx(SIZE, abs=0, rel=1e-9)
+    assert "missing key surface.lateral_unit" in refused(tmp_path / "map.txt", height_unit="nm")
+
+
+def test_a_table_of_three_columns_with_its_sides_is_too_small(tmp_path):
+    (tmp_path / "map.txt").write_text("# Width: 1 um\n# Height: 2 um\n" + "1 2 3\n" * 5)
+    assert "holds an array of shape (5, 3); expected at least 4 x 4" in refused(tmp_path / "map.txt")
+
+
+@pytest.mark.parametrize(
+    "head", ["X[um] Y[um] Z[nm]\n", "X (um); Y (um); Z (nm)\n", "# Lateral units: um\n# Value units: nm\n"]
+)
+def test_points_with_units(tmp_path, head):
+    y, x = np.mgrid[:6, :8]
+    rows = "\n".join(f"{a} {b} {h}" for a, b, h in zip(x.ravel(), y.ravel(), HEIGHTS.ravel(), strict=True))
+    (tmp_path / "map.txt").write_text(head + rows)
+    found = read(tmp_path / "map.txt")
+    np.testing.assert_allclose(found.heights, 1e-9 * HEIGHTS, rtol=1e-12)
+    assert found.size == pytest.approx(SIZE, abs=0, rel=1e-9)
+    assert found.unit == "nm, its file"
+
+
+def test_a_header_in_another_language_with_decimal_commas(tmp_path):
+    head = "# Kanal: Höhe\n# Breite: 8,00 µm\n# Höhe: 6,00 µm\n# Value units: nm\n"
+    (tmp_path / "map.txt").write_text(head + table("\t", ","), encoding="utf-8")
+    found = read(tmp_path / "map.txt")
+    np.testing.assert_allclose(found.heights, 1e-9 * HEIGHTS[::-1], rtol=1e-12)  # the first row is the top
+    assert found.size == pytest.approx(SIZE, abs=0, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("text", "points"), [("1\n2\n3\n4\n5\n", 5), ("0 1\n1 2\n2 1\n3 1\n", 4), ("0,1;2,5\n" * 9, 9)]
+)
+def test_line_scans_are_named(tmp_path, text, points):
+    (tmp_path / "line.txt").write_text(text)
+    said = refused(tmp_path / "line.txt", size=SIZE)
+    assert f"holds a line scan ({points} points); a map (rows x columns) is needed" in said
+
+
+def test_what_is_no_number_is_shown(tmp_path):
+    """Between numbers no line is left out: SurfaceTopography's reader would do so."""
+    (tmp_path / "map.txt").write_text("1 2 3 4\nheights in nm\n" + "1 2 3 4\n" * 4)
+    assert "the line 'heights in nm'" in refused(tmp_path / "map.txt", size=SIZE)
+
+
+def test_rows_of_other_lengths_are_damage(tmp_path):
+    (tmp_path / "map.txt").write_text("1 2 3 4\n" * 5 + "1 2")
+    said = refused(tmp_path / "map.txt", size=SIZE)
+    assert "map.txt cannot be read (the number of columns changed from 4 to 2 at row 6)" in said
+
+
+@pytest.mark.parametrize("name", ["map.txt.gz", "map.npy.gz", "map.csv.GZ"])
+def test_compressed_files(tmp_path, name):
+    if ".npy" in name:
+        np.save(tmp_path / "map.npy", HEIGHTS)
+        content = (tmp_path / "map.npy").read_bytes()
+    else:
+        content = table("," if ".csv" in name else " ").encode()
+    (tmp_path / name).write_bytes(gzip.compress(content))
+    found = read(tmp_path / name, height_unit="nm", size=SIZE)
+    np.testing.assert_allclose(found.heights, 1e-9 * HEIGHTS, rtol=1e-12)
+    assert f"{tmp_path / name} holds one map" in refused(tmp_path / name, channel=3, size=SIZE)
+
+
+def test_damaged_compressed_files(tmp_path):
+    whole = gzip.compress(table(" ").encode())
+    for content in (whole[:-20], b"no gzip"):
+        (tmp_path / "map.txt.gz").write_bytes(content)
+        assert "map.txt.gz cannot be read" in refused(tmp_path / "map.txt.gz", size=SIZE)

@@ -1,0 +1,162 @@
+"""What is said of a measured map before anything runs: its numbers, and what of them cannot be meant."""
+
+import numpy as np
+import pytest
+
+from contact_study.errors import InputError
+from contact_study.physics.height_maps.description import described, doubts, law_in_words, taken
+from contact_study.physics.roughness.power_law import SelfAffineFit
+from contact_study.physics.surfaces.realisation import realise
+from contact_study.physics.surfaces.scales import scales_of
+from contact_study.study.checks.plausibility import review
+from contact_study.study.study import make_study
+from tests.study.test_study import TABLE, changed
+
+
+@pytest.fixture(scope="module")
+def heights():
+    """In m, periodic on 2 µm; self-affine with H = 0.8 from 500 nm to 20 nm."""
+    keys = {"size": "2 um", "shape": [512, 512], "rms_height": "10 nm", "roll_off_mode": 4, "cutoff_mode": 100}
+    table = changed("surface", **keys, seed=2)
+    table["interaction"] = {"law": "hard_wall"}
+    return realise(make_study(table).cases[0]).sampled
+
+
+def study_of(folder, heights, **keys):
+    np.save(folder / "map.npy", heights)
+    surface = {"kind": "file", "path": "map.npy", "size": "2 um", **keys}
+    table = {"material": TABLE["material"], "interaction": {"law": "hard_wall"}, "loading": TABLE["loading"]}
+    return make_study({**table, "surface": surface}, folder)
+
+
+def notes(folder, heights, **keys):
+    study = study_of(folder, heights, **keys)
+    return review(study, scales_of(study))
+
+
+def test_a_periodic_map_is_taken_without_a_word(tmp_path, heights):
+    assert notes(tmp_path, heights) == []
+
+
+def test_edges_that_do_not_meet(tmp_path, heights):
+    part = heights[:256, :256]
+    (line,) = notes(tmp_path, part, size="1 um")
+    assert "do not meet" in line
+    assert 'surface.edges = "mirror"' in line
+    assert notes(tmp_path, part, size="1 um", edges="mirror") == []
+    assert notes(tmp_path, part, size="1 um", edges="window") == []
+
+
+@pytest.mark.parametrize("edges", ["periodic", "mirror", "window"])
+def test_what_is_told_of_a_map_is_its_own_whatever_becomes_of_its_edges(tmp_path, heights, edges):
+    (scales,) = scales_of(study_of(tmp_path, heights[:256, :256], size="1 um", edges=edges))
+    part = scales_of(study_of(tmp_path, heights, edges=edges))[0].sample.rms_slope
+    assert scales.sample.rms_slope == pytest.approx(part, abs=0, rel=0.1)  # a quarter of the surface
+    assert scales.rms_curvature == scales.sample.rms_curvature
+    assert scales.sample.fit.hurst_exponent == pytest.approx(0.8, abs=0.1)
+    if edges == "periodic":
+        assert scales.rms_slope > 1.3 * part
+        (line,) = doubts("map.npy", scales)
+        words = f"has an rms slope of {scales.rms_slope:.3g} in place of {scales.sample.rms_slope:.3g};"
+        assert words in line
+
+
+def test_points_or_waves_that_are_left_out_do_not_count(tmp_path, heights):
+    whole, lowpass, fewer = (
+        scales_of(study_of(tmp_path, heights[:256, :256], size="1 um", **keys))[0].sample.rms_slope
+        for keys in ({}, {"lowpass": "40 nm"}, {"resample": [50, 50]})
+    )
+    assert lowpass < 0.9 * whole
+    assert fewer == pytest.approx(lowpass, abs=0, rel=1e-9)
+
+
+def law(hurst, uncertainty):
+    return law_in_words(SelfAffineFit(hurst, uncertainty, 1e7, 1e9, 1e-30))
+
+
+def test_laws_that_are_no_self_affine_surfaces():
+    assert law(0.8, 0.05) == "Hurst exponent 0.80 ± 0.05"
+    assert law(1.1, 0.2) == "Hurst exponent 1.10 ± 0.20"
+    assert law(1.9, 0.1).startswith("C falls as q^-5.8 ± 0.2, steeper, as of filtered surfaces")
+    assert law(-0.7, 0.1).startswith("C falls as q^-0.6 ± 0.2, flatter, as of noise")
+
+
+def test_a_mirrored_map_has_the_law_of_the_whole(tmp_path, heights):
+    study = study_of(tmp_path, heights[:256, :256], size="1 um", edges="mirror")
+    fit = scales_of(study)[0].sample.fit
+    # A quarter of the surface; the roll-off is among two waves a side.
+    assert fit.hurst_exponent == pytest.approx(0.8, abs=0.05)
+    assert 2 * np.pi / fit.cutoff == pytest.approx(20e-9, abs=0, rel=0.03)
+    assert 2 * np.pi / fit.roll_off == pytest.approx(500e-9, abs=0, rel=0.3)
+
+
+@pytest.mark.parametrize(("scale", "size"), [(1e9, "2000 m"), (1e-9, "2 um")])
+def test_heights_of_the_wrong_order(tmp_path, heights, scale, size):
+    """Metres for nanometres in all three directions leave every slope as it is."""
+    (line,) = notes(tmp_path, scale * heights, size=size)
+    assert "are its units right (heights in m, default, cell of 2" in line
+    assert "rms heights of " in line
+    assert ("a cell of 2000 x 2000 m" in line) == (size == "2000 m")
+    assert ("an rms slope of " in line) == (size == "2 um")
+
+
+def test_a_cell_or_a_slope_alone_is_asked_about(tmp_path, heights):
+    """What software that takes one unit for another makes of a map: 160 m, a slope of 4e-7."""
+    (line,) = notes(tmp_path, 2e-4 * heights)
+    assert "map.npy has an rms slope of 6.2e-05; are its units right" in line
+    (line,) = notes(tmp_path, 10 * heights, size="0.2 m")
+    assert "map.npy has a cell of 200 x 200 mm and an rms slope of 3.1e-05" in line
+
+
+def test_metres_for_nanometres_of_height_alone_are_refused(tmp_path, heights):
+    with pytest.raises(InputError, match=r"surface\.height_unit"):
+        notes(tmp_path, 1e9 * heights)
+
+
+def test_noise_of_single_points(tmp_path, heights):
+    noisy = heights + 3e-10 * np.random.default_rng(1).standard_normal(heights.shape)
+    (line,) = notes(tmp_path, noisy)
+    assert "noise in single points" in line
+    advice = line.partition("surface.lowpass = ")[2].partition('"')[2].partition('"')[0]
+    assert notes(tmp_path, noisy, lowpass=advice) == []
+
+
+def test_noise_is_told_from_four_octaves_on(tmp_path):
+    noise = 1e-11 * np.random.default_rng(1).standard_normal((64, 64))
+    assert "noise in single points" in notes(tmp_path, noise)[0]
+    assert notes(tmp_path, noise[:16, :16]) == []
+
+
+def test_steep_maps_are_warned_of(tmp_path, heights):
+    (line,) = notes(tmp_path, 5 * heights)
+    assert "rms slope" in line
+
+
+def test_what_was_taken_is_said_once_for_each_map(tmp_path, heights):
+    torn = heights.copy()
+    torn[:10, :100] = np.nan
+    table = study_of(tmp_path, torn, fill="harmonic").table
+    table["sweep"] = {"material.poissons_ratio": [0.2, 0.3]}
+    study = make_study(table, tmp_path)
+    lines = taken(study.cases, scales_of(study))
+    assert len(lines) == 3
+    assert "512 x 512 points, spacing 3.906 x 3.906 nm, size 2 x 2 µm (y, x), 0.381 % filled" in lines[0]
+    said = float(lines[1].partition("h_rms ")[2].partition(" nm")[0])
+    assert said == pytest.approx(1e9 * heights.std(), abs=0, rel=0.01)  # 0.4 % of the points are others
+    assert "Hurst exponent 0.8" in lines[2]
+    table["sweep"] = {"surface.lowpass": ["40 nm", "80 nm"]}
+    study = make_study(table, tmp_path)
+    assert len(taken(study.cases, scales_of(study))) == 5  # the first line is the same for both
+
+
+def test_other_kinds_are_not_said():
+    study = make_study(changed("surface"))
+    assert taken(study.cases, scales_of(study)) == []
+    assert doubts("none", scales_of(study)[0]) == []
+
+
+def test_a_flat_map_is_described(tmp_path):
+    study = study_of(tmp_path, np.zeros((8, 8)))
+    (scales,) = scales_of(study)
+    assert "h_rms 0 pm" in described(scales.measured, scales.sample)[1]
+    assert review(study, scales_of(study)) == []

@@ -1,0 +1,259 @@
+"""Numbers that do not fit each other are named before any work, in one line; soft and weak laws are not refused."""
+
+import re
+
+import numpy as np
+import pytest
+
+from contact_study.errors import InputError
+from contact_study.physics.surfaces.scales import scales_of
+from contact_study.study.checks.plausibility import contact_stress, review, squeeze
+from contact_study.study.study import make_study
+from tests.study.test_study import changed, of_another_kind
+
+
+def table_of(**sections):
+    table = changed("study")
+    if "kind" in sections.get("surface", {}):
+        of_another_kind(table)
+    for name, keys in sections.items():
+        table.setdefault(name, {}).update(keys)
+    if "work_of_adhesion" in table["interaction"]:
+        table["interaction"].pop("well_depth", None)
+    return table
+
+
+def notes_of(**sections):
+    study = make_study(table_of(**sections))
+    return review(study, scales_of(study))
+
+
+def test_the_papers_study_is_plausible():
+    assert notes_of() == []
+
+
+LEGITIMATE = {
+    "rubber with an atomic law": {
+        "material": {"youngs_modulus": "2 MPa", "poissons_ratio": 0.5},
+        "interaction": {"work_of_adhesion": "0.05 J/m^2", "length": "0.3 nm", "contact_distance": "0.4 nm"},
+        "surface": {"size": "100 um", "rms_height": "1 um"},
+        "loading": {"path": ["1 kPa", "100 kPa"]},
+    },
+    "rubber with a long range": {
+        "material": {"youngs_modulus": "20 MPa"},
+        "interaction": {"work_of_adhesion": "0.05 J/m^2", "length": "2 nm", "contact_distance": "3 nm"},
+        "surface": {"size": "100 um", "rms_height": "1 um"},
+        "loading": {"path": ["250 kPa"]},
+    },
+    "steel that hardly attracts": {
+        "material": {"youngs_modulus": "210 GPa"},
+        "interaction": {"work_of_adhesion": "1 mJ/m^2"},
+        "surface": {"rms_height": "1 nm"},
+        "loading": {"path": ["1 MPa"]},
+    },
+    "a micrometre's reach": {
+        "material": {"youngs_modulus": "1 GPa"},
+        "interaction": {"work_of_adhesion": "1 mJ/m^2", "length": "1 um", "contact_distance": "1.2 um"},
+        "surface": {"size": "100 um", "rms_height": "0.01 um"},
+        "loading": {"path": ["10 Pa"]},
+    },
+    "a hundredth of the paper's adhesion": {"interaction": {"well_depth_ratio": 0.01}},
+    "a ripple of a thousandth of an angstrom": {"surface": {"kind": "wavy", "amplitude": "0.001 angstrom"}},
+}
+
+
+@pytest.mark.parametrize("sections", LEGITIMATE.values(), ids=LEGITIMATE)
+def test_soft_and_weak_laws_pass_without_a_word(sections):
+    assert notes_of(**sections) == []
+
+
+def test_steep_surfaces_are_said():
+    (note,) = notes_of(surface={"rms_height": "50 angstrom"})  # the paper's slope of 0.27, fivefold
+    assert "rms slope 1.31" in note
+    table = table_of()
+    table["sweep"] = {"surface.rms_height": ["10 angstrom", "50 angstrom", "100 angstrom"]}
+    study = make_study(table)
+    (note,) = review(study, scales_of(study))
+    assert "rms slope 2.62" in note
+    assert "2 of 3 points of the sweep" in note
+
+
+IMPOSSIBLE = [
+    ({"surface": {"size": "10.4 nm", "rms_height": "200 m"}}, "surface.rms_height"),
+    ({"surface": {"kind": "wavy", "size": "10.4 nm", "amplitude": "200 m"}}, "surface.amplitude"),
+    ({"surface": {"kind": "sphere", "radius": "0.01 nm"}}, "surface.radius"),
+    ({"interaction": {"well_depth_ratio": 1e-12}}, "interaction"),
+    ({"loading": {"path": ["1e30 Pa"]}}, "interaction"),
+]
+
+
+@pytest.mark.parametrize(("sections", "culprit"), IMPOSSIBLE)
+def test_absurd_numbers_are_refused_in_one_line(sections, culprit):
+    with pytest.raises(InputError, match=culprit) as failure:
+        notes_of(**sections)
+    assert "\n" not in str(failure.value)
+
+
+def test_heights_in_the_wrong_unit(tmp_path):
+    heights = np.random.default_rng(0).standard_normal((16, 16))  # metres, unless said otherwise
+    np.save(tmp_path / "map.npy", heights)
+    table = table_of(surface={"kind": "file", "path": "map.npy", "shape": [16, 16]})
+    study = make_study(table, tmp_path)
+    with pytest.raises(InputError, match=r"surface\.height_unit"):
+        review(study, scales_of(study))
+    table["surface"]["height_unit"] = "angstrom"
+    study = make_study(table, tmp_path)
+    assert review(study, scales_of(study)) == []
+
+
+def test_weak_laws_are_said():
+    assert len(notes_of(interaction={"well_depth_ratio": 1e-6})) == 1
+    notes = notes_of(interaction={"well_depth_ratio": 1e-5})
+    assert len(notes) == 1
+    assert "pressed to 0.3" in notes[0]
+    notes = notes_of(interaction={"well_depth_ratio": 1e-8})
+    assert len(notes) == 2
+    assert "below the residual stress that solver.tolerance leaves" in notes[1]
+    assert len(notes_of(interaction={"well_depth_ratio": 1e-8}, solver={"tolerance": 1e-12})) == 1
+
+
+def test_squeeze_is_where_the_law_carries_the_contact():
+    study = make_study(table_of(interaction={"well_depth_ratio": 1e-5}))
+    (case,), (scale,) = study.cases, scales_of(study)
+    stress = contact_stress(case, scale)
+    assert stress == pytest.approx(0.5 * case.material.contact_modulus * scale.rms_slope)
+    at = squeeze(case.law, stress) * case.law.equilibrium_distance
+    assert case.law.traction(np.array(at)) == pytest.approx(-stress, rel=1e-9)
+
+
+@pytest.mark.parametrize("unit", [1.0, 1e3])
+def test_no_unit_is_favoured(unit):
+    """Every length a thousandfold, every stress as it was: the same words, but for the numbers in them."""
+    table = table_of(interaction={"well_depth_ratio": 1e-5}, surface={"rms_height": "50 angstrom"})
+    plain = make_study(table)
+    table["surface"] |= {"size": 104e-9 * unit, "rms_height": 50e-10 * unit}
+    table["interaction"] = {
+        "work_of_adhesion": plain.cases[0].work_of_adhesion * unit,
+        "length": 3.28e-10 * unit,
+        "contact_distance": 3.68e-10 * unit,
+    }
+    scaled = make_study(table)
+    assert review(scaled, scales_of(scaled)) == review(plain, scales_of(plain))
+
+
+def test_coarse_grids_say_what_a_map_loses(tmp_path):
+    y, x = np.arange(32)[:, None] / 32, np.arange(32)[None, :] / 32
+    long, short = np.cos(2 * np.pi * x) + 0 * y, np.cos(2 * np.pi * 6 * y) + 0 * x
+    np.save(tmp_path / "map.npy", 3 * long + short)
+    keys = {"kind": "file", "path": "map.npy", "height_unit": "angstrom"}
+    said = {}
+    for shape in ([32, 32], [64, 32], [8, 32], [12, 8]):
+        study = make_study(table_of(surface={**keys, "shape": shape}), tmp_path)
+        said[tuple(shape)] = review(study, scales_of(study))
+    assert said[32, 32] == said[64, 32] == []
+    # The wave of six periods along y is lost on eight points there: of the variances 9/2 and 1/2 the first is left,
+    # of the slopes' 9/2 and 36/2 likewise.
+    (note,) = said[8, 32]
+    assert f"({100 * (np.sqrt(9 / 10) - 1):+.2g} %)" in note
+    assert f"({100 * (np.sqrt(9 / 45) - 1):+.2g} %)" in note
+    assert "surface.shape = [8, 32] is coarser than the height map map.npy" in note
+
+
+def test_less_than_a_per_cent_of_a_map_is_lost_without_a_word(tmp_path):
+    y, x = np.arange(32)[:, None] / 32, np.arange(32)[None, :] / 32
+    long, short = np.cos(2 * np.pi * x) + 0 * y, np.cos(2 * np.pi * 6 * y) + 0 * x
+    keys = {"kind": "file", "path": "map.npy", "height_unit": "angstrom", "shape": [8, 32]}
+    for part, said in ((1e-16, 0), (0.03, 0), (0.1, 1)):
+        np.save(tmp_path / "map.npy", 3 * long + part * short)
+        study = make_study(table_of(surface=keys), tmp_path)
+        notes = review(study, scales_of(study))
+        assert len(notes) == said
+    # The root of 3² and (6 · 0.1)² loses 1.9 % with the short wave, that of 3² and 0.1² nothing to speak of.
+    assert re.search(r"becomes \S+ \S+ \(the same\), rms slope \S+ becomes \S+ \(-\S+ %\)", notes[0])
+
+
+def test_a_load_above_the_contact_modulus_is_named():
+    (note,) = (line for line in notes_of(material={"youngs_modulus": 2}) if "loading.path" in line)
+    modulus = 2 / (1 - 0.42**2)
+    assert f"a pressure of 1 GPa is {1e9 / modulus:.2g} times the contact modulus, 2.43 Pa" in note
+    assert "are the units of loading.path and material.youngs_modulus right?" in note
+    assert not any("loading.path" in line for line in notes_of(loading={"path": ["90 GPa"]}))
+
+
+def test_keys_without_effect_on_a_wall_are_said():
+    (note,) = notes_of(interaction={"law": "hard_wall"})
+    assert note.startswith("interaction.well_depth, interaction.length, interaction.contact_distance: without effect")
+    table = table_of()
+    table["interaction"] = {"law": "hard_wall"}
+    study = make_study(table)
+    assert review(study, scales_of(study)) == []
+
+
+VISCOELASTIC = {"kind": "viscoelastic", "branch_youngs_moduli": [1e9], "relaxation_times": [1.0]}
+
+
+@pytest.mark.parametrize(
+    ("idle", "used", "words"),
+    [
+        (
+            {"loading": {"adaptive": True}, "interaction": {"law": "hard_wall"}},
+            {"loading": {"adaptive": True}},
+            r"loading\.adaptive = true: without effect; it belongs to laws that attract",
+        ),
+        (
+            {"loading": {"resolution": 0.02}},
+            {"loading": {"resolution": 0.02, "adaptive": True}},
+            r"loading\.resolution: without effect; it belongs to loading\.adaptive = true",
+        ),
+        (
+            {"loading": {"time_steps": 5}},
+            {"loading": {"time_steps": 5, "duration": 1.0}, "elasticity": VISCOELASTIC},
+            r'loading\.time_steps: without effect; it belongs to elasticity\.kind = "viscoelastic"',
+        ),
+    ],
+)
+def test_keys_of_the_loading_without_effect_are_said(idle, used, words):
+    # Those of the interaction have no effect on the wall either.
+    (note,) = (note for note in notes_of(**idle) if not note.startswith("interaction."))
+    assert re.fullmatch(words, note)
+    assert notes_of(**used) == []
+
+
+def test_keys_without_effect_at_some_points_of_a_sweep_are_said():
+    table = table_of(loading={"resolution": 0.02})
+    table["sweep"] = {"loading.adaptive": [True, False]}
+    study = make_study(table)
+    (note,) = review(study, scales_of(study))
+    assert "without effect (1 of 2 points of the sweep, such as adaptive = False)" in note
+
+
+def tabulated(low, high, modulus, **keys):
+    """A half-space of a modulus (Pa) as a table between two wavenumbers, with units if they have some."""
+    q = np.geomspace(low, high, 5)
+    return {"kind": "tabulated", "wavenumber": q.tolist(), "stiffness": (0.5 * modulus * q).tolist()} | keys
+
+
+def test_tables_of_a_stiffness_that_leave_out_waves_of_the_grid_are_said():
+    """The paper's cell of 1040 Å has waves from 2π/1040 Å on, down to two grid spacings."""
+    (case,) = make_study(table_of()).cases
+    ends = 2 * np.pi / 104e-9, np.pi * case.surface.shape[0] / 104e-9
+    modulus = case.material.contact_modulus
+    assert notes_of(elasticity=tabulated(*ends, modulus)) == []
+    for factor in (1e-9, 1e9):  # nm⁻¹ read as m⁻¹, and the other way about: the modulus changes as its unit does
+        (note,) = notes_of(elasticity=tabulated(factor * ends[0], factor * ends[1], modulus))
+        assert note.startswith("elasticity.path: the table holds waves of")
+        assert f"{factor * ends[0]:.3g} to {factor * ends[1]:.3g} m^-1" in note
+        assert f"waves of {ends[0]:.3g} to {ends[1]:.3g} m^-1:" in note
+        assert "\n" not in note
+    for part in ((1.1 * ends[0], ends[1]), (ends[0], 0.9 * ends[1])):
+        assert len(notes_of(elasticity=tabulated(*part, modulus))) == 1
+
+
+def test_tables_of_another_modulus_than_the_materials_are_said():
+    (case,) = make_study(table_of()).cases
+    ends = 2 * np.pi / 104e-9, np.pi * case.surface.shape[0] / 104e-9
+    modulus = case.material.contact_modulus
+    for ratio, said in ((0.4, True), (0.6, False), (1.8, False), (2.2, True)):
+        notes = notes_of(elasticity=tabulated(*ends, ratio * modulus))
+        assert len(notes) == said
+        assert all(f"the table's E* is {ratio * modulus:.3g} Pa" in note for note in notes)

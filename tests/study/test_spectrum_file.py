@@ -1,0 +1,143 @@
+"""Spectra from files: text with a header, NetCDF, and what is refused in one line."""
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from contact_study.errors import InputError
+from contact_study.study.study import make_study
+from theory import read_spectrum
+
+Q, POWER = np.array([1.5e8, 4.5e8, 1.8e9]), np.array([2e-35, 2e-35, 1.4e-37])
+HEADER = "q (1/nm), C (nm^4)\n"
+ROWS = "0.15, 20\n0.45, 20\n1.8, 0.14\n"
+STUDY = {
+    "surface": {
+        "kind": "self_affine",
+        "size": "40 nm",
+        "shape": [16, 16],
+        "rms_height": "1 nm",
+        "hurst_exponent": 0.8,
+        "cutoff_mode": 4,
+    },
+    "material": {"youngs_modulus": "77.2 GPa", "poissons_ratio": 0.42},
+    "interaction": {"work_of_adhesion": "0.7 J/m^2", "length": "3.28 angstrom"},
+    "loading": {"path": ["1 GPa"]},
+}
+
+
+def study(folder, sweep=None, **theory):
+    return make_study({**STUDY, "theory": theory, **({"sweep": sweep} if sweep else {})}, folder)
+
+
+def assert_is_the_spectrum(found):
+    np.testing.assert_allclose(found.wavevectors, Q, rtol=1e-12)
+    np.testing.assert_allclose(found.density, POWER, rtol=1e-12)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        HEADER + ROWS,
+        "# made of three points\n# q [nm^-1]  C [nm^4]\n" + ROWS.replace(",", "\t"),
+        "\ufeffq (nm-1);C (nm4);waves (1)\n0.15;20;8\n0.45;20;16\n1.8;0.14;64\n",
+        # Power of none and of rounding at both ends is outside.
+        HEADER + "0.1, 0\n" + ROWS + "2, 1e-30\n3, 0\n",
+    ],
+)
+def test_text_with_a_header(tmp_path, text):
+    (tmp_path / "psd.csv").write_text(text, encoding="utf-8")
+    assert_is_the_spectrum(read_spectrum(tmp_path / "psd.csv"))
+
+
+def test_units_that_the_file_does_not_say(tmp_path):
+    (tmp_path / "psd.txt").write_text(ROWS)
+    assert_is_the_spectrum(read_spectrum(tmp_path / "psd.txt", "nm^-1", "nm^4"))
+    with pytest.raises(InputError, match=r"does not say the unit of its power; give a header.* theory\.density_unit"):
+        read_spectrum(tmp_path / "psd.txt", "nm^-1")
+    (tmp_path / "psd.txt").write_text(HEADER + ROWS)
+    assert_is_the_spectrum(read_spectrum(tmp_path / "psd.txt", "1/nm", "nm^4"))
+    with pytest.raises(InputError, match=r"its power is in nm\^4, the study says m\^4"):
+        read_spectrum(tmp_path / "psd.txt", density_unit="m^4")
+
+
+def test_netcdf_with_units(tmp_path):
+    axis = xr.Variable("k", np.append(Q, np.nan) * 1e-10, {"units": "angstrom-1"})
+    power = xr.Variable("k", np.append(POWER, np.nan), {"units": "m4"})
+    xr.Dataset({"psd": power}, {"k": axis}).to_netcdf(tmp_path / "one.nc")
+    assert_is_the_spectrum(read_spectrum(tmp_path / "one.nc"))
+    several = xr.Dataset({"psd": power, "other": power}, {"k": axis})
+    several.to_netcdf(tmp_path / "two.nc")
+    with pytest.raises(InputError, match=r"2 variables on one dimension \(psd, other\); expected one"):
+        read_spectrum(tmp_path / "two.nc")
+    # As the datasets of the models have it, among others.
+    several.rename(psd="power_spectrum", k="spectrum_wavevector").to_netcdf(tmp_path / "own.nc")
+    assert_is_the_spectrum(read_spectrum(tmp_path / "own.nc"))
+    swept = xr.concat([several.psd, several.psd], "seed").rename("power_spectrum")
+    swept.to_netcdf(tmp_path / "swept.nc")
+    with pytest.raises(InputError, match="power_spectrum stands on seed, k; expected one spectrum"):
+        read_spectrum(tmp_path / "swept.nc")
+
+
+def test_the_study_holds_what_the_file_says(tmp_path):
+    (tmp_path / "psd.csv").write_text(HEADER + ROWS)
+    found = study(tmp_path, spectrum=["analytic", "file"], spectrum_path="psd.csv")
+    section = found.cases[0].theory
+    assert section.spectra == ("analytic", "table")
+    assert_is_the_spectrum(section.table())
+    (tmp_path / "psd.csv").unlink()  # a dataset is read without it
+    assert_is_the_spectrum(make_study(found.table, tmp_path / "elsewhere").cases[0].theory.table())
+
+
+def test_a_sweep_over_spectra_has_the_file_among_them(tmp_path):
+    (tmp_path / "psd.csv").write_text(HEADER + ROWS)
+    found = study(tmp_path, {"theory.spectrum": ["surface", "file"]}, spectrum_path="psd.csv")
+    assert [case.theory.spectra for case in found.cases] == [("surface",), ("table",)]
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        (HEADER + "0.15, 20\n0.45, -20\n1.8, 1\n", r"row 2: power -2e-35 m\^4; must be a positive number"),
+        (HEADER + "0.15, 20\n0.45, nan\n1.8, 1\n", "row 2: power nan"),
+        (HEADER + "0, 20\n0.45, 20\n1.8, 1\n", "row 1: wavevector 0 m"),
+        (HEADER + "0.15, 20\n1.8, 20\n0.45, 1\n", r"row 3: wavevector 4\.5e\+08 m\^-1 after 1\.8e\+09; they must rise"),
+        (HEADER + "0.15, 20\n0.3, 0\n0.45, 3\n", r"row 2: power 0 m\^4 between others"),
+        (HEADER + "0.15, 20\n", "holds 1 rows with power"),
+        (HEADER, "holds no columns of numbers"),
+        ("", "holds no columns of numbers"),
+        (HEADER + "0.15, 20\n0.45\n", "is no table of numbers: line 3 has 1 of them, line 2 has 2"),
+        (HEADER + "\n0.15, 20\n0.45, low\n", "is no table of numbers: line 4 is '0.45, low'"),
+        ("0.15, 20, 3\n0.45, 20, 3\n", "holds 3 columns of numbers"),
+        ("q (1/foo), C (nm^4)\n" + ROWS, r"unit of wavevector = '1 foo\^-1': unknown unit"),
+        ("q (1/nm), C (nm^3)\n" + ROWS, "unit of power.*cannot be converted"),
+        ("q (nm), C (nm^4)\n" + ROWS, "unit of wavevector.*cannot be converted"),
+        (ROWS, "does not say the unit of its wavevector"),
+    ],
+)
+def test_what_is_no_spectrum_is_one_line(tmp_path, text, words):
+    (tmp_path / "psd.csv").write_text(text)
+    with pytest.raises(InputError, match=rf"^theory\.spectrum_path: .*psd\.csv.*{words}") as refused:
+        study(tmp_path, spectrum="file", spectrum_path="psd.csv")
+    assert "\n" not in str(refused.value)
+
+
+@pytest.mark.parametrize(
+    ("theory", "words"),
+    [
+        ({"spectrum": "file"}, r"missing key theory\.spectrum_path"),
+        ({"spectrum": "file", "spectrum_path": "none.csv"}, r"none\.csv cannot be read \(No such file"),
+        ({"spectrum": "file", "spectrum_path": "none.nc"}, r"none\.nc cannot be read \(No such file"),
+        ({"spectrum": "file", "spectrum_path": "words.nc"}, r"words\.nc is no NetCDF file"),
+        ({"spectrum_path": "words.nc"}, 'is given, but theory.spectrum does not name "file"'),
+        (
+            {"spectrum": "file", "spectrum_path": "words.nc", "density": [1e-36]},
+            "give the file or its numbers, not both",
+        ),
+        ({"wavevector_unit": "nm^-1"}, r"theory\.wavevector_unit: belongs to"),
+    ],
+)
+def test_keys_that_do_not_go_together_are_named(tmp_path, theory, words):
+    (tmp_path / "words.nc").write_text("no dataset")
+    with pytest.raises(InputError, match=words):
+        study(tmp_path, **theory)

@@ -1,0 +1,204 @@
+"""Surfaces: one height function for all models, whatever the grid."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from contact_study.errors import InputError
+from contact_study.physics.surfaces.realisation import realise
+from contact_study.study.study import make_study
+from tests.study.test_study import changed
+
+
+def case(**keys):
+    return make_study(changed("surface", **keys)).cases[0]
+
+
+@pytest.mark.parametrize("size", ["1040 angstrom", ["1040 angstrom", "520 angstrom"]])
+def test_more_points_refine_the_same_surface(size):
+    surface = realise(case(size=size, cutoff_mode=5))
+    coarse = surface.heights((64, 62))
+    # Shared points agree to rounding of heights of order rms_height = 1e-9.
+    np.testing.assert_allclose(surface.heights((128, 186))[::2, ::3], coarse, atol=1e-22)
+    assert surface.heights((33, 35)).std() == pytest.approx(coarse.std(), abs=0, rel=1e-12)
+    assert coarse.mean() == pytest.approx(0, abs=1e-22)
+
+
+def test_shape_does_not_change_the_surface():
+    one, two = realise(case(shape=[64, 64])), realise(case(shape=[81, 100]))
+    np.testing.assert_array_equal(one.heights((50, 50)), two.heights((50, 50)))
+
+
+def test_seed_decides():
+    heights = [realise(case(seed=seed)).heights((64, 64)) for seed in (1, 1, 2)]
+    np.testing.assert_array_equal(heights[0], heights[1])
+    assert not np.allclose(heights[0], heights[2], atol=1e-11)
+
+
+def test_larger_cutoff_keeps_the_long_waves():
+    """Amplitudes are drawn in order of |q|; normalisation to the spectrum scales all by one common factor."""
+    short, long = realise(case(cutoff_mode=8)), realise(case(cutoff_mode=16))
+    modes = np.abs(np.fft.rfft2(short.heights((64, 64))))[:6, :6].ravel()[1:]
+    more = np.abs(np.fft.rfft2(long.heights((64, 64))))[:6, :6].ravel()[1:]
+    ratio = more / modes
+    np.testing.assert_allclose(ratio, ratio[0], rtol=1e-9)
+
+
+def test_realised_rms_is_exact():
+    surface = realise(case(normalisation="realised"))
+    assert surface.rms_height == pytest.approx(10e-10, abs=0, rel=1e-12)
+
+
+def test_ensemble_has_the_spectrum_asked_for():
+    """Mean square height and slope over seeds against expectation, within four standard errors."""
+    surfaces = [realise(case(seed=seed)) for seed in range(200)]
+    squares = np.array([surface.rms_height**2 for surface in surfaces])
+    error = squares.std(ddof=1) / np.sqrt(len(squares))
+    assert abs(squares.mean() - 1e-18) < 4 * error
+    slopes = np.array([surface.rms_slope**2 for surface in surfaces])
+    error = slopes.std(ddof=1) / np.sqrt(len(slopes))
+    # The discrete modes up to the cutoff are not the integral: a few per cent at 12 modes.
+    assert abs(slopes.mean() - surfaces[0].spectrum.rms_slope ** 2) < 4 * error + 0.05 * slopes.mean()
+
+
+def test_wave_and_sphere_and_plane():
+    wave = realise(case(kind="wavy", amplitude="1 nm", modes=[2, 0], shape=[64, 32]))
+    y = np.arange(64) / 64
+    np.testing.assert_allclose(wave.heights((64, 32)), 1e-9 * np.cos(4 * np.pi * y)[:, None] + np.zeros(32), atol=1e-22)
+    sphere = realise(case(kind="sphere", radius="1 um", size="104 nm"))
+    heights = sphere.heights((64, 64))
+    assert np.unravel_index(heights.argmax(), heights.shape) == (32, 32)
+    dx = 104e-9 / 64
+    curvature = (heights[32, 33] + heights[32, 31] - 2 * heights[32, 32]) / dx**2
+    assert curvature == pytest.approx(-1e6, rel=1e-9)  # differences of 1e-13 of heights of 1e-9
+    # The mean of the paraboloid over a rectangle is zero; that of the points is (d_y² + d_x²)/12R below it, the error
+    # of the trapezoidal rule.
+    rectangle = realise(case(kind="sphere", radius="1 um", size=["104 nm", "52 nm"])).heights((64, 32))
+    dy, dx = 104e-9 / 64, 52e-9 / 32
+    assert rectangle.mean() == pytest.approx(-(dy**2 + dx**2) / (12 * 1e-6), abs=0, rel=1e-9)
+    assert np.all(realise(case(kind="flat")).heights((5, 6)) == 0)
+
+
+@pytest.fixture
+def bumps():
+    return realise(case(shape=[24, 20], cutoff_mode=4)).heights((24, 20))
+
+
+@pytest.mark.parametrize("name", ["map.npy", "map.txt", "map.nc"])
+def test_height_maps(tmp_path, bumps, name):
+    path = tmp_path / name
+    nanometres = bumps * 1e9 + 3.0
+    if name == "map.npy":
+        np.save(path, nanometres)
+    elif name == "map.txt":
+        np.savetxt(path, nanometres, fmt="%.17g")
+    else:
+        xr.Dataset({"height": (("y", "x"), nanometres, {"units": "nm"})}).to_netcdf(path)
+    keys = {} if name == "map.nc" else {"height_unit": "nm"}
+    chosen = dataclasses.replace(case(kind="file", path=name, shape=[24, 20], **keys), directory=tmp_path)
+    np.testing.assert_allclose(realise(chosen).heights((24, 20)), bumps, atol=1e-22)
+
+
+def test_netcdf_height_map_brings_its_size(tmp_path, bumps):
+    coordinates = {"y": ("y", np.arange(24.0), {"units": "nm"}), "x": ("x", 0.5 * np.arange(20.0), {"units": "nm"})}
+    xr.Dataset({"height": (("y", "x"), bumps, {"units": "m"})}, coordinates).to_netcdf(tmp_path / "map.nc")
+    table = changed("surface", kind="file", path="map.nc")
+    del table["surface"]["size"], table["surface"]["shape"], table["interaction"]["well_depth"]
+    table["interaction"]["work_of_adhesion"] = 0.69
+    surface = realise(make_study(table, tmp_path).cases[0])
+    np.testing.assert_allclose(surface.size, (24e-9, 10e-9), rtol=1e-12)
+    assert surface.shape == (24, 20)
+
+
+def write_netcdf(path, heights, dims, **coordinates):
+    coordinates = {name: (name, np.asarray(values), {"units": "nm"}) for name, values in coordinates.items()}
+    xr.Dataset({"height": (dims, heights, {"units": "m"})}, coordinates).to_netcdf(path)
+
+
+def map_case(tmp_path, **keys):
+    table = changed("surface", kind="file", path="map.nc", **keys)
+    for name in {"size", "shape"} - set(keys):
+        del table["surface"][name]
+    table["interaction"] = {"law": "hard_wall"}
+    return make_study(table, tmp_path).cases[0]
+
+
+@pytest.mark.parametrize("down", [(), ("y",), ("x",), ("y", "x")])
+def test_coordinates_that_decrease(tmp_path, bumps, down):
+    y, x = np.arange(24.0), 0.5 * np.arange(20.0)
+    turned = bumps[:: -1 if "y" in down else 1, :: -1 if "x" in down else 1]
+    y, x = (values[:: -1 if name in down else 1] for name, values in (("y", y), ("x", x)))
+    write_netcdf(tmp_path / "map.nc", turned, ("y", "x"), y=y, x=x)
+    surface = realise(map_case(tmp_path))
+    np.testing.assert_allclose(surface.size, (24e-9, 10e-9), rtol=1e-12)
+    np.testing.assert_allclose(surface.heights((24, 20)), bumps - bumps.mean(), atol=1e-22)
+
+
+@pytest.mark.parametrize("coordinates", [{}, {"y": np.arange(24.0), "x": np.arange(20.0)}])
+def test_dimensions_are_told_by_their_names(tmp_path, bumps, coordinates):
+    write_netcdf(tmp_path / "map.nc", bumps.T, ("x", "y"), **coordinates)
+    keys = {} if coordinates else {"size": ["24 nm", "20 nm"]}
+    surface = realise(map_case(tmp_path, **keys))
+    assert surface.shape == (24, 20)
+    np.testing.assert_allclose(surface.size, (24e-9, 20e-9), rtol=1e-12)
+    np.testing.assert_allclose(surface.heights((24, 20)), bumps - bumps.mean(), atol=1e-22)
+
+
+def test_dimensions_are_told_by_the_attribute_axis(tmp_path, bumps):
+    write_netcdf(tmp_path / "map.nc", bumps.T, ("u", "v"), u=np.arange(20.0), v=np.arange(24.0))
+    with xr.open_dataset(tmp_path / "map.nc") as dataset:
+        dataset = dataset.load()
+    dataset.u.attrs["axis"], dataset.v.attrs["axis"] = "X", "Y"
+    dataset.to_netcdf(tmp_path / "map.nc")
+    assert realise(map_case(tmp_path)).shape == (24, 20)
+
+
+@pytest.mark.parametrize("size", [None, "104 nm"])
+@pytest.mark.parametrize(
+    "x", [np.arange(20.0) ** 1.1, [*range(19), 19.5], np.zeros(20), [*range(19), np.nan], [*range(10), *range(10)]]
+)
+def test_uneven_coordinates_are_refused(tmp_path, bumps, x, size):
+    write_netcdf(tmp_path / "map.nc", bumps, ("y", "x"), y=np.arange(24.0), x=x)
+    with pytest.raises(InputError, match=r"coordinate x .* not evenly spaced"):
+        realise(map_case(tmp_path, **({} if size is None else {"size": size})))
+
+
+def test_rounded_coordinates_are_even(tmp_path, bumps):
+    """Three decimals, and single precision."""
+    x = np.round(np.arange(20) / 3, 3).astype(np.float32)
+    write_netcdf(tmp_path / "map.nc", bumps, ("y", "x"), y=np.arange(24.0), x=x)
+    assert realise(map_case(tmp_path)).size[1] == pytest.approx(20e-9 / 3, abs=0, rel=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("content", "culprit"),
+    [
+        (None, "does not exist"),
+        (b"not numpy", "cannot be read"),
+        (np.full((8, 8), np.nan), "no finite numbers"),
+        (np.zeros(8), r"line scan \(8 points\)"),
+        (np.zeros((2, 8)), r"line scan \(8 points\)"),
+        (np.zeros((3, 8)), "expected at least 4 x 4"),
+    ],
+)
+def test_unusable_height_maps(tmp_path, content, culprit):
+    path = tmp_path / "map.npy"
+    if isinstance(content, bytes):
+        path.write_bytes(content)
+    elif content is not None:
+        np.save(path, content)
+    chosen = dataclasses.replace(case(kind="file", path="map.npy"), directory=tmp_path)
+    with pytest.raises(InputError, match=culprit) as failure:
+        realise(chosen)
+    assert "map.npy" in str(failure.value)
+    assert "\n" not in str(failure.value)
+
+
+def test_truncated_netcdf(tmp_path, bumps):
+    path = tmp_path / "map.nc"
+    xr.Dataset({"height": (("y", "x"), bumps)}).to_netcdf(path)
+    path.write_bytes(path.read_bytes()[:400])
+    with pytest.raises(InputError, match="cannot be read"):
+        realise(dataclasses.replace(case(kind="file", path="map.nc"), directory=tmp_path))

@@ -1,0 +1,66 @@
+"""Reading quantities, whatever the folder holds that keeps the units' definitions."""
+
+import subprocess
+import sys
+
+import pytest
+
+from contact_study import units
+
+
+@pytest.fixture
+def fresh(tmp_path, monkeypatch):
+    monkeypatch.setattr(units, "own_cache_folder", lambda: tmp_path)
+    forget = (units._registry.cache_clear, units._from_text.cache_clear)
+    for each in forget:
+        each()
+    yield tmp_path
+    for each in forget:
+        each()
+
+
+def test_definitions_are_kept_and_damaged_ones_do_no_harm(fresh):
+    assert units.quantity("3 GPa", "Pa", "key") == 3e9
+    kept = [path for path in (fresh / "units").iterdir() if path.is_file()]
+    assert kept
+    for path in kept:
+        path.write_bytes(b"garbage")
+    units._registry.cache_clear()
+    units._from_text.cache_clear()
+    assert units.quantity("2 angstrom", "m", "key") == pytest.approx(2e-10, abs=0, rel=1e-15)
+
+
+def test_definitions_are_not_read_from_a_folder_that_others_may_write(fresh, monkeypatch):
+    """Pint keeps them pickled."""
+    monkeypatch.setenv("BEM_ADHESION_CACHE", str(fresh / "shared"))
+    assert units.quantity("3 GPa", "Pa", "key") == 3e9
+    assert (fresh / "units").is_dir()
+    assert not (fresh / "shared").exists()
+
+
+def test_a_folder_that_cannot_be_made_does_no_harm(fresh, monkeypatch):
+    (fresh / "file").touch()
+    monkeypatch.setattr(units, "own_cache_folder", lambda: fresh / "file" / "below")
+    assert units.quantity("3 GPa", "Pa", "key") == 3e9
+
+
+def test_commands_start_without_dask():
+    """Nor is it kept from those who use it."""
+    code = "import sys, theory.study.model; assert 'dask' not in sys.modules; import dask.array; import pyfftw"
+    pytest.importorskip("dask")
+    subprocess.run([sys.executable, "-c", code], check=True)
+
+
+@pytest.mark.parametrize(
+    ("metres", "words"),
+    [((1e-9,), "1 nm"), ((9.99999e-7,), "1 µm"), ((2e-6, 5e-7), "2 x 0.5 µm"), ((3e-13,), "0.3 pm"), ((42.0,), "42 m")],
+)
+def test_lengths_in_words(metres, words):
+    assert units.length(*metres) == words
+
+
+@pytest.mark.parametrize(
+    ("pascals", "words"), [(-9e9, "-9 GPa"), (1.7241e8, "172 MPa"), (999.9, "1 kPa"), (0.02, "0.02 Pa"), (0.0, "0 Pa")]
+)
+def test_stresses_in_words(pascals, words):
+    assert units.stress(pascals) == words

@@ -1,0 +1,255 @@
+"""The states of the edge flow: all responses at a mean gap in equilibrium; see :mod:`theory.edge_flow.flow`.
+
+All f(u) of all scales are the unknowns of one fixed point: a sweep finds P and N from coarse to fine, s from fine to
+coarse, and the f that are in equilibrium with them. Written with divergences, no second derivative of f occurs and each
+change of f between neighbouring nodes is damped by the implicit step that it acts in: the iteration is as good on fine
+nodes as on coarse ones. Its slowest modes are a few smooth ones (one near −2.4 and a complex pair beyond the unit
+circle under strong adhesion), which Anderson's acceleration deals with; ln f is mixed, weighted by its area.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from contact_study.physics.roughness.spectrum import RoughnessSpectrum
+from contact_study.physics.solids import Elasticity
+from theory.edge_flow.kernels import compare, differences, local_response, sweep
+from theory.numerics.fixed_point import accelerated
+
+# Slope s, level t and pole b of the cost κ(X) = s X + t + (1 − t) b/(X + b) of a modulation on a half-space.
+KERNEL = (0.25, 0.0, 4.0)
+
+# Bounds of the response: contact gives way by K/(K + c), and nothing follows more than some times its wave.
+_LEAST, _LARGEST = 1e-3, 20.0
+
+# Coarse scales in which the distribution is still sharp.
+_SHARP = 6
+
+# Area per scale below which a node's change does not count.
+_UNSEEN = 1e-9
+
+# Largest change of ln f by which a start is extrapolated.
+_FARTHEST = 0.2
+
+# Bands in which the variance is tabulated, to be cut into scales.
+_BANDS = 20000
+
+# Wavenumber of the modulation, in units of the wave's, at which its cost on a solid is compared with the half-space's.
+_MODULATION = 2.0
+
+
+@dataclass(frozen=True)
+class Scales:
+    """Steps of the roughness from fine to coarse, in units of a length and a modulus.
+
+    Attributes
+    ----------
+    stiffness : numpy.ndarray, shape (k,)
+        K, the mean over the height variance, which makes the energy of full contact exact.
+    modulation : numpy.ndarray, shape (k,)
+        g, what a modulation of the wave costs compared with a half-space: 1 there, 0 on springs.
+    square : numpy.ndarray, shape (k,)
+        q², the mean over the height variance, which makes the mean-square slope exact.
+    steps : numpy.ndarray, shape (k,)
+        Height variance Δm.
+    """
+
+    stiffness: np.ndarray
+    modulation: np.ndarray
+    square: np.ndarray
+    steps: np.ndarray
+
+
+def scales_of(spectrum: RoughnessSpectrum, solid: Elasticity, length: float, count: int) -> Scales:
+    """Steps that are short at both ends of the variance, where the data are sharp.
+
+    A long finest step would make the solution fold over in ū.
+
+    Parameters
+    ----------
+    spectrum : RoughnessSpectrum
+        Roughness.
+    solid : Elasticity
+        The solid.
+    length : float
+        Unit of length (m); that of stresses is the contact modulus.
+    count : int
+        Number of steps.
+    """
+    bands = spectrum.band_edges(_BANDS)
+    below = 2 * np.pi * spectrum.moment(1, upper=bands)
+    rising = np.concatenate([[True], np.diff(below) > 0])
+    shares = 0.5 * (1 + np.cos(np.pi * np.arange(count + 1) / count))  # of the variance that is coarser
+    edges = np.interp(shares * below[-1], below[rising], bands[rising])
+    variance = -2 * np.pi * np.diff(spectrum.moment(1, upper=edges))
+    # Differences of sums over all waves may be off by their rounding, where steps are as small.
+    square = -2 * np.pi * np.diff(spectrum.moment(3, upper=edges)) / variance
+    stiffness = -2 * np.diff(spectrum.full_contact_energy(solid.stiffness, edges)) / variance
+    every = solid.stiffness(bands)
+    square = np.clip(square, bands[0] ** 2, bands[-1] ** 2)
+    stiffness = np.clip(stiffness, every.min(), every.max())
+    return Scales(
+        stiffness * length / solid.contact_modulus,
+        modulation_cost(solid, np.sqrt(square)),
+        square * length**2,
+        variance / length**2,
+    )
+
+
+def modulation_cost(solid: Elasticity, wavenumber: np.ndarray) -> np.ndarray:
+    """What a modulation of a wave costs, compared with a half-space: g = 1 there, 0 where all waves are as stiff.
+
+    A modulation p of a wave q makes waves q + p. In second order 1/(K(q) + c) becomes the mean of 1/(K(|q + p|) + c)
+    over directions, by which K(q) seems to grow. Its growth at p = 2q and c = K(q) is divided by the half-space's;
+    where long waves are the stiffer ones, as on a thin incompressible layer, a modulation is taken to cost nothing.
+
+    Parameters
+    ----------
+    solid : Elasticity
+        The solid.
+    wavenumber : numpy.ndarray
+        q (1/m).
+    """
+    angles = (np.arange(64) + 0.5) * np.pi / 64  # the midpoint rule converges exponentially on a period
+    together = np.sqrt(1 + _MODULATION**2 + 2 * _MODULATION * np.cos(angles))
+
+    def growth(relative: np.ndarray) -> np.ndarray:
+        return 1 / np.mean(1 / (relative + 1), axis=-1) - 2
+
+    relative = solid.stiffness(wavenumber[:, None] * together) / solid.stiffness(wavenumber)[:, None]
+    return np.maximum(growth(relative) / growth(together), 0.0)
+
+
+@dataclass(frozen=True)
+class Equilibrium:
+    """The state at one mean gap.
+
+    Attributes
+    ----------
+    gap : float
+        Mean gap ū.
+    weights : numpy.ndarray, shape (n,)
+        Share of the area at each node.
+    elastic : float
+        Elastic energy.
+    change : float
+        Largest change of a scale's mean response in the last sweep.
+    sweeps : int
+        Sweeps that it took.
+    response : numpy.ndarray, shape (k, n)
+        f of each scale.
+    """
+
+    gap: float
+    weights: np.ndarray
+    elastic: float
+    change: float
+    sweeps: int
+    response: np.ndarray
+
+    @cached_property
+    def logarithm(self) -> np.ndarray:
+        """ln f, from which neighbours start."""
+        return np.log(self.response)
+
+
+@dataclass(frozen=True)
+class Problem:
+    """What is in equilibrium: a law on nodes of the gap, and the roughness.
+
+    Parameters
+    ----------
+    gaps : numpy.ndarray, shape (n,)
+        Nodes of the gap.
+    traction : numpy.ndarray, shape (n,)
+        φ' at the nodes.
+    scales : Scales
+        Steps of the roughness, in the units of both.
+    tolerance : float
+        Largest change of a scale's mean response in the last sweep.
+    iterations : int
+        Sweeps of a state at most.
+    kernel : tuple of float
+        Slope, level and pole of κ.
+    """
+
+    gaps: np.ndarray
+    traction: np.ndarray
+    scales: Scales
+    tolerance: float
+    iterations: int
+    kernel: tuple[float, float, float] = KERNEL
+
+    @cached_property
+    def _geometry(self) -> np.ndarray:
+        return differences(self.gaps)
+
+    def local(self) -> np.ndarray:
+        """Response to a law that the finer scales only smooth, shape (k, n): where nothing touches."""
+        response = np.empty((self.scales.steps.size, self.gaps.size))
+        local_response(self._geometry, self.scales.stiffness, self.scales.steps, self.traction, response)
+        return response
+
+    def between(self, states: Sequence[Equilibrium], gap: float) -> np.ndarray:
+        """Response at a mean gap from those at others, shape (k, n): ln f as a polynomial through them of ln ū.
+
+        A mean gap beyond the last state changes ln f of that one by no more than a bound.
+        """
+        places, place = np.log([state.gap for state in states]), np.log(gap)
+        logarithm = np.zeros_like(states[-1].response)
+        for own, state in zip(places, states, strict=True):
+            others = places[places != own]
+            logarithm += np.prod((place - others) / (own - others)) * state.logarithm
+        if not places.min() <= place <= places.max():
+            last = states[-1].logarithm
+            logarithm = last + np.clip(logarithm - last, -_FARTHEST, _FARTHEST)
+        return np.clip(np.exp(logarithm), _LEAST, _LARGEST)
+
+    def solve(self, gap: float, response: np.ndarray) -> Equilibrium:
+        """The state at a mean gap, from a first response."""
+        x, scales = self.gaps, self.scales
+        start = np.zeros(x.size)
+        right = min(max(int(np.searchsorted(x, gap)), 1), x.size - 1)
+        share = (gap - x[right - 1]) / (x[right] - x[right - 1])
+        start[right - 1], start[right] = 1 - share, share
+        weights, gradients = np.empty((2, scales.steps.size + 1, x.size))
+        answer, f = np.empty_like(response), np.empty_like(response)
+        factors = np.empty((scales.steps.size, 3, x.size))
+        weight = np.empty_like(f)
+        elastic = 0.0
+
+        def update(logarithm: np.ndarray) -> tuple[np.ndarray, np.ndarray, float]:
+            nonlocal elastic
+            np.exp(logarithm, out=f)
+            elastic = sweep(
+                x,
+                self._geometry,
+                scales.stiffness,
+                scales.modulation,
+                scales.square,
+                scales.steps,
+                self.kernel,
+                self.traction,
+                start,
+                _SHARP,
+                f,
+                weights,
+                gradients,
+                answer,
+                factors,
+            )
+            change = compare(weights, f, answer, _LEAST, _LARGEST, _UNSEEN, weight)
+            residual = np.log(answer)
+            residual -= logarithm
+            return residual, weight, change
+
+        logarithm, change, count = accelerated(
+            update,
+            np.log(np.clip(response, _LEAST, _LARGEST)),
+            (np.log(_LEAST), np.log(_LARGEST)),
+            self.tolerance,
+            self.iterations,
+        )
+        return Equilibrium(gap, weights[0].copy(), elastic, change, count, np.exp(logarithm))

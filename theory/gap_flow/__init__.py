@@ -1,0 +1,1 @@
+"""Gap-flow theory: roughness added scale by scale to the adhesive law."""

@@ -1,0 +1,244 @@
+"""Gap-flow theory: roughness added scale by scale to the traction-separation law itself.
+
+Akin to J. Joe, Traction Between Rough Surfaces (PhD thesis, University of Michigan, 2021, hdl:2027.42/169927), who adds
+wave after wave to the distribution of the gap by the linear response of block and adhesive law together. Let U(ū) be
+the energy per area at mean gap ū with all roughness of wavevectors above q included; at the finest scale it is the
+law, φ(ū). A wave of height variance dm = 2πqC dq and elastic stiffness K(q), on a half-space E* q/2, relaxes on the
+curvature c = U'' and adds
+
+    ∂U/∂m = ½ K c / (K + c).
+
+Where c < −K the wave is unstable. In equilibrium two states then coexist, and no gap between them: U + ½Kū² is
+replaced by its convex hull (branch "equilibrium"). Without nucleation a patch jumps where its state loses stability:
+U' + Kū is replaced by its running minimum from large gaps downward ("loading") or its running maximum from small gaps
+upward ("unloading").
+
+With v = ½K²/(K + c) an implicit step reads ½K²/v + Δm v'' = K + c_old. The left side is convex and decreasing in v, so
+Newton's method never leaves v > 0 once below the root, and c > −K needs no guard. Its matrix also carries every
+observable of the local gap, whose diffusivity is ½K²/(K+c)² = 2v²/K²; the transposed steps, from coarse to fine, turn
+a mean gap into the distribution of the local gap.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from contact_study.physics.laws.base import TractionLaw
+from contact_study.physics.roughness.spectrum import RoughnessSpectrum
+from contact_study.physics.solids import Elasticity, elasticity_of
+from theory.gap_flow.gap_grid import GapNodes
+from theory.gap_flow.kernels import BRANCHES, flow_through_scales, trace_back
+from theory.gap_flow.pressure_curve import PressureCurve, core_of, positions
+from theory.gap_flow.state import GapState, cumulatives
+
+# Nodes of the gap and bands of wavevectors.
+GAP_FLOW_GAPS, GAP_FLOW_SCALES = 800, 1600
+
+# Iterations of Newton's method in a step, at most.
+_STEP_ITERATIONS = 60
+
+# Height variance of the first step, in units of the law's length squared, and growth of those after it, times the
+# number of scales, until the bands of the spectrum are shorter. Where two states coexist, a step throws an area of the
+# square root of its variance across the end of coexistence, which is put back onto its last node. Finer steps spread it
+# again; the first, which nothing follows on the way back, must spread by less than the distance of two nodes.
+_FIRST_VARIANCE = 1e-5
+_STEP_GROWTH = 500
+
+
+@dataclass(frozen=True)
+class GapFlow(PressureCurve):
+    """The flowed energy: mean pressure over mean gap, and the way back to local gaps.
+
+    Lengths are in units of ``length``, stresses of ``contact_modulus``.
+
+    Attributes
+    ----------
+    law : TractionLaw
+        The law in these units.
+    length, contact_modulus : float
+        The units (m, Pa).
+    branch : str
+        One of :data:`BRANCHES`.
+    gaps : numpy.ndarray, shape (n,)
+        Nodes of the gap.
+    energy : numpy.ndarray, shape (n,)
+        U at the nodes, all roughness included.
+    unconverged_steps : int
+        Steps of the roughness in which Newton's method did not meet its tolerance.
+    """
+
+    law: TractionLaw
+    length: float
+    contact_modulus: float
+    branch: str
+    gaps: np.ndarray
+    energy: np.ndarray
+    unconverged_steps: int
+    _stiffness: np.ndarray
+    _steps: np.ndarray
+    _compliances: np.ndarray
+    _hull: np.ndarray
+
+    @property
+    def steps(self) -> int:
+        """Steps in which the roughness was added."""
+        return self._steps.size
+
+    @property
+    def converged(self) -> bool:
+        """Whether the implicit equations of every step are solved."""
+        return self.unconverged_steps == 0
+
+    @property
+    def _from_contact(self) -> bool:
+        return self.branch == "unloading"
+
+    @cached_property
+    def _nodes(self) -> GapNodes:
+        return GapNodes(self.law, self.gaps)
+
+    @cached_property
+    def mean_gap(self) -> np.ndarray:
+        """Mean gaps, from the law's zero, at which :attr:`pressure` stands, shape (n − 1,) (m)."""
+        return 0.5 * (self.gaps[1:] + self.gaps[:-1]) * self.length
+
+    @cached_property
+    def pressure(self) -> np.ndarray:
+        """p = −∂U/∂ū (Pa)."""
+        return -np.diff(self.energy) / np.diff(self.gaps) * self.contact_modulus
+
+    def states(self, mean_gaps: np.ndarray) -> list[GapState]:
+        """Distribution of the local gap at each mean gap (m), all in one pass from coarse to fine.
+
+        Raises
+        ------
+        ValueError
+            If a mean gap is no number or outside the nodes of the flow.
+        """
+        asked = positions(mean_gaps, self.gaps[0] * self.length, self.gaps[-1] * self.length)
+        reduced = asked / self.length
+        weights = np.zeros((self.gaps.size, reduced.size))
+        right = np.clip(np.searchsorted(self.gaps, reduced), 1, self.gaps.size - 1)
+        share = (reduced - self.gaps[right - 1]) / (self.gaps[right] - self.gaps[right - 1])
+        columns = np.arange(reduced.size)
+        weights[right - 1, columns] = 1 - share
+        weights[right, columns] = share
+        elastic = np.zeros(reduced.size)
+        trace_back(self.gaps, self._stiffness, self._steps, self._compliances, self._hull, weights, elastic)
+        shares = np.ascontiguousarray(weights.T)
+        return [
+            GapState(
+                ("gap_flow",) if self.branch == "equilibrium" else ("gap_flow", self.branch),
+                self._nodes,
+                self.length,
+                self.contact_modulus,
+                float(gap),
+                self.pressure_at(float(gap)),
+                float(energy) * self.contact_modulus * self.length,
+                weight,
+                self.converged,
+                cumulative=below,
+            )
+            for gap, energy, weight, below in zip(asked, elastic, shares, cumulatives(self._nodes, shares), strict=True)
+        ]
+
+
+def gap_flow(
+    spectrum: RoughnessSpectrum,
+    elasticity: Elasticity | float,
+    law: TractionLaw,
+    branch: str = "equilibrium",
+    largest_gap: float = 0.0,
+    gaps: int = GAP_FLOW_GAPS,
+    scales: int = GAP_FLOW_SCALES,
+    iterations: int = _STEP_ITERATIONS,
+) -> GapFlow:
+    """Flow a traction-separation law through a roughness spectrum.
+
+    Parameters
+    ----------
+    spectrum : RoughnessSpectrum
+        Roughness; of a realised surface each shell of modes is a scale.
+    elasticity : Elasticity or float
+        The solid; a number is the contact modulus E* of a half-space (Pa).
+    law : TractionLaw
+        Interaction of smooth surfaces.
+    branch : str, optional
+        ``"equilibrium"``, ``"loading"`` or ``"unloading"``.
+    largest_gap : float, optional
+        Mean gap that the nodes must hold, beyond where surfaces of this roughness touch (m).
+    gaps : int, optional
+        Nodes of the gap.
+    scales : int, optional
+        Bands of wavevectors, at least; wide ones are taken in several steps.
+    iterations : int, optional
+        Newton iterations of a step at most.
+
+    Raises
+    ------
+    ValueError
+        If the branch is unknown or the law has no core.
+
+    Examples
+    --------
+    >>> from theory import LennardJones104, SelfAffineSpectrum, gap_flow
+    >>> spectrum = SelfAffineSpectrum(0.8, 1e-9, 6e7, 1.8e8, 7.2e8)
+    >>> flow = gap_flow(spectrum, 93.7e9, LennardJones104(work_of_adhesion=0.1, length=3.28e-10))
+    >>> state = flow.at_pressure(1e9)
+    >>> 0 < state.fraction_below(3.68e-10) < 1
+    True
+    """
+    if branch not in BRANCHES:
+        raise ValueError(f"branch = {branch!r}: expected one of {', '.join(BRANCHES)}")
+    length = core_of(law)
+    solid = elasticity_of(elasticity)
+    contact_modulus = solid.contact_modulus
+    reduced = law.scaled(length, contact_modulus)
+    x = gap_nodes(spectrum, solid, reduced, length, largest_gap, gaps)
+    stiffness, steps = _scales(spectrum, solid, length, scales)
+    energy = np.array(reduced.potential(x), dtype=float)
+    compliances = np.empty((steps.size, x.size))
+    hull = np.empty((steps.size, x.size), dtype=np.int32)
+    lost = int(flow_through_scales(x, stiffness, steps, BRANCHES.index(branch), iterations, energy, compliances, hull))
+    return GapFlow(reduced, length, contact_modulus, branch, x, energy, lost, stiffness, steps, compliances, hull)
+
+
+def gap_nodes(
+    spectrum: RoughnessSpectrum, solid: Elasticity, law: TractionLaw, length: float, largest_gap: float, count: int
+) -> np.ndarray:
+    """Nodes from deep in the repulsion to far above the roughness, finest where the law varies."""
+    # No patch is pressed by twenty deviations of the stress in full contact. Mean pressures up to the modulus itself
+    # are far more than linear elasticity can make sense of.
+    deviation = float(np.sqrt(spectrum.full_contact_stress_variance(solid.stiffness))) / solid.contact_modulus
+    highest = max(20 * deviation, 1.0) + 5 * law.peak_tensile_stress
+    lowest = float(law.repulsive_gap(np.array(-highest)))
+    roughness = np.sqrt(spectrum.mean_square_height) / length
+    reach = max(5.0 + 11 * roughness, largest_gap / length + 7 * roughness)
+    return lowest + 0.8 * np.sinh(np.linspace(0, np.arcsinh((reach - lowest) / 0.8), count))
+
+
+def _scales(spectrum: RoughnessSpectrum, solid: Elasticity, length: float, count: int) -> tuple[np.ndarray, np.ndarray]:
+    """Stiffness and height variance of each step, fine scales first.
+
+    The stiffness of a band is the mean over its variance, which makes the full-contact energy Σ ½K Δm exact. At the
+    finest scale the steps begin small and grow.
+    """
+    edges = spectrum.band_edges(count)
+    variance = 2 * np.pi * np.diff(spectrum.moment(1, upper=edges))
+    present = variance > 0  # some shells of a filtered surface are below the rounding of the sums
+    variance, at_edges = variance[present], solid.stiffness(edges)
+    bounds = np.sort([at_edges[:-1][present], at_edges[1:][present]], axis=0)
+    energy = 2 * np.diff(spectrum.full_contact_energy(solid.stiffness, edges))[present]
+    mean_stiffness = np.clip(energy / variance, *bounds)  # and others little above it
+    # The implicit Euler step is of first order in the variance; the shells of a realised surface hold much of it.
+    pieces = np.ceil(variance / variance.sum() * 0.4 * count).astype(int)
+    stiffness = np.repeat(mean_stiffness * length / solid.contact_modulus, pieces)[::-1]
+    steps = np.repeat(variance / pieces / length**2, pieces)[::-1]
+    ends = np.cumsum(steps)
+    growth = _STEP_GROWTH / count
+    first = np.log1p(growth * ends[-1] / _FIRST_VARIANCE) / np.log1p(growth)
+    grown = _FIRST_VARIANCE * np.expm1(np.log1p(growth) * np.arange(first)) / growth
+    edges = np.union1d(ends, grown)
+    inside = np.searchsorted(ends, 0.5 * (edges[1:] + edges[:-1]))
+    return stiffness[inside], np.diff(edges)

@@ -1,0 +1,207 @@
+"""Distribution of the local gap in a theory that knows it, and what is read off it."""
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from scipy.interpolate import PchipInterpolator, PPoly
+
+from contact_study.physics.laws.base import TractionLaw
+from theory.gap_flow.gap_grid import GapNodes
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+# Relative change of the area and of the mean gap that the rounding of some thousand steps explains.
+_KEPT = 1e-6
+
+# Area of a node below which default bins need not reach it.
+_SEEN = 1e-9
+
+# Weights below it are none: a state at a gap far beyond the roughness falls off through all numbers.
+_NO_WEIGHT = 1e-200
+
+
+def cumulatives(nodes: GapNodes, weights: np.ndarray) -> list[PPoly]:
+    """Area below a gap of every state, monotone between the ends of the nodes' intervals.
+
+    Parameters
+    ----------
+    nodes : GapNodes
+        The nodes.
+    weights : numpy.ndarray, shape (states, n)
+        Fraction of the area at each node.
+    """
+    # Quotients of the interpolation overflow where a weight is next to no number.
+    seen = np.where(np.abs(weights) > _NO_WEIGHT, weights, 0.0)
+    below = np.concatenate([np.zeros((len(seen), 1)), np.cumsum(seen, axis=1)], axis=1)
+    curves = PchipInterpolator(nodes.edges, below, axis=1)
+    return [PPoly(np.ascontiguousarray(curves.c[..., state]), curves.x) for state in range(len(seen))]
+
+
+@dataclass(frozen=True)
+class GapState:
+    """The local gaps at one mean gap.
+
+    ``nodes`` are in units of ``length``; energies and pressures are SI.
+
+    Attributes
+    ----------
+    labels : tuple of str
+        Theory, and its metastable branch if it is one.
+    nodes : GapNodes
+        The local gaps, and the law, in units of ``length`` and ``contact_modulus``.
+    length, contact_modulus : float
+        The units (m, Pa).
+    mean_gap : float
+        ū from the law's zero (m).
+    pressure : float
+        p = −∂U/∂ū (Pa).
+    elastic_energy : float
+        Elastic energy of all waves, per nominal area (J/m²).
+    weights : numpy.ndarray, shape (n,)
+        Fraction of the area at each node.
+    converged : bool
+        Whether the equations that the state rests on are solved.
+    change : float, optional
+        Largest change of a scale's mean response in the last iteration, of a theory that iterates.
+    cumulative : scipy.interpolate.PPoly, optional
+        Area below a gap, one of :func:`cumulatives`, where it was made for many states at once.
+    """
+
+    labels: tuple[str, ...]
+    nodes: GapNodes
+    length: float
+    contact_modulus: float
+    mean_gap: float
+    pressure: float
+    elastic_energy: float
+    weights: np.ndarray
+    converged: bool
+    change: float | None = None
+    cumulative: PPoly | None = None
+
+    @property
+    def law(self) -> TractionLaw:
+        """The law in units of ``length`` and ``contact_modulus``."""
+        return self.nodes.law
+
+    @property
+    def gaps(self) -> np.ndarray:
+        """Nodes of the local gap in units of ``length``, shape (n,)."""
+        return self.nodes.gaps
+
+    @property
+    def residual(self) -> float:
+        """Last change of the responses; of a theory without iteration what parts both pressures, over E*.
+
+        That is no measure of convergence but of the resolution: second order in the nodes of the gap, first in the
+        scales and where coexistence ends between nodes.
+        """
+        if self.change is not None:
+            return self.change
+        return abs(self.mean_traction - self.pressure) / self.contact_modulus
+
+    @property
+    def complete(self) -> bool:
+        """Whether the distribution holds the whole area and the mean gap, which every step keeps but for rounding."""
+        area, gap = self.weights.sum(), self.weights @ self.gaps
+        return bool(abs(area - 1) < _KEPT and abs(gap * self.length - self.mean_gap) < _KEPT * self.mean_gap)
+
+    @property
+    def interaction_energy(self) -> float:
+        """<φ> (J/m²)."""
+        return float(self.weights @ self.law.potential(self.gaps)) * self.contact_modulus * self.length
+
+    @property
+    def mean_traction(self) -> float:
+        """−<φ'>, which balances :attr:`pressure` up to the resolution of gaps and scales (Pa)."""
+        return -float(self.weights @ self.law.traction(self.gaps)) * self.contact_modulus
+
+    @cached_property
+    def _cumulative(self) -> PPoly:
+        return self.cumulative or cumulatives(self.nodes, self.weights[None, :])[0]
+
+    def _below(self, gap: np.ndarray | float) -> np.ndarray:
+        return self._cumulative(np.clip(gap, self.nodes.edges[0], self.nodes.edges[-1]))
+
+    def fraction_below(self, gap: float) -> float:
+        """Fraction of the area whose local gap is below ``gap`` (m)."""
+        return float(self._below(gap / self.length))
+
+    @property
+    def relative_repulsive_area(self) -> float:
+        """Fraction of the area under positive pressure."""
+        return self.fraction_below(self.law.equilibrium_distance * self.length)
+
+    def gap_density(self, edges: np.ndarray) -> np.ndarray:
+        """Mean of P(u) in bins (1/m), shape (n,) for n + 1 edges (m)."""
+        return np.diff(self._below(np.asarray(edges) / self.length)) / np.diff(edges)
+
+    def pressure_density(self, edges: np.ndarray) -> np.ndarray:
+        """Mean of P(σ), σ = −φ'(u), in bins (1/Pa), shape (n,) for n + 1 edges (Pa); includes non-contact."""
+        bins = np.asarray(edges) / self.contact_modulus
+        return self.nodes.stress_masses(self._cumulative.c, bins) / np.diff(edges)
+
+    def quantities(self, contact_distance: float | None = None) -> dict[str, Any]:
+        """Everything that is read off the state, by its name in a dataset; distributions as functions of bin edges.
+
+        The mean gap is from the law's equilibrium distance, as in all datasets.
+
+        Parameters
+        ----------
+        contact_distance : float, optional
+            Gaps below it count as contact (m); by default those within the law's own contact distance.
+        """
+        own = self.law.contact_distance * self.length
+        return {
+            "mean_pressure": self.pressure,
+            "mean_gap": self.mean_gap - self.law.equilibrium_distance * self.length,
+            "relative_contact_area": self.fraction_below(own if contact_distance is None else contact_distance),
+            "relative_repulsive_area": self.relative_repulsive_area,
+            "elastic_energy": self.elastic_energy,
+            "interaction_energy": self.interaction_energy,
+            "local_mean_pressure": self.mean_traction,
+            "pressure_pdf": self.pressure_density,
+            "gap_pdf": self.gap_density,
+            "converged": self.converged and self.complete,
+            "detached": False,
+            "residual": self.residual,
+        }
+
+    def to_dataset(
+        self,
+        contact_distance: float | None = None,
+        pressure_edges: np.ndarray | None = None,
+        gap_edges: np.ndarray | None = None,
+    ) -> "xr.Dataset":
+        """The state in the schema of ``theory.nc``, without the dimension of a path.
+
+        Parameters
+        ----------
+        contact_distance : float, optional
+            Gaps below it count as contact (m); by default those within the law's own contact distance.
+        pressure_edges, gap_edges : numpy.ndarray, optional
+            Edges of the bins of both distributions (Pa, m); by default even ones over all but a billionth of the area.
+
+        Raises
+        ------
+        ValueError
+            If edges do not rise.
+        """
+        from theory.datasets import dataset_of  # xarray is slow to import, and only needed here
+
+        held = np.flatnonzero(self.weights > _SEEN)
+        low, high = (float(self.nodes.edges[end]) for end in (held[0], held[-1] + 1))
+        stress = -self.law.traction(np.linspace(low, high, 4 * self.gaps.size)) * self.contact_modulus
+        beside = 1e-3 * np.ptp(stress)  # the peak of the law may lie between two of them
+        return dataset_of(
+            self.labels,
+            self.quantities(contact_distance),
+            {"pressure_pdf": pressure_edges, "gap_pdf": gap_edges},
+            {
+                "pressure_pdf": (float(stress.min() - beside), float(stress.max() + beside)),
+                "gap_pdf": (low * self.length, high * self.length),
+            },
+        )

@@ -1,0 +1,1 @@
+"""Persson's theory without adhesion: closed forms, corrections, distribution of the gap."""

@@ -1,0 +1,282 @@
+"""P(u) of contact without adhesion by Persson's theory, and the DMT-like limit of adhesion that it makes possible.
+
+A. Almqvist, C. Campañá, N. Prodanov, B. N. J. Persson, J. Mech. Phys. Solids 59, 2355 (2011), arXiv:1102.5412. What is
+in contact at the magnification ζ and no longer at ζ + dζ has the mean gap u₁(ζ) = d(Aū)/dA there, with ū(ζ) the mean
+separation of the surfaces that touch at ζ, under their own pressure p/A(ζ) and with the roughness beyond ζ alone. Of
+this gap the roughness beyond ζ, of rms height h(ζ), makes a Gaussian, folded at u = 0:
+
+    P(u) = ∫ dζ (−A'(ζ)) [g(u − u₁; h) + g(u + u₁; h)],     u > 0.
+
+``regularised`` narrows the Gaussian where it would reach far below zero, h⁻² → h⁻² + u₁⁻². Experimental: the equations
+were not compared with those in print, but with the gaps of the continuum (docs/theories.md). The mean gap is that of
+the u₁, which is ū exactly; a folded Gaussian's own mean is larger.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from scipy.special import ndtr
+
+from contact_study.numerics.arguments import positive
+from contact_study.physics.laws import TractionLaw
+from contact_study.physics.roughness.spectrum import RoughnessSpectrum
+from contact_study.physics.solids import Elasticity, elasticity_of
+from theory.non_adhesive.closed_forms import relative_contact_area, separation, shared_points
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+# Bands of the spectrum, and parts that come off one after the other, as many of equal area and of equal ratios: where
+# next to nothing comes off, as at the longest waves under heavy load, u₁ of a point of ζ has no bound.
+_BANDS, _PARTS = 100, 50
+
+# Share of the stress variance, or of the spectrum's width, with which the finest division begins. Under light load what
+# comes off at less, e⁵ and more areas of contact, lies too far away to count for any but the longest ranges.
+_FIRST = 1e-12
+
+# What lies deeper than this under contact has a gap of zero, but a number as its deviation (m).
+_LEAST = 1e-100
+
+# Deviations of a part's Gaussian within which all but a billionth of it lies.
+_REACH = 6.0
+
+# Bins of the gap in which a law's traction is summed, graded from a ten-thousandth of the law's length.
+_BINS = 4000
+
+
+@dataclass(frozen=True)
+class GapDistribution:
+    """P(u) under one pressure, a sum of folded Gaussians.
+
+    Attributes
+    ----------
+    pressure : float
+        p (Pa).
+    relative_contact_area : float
+        A(q₁)/A₀: what has a gap of zero.
+    shares : numpy.ndarray, shape (n,)
+        Area of each part out of contact over the nominal one.
+    centres, widths : numpy.ndarray, shape (n,)
+        u₁ and the deviation of its Gaussian (m).
+    """
+
+    pressure: float
+    relative_contact_area: float
+    shares: np.ndarray
+    centres: np.ndarray
+    widths: np.ndarray
+
+    @property
+    def mean_gap(self) -> float:
+        """ū of the theory, Σ share × u₁ (m)."""
+        return float(self.shares @ self.centres)
+
+    def fraction_below(self, gap: np.ndarray | float) -> np.ndarray:
+        """Share of the nominal area with a gap up to this one (m), contact included."""
+        u = np.asarray(gap, dtype=float)[..., None]
+        folded = ndtr((u - self.centres) / self.widths) - ndtr((-u - self.centres) / self.widths)
+        return self.relative_contact_area + folded @ self.shares
+
+    def density(self, edges: np.ndarray) -> np.ndarray:
+        """Mean of P(u) in bins (1/m), shape (n,) for n + 1 edges from zero on (m); without the δ of contact."""
+        return np.diff(self.fraction_below(edges)) / np.diff(edges)
+
+    def to_dataset(self, gap_edges: np.ndarray | None = None) -> "xr.Dataset":
+        """The state in the schema of ``theory.nc``.
+
+        As in a simulation, P(u) has the contact in the bin that begins at zero.
+
+        Parameters
+        ----------
+        gap_edges : numpy.ndarray, optional
+            Edges of the bins (m); by default even ones over all but a billionth of the area.
+
+        Raises
+        ------
+        ValueError
+            If edges do not rise.
+        """
+        from theory.datasets import dataset_of  # xarray is slow to import, and only needed here
+
+        def with_contact(edges: np.ndarray) -> np.ndarray:
+            below = np.where(edges > 0, self.fraction_below(edges), 0.0)
+            return np.diff(below) / np.diff(edges)
+
+        return dataset_of(
+            ("almqvist",),
+            {
+                "mean_pressure": self.pressure,
+                "mean_gap": self.mean_gap,
+                "relative_contact_area": self.relative_contact_area,
+                "gap_pdf": with_contact,
+            },
+            {"gap_pdf": gap_edges},
+            {"gap_pdf": (0.0, float(np.max(self.centres + _REACH * self.widths)))},
+        )
+
+
+def gap_distribution(
+    spectrum: RoughnessSpectrum,
+    elasticity: Elasticity | float,
+    pressure: float,
+    regularised: bool = True,
+    beta: float = 0.4,
+) -> GapDistribution:
+    """P(u) without adhesion.
+
+    Parameters
+    ----------
+    spectrum : RoughnessSpectrum
+        Roughness.
+    elasticity : Elasticity or float
+        The solid; a number is the contact modulus E* of a half-space (Pa).
+    pressure : float
+        p > 0 (Pa).
+    regularised : bool, optional
+        Whether the Gaussians are narrowed, see the head of this file.
+    beta : float, optional
+        β of the energy's weight in ū.
+
+    Raises
+    ------
+    ValueError
+        If the pressure is none, or leaves no gap.
+
+    Examples
+    --------
+    >>> from theory import SelfAffineSpectrum, gap_distribution
+    >>> spectrum = SelfAffineSpectrum(0.8, 1e-9, 6e7, 1.8e8, 7.2e8)
+    >>> found = gap_distribution(spectrum, 93.7e9, 1e9)
+    >>> bool(0 < found.relative_contact_area < found.fraction_below(1e-9) < 1)
+    True
+    """
+    positive("pressure", pressure, "Pa")
+    solid = elasticity_of(elasticity)
+
+    def contact(variance: np.ndarray) -> np.ndarray:
+        return relative_contact_area(pressure, np.maximum(variance, np.finfo(float).tiny))
+
+    q, stress = _stress(spectrum, solid)
+    left = contact(stress)
+    whole = int(np.flatnonzero(left == left[0])[-1])  # area is lost from the last wavevector on that leaves it whole
+    if whole == q.size - 1:
+        raise ValueError(f"pressure = {pressure:g} Pa: presses the roughness flat, and leaves no gap to distribute")
+    steps = np.linspace(0.0, 1.0, _PARTS + 1)[1:-1]
+    # Under light load all of the area that matters is in the last of the equal parts: as many in equal ratios.
+    wanted = np.concatenate([left[0] + steps * (left[-1] - left[0]), left[0] * (left[-1] / left[0]) ** steps])
+    ends = np.interp(-np.unique(wanted)[::-1], -left[whole:], q[whole:])
+    ends = np.concatenate([q[:1], ends, q[-1:]])
+    parts = _parts(spectrum, solid, ends, contact, lambda area: pressure / area, regularised, beta)
+    return GapDistribution(pressure, float(left[-1]), *parts)
+
+
+def attracted_at_light_load(
+    spectrum: RoughnessSpectrum,
+    elasticity: Elasticity | float,
+    attraction_range: float,
+    regularised: bool = True,
+    beta: float = 0.4,
+) -> float:
+    """Area out of contact whose gap is within a range, over the pressure, as that vanishes (1/Pa).
+
+    At a magnification that carries the stress variance s the area in contact is √(2/πs) for every unit of pressure,
+    under √(πs/2): both no longer know the pressure. The sum is that of :func:`gap_distribution`, for an endless
+    surface.
+
+    Parameters
+    ----------
+    spectrum, elasticity, regularised, beta
+        As :func:`gap_distribution`.
+    attraction_range : float
+        Gap up to which the area counts (m).
+    """
+    reach = positive("attraction_range", attraction_range, "m")
+    solid = elasticity_of(elasticity)
+    q, stress = _stress(spectrum, solid)
+    rough = stress > _FIRST * stress[-1]
+    shares = np.concatenate([np.geomspace(_FIRST, 0.5, _PARTS + 1), 1 - np.geomspace(0.5, 1e-3, _PARTS)[1:]])
+    ends = np.exp(np.interp(np.log(shares * stress[-1]), np.log(stress[rough]), np.log(q[rough])))
+    areas, centres, widths = _parts(
+        spectrum,
+        solid,
+        np.append(ends, q[-1]),
+        lambda variance: np.sqrt(2 / (np.pi * variance)),
+        lambda area: 1 / area,
+        regularised,
+        beta,
+    )
+    return float((ndtr((reach - centres) / widths) - ndtr((-reach - centres) / widths)) @ areas)
+
+
+def dmt_limit(distribution: GapDistribution, law: TractionLaw) -> float:
+    """Mean pressure of the same contact with an adhesion that does not deform it, p − ∫ σ(d_eq + u) P(u) du (Pa).
+
+    The DMT-like limit for hard solids and weak or long-ranged attraction, at local Tabor parameters well below one (see
+    :mod:`theory.criteria`), which B. N. J. Persson, M. Scaraggi, J. Chem. Phys. 141, 124701 (2014) treat. Experimental,
+    as P(u) is. The gap of the bare contact is that beyond the law's equilibrium, where its traction σ is zero.
+
+    Parameters
+    ----------
+    distribution : GapDistribution
+        Without adhesion, at the pressure p that the contact itself carries.
+    law : TractionLaw
+        The law.
+    """
+    reach = float(np.max(np.abs(distribution.centres) + 9 * distribution.widths)) / law.length
+    edges = law.length * np.concatenate([[0.0], np.geomspace(1e-4, max(reach, 1.0), _BINS)])
+    mass = np.diff(distribution.fraction_below(edges))
+    middle = 0.5 * (edges[1:] + edges[:-1])
+    return distribution.pressure - float(mass @ law.traction(law.equilibrium_distance + middle))
+
+
+def _stress(spectrum: RoughnessSpectrum, solid: Elasticity) -> tuple[np.ndarray, np.ndarray]:
+    """Wavevectors that divide the spectrum finely, above all at its beginning (1/m), and the stress variance there."""
+    edges = spectrum.band_edges(_BANDS)
+    first = edges[0] + (edges[-1] - edges[0]) * np.geomspace(_FIRST, 1e-2, 20 * _BANDS)
+    q = np.unique(np.concatenate([edges, first, np.geomspace(edges[0], edges[-1], 100 * _BANDS)]))
+    return q, spectrum.full_contact_stress_variance(solid.stiffness, q)
+
+
+def _parts(
+    spectrum: RoughnessSpectrum,
+    solid: Elasticity,
+    ends: np.ndarray,
+    contact: Callable[[np.ndarray], np.ndarray],
+    local: Callable[[np.ndarray], np.ndarray],
+    regularised: bool,
+    beta: float,
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Area, u₁ and deviation of what comes off between wavevectors (1/m).
+
+    ``contact`` is the area in contact at stress variances, ``local`` the pressure on such an area.
+    """
+    ends = np.unique(ends)
+    q = np.unique(np.concatenate([spectrum.band_edges(_BANDS), ends]))
+    variance = spectrum.full_contact_stress_variance(solid.stiffness, q)
+    energy = spectrum.full_contact_energy(solid.stiffness, q)
+    first = np.searchsorted(q, ends)
+    area = contact(variance[first])
+    gaps = [
+        _separation(variance[i:], energy[i:], float(pressure), beta)
+        for i, pressure in zip(first[:-1], local(area[:-1]), strict=True)
+    ]
+    volume = area * np.append(gaps, 0.0)
+    height = 2 * np.pi * np.maximum(spectrum.moment(1) - spectrum.moment(1, upper=ends), 0.0)
+    shares = area[:-1] - area[1:]
+    lost = shares > 0  # none where the spectrum is empty, or where pressure holds all in contact
+    shares = shares[lost]
+    centres = (volume[:-1] - volume[1:])[lost] / shares
+    widths = np.sqrt(0.5 * (height[:-1] + height[1:]))[lost]
+    if regularised:
+        widths = widths * np.abs(centres) / np.hypot(widths, centres)
+    return shares, centres, np.maximum(widths, _LEAST)
+
+
+def _separation(variance: np.ndarray, energy: np.ndarray, pressure: float, beta: float) -> float:
+    """ū of the roughness beyond the first of some wavevectors, under a pressure (m)."""
+    root = np.sqrt(2 * np.maximum(variance - variance[0], 0.0))
+    stress, parts = shared_points(root, np.diff(energy))
+    rough = stress > 0
+    return float(separation(np.array([pressure]), stress[rough], parts[rough], beta)[0])

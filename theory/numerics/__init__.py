@@ -1,0 +1,1 @@
+"""Numerical methods of the theories: fixed points, tridiagonal systems, background threads."""

@@ -1,0 +1,1 @@
+"""Persson's theory with adhesion, as Yang et al. 2008 used it."""

@@ -1,0 +1,224 @@
+"""Diffusion of the interfacial stress distribution with an absorbing boundary that moves.
+
+B. N. J. Persson, Theory of rubber friction and contact mechanics, J. Chem. Phys. 115, 3840 (2001): while roughness of
+ever shorter wavelength is added, the stress of the contact diffuses, ∂P/∂s = ½ ∂²P/∂σ², where s is the stress variance
+that the roughness so far would make in full contact. Contact is lost where the stress reaches the detachment stress:
+P(−σ_a(s), s) = 0.
+
+Scheme: the front is fixed by x = σ + σ_a(s), where ∂P/∂s = −∂J/∂x with J = σ_a' P − ½ ∂P/∂x. Finite volumes with
+Scharfetter-Gummel fluxes, exact for constant J and monotone at any speed of the front; in s the L-stable two-stage
+SDIRK method, whose stages share one factorisation because σ_a is linear between nodes of s. Both conserve
+probability to rounding: what leaves does so through the boundary.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numba import njit
+from scipy.interpolate import PchipInterpolator
+from scipy.special import ndtr
+
+from theory.numerics.tridiagonal import solve
+
+# Alexander's stiffly accurate SDIRK method of order two.
+_GAMMA = 1 - 1 / np.sqrt(2)
+
+# Up to here four terms of the Bernoulli function's series are it to rounding: the next is z¹⁰/47900160.
+_SERIES = 0.2
+
+# Standard deviations outside which 1e-12 of a Gaussian lies.
+_REACH = 7.0
+
+# Standard deviations of its stress that a contact may be away from detaching anywhere before none is lost: beyond ten
+# lies 1e-23 of a Gaussian. Cells that reach from the boundary to a far contact would be wider than its distribution.
+_SAFE_DISTANCE = 10.0
+
+
+@dataclass(frozen=True)
+class StressDistribution:
+    """P(σ) of the contact at the end of the diffusion, and its history.
+
+    Attributes
+    ----------
+    contact : numpy.ndarray, shape (n,)
+        Relative contact area ∫ P dσ at each node of the variance.
+    edges : numpy.ndarray, shape (m + 1,)
+        Cell edges of the stress, from −σ_a upward, compression positive.
+    density : numpy.ndarray, shape (m,)
+        P in each cell, per unit of stress.
+    edge_stress : float
+        −∫ σ_a g ds with g the absorbed flux: the mean stress that left with the detached area, which is tension.
+    """
+
+    contact: np.ndarray
+    edges: np.ndarray
+    density: np.ndarray
+    edge_stress: float
+
+    @property
+    def contact_stress(self) -> float:
+        """∫ σ P dσ; together with :attr:`edge_stress` it balances the applied pressure."""
+        return float(np.sum(self.density * 0.5 * np.diff(self.edges**2)))
+
+    def bin_averages(self, edges: np.ndarray) -> np.ndarray:
+        """Mean density in each bin; exact masses of whole cells, monotone interpolation inside them."""
+        mass = np.concatenate([[0.0], np.cumsum(self.density * np.diff(self.edges))])
+        cumulative = PchipInterpolator(self.edges, mass)(np.clip(edges, self.edges[0], self.edges[-1]))
+        return np.diff(cumulative) / np.diff(edges)
+
+
+def diffuse(
+    pressure: float, variance: np.ndarray, detachment_stress: np.ndarray, cells: int = 500
+) -> StressDistribution:
+    """Stress distribution of a contact pressed by ``pressure``, in units where the last variance is about one.
+
+    A contact that never comes near the boundary stays whole, and its distribution is the Gaussian of full contact.
+
+    Parameters
+    ----------
+    pressure : float
+        Mean pressure p: P starts as δ(σ − p).
+    variance : numpy.ndarray, shape (n,)
+        Increasing nodes of s, from zero.
+    detachment_stress : numpy.ndarray, shape (n,)
+        σ_a >= 0 at the nodes, linear between them.
+    cells : int, optional
+        Number of stress cells.
+    """
+    start = pressure + detachment_stress[0]
+    if np.min(pressure + detachment_stress - _SAFE_DISTANCE * np.sqrt(variance)) > 0:
+        return _full_contact(pressure, variance, cells)
+    reach = max(pressure, 0.0) + detachment_stress.max() + _REACH * np.sqrt(variance[-1])
+    faces = graded(reach, cells)
+    if start > 0.5 * (faces[-2] + faces[-1]):  # in the outer half of a last cell that is wider than the distribution
+        faces = graded(1.5 * reach, cells)
+    mass = np.zeros(cells)
+    if start <= 0:
+        contact = np.zeros(variance.size)
+        return StressDistribution(contact, faces - detachment_stress[-1], mass, min(pressure, 0.0))
+    _split_delta(start, faces, mass)
+    contact = np.empty(variance.size)
+    edge_stress = _march(variance, detachment_stress, faces, mass, contact)
+    return StressDistribution(contact, faces - detachment_stress[-1], mass / np.diff(faces), edge_stress)
+
+
+def _full_contact(pressure: float, variance: np.ndarray, cells: int) -> StressDistribution:
+    """The Gaussian of full contact in equal cells."""
+    deviations = np.linspace(-_REACH, _REACH, cells + 1)
+    mass = np.diff(ndtr(deviations))
+    mass /= mass.sum()
+    edges = pressure + np.sqrt(variance[-1]) * deviations
+    return StressDistribution(np.ones(variance.size), edges, mass / np.diff(edges), 0.0)
+
+
+def graded(reach: float, cells: int) -> np.ndarray:
+    """Cell faces from 0 to ``reach``, finest at the absorbing boundary."""
+    scale = 0.3
+    return scale * np.sinh(np.linspace(0, np.arcsinh(reach / scale), cells + 1))
+
+
+def _split_delta(start: float, faces: np.ndarray, mass: np.ndarray) -> None:
+    """Unit mass shared by the two cells around ``start`` so that its first moment is exact."""
+    centres = 0.5 * (faces[1:] + faces[:-1])
+    right = int(np.searchsorted(centres, start))
+    if right == 0:
+        # Nearer to the boundary than the first centre: absorb so much of the mass that the moment is right.
+        mass[0] = start / centres[0]
+        return
+    weight = (start - centres[right - 1]) / (centres[right] - centres[right - 1])
+    mass[right - 1], mass[right] = 1 - weight, weight
+
+
+@njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract", "arcp", "nsz"})
+def _march(variance, detachment_stress, faces, mass, contact):
+    """Advance the cell masses through all nodes in place; fills the contact area, returns the edge stress."""
+    gamma = _GAMMA
+    n = mass.size
+    width = faces[1:] - faces[:-1]
+    distance = np.empty(n)  # between neighbouring centres; from the boundary for the first
+    distance[0] = 0.5 * width[0]
+    from_right = np.empty(n)
+    from_left = np.empty(n)
+    for i in range(1, n):
+        distance[i] = 0.5 * (width[i] + width[i - 1])
+        from_left[i] = 0.5 / (distance[i] * width[i - 1])
+    for i in range(n):
+        from_right[i] = 0.5 / (distance[i] * width[i])
+    forward = np.empty(n + 1)  # rate of mass through face i from cell i-1 into i, and back
+    backward = np.empty(n + 1)
+    bernoulli = np.empty(n)
+    inverse = np.empty(n)  # of the pivots, and the factors of elimination and of its way back
+    inward = np.empty(n)
+    outward = np.empty(n)
+    first = np.empty(n)
+    ratio = (1.0 - gamma) / gamma
+    total = mass.sum()
+    contact[0] = 1.0
+    edge_stress = 0.0
+    for k in range(variance.size - 1):
+        step = variance[k + 1] - variance[k]
+        rise = detachment_stress[k + 1] - detachment_stress[k]
+        speed = rise / step
+        forward[0] = forward[n] = backward[n] = 0.0
+        _bernoulli(2.0 * speed, distance, bernoulli)
+        for i in range(n):
+            backward[i] = bernoulli[i] * from_right[i]
+        for i in range(1, n):
+            forward[i] = (bernoulli[i] + 2.0 * speed * distance[i]) * from_left[i]
+        weight = gamma * step
+        # Stage one: (1 − γ Δs L) m₁ = m₀.
+        _factorise(weight, forward, backward, inverse, inward, outward)
+        first[:] = mass
+        solve(inverse, inward, outward, first)
+        # Stage two: (1 − γ Δs L) m₂ = m₀ + (1 − γ) Δs L m₁ with Δs L m₁ = (m₁ − m₀) / γ.
+        early = backward[0] * first[0] * (1.0 - gamma) * step
+        for i in range(n):
+            mass[i] += ratio * (first[i] - mass[i])
+        solve(inverse, inward, outward, mass)
+        late = backward[0] * mass[0] * weight
+        edge_stress -= early * (detachment_stress[k] + gamma * rise) + late * detachment_stress[k + 1]
+        total -= early + late
+        contact[k + 1] = total
+    return edge_stress
+
+
+@njit(cache=True, error_model="numpy", fastmath={"contract", "arcp", "nsz"})
+def _bernoulli(scale, rising, values):
+    """Bernoulli function z / (e^z − 1) of z = scale · rising."""
+    first = np.searchsorted(rising, _SERIES / max(abs(scale), 1e-300))
+    # The series keeps the digits that the quotient loses at small z, and compilers make vectors of it.
+    for i in range(first):
+        z = scale * rising[i]
+        z2 = z * z
+        values[i] = 1.0 - 0.5 * z + z2 / 12.0 * (1.0 - z2 / 60.0 * (1.0 - z2 / 42.0 * (1.0 - z2 / 40.0)))
+    for i in range(first, rising.size):
+        z = scale * rising[i]
+        values[i] = z / np.expm1(z)
+
+
+@njit(cache=True, error_model="numpy", fastmath={"contract", "arcp", "nsz"})
+def _factorise(weight, forward, backward, inverse, inward, outward):
+    """Eliminate the cells of 1 − weight L as :func:`tridiagonal.factorise` does a constant matrix."""
+    n = inverse.size
+    middle = n // 2
+    low = 1.0 + weight * (backward[0] + forward[1])
+    high = 1.0 + weight * (backward[n - 1] + forward[n])
+    inverse[0] = 1.0 / low
+    inverse[n - 1] = 1.0 / high
+    for i in range(1, n - middle):
+        above = n - 1 - i
+        high = (
+            1.0
+            + weight * (backward[above] + forward[above + 1])
+            - (weight * forward[above + 1] * weight * backward[above + 1] / high)
+        )
+        inverse[above] = 1.0 / high
+        if i < middle:
+            low = 1.0 + weight * (backward[i] + forward[i + 1]) - weight * forward[i] * weight * backward[i] / low
+            inverse[i] = 1.0 / low
+    for i in range(middle):
+        outward[i] = weight * backward[i + 1] * inverse[i]
+        inward[i] = weight * forward[i + 1] * inverse[i]
+    for i in range(middle, n):
+        outward[i] = weight * forward[i] * inverse[i]
+        inward[i] = weight * backward[i] * inverse[i]

@@ -1,0 +1,1 @@
+"""The theories as a campaign runs them, and the command."""

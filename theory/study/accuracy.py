@@ -1,0 +1,117 @@
+"""Errors of resolution of the theories: every state beside that of half the nodes, cells and scales.
+
+The difference is the error of a theory of first order and three times that of one of second order, which these are in
+between: no error is taken off it.
+"""
+
+import warnings
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from contact_study.results.schema import RESOLUTION_ERROR, quantity_of
+from theory.persson.separation import NegativeSeparation, NotConverged
+from theory.study.case_theories import CaseTheories
+
+# How much coarser the other states are.
+_COARSENING = 2
+
+# What has an error, with what makes a number of it and the words of a warning.
+_JUDGED = {
+    "relative_contact_area": "of the contact area",
+    "mean_gap": "of the rms height in the mean gap",
+    "mean_pressure": "of the full-contact stress in the mean pressure",
+}
+
+
+class Unresolved(UserWarning):
+    """States of a theory whose estimated error of resolution exceeds ``theory.accuracy``."""
+
+
+def coarse(every: Iterable[CaseTheories]) -> tuple[CaseTheories, ...]:
+    """The same theories on half the nodes, cells and scales."""
+    return tuple(replace(theories, coarsening=_COARSENING) for theories in every)
+
+
+def quietly(values: Iterator[dict[str, Any]]) -> Iterator[dict[str, Any]]:
+    """Values of coarse theories without their warnings: those of the fine ones count."""
+    while True:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", NotConverged)
+            warnings.simplefilter("ignore", NegativeSeparation)
+            try:
+                found = next(values)
+            except StopIteration:
+                return
+        yield found
+
+
+def errors(
+    fine: Mapping[str, Any], coarser: Mapping[str, Any], theories: CaseTheories, accuracy: float
+) -> tuple[dict[str, Any], dict[str, tuple[float, str]]]:
+    """Estimated errors of a point's states, and whether they are within the accuracy.
+
+    Parameters
+    ----------
+    fine, coarser : mapping
+        Values of the point at both resolutions, by the names of their quantities.
+    theories : CaseTheories
+        What was solved at the finer one. Errors of gaps are compared with the rms height, those of pressures with the
+        stress of full contact; what the path prescribes has none.
+    accuracy : float
+        Error asked for, in the area over the area.
+
+    Returns
+    -------
+    found : dict
+        For each state, ``…_resolution_error`` of its quantities, in their units, and the flag ``resolved``. A quantity
+        that one of the two resolutions alone defines has an error that is no number, and is not resolved.
+    worst : dict
+        For each state that is not resolved, named as its quantities are, its largest error in the units of the accuracy
+        and its words.
+    """
+    scales = {
+        "mean_gap": float(np.sqrt(theories.spectrum.mean_square_height)),
+        "mean_pressure": theories.persson.stress_scale,
+    }
+    prescribed = f"mean_{theories.case.loading.control}"
+    found: dict[str, Any] = {}
+    worst: dict[str, tuple[float, str]] = {}
+    for name in fine:
+        labels, quantity = quantity_of(name)
+        if quantity not in _JUDGED or quantity == prescribed:
+            continue
+        one, other = float(fine[name]), float(coarser[name])
+        state = "/".join(labels)
+        error = 0.0 if one == other else abs(one - other)  # both may be infinite
+        found[name + RESOLUTION_ERROR] = error if np.isfinite(error) else np.nan
+        if np.isnan(one) and np.isnan(other):  # what neither defines is judged by nothing
+            error = 0.0
+        scale = scales.get(quantity, one)
+        share = error / scale if scale else np.inf if error else 0.0
+        found.setdefault(f"{state}/resolved", True)
+        if not share <= accuracy:
+            found[f"{state}/resolved"] = False
+            worst[state] = max(worst.get(state, (0.0, "")), (np.inf if np.isnan(share) else share, _JUDGED[quantity]))
+    return found, worst
+
+
+def warn(missed: Mapping[str, list[tuple[float, str]]], points: int, accuracy: float) -> None:
+    """One warning for each theory that misses the accuracy somewhere on the path.
+
+    Warns
+    -----
+    Unresolved
+        If there is one.
+    """
+    for state, cases in missed.items():
+        share, words = max(cases)
+        size = f"{share:.2g} {words}" if np.isfinite(share) else "a state that half the resolution does not find"
+        warnings.warn(
+            f"{state.replace('_', ' ')}: at {len(cases)} of {points} points the estimated error of the resolution is "
+            f"above theory.accuracy = {accuracy:g}, at most {size}",
+            Unresolved,
+            stacklevel=2,
+        )

@@ -1,0 +1,248 @@
+"""The theories of a case: which spectra they are fed with, and the curves that all points of its path are read from."""
+
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from functools import cached_property, lru_cache, partial
+
+import numpy as np
+
+from contact_study.errors import InputError
+from contact_study.physics.roughness.spectrum import RoughnessSpectrum
+from contact_study.physics.surfaces.realisation import Surface
+from contact_study.results.schema import SPECTRUM_MARK
+from contact_study.study.case import Case
+from theory.edge_flow.flow import EDGE_FLOW_GAPS, EDGE_FLOW_SCALES, EdgeFlow, edge_flow
+from theory.gap_flow.flow import BRANCHES, GAP_FLOW_GAPS, GAP_FLOW_SCALES, GapFlow, gap_flow
+from theory.gap_flow.state import GapState
+from theory.numerics.background import BackgroundExecutor, BackgroundTask
+from theory.persson.separation import NotConverged
+from theory.persson.solver import TOLERANCE
+from theory.persson.theory import PerssonTheory
+
+# Change of the detachment stress, in units of the full-contact stress, that rounding still lets the iteration reach.
+_FINEST_TOLERANCE = 1e-11
+
+# How far beyond the path's highest pressure the curve of the edge flow is asked to reach.
+_RESERVE = 1.1
+
+
+@dataclass(frozen=True)
+class CaseTheories:
+    """The theories of a case, fed with one spectrum.
+
+    Attributes
+    ----------
+    case : Case
+        The case.
+    spectrum : RoughnessSpectrum
+        What they know of the surface.
+    other : str
+        The spectrum's name in the study where it is not the first one; else empty.
+    coarsening : int
+        By how much nodes, cells and scales are fewer than the theories' own.
+    ahead : Ahead
+        Threads that may begin with the flows.
+    """
+
+    case: Case
+    spectrum: RoughnessSpectrum
+    other: str = ""
+    coarsening: int = 1
+    ahead: BackgroundExecutor = field(default_factory=lambda: BackgroundExecutor(1))
+
+    def named(self, quantity: str) -> str:
+        """The name of a theory's quantity, ``"gap_flow/mean_gap"``, with the spectrum where that is not the first."""
+        theory, _, rest = quantity.partition("/")
+        return f"{theory}{SPECTRUM_MARK}{self.other}/{rest}" if self.other else quantity
+
+    @contextmanager
+    def naming_the_spectrum(self) -> Iterator[None]:
+        """Where a case has several spectra, warnings of what is solved inside begin with the name of this one."""
+        with warnings.catch_warnings(record=True) as caught:
+            yield
+        kinds = self.case.spectra
+        prefix = f'spectrum "{self.other or kinds[0]}": ' if len(kinds) > 1 else ""
+        for item in caught:
+            warnings.warn(f"{prefix}{item.message}", item.category, stacklevel=3)
+
+    @cached_property
+    def persson(self) -> PerssonTheory:
+        """Persson's theory with the choices of the case."""
+        chosen, law = self.case.theory, self.case.law
+        return PerssonTheory(
+            self.spectrum,
+            self.case.solid,
+            law.work_of_adhesion,
+            chosen.energy_weight,
+            chosen.beta,
+            chosen.true_area,
+            chosen.alpha,
+            law.peak_tensile_stress if chosen.cap_detachment_stress else np.inf,
+            PerssonTheory.nodes // self.coarsening,
+            PerssonTheory.cells // self.coarsening,
+        )
+
+    @property
+    def effort(self) -> tuple[float, int]:
+        """Tolerance, in units of the full-contact stress, and most iterations of a state of Persson's theory.
+
+        Its residual is the change of σ_a over E*, which ``solver.tolerance`` bounds as it does the residual stress of
+        the simulations; but it is never looser than the theory's own choice, which counts on flat surfaces of little
+        stress.
+        """
+        asked = self.case.solver.tolerance * self.persson.solid.contact_modulus / self.persson.stress_scale
+        return float(np.clip(asked, _FINEST_TOLERANCE, TOLERANCE)), self.case.solver.max_iterations
+
+    def begin(self) -> None:
+        """Let other threads begin with the flows, the longest first."""
+        self._edge_flow_begun, self.gap_flow_states  # noqa: B018
+
+    @cached_property
+    def gap_flows(self) -> tuple[GapFlow, ...]:
+        """The gap flow in each branch; none outside a wall, which no flow goes through, and where none is asked for."""
+        flows = tuple(begun.result() for begun in self._gap_flows_begun)
+        for flow in flows:
+            if not flow.converged:
+                warnings.warn(
+                    f"gap flow, {flow.branch}: {flow.unconverged_steps} of {flow.steps} steps of the roughness "
+                    "did not converge",
+                    NotConverged,
+                    stacklevel=2,
+                )
+        return flows
+
+    @cached_property
+    def _gap_flows_begun(self) -> tuple[BackgroundTask[GapFlow], ...]:
+        case = self.case
+        if case.law.has_wall or not case.theory.has("gap_flow"):
+            return ()
+        largest = 0.0
+        if case.loading.control == "gap":
+            largest = max(gap for gap, _ in case.path) + case.law.equilibrium_distance
+        gaps, scales = GAP_FLOW_GAPS // self.coarsening, GAP_FLOW_SCALES // self.coarsening
+        return tuple(
+            self.ahead.begin(partial(gap_flow, self.spectrum, case.solid, case.law, branch, largest, gaps, scales))
+            for branch in BRANCHES
+        )
+
+    @cached_property
+    def gap_flow_states(self) -> tuple[BackgroundTask[list[GapState | None]], ...]:
+        """The states of each branch along the path: None where none carries the pressure.
+
+        The result is an InputError if a point of the path is beyond any contact.
+        """
+        return tuple(
+            self.ahead.begin(lambda begun=begun: _states_along(self.case, begun.result()))  # type: ignore[misc]
+            for begun in self._gap_flows_begun
+        )
+
+    @cached_property
+    def edge_flow(self) -> EdgeFlow | None:
+        """The edge flow as far as the path asks; None outside a wall, or where it is not asked for.
+
+        Raises
+        ------
+        InputError
+            If a point of the path is beyond any contact.
+        """
+        try:
+            return None if self._edge_flow_begun is None else self._edge_flow_begun.result()
+        except ValueError as error:
+            raise InputError(_too_close(self.case, str(error).rpartition(": ")[2])) from None
+
+    @cached_property
+    def _edge_flow_begun(self) -> BackgroundTask[EdgeFlow] | None:
+        case = self.case
+        if case.law.has_wall or not case.theory.has("edge_flow"):
+            return None
+        asked = np.array([value for value, _ in case.path])
+        gaps, scales = EDGE_FLOW_GAPS // self.coarsening, EDGE_FLOW_SCALES // self.coarsening
+        flow = partial(edge_flow, self.spectrum, case.solid, case.law, gaps=gaps, scales=scales)
+        if case.loading.control == "pressure":
+            # Down to where contact begins to be whole: beyond the pull-off, wherever that is.
+            stress = np.sqrt(self.spectrum.full_contact_stress_variance(case.solid.stiffness))
+            return self.ahead.begin(partial(flow, max(_RESERVE * asked.max(), float(stress))))
+        reached = asked + case.law.equilibrium_distance
+        return self.ahead.begin(partial(flow, 0.0, float(reached.max()), float(reached.min())))
+
+
+def _states_along(case: Case, flow: GapFlow) -> list[GapState | None]:
+    try:
+        if case.loading.control == "pressure":
+            gaps = np.array([flow.gap_at(pressure) for pressure, _ in case.path])
+        else:
+            gaps = np.array([value + case.law.equilibrium_distance for value, _ in case.path])
+        held = np.isfinite(gaps)
+        states = iter(flow.states(gaps[held]))
+    except ValueError as error:
+        raise InputError(f"loading.path: {error}") from None
+    return [next(states) if there else None for there in held]
+
+
+def _too_close(case: Case, limit: str) -> str:
+    """What to say of a path that presses the surfaces closer than a flow's nodes, in the path's own unit."""
+    unit, size = case.loading.unit
+    if case.loading.control == "pressure":
+        asked, instead = f"{max(case.loading.path) / size:g} {unit}", "lower pressures"
+    else:
+        asked = f"a mean gap of {min(case.loading.path) / size:g} {unit} beyond equilibrium"
+        instead = f"larger ones, equilibrium being at {case.law.equilibrium_distance:.6g} m"
+    return f"loading.path: {asked} presses the surfaces closer than the edge flow follows ({limit}); give {instead}"
+
+
+def case_theories(case: Case, surface: Surface) -> tuple[CaseTheories, ...]:
+    """The theories of a case for each spectrum, made once for as long as the same case and surface are asked for.
+
+    Raises
+    ------
+    InputError
+        If a height map is flat.
+    """
+    return _kept(_Asked(case, surface))
+
+
+def roughness(case: Case, surface: Surface, kind: str) -> RoughnessSpectrum:
+    """One of the spectra that a case asks for.
+
+    Raises
+    ------
+    InputError
+        If a height map is flat.
+    """
+    if kind == "table":
+        return case.theory.table()
+    if kind == "analytic" and surface.spectrum is not None:
+        return surface.spectrum
+    try:
+        return surface.measured_spectrum()
+    except ValueError as error:
+        raise InputError(f"surface: {error}") from None
+
+
+@dataclass(frozen=True, eq=False)
+class _Asked:
+    """Arguments of a cached function that hold arrays: told apart by which objects they are."""
+
+    case: Case
+    surface: Surface
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, _Asked) and self.case is other.case and self.surface is other.surface
+
+    def __hash__(self) -> int:
+        return hash((id(self.case), id(self.surface)))
+
+
+@lru_cache(maxsize=1)
+def _kept(asked: _Asked) -> tuple[CaseTheories, ...]:
+    case = asked.case
+    ahead = BackgroundExecutor(case.solver.threads)
+    every = tuple(
+        CaseTheories(case, roughness(case, asked.surface, kind), kind if number else "", ahead=ahead)
+        for number, kind in enumerate(case.spectra)
+    )
+    for theories in every:
+        theories.begin()
+    return every

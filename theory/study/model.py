@@ -1,0 +1,247 @@
+"""The theories of a case as a campaign runs them, and the command ``persson-theory``.
+
+``persson`` is Persson's theory as the paper used it, ``gap_flow`` the equilibrium of the gap-flow theory, and
+``gap_flow/loading`` and ``gap_flow/unloading`` are the two metastable branches that enclose what is reached;
+``edge_flow`` is the edge flow.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from itertools import islice
+from typing import Any
+
+import numpy as np
+
+from contact_study.campaign.model import Model
+from contact_study.errors import InputError
+from contact_study.physics.solids import Elasticity
+from contact_study.physics.surfaces.realisation import Surface
+from contact_study.physics.surfaces.scales import SurfaceScales
+from contact_study.results.constants import InterfaceConstants
+from contact_study.results.schema import quantity_of
+from contact_study.results.state import Value
+from contact_study.results.step import Step
+from contact_study.study.case import Case
+from contact_study.study.study import Study
+from contact_study.study.sweep import points
+from theory.criteria import local_tabor_number, range_of, stickiness
+from theory.persson.magnification import magnifications
+from theory.persson.separation import energy_defect, pull_off_pressure
+from theory.persson.theory import PerssonTheory
+from theory.study import accuracy as resolution
+from theory.study.case_theories import CaseTheories, case_theories
+from theory.study.gap_paths import edge_flow_paths, flow_name, gap_flow_paths
+from theory.study.persson_paths import PERSSONS_OWN, persson_path, stored_wavevectors
+
+MODEL = Model(
+    command="persson-theory",
+    kind="theory",
+    module="theory.study.model",
+    ignores=("atomistic", "overdamped", "sampling", "dynamics"),
+    threads=2,  # the edge flow beside Persson's theory and the gap flow
+    points_for_threads=0,
+    whole_path=True,  # the separation curve, and the gaps of the gap flow, reach as far as the path asks
+    description="Persson's theory of rough contact with adhesion, and beside it the gap-flow theory and the edge flow",
+    references="C. Yang, B. N. J. Persson, J. Israelachvili, K. Rosenberg, EPL 84, 46004 (2008); "
+    "B. N. J. Persson, J. Chem. Phys. 115, 3840 (2001); akin to the gap flow: J. Joe, Traction Between Rough Surfaces, "
+    "PhD thesis, University of Michigan (2021), https://hdl.handle.net/2027.42/169927",
+)
+
+# Shortest wave over the law's length from which on a spectrum is said to leave out most of what adhesion meets.
+_COARSEST = 1e5
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """The command ``persson-theory``; returns the exit status."""
+    from contact_study.campaign.command_line import command
+
+    return command.main(MODEL, arguments)
+
+
+def check(case: Case) -> None:
+    """Make sure that there is a spectrum to work with.
+
+    Raises
+    ------
+    InputError
+        If a prescribed gap leaves none, the surface is flat, it yields, the boundaries are free, an approach is
+        prescribed, or the analytic spectrum is asked of a surface that has none.
+    """
+    case.require_gap()
+    kind = case.surface.kind
+    if case.elasticity.kind == "viscoelastic":
+        raise InputError('elasticity.kind = "viscoelastic": the theories know of no time')
+    if case.material.hardness is not None:
+        raise InputError(f"material.hardness = {case.material.hardness:g} Pa: the theories know of none; leave it out")
+    if case.elasticity.boundary != "periodic":
+        raise InputError(f'elasticity.boundary = "{case.elasticity.boundary}": theories of roughness know no boundary')
+    if case.loading.control == "approach":
+        raise InputError('loading.control = "approach": the theories follow "pressure" or "gap"')
+    if not case.surface.rough:
+        raise InputError(f'surface.kind = "{kind}": a theory of roughness needs a rough surface')
+    if case.surface.target_spectrum is None and "analytic" in case.spectra:
+        raise InputError(f'theory.spectrum = "analytic": surface.kind = "{kind}" has none; use "surface"')
+
+
+def review(study: Study, scales: Sequence[SurfaceScales]) -> list[str]:
+    """Say where roughness and law have too little to do with each other, in one line for the whole study.
+
+    Raises
+    ------
+    InputError
+        If the detachment stress dwarfs the stress of the roughness so far that the theory's cells cannot hold both.
+    """
+    coarse = []
+    for case, scale in zip(study.cases, scales, strict=True):
+        solid, law = case.solid, case.law
+        finest = min(scale.shortest_wave, scale.size[0], scale.size[1])
+        stress = scale.full_contact_stress(solid)
+        # Of a solid that is held stiffly the longest wave may be the stiffest.
+        stiffness = float(np.max(solid.stiffness(2 * np.pi / np.array([finest, max(scale.size)]))))
+        tension = np.sqrt(2 * case.theory.alpha * stiffness * law.work_of_adhesion)
+        if case.theory.cap_detachment_stress:
+            tension = min(tension, law.peak_tensile_stress)
+        if tension > PerssonTheory.cells * stress > 0:
+            raise InputError(
+                f"surface, interaction: adhesion ({tension:.3g} Pa at the finest roughness) dwarfs the stress that the "
+                f"roughness makes ({stress:.3g} Pa) by {tension / stress:.3g}; Persson's theory resolves a factor of "
+                f"{PerssonTheory.cells}. Such a surface is flat to this law: check size, heights and adhesion"
+            )
+        if law.attracts and finest > _COARSEST * law.length:
+            coarse.append((case, finest, law.length))
+    if not coarse:
+        return []
+    case, finest, length = coarse[0]
+    where = points([case for case, *_ in coarse], len(study.cases))
+    return [
+        f"surface: its finest roughness, of wavelength {finest:.3g} m, is {finest / length:.2g} times "
+        f"interaction.length{where}: the theories know of none below it"
+    ]
+
+
+def constants(case: Case, surface: Surface) -> dict[str, Value]:
+    """What does not change along the path."""
+    every, law = case_theories(case, surface), case.law
+    theories = every[0]
+    theory, spectrum, (tolerance, max_iterations) = theories.persson, theories.spectrum, theories.effort
+    known = InterfaceConstants(
+        contact_modulus=theory.solid.contact_modulus,
+        work_of_adhesion=law.work_of_adhesion,
+        equilibrium_distance=law.equilibrium_distance,
+        peak_tensile_stress=law.peak_tensile_stress,
+        contact_distance=case.contact_distance,
+        rms_height=float(np.sqrt(spectrum.mean_square_height)),
+        rms_slope=spectrum.rms_slope,
+    )
+    with theories.naming_the_spectrum():
+        defect = energy_defect(theory, tolerance, max_iterations)
+    values: dict[str, Value] = {
+        **known.values,
+        "energy_defect": defect,
+        "wavevector": stored_wavevectors(theory),
+    }
+    if case.theory.magnifications:
+        values["magnification"] = magnifications(theory, case.theory.magnifications)
+    if law.attracts:
+        values |= stickiness(spectrum, case.solid, law).quantities()
+        values["local_tabor_number"] = local_tabor_number(
+            stored_wavevectors(theory), spectrum, case.solid, law.work_of_adhesion, range_of(law)
+        )
+    for theories in every:
+        tolerance, max_iterations = theories.effort
+        with theories.naming_the_spectrum():
+            pull = pull_off_pressure(theories.persson, tolerance=tolerance, max_iterations=max_iterations)
+            flows = theories.gap_flows
+        values[theories.named("persson/pull_off_pressure")] = pull
+        for flow in flows:
+            values[theories.named(flow_name(flow.branch, "pull_off_pressure"))] = flow.pull_off_pressure
+        if theories.edge_flow is not None:
+            values[theories.named("edge_flow/pull_off_pressure")] = theories.edge_flow.pull_off_pressure
+    return values
+
+
+def solve_path(
+    case: Case, surface: Surface, restart: Mapping[str, np.ndarray] | None = None, start: int = 0
+) -> Iterator[Step]:
+    """Yield a step for each path point from number ``start`` on.
+
+    Each state of Persson's theory starts from the one before, since under tension the branch matters; the first from
+    the adhered branch, which the paper follows.
+
+    Parameters
+    ----------
+    case : Case
+        The case.
+    surface : Surface
+        Its surface.
+    restart : mapping, optional
+        ``Step.restart`` of point ``start`` − 1; None at the first.
+    start : int, optional
+        Number of the first point to solve.
+
+    Raises
+    ------
+    InputError
+        If the surface has no spectrum, or a point of the path is beyond any contact.
+
+    Warns
+    -----
+    Unresolved
+        If an accuracy is asked for that a theory's resolution misses.
+    """
+    every, accuracy = case_theories(case, surface), case.theory.accuracy
+    found = _along(every, restart or {}, start)
+    if accuracy is None:
+        yield from (Step(values, restart=state) for values, state in found)
+        return
+    coarser = resolution.quietly(values for values, _ in _along(resolution.coarse(every), {}, 0))
+    missed: dict[str, list[tuple[float, str]]] = {}
+    both = zip(found, islice(coarser, start, None), strict=True)
+    for number, ((values, state), others) in enumerate(both, start):
+        added, worst = resolution.errors(values, others, every[0], accuracy)
+        for name, error in worst.items():
+            missed.setdefault(name, []).append(error)
+        if number == len(case.path) - 1:  # whoever takes the last step does not come back
+            resolution.warn(missed, len(case.path) - start, accuracy)
+        yield Step(values | added, restart=state)
+
+
+def _along(
+    every: tuple[CaseTheories, ...], restart: Mapping[str, np.ndarray], start: int
+) -> Iterator[tuple[dict[str, Any], dict[str, np.ndarray]]]:
+    """Values of all theories and what to go on from, at each path point from number ``start`` on."""
+    paths = [persson_path(theories, restart.get(_stress_name(theories), "adhered"), start) for theories in every]
+    flows = [(theories, [*gap_flow_paths(theories), *edge_flow_paths(theories, start)]) for theories in every]
+    for number, states in enumerate(zip(*paths, strict=True), start):
+        values: dict[str, Any] = {}
+        for theories, (own, _) in zip(every, states, strict=True):
+            shared = {name: value for name, value in own.items() if name not in PERSSONS_OWN}
+            values |= {theories.named(f"persson/{name}"): value for name, value in shared.items()}
+            if not theories.other:
+                values |= {name: own[name] for name in PERSSONS_OWN if name in own}
+        for theories, found in flows:
+            for path in found:
+                values |= {theories.named(name): value for name, value in path(number).items()}
+        stresses = {_stress_name(theories): stress for theories, (_, stress) in zip(every, states, strict=True)}
+        kept = {name: stress for name, stress in stresses.items() if not isinstance(stress, str)}
+        yield _with_compression(values, every[0].case.solid), kept
+
+
+def _stress_name(theories: CaseTheories) -> str:
+    return f"detachment_stress_{theories.other}" if theories.other else "detachment_stress"
+
+
+def _with_compression(values: dict[str, Any], solid: Elasticity) -> dict[str, Any]:
+    """The values of every theory with its mean separation, and with a layer's uniform compression in its energy.
+
+    Nothing slides in a theory of the mean gap: that compression is all that parts gap and separation.
+    """
+    for name in [name for name in values if quantity_of(name)[1] == "mean_gap"]:
+        group = name.removesuffix("mean_gap")
+        gap, pressure, energy = (float(values[group + key]) for key in ("mean_gap", "mean_pressure", "elastic_energy"))
+        values[group + "mean_separation"] = gap - solid.compression(pressure)
+        values[group + "elastic_energy"] = energy + solid.compression_energy(pressure)
+    return values
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())
