@@ -11,8 +11,7 @@ import argparse
 import matplotlib.pyplot as plt
 import numpy as np
 
-from theory import LennardJones104, PerssonTheory, SelfAffineSpectrum
-from theory.gap_flow import flow as gap_flow
+from theory import LennardJones104, PerssonTheory, SelfAffineSpectrum, gap_flow
 
 parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
 parser.add_argument("-o", "--output", default="theory_alone.png", help="figure")

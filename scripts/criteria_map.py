@@ -16,8 +16,7 @@ from contact_study.campaign.store.files import write_aside
 from contact_study.physics.surfaces.realisation import realise
 from contact_study.plots import criteria_map
 from contact_study.study.study import read_study
-from theory import StickinessCriteria, stickiness
-from theory.gap_flow import flow as gap_flow
+from theory import StickinessCriteria, gap_flow, stickiness
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -13,9 +13,7 @@ from pathlib import Path
 
 from contact_study.study.case import Case
 from contact_study.study.study import read_study
-from theory import dmt_limit, stickiness
-from theory.edge_flow import flow as edge_flow
-from theory.non_adhesive import gap_distribution
+from theory import dmt_limit, edge_flow, gap_distribution, stickiness
 
 BARE_PRESSURES = (0.2, 0.5, 1.0, 2.0, 5.0)  # GPa
 

@@ -17,7 +17,7 @@ import numpy as np
 
 from contact_study.physics.surfaces.realisation import realise
 from contact_study.study.study import read_study
-from theory.edge_flow import flow as edge_flow
+from theory import edge_flow
 
 PRESSURE = 1e9
 COARSEST = 120

@@ -23,8 +23,7 @@ from contact_study.physics.surfaces.realisation import realise
 from contact_study.study.case import Case
 from contact_study.study.study import make_study
 from scripts.edge_flow_ensemble import PRESSURES, study
-from theory import EdgeFlow
-from theory.edge_flow import flow as edge_flow
+from theory import EdgeFlow, edge_flow
 from theory.edge_flow.equilibrium import KERNEL
 
 SIMULATIONS = Path(__file__).resolve().parent.parent / "data" / "edge_flow_trial_surfaces.csv"

@@ -34,8 +34,7 @@ from contact_study.physics.surfaces.realisation import realise
 from contact_study.study.study import make_study
 from scripts.edge_flow_ensemble import BRANCHES, PRESSURES, SHOWN, study
 from scripts.edge_flow_kernels import PRESSURE, SIMULATIONS, kernels, spectrum_stress
-from theory import EdgeFlow
-from theory.edge_flow import flow as edge_flow
+from theory import EdgeFlow, edge_flow
 from theory.edge_flow.equilibrium import KERNEL, Equilibrium, Problem
 from theory.edge_flow.kernels import differences
 from theory.gap_flow.gap_grid import GapNodes

@@ -22,8 +22,7 @@ from contact_study.physics.laws import HardWall, Repulsive
 from contact_study.physics.surfaces.realisation import realise
 from contact_study.study.case import Case
 from contact_study.study.study import make_study
-from theory.edge_flow import flow as edge_flow
-from theory.non_adhesive import gap_distribution
+from theory import edge_flow, gap_distribution
 
 PRESSURES = (1.0, 5.0)  # GPa
 DISTANCES = (0.0, 1.0, 3.0, 6.0, 10.0, 20.0)  # Å

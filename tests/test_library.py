@@ -14,8 +14,7 @@ from contact_study.numerics.grid import Grid
 from contact_study.physics import solids as elasticity
 from contact_study.physics.laws import LAWS
 from contact_study.physics.roughness.spectrum import radial_spectrum
-from theory import LennardJones104, PerssonTheory, spectrum_of
-from theory.gap_flow import flow as gap_flow
+from theory import LennardJones104, PerssonTheory, gap_flow, spectrum_of
 
 PACKAGES = ("contact_study", "bem_adhesion", "md_reference", "theory", "theory.references")
 HEIGHT = 5e-10 * np.random.default_rng(0).standard_normal((16, 24))

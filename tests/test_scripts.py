@@ -25,9 +25,8 @@ from scripts import (
     validate_spheres,
     validate_waves,
 )
-from theory import LennardJones104, PerssonTheory, SelfAffineSpectrum, criteria, separation_curve
+from theory import LennardJones104, PerssonTheory, SelfAffineSpectrum, criteria, edge_flow, separation_curve
 from theory import references as reference
-from theory.edge_flow import flow as edge_flow
 
 
 def test_errors_of_the_theories_over_an_ensemble():

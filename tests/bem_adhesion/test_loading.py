@@ -58,7 +58,7 @@ def test_tension_ends_in_detachment_and_contact_can_be_made_again():
 def test_without_pressure_separated_surfaces_stay_apart(target):
     solution = path(rough_contact(8.0), [target])[0]
     assert solution.outcome is Outcome.APART
-    assert "pressure above zero" in solution.message
+    assert "start the loading path with a positive pressure" in solution.message
 
 
 @pytest.mark.parametrize("law_type", [LennardJones104, LennardJones93])

@@ -4,6 +4,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from contact_study.campaign.memory import require
 from contact_study.errors import InputError
 from contact_study.numerics import fourier
 from contact_study.physics.surfaces.realisation import realise
@@ -16,7 +17,7 @@ from md_reference.interface.pairs import LennardJonesInterface
 from md_reference.statics.initial_states import at_mean_gap, predicted, separated
 from md_reference.statics.system import build_contact, build_interface, build_stiffness
 from md_reference.study import METHODS
-from md_reference.study.model import check, constants, review, solve_path
+from md_reference.study.model import MODEL, check, constants, review, solve_path
 from tests.md_reference.systems import (
     CONTACT_MODULUS,
     LATTICE_CONSTANT,
@@ -313,4 +314,4 @@ def test_more_atoms_than_memory_are_refused():
     case = case_of((32, 32))
     tiny = dataclasses.replace(case, material=dataclasses.replace(case.material, lattice_constant=2.6e-15))
     with pytest.raises(InputError, match=r"material\.lattice_constant.*memory"):
-        check(tiny)
+        require(MODEL.needs(tiny))

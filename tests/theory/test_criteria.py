@@ -5,8 +5,17 @@ import pytest
 from scipy.optimize import brentq
 
 from contact_study.physics.laws import Dugdale, HardWall
-from theory import LennardJones104, SelfAffineSpectrum, criteria, dmt_limit, references, spectrum_of, stickiness
-from theory.non_adhesive import closed_forms, gap_distribution
+from theory import (
+    LennardJones104,
+    SelfAffineSpectrum,
+    criteria,
+    dmt_limit,
+    gap_distribution,
+    references,
+    spectrum_of,
+    stickiness,
+)
+from theory.non_adhesive import closed_forms
 
 E_STAR, WORK, LENGTH = 93.7348e9, 0.6924, 3.28e-10
 Q = 6.0415e7

@@ -5,8 +5,8 @@ import pytest
 from scipy.special import erf
 
 from contact_study.physics.laws import Dugdale
-from theory import SelfAffineSpectrum, dmt_limit
-from theory.non_adhesive import closed_forms, gap_distribution
+from theory import SelfAffineSpectrum, dmt_limit, gap_distribution
+from theory.non_adhesive import closed_forms
 from theory.non_adhesive.gap_distribution import attracted_at_light_load
 
 E_STAR, Q = 93.7348e9, 6.0415e7
