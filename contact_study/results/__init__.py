@@ -1,0 +1,1 @@
+"""What a model returns and what a dataset holds: states, observables and the schema of variables."""
