@@ -17,13 +17,13 @@ from functools import cache
 
 import numpy as np
 
+from contact_study.results.constants import CONSTANTS
 from contact_study.results.observables import ENTRIES
 from contact_study.results.observables.atoms import ATOMS, SITES, SURROUNDINGS
-from contact_study.results.state import Variable
-from contact_study.results.constants import CONSTANTS
-from contact_study.results.path_results import PATH_RESULTS
 from contact_study.results.observables.roughness import ROUGHNESS, SPECTRUM_WAVEVECTOR
 from contact_study.results.observables.solver_report import FLAG
+from contact_study.results.path_results import PATH_RESULTS
+from contact_study.results.state import Variable
 
 SCHEMA_VERSION = "2.2"
 CONVENTIONS = "CF-1.11"

@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from contact_study.results.schema import quantity_of
 from contact_study.numerics.distributions import Bins
 from contact_study.results.observables import observed
+from contact_study.results.schema import quantity_of
 from contact_study.results.state import InterfaceState
 
 

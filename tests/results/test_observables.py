@@ -5,11 +5,12 @@ import dataclasses
 import numpy as np
 import pytest
 
-from contact_study.results.step import Step, recorded
-from contact_study.results.schema import VARIABLES
 from contact_study.numerics.distributions import Bins
 from contact_study.numerics.grid import Grid
+from contact_study.results.constants import CONSTANTS, InterfaceConstants, heights_on
 from contact_study.results.observables import ENTRIES, OBSERVABLES, observed
+from contact_study.results.observables.contact_edge import OVERCOUNT
+from contact_study.results.schema import VARIABLES
 from contact_study.results.state import (
     InterfaceState,
     OwnSteps,
@@ -19,8 +20,7 @@ from contact_study.results.state import (
     SolverReport,
     ThermalMotion,
 )
-from contact_study.results.constants import CONSTANTS, InterfaceConstants, heights_on
-from contact_study.results.observables.contact_edge import OVERCOUNT
+from contact_study.results.step import Step, recorded
 
 BINS = Bins.evenly((-2e9, 4e9, 6), (0.0, 8e-10, 4))
 REPORT = SolverReport(converged=True, detached=False, residual=1e-9, iterations=12, fft_pairs=20.5, message="slow")

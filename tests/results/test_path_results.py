@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from contact_study.results.path_results import PathSeries, path_results, series_of
 from contact_study.physics.laws import LennardJones104
+from contact_study.results.path_results import PathSeries, path_results, series_of
 
 LAW = LennardJones104(0.69, 3.28e-10)
 

@@ -1,7 +1,6 @@
 """What is read off the interface state of a simulation: a file for each subject, formula and dataset entry together."""
 
 from contact_study.numerics.distributions import Bins
-from contact_study.results.state import InterfaceState, Observable, Value, Variable
 from contact_study.results.observables.contact_area import CONTACT_AREA
 from contact_study.results.observables.contact_autocorrelation import CONTACT_AUTOCORRELATION
 from contact_study.results.observables.contact_clusters import CONTACT_CLUSTERS
@@ -17,6 +16,7 @@ from contact_study.results.observables.percolation import PERCOLATION
 from contact_study.results.observables.plasticity import PLASTICITY
 from contact_study.results.observables.relaxation import RELAXATION
 from contact_study.results.observables.solver_report import SOLVER_REPORT
+from contact_study.results.state import InterfaceState, Observable, Value, Variable
 
 OBSERVABLES: tuple[Observable, ...] = (
     MEANS,

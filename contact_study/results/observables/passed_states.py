@@ -1,8 +1,8 @@
 """The states that a path passes between its points, in steps of its own or of time."""
 
 from contact_study.numerics.distributions import Bins
-from contact_study.results.state import InterfaceState, Observable, Value, Variable
 from contact_study.results.path_results import PASSED
+from contact_study.results.state import InterfaceState, Observable, Value, Variable
 
 
 def _read(state: InterfaceState, _: Bins) -> dict[str, Value]:

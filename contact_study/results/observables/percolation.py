@@ -12,8 +12,8 @@ from collections import defaultdict
 import numpy as np
 
 from contact_study.numerics.distributions import Bins
-from contact_study.results.state import InterfaceState, Observable, Value, Variable
 from contact_study.results.observables.solver_report import FLAG
+from contact_study.results.state import InterfaceState, Observable, Value, Variable
 
 
 def goes_around(points: np.ndarray) -> bool:
