@@ -1,7 +1,8 @@
 """The one schema of all datasets: names, dimensions, units and meanings.
 
-What is read off the state of a simulation has its entry beside its formula, in :mod:`contact_study.results.observables`; as
-have the constants of a case and the results of a path; here stands the rest: what the campaign and the theories add.
+What is read off the state of a simulation has its entry beside its formula, in
+:mod:`contact_study.results.observables`; as have the constants of a case and the results of a path; here stands the
+rest: what the campaign and the theories add.
 
 ``gap`` and ``pressure`` are the fields; a dataset cannot hold a field and a dimension of one name, so the
 distributions stand on ``gap_bin`` and ``pressure_bin``.

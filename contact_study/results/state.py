@@ -198,7 +198,8 @@ class InterfaceState:
     slow_motion : SlowMotion or None
         Of a state in overdamped motion.
     atoms : mapping
-        The atoms one by one, as :mod:`contact_study.results.observables.atoms` names them, where the study asks for them.
+        The atoms one by one, as :mod:`contact_study.results.observables.atoms` names them, where the study asks for
+        them.
     plasticity : Plasticity or None
         Of a contact with a hardness.
     relaxation : Relaxation or None
