@@ -24,6 +24,8 @@ from contact_study.units import length
 # Grid spacing, in units of the longer of process zone and law's length, beyond which a study is refused: steps stop
 # converging from some 1e3 on where roughness and cell grow together, rubber with an atomic law works at 5e3.
 _COARSEST = 1e5
+# Grid spacings along a part of the surface below which it is no longer a sample of the surface.
+_SMALLEST_PART = 30
 
 
 def review(study: Study, scales: Sequence[SurfaceScales]) -> list[str]:
@@ -93,17 +95,27 @@ def _way_out(case: Case, scale: SurfaceScales, zone: float) -> str:
     zone *= (reach / law.length) ** 2
     y, x = resolving_shape(scale.size, zone)
     needs = memory_in_words((y, x))
-    range_too, cost = "", ""
-    if longest > law.length:
-        range_too, cost = f'interaction.length = "auto" ({length(reach)}) on ', f"; {_cost(case, scale, reach)}"
     if grid_fits((y, x)):
+        range_too, cost = "", ""
+        if longest > law.length:
+            range_too = f'interaction.length = "auto" ({length(reach)}) on '
+            cost = f"; {_cost(case, scale, reach)}"
         return f"{range_too}surface.shape = [{y}, {x}] ({needs}{cost}) resolves it"
-    widest = 0.9 * math.sqrt(most_points()) * zone / POINTS_PER_PROCESS_ZONE
-    left = f", or accept {accepted}" if resolved < scale.rms_height else ""
-    return (
-        f"it cannot be resolved here: {range_too}surface.shape = [{y}, {x}] needs {needs}; take a part of the surface "
-        f"of up to {length(widest)}{left}"
-    )
+    # A part has an rms height of its own, and "auto" a shorter range there: the range goes by its number.
+    this_range = f'interaction.length = "{length(reach)}"'
+    options = []
+    # In whole spacings, of which a crop may take one more.
+    spacings = math.floor(0.9 * math.sqrt(most_points()) * zone / POINTS_PER_PROCESS_ZONE / scale.pixel) - 1
+    if spacings >= _SMALLEST_PART:
+        widest = spacings * scale.pixel
+        part = resolving_shape((widest + scale.pixel, widest + scale.pixel), zone)
+        options.append(
+            f"take a part of the surface of up to {length(widest)} with {this_range} and surface.shape = {list(part)}"
+        )
+    if resolved < scale.rms_height:
+        options.append(f"accept {accepted}")
+    head = f"it cannot be resolved here: {this_range} on surface.shape = [{y}, {x}] needs {needs}"
+    return "; ".join([head, *([", or ".join(options)] if options else [])])
 
 
 def _longest(case: Case, scale: SurfaceScales) -> float:

@@ -135,21 +135,40 @@ SOFT = {"material": {"youngs_modulus": 2e6, "poissons_ratio": 0.5}, "surface": {
 SOFT_LAW = {"law": "exponential", "work_of_adhesion": 0.05, "contact_distance": None}
 
 
-def test_a_grid_beyond_this_machine_is_not_proposed(monkeypatch):
-    soft, law = SOFT, SOFT_LAW | {"length": 7.4e-8}
+@pytest.mark.parametrize("given", ["auto", 7.4e-8])
+def test_a_grid_beyond_this_machine_is_not_proposed(tmp_path, monkeypatch, given):
+    """What is proposed in its place is applied to a height map, and leaves nothing to warn of."""
     monkeypatch.setattr(memory, "_memory", lambda: 1e6 * 100.0)
-    (note,) = review(64, interaction=law, **soft)
-    assert re.search(r"cannot be resolved here: surface\.shape = \[\d+, \d+\] needs 0\.\d+ GB; ", note)
-    # A part that a million points resolve, and what the grid at hand resolves, with its price.
-    widest = quantity(re.search(r"part of the surface of up to (\S+ \S+),", note)[1], "m", "")
-    part = {**soft, "surface": {"size": widest, "rms_height": 1e-6, "cutoff_mode": 4}}
-    assert not any("process zone" in line for line in review(1000, interaction=law, **part))
-    longer = quantity(re.search(r'accept interaction\.length = "(.*?)"', note)[1], "m", "")
-    assert review(64, interaction=law | {"length": longer}, **soft) == []
-    assert review(64, interaction=law | {"length": 0.95 * longer}, **soft) != []
-    tabor, pull_off = map(float, re.search(r"Tabor parameter (\S+), a sphere's pull-off \+(\S+) %, 0\.", note).groups())
+    rough = {**SOFT["surface"], "cutoff_mode": 64, "shape": [448, 448]}
+    heights = realise(make_study(study_table(448, surface=rough)).cases[0]).sampled
+    np.save(tmp_path / "map.npy", heights)
+
+    def notes(interaction, **surface):
+        keys = {"kind": "file", "path": "map.npy", "size": 1e-4, **surface}
+        study = make_study(
+            {"surface": keys, "material": SOFT["material"], "interaction": interaction, "loading": {"path": [1e4]}},
+            tmp_path,
+        )
+        return [note for note in run.review(study, scales_of(study)) if "process zone" in note]
+
+    law = {"law": "exponential", "work_of_adhesion": 0.05, "length": given}
+    (note,) = notes(law)
+    number = r'interaction\.length = "(\S+ \S+)"'
+    assert re.search(rf"cannot be resolved here: {number} on surface\.shape = \[\d+, \d+\] needs \S+ [MG]B; ", note)
+    part = rf"take a part of the surface of up to (\S+ \S+) with {number} and surface\.shape = (\[.*?\])"
+    widest, length, shape = re.search(part, note).groups()
+    crop = [[0, quantity(widest, "m", "")]] * 2
+    assert notes(law | {"length": length}, crop=crop, shape=json.loads(shape)) == []
+    # What the grid at hand resolves, with its price.
+    longer = quantity(re.search(rf"accept {number}", note)[1], "m", "")
+    assert notes(law | {"length": longer}) == []
+    assert notes(law | {"length": 0.95 * longer}) != []
+    tabor, pull_off = map(float, re.search(r"Tabor parameter (\S+), a sphere's pull-off \+(\S+) %", note).groups())
     assert 0.5 < tabor < 3
     assert 1 < pull_off < 20
+    # A part of a few points is no part of a rough surface.
+    monkeypatch.setattr(memory, "_memory", lambda: 1e4 * 100.0)
+    assert "take a part" not in notes(law)[0]
 
 
 def test_a_range_that_is_longer_than_the_roughness_is_high_is_no_way_out(monkeypatch):
