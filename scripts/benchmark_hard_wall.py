@@ -3,7 +3,7 @@
 Transform pairs (as float64 pairs on the finest grid, a count that does not depend on the machine) and where the time
 goes. Other codes are in benchmark_peers.py.
 
-    python scripts/benchmark_hard_wall.py --points 256 512 1024 -o results/benchmark_hard_wall.nc
+    python -m scripts.benchmark_hard_wall --points 256 512 1024 -o results/benchmark_hard_wall.nc
 """
 
 import argparse

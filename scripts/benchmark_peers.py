@@ -16,11 +16,11 @@ Adhesion solves at a given displacement. "Adhesion, displacement" is given the o
 does; "Adhesion, pressure" searches for it (Brent's method, each solve from the state before) within a tenth of the rms
 height.
 
-    python scripts/benchmark_peers.py                         # all, half an hour
-    python scripts/benchmark_peers.py --coarser 8             # on grids of an eighth, a minute
-    python scripts/benchmark_peers.py --only "hard wall"
-    python scripts/benchmark_peers.py --table data/benchmark_peers.csv
-    python scripts/benchmark_peers.py --from data/benchmark_peers.csv
+    python -m scripts.benchmark_peers                         # all, half an hour
+    python -m scripts.benchmark_peers --coarser 8             # on grids of an eighth, a minute
+    python -m scripts.benchmark_peers --only "hard wall"
+    python -m scripts.benchmark_peers --table data/benchmark_peers.csv
+    python -m scripts.benchmark_peers --from data/benchmark_peers.csv
 """
 
 import argparse

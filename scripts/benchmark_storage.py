@@ -4,8 +4,8 @@ Runs the paper's study with three adhesion strengths and 60 pressures by ``perss
 prints its wall-clock and processor time; then writes and reads its finished steps again, and prints the time of each
 and its share of the processor time. Shares compare between machines, times do not.
 
-    python scripts/benchmark_storage.py data/yang2008.toml
-    python scripts/benchmark_storage.py data/yang2008.toml --flows gap_flow
+    python -m scripts.benchmark_storage data/yang2008.toml
+    python -m scripts.benchmark_storage data/yang2008.toml --flows gap_flow
 """
 
 import argparse

@@ -5,9 +5,9 @@ FFTW's transform pairs, once with OpenMP's threads asleep while they wait, as th
 threads that spin, their own default where cores are free; of whole solves of the continuum; of the atoms' interface
 and of a time step of their explicit block. The threads of the last three sleep.
 
-    python scripts/benchmark_threads.py --points 512 1024 2048
-    python scripts/benchmark_threads.py --of solves --points 1024 2048 --repetitions 4
-    python scripts/benchmark_threads.py --of atoms --points 64 100 200 400
+    python -m scripts.benchmark_threads --points 512 1024 2048
+    python -m scripts.benchmark_threads --of solves --points 1024 2048 --repetitions 4
+    python -m scripts.benchmark_threads --of atoms --points 64 100 200 400
 """
 
 import argparse

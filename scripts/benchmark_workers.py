@@ -4,8 +4,8 @@ Whole commands of the project, interleaved; medians. The first ratio is 2 at bes
 after its cases; the second is 1 where no process waits for another in a busy loop. Every worker solves with one thread.
 Options of the command follow the study.
 
-    python scripts/benchmark_workers.py data/yang2008.toml --surface.seed 1,2,3,4
-    python scripts/benchmark_workers.py --model atoms data/yang2008_quick.toml
+    python -m scripts.benchmark_workers data/yang2008.toml --surface.seed 1,2,3,4
+    python -m scripts.benchmark_workers --model atoms data/yang2008_quick.toml
 """
 
 import argparse

@@ -2,7 +2,7 @@
 
 A table stands in a block whose first line names the command that prints it:
 
-    <!-- table: python scripts/two_starts.py data/yang2008.toml -->
+    <!-- table: python -m research.two_starts data/yang2008.toml -->
     <!-- end -->
 
 Without options every command is run and its output replaces the block. With ``--check`` only the commands of blocks
@@ -10,9 +10,9 @@ that begin with ``checked table`` are run, and what they print is compared with 
 numbers to one unit of their last digit, counts exactly or to the margin that the block states (``checked table within
 5 %``): some depend on how the transforms round.
 
-    python scripts/docs_tables.py                       # all, an hour
-    python scripts/docs_tables.py --check               # the cheap ones, a minute
-    python scripts/docs_tables.py --only adhesive       # those whose command has the word
+    python -m scripts.docs_tables                       # all, an hour
+    python -m scripts.docs_tables --check               # the cheap ones, a minute
+    python -m scripts.docs_tables --only adhesive       # those whose command has the word
 """
 
 import argparse

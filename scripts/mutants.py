@@ -9,7 +9,7 @@ The mutants are made in a copy of the working tree, so that nothing here is touc
 Numba's cache is of a source file by its time and size, no kernel calls one of another file, and Python's own cache,
 whose times are whole seconds, is off. A mutant that hangs is killed after several times what the tests take.
 
-Usage: ``python scripts/mutants.py theory bem_adhesion --sample 100 --seed 1``; ``--sample 0`` runs all.
+Usage: ``python -m scripts.mutants theory bem_adhesion --sample 100 --seed 1``; ``--sample 0`` runs all.
 """
 
 import argparse

@@ -1,8 +1,8 @@
 """Tables of the documentation that the code itself makes: variables of a dataset, keys of a study, symbols.
 
-python scripts/reference_tables.py variables
-python scripts/reference_tables.py keys
-python scripts/reference_tables.py symbols
+python -m scripts.reference_tables variables
+python -m scripts.reference_tables keys
+python -m scripts.reference_tables symbols
 """
 
 import argparse

@@ -2,7 +2,7 @@
 
 Theories stand with the first spectrum that their study names.
 
-python scripts/result_table.py results/yang2008-paper/comparison.nc --pressures "0.1 GPa" "1 GPa" "10 GPa"
+python -m scripts.result_table results/yang2008-paper/comparison.nc --pressures "0.1 GPa" "1 GPa" "10 GPa"
 """
 
 import argparse

@@ -2,7 +2,7 @@
 
 `docs/validation.md` explains the rows.
 
-    python scripts/sphere_path.py --figure sphere_path.png
+    python -m scripts.sphere_path --figure sphere_path.png
 """
 
 import argparse

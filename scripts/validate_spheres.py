@@ -2,10 +2,10 @@
 
 `docs/validation.md` explains the columns.
 
-    python scripts/validate_spheres.py hertz --figure docs/images/hertz_sphere.png
-    python scripts/validate_spheres.py maugis --tabor 2 3 --ramp 0.2 --most-points 400 --table data/maugis_spheres.csv
-    python scripts/validate_spheres.py maugis --from data/maugis_spheres.csv --figure maugis_spheres.png
-    python scripts/validate_spheres.py ramp
+    python -m scripts.validate_spheres hertz --figure docs/images/hertz_sphere.png
+    python -m scripts.validate_spheres maugis --tabor 2 3 --ramp 0.2 --most-points 400 --table data/maugis_spheres.csv
+    python -m scripts.validate_spheres maugis --from data/maugis_spheres.csv --figure maugis_spheres.png
+    python -m scripts.validate_spheres ramp
 """
 
 import argparse

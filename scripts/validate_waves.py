@@ -6,9 +6,9 @@ with the process zone E*ρ²/w. Two crossed waves have no closed form between fi
 grid stands for it, and with adhesion the differences from one range to the next have to fall. From full contact they
 open, by the linear solution, where the pressure in the deepest hollow has become the law's greatest tension.
 
-    python scripts/validate_waves.py one     # along one axis
-    python scripts/validate_waves.py one --figure docs/images/waves.png
-    python scripts/validate_waves.py two     # crossed
+    python -m scripts.validate_waves one     # along one axis
+    python -m scripts.validate_waves one --figure docs/images/waves.png
+    python -m scripts.validate_waves two     # crossed
 """
 
 import argparse

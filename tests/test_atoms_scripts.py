@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from scripts import driven_loops, stopped_motion, temperature
+from research import driven_loops, stopped_motion, temperature
 
 
 def series(end, stress, frames):

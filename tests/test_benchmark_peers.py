@@ -113,7 +113,7 @@ def test_missing_codes_are_named_before_anything_runs(monkeypatch, capsys):
 )
 @pytest.mark.validation
 def test_public_codes_find_the_same_states():
-    command = [sys.executable, "scripts/benchmark_peers.py", "--coarser", "4", "--repeat", "1"]
+    command = [sys.executable, "-m", "scripts.benchmark_peers", "--coarser", "4", "--repeat", "1"]
     printed = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True).stdout
     lines = [[cell.strip() for cell in line.strip("| ").split(" | ")] for line in printed.splitlines()[2:]]
     assert len(lines) == 22

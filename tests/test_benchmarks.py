@@ -12,13 +12,7 @@ import contact_study
 from contact_study.numerics.fourier import RealTransform
 from contact_study.physics.surfaces.realisation import realise
 from contact_study.study.study import read_study
-from scripts import (
-    benchmark_adhesive,
-    benchmark_atoms,
-    benchmark_grids,
-    benchmark_storage,
-    benchmark_workers,
-)
+from scripts import benchmark_adhesive, benchmark_atoms, benchmark_grids, benchmark_storage, benchmark_workers
 
 
 def test_benchmark_of_the_adhesive_solver(capsys):

@@ -10,13 +10,8 @@ import xarray as xr
 
 from contact_study.report.command import main as compare
 from contact_study.study.study import read_study
-from scripts import (
-    branches,
-    continuum_against_atoms,
-    reproduce_yang2008,
-    result_table,
-    two_starts,
-)
+from research import branches, continuum_against_atoms, two_starts
+from scripts import reproduce_yang2008, result_table
 from tests.report.synthetic import AREA_FACTOR, GAP_SHIFT, area, gap, write_all
 
 

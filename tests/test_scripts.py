@@ -9,7 +9,7 @@ import pytest
 
 import contact_study
 from contact_study.study.study import make_study, read_study
-from scripts import (
+from research import (
     contact_challenge,
     dmt_limit,
     edge_flow_convergence,
@@ -19,12 +19,9 @@ from scripts import (
     gap_distributions,
     non_adhesive_shelf,
     polymer_contact,
-    sphere_path,
     trapped_edges,
-    validate_energies,
-    validate_spheres,
-    validate_waves,
 )
+from scripts import sphere_path, validate_energies, validate_spheres, validate_waves
 from theory import LennardJones104, PerssonTheory, SelfAffineSpectrum, criteria, edge_flow, separation_curve
 from theory import references as reference
 

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from scripts import two_starts_with_adhesion
-from scripts.two_starts_with_adhesion import CELL, RADIUS, rms_curvature, surface
+from research import two_starts_with_adhesion
+from research.two_starts_with_adhesion import CELL, RADIUS, rms_curvature, surface
 
 pytestmark = pytest.mark.filterwarnings("ignore:grid too coarse")
 

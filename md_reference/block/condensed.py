@@ -292,7 +292,7 @@ def surface_stiffness(
 def without_lateral_freedom(stiffness: SurfaceStiffness) -> SurfaceStiffness:
     """The block as a frictionless continuum sees it: normal compliance only, the bottom atoms on vertical rails.
 
-    For taking apart what separates atoms from a continuum model, see ``scripts/continuum_against_atoms.py``.
+    For taking apart what separates atoms from a continuum model, see ``research/continuum_against_atoms.py``.
 
     Parameters
     ----------

@@ -11,7 +11,7 @@ DEBTS = re.compile(
     r"|abstract[s]? (was|were|is) read|was read, not|looked up|not confirmed",
     re.IGNORECASE,
 )
-PACKAGES = ("bem_adhesion", "contact_study", "md_reference", "scripts", "theory")
+PACKAGES = ("bem_adhesion", "contact_study", "md_reference", "research", "scripts", "theory")
 SOURCES = sorted(file for package in PACKAGES for file in (ROOT / package).rglob("*.py"))
 
 

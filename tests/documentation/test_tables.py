@@ -14,12 +14,12 @@ from scripts.docs_tables import ROOT, blocks, differences, documents, filled, ma
 
 TEXT = """before
 
-<!-- table: python scripts/one.py "1 GPa" -->
+<!-- table: python -m scripts.one "1 GPa" -->
 old
 <!-- end -->
 
 between
-<!-- checked table within 5 %: python scripts/two.py -->
+<!-- checked table within 5 %: python -m scripts.two -->
 <!-- end -->
 after
 """
@@ -27,17 +27,17 @@ after
 
 def test_blocks_name_their_commands():
     one, two = blocks(TEXT)
-    assert (one.command, one.content, one.checked, one.margin) == ('python scripts/one.py "1 GPa"', "old\n", False, 0)
-    assert (two.command, two.content, two.checked, two.margin) == ("python scripts/two.py", "", True, 0.05)
+    assert (one.command, one.content, one.checked, one.margin) == ('python -m scripts.one "1 GPa"', "old\n", False, 0)
+    assert (two.command, two.content, two.checked, two.margin) == ("python -m scripts.two", "", True, 0.05)
 
 
 def test_only_the_blocks_of_the_command_are_rewritten():
-    new = filled(TEXT, "python scripts/two.py", "| a |\n|---|\n| \\1 |\n")
+    new = filled(TEXT, "python -m scripts.two", "| a |\n|---|\n| \\1 |\n")
     one, two = blocks(new)
     assert one == blocks(TEXT)[0]
-    assert two.content == shown("python scripts/two.py", "| a |\n|---|\n| \\1 |")
-    assert "```\npython scripts/two.py\n```" in new
-    assert filled(new, "python scripts/two.py", "| a |\n|---|\n| \\1 |\n") == new
+    assert two.content == shown("python -m scripts.two", "| a |\n|---|\n| \\1 |")
+    assert "```\npython -m scripts.two\n```" in new
+    assert filled(new, "python -m scripts.two", "| a |\n|---|\n| \\1 |\n") == new
     assert new.startswith("before\n\n<!-- table")
     assert new.endswith("<!-- end -->\nafter\n")
 
@@ -121,7 +121,7 @@ def commands():
     makefile = (ROOT / "Makefile").read_text(encoding="utf-8")
     for name, value in re.findall(r"^(\w+) \?= (.*)$", makefile, re.MULTILINE):
         makefile = makefile.replace(f"$({name})", value)
-    return found + [line.strip().removeprefix("$(BIN)/") for line in makefile.splitlines() if "scripts/" in line]
+    return found + [line.strip().removeprefix("$(BIN)/") for line in makefile.splitlines() if "-m scripts" in line]
 
 
 class Parsed(BaseException):

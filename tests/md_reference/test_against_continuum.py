@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from scripts import continuum_against_atoms, two_starts
+from research import continuum_against_atoms, two_starts
 
 STUDY = """
 [surface]

@@ -3,7 +3,7 @@
 A small self-affine surface under a Lennard-Jones law comes down and goes up again, the mean gap changing evenly; then
 the order of the steps of time. `docs/viscoelasticity.md` explains the columns.
 
-    python scripts/viscoelastic_loop.py --figure viscoelastic_loop.png
+    python -m research.viscoelastic_loop --figure viscoelastic_loop.png
 """
 
 import argparse

@@ -8,7 +8,7 @@ assumption of this script; none is from Benz et al.
 Two ratios: of −d ln p/dū of flat surfaces, 1/(dU/dp), and of −d ln F/dD of a large sphere, whose load at the distance D
 is F = 2πR ∫ p dū = 2πR [U(p) − U(0)] by Derjaguin's integration, without flattening of its bulk; p is that at the apex.
 
-python scripts/polymer_contact.py --figure polymer_contact.png
+python -m research.polymer_contact --figure polymer_contact.png
 """
 
 import argparse

@@ -7,8 +7,8 @@ a load under which about a fifth touches. The process zone is half a spacing at 
 there are many states, and two minimisers that converge need not agree. From separation the surfaces approach; from the
 hard wall the state begins as that of the same load without adhesion.
 
-    python scripts/two_starts_with_adhesion.py --points 512 1024
-    python scripts/two_starts_with_adhesion.py --points 2048     # two minutes
+    python -m research.two_starts_with_adhesion --points 512 1024
+    python -m research.two_starts_with_adhesion --points 2048     # two minutes
 """
 
 import argparse

@@ -2,7 +2,7 @@
 
 The paper's surface on a hard wall with a hardness; `docs/hardness.md` explains the columns.
 
-    python scripts/hardness.py --figure hardness.png
+    python -m research.hardness --figure hardness.png
 """
 
 import argparse

@@ -4,7 +4,7 @@ Along one loading path the atoms are solved twice: from separation, each pressur
 each pressure from the continuum's gap field. The energy has many minima, so the answer may be no; what differs is
 printed as Markdown and written to a NetCDF file.
 
-    python scripts/two_starts.py data/yang2008.toml --pressures "0.1 GPa" "1 GPa" "10 GPa" -o results/two_starts.nc
+    python -m research.two_starts data/yang2008.toml --pressures "0.1 GPa" "1 GPa" "10 GPa" -o results/two_starts.nc
 """
 
 import argparse

@@ -6,7 +6,7 @@ to the substrate instead of the vertical one, Lennard-Jones pairs instead of sme
 freedom of the atoms. Every one of them starts from the gap of the continuum at the same pressure, so that all are on
 one branch. The tables are printed as Markdown and written to a NetCDF file.
 
-    python scripts/continuum_against_atoms.py data/yang2008.toml --pressures "1 GPa"
+    python -m research.continuum_against_atoms data/yang2008.toml --pressures "1 GPa"
 """
 
 import argparse

@@ -4,8 +4,8 @@ The contact-mechanics challenge's recipe on a small cell: one load from separati
 and once in slow motion against friction. The law's length changes at constant work of adhesion, and with it the process
 zone E*Δγ/σ_max² over the fixed grid spacing. Rows that the file has already are not computed again.
 
-    python scripts/trapped_edges.py -o data/trapped_edges.csv
-    python scripts/trapped_edges.py --from data/trapped_edges.csv --figure docs/images/trapped_edges.png
+    python -m research.trapped_edges -o data/trapped_edges.csv
+    python -m research.trapped_edges --from data/trapped_edges.csv --figure docs/images/trapped_edges.png
 """
 
 import argparse

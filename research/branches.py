@@ -5,8 +5,8 @@ Beside them "after 3 GPa": equilibria on the way back, of a contact that was pre
 Area and mean gap of atoms and continuum along one loading path from separation, by every way of going it. Rows that
 the file has already are not computed again, so that ways, sizes and surfaces can be added one after the other.
 
-    python scripts/branches.py data/yang2008.toml --atoms 200 --seeds 1 2 3 -o data/branches.csv
-    python scripts/branches.py --from data/branches.csv --pressures "0.1 GPa" "1 GPa" "10 GPa"
+    python -m research.branches data/yang2008.toml --atoms 200 --seeds 1 2 3 -o data/branches.csv
+    python -m research.branches --from data/branches.csv --pressures "0.1 GPa" "1 GPa" "10 GPa"
 """
 
 import argparse

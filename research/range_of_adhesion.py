@@ -2,7 +2,7 @@
 
 Both on the study's grid, and the automatic range on one of half the points, for what the grid decides.
 
-    python scripts/range_of_adhesion.py data/rubber.toml
+    python -m research.range_of_adhesion data/rubber.toml
 """
 
 import argparse

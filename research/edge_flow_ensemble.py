@@ -4,12 +4,12 @@ The surfaces are the paper's, of realised rms height; the theories know each sur
 separation and the way back; the errors are those of ensemble means at equal pressure.
 Twenty-four surfaces take twenty minutes.
 
-python scripts/edge_flow_ensemble.py                          # six surfaces of 128 × 128 points
-python scripts/edge_flow_ensemble.py --surfaces 24 --points 256 --ratios 0.5 1 2 4 6 8 --table \
+python -m research.edge_flow_ensemble                          # six surfaces of 128 × 128 points
+python -m research.edge_flow_ensemble --surfaces 24 --points 256 --ratios 0.5 1 2 4 6 8 --table \
     data/edge_flow_ensemble.csv
-python scripts/edge_flow_ensemble.py --from data/edge_flow_ensemble.csv
-python scripts/edge_flow_ensemble.py --settings --surfaces 12 --points 256 --table data/edge_flow_settings.csv
-python scripts/edge_flow_ensemble.py --settings --from data/edge_flow_settings.csv   # other spectra and laws
+python -m research.edge_flow_ensemble --from data/edge_flow_ensemble.csv
+python -m research.edge_flow_ensemble --settings --surfaces 12 --points 256 --table data/edge_flow_settings.csv
+python -m research.edge_flow_ensemble --settings --from data/edge_flow_settings.csv   # other spectra and laws
 """
 
 import argparse

@@ -3,8 +3,8 @@
 The order is that of three resolutions, each of twice the nodes and scales. The time is that of the curve p(ū) alone,
 of one processor.
 
-python scripts/edge_flow_convergence.py data/yang2008.toml                  # a minute or two
-python scripts/edge_flow_convergence.py data/yang2008.toml --finest 480
+python -m research.edge_flow_convergence data/yang2008.toml                  # a minute or two
+python -m research.edge_flow_convergence data/yang2008.toml --finest 480
 """
 
 import argparse

@@ -4,7 +4,7 @@ A study's surface at a fraction of its lengths and its first strength of adhesio
 its standard error. A velocity is known at the end of a time step and, half a kick before, in its middle: the dataset's
 ``temperature`` is that of the middle, its ``kinetic_energy`` that of the end.
 
-    python -m scripts.time_steps data/yang2008.toml
+    python -m research.time_steps data/yang2008.toml
 """
 
 import argparse
@@ -18,7 +18,7 @@ from scipy import constants
 import contact_study
 from contact_study.study.study import make_study, read_study
 from md_reference.study.dynamics import build_block, largest_time_step
-from scripts.temperature import at_rest, shrunk
+from research.temperature import at_rest, shrunk
 
 TEMPERATURE = 300.0
 MOTION = {"duration": "200 ps", "damping": "0.3 ps^-1", "approach_speed": "300 m/s", "frames": 1200}

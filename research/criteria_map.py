@@ -2,7 +2,7 @@
 
 Each point of each study's sweep, with its target spectrum, or if it has none that of its surface:
 
-    python scripts/criteria_map.py data/yang2008.toml data/rubber.toml --figure criteria.png
+    python -m research.criteria_map data/yang2008.toml data/rubber.toml --figure criteria.png
 """
 
 import argparse

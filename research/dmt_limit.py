@@ -3,7 +3,7 @@
 For every point of a study's sweep, with its target spectrum. The pressure of the bare contact is the one that it
 carries itself; adhesion takes from it. The edge flow knows the whole law.
 
-python scripts/dmt_limit.py data/yang2008.toml
+python -m research.dmt_limit data/yang2008.toml
 """
 
 import argparse

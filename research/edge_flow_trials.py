@@ -14,8 +14,8 @@ The simulations are those of ``data/edge_flow_trial_surfaces.csv``, the theory g
 their surfaces. Its sweeps are written anew here, plainly, so that they can be changed; the first row, with nothing
 changed, checks them.
 
-python -m scripts.edge_flow_trials --surfaces 12 --table data/edge_flow_trials.csv   # some minutes
-python -m scripts.edge_flow_trials --from data/edge_flow_trials.csv
+python -m research.edge_flow_trials --surfaces 12 --table data/edge_flow_trials.csv   # some minutes
+python -m research.edge_flow_trials --from data/edge_flow_trials.csv
 """
 
 import argparse
@@ -32,8 +32,8 @@ from scipy.linalg import solve_banded
 from contact_study.physics.roughness.spectrum import RadialSpectrum
 from contact_study.physics.surfaces.realisation import realise
 from contact_study.study.study import make_study
-from scripts.edge_flow_ensemble import BRANCHES, PRESSURES, SHOWN, study
-from scripts.edge_flow_kernels import PRESSURE, SIMULATIONS, kernels, spectrum_stress
+from research.edge_flow_ensemble import BRANCHES, PRESSURES, SHOWN, study
+from research.edge_flow_kernels import PRESSURE, SIMULATIONS, kernels, spectrum_stress
 from theory import EdgeFlow, edge_flow
 from theory.edge_flow.equilibrium import KERNEL, Equilibrium, Problem
 from theory.edge_flow.kernels import differences

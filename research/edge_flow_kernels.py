@@ -6,8 +6,8 @@ X = p²/q² is the edge flow's form of it. For three c it is given the exact gro
 p = 2q (t = 0); the last one is fitted to that of c = K from p = q/2 to 8q with all three numbers. The simulations are
 those of ``data/edge_flow_trial_surfaces.csv``; the theory gets the same surfaces.
 
-python -m scripts.edge_flow_kernels --surfaces 6 --table data/edge_flow_kernels.csv   # minutes
-python -m scripts.edge_flow_kernels --from data/edge_flow_kernels.csv
+python -m research.edge_flow_kernels --surfaces 6 --table data/edge_flow_kernels.csv   # minutes
+python -m research.edge_flow_kernels --from data/edge_flow_kernels.csv
 """
 
 import argparse
@@ -22,7 +22,7 @@ from scipy.optimize import brentq, least_squares
 from contact_study.physics.surfaces.realisation import realise
 from contact_study.study.case import Case
 from contact_study.study.study import make_study
-from scripts.edge_flow_ensemble import PRESSURES, study
+from research.edge_flow_ensemble import PRESSURES, study
 from theory import EdgeFlow, edge_flow
 from theory.edge_flow.equilibrium import KERNEL
 

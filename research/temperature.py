@@ -3,9 +3,9 @@
 Atoms at rest and in thermal motion; with ``--turning`` the linear explicit block and that of springs that turn with
 their atoms, both coming down at one speed and brought to rest by friction. `docs/temperature.md` shows the tables.
 
-    python scripts/temperature.py data/yang2008.toml --fraction 0.25 --pressures "1 GPa" --temperature "300 K"
-    python scripts/temperature.py data/yang2008.toml --fraction 0.12 --pressures "1 GPa" "10 GPa" --turning
-    python scripts/temperature.py --from results/yang2008-paper/md_0K.nc results/yang2008-paper/md_300K.nc
+    python -m research.temperature data/yang2008.toml --fraction 0.25 --pressures "1 GPa" --temperature "300 K"
+    python -m research.temperature data/yang2008.toml --fraction 0.12 --pressures "1 GPa" "10 GPa" --turning
+    python -m research.temperature --from results/yang2008-paper/md_0K.nc results/yang2008-paper/md_300K.nc
 """
 
 import argparse

@@ -2,7 +2,7 @@
 
 The paper's surface on a hard wall, and a sphere on the thinnest layers; `docs/elasticity.md` explains the columns.
 
-    python scripts/layer_limits.py --figure layer_limits.png
+    python -m research.layer_limits --figure layer_limits.png
 """
 
 import argparse

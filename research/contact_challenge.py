@@ -9,9 +9,9 @@ Every load is solved on each grid, on the same surface, and the results are extr
 the order of convergence that the last three grids show, or by first order, that of an edge counted in points. A
 smaller cell has the same shortest waves, and so nearly the same error, on fewer points.
 
-    python scripts/contact_challenge.py --points 2048 4096
-    python scripts/contact_challenge.py --size "12.5 um" --points 256 512 1024
-    python scripts/contact_challenge.py --points 2048 4096 8192 --table data/contact_challenge.csv
+    python -m research.contact_challenge --points 2048 4096
+    python -m research.contact_challenge --size "12.5 um" --points 256 512 1024
+    python -m research.contact_challenge --points 2048 4096 8192 --table data/contact_challenge.csv
 """
 
 import argparse

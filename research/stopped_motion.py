@@ -3,7 +3,7 @@
 The study's block of `--atoms` a side comes down at 300 m/s for `--frames` times `--steps` steps: once in one go, once
 interrupted as by Ctrl-C, after what is put aside every half minute, and resumed. `docs/temperature.md` has the table.
 
-    python scripts/stopped_motion.py data/yang2008.toml --atoms 400
+    python -m research.stopped_motion data/yang2008.toml --atoms 400
 """
 
 import argparse

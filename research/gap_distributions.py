@@ -4,8 +4,8 @@ The surfaces are the paper's, of realised rms height; the theories know each sur
 no wall and gets a repulsion of one ångström in its place, whose gap is counted from where it begins. Shares of the area
 whose gap is up to a distance, as means over the surfaces.
 
-python scripts/gap_distributions.py --table data/gap_distributions.csv      # twelve surfaces, 256 × 256 points
-python scripts/gap_distributions.py --from data/gap_distributions.csv
+python -m research.gap_distributions --table data/gap_distributions.csv      # twelve surfaces, 256 × 256 points
+python -m research.gap_distributions --from data/gap_distributions.csv
 """
 
 import argparse

@@ -5,9 +5,9 @@ theory of Yang et al. 2008: the plain area, the energy with the weight A[β + (1
 continuum is of first order in the grid's spacing and is extrapolated from two grids. The errors are those of ensemble
 means at equal pressure.
 
-python scripts/non_adhesive_shelf.py                 # twelve surfaces, 128 × 128 and 256 × 256 points
-python scripts/non_adhesive_shelf.py --table data/non_adhesive_shelf.csv
-python scripts/non_adhesive_shelf.py --from data/non_adhesive_shelf.csv
+python -m research.non_adhesive_shelf                 # twelve surfaces, 128 × 128 and 256 × 256 points
+python -m research.non_adhesive_shelf --table data/non_adhesive_shelf.csv
+python -m research.non_adhesive_shelf --from data/non_adhesive_shelf.csv
 """
 
 import argparse
