@@ -11,6 +11,8 @@ from contact_study.numerics.cache import own_cache_folder
 
 # Moments take the fifth power of a wavevector: within these limits no product over- or underflows.
 SMALLEST, LARGEST = 1e-40, 1e40
+# The spectrum C(q) is compared with q⁻⁴: atomic roughness, q = 1e10 1/m, has 1e-45 m⁴.
+SMALLEST_OF = {"m^4": 1e-90}
 # One number and a product of units. Pint alone would also calculate, for as long as "9**9**9 m" takes, and would read
 # "GPa" as 1 GPa.
 _LONGEST = 100
@@ -20,7 +22,9 @@ _QUANTITY = re.compile(
     rf"\s*(?P<unit>(?:{_FACTOR}(?:\s*[*/·]\s*|\s+))*{_FACTOR}|)\s*"
 )
 # Within a list each number has a unit: one without before a comma is a part of a number.
-_DECIMAL_COMMA = re.compile(r"(?<![\w.,])(?P<whole>[+-]?\d+),(?P<rest>\d+(?:[eE][+-]?\d+)?\s*[^\W\d].*)")
+_DECIMAL_COMMA = re.compile(
+    r"(?<![\w.,])(?<![eE][+-])(?P<whole>[+-]?\d+),(?P<rest>\d+(?:[eE][+-]?\d+)?\s*(?![eE][+-]?\d)[^\W\d].*)"
+)
 
 
 @cache
@@ -52,10 +56,16 @@ def quantity(value: Any, unit: str, name: str) -> float:
     """
     if isinstance(value, bool) or not isinstance(value, int | float | str):
         raise InputError(f"{name} = {value!r}: expected {_expected(unit)}")
-    number = _from_text(value, unit, name) if isinstance(value, str) else float(value)
+    try:
+        number = _from_text(value, unit, name) if isinstance(value, str) else float(value)
+    except OverflowError:
+        digits = int(value.bit_length() * math.log10(2)) + 1  # type: ignore[union-attr]
+        raise InputError(
+            f"{name}: a number of {digits} digits is far from any size of use; expected {_expected(unit)}"
+        ) from None
     if not math.isfinite(number):
         raise InputError(f"{name} = {value!r}: must be a finite number")
-    if number and not SMALLEST <= abs(number) <= LARGEST:
+    if number and not SMALLEST_OF.get(unit, SMALLEST) <= abs(number) <= LARGEST:
         raise InputError(f"{name} = {value!r}: is far from any size of use; expected {_expected(unit)}")
     return number
 

@@ -1,6 +1,7 @@
 """Everything that may refuse a study, and all that is to be said of it, before any work."""
 
 from contact_study.campaign.model import Model
+from contact_study.errors import InputError
 from contact_study.numerics.distributions import Bins
 from contact_study.physics.surfaces.scales import scales_of
 from contact_study.study.bins import bins_of
@@ -19,5 +20,9 @@ def checked(model: Model, study: Study) -> tuple[Bins, list[str]]:
     scales = scales_of(study)
     notes = [*study.notes, *review(study, scales)]
     for case in study.cases:
+        if case.surface.absent and model.kind != "theory":
+            raise InputError(
+                f"missing key surface.kind: {model.command} needs a surface; the study has a spectrum only"
+            )
         model.check(case)
     return bins_of(study, scales), [*notes, *model.review(study, scales)]

@@ -45,8 +45,11 @@ def _load_wisdom(path: Path) -> None:
     """Take up what is there, if it is whole: FFTW may end the process over wisdom that is not."""
     try:
         checksum, _, content = path.read_text("ascii").partition("\n")
-        if checksum == _checksum(content):
-            pyfftw.import_wisdom([wisdom.encode() for wisdom in json.loads(content)])
+        if checksum != _checksum(content):
+            return
+        wisdom = json.loads(content)
+        if isinstance(wisdom, list) and len(wisdom) == 3 and all(isinstance(one, str) for one in wisdom):
+            pyfftw.import_wisdom([one.encode() for one in wisdom])  # of double, single and long double precision
     except (OSError, ValueError):
         return  # none yet, or a damaged file: measured anew
 

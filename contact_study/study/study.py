@@ -13,12 +13,13 @@ from typing import Any
 import tomli_w
 
 from contact_study.errors import InputError
+from contact_study.physics.surfaces.absent import AbsentSurface
 from contact_study.regular_files import refuse_endless
 from contact_study.study.case import Case
 from contact_study.study.checks import automatic
 from contact_study.study.checks.bare_numbers import bare_numbers
 from contact_study.study.reading.overrides import replace_keys
-from contact_study.study.reading.spectrum_file import with_spectrum
+from contact_study.study.reading.spectrum_file import TABLE, with_spectrum
 from contact_study.study.reading.tables import with_columns
 from contact_study.study.schema.dotted_keys import SECTIONS, WHOLE_STUDY, is_sweep, last, read, split
 from contact_study.study.schema.keys import TaggedUnion, bind, keys_of
@@ -95,7 +96,7 @@ def read_study(path: Path | str, overrides: Mapping[str, Any] | None = None) -> 
     except (OSError, UnicodeDecodeError) as error:
         reason = error.strerror if isinstance(error, OSError) else "is no text"
         raise InputError(f"{path}: cannot be read ({reason}); expected a study file (TOML)") from None
-    except tomllib.TOMLDecodeError as error:
+    except ValueError as error:  # also of a number of more digits than Python reads
         raise InputError(f"{path}: is no valid TOML: {error}") from None
     _check_structure(table)
     replace_keys(table, overrides or {})
@@ -170,9 +171,16 @@ def _check_lists(table: dict[str, Any]) -> None:
 
 def _case(merged: dict[str, Any], point: dict[str, Any], index: tuple[int, ...], directory: Path) -> Case:
     bound: dict[str, Any] = {}
+    theory = bind(SECTIONS["theory"], merged["theory"], "theory")
     for name, declared in SECTIONS.items():
+        if name == "surface" and not merged[name] and theory.spectra == (TABLE,):
+            bound[name] = AbsentSurface(table=theory.table())
+            continue
         asked = merged[name] if name != "interaction" else automatic.with_length(merged[name], bound, directory)
-        bound[name] = bind(declared, asked, name)
+        bound[name] = theory if name == "theory" else bind(declared, asked, name)
     if bound["loading"].has_forces:
-        bound["loading"] = bound["loading"].spread(math.prod(bound["surface"].cell(directory)))
+        cell = bound["surface"].cell(directory)
+        if cell is None:
+            raise InputError("loading.path: forces act on a cell, which needs surface.size; give pressures")
+        bound["loading"] = bound["loading"].spread(math.prod(cell))
     return Case(**bound, coordinates=coordinates_of(point), index=index, directory=directory)

@@ -41,6 +41,8 @@ def refused(path, **keys):
         ("\t", ",", ""),
         (" ", ",", ""),
         ("  ", ".", " "),
+        (", ", ",", ""),
+        (", ", ",", ","),
     ],
 )
 def test_what_parts_the_numbers_and_their_decimal_sign(tmp_path, separator, decimal, end):
@@ -49,9 +51,24 @@ def test_what_parts_the_numbers_and_their_decimal_sign(tmp_path, separator, deci
     np.testing.assert_allclose(found.heights, 1e-9 * HEIGHTS, rtol=1e-12)
 
 
-def test_whole_numbers_between_commas(tmp_path):
-    (tmp_path / "map.csv").write_text("1,2,3,4\n" * 4)
-    np.testing.assert_array_equal(read(tmp_path / "map.csv", size=SIZE).heights, [[1, 2, 3, 4]] * 4)
+@pytest.mark.parametrize("row", ["1,2,3,4,5", "1,-2,3,4", "10,25,132,400,50,166"])
+def test_whole_numbers_between_commas(tmp_path, row):
+    rows = 1 if "-" in row else 12
+    text = "\n".join([row, *[row] * max(rows, 4)])
+    (tmp_path / "map.csv").write_text(text)
+    numbers = [float(cell) for cell in row.split(",")]
+    np.testing.assert_array_equal(read(tmp_path / "map.csv", size=SIZE).heights[0], numbers)
+
+
+@pytest.mark.parametrize("row", ["1,5,2,5,3,5,4,5", "-12,125,10,250,3,1,4,5", "1,05,2,25,3,75,4,15"])
+def test_decimal_commas_between_commas_are_refused(tmp_path, row):
+    (tmp_path / "map.csv").write_text(f"{row}\n" * 12)
+    assert "looks like decimal commas between commas; use another separator" in refused(tmp_path / "map.csv", size=SIZE)
+
+
+def test_an_empty_file_is_named_once(tmp_path):
+    (tmp_path / "map.txt").write_text("")
+    assert refused(tmp_path / "map.txt", size=SIZE) == f"surface.path: {tmp_path / 'map.txt'} holds no numbers"
 
 
 def test_an_empty_cell_is_a_missing_height(tmp_path):

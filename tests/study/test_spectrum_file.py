@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from contact_study import run
 from contact_study.errors import InputError
 from contact_study.study.study import make_study
-from theory import read_spectrum
+from theory import TabulatedSpectrum, read_spectrum
 
 Q, POWER = np.array([1.5e8, 4.5e8, 1.8e9]), np.array([2e-35, 2e-35, 1.4e-37])
 HEADER = "q (1/nm), C (nm^4)\n"
@@ -141,3 +142,46 @@ def test_keys_that_do_not_go_together_are_named(tmp_path, theory, words):
     (tmp_path / "words.nc").write_text("no dataset")
     with pytest.raises(InputError, match=words):
         study(tmp_path, **theory)
+
+
+ATOMIC = {"spectrum": ["table"], "wavevectors": [1e8, 1e9, 1e10], "density": [2e-37, 2e-37, 2.5e-45], "flows": "none"}
+
+
+def without_surface(**sections):
+    return {**{name: part for name, part in STUDY.items() if name != "surface"}, "theory": ATOMIC, **sections}
+
+
+def test_atomic_roughness_is_read(tmp_path):
+    (tmp_path / "psd.csv").write_text("q (1/m), C (m^4)\n1e8, 2e-37\n1e9, 2e-37\n1e10, 2.5e-45\n")
+    assert study(tmp_path, spectrum="file", spectrum_path="psd.csv").cases[0].theory.density[-1] == 2.5e-45
+
+
+def test_theories_of_a_spectrum_need_no_surface(tmp_path):
+    dataset = run(without_surface(), model="theory")
+    assert dataset["converged"].all()
+    table = TabulatedSpectrum(ATOMIC["wavevectors"], ATOMIC["density"])
+    assert dataset["rms_height"] == pytest.approx(np.sqrt(table.mean_square_height), abs=0, rel=1e-12)
+    assert dataset["rms_slope"] == pytest.approx(table.rms_slope, abs=0, rel=1e-12)
+    for model in ("continuum", "atomistic"):
+        with pytest.raises(InputError, match=r"missing key surface\.kind: .* needs a surface"):
+            run(without_surface(), model=model)
+    (tmp_path / "psd.csv").write_text(HEADER + ROWS)
+    found = make_study(without_surface(theory={"spectrum": "file", "spectrum_path": "psd.csv"}), tmp_path)
+    scales = found.cases[0].surface.scales(tmp_path)
+    assert scales.rms_curvature == pytest.approx(found.cases[0].theory.table().rms_laplacian / 2)
+    assert 4 * scales.rms_height < scales.peak_to_valley < 12 * scales.rms_height
+    assert scales.size == pytest.approx([2 * np.pi / Q[0]] * 2)
+    assert scales.shortest_wave == pytest.approx(2 * np.pi / Q[-1])
+
+
+@pytest.mark.parametrize(
+    ("sections", "words"),
+    [
+        ({"theory": {**ATOMIC, "spectrum": ["table", "surface"]}}, "missing key surface.kind"),
+        ({"theory": {}}, "missing key surface.kind"),
+        ({"loading": {"path": ["1 nN"]}}, "loading.path: forces act on a cell"),
+    ],
+)
+def test_what_else_needs_a_surface_says_so(sections, words):
+    with pytest.raises(InputError, match=words):
+        make_study(without_surface(**sections))

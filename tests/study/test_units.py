@@ -6,6 +6,8 @@ import sys
 import pytest
 
 from contact_study import units
+from contact_study.errors import InputError
+from contact_study.study.study import read_study
 
 
 @pytest.fixture
@@ -49,6 +51,19 @@ def test_commands_start_without_dask():
     code = "import sys, theory.study.model; assert 'dask' not in sys.modules; import dask.array; import pyfftw"
     pytest.importorskip("dask")
     subprocess.run([sys.executable, "-c", code], check=True)
+
+
+def test_an_integer_beyond_any_float_is_one_line():
+    with pytest.raises(InputError, match=r"^key: a number of 401 digits is far from any size of use; expected"):
+        units.quantity(10**400, "Pa", "key")
+
+
+@pytest.mark.parametrize("digits", [400, 5000])
+def test_a_study_with_such_a_number_is_one_line(tmp_path, digits):
+    (tmp_path / "study.toml").write_text(f"[material]\nyoungs_modulus = 1{digits * '0'}\n")
+    with pytest.raises(InputError) as refused:
+        read_study(tmp_path / "study.toml")
+    assert "\n" not in str(refused.value)
 
 
 @pytest.mark.parametrize(

@@ -53,6 +53,8 @@ def inspect(path: Path, overrides: Mapping[str, Any], picture: Path | None = Non
     from contact_study.plots.style import DOUBLE, RESOLUTION
 
     section, directory, words = _surface(path, overrides)
+    if section.absent:
+        raise InputError(f"{path}: has no [surface] to look at, a roughness spectrum only")
     scales = section.scales(directory)
     surface = section.realise(directory)
     lines = [words, *described(surface.roughness, surface.sample, surface.filled)]

@@ -81,7 +81,7 @@ def run_case(job: Job, threads: int, report: Report) -> None:
         case = job.case if job.case.solver.threads else _with_threads(job, surface, threads)
         if not kept.has_constants:
             constants = {
-                **roughness_values(surface.roughness, surface.sample, surface.filled),
+                **({} if case.surface.absent else roughness_values(surface.roughness, surface.sample, surface.filled)),
                 **({"interaction_length": case.law.length} if case.law.attracts else {}),
                 **job.model.constants(case, surface),
             }

@@ -161,7 +161,7 @@ def _instrument(path: Path, channel: Channel, reason: str) -> RawMap:
     except ImportError:
         raise InputError(
             f"surface.path: {path} is in none of the formats {', '.join(READERS)} or text ({reason}); instruments' "
-            "files need pip install 'bem-adhesion[instruments]'"
+            "files need pip install '.[instruments]'"
         ) from None
     try:
         with _silent(), open_topography(str(path)) as reader:

@@ -14,6 +14,8 @@ from contact_study.units import quantity
 
 # Letters of a line that a message shows.
 _SHOWN = 40
+# Fractions, of which a tenth begins with 0, among which one does so for certain.
+_MANY = 30
 # The words of Gwyddion's export in the languages of its menus.
 _WIDTH = "Width|Šířka|Breite|Anchura|Largeur|Larghezza|Largura|Ширина|幅|폭"
 _HEIGHT = "Height|Výška|Höhe|Altura|Hauteur|Altezza|Высота|高さ|높이"
@@ -83,6 +85,8 @@ def _table(path: Path, lines: Sequence[str]) -> RawMap:
         )
     try:
         table = _numbers(path, rows)
+    except InputError:
+        raise
     except ValueError as error:
         if not named:  # no header of an instrument either: of numbers with words between them nothing is left out
             raise InputError(f"surface.path: {path} cannot be read ({error})") from None
@@ -159,7 +163,9 @@ def _numbers(path: Path, lines: Sequence[str]) -> np.ndarray:
     ValueError
         With the row, where there are other things or rows of other lengths.
     """
-    separator, decimal = _separation([line for line in lines if _NUMBER.match(line)][:30])
+    separator, decimal = _separation(path, [line for line in lines if _NUMBER.match(line)][:30])
+    if (separator, decimal) == (", ", ","):
+        lines, separator = [re.sub(r",([ \t]+|$)", ";", line.rstrip()) for line in lines], ";"
     if decimal == ",":
         lines = [line.replace(",", ".") for line in lines]
     if separator:
@@ -178,16 +184,43 @@ def _numbers(path: Path, lines: Sequence[str]) -> np.ndarray:
     return table
 
 
-def _separation(lines: Sequence[str]) -> tuple[str | None, str]:
-    """What parts the numbers of these lines, None for blanks and tabs, and their decimal sign."""
+def _separation(path: Path, lines: Sequence[str]) -> tuple[str | None, str]:
+    """Find the separator of the numbers in these lines, None for blanks and tabs, and their decimal sign.
+
+    Raises
+    ------
+    InputError
+        If commas may be both.
+    """
     text = "\n".join(lines)
     if ";" in text:
         return ";", "," if "," in text and "." not in text else "."
     if "," not in text:
         return None, "."
-    # Between blanks a comma inside of every number is its decimal sign.
-    inside = re.search(r"\d,\d", text) and not re.search(r",\s|,$|\.\d", text, re.MULTILINE)
-    return (None, ",") if inside and re.search(r"\d[ \t]+[-+]?\d", text) else (",", ".")
+    inside, blank_after = re.search(r"\d,\d", text), re.search(r",[ \t]", text)
+    if inside and not re.search(r",\s|,$|\.\d", text, re.MULTILINE) and re.search(r"\d[ \t]+[-+]?\d", text):
+        return None, ","  # between blanks a comma inside of every number is its decimal sign
+    if inside and blank_after and "." not in text:
+        return ", ", ","
+    if "." not in text and not blank_after and _may_be_decimal([line.strip().strip(",").split(",") for line in lines]):
+        raise InputError(
+            f"surface.path: {path} looks like decimal commas between commas; use another separator, such as semicolons"
+        )
+    return ",", "."
+
+
+def _may_be_decimal(rows: Sequence[Sequence[str]]) -> bool:
+    """Whether every second of these cells may be the digits behind a decimal comma.
+
+    Many unsigned integers are taken for what they are where both halves have the same lengths and none begins with 0.
+    """
+    whole, digits = ([cell.strip() for row in rows for cell in row[first::2]] for first in (0, 1))
+    if any(len(row) % 2 for row in rows) or not all(cell.isdecimal() for cell in digits):
+        return False
+    lengths = set(map(len, digits))
+    zeros = any(cell[0] == "0" and len(cell) > 1 for cell in digits)
+    integers = not zeros and all(cell.isdecimal() for cell in whole) and lengths == set(map(len, whole))
+    return not (integers and lengths != {1} and len(digits) >= _MANY)
 
 
 def _whole(lines: Sequence[str], separator: str) -> list[str]:

@@ -11,7 +11,7 @@ from contact_study.physics.surfaces.scales import SurfaceScales
 from contact_study.study.schema.keys import integer, key, pair, quantity, text
 
 _SIZE = pair(quantity("m", positive=True), broadcast=True)
-_SHAPE = pair(integer(minimum=4))
+_SHAPE = pair(integer(minimum=4, maximum=2**31 - 1))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -31,6 +31,8 @@ class SurfaceSection(ABC):
         Whether it has any height.
     periodic : bool
         Whether heights and slopes go on over the edge of the cell, so that its spectrum is that of a roughness.
+    absent : bool
+        Whether the study has a roughness spectrum only, for theories.
     """
 
     words: ClassVar[str]
@@ -38,6 +40,7 @@ class SurfaceSection(ABC):
     height_key: ClassVar[str]
     rough: ClassVar[bool] = True
     periodic: ClassVar[bool] = True
+    absent: ClassVar[bool] = False
 
     kind: str = key(text(), "geometry of the rigid surface")
     size: tuple[float, float] | None = key(_SIZE, "lateral periods (a height map may bring its own)", None)

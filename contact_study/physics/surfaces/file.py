@@ -113,7 +113,9 @@ class MapFile(SurfaceSection):
         quantity("1", positive=True, maximum=1.0), 'share of each side over which edges = "window" fades them', 0.2
     )
     resample: tuple[int, int] | None = key(
-        pair(integer(minimum=4)), "points of the map for all models, by trigonometric interpolation", None
+        pair(integer(minimum=4, maximum=2**31 - 1)),
+        "points of the map for all models, by trigonometric interpolation",
+        None,
     )
     lowpass: float | None = key(quantity("m", positive=True), "shortest wavelength that is kept", None)
 

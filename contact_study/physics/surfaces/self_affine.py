@@ -108,11 +108,17 @@ class SelfAffine(CellSection):
     def scales(self, directory: Path) -> SurfaceScales:
         spectrum = self.target_spectrum
         height, slope = spectrum.rms_height, spectrum.rms_slope
-        # A Gaussian surface stands above u rms heights at (2π)^(−3/2) A (ξ²/2 h_rms²) u exp(−u²/2) places in the mean,
-        # for large u (the Euler characteristic of the region above); ξ²/2 is the variance of the slope along one axis.
-        places = self.size[0] * self.size[1] * slope**2 / (2 * height**2) / (2 * np.pi) ** 1.5
-        u = 3.0
-        for _ in range(20):  # a contraction of factor 1/u² where places are many
-            u = float(np.sqrt(2 * np.log(max(places * u / _RARE, np.exp(2.0)))))
+        peak = gaussian_peak_to_valley(height, slope, self.size[0] * self.size[1])
         shortest = 2 * np.pi / spectrum.cutoff
-        return SurfaceScales(self.size, self.shape, height, slope, 2 * u * height, shortest, spectrum)
+        return SurfaceScales(self.size, self.shape, height, slope, peak, shortest, spectrum)
+
+
+def gaussian_peak_to_valley(rms_height: float, rms_slope: float, area: float) -> float:
+    """Highest minus lowest point (m) that few Gaussian surfaces of an area (m²) exceed."""
+    # A Gaussian surface stands above u rms heights at (2π)^(−3/2) A (ξ²/2 h_rms²) u exp(−u²/2) places in the mean,
+    # for large u (the Euler characteristic of the region above); ξ²/2 is the variance of the slope along one axis.
+    places = area * rms_slope**2 / (2 * rms_height**2) / (2 * np.pi) ** 1.5
+    u = 3.0
+    for _ in range(20):  # a contraction of factor 1/u² where places are many
+        u = float(np.sqrt(2 * np.log(max(places * u / _RARE, np.exp(2.0)))))
+    return 2 * u * rms_height

@@ -20,7 +20,7 @@ class Wavy(CellSection):
     height_key = "surface.amplitude"
 
     amplitude: float = key(quantity("m", positive=True), "h = amplitude·cos·cos")
-    modes: tuple[int, int] = key(pair(integer(minimum=0)), "waves along y and x", (1, 1))
+    modes: tuple[int, int] = key(pair(integer(minimum=0, maximum=2**31 - 1)), "waves along y and x", (1, 1))
 
     def __post_init__(self):
         if self.modes == (0, 0):

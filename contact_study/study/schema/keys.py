@@ -291,7 +291,7 @@ def keys_of(section: type | TaggedUnion) -> dict[str, Key]:
     """The keys of a section, in the order of declaration."""
     if isinstance(section, TaggedUnion):
         return section.keys
-    return {field.name: field.metadata["key"] for field in dataclasses.fields(section)}
+    return {field.name: field.metadata["key"] for field in dataclasses.fields(section) if "key" in field.metadata}
 
 
 def default_of(section: type | TaggedUnion, name: str) -> Any:
