@@ -20,6 +20,7 @@ from bem_adhesion.kernels.wall import passes_of
 from bem_adhesion.operators.fourier import periodic
 from bem_adhesion.operators.free_space import Window
 from bem_adhesion.operators.load import HeightLoad
+from bem_adhesion.operators.trace import Trace
 from bem_adhesion.roughness import typical_wavenumber
 from bem_adhesion.solution import NewtonResult, Outcome, Solution
 from contact_study.numerics.arguments import step_arguments
@@ -85,6 +86,8 @@ class AdhesiveContact:
         Threads of the transforms.
     window : Window, optional
         Of free boundaries: where there is a surface. The heights around it have no meaning.
+    trace : Trace, optional
+        Receiver of progress while a step is solved.
 
     Raises
     ------
@@ -103,6 +106,7 @@ class AdhesiveContact:
         max_iterations: int = 2000,
         threads: int = 1,
         window: Window | None = None,
+        trace: Trace | None = None,
     ):
         self.turn = RLock()
         self.elasticity = elasticity_of(elasticity)
@@ -129,7 +133,7 @@ class AdhesiveContact:
             self._spring = float(solid.stiffness_on(self._grid).max())
         elif control == "approach":
             self._spring = solid.mean_stiffness_on(self._grid)
-        make_operator = periodic(solid, self._spring, threads)
+        make_operator = periodic(solid, self._spring, threads, trace)
         self._contact = MultigridSolver(self._grid, make_operator, self._law, shift, window, squares=solid.on_any_grid)
         self._heights = HeightLoad.on(self._contact.finest.solid, height, 1 / self._length)
 

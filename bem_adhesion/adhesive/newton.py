@@ -311,6 +311,7 @@ class NewtonSolver(ContactEnergy):
             if excess.balanced and self._rounded * excess.residual > SHARE_OF_TOLERANCE * state.largest:
                 state = self._evaluate(gap, load)
                 excess = excess_of(state)
+            self.solid.mark("iteration", state.largest)
             if excess.balanced:
                 outcome = Outcome.CONVERGED
                 break

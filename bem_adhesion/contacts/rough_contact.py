@@ -11,6 +11,7 @@ from bem_adhesion.adhesive.contact import AdhesiveContact
 from bem_adhesion.contacts.free_boundary import FreeBoundaryContact
 from bem_adhesion.contacts.plastic import PlasticContact
 from bem_adhesion.hard_wall.contact import HardWallContact
+from bem_adhesion.operators.trace import Trace
 from bem_adhesion.process_zone import process_zone, resolved_length, resolves, resolving_shape, too_coarse
 from bem_adhesion.solution import Solution
 from contact_study.numerics.arguments import field, grid_of, positive
@@ -62,6 +63,7 @@ def rough_contact(
     threads: int = 1,
     boundary: str = "periodic",
     hardness: float | None = None,
+    trace: Trace | None = None,
 ) -> Contact:
     """The contact of a rigid rough surface with an elastic solid, by the solver that its law asks for.
 
@@ -91,6 +93,8 @@ def rough_contact(
     hardness : float, optional
         Largest pressure that a hard wall without adhesion transmits; points that reach it give way for good (Pa), see
         :class:`PlasticContact`.
+    trace : callable, optional
+        Called with a :class:`~bem_adhesion.operators.trace.Progress` at each change of phase while a step is solved.
 
     Raises
     ------
@@ -118,7 +122,7 @@ def rough_contact(
     heights = field("height", height)
     grid = grid_of(heights, size)
     made = contact_between(
-        heights, grid, elasticity, law, control, tolerance, max_iterations, threads, boundary, hardness
+        heights, grid, elasticity, law, control, tolerance, max_iterations, threads, boundary, hardness, trace
     )
     warn_of_coarse_grid(grid, elasticity_of(elasticity), law)
     return made
@@ -149,9 +153,10 @@ def contact_between(
     threads: int = 1,
     boundary: str = "periodic",
     hardness: float | None = None,
+    trace: Trace | None = None,
 ) -> Contact:
     """As :func:`rough_contact`, of heights that are the contact's own, on their grid, without a word about it."""
-    options: dict[str, Any] = {"control": control, "threads": threads}
+    options: dict[str, Any] = {"control": control, "threads": threads, "trace": trace}
     options |= {} if tolerance is None else {"tolerance": tolerance}
     options |= {} if max_iterations is None else {"max_iterations": max_iterations}
     if not isinstance(law, TractionLaw):

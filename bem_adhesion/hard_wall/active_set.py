@@ -134,6 +134,7 @@ class ContactLevel:
             offset = passes.offset(displacement, heights, contact)
             largest = passes.residual(displacement, heights, offset, contact, residual)
             error = max(largest, deepest)
+            self._double.mark("iteration", error)
             if not entered and not left and error <= tolerance:
                 return error, iteration, Outcome.CONVERGED
             if not entered and not left and not largest < 0.5 * previous:
@@ -164,15 +165,20 @@ class ContactLevel:
         contact, pressure = self.contact.reshape(-1), self.pressure.reshape(-1)
         residual, direction = self._residual.reshape(-1), self._direction.reshape(-1)
         target = max(REDUCTION * largest, floor)
+        self._single.mark("extension")
         self._extension.update()
+        self._single.mark("points")
         direction[...] = 0
         previous = np.inf
         for _ in range(INNER_ITERATIONS):
             if largest <= target:
                 return
+            self._single.mark("extension")
             self._extension.extend(self._residual, buffer)
             self._single.apply(self._single.stiffness)
+            self._single.mark("extension")
             self._extension.transpose(buffer)
+            self._single.mark("points")
             mean, product = passes.products(flat, residual, contact)
             passes.turn(flat, mean, product / previous, contact, direction)
             previous = product

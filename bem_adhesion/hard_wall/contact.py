@@ -11,6 +11,7 @@ import numpy as np
 from bem_adhesion.arguments import check_arguments
 from bem_adhesion.hard_wall.pressure_controlled import PressureControlledWall
 from bem_adhesion.hard_wall.pressure_search import find_pressure
+from bem_adhesion.operators.trace import Trace
 from bem_adhesion.solution import Outcome, Solution
 from contact_study.numerics.arguments import step_arguments
 from contact_study.numerics.exclusive import in_turn
@@ -54,6 +55,8 @@ class HardWallContact(PressureControlledWall):
         :class:`~bem_adhesion.contacts.plastic.PlasticContact`, which keeps what they gave way by.
     unit : float, optional
         Length that the tolerance is in units of, in place of the rms height (m): that of a surface before it yielded.
+    trace : Trace, optional
+        Receiver of progress while a step is solved.
 
     Raises
     ------
@@ -73,11 +76,12 @@ class HardWallContact(PressureControlledWall):
         threads: int = 1,
         hardness: float | None = None,
         unit: float | None = None,
+        trace: Trace | None = None,
     ):
         solid = elasticity_of(elasticity)
         heights = np.where(np.isneginf(height), 0.0, height)
         check_arguments(heights, grid, control, tolerance, max_iterations, solid)
-        super().__init__(height, grid, solid, tolerance, max_iterations, threads, hardness, unit)
+        super().__init__(height, grid, solid, tolerance, max_iterations, threads, hardness, unit, trace)
         self.control = control
 
     @in_turn

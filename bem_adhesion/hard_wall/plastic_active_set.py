@@ -86,6 +86,7 @@ class BoundedLevel(ContactLevel):
         while True:
             self._offset = self._multiplier(displacement, total)
             error = passes.judge(displacement, heights, self._offset, pressure, bound, contact)
+            self._double.mark("iteration", error)
             if error <= tolerance:
                 return error, iteration, Outcome.CONVERGED
             if iteration == max_iterations:

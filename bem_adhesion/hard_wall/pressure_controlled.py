@@ -13,6 +13,7 @@ from bem_adhesion.hard_wall.plastic_active_set import BoundedLevel
 from bem_adhesion.linear.conjugate_gradients import LinearisedContact
 from bem_adhesion.linear.contact_stiffness import PINNED, mean_stiffness
 from bem_adhesion.operators.fourier import periodic
+from bem_adhesion.operators.trace import Trace
 from bem_adhesion.roughness import typical_wavenumber
 from bem_adhesion.solution import Outcome, Solution
 from contact_study.numerics.arguments import positive
@@ -51,6 +52,7 @@ class PressureControlledWall:
         threads: int,
         hardness: float | None,
         unit: float | None,
+        trace: Trace | None,
     ):
         self.turn = RLock()
         self.elasticity = elasticity
@@ -68,7 +70,7 @@ class PressureControlledWall:
         self._unit = unit or rms_height
         self._rounding = float(np.finfo(float).eps * max(present.max(), -present.min()))
         self._flat = self._bounded and rms_height <= self._rounding
-        self._threads = threads
+        self._threads, self._trace = threads, trace
         self._unit_of_level = self._pairs_of_levels = 0.0
         if not self._flat:
             self._scale_to(self._unit or max(grid.size))
@@ -83,7 +85,7 @@ class PressureControlledWall:
         grid = Grid(self.grid.shape, (self.grid.size[0] / period, self.grid.size[1] / period))
         heights = self._height - self._mean_height
         heights /= unit
-        make_operator = periodic(self.elasticity.scaled(period, modulus), threads=self._threads)
+        make_operator = periodic(self.elasticity.scaled(period, modulus), threads=self._threads, trace=self._trace)
         self._level = (
             ContactLevel(heights, grid, make_operator)
             if np.isinf(self.hardness)

@@ -1,17 +1,18 @@
-"""What the solvers ask of the elastic solid under their grid, and the periodic solid that answers by Fourier transform.
+"""Linear maps of an elastic solid on a grid, and the periodic solid that applies them by Fourier transforms.
 
-:class:`Operator` is the whole of it: linear maps of a field in a buffer. A solver is given a function that makes one
-for any grid and precision, so that its coarser grids have the same solid under them, and never asks what it is.
+A solver receives a function that makes an :class:`Operator` for any grid and precision. Its coarser grids therefore
+have the same solid, and the solver does not depend on the kind of solid.
 """
 
 from functools import cached_property
 from typing import Any, Protocol
 
 import numpy as np
-from numba import njit
 
+from bem_adhesion.operators.trace import Phase, Reporter, Trace, TracedTransform
 from contact_study.numerics.fourier import RealTransform
 from contact_study.numerics.grid import Grid
+from contact_study.numerics.kernel import kernel
 from contact_study.numerics.memory import Memory, Scratch
 from contact_study.physics.solids import Elasticity
 
@@ -37,7 +38,7 @@ class Operator(Protocol):
     largest : float
         Largest eigenvalue of K on this grid (Pa/m).
     mean_stiffness : float
-        Stiffness of the mean displacement (Pa/m): zero where it is the load's.
+        Stiffness of the mean displacement (Pa/m); zero where the load prescribes the mean.
     """
 
     grid: Grid
@@ -52,69 +53,69 @@ class Operator(Protocol):
     def largest(self) -> float: ...
 
     def inverse_shifted(self, shift: float) -> Map:
-        """(K + shift)⁻¹, the solid on a uniform bed of springs of stiffness ``shift`` (Pa/m), or what is near to it.
-
-        It preconditions: symmetric and positive is all it must be.
-        """
+        """Prepare (K + shift)⁻¹ for a uniform shift (Pa/m), or a symmetric positive map close to it."""
 
     def apply(self, linear_map: Map) -> np.ndarray:
-        """Apply a map to :attr:`field` in place; returns it."""
+        """Apply a map to :attr:`field` in place; return the field."""
 
     def apply_and_sum(self, linear_map: Map) -> float:
-        """As :meth:`apply`; returns the inner product of field and result, the sum over all points."""
+        """Apply a map as :meth:`apply`; return the inner product of input and result."""
 
     def interpolate(self, coarser: Any) -> np.ndarray:
-        """Write the field of an operator of its kind on a coarser grid, interpolated, into :attr:`field`; returns it.
-
-        What the other's field was is lost.
-        """
+        """Interpolate the field of the same operator on a coarser grid, destroying it, into :attr:`field`."""
 
     def equivalent_pairs(self, grid: Grid) -> float:
-        """The work done so far, as pairs of transforms in float64 on ``grid``.
+        """Return the work so far in float64 transform pairs on ``grid``.
 
-        A pair in float32 counts one half, a coarser grid in proportion to its points: a count of the work
-        that does not depend on the machine.
+        A pair in float32 counts one half, a coarser grid in proportion to its points. The count does not depend on the
+        machine.
         """
+
+    def mark(self, phase: Phase, residual: float | None = None) -> None:
+        """Report a phase to the trace, if the operator was made with one."""
 
 
 class MakeOperator(Protocol):
-    """The operator of a solid on a grid, in ``numpy.float64`` or ``numpy.float32``; its field lies in the memory."""
+    """Make the operator of a solid on a grid in ``numpy.float64`` or ``numpy.float32``; memory holds its field."""
 
     def __call__(self, grid: Grid, dtype: type, memory: Memory | None = None) -> Operator: ...
 
 
-def periodic(elasticity: Elasticity, mean_stiffness: float = 0.0, threads: int = 1) -> MakeOperator:
-    """Operators of a periodically repeated solid, see :class:`PeriodicOperator`; they take turns in one spectrum."""
+def periodic(
+    elasticity: Elasticity, mean_stiffness: float = 0.0, threads: int = 1, trace: Trace | None = None
+) -> MakeOperator:
+    """Return a maker of :class:`PeriodicOperator`; all operators that it makes share one spectrum."""
     scratch = Scratch()
+    reporter = None if trace is None else Reporter(trace)
 
     def make(grid: Grid, dtype: type, memory: Memory | None = None) -> Operator:
-        return PeriodicOperator(grid, elasticity, dtype, mean_stiffness, threads, scratch, memory)
+        return PeriodicOperator(grid, elasticity, dtype, mean_stiffness, threads, scratch, memory, reporter)
 
     return make
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "arcp", "nsz"})
-def _multiply_spectrum(spectrum, kernel):
-    """Spectrum times real kernel, in place; NumPy would first make the kernel complex."""
+@kernel
+def _multiply_spectrum(spectrum, factors):
+    """Multiply a spectrum by real factors in place; NumPy would first make the factors complex."""
     rows, columns = spectrum.shape
     for i in range(rows):
-        row, factor = spectrum[i], kernel[min(i, rows - i)]
+        row, factor = spectrum[i], factors[min(i, rows - i)]
         for j in range(columns):
             row[j] *= factor[j]
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "arcp", "nsz"})
-def _multiply_and_sum(spectrum, kernel, has_nyquist_column):
-    """Spectrum times real kernel, in place; returns Σ kernel·|spectrum|² over all wavevectors."""
+@kernel
+def _multiply_and_sum(spectrum, factors, has_nyquist_column):
+    """Multiply a spectrum by real factors in place; return Σ factor·|spectrum|² over all wavevectors."""
     rows, columns = spectrum.shape
     total = 0.0
     for i in range(rows):
-        factor = kernel[min(i, rows - i)]
+        factor = factors[min(i, rows - i)]
         # A row is summed in the precision of the data, which vectorises; the rows in float64.
-        row = factor[0] * (spectrum[i, 0].real ** 2 + spectrum[i, 0].imag ** 2) * kernel.dtype.type(-0.5)
+        row = factor[0] * (spectrum[i, 0].real ** 2 + spectrum[i, 0].imag ** 2) * factors.dtype.type(-0.5)
         if has_nyquist_column:
             last = spectrum[i, columns - 1]
-            row -= factor[columns - 1] * (last.real**2 + last.imag**2) * kernel.dtype.type(0.5)
+            row -= factor[columns - 1] * (last.real**2 + last.imag**2) * factors.dtype.type(0.5)
         for j in range(columns):
             z = spectrum[i, j]
             k = factor[j]
@@ -125,7 +126,7 @@ def _multiply_and_sum(spectrum, kernel, has_nyquist_column):
 
 
 class PeriodicOperator:
-    """A solid repeated with the period of the grid: its maps are kernels in Fourier space, one pair of transforms each.
+    """A solid repeated with the period of the grid: its maps are factors in Fourier space, one transform pair each.
 
     Parameters
     ----------
@@ -136,13 +137,13 @@ class PeriodicOperator:
     dtype : type, optional
         ``numpy.float64`` or ``numpy.float32``.
     mean_stiffness : float, optional
-        K at q = 0 (Pa/m): zero leaves the mean displacement to the load, a positive value ties it to a spring.
+        K at q = 0 (Pa/m): zero leaves the mean displacement to the load, a positive value adds a spring.
     threads : int, optional
         Threads of the transforms.
-    scratch : Scratch, optional
-        Memory of the spectrum, which no operator needs beyond the map it applies.
-    memory : Memory, optional
-        Memory of the field.
+    scratch, memory : optional
+        Shared memory of the spectrum, and memory of the field.
+    reporter : Reporter, optional
+        Receiver of marks.
 
     Attributes
     ----------
@@ -159,23 +160,27 @@ class PeriodicOperator:
         threads: int = 1,
         scratch: Scratch | None = None,
         memory: Memory | None = None,
+        reporter: Reporter | None = None,
     ):
         self.grid = grid
         self.mean_stiffness = mean_stiffness
         self._elasticity = elasticity
-        self._transform = RealTransform(grid.shape, dtype, threads, scratch, memory)
+        self._reporter = reporter
+        transform = (grid.shape, dtype, threads, scratch, memory)
+        self._transform = RealTransform(*transform) if reporter is None else TracedTransform(reporter, *transform)
         self.field = self._transform.field
 
-    def _stiffness_q(self, mean_stiffness: float) -> np.ndarray:
-        """K of each wavevector in the layout of ``rfft2`` (Pa/m); made anew, the kernels are what is kept.
+    def mark(self, phase: Phase, residual: float | None = None) -> None:
+        if self._reporter is not None:
+            self._reporter.mark(phase, self.grid.shape, residual)
 
-        K is even in both components of the wavevector: of the rows of −qy, which are those of qy, there are none.
-        """
+    def _stiffness_q(self, mean_stiffness: float) -> np.ndarray:
+        """Return K of each wavevector (Pa/m) by ``rfft2`` without the rows of −qy, equal to those of qy."""
         stiffness_q = self._elasticity.stiffness_on(self.grid)[: self.grid.shape[0] // 2 + 1]
         stiffness_q[0, 0] = mean_stiffness
         return stiffness_q
 
-    def _kernel(self, kernel_q: np.ndarray) -> np.ndarray:
+    def _factors(self, kernel_q: np.ndarray) -> np.ndarray:
         kernel_q *= 1 / self.grid.points
         return kernel_q.astype(self._transform.dtype)
 
@@ -183,54 +188,43 @@ class PeriodicOperator:
     def _stiffness_and_largest(self) -> tuple[np.ndarray, float]:
         stiffness_q = self._stiffness_q(self.mean_stiffness)
         largest = float(stiffness_q.max())
-        return self._kernel(stiffness_q), largest
+        return self._factors(stiffness_q), largest
 
     @property
     def stiffness(self) -> np.ndarray:
-        """Kernel of K."""
         return self._stiffness_and_largest[0]
 
     @property
     def largest(self) -> float:
-        """Largest K of a wave of this grid, or the mean's (Pa/m)."""
         return self._stiffness_and_largest[1]
 
     @cached_property
     def compliance(self) -> np.ndarray:
-        """Kernel of 1/K, zero at q = 0: a mean pressure makes no displacement."""
-        return self._kernel(1 / self._stiffness_q(np.inf))
+        return self._factors(1 / self._stiffness_q(np.inf))
 
     def inverse_shifted(self, shift: float) -> np.ndarray:
-        """Kernel of 1/(K + shift)."""
-        return self._kernel(1 / (self._stiffness_q(self.mean_stiffness) + shift))
+        return self._factors(1 / (self._stiffness_q(self.mean_stiffness) + shift))
 
     def apply(self, linear_map: np.ndarray) -> np.ndarray:
-        """Multiply the spectrum of :attr:`field`, in place, by a kernel; returns it."""
         self._transform.forward()
         _multiply_spectrum(self._transform.spectrum, linear_map)
         return self._transform.backward()
 
     def apply_and_sum(self, linear_map: np.ndarray) -> float:
-        """As :meth:`apply`; returns the sum over all points of the field times the result.
-
-        The sum is formed on the spectrum while that passes by, before the result exists in real space: an
-        iterative solver can then fuse the passes before and after a scalar product.
-        """
+        # The sum is formed on the spectrum, before the result exists in real space: the passes around it can be fused.
         self._transform.forward()
         total = _multiply_and_sum(self._transform.spectrum, linear_map, self.grid.shape[1] % 2 == 0)
         self._transform.backward()
         return total
 
     def interpolate(self, coarser: "PeriodicOperator") -> np.ndarray:
-        """See :meth:`Operator.interpolate`; by its trigonometric polynomial."""
         return self._transform.interpolate(coarser._transform)
 
     @property
     def pairs(self) -> float:
-        """Pairs of transforms done so far."""
+        """Transform pairs so far."""
         return self._transform.pairs
 
     def equivalent_pairs(self, grid: Grid) -> float:
-        """See :meth:`Operator.equivalent_pairs`."""
         weight = self._transform.dtype.itemsize / np.dtype(np.float64).itemsize
         return self.pairs * weight * self.grid.points / grid.points
