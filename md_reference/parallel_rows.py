@@ -15,7 +15,7 @@ ATOMS_FOR_THREADS = 200**2
 _FEWEST_BLOCKS = 2  # of a thread: with one each, who is late makes the other wait
 
 
-class RowBlocks:
+class ParallelRows:
     """Blocks of consecutive rows, done by one or several threads.
 
     Parameters

@@ -38,9 +38,9 @@ from md_reference.block.condensed import SurfaceStiffness, without_lateral_freed
 from md_reference.interface.pairs import AtomwiseInteraction
 from md_reference.solution import Equilibrium
 from md_reference.solution import Outcome as AtomisticOutcome
-from md_reference.statics.initial_states import predicted
+from md_reference.statics.contact import predicted
 from md_reference.statics.newton import EquilibriumSolver
-from md_reference.statics.system import build_interface, build_stiffness
+from md_reference.study.system import build_interface, build_stiffness
 
 # Each model, and what sets it apart from the one before.
 MODELS = {

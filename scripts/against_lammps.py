@@ -25,12 +25,10 @@ from contact_study.campaign.command_line.command import Parser, guarded
 from contact_study.numerics import fourier
 from contact_study.physics.lattice import lattice_of
 from md_reference.block.condensed import isotropic_element, lame_constants
-from md_reference.block.multiscale import MultiscaleBlock
-from md_reference.block.nonlinear_springs import NonlinearSpringBlock
-from md_reference.interface.pairs import LennardJonesInterface
-from md_reference.lammps import Witness, block_witness, interface_witness, load_lammps
-from md_reference.statics.contact import interface_of
-from md_reference.thermal.langevin import NewtonianBlock, fastest_wave
+from md_reference.block.multiscale import MultiscaleBlock, NonlinearSpringBlock
+from md_reference.interface.pairs import LennardJonesInterface, interface_of
+from md_reference.lammps import LammpsSystem, lammps_interface, lammps_slab, load_lammps
+from md_reference.thermal.langevin import MolecularDynamics, fastest_wave
 
 ANGSTROM = 1e-10
 
@@ -72,7 +70,7 @@ def _main(arguments: Sequence[str] | None) -> int:
         return 0
     interface, displacement = rough_interface(given.atoms)
     own = interface_forces(interface, displacement)
-    witness = interface_witness(lammps, interface, displacement)
+    witness = lammps_interface(lammps, interface, displacement)
     print("| forces | atoms | largest difference over largest force |\n|---|---|---|")
     print(f"| interface | {given.atoms**2} | {difference(own, witness.forces()):.1e} |")
     nodes = random_nodes((given.nodes,) * 3)
@@ -81,7 +79,7 @@ def _main(arguments: Sequence[str] | None) -> int:
     turned = difference(block_forces(FAR * nodes, NonlinearSpringBlock), springs.forces(springs.rest + FAR * nodes))
     print(f"| block of turning springs | {given.nodes**3} | {turned:.1e} |")
     if given.repeats:
-        cut = interface_witness(lammps, interface, displacement, "lj/cut")
+        cut = lammps_interface(lammps, interface, displacement, "lj/cut")
         timings(interface, displacement, [witness, cut], springs, given.nodes, given.repeats)
     return 0
 
@@ -128,9 +126,9 @@ def springs_block(shape: tuple[int, int, int], kind: type[MultiscaleBlock] = Mul
     return kind(shape[1:], LATTICE_CONSTANT, SHEAR_MODULUS, SHEAR_MODULUS, (shape[0] - 1,), ATOM_MASS)
 
 
-def slab_witness(lammps: Any, shape: tuple[int, int, int]) -> Witness:
+def slab_witness(lammps: Any, shape: tuple[int, int, int]) -> LammpsSystem:
     """The same in LAMMPS."""
-    return block_witness(lammps, shape, LATTICE_CONSTANT, SHEAR_MODULUS, ATOM_MASS)
+    return lammps_slab(lammps, shape, LATTICE_CONSTANT, SHEAR_MODULUS, ATOM_MASS)
 
 
 def block_forces(nodes: np.ndarray, kind: type[MultiscaleBlock] = MultiscaleBlock) -> np.ndarray:
@@ -142,7 +140,7 @@ def block_forces(nodes: np.ndarray, kind: type[MultiscaleBlock] = MultiscaleBloc
     return block.levels_of(force)[0][:, :, 1:-1, 1:-1]
 
 
-def linear_part(springs: Witness, nodes: np.ndarray) -> np.ndarray:
+def linear_part(springs: LammpsSystem, nodes: np.ndarray) -> np.ndarray:
     """The forces' linear part at a displacement (N), from it, its opposite, and twice both."""
     rest = springs.rest
     once, twice = (
@@ -157,7 +155,7 @@ def small_case(lammps: Any) -> dict[str, np.ndarray]:
     nodes = random_nodes((4, 6, 6))
     springs = slab_witness(lammps, nodes.shape[1:])
     return {
-        "interface": interface_witness(lammps, interface, displacement).forces(),
+        "interface": lammps_interface(lammps, interface, displacement).forces(),
         "block": linear_part(springs, nodes),
         "turning": springs.forces(springs.rest + FAR * nodes),
     }
@@ -166,8 +164,8 @@ def small_case(lammps: Any) -> dict[str, np.ndarray]:
 def timings(
     interface: LennardJonesInterface,
     displacement: np.ndarray,
-    witnesses: Sequence[Witness],
-    springs: Witness,
+    witnesses: Sequence[LammpsSystem],
+    springs: LammpsSystem,
     nodes: int,
     repeats: int,
 ) -> None:
@@ -182,7 +180,7 @@ def timings(
     generator = np.random.default_rng(0)
 
     def mover(block: MultiscaleBlock) -> Callable[[int], None]:
-        system = NewtonianBlock(block, _Nothing(), 0.1 / fastest_wave(element, ATOM_MASS))
+        system = MolecularDynamics(block, _Nothing(), 0.1 / fastest_wave(element, ATOM_MASS))
         motion = system.start(np.zeros((3, nodes, nodes)))
 
         def move(steps: int) -> None:

@@ -23,7 +23,7 @@ from contact_study.physics.surfaces.realisation import realise
 from contact_study.study.case import Case
 from contact_study.study.study import read_study
 from contact_study.units import quantity
-from md_reference.statics.system import build_contact
+from md_reference.study.system import build_contact
 
 
 @dataclass(frozen=True)

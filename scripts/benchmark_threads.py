@@ -27,8 +27,8 @@ from contact_study.physics.surfaces.realisation import realise
 from contact_study.study.study import read_study
 from md_reference.block.condensed import isotropic_element, lame_constants
 from md_reference.block.multiscale import MultiscaleBlock, level_layers
-from md_reference.statics.contact import interface_of
-from md_reference.thermal.langevin import NewtonianBlock, fastest_wave
+from md_reference.interface.pairs import interface_of
+from md_reference.thermal.langevin import MolecularDynamics, fastest_wave
 
 # Of the paper's system, at any scale of the lengths.
 _CONSTANT, _LENGTH, _WELL_DEPTH, _CUTOFF = 2.6e-10, 3.28e-10, 2.98e-21, 4.0
@@ -85,7 +85,7 @@ def time_step(atoms: int, threads: int) -> Callable[[], object]:
     lattice = lattice_of((atoms * _CONSTANT,) * 2, _CONSTANT)
     interface = interface_of(np.zeros, lattice, _WELL_DEPTH, _LENGTH, _CUTOFF, threads)
     step = 0.4 / fastest_wave(isotropic_element(_CONSTANT, _YOUNGS_MODULUS, _POISSONS_RATIO), _ATOM_MASS)
-    system = NewtonianBlock(block, interface, step, friction=0.01 / step)
+    system = MolecularDynamics(block, interface, step, friction=0.01 / step)
     surface = np.zeros((3, atoms, atoms))
     surface[2] = 2 * _CUTOFF * _LENGTH
     motion, generator = system.start(surface), np.random.default_rng(0)

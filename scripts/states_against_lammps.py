@@ -25,10 +25,11 @@ from contact_study.numerics import fourier
 from contact_study.numerics.time_series import SeriesStatistics, statistics_of
 from contact_study.physics.lattice import lattice_of
 from md_reference.block.condensed import isotropic_element, lame_constants, surface_stiffness
-from md_reference.block.nonlinear_springs import NonlinearSpringBlock
-from md_reference.lammps import Witness, contact_witness, load_lammps
-from md_reference.statics.contact import AtomisticContact, interface_of
-from md_reference.thermal.langevin import Motion, NewtonianBlock, fastest_wave
+from md_reference.block.multiscale import NonlinearSpringBlock
+from md_reference.interface.pairs import interface_of
+from md_reference.lammps import LammpsSystem, lammps_contact, load_lammps
+from md_reference.statics.contact import AtomisticContact
+from md_reference.thermal.langevin import MolecularDynamics, Motion, fastest_wave
 
 LATTICE_CONSTANT = 2.6e-10
 LENGTH = 3.28e-10
@@ -111,18 +112,18 @@ class System:
         flat[2] = self.height
         return flat
 
-    def moving(self, friction: float, temperature: float = 0.0) -> NewtonianBlock:
+    def moving(self, friction: float, temperature: float = 0.0) -> MolecularDynamics:
         """The block here, its rigid plane with the atoms of a whole layer, as in LAMMPS."""
         block = NonlinearSpringBlock(
             (self.side,) * 2, LATTICE_CONSTANT, SHEAR_MODULUS, SHEAR_MODULUS, (self.layers,), ATOM_MASS
         )
-        return NewtonianBlock(block, self.interface, self.time_step, friction, temperature)
+        return MolecularDynamics(block, self.interface, self.time_step, friction, temperature)
 
-    def witness(self, lammps: object, log: Path) -> Witness:
+    def witness(self, lammps: object, log: Path) -> LammpsSystem:
         """The block in LAMMPS."""
         displacement = np.zeros((3, self.layers + 1, self.side, self.side))
         displacement[2] = self.height
-        return contact_witness(
+        return lammps_contact(
             lammps,
             self.interface,
             displacement,
@@ -140,7 +141,7 @@ class System:
         return float(np.mean(gap <= CONTACT_DISTANCE)), float(np.mean(gap)) - LENGTH
 
 
-def residual_of(system: NewtonianBlock, motion: Motion) -> float:
+def residual_of(system: MolecularDynamics, motion: Motion) -> float:
     """Largest force component on a node that moves, or on the rigid plane for each of its atoms, over a²E*."""
     block = system.block
     force = np.zeros(block.size)

@@ -8,7 +8,7 @@ import pytest
 
 from contact_study.errors import InputError
 from md_reference import lammps as witness
-from md_reference.block.nonlinear_springs import NonlinearSpringBlock
+from md_reference.block.multiscale import NonlinearSpringBlock
 from scripts import against_lammps, states_against_lammps
 
 STORED = Path(__file__).parent / "md_reference" / "lammps_forces.npz"

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numba import njit
 
+from contact_study.numerics import fourier
 from contact_study.numerics.grid import Grid
 from contact_study.physics.solids import contact_modulus_of
 
@@ -304,3 +305,26 @@ def without_lateral_freedom(stiffness: SurfaceStiffness) -> SurfaceStiffness:
     coefficients[:2] = 1e6 * np.max(stiffness.coefficients)
     coefficients[2] = stiffness.area_per_atom * stiffness.normal_stiffness
     return SurfaceStiffness(stiffness.grid, stiffness.lattice_constant, coefficients)
+
+
+def effective_contact_modulus(stiffness: SurfaceStiffness, heights: np.ndarray) -> float:
+    """The modulus that the block shows to a surface: E*(q), weighted by the energy of full contact, q|h_q|².
+
+    Parameters
+    ----------
+    stiffness : SurfaceStiffness
+        The condensed block.
+    heights : numpy.ndarray, shape (ny, nx)
+        Heights under the block's atoms (m).
+
+    Returns
+    -------
+    float
+        In Pa; for a flat surface that of the longest wave.
+    """
+    grid = stiffness.grid
+    weight = grid.multiplicity * grid.wavenumber * np.abs(fourier.transform(heights)) ** 2
+    if not weight.any():
+        weight = (grid.wavenumber == np.min(grid.wavenumber[grid.wavenumber > 0])).astype(float)
+    modulus = np.nan_to_num(stiffness.contact_modulus)  # NaN at q = 0 only, where the weight is zero
+    return float(np.sum(weight * modulus) / np.sum(weight))

@@ -15,9 +15,10 @@ from itertools import accumulate
 import numpy as np
 
 from md_reference.block.level_coupling import prolong, restrict
+from md_reference.block.nonlinear_slab import move_rotating_slab, rotating_slab_force
 from md_reference.block.slab import fill_ghosts, move_slab, slab_constants, slab_force
 from md_reference.block.verlet import Action, move_planes
-from md_reference.parallel_rows import RowBlocks
+from md_reference.parallel_rows import ParallelRows
 
 # Layers of the finest level and of the coarser ones below the last: E*(q) within 0.2 % of the full lattice's.
 _FINEST_LAYERS = 12
@@ -119,7 +120,7 @@ class MultiscaleBlock:
             for number, count in enumerate(layers)
         ]
         self._ends = [0, *accumulate(math.prod(level.shape) for level in self.levels)]
-        self._rows = RowBlocks(threads)
+        self._rows = ParallelRows(threads)
         self.plane_mass = [self._plane_mass(number, atom_mass) for number in range(len(self.levels))]
         with np.errstate(divide="ignore"):
             self._inverse_mass = [np.where(mass > 0, 1 / mass, 0.0) for mass in self.plane_mass]
@@ -288,7 +289,7 @@ class MultiscaleBlock:
         return 0.5 * (first + 2 * shear) * strain**2
 
     def on_rows(self, number: int, kernel: Callable[[int, int], object]) -> None:
-        """Call ``kernel(first, end)`` for all blocks of rows of a level, see :class:`RowBlocks`."""
+        """Call ``kernel(first, end)`` for all blocks of rows of a level, see :class:`ParallelRows`."""
         _, _, rows, columns = self.levels[number].shape
         self._rows.run(kernel, rows - 2, max(_FEWEST_ROWS, _NODES_OF_A_BLOCK // columns))
 
@@ -329,3 +330,38 @@ class MultiscaleBlock:
         if number:
             mass[0] *= 0.75
         return mass
+
+
+class NonlinearSpringBlock(MultiscaleBlock):
+    """As :class:`MultiscaleBlock`, of central springs and cell volumes at any displacement.
+
+    The levels, their masses and how they hang together are those of the linear block: a plane's bilinear values are
+    exact for what is turned as a whole.
+    """
+
+    def elastic_energy(self, displacement: np.ndarray, force: np.ndarray) -> float:
+        """Elastic energy (J) of a displacement; ``force`` is not needed, see the base class."""
+        scratch = np.empty(self.size)
+        pairs = zip(self.levels, self.levels_of(displacement), self.levels_of(scratch), strict=True)
+        return sum(rotating_slab_force(u, f, *self._constants(level), 0, u.shape[2] - 2) for level, u, f in pairs)
+
+    def _compression_density(self, strain: np.ndarray) -> np.ndarray:
+        first, shear = self.lame
+        longer = np.hypot(1, 1 + strain) - math.sqrt(2)  # of the springs across a face that stands upright
+        return 0.5 * first * strain**2 + 2 * shear * longer**2
+
+    def _move_inside(
+        self, number: int, displacement: np.ndarray, moved: np.ndarray, velocity: np.ndarray, action: Action
+    ) -> None:
+        nodes = displacement, moved, velocity, self._faces[number], self._inverse_mass[number]
+        constants = self._constants(self.levels[number])
+        self.on_rows(number, partial(move_rotating_slab, *nodes, action, *constants, self._first_node(number)))
+
+    def _slab_force(self, number: int, displacement: np.ndarray, force: np.ndarray) -> None:
+        constants = self._constants(self.levels[number])
+        self.on_rows(number, partial(rotating_slab_force, displacement, force, *constants))
+
+    def _constants(self, level: Level) -> tuple[float, float, float]:
+        """Edge of a cell (m), μ and λ − μ (Pa)."""
+        first, shear = self.lame
+        return level.size * self.lattice_constant, shear, first - shear

@@ -27,7 +27,7 @@ _SWITCHED = 1500.0  # T over P/r0² (r0/r_c)⁷
 _FARTHEST = 0.1  # an atom is followed, in units of r0
 
 
-class FollowedInterface:
+class CachedInterface:
     """An interface and where each of its atoms was last evaluated.
 
     Parameters

@@ -7,14 +7,16 @@ atom's current position; the substrate being rigid, the Hessian is block diagona
 """
 
 import math
+from collections.abc import Callable
 from functools import partial
 from typing import Protocol
 
 import numpy as np
 from numba import njit
 
-from md_reference.interface.substrate import Substrate
-from md_reference.parallel_rows import RowBlocks
+from contact_study.physics.lattice import Lattice
+from md_reference.interface.substrate import Substrate, sample_substrate
+from md_reference.parallel_rows import ParallelRows
 
 # Below this height over the nearest site, in units of r0, an atom counts as inside the substrate: the repulsion there
 # is beyond (1/0.3)¹¹ of the law's scale, which no block can exert, and further down it would change sign.
@@ -22,6 +24,9 @@ INSIDE = 0.3
 
 # The switch acts between this fraction of the cutoff and the cutoff.
 _SWITCH_START = 0.9
+
+# Error allowed to the interpolated height of the surface, in units of r0; the contact area does not notice 1e-4.
+HEIGHT_TOLERANCE = 1e-4
 
 _ROWS_OF_A_BLOCK = 8  # that a thread does in one go: some tenths of a millisecond and more
 
@@ -116,7 +121,7 @@ class LennardJonesInterface:
         self._padded = substrate.padded(self._margin) / length
         self._highest = substrate.highest_within(self._margin) / length
         self._no_hessian = np.empty((6, 0, 0))
-        self._rows = RowBlocks(threads)
+        self._rows = ParallelRows(threads)
         self._all = np.ones(shape, dtype=np.bool_)
         self._energy = np.empty(shape)
         self._row_inside = np.empty(shape[0], dtype=np.int64)
@@ -187,6 +192,34 @@ class LennardJonesInterface:
     def rest_heights(self) -> np.ndarray:
         """Height of the surface under the atoms' rest positions (m), shape (ny, nx)."""
         return -self.gap(np.zeros((3, *self.shape)))
+
+
+def interface_of(
+    heights: Callable[[tuple[int, int]], np.ndarray],
+    lattice: Lattice,
+    well_depth: float,
+    length: float,
+    cutoff: float,
+    threads: int = 1,
+) -> LennardJonesInterface:
+    """Lennard-Jones atoms over the substrate's sites on a surface.
+
+    Parameters
+    ----------
+    heights : callable
+        Heights of the surface on a grid of the given shape (m).
+    lattice : Lattice
+        Atoms and sites.
+    well_depth, length : float
+        ε (J) and r0 (m).
+    cutoff : float
+        In units of r0.
+    threads : int, optional
+        That share the rows.
+    """
+    substrate = sample_substrate(heights, lattice.size, lattice.substrate_sites, HEIGHT_TOLERANCE * length)
+    spacing = (lattice.size[0] / lattice.atoms[0], lattice.size[1] / lattice.atoms[1])
+    return LennardJonesInterface(substrate, lattice.atoms, spacing, well_depth, length, cutoff, threads)
 
 
 @njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract", "reassoc", "arcp", "nsz"})

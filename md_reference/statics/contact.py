@@ -1,24 +1,22 @@
 """Atoms under load, by the same face as the continuum: a state and a target in, a solution out."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from threading import RLock
 
 import numpy as np
+from scipy import optimize
 
+from contact_study.errors import InputError
 from contact_study.numerics import fourier
 from contact_study.numerics.arguments import check_control, field, finite, grid_of, positive, step_arguments
 from contact_study.numerics.exclusive import in_turn
-from contact_study.physics.lattice import Lattice, lattice_of
+from contact_study.physics.lattice import lattice_of
 from md_reference.block.condensed import SurfaceStiffness, element_matrix, surface_stiffness
-from md_reference.interface.pairs import LennardJonesInterface
-from md_reference.interface.substrate import sample_substrate
+from md_reference.interface.pairs import LennardJonesInterface, interface_of
 from md_reference.solution import Equilibrium, Outcome, Solution
 from md_reference.statics.energy import Landscape
-from md_reference.statics.initial_states import at_mean_gap, predicted, separated
 from md_reference.statics.newton import EquilibriumSolver
 
-# Error allowed to the interpolated height of the surface, in units of r0; the contact area does not notice 1e-4.
-HEIGHT_TOLERANCE = 1e-4
 # In units of r0: as atomistic.cutoff of a study.
 _SHORTEST_CUTOFF = 2.0
 
@@ -139,34 +137,6 @@ class AtomisticContact:
         )
 
 
-def interface_of(
-    heights: Callable[[tuple[int, int]], np.ndarray],
-    lattice: Lattice,
-    well_depth: float,
-    length: float,
-    cutoff: float,
-    threads: int = 1,
-) -> LennardJonesInterface:
-    """Lennard-Jones atoms over the substrate's sites on a surface.
-
-    Parameters
-    ----------
-    heights : callable
-        Heights of the surface on a grid of the given shape (m).
-    lattice : Lattice
-        Atoms and sites.
-    well_depth, length : float
-        ε (J) and r0 (m).
-    cutoff : float
-        In units of r0.
-    threads : int, optional
-        That share the rows.
-    """
-    substrate = sample_substrate(heights, lattice.size, lattice.substrate_sites, HEIGHT_TOLERANCE * length)
-    spacing = (lattice.size[0] / lattice.atoms[0], lattice.size[1] / lattice.atoms[1])
-    return LennardJonesInterface(substrate, lattice.atoms, spacing, well_depth, length, cutoff, threads)
-
-
 def rough_contact(
     height: np.ndarray,
     size: float | Sequence[float],
@@ -249,3 +219,55 @@ def rough_contact(
     )
     contact_modulus = youngs_modulus / (1 - poissons_ratio**2)
     return AtomisticContact(stiffness, interface, contact_modulus, control, tolerance, max_iterations, threads)
+
+
+def separated(interface: LennardJonesInterface) -> np.ndarray:
+    """A flat layer of atoms just beyond the cutoff from the highest site of the substrate, shape (3, ny, nx) (m)."""
+    displacement = np.zeros((3, *interface.shape))
+    displacement[2] = np.max(interface.substrate.heights) + (1 + 1e-6) * interface.cutoff * interface.length
+    return displacement
+
+
+def predicted(heights: np.ndarray, gap: np.ndarray, length: float) -> np.ndarray:
+    """Atoms at their lateral rest positions on a gap field of any grid, shape (3, ny, nx) (m).
+
+    Parameters
+    ----------
+    heights : numpy.ndarray, shape (ny, nx)
+        Surface under the rest positions (m).
+    gap : numpy.ndarray
+        Gap of a continuum solution over the same rectangle (m); interpolated trigonometrically.
+    length : float
+        r0; interpolation is kept from undershooting half of it (m).
+    """
+    displacement = np.zeros((3, *heights.shape))
+    displacement[2] = heights + np.maximum(fourier.interpolate(gap, heights.shape), 0.5 * length)
+    return displacement
+
+
+def at_mean_gap(interface: LennardJonesInterface, displacement: np.ndarray, mean_gap: float) -> np.ndarray:
+    """A state moved to a mean height of ``mean_gap`` + r0, with no atom below the surface (m).
+
+    Atoms that a rigid approach would push closer to the surface, or to the height of the site next to them, than
+    0.85 r0 stay at that distance: on steep flanks that site stands above the surface below the atom.
+
+    Raises
+    ------
+    InputError
+        If the mean gap is so small that all atoms would be closer.
+    """
+    length = interface.length
+    floor = interface.floor(displacement) + 0.85 * length
+    target = mean_gap + length
+    if np.mean(floor) >= target:
+        raise InputError(f"loading.path: a mean gap of {mean_gap:g} m needs atoms closer than 0.85 r0 everywhere")
+
+    def excess(shift: float) -> float:
+        return float(np.mean(np.maximum(displacement[2] + shift, floor))) - target
+
+    rigid = target - float(np.mean(displacement[2]))
+    lowest = float(np.min(floor - displacement[2]))  # so far down that all atoms stand on the floor
+    shift = optimize.brentq(excess, lowest, rigid, xtol=1e-15 * length) if excess(rigid) > 0 else rigid
+    moved = displacement.copy()
+    moved[2] = np.maximum(displacement[2] + shift, floor)
+    return moved

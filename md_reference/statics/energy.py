@@ -12,11 +12,12 @@ from numba import njit
 from contact_study.numerics.balance import ROUNDING, Excess, excess
 from contact_study.numerics.fourier import RealTransform
 from md_reference.block.condensed import SurfaceStiffness
-from md_reference.block.stiffness_kernels import multiply
-from md_reference.interface.cached import FollowedInterface
+from md_reference.block.spectral import multiply
+from md_reference.interface.cached import CachedInterface
 from md_reference.interface.pairs import AtomwiseInteraction
+from md_reference.statics.curvature import raised_curvature
 from md_reference.statics.linear import NewtonSolver
-from md_reference.statics.step_limiter import land, raised_curvature
+from md_reference.statics.step_limiter import land
 
 # Lengths in units of the interaction's length r0.
 _LARGEST_STEP = 10.0
@@ -107,7 +108,7 @@ class Landscape:
         self._multiplicity = stiffness.grid.multiplicity[0]
         self.force = np.empty(shape)
         self._trial_force = np.empty(shape)
-        self._interface = FollowedInterface(interaction, shape[1:])
+        self._interface = CachedInterface(interaction, shape[1:])
 
     @property
     def pairs(self) -> float:

@@ -21,9 +21,9 @@ from contact_study.numerics.fourier import RealTransform
 from contact_study.numerics.inner_product import inner_product
 from contact_study.numerics.multigrid import HALVINGS
 from md_reference.block.condensed import SurfaceStiffness
-from md_reference.block.stiffness_kernels import multiply
+from md_reference.block.spectral import multiply
+from md_reference.statics.curvature import split
 from md_reference.statics.preconditioner import preconditioner_for
-from md_reference.statics.splitting import split
 
 _OPTIONS = {"cache": True, "error_model": "numpy", "fastmath": {"contract", "reassoc", "arcp", "nsz"}}
 

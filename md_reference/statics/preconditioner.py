@@ -7,14 +7,11 @@ stiffness for each component.
 from typing import Protocol
 
 import numpy as np
-from numba import njit
 
 from contact_study.numerics.fourier import RealTransform
 from contact_study.numerics.grid import Grid
 from contact_study.numerics.multigrid import HALVINGS, HalvedInverse, Inverse, can_be_halved
-from md_reference.block.stiffness_kernels import act_on_wave
-
-_OPTIONS = {"cache": True, "error_model": "numpy", "fastmath": {"contract", "reassoc", "arcp", "nsz"}}
+from md_reference.block.spectral import invert
 
 
 class Bed(Inverse, Protocol):
@@ -49,7 +46,7 @@ class FourierPreconditioner:
     def apply_and_sum(self) -> float:
         transform = self._transform
         spectrum = transform.forward().view(np.float32)
-        product = _invert(spectrum, self._coefficients, self._multiplicity, self._shift, 1 / transform.points)
+        product = invert(spectrum, self._coefficients, self._multiplicity, self._shift, 1 / transform.points)
         transform.backward()
         return product
 
@@ -99,38 +96,3 @@ def _of_every_second_atom(coefficients: np.ndarray, columns: int) -> np.ndarray:
     rows = coefficients.shape[1]
     kept = np.r_[: rows // 4 + 1, rows - (rows // 2 - rows // 4 - 1) : rows]
     return np.ascontiguousarray(coefficients[:, kept, : columns // 4 + 1])
-
-
-@njit(**_OPTIONS)
-def _invert(spectrum, stiffness, multiplicity, shift, normalisation):
-    """Replace the spectrum of r by that of z = (S + shift)⁻¹ r, normalised for the way back; returns r·z."""
-    rows, columns = stiffness.shape[1:]
-    c_0 = np.float32(shift)
-    norm = np.float32(normalisation)
-    total = 0.0
-    for j in range(rows):
-        xx = stiffness[0, j]
-        yy = stiffness[1, j]
-        zz = stiffness[2, j]
-        xy = stiffness[3, j]
-        xz = stiffness[4, j]
-        yz = stiffness[5, j]
-        r_x = spectrum[0, j]
-        r_y = spectrum[1, j]
-        r_z = spectrum[2, j]
-        row = np.float32(0.0)
-        for i in range(np.uint64(columns)):
-            a = xx[i] + c_0
-            b = yy[i] + c_0
-            c = zz[i] + c_0
-            c_xx = b * c - yz[i] * yz[i]
-            c_xy = xz[i] * yz[i] - xy[i] * c
-            c_xz = xy[i] * yz[i] - b * xz[i]
-            c_yy = a * c - xz[i] * xz[i]
-            c_zz = a * b - xy[i] * xy[i]
-            c_yz = xy[i] * xz[i] - a * yz[i]
-            scale = norm / (a * c_xx + xy[i] * c_xy + xz[i] * c_xz)
-            product = act_on_wave(r_x, r_y, r_z, i, scale, c_xx, c_yy, c_zz, c_xy, c_xz, c_yz)
-            row += multiplicity[i] * product
-        total += float(row)
-    return total

@@ -8,11 +8,6 @@ linear: distance where the atom is attracted, force where it is repelled. No sin
 
 from numba import njit
 
-from md_reference.statics.symmetric import lowest_eigenvalue
-
-# A raised atom has at least the curvature |g| / distance of a spring that ends at contact where the force out of
-# balance g draws it there, and at twice its gap where g draws it away. It vanishes with g: Newton's convergence stays.
-_SMALLEST_DISTANCE = 0.03  # in units of r0, bounds that curvature close to contact
 # Largest relative change of an attracted atom's distance in one step, and of a repelled one that comes free.
 _LARGEST_CHANGE = 0.4
 # Force at which an atom lands that enters repulsion in one step, over that of a flat layer's prefactor: about a third
@@ -23,51 +18,6 @@ _LANDING = 0.126
 _NEAR, _MOST_STEPS = 1e-8, 10
 
 _OPTIONS = {"cache": True, "error_model": "numpy", "fastmath": {"contract", "reassoc", "arcp", "nsz"}}
-
-
-@njit(**_OPTIONS)
-def raised_curvature(hessian, gradient, gap, cosine, fading, length, diagonal):
-    """Hessian of each atom, raised by a multiple of 1 where the normal force softens.
-
-    Parameters
-    ----------
-    hessian : numpy.ndarray, shape (6, ny, nx)
-        Of the interface: xx, yy, zz, xy, xz, yz (N/m).
-    gradient : numpy.ndarray, shape (3, ny, nx)
-        Force out of balance on each atom, negated (N).
-    gap, cosine : numpy.ndarray, shape (ny, nx)
-        Height over the surface (m) and cosine of the surface's tilt there.
-    fading : float
-        Fraction of the remaining negative curvature to take away: 1 leaves none.
-    length : float
-        r0 (m).
-    diagonal : numpy.ndarray, shape (6, ny, nx)
-        The raised Hessian, written here.
-    """
-    for j in range(gap.shape[0]):
-        for i in range(gap.shape[1]):
-            xx = hessian[0, j, i]
-            yy = hessian[1, j, i]
-            zz = hessian[2, j, i]
-            xy = hessian[3, j, i]
-            xz = hessian[4, j, i]
-            yz = hessian[5, j, i]
-            lift = 0.0
-            if zz < 0.0 or fading > 0.0:
-                if zz < 0.0:
-                    g = gradient[2, j, i]
-                    height = gap[j, i]
-                    above = max(height - length / cosine[j, i], _SMALLEST_DISTANCE * length)
-                    lift = abs(g) / (above if g > 0.0 else height)
-                if fading > 0.0:
-                    lowest = lowest_eigenvalue(float(xx), float(yy), float(zz), float(xy), float(xz), float(yz))
-                    lift -= fading * min(lowest + lift, 0.0)
-            diagonal[0, j, i] = xx + lift
-            diagonal[1, j, i] = yy + lift
-            diagonal[2, j, i] = zz + lift
-            diagonal[3, j, i] = xy
-            diagonal[4, j, i] = xz
-            diagonal[5, j, i] = yz
 
 
 @njit(**_OPTIONS)

@@ -13,12 +13,11 @@ from contact_study.results.observables.atoms import block_nodes, surface_atoms
 from contact_study.results.state import Ensemble, InterfaceState, SolverReport, ThermalMotion
 from contact_study.study.case import Case
 from md_reference.block.condensed import element_matrix, lame_constants
-from md_reference.block.multiscale import MultiscaleBlock, level_layers, node_count
-from md_reference.block.nonlinear_springs import NonlinearSpringBlock
+from md_reference.block.multiscale import MultiscaleBlock, NonlinearSpringBlock, level_layers, node_count
 from md_reference.interface.pairs import LennardJonesInterface
-from md_reference.statics.initial_states import separated
-from md_reference.statics.system import build_interface, row_threads
-from md_reference.study.method import Predictor
+from md_reference.statics.contact import separated
+from md_reference.study.system import Predictor, build_interface, row_threads
+from md_reference.thermal.checkpoint import Frame, TrajectoryState
 from md_reference.thermal.equilibration import (
     Descent,
     TemperatureStatistics,
@@ -26,8 +25,7 @@ from md_reference.thermal.equilibration import (
     not_in_equilibrium,
     still_moving,
 )
-from md_reference.thermal.langevin import Motion, NewtonianBlock, fastest_wave
-from md_reference.thermal.trajectory_state import Frame, TrajectoryState
+from md_reference.thermal.langevin import MolecularDynamics, Motion, fastest_wave
 
 # Displacements before and after a step, velocities, what a point goes on from, and the nodes that are kept.
 _BYTES_PER_NODE = 300
@@ -148,15 +146,15 @@ def solve_path(
     Parameters
     ----------
     case, surface, restart, start
-        As :data:`md_reference.study.method.Method`.
+        As :data:`md_reference.study.system.Method`.
     predictor : callable, optional
         Not used: the atoms come down by themselves.
     """
     run = _Run(case, build_interface(case, surface))
-    at = run.begin(start) if restart is None else TrajectoryState.unpacked(restart)
+    at = run.begin(start) if restart is None else TrajectoryState.unpack(restart)
     for number in range(start, len(case.path)):
         if at.point != number:
-            at.enter(number)
+            at.start_point(number)
         # A driven motion passes a value once: there is no mean of it.
         passing = case.loading.control == "gap" and case.path[number][0] != (
             case.path[number - 1][0] if number else None
@@ -175,7 +173,7 @@ class _Run:
         self._driven = case.loading.control == "gap"
         self._mean_height = float(np.mean(interface.rest_heights()))
         step = time_step(case)
-        self._system = NewtonianBlock(
+        self._system = MolecularDynamics(
             build_block(case), interface, step, case.dynamics.damping, case.atomistic.temperature, self._driven
         )
         self._steps = round(case.dynamics.duration / step)
@@ -192,7 +190,7 @@ class _Run:
         """The states of a point from where it stands, in place; ends early where a pressure's block is torn off."""
         system, pressure = self._system, 0.0 if self._driven else target
         if at.frame == 0:
-            at.share(self._drive(at, target) if self._driven else self._steps, self._case.dynamics.frames)
+            at.plan(self._drive(at, target) if self._driven else self._steps, self._case.dynamics.frames)
         while at.frame < at.frames:
             self._move(at, pressure)
             within_reach = bool(system.interface_force.any())
@@ -203,9 +201,9 @@ class _Run:
             if apart:
                 fresh = self.begin(at.point, at.motion.time)
                 at.motion, at.touched, at.frame = fresh.motion, False, at.frames
-                yield dataclasses.replace(state, restart=at.packed)
+                yield dataclasses.replace(state, restart=at.pack())
                 return
-            yield dataclasses.replace(state, restart=at.packed)
+            yield dataclasses.replace(state, restart=at.pack())
 
     def _move(self, at: TrajectoryState, pressure: float) -> None:
         """The time steps of the next frame."""

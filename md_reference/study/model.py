@@ -19,12 +19,20 @@ from contact_study.study.checks.plausibility import contact_stress, squeeze
 from contact_study.study.study import Study
 from contact_study.study.sweep import points
 from contact_study.units import length
+from md_reference.block.condensed import effective_contact_modulus
 from md_reference.interface.pairs import INSIDE
+from md_reference.interface.properties import FlatInterface, measure_interface
 from md_reference.parallel_rows import ATOMS_FOR_THREADS
-from md_reference.statics.system import build_stiffness
-from md_reference.study import METHODS, dynamics
-from md_reference.study.method import Predictor
-from md_reference.study.properties import FlatInterface, effective_contact_modulus, measure_interface
+from md_reference.study import dynamics, overdamped, quasi_static, sampling
+from md_reference.study.system import Method, Predictor, build_stiffness
+
+# Word of ``atomistic.method`` -> function that yields the states along the loading path.
+METHODS: Mapping[str, Method] = {
+    "quasi_static": quasi_static.solve_path,
+    "overdamped": overdamped.solve_path,
+    "sampling": sampling.solve_path,
+    "dynamics": dynamics.solve_path,
+}
 
 MODEL = Model(
     command="md-reference",
@@ -236,7 +244,7 @@ def solve_path(
     start: int = 0,
     predictor: Predictor | None = None,
 ) -> Iterator[InterfaceState | Ensemble]:
-    """States along the loading path by the case's method, see :data:`md_reference.study.method.Method`."""
+    """States along the loading path by the case's method, see :data:`md_reference.study.system.Method`."""
     return METHODS[case.atomistic.method](case, surface, restart, start, predictor)
 
 

@@ -11,8 +11,7 @@ from contact_study.results.state import Ensemble, InterfaceState
 from contact_study.study.case import Case
 from md_reference.statics.contact import AtomisticContact
 from md_reference.statics.overdamped import Moved, OverdampedBlock
-from md_reference.statics.system import build_contact, interface_state
-from md_reference.study.method import Predictor
+from md_reference.study.system import Predictor, build_contact, interface_state
 
 
 class MovingAtoms(OverdampedBlock):
@@ -46,7 +45,7 @@ def solve_path(
     Parameters
     ----------
     case, surface, restart, start
-        As :data:`md_reference.study.method.Method`.
+        As :data:`md_reference.study.system.Method`.
     predictor : callable, optional
         Not used: the atoms come down by themselves.
     """

@@ -9,8 +9,7 @@ from contact_study.physics.surfaces.realisation import Surface
 from contact_study.results.state import InterfaceState
 from contact_study.study.case import Case
 from md_reference.statics.contact import AtomisticContact
-from md_reference.statics.system import build_contact, interface_state
-from md_reference.study.method import Predictor
+from md_reference.study.system import Predictor, build_contact, interface_state
 
 
 def solve_path(

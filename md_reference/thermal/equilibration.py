@@ -61,7 +61,7 @@ class TemperatureStatistics:
     nodes : float
         Temperature of all nodes (K).
     whole : float
-        That of the block as one body, see :meth:`md_reference.thermal.langevin.NewtonianBlock.temperature_of_whole`
+        That of the block as one body, see :meth:`md_reference.thermal.langevin.MolecularDynamics.temperature_of_whole`
         (K).
     bath : float
         The thermostat's (K).

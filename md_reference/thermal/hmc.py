@@ -24,11 +24,11 @@ import math
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numba import njit
 from scipy import constants
 
 from contact_study.numerics.fourier import RealTransform
 from md_reference.block.condensed import SurfaceStiffness
+from md_reference.block.spectral import accelerate, quadratic
 from md_reference.interface.pairs import Interaction
 
 _FIRST_TIME_STEP = 0.4
@@ -181,7 +181,7 @@ class ThermalSampler:
 
     def elastic_energy(self, state: SamplerState) -> float:
         """½ u·Su (J)."""
-        return 0.5 * _quadratic(state.displacement, self._coefficients, self._multiplicity) / self._transform.points
+        return 0.5 * quadratic(state.displacement, self._coefficients, self._multiplicity) / self._transform.points
 
     def potential_energy(self, state: SamplerState) -> float:
         """V = ½ u·Su + E + p a² Σu_z (J), infinite if an atom is inside the substrate; the forces go to ``force``."""
@@ -248,53 +248,9 @@ class ThermalSampler:
         force = self._transform.forward()
         if self._fixed_mean:
             force[2, 0, 0] = 0.0
-        _accelerate(velocity, displacement, force, self._coefficients, over_mass, dt)
+        accelerate(velocity, displacement, force, self._coefficients, over_mass, dt)
 
 
 def _with_step(state: SamplerState, time_step: float) -> SamplerState:
     """The state with a step of this length, unless it is too small to arrive anywhere."""
     return replace(state, time_step=max(time_step, _SMALLEST_TIME_STEP))
-
-
-@njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "arcp", "nsz"})
-def _accelerate(velocity, displacement, force, coefficients, over_mass, dt):
-    """velocity += dt (force − S displacement) / mass; see the module ``block`` for the real form of S."""
-    for j in range(force.shape[1]):
-        for i in range(force.shape[2]):
-            x = displacement[0, j, i]
-            y = displacement[1, j, i]
-            z = 1j * displacement[2, j, i]
-            s_x, s_y, s_z = _product(coefficients[:, j, i], x, y, z)
-            velocity[0, j, i] += dt * over_mass[0, j, i] * (force[0, j, i] - s_x)
-            velocity[1, j, i] += dt * over_mass[1, j, i] * (force[1, j, i] - s_y)
-            velocity[2, j, i] += dt * over_mass[2, j, i] * (force[2, j, i] + 1j * s_z)
-
-
-@njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "arcp", "nsz"})
-def _quadratic(displacement, coefficients, multiplicity):
-    """Sum over all waves of u†Su."""
-    total = 0.0
-    for j in range(displacement.shape[1]):
-        row = 0.0
-        for i in range(displacement.shape[2]):
-            x = displacement[0, j, i]
-            y = displacement[1, j, i]
-            z = 1j * displacement[2, j, i]
-            s_x, s_y, s_z = _product(coefficients[:, j, i], x, y, z)
-            row += multiplicity[0, i] * (
-                (x.real * s_x.real + x.imag * s_x.imag)
-                + (y.real * s_y.real + y.imag * s_y.imag)
-                + (z.real * s_z.real + z.imag * s_z.imag)
-            )
-        total += row
-    return total
-
-
-@njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "arcp", "nsz"})
-def _product(stiffness, x, y, z):
-    """The real symmetric form of S times (x, y, i u_z)."""
-    return (
-        stiffness[0] * x + stiffness[3] * y + stiffness[4] * z,
-        stiffness[3] * x + stiffness[1] * y + stiffness[5] * z,
-        stiffness[4] * x + stiffness[5] * y + stiffness[2] * z,
-    )

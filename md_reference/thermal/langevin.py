@@ -39,7 +39,7 @@ class Motion:
     time: float = 0.0
 
 
-class NewtonianBlock:
+class MolecularDynamics:
     """The block and the interface in motion, owner of the forces.
 
     Parameters

@@ -13,12 +13,12 @@ from contact_study.errors import InputError
 from contact_study.physics.surfaces.realisation import realise
 from contact_study.results.schema import STANDARD_ERROR, TRAJECTORY
 from contact_study.study.study import make_study
-from md_reference.statics.initial_states import separated
-from md_reference.statics.system import build_interface
+from md_reference.statics.contact import separated
 from md_reference.study import dynamics
 from md_reference.study.dynamics import build_block, largest_time_step, longitudinal_modulus, time_step
 from md_reference.study.model import MODEL, check
-from md_reference.thermal.langevin import NewtonianBlock
+from md_reference.study.system import build_interface
+from md_reference.thermal.langevin import MolecularDynamics
 from tests.md_reference.systems import CONTACT_MODULUS, LATTICE_CONSTANT, LENGTH
 from tests.md_reference.test_sampling import assert_equal_groups, changed, groups_of
 from tests.recording import stopper
@@ -209,7 +209,7 @@ def test_run_stopped_within_a_point_goes_on_to_the_same_bits(loading, tmp_path, 
     driven = loading.get("control") == "gap"
     with nullcontext() if driven else pytest.warns(UserWarning, match=f"{words}dynamics.frames"):
         contact_study.run(study, "atomistic", output=tmp_path / "whole.nc")
-    stop_at, taken = stopper(monkeypatch, NewtonianBlock, "move")
+    stop_at, taken = stopper(monkeypatch, MolecularDynamics, "move")
     monkeypatch.setattr(case_run, "_SECONDS_BETWEEN_CHECKPOINTS", 0.0)
     whole = 20 * len(loading["path"])  # frames
     for stop in (whole // 4, whole // 2):

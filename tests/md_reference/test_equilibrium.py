@@ -4,7 +4,7 @@ import pytest
 from md_reference.interface.pairs import LennardJonesInterface
 from md_reference.interface.substrate import Substrate
 from md_reference.solution import Outcome
-from md_reference.statics.initial_states import at_mean_gap, separated
+from md_reference.statics.contact import at_mean_gap, separated
 from md_reference.statics.newton import EquilibriumSolver
 from tests.md_reference.systems import (
     CONTACT_MODULUS,

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from md_reference.interface.cached import FollowedInterface
+from md_reference.interface.cached import CachedInterface
 from tests.md_reference.systems import CONTACT_MODULUS, LATTICE_CONSTANT, LENGTH, interface_of, rough_coefficients
 
 ATOMS = (30, 40)
@@ -31,7 +31,7 @@ def moves(size, seed=1):
 def test_forces_are_within_the_error_allowed(error, size):
     distances = np.random.default_rng(2).uniform(0.9, 4.2, ATOMS)
     start = state_at(distances)
-    followed = FollowedInterface(ROUGH, ATOMS)
+    followed = CachedInterface(ROUGH, ATOMS)
     force, exact, hessian = np.empty_like(start), np.empty_like(start), np.empty((6, *ATOMS))
     assert followed.evaluate(start, force) == pytest.approx(ROUGH.evaluate(start, exact, hessian), rel=1e-12)
     np.testing.assert_array_equal(force, exact)
@@ -59,7 +59,7 @@ def _exact(u, out):
 
 def _followed_from_start():
     start = state_at(np.full(ATOMS, 1.1))
-    followed = FollowedInterface(ROUGH, ATOMS)
+    followed = CachedInterface(ROUGH, ATOMS)
     force, exact = np.empty_like(start), np.empty_like(start)
     followed.evaluate(start, force)
     return start, followed, force, exact

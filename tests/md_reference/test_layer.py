@@ -5,8 +5,8 @@ import pytest
 
 from contact_study.errors import InputError
 from contact_study.physics.surfaces.realisation import realise
-from md_reference.statics.system import build_stiffness
 from md_reference.study import model as run
+from md_reference.study.system import build_stiffness
 from tests.md_reference.systems import case_of
 from tests.recording import recorded_path
 

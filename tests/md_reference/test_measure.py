@@ -1,7 +1,8 @@
 import numpy as np
 import pytest
 
-from md_reference.study.properties import FlatInterface, effective_contact_modulus, measure_interface
+from md_reference.block.condensed import effective_contact_modulus
+from md_reference.interface.properties import FlatInterface, measure_interface
 from tests.md_reference.systems import CONTACT_MODULUS, LATTICE_CONSTANT, LENGTH, WELL_DEPTH, stiffness_of
 
 SITE = 400 * LATTICE_CONSTANT / 647

@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
 
+from md_reference.statics.curvature import split
 from md_reference.statics.linear import NewtonSolver
-from md_reference.statics.splitting import split
 from tests.md_reference.systems import stiffness_of
 from tests.md_reference.test_block import apply
 

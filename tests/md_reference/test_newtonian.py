@@ -8,7 +8,7 @@ from contact_study.numerics.time_series import statistics_of
 from md_reference.block.condensed import lame_constants
 from md_reference.block.multiscale import MultiscaleBlock
 from md_reference.block.verlet import Action, move_planes
-from md_reference.thermal.langevin import NewtonianBlock, fastest_wave
+from md_reference.thermal.langevin import MolecularDynamics, fastest_wave
 from tests.md_reference.systems import (
     ELEMENT,
     LATTICE_CONSTANT,
@@ -32,7 +32,7 @@ def block_of(layers=(4, 2), atoms=ATOMS):
 
 def system_of(time_step=0.1, interface=None, **options):
     interface = interface_of(ATOMS, rough_coefficients()) if interface is None else interface
-    return NewtonianBlock(block_of(), interface, time_step / FASTEST, **options)
+    return MolecularDynamics(block_of(), interface, time_step / FASTEST, **options)
 
 
 def energy_of(system, motion, pressure):
@@ -188,7 +188,7 @@ def test_noise_has_the_moments_of_normal_numbers_and_no_memory():
 def test_levels_have_noise_of_their_own():
     """Nodes of the same place in the arrays of two levels, after one step from rest: signs agree by chance."""
     block = block_of((6, 6), (32, 32))
-    system = NewtonianBlock(block, NoInterface(), 1e-3 / FASTEST, friction=1e-3 * FASTEST, temperature=300.0)
+    system = MolecularDynamics(block, NoInterface(), 1e-3 / FASTEST, friction=1e-3 * FASTEST, temperature=300.0)
     motion = system.start(np.zeros((3, 32, 32)))
     system.move(motion, 0.0, np.random.default_rng(0))
     fine, coarse = (np.sign(nodes.reshape(3, -1)) for nodes in block.levels_of(motion.velocity))
@@ -213,7 +213,7 @@ def test_steps_beyond_the_fastest_wave_are_unstable():
     growth = []
     for factor in (1.9, 2.2):
         block = MultiscaleBlock(ATOMS, LATTICE_CONSTANT, *LAME, (8,), MASS)
-        system = NewtonianBlock(block, NoInterface(), factor / FASTEST)
+        system = MolecularDynamics(block, NoInterface(), factor / FASTEST)
         motion = system.start(np.zeros((3, *ATOMS)))
         motion.velocity[:] = np.where(block.mass > 0, np.random.default_rng(0).standard_normal(block.size), 0)
         before = system.kinetic_energy(motion)

@@ -14,9 +14,9 @@ from contact_study.physics.surfaces.realisation import realise
 from contact_study.results.schema import TRAJECTORY
 from contact_study.study.study import make_study
 from md_reference.statics.overdamped import OverdampedBlock
-from md_reference.statics.system import build_contact, build_stiffness
 from md_reference.study.model import check, solve_path
 from md_reference.study.overdamped import MovingAtoms
+from md_reference.study.system import build_contact, build_stiffness
 from tests.md_reference.systems import CONTACT_MODULUS, LENGTH, case_of, touching
 from tests.md_reference.test_block import apply
 from tests.md_reference.test_sampling import assert_equal_groups, changed, groups_of

@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 
 from contact_study.errors import InputError
+from md_reference.thermal.checkpoint import Frame, TrajectoryState
 from md_reference.thermal.langevin import Motion
-from md_reference.thermal.trajectory_state import Frame, TrajectoryState
 
 FRAMES = [Frame(1e-12, 2e-9, 3e8, 300.0, 5.0), Frame(2e-12, 1.9e-9, 4e8, 310.0, 6.0)]
 
@@ -16,7 +16,7 @@ def place():
 
 def test_a_place_put_aside_is_the_same_again():
     before = place()
-    after = TrajectoryState.unpacked(before.packed)
+    after = TrajectoryState.unpack(before.pack())
     np.testing.assert_array_equal(after.motion.displacement, before.motion.displacement)
     np.testing.assert_array_equal(after.motion.velocity, before.motion.velocity)
     assert (after.motion.top, after.motion.top_velocity, after.motion.time) == (2e-9, -300.0, 2e-12)
@@ -26,7 +26,7 @@ def test_a_place_put_aside_is_the_same_again():
 
 
 def test_what_another_version_has_put_aside_is_refused():
-    kept = place().packed
+    kept = place().pack()
     kept["series"] = kept["series"][:, :3]
     with pytest.raises(InputError, match="of another version of this program; drop it with --overwrite"):
-        TrajectoryState.unpacked(kept)
+        TrajectoryState.unpack(kept)

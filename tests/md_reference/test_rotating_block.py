@@ -6,9 +6,8 @@ import pytest
 import contact_study
 from contact_study.study.study import make_study
 from md_reference.block.condensed import lame_constants
-from md_reference.block.multiscale import MultiscaleBlock
+from md_reference.block.multiscale import MultiscaleBlock, NonlinearSpringBlock
 from md_reference.block.nonlinear_slab import rotating_slab_force
-from md_reference.block.nonlinear_springs import NonlinearSpringBlock
 from md_reference.block.slab import fill_ghosts, slab_constants, slab_force
 from md_reference.study.model import check
 from tests.md_reference.systems import LATTICE_CONSTANT, POISSONS_RATIO, YOUNGS_MODULUS

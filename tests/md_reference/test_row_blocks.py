@@ -6,13 +6,12 @@ import pytest
 from contact_study.campaign.worker.case_run import Job, run_case
 from md_reference.block import multiscale as multiscale_block
 from md_reference.block.condensed import isotropic_element, lame_constants
-from md_reference.block.multiscale import MultiscaleBlock
-from md_reference.block.nonlinear_springs import NonlinearSpringBlock
+from md_reference.block.multiscale import MultiscaleBlock, NonlinearSpringBlock
 from md_reference.interface.pairs import LennardJonesInterface
-from md_reference.parallel_rows import RowBlocks
-from md_reference.statics.system import row_threads
+from md_reference.parallel_rows import ParallelRows
 from md_reference.study.model import MODEL
-from md_reference.thermal.langevin import NewtonianBlock, fastest_wave
+from md_reference.study.system import row_threads
+from md_reference.thermal.langevin import MolecularDynamics, fastest_wave
 from tests.md_reference.systems import (
     LATTICE_CONSTANT,
     POISSONS_RATIO,
@@ -34,13 +33,13 @@ def test_every_row_is_done_once(rows, size, threads):
     def kernel(first, end):
         done[first:end] += 1
 
-    RowBlocks(threads).run(kernel, rows, size)
+    ParallelRows(threads).run(kernel, rows, size)
     assert np.all(done == 1)
 
 
 def test_two_threads_work_at_once():
     both = threading.Barrier(2, timeout=30)
-    RowBlocks(2).run(lambda first, end: both.wait(), 4, 1)
+    ParallelRows(2).run(lambda first, end: both.wait(), 4, 1)
 
 
 @pytest.mark.parametrize("place", ["caller", "helper"])
@@ -56,7 +55,7 @@ def test_what_a_thread_raises_comes_out(place):
             raise ValueError(place)
 
     with pytest.raises(ValueError, match=place):
-        RowBlocks(2).run(kernel, 4, 1)
+        ParallelRows(2).run(kernel, 4, 1)
 
 
 def with_threads(interface, threads):
@@ -85,7 +84,7 @@ def test_any_number_of_threads_gives_the_same_bits(kind, monkeypatch):
         monkeypatch.setattr(multiscale_block, "_NODES_OF_A_BLOCK", 8192 if threads == 1 else 1)
         interface = with_threads(rough, threads)
         block = kind(ATOMS, LATTICE_CONSTANT, *lame, (4, 4), MASS, threads)
-        system = NewtonianBlock(block, interface, step, friction=0.01 / step, temperature=300.0)
+        system = MolecularDynamics(block, interface, step, friction=0.01 / step, temperature=300.0)
         surface = np.zeros((3, *ATOMS))
         surface[2] = interface.rest_heights().max() + interface.length
         motion, generator = system.start(surface), np.random.default_rng(0)

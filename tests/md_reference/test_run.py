@@ -14,10 +14,9 @@ from contact_study.study.schema.sections import AtomisticSection
 from contact_study.study.study import Study
 from md_reference.block.condensed import element_matrix, surface_stiffness
 from md_reference.interface.pairs import LennardJonesInterface
-from md_reference.statics.initial_states import at_mean_gap, predicted, separated
-from md_reference.statics.system import build_contact, build_interface, build_stiffness
-from md_reference.study import METHODS
-from md_reference.study.model import MODEL, check, constants, review, solve_path
+from md_reference.statics.contact import at_mean_gap, predicted, separated
+from md_reference.study.model import METHODS, MODEL, check, constants, review, solve_path
+from md_reference.study.system import build_contact, build_interface, build_stiffness
 from tests.md_reference.systems import (
     CONTACT_MODULUS,
     LATTICE_CONSTANT,

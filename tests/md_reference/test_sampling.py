@@ -18,8 +18,8 @@ from contact_study.results.schema import AUTOCORRELATION_STATES, STANDARD_ERROR,
 from contact_study.study.study import make_study
 from md_reference.study import sampling
 from md_reference.study.model import check
+from md_reference.thermal.checkpoint import ChainState, pack_generator, unpack_generator
 from md_reference.thermal.hmc import SamplerState, ThermalSampler
-from md_reference.thermal.random_state import generator_of, packed
 from tests.md_reference.systems import CONTACT_MODULUS, LENGTH, POISSONS_RATIO, WELL_DEPTH, YOUNGS_MODULUS
 from tests.recording import bins_of_case, stopper
 
@@ -152,11 +152,11 @@ def test_run_stopped_within_a_point_goes_on_to_the_same_bits(sampled, tmp_path, 
 
 def test_a_chain_kept_without_its_pressures_is_refused():
     state = SamplerState(np.zeros((3, 2, 2), complex), 0.4, np.ones((3, 2, 2)), 2, 2, 9)
-    chain = sampling._Chain(state, np.random.default_rng(0), np.zeros((3, 2, 2)), True, [1e9, 2e9])
-    assert sampling._Chain.unpacked(chain.packed).pressures == [1e9, 2e9]
-    kept = {name: values for name, values in chain.packed.items() if name != "pressures"}
+    chain = ChainState(state, np.random.default_rng(0), np.zeros((3, 2, 2)), True, [1e9, 2e9])
+    assert ChainState.unpack(chain.pack()).pressures == [1e9, 2e9]
+    kept = {name: values for name, values in chain.pack().items() if name != "pressures"}
     with pytest.raises(InputError, match="of another version of this program; drop it with --overwrite"):
-        sampling._Chain.unpacked(kept)
+        ChainState.unpack(kept)
 
 
 def test_run_stopped_after_the_last_state_of_a_point_counts_none_twice(sampled, tmp_path, monkeypatch):
@@ -272,7 +272,7 @@ def test_a_generator_goes_on_where_it_stood():
     generator = np.random.default_rng(7)
     generator.random(3)
     generator.integers(10, dtype=np.int32)  # leaves half a word
-    other = generator_of(packed(generator))
+    other = unpack_generator(pack_generator(generator))
     assert (
         other.integers(10, size=3, dtype=np.int32).tolist() == generator.integers(10, size=3, dtype=np.int32).tolist()
     )

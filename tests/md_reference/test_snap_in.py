@@ -2,7 +2,8 @@ import numpy as np
 import pytest
 from scipy import optimize
 
-from md_reference.statics.step_limiter import land, raised_curvature, repulsive_root
+from md_reference.statics.curvature import raised_curvature
+from md_reference.statics.step_limiter import land, repulsive_root
 from tests.md_reference.systems import LENGTH, interface_of, rough_coefficients
 
 PREFACTOR = 2e-9

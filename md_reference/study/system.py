@@ -1,19 +1,31 @@
 """What a case is made of: the condensed block, the interface, and both as a contact under load."""
 
 import math
+from collections.abc import Callable, Iterator, Mapping
 
 import numpy as np
 
 from contact_study.numerics.fourier import POINTS_FOR_THREADS
 from contact_study.physics.surfaces.realisation import Surface
 from contact_study.results.observables.atoms import surface_atoms
-from contact_study.results.state import InterfaceState, SolverReport
+from contact_study.results.state import Ensemble, InterfaceState, SolverReport
 from contact_study.study.case import Case
 from md_reference.block.condensed import SurfaceStiffness, element_matrix, surface_stiffness
-from md_reference.interface.pairs import LennardJonesInterface
+from md_reference.interface.pairs import LennardJonesInterface, interface_of
 from md_reference.parallel_rows import ATOMS_FOR_THREADS
 from md_reference.solution import Solution
-from md_reference.statics.contact import AtomisticContact, interface_of
+from md_reference.statics.contact import AtomisticContact
+
+# Point number -> gap field (y, x) on any grid over the same rectangle (m), None where there is no such state.
+Predictor = Callable[[int], np.ndarray | None]
+
+# Case, surface, restart, start, predictor -> one state or ensemble a point of the path, from number ``start`` on.
+# ``restart`` is ``InterfaceState.restart`` of the point before; without it the path begins from separation. That of a
+# state of an ensemble that is not over goes on with the point ``start`` itself.
+Method = Callable[
+    [Case, Surface, Mapping[str, np.ndarray] | None, int, Predictor | None],
+    Iterator[InterfaceState | Ensemble],
+]
 
 
 def build_stiffness(case: Case) -> SurfaceStiffness:

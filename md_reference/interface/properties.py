@@ -10,8 +10,6 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import optimize
 
-from contact_study.numerics import fourier
-from md_reference.block.condensed import SurfaceStiffness
 from md_reference.interface.pairs import LennardJonesInterface
 from md_reference.interface.substrate import Substrate
 
@@ -98,26 +96,3 @@ def measure_interface(flat: FlatInterface, length: float) -> InterfaceProperties
         peak_tensile_stress=-float(peak.fun),
         peak_distance=float(peak.x) * length,
     )
-
-
-def effective_contact_modulus(stiffness: SurfaceStiffness, heights: np.ndarray) -> float:
-    """The modulus that the block shows to a surface: E*(q), weighted by the energy of full contact, q|h_q|².
-
-    Parameters
-    ----------
-    stiffness : SurfaceStiffness
-        The condensed block.
-    heights : numpy.ndarray, shape (ny, nx)
-        Heights under the block's atoms (m).
-
-    Returns
-    -------
-    float
-        In Pa; for a flat surface that of the longest wave.
-    """
-    grid = stiffness.grid
-    weight = grid.multiplicity * grid.wavenumber * np.abs(fourier.transform(heights)) ** 2
-    if not weight.any():
-        weight = (grid.wavenumber == np.min(grid.wavenumber[grid.wavenumber > 0])).astype(float)
-    modulus = np.nan_to_num(stiffness.contact_modulus)  # NaN at q = 0 only, where the weight is zero
-    return float(np.sum(weight * modulus) / np.sum(weight))

@@ -1,0 +1,151 @@
+"""The block's stiffness applied wave by wave, see the module :mod:`md_reference.block.condensed` for its real form."""
+
+import numpy as np
+from numba import njit
+
+_OPTIONS = {"cache": True, "error_model": "numpy", "fastmath": {"contract", "reassoc", "arcp", "nsz"}}
+
+
+@njit(**_OPTIONS)
+def act_on_wave(s_x, s_y, s_z, i, norm, xx, yy, zz, xy, xz, yz):
+    """Replace the i-th wave of a row by ``norm`` times a symmetric matrix times it; returns the product of both.
+
+    The components of the row have real and imaginary parts in turn. The normal component times the imaginary unit
+    makes the matrix real.
+    """
+    re = np.uint64(2) * np.uint64(i)
+    im = re + np.uint64(1)
+    x_re = s_x[re]
+    x_im = s_x[im]
+    y_re = s_y[re]
+    y_im = s_y[im]
+    z_re = -s_z[im]
+    z_im = s_z[re]
+    o_re = norm * (xx * x_re + xy * y_re + xz * z_re)
+    o_im = norm * (xx * x_im + xy * y_im + xz * z_im)
+    p_re = norm * (xy * x_re + yy * y_re + yz * z_re)
+    p_im = norm * (xy * x_im + yy * y_im + yz * z_im)
+    q_re = norm * (xz * x_re + yz * y_re + zz * z_re)
+    q_im = norm * (xz * x_im + yz * y_im + zz * z_im)
+    s_x[re] = o_re
+    s_x[im] = o_im
+    s_y[re] = p_re
+    s_y[im] = p_im
+    s_z[re] = q_im
+    s_z[im] = -q_re
+    return x_re * o_re + x_im * o_im + y_re * p_re + y_im * p_im + z_re * q_re + z_im * q_im
+
+
+@njit(**_OPTIONS)
+def multiply(spectrum, stiffness, multiplicity, normalisation):
+    """Replace the spectrum of s by that of S s; returns s·S s.
+
+    Parameters
+    ----------
+    spectrum : numpy.ndarray, shape (3, ny, 2 (nx // 2 + 1))
+        Of s, real and imaginary parts in turn, single or double precision as all else.
+    stiffness : numpy.ndarray, shape (6, ny, nx // 2 + 1)
+        S: xx, yy, zz, xy, xz, yz.
+    multiplicity : numpy.ndarray, shape (nx // 2 + 1,)
+        How many waves an entry of the half spectrum stands for.
+    normalisation : float
+        Factor of S s: the inverse number of points on the way back, or one where S holds it.
+    """
+    rows, columns = stiffness.shape[1:]
+    norm = np.float32(normalisation)
+    total = 0.0
+    for j in range(rows):
+        xx = stiffness[0, j]
+        yy = stiffness[1, j]
+        zz = stiffness[2, j]
+        xy = stiffness[3, j]
+        xz = stiffness[4, j]
+        yz = stiffness[5, j]
+        s_x = spectrum[0, j]
+        s_y = spectrum[1, j]
+        s_z = spectrum[2, j]
+        row = np.float32(0.0)
+        for i in range(np.uint64(columns)):
+            product = act_on_wave(s_x, s_y, s_z, i, norm, xx[i], yy[i], zz[i], xy[i], xz[i], yz[i])
+            row += multiplicity[i] * product
+        total += float(row)
+    return total
+
+
+@njit(**_OPTIONS)
+def invert(spectrum, stiffness, multiplicity, shift, normalisation):
+    """Replace the spectrum of r by that of z = (S + shift)⁻¹ r, normalised for the way back; returns r·z."""
+    rows, columns = stiffness.shape[1:]
+    c_0 = np.float32(shift)
+    norm = np.float32(normalisation)
+    total = 0.0
+    for j in range(rows):
+        xx = stiffness[0, j]
+        yy = stiffness[1, j]
+        zz = stiffness[2, j]
+        xy = stiffness[3, j]
+        xz = stiffness[4, j]
+        yz = stiffness[5, j]
+        r_x = spectrum[0, j]
+        r_y = spectrum[1, j]
+        r_z = spectrum[2, j]
+        row = np.float32(0.0)
+        for i in range(np.uint64(columns)):
+            a = xx[i] + c_0
+            b = yy[i] + c_0
+            c = zz[i] + c_0
+            c_xx = b * c - yz[i] * yz[i]
+            c_xy = xz[i] * yz[i] - xy[i] * c
+            c_xz = xy[i] * yz[i] - b * xz[i]
+            c_yy = a * c - xz[i] * xz[i]
+            c_zz = a * b - xy[i] * xy[i]
+            c_yz = xy[i] * xz[i] - a * yz[i]
+            scale = norm / (a * c_xx + xy[i] * c_xy + xz[i] * c_xz)
+            product = act_on_wave(r_x, r_y, r_z, i, scale, c_xx, c_yy, c_zz, c_xy, c_xz, c_yz)
+            row += multiplicity[i] * product
+        total += float(row)
+    return total
+
+
+@njit(**_OPTIONS)
+def accelerate(velocity, displacement, force, coefficients, over_mass, dt):
+    """velocity += dt (force − S displacement) / mass; see the module ``block`` for the real form of S."""
+    for j in range(force.shape[1]):
+        for i in range(force.shape[2]):
+            x = displacement[0, j, i]
+            y = displacement[1, j, i]
+            z = 1j * displacement[2, j, i]
+            s_x, s_y, s_z = _product(coefficients[:, j, i], x, y, z)
+            velocity[0, j, i] += dt * over_mass[0, j, i] * (force[0, j, i] - s_x)
+            velocity[1, j, i] += dt * over_mass[1, j, i] * (force[1, j, i] - s_y)
+            velocity[2, j, i] += dt * over_mass[2, j, i] * (force[2, j, i] + 1j * s_z)
+
+
+@njit(**_OPTIONS)
+def quadratic(displacement, coefficients, multiplicity):
+    """Sum over all waves of u†Su."""
+    total = 0.0
+    for j in range(displacement.shape[1]):
+        row = 0.0
+        for i in range(displacement.shape[2]):
+            x = displacement[0, j, i]
+            y = displacement[1, j, i]
+            z = 1j * displacement[2, j, i]
+            s_x, s_y, s_z = _product(coefficients[:, j, i], x, y, z)
+            row += multiplicity[0, i] * (
+                (x.real * s_x.real + x.imag * s_x.imag)
+                + (y.real * s_y.real + y.imag * s_y.imag)
+                + (z.real * s_z.real + z.imag * s_z.imag)
+            )
+        total += row
+    return total
+
+
+@njit(**_OPTIONS)
+def _product(stiffness, x, y, z):
+    """The real symmetric form of S times (x, y, i u_z)."""
+    return (
+        stiffness[0] * x + stiffness[3] * y + stiffness[4] * z,
+        stiffness[3] * x + stiffness[1] * y + stiffness[5] * z,
+        stiffness[4] * x + stiffness[5] * y + stiffness[2] * z,
+    )

@@ -1,0 +1,161 @@
+"""Symmetric 3×3 matrices, one an atom: eigenvalues by the trigonometric solution of the characteristic equation."""
+
+import numpy as np
+from numba import njit
+
+_OPTIONS = {"cache": True, "error_model": "numpy", "fastmath": {"contract", "reassoc", "arcp", "nsz"}}
+
+# A raised atom has at least the curvature |g| / distance of a spring that ends at contact where the force out of
+# balance g draws it there, and at twice its gap where g draws it away. It vanishes with g: Newton's convergence stays.
+_SMALLEST_DISTANCE = 0.03  # in units of r0, bounds that curvature close to contact
+# Curvature below this share of c leaves the preconditioner as good as it is.
+_NEGLIGIBLE = 0.1
+
+
+@njit(**_OPTIONS)
+def deviator(xx, yy, zz, xy, xz, yz):
+    """Mean m of the diagonal, size p and entries of the matrix (A − m)/p, and its angle; p is zero for A = m.
+
+    The eigenvalues are m + 2p cos(angle + 2πk/3), the largest for k = 0, the lowest for k = 1.
+    """
+    mean = (xx + yy + zz) / 3.0
+    spread = (xx - mean) ** 2 + (yy - mean) ** 2 + (zz - mean) ** 2 + 2.0 * (xy * xy + xz * xz + yz * yz)
+    if spread == 0.0:
+        return mean, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    p = np.sqrt(spread / 6.0)
+    a = (xx - mean) / p
+    b = (yy - mean) / p
+    c = (zz - mean) / p
+    d = xy / p
+    e = xz / p
+    f = yz / p
+    r = 0.5 * (a * (b * c - f * f) - d * (d * c - f * e) + e * (d * f - b * e))
+    return mean, p, a, b, c, d, e, f, np.arccos(min(1.0, max(-1.0, r))) / 3.0
+
+
+@njit(**_OPTIONS)
+def lowest_eigenvalue(xx, yy, zz, xy, xz, yz):
+    """The lowest eigenvalue."""
+    mean, p, _, _, _, _, _, _, angle = deviator(xx, yy, zz, xy, xz, yz)
+    return mean + 2.0 * p * np.cos(angle + 2.0 * np.pi / 3.0)
+
+
+@njit(**_OPTIONS)
+def stiffest(xx, yy, zz, xy, xz, yz):
+    """The largest eigenvalue and its unit eigenvector; z where there is no one direction."""
+    mean, p, a, b, c, d, e, f, angle = deviator(xx, yy, zz, xy, xz, yz)
+    if not 6.0 * p * p > 1e-20 * mean * mean:
+        return mean, 0.0, 0.0, 1.0
+    top = 2.0 * np.cos(angle)
+    # Rows of the shifted matrix are normal to the eigenvector: the largest of their products points along it.
+    a -= top
+    b -= top
+    c -= top
+    x1, y1, z1 = d * f - e * b, e * d - a * f, a * b - d * d
+    x2, y2, z2 = d * c - e * f, e * e - a * c, a * f - d * e
+    x3, y3, z3 = b * c - f * f, f * e - d * c, d * f - b * e
+    n1 = x1 * x1 + y1 * y1 + z1 * z1
+    n2 = x2 * x2 + y2 * y2 + z2 * z2
+    n3 = x3 * x3 + y3 * y3 + z3 * z3
+    if n2 > n1 and n2 >= n3:
+        x1, y1, z1, n1 = x2, y2, z2, n2
+    elif n3 > n1:
+        x1, y1, z1, n1 = x3, y3, z3, n3
+    if not n1 > 1e-24:
+        return mean + p * top, 0.0, 0.0, 1.0
+    size = np.sqrt(n1)
+    return mean + p * top, x1 / size, y1 / size, z1 / size
+
+
+@njit(**_OPTIONS)
+def raised_curvature(hessian, gradient, gap, cosine, fading, length, diagonal):
+    """Hessian of each atom, raised by a multiple of 1 where the normal force softens.
+
+    Parameters
+    ----------
+    hessian : numpy.ndarray, shape (6, ny, nx)
+        Of the interface: xx, yy, zz, xy, xz, yz (N/m).
+    gradient : numpy.ndarray, shape (3, ny, nx)
+        Force out of balance on each atom, negated (N).
+    gap, cosine : numpy.ndarray, shape (ny, nx)
+        Height over the surface (m) and cosine of the surface's tilt there.
+    fading : float
+        Fraction of the remaining negative curvature to take away: 1 leaves none.
+    length : float
+        r0 (m).
+    diagonal : numpy.ndarray, shape (6, ny, nx)
+        The raised Hessian, written here.
+    """
+    for j in range(gap.shape[0]):
+        for i in range(gap.shape[1]):
+            xx = hessian[0, j, i]
+            yy = hessian[1, j, i]
+            zz = hessian[2, j, i]
+            xy = hessian[3, j, i]
+            xz = hessian[4, j, i]
+            yz = hessian[5, j, i]
+            lift = 0.0
+            if zz < 0.0 or fading > 0.0:
+                if zz < 0.0:
+                    g = gradient[2, j, i]
+                    height = gap[j, i]
+                    above = max(height - length / cosine[j, i], _SMALLEST_DISTANCE * length)
+                    lift = abs(g) / (above if g > 0.0 else height)
+                if fading > 0.0:
+                    lowest = lowest_eigenvalue(float(xx), float(yy), float(zz), float(xy), float(xz), float(yz))
+                    lift -= fading * min(lowest + lift, 0.0)
+            diagonal[0, j, i] = xx + lift
+            diagonal[1, j, i] = yy + lift
+            diagonal[2, j, i] = zz + lift
+            diagonal[3, j, i] = xy
+            diagonal[4, j, i] = xz
+            diagonal[5, j, i] = yz
+
+
+@njit(**_OPTIONS)
+def split(diagonal, shift, half_grid, known, normal, removed, core):
+    """Stiffest direction of each atom and how much of it is core, see :mod:`md_reference.statics.linear`.
+
+    Parameters
+    ----------
+    diagonal : numpy.ndarray, shape (6, ny, nx)
+        D: xx, yy, zz, xy, xz, yz (N/m).
+    shift, half_grid : float
+        c and ½ S_max (N/m).
+    known : numpy.ndarray, shape (6, ny, nx)
+        D of the last call, whose results stand where it is the same; NaN at first.
+    normal : numpy.ndarray, shape (3, ny, nx)
+        Written: unit eigenvector n of the largest eigenvalue k.
+    removed, core : numpy.ndarray, shape (ny, nx)
+        Written: 1 − β, and (1 − β²)/(k + ½ S_max) (m/N), with β² = c/(k + c); zero where k is next to nothing.
+    """
+    negligible = _NEGLIGIBLE * shift
+    for j in range(removed.shape[0]):
+        for i in range(removed.shape[1]):
+            same = True
+            for n in range(6):
+                same &= diagonal[n, j, i] == known[n, j, i]
+            if same:
+                continue
+            for n in range(6):
+                known[n, j, i] = diagonal[n, j, i]
+            xx = float(diagonal[0, j, i])
+            yy = float(diagonal[1, j, i])
+            zz = float(diagonal[2, j, i])
+            xy = float(diagonal[3, j, i])
+            xz = float(diagonal[4, j, i])
+            yz = float(diagonal[5, j, i])
+            # Largest sums of rows, the eigenvalues' bound.
+            bound = max(xx + abs(xy) + abs(xz), yy + abs(xy) + abs(yz), zz + abs(xz) + abs(yz))
+            if bound <= negligible:
+                removed[j, i] = 0.0
+                core[j, i] = 0.0
+                continue
+            stiffness, x, y, z = stiffest(xx, yy, zz, xy, xz, yz)
+            normal[0, j, i] = x
+            normal[1, j, i] = y
+            normal[2, j, i] = z
+            stiffness = max(stiffness, 0.0)
+            squared = shift / (stiffness + shift)
+            removed[j, i] = 1.0 - np.sqrt(squared)
+            core[j, i] = (1.0 - squared) / (stiffness + half_grid)

@@ -1,0 +1,151 @@
+"""State of a trajectory or of a Monte Carlo chain between two states of a run, as arrays that a file can hold."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+import numpy as np
+
+from contact_study.errors import InputError
+from md_reference.thermal.hmc import SamplerState
+from md_reference.thermal.langevin import Motion
+
+_WORD = 2**64
+_OTHER_VERSION = "what the interrupted run has kept is of another version of this program; drop it with --overwrite"
+
+
+def pack_generator(generator: np.random.Generator) -> np.ndarray:
+    """Return the state of a PCG64 generator, shape (6,)."""
+    state = generator.bit_generator.state
+    words = [part for number in state["state"].values() for part in divmod(number, _WORD)]
+    return np.array([*words, state["has_uint32"], state["uinteger"]], dtype=np.uint64)
+
+
+def unpack_generator(words: np.ndarray) -> np.random.Generator:
+    """Return the generator whose :func:`pack_generator` state is given."""
+    high, low, increment_high, increment_low, has_uint32, uinteger = map(int, words)
+    bits = np.random.PCG64()
+    bits.state = {
+        "bit_generator": "PCG64",
+        "state": {"state": high * _WORD + low, "inc": increment_high * _WORD + increment_low},
+        "has_uint32": has_uint32,
+        "uinteger": uinteger,
+    }
+    return np.random.Generator(bits)
+
+
+@dataclass
+class ChainState:
+    """Monte Carlo sampling of one point of the loading path.
+
+    ``equilibrium`` is the state at zero temperature (m, shape (3, ny, nx)) from which the next point starts,
+    ``converged`` whether its solve converged. ``pressures`` are the interface's mean pressures so far (Pa).
+    """
+
+    sampler: SamplerState
+    generator: np.random.Generator
+    equilibrium: np.ndarray
+    converged: bool
+    pressures: list[float] = field(default_factory=list)
+
+    def pack(self) -> dict[str, np.ndarray]:
+        """Return the chain as arrays."""
+        state = self.sampler
+        return {
+            "state": self.equilibrium,
+            "spectrum": state.displacement.view(np.float64),
+            "generator": pack_generator(self.generator),
+            "mass": state.mass,
+            "sampler": np.array([state.time_step]),
+            "pressures": np.array(self.pressures),
+            "counts": np.array([state.trajectories, state.accepted, state.evaluations, int(self.converged)]),
+        }
+
+    @classmethod
+    def unpack(cls, arrays: Mapping[str, np.ndarray]) -> "ChainState":
+        """Return the chain that :meth:`pack` stored; InputError for arrays of a version without pressures."""
+        if "pressures" not in arrays:
+            raise InputError(_OTHER_VERSION)
+        *counts, converged = map(int, arrays["counts"])
+        spectrum = np.ascontiguousarray(arrays["spectrum"]).view(np.complex128)
+        sampler = SamplerState(spectrum, float(arrays["sampler"][0]), arrays["mass"], *counts)
+        pressures = arrays["pressures"].tolist()
+        return cls(sampler, unpack_generator(arrays["generator"]), arrays["state"], bool(converged), pressures)
+
+
+class Frame(NamedTuple):
+    """Scalars of one recorded state of a trajectory, for the checks at the end of its point."""
+
+    time: float  # (s)
+    top: float  # height of the rigid plane (m)
+    carried: float  # mean pressure of the interface (Pa)
+    temperature: float  # of the nodes (K)
+    whole: float  # temperature of the block as one body (K)
+
+
+@dataclass
+class TrajectoryState:
+    """Molecular dynamics at one point of the loading path.
+
+    Attributes
+    ----------
+    motion : Motion
+        Positions and velocities of all nodes.
+    generator : numpy.random.Generator
+        Source of the thermostat's noise.
+    point : int
+        Number of the point.
+    touched : bool
+        Whether an atom has been within reach since the block last began its approach.
+    frame, frames : int
+        Recorded states of the point so far and in all.
+    steps : int
+        Time steps of all frames of the point.
+    series : list of Frame
+        Recorded states of the point so far.
+    """
+
+    motion: Motion
+    generator: np.random.Generator
+    point: int
+    touched: bool = False
+    frame: int = 0
+    frames: int = 0
+    steps: int = 0
+    series: list[Frame] = field(default_factory=list)
+
+    def start_point(self, point: int) -> None:
+        """Move on to the first frame of a point."""
+        self.point, self.frame, self.series = point, 0, []
+
+    def plan(self, steps: int, most: int) -> None:
+        """Divide the point's time steps among at most ``most`` frames."""
+        self.steps, self.frames = steps, min(most, steps)
+
+    @property
+    def taken(self) -> int:
+        """Time steps of the point so far, shared evenly among its frames."""
+        return self.steps * self.frame // self.frames
+
+    def pack(self) -> dict[str, np.ndarray]:
+        """Return the trajectory as arrays."""
+        motion = self.motion
+        return {
+            "displacement": motion.displacement.copy(),
+            "velocity": motion.velocity.copy(),
+            "rigid": np.array([motion.top, motion.top_velocity, motion.time]),
+            "counts": np.array([self.point, self.touched, self.frame, self.frames, self.steps]),
+            "generator": pack_generator(self.generator),
+            "series": np.array(self.series).reshape(-1, len(Frame._fields)),
+        }
+
+    @classmethod
+    def unpack(cls, arrays: Mapping[str, np.ndarray]) -> "TrajectoryState":
+        """Return the trajectory that :meth:`pack` stored; InputError for frames of a version with other fields."""
+        if arrays["series"].shape[1] != len(Frame._fields):
+            raise InputError(_OTHER_VERSION)
+        point, touched, frame, frames, steps = map(int, arrays["counts"])
+        motion = Motion(arrays["displacement"].copy(), arrays["velocity"].copy(), *map(float, arrays["rigid"]))
+        series = [Frame(*map(float, frame)) for frame in arrays["series"]]
+        generator = unpack_generator(arrays["generator"])
+        return cls(motion, generator, point, bool(touched), frame, frames, steps, series)
