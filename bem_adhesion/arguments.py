@@ -1,28 +1,17 @@
-"""Checks of the arguments that both solvers share."""
+"""Checks of arguments that all contacts share."""
 
 import numpy as np
 
+from bem_adhesion.solution import Solution
 from contact_study.numerics.arguments import check_control
 from contact_study.numerics.grid import Grid
 from contact_study.physics.solids import Elasticity
 
 
 def check_arguments(
-    height: np.ndarray,
-    grid: Grid,
-    control: str,
-    tolerance: float,
-    max_iterations: int,
-    elasticity: Elasticity,
+    height: np.ndarray, grid: Grid, control: str, tolerance: float, max_iterations: int, elasticity: Elasticity
 ) -> None:
-    """Make sure that a solver can begin.
-
-    Raises
-    ------
-    ValueError
-        If the heights do not fit the grid or are not numbers, ``control`` is unknown or not known of the solid, or a
-        limit is not positive.
-    """
+    """Raise ValueError if heights, control or limits are invalid, or the solid does not support the control."""
     if height.shape != grid.shape:
         raise ValueError(f"height has shape {height.shape}, the grid {grid.shape}")
     if not np.all(np.isfinite(height)):
@@ -32,4 +21,13 @@ def check_arguments(
         raise ValueError(
             "control = 'approach': a uniform pressure moves this solid by no finite distance, or not at all; use "
             "'pressure' or 'gap'"
+        )
+
+
+def require_solution(solution: Solution) -> None:
+    """Raise TypeError unless the argument is a Solution."""
+    if not isinstance(solution, Solution):
+        raise TypeError(
+            f"stiffness takes the Solution that step returned, not {type(solution).__name__}; pass solution itself, "
+            "not solution.state"
         )

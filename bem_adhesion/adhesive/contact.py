@@ -1,10 +1,10 @@
-"""Adhesive contact of one rough surface under prescribed pressure or mean gap, step after step.
+"""Adhesive contact of one rough surface under prescribed pressure, mean gap or approach, step after step.
 
 Each step is a function of the displacement it starts from and of its target, nothing else. Loading and unloading
-branches differ where the energy has several minima; the path decides, and it may go anywhere: compression, tension,
-back again. It begins out of reach of the law, where only a positive pressure (or a prescribed gap) brings the surfaces
-together: a step under tension from there ends with :attr:`Outcome.APART`. Under tension an equilibrium need not exist:
-the step then ends with :attr:`Outcome.DETACHED`, and the next begins out of reach again.
+branches differ where the energy has several minima; the path decides between them. A path begins with separated
+surfaces, which only a positive pressure (or a prescribed gap) brings together: a step under tension from there ends
+with :attr:`Outcome.APART`. Under tension an equilibrium need not exist: the step then ends with
+:attr:`Outcome.DETACHED`, and the next begins from separation again.
 """
 
 from dataclasses import replace
@@ -14,14 +14,15 @@ import numpy as np
 from scipy.optimize import brentq
 
 from bem_adhesion.adhesive.multigrid import MultigridSolver
-from bem_adhesion.arguments import check_arguments
+from bem_adhesion.adhesive.options import AdhesiveOptions
+from bem_adhesion.arguments import check_arguments, require_solution
 from bem_adhesion.kernels.law import blocks
-from bem_adhesion.kernels.wall import passes_of
+from bem_adhesion.kernels.local_energy import LocalEnergy
+from bem_adhesion.linear.preconditioner import typical_wavenumber
 from bem_adhesion.operators.fourier import periodic
 from bem_adhesion.operators.free_space import Window
 from bem_adhesion.operators.load import HeightLoad
 from bem_adhesion.operators.trace import Trace
-from bem_adhesion.roughness import typical_wavenumber
 from bem_adhesion.solution import NewtonResult, Outcome, Solution
 from contact_study.numerics.arguments import step_arguments
 from contact_study.numerics.exclusive import in_turn
@@ -30,35 +31,25 @@ from contact_study.numerics.inner_product import inner_product
 from contact_study.physics.laws.base import TractionLaw
 from contact_study.physics.solids import Elasticity, elasticity_of
 
-# Stiffness that parts core from tail and fills the tail in the preconditioner, in units of the geometric mean of the
-# law's strongest softening and of the solid at the surface's typical wavenumber. Flat optimum, within 10 % of
-# the best count from 0.15 to 0.5 over Tabor parameters 0.3 to 1.2.
-PRECONDITIONER_SHIFT = 0.22
-# Corrections of the spring's end under gap control.
-GAP_CORRECTIONS = 20
-# Solves at ever smaller tolerance until an approach is met.
-APPROACH_REFINEMENTS = 5
-# Tension, in units of the law's peak, that counts as none: the gap where it has fallen to this is out of reach.
+# Tension that counts as none, in units of the law's peak: the gap at which it has fallen to this is out of reach.
 NO_TENSION = 1e-3
-# Gap outside a wall that is none, over the largest height: some roundings of both.
-TOUCHING = 1e-14
 
 
 def reach(law: TractionLaw) -> float:
-    """Gap beyond which the law's tension is less than a thousandth of its peak, or its repulsion ends (m)."""
+    """Return the gap beyond which the tension is below a thousandth of its peak, or the repulsion ends (m)."""
     if not law.attracts:
         return law.equilibrium_distance
     nearer, farther = law.peak_distance, law.peak_distance + max(law.peak_distance, law.length)
     no_tension = NO_TENSION * law.peak_tensile_stress
     while law.traction(np.array(farther)) > no_tension:
         nearer, farther = farther, 2 * farther
-    # SciPy's own tolerance is a length in metres, a hundredth of an atom's.
+    # SciPy's default tolerance is a length in metres, a hundredth of an atom's.
     exact = 1e-12 * law.length
     return float(brentq(lambda gap: float(law.traction(np.array(gap))) - no_tension, nearer, farther, xtol=exact))
 
 
 class AdhesiveContact:
-    """One rough surface against an elastic solid under a traction-separation law, to be solved at any number of loads.
+    """One rough surface against an elastic solid under a traction-separation law, for any number of loads.
 
     Lengths are scaled by the law's length and stresses by the contact modulus inside; all arguments and results are
     in SI units.
@@ -66,7 +57,7 @@ class AdhesiveContact:
     Parameters
     ----------
     height : numpy.ndarray, shape grid.shape
-        Heights of the rigid surface, toward the block (m).
+        Heights of the rigid surface, toward the elastic solid (m).
     grid : Grid
         The periodic grid.
     elasticity : Elasticity or float
@@ -74,9 +65,9 @@ class AdhesiveContact:
     law : TractionLaw
         The law of interaction.
     control : {"pressure", "gap", "approach"}
-        What a step prescribes. A prescribed mean gap is held by a stiff spring whose end is moved until the mean gap
-        is met: the contact itself stays soft and may jump inside. An approach is held by the solid's own stiffness
-        against a uniform pressure.
+        Quantity that a step prescribes. A stiff spring holds a prescribed mean gap, its end moved until the mean gap is
+        met: the contact itself stays soft and may jump inside. The solid's own stiffness against a uniform pressure
+        holds a prescribed approach.
     tolerance : float, optional
         Largest max|K w + φ'(d) + p| / E* of a solution; under control of the gap or the approach also its largest error
         in units of the law's length.
@@ -85,14 +76,16 @@ class AdhesiveContact:
     threads : int, optional
         Threads of the transforms.
     window : Window, optional
-        Of free boundaries: where there is a surface. The heights around it have no meaning.
+        Part of the grid with a surface, for free boundaries; the heights outside are ignored.
     trace : Trace, optional
         Receiver of progress while a step is solved.
+    options : AdhesiveOptions, optional
+        Constants of the solver.
 
     Raises
     ------
     ValueError
-        If the heights do not fit the grid or are not finite, or ``control`` is unknown or not known of the solid.
+        If the heights do not fit the grid or are not finite, or the solid does not support ``control``.
     """
 
     def __init__(
@@ -107,6 +100,7 @@ class AdhesiveContact:
         threads: int = 1,
         window: Window | None = None,
         trace: Trace | None = None,
+        options: AdhesiveOptions | None = None,
     ):
         self.turn = RLock()
         self.elasticity = elasticity_of(elasticity)
@@ -116,47 +110,54 @@ class AdhesiveContact:
         self.control = control
         self.tolerance = tolerance
         self.max_iterations = max_iterations
+        self.options = options or AdhesiveOptions()
         self._reach = reach(law)
         self._length = law.length
         self._law = law.scaled(self._length, self.elasticity.contact_modulus)
         self._grid = Grid(grid.shape, (grid.size[0] / self._length, grid.size[1] / self._length))
         self._window = window or Window(grid.shape)
-        self._passes = passes_of(law, window=window)
+        self._local = LocalEnergy(law, window=window)
         solid = self.elasticity.scaled(self._length, self.elasticity.contact_modulus)
         typical_stiffness = float(solid.stiffness(self._typical_wavenumber()))
-        # What does not soften has no tail: the shift then only has to tell points that touch from those that do not.
+        # Without softening there is no tail: the shift then only separates points that touch from those that do not.
         softening = self._law.strongest_softening or self._law.equilibrium_stiffness
-        shift = PRECONDITIONER_SHIFT * np.sqrt(softening * typical_stiffness)
+        shift = self.options.preconditioner_shift * np.sqrt(softening * typical_stiffness)
         self._spring = 0.0
         if control == "gap":
-            # As stiff as the solid at its stiffest wave: stiffer would only spread the spectrum of the operator.
+            # As stiff as the solid's stiffest wave: stiffer would only spread the spectrum of the operator.
             self._spring = float(solid.stiffness_on(self._grid).max())
         elif control == "approach":
             self._spring = solid.mean_stiffness_on(self._grid)
         make_operator = periodic(solid, self._spring, threads, trace)
-        self._contact = MultigridSolver(self._grid, make_operator, self._law, shift, window, squares=solid.on_any_grid)
-        self._heights = HeightLoad.on(self._contact.finest.solid, height, 1 / self._length)
+        self.levels = MultigridSolver(
+            self._grid, make_operator, self._law, shift, window, subdomains=solid.on_any_grid, options=self.options
+        )
+        self._heights = HeightLoad.on(self.levels.finest.solid, height, 1 / self._length)
 
     def _typical_wavenumber(self) -> float:
         inside, (dy, dx) = self._window.inside(self.height) / self._length, self._grid.spacing
         return typical_wavenumber(inside, Grid(inside.shape, (inside.shape[0] * dy, inside.shape[1] * dx)))
 
     def separated(self) -> np.ndarray:
-        """Displacement of the flat block just out of reach of the law (m)."""
+        """Return the displacement of the undeformed solid just out of reach of the law (m)."""
         return np.full(self.height.shape, self.height.max() + self._reach)
 
     @in_turn
     def step(self, state: np.ndarray | Solution, target: float) -> Solution:
-        """The equilibrium that a state falls into under a new load.
+        """Find the equilibrium that a state descends to under a new load.
 
         Parameters
         ----------
         state : numpy.ndarray, shape grid.shape, or Solution
             The solution of an earlier step, its ``state``, or :meth:`separated`: a displacement (m).
         target : float
-            Mean pressure (Pa), mean gap above the law's equilibrium distance (m) or approach (m), as ``control`` says:
-            how far the solid has come beyond the place where, undeformed, its surface has the equilibrium distance to
-            the highest point.
+            Mean pressure (Pa), mean gap above the law's equilibrium distance (m) or approach (m), as for
+            :meth:`Contact.step`.
+
+        Returns
+        -------
+        Solution
+            The state.
 
         Raises
         ------
@@ -167,38 +168,38 @@ class AdhesiveContact:
         gap = self._gap_of(state)
         self._check_start(self._window.inside(gap))
         out_of_reach = self._out_of_reach(gap)
-        before = self._contact.equivalent_pairs(self._grid)
+        before = self.levels.equivalent_pairs(self._grid)
         if self.control == "gap":
             mean_gap = target / self._length + self._law.equilibrium_distance
-            if out_of_reach:  # nothing deforms the block on its way
+            if out_of_reach:  # nothing deforms the solid on its way
                 gap += max(mean_gap - gap.mean(), 0.0)
-            result = self._hold(gap, mean_gap, out_of_reach)
+            result = self._hold_gap(gap, mean_gap, out_of_reach)
         elif self.control == "approach":
             closest = float(self._window.inside(self.height).max()) + self.law.equilibrium_distance
-            result = self._lower(gap, (closest - target) / self._length, out_of_reach)
+            result = self._hold_approach(gap, (closest - target) / self._length, out_of_reach)
         elif out_of_reach and target <= 0:
             return self._apart(Outcome.APART)
         else:
             result = self._solve(gap, target / self.elasticity.contact_modulus, out_of_reach)
-        pairs = self._contact.equivalent_pairs(self._grid) - before
+        pairs = self.levels.equivalent_pairs(self._grid) - before
         if result.outcome is Outcome.DETACHED:
             return self._apart(Outcome.DETACHED, result.iterations, pairs)
-        del gap  # its memory was the solver's
+        del gap  # the solver has overwritten it
         return self._solution(result, pairs)
 
     def _gap_of(self, displacement: np.ndarray) -> np.ndarray:
-        """The gap, in units of the law's length, of a displacement (m); zero of points that touch a wall."""
+        """Return the gap of a displacement (m) in units of the law's length; zero for points that touch a wall."""
         gap = displacement - self.height
         gap /= self._length
         if self.law.has_wall:
-            # The rounding of a displacement, that was stored and read.
+            # A displacement that was stored and read has a rounding.
             over_surface = self._window.inside(gap)
-            touching = TOUCHING * max(self.height.max(), -self.height.min()) / self._length
+            touching = self.options.touching * max(self.height.max(), -self.height.min()) / self._length
             over_surface[np.abs(over_surface) <= touching] = 0.0
         return gap
 
     def _check_start(self, gap: np.ndarray) -> None:
-        """Refuse a gap over the surface in which the law has no force, or the wall is passed."""
+        """Refuse a gap at which the law has no force, or beyond the wall."""
         if self.law.has_wall:
             if gap.min() < 0:
                 raise ValueError("the state to start from has gaps < 0")
@@ -206,49 +207,45 @@ class AdhesiveContact:
             raise ValueError("the state to start from has gaps <= 0")
 
     def _out_of_reach(self, gap: np.ndarray) -> bool:
-        """Whether no point feels the law, of a gap in units of its length."""
+        """Return whether the law acts on no point, for a gap in units of its length."""
         # Rounding of a displacement that was stored and read is less than this.
         return bool(self._window.inside(gap).min() > (1 - 1e-6) * self._reach / self._length)
 
     @in_turn
     def stiffness(self, solution: Solution) -> float:
-        """−dp/dū of a state, mean pressure over mean gap (Pa/m).
-
-        Parameters
-        ----------
-        solution : Solution
-            A converged state of this contact; of surfaces apart it is zero.
-        """
+        """Return −dp/dū of a converged state of this contact (Pa/m); zero for separated surfaces."""
+        require_solution(solution)
         if solution.detached:
             return 0.0
         gap = self._gap_of(solution.state)
-        return self._contact.finest.mean_stiffness(gap) * self.elasticity.contact_modulus / self._length
+        return self.levels.finest.mean_stiffness(gap) * self.elasticity.contact_modulus / self._length
 
-    def _solve(self, gap: np.ndarray, pressure: float, approach: bool, tolerance: float | None = None) -> NewtonResult:
-        return self._contact.solve(
-            gap, self._load(pressure), tolerance or self.tolerance, self.max_iterations, approach
-        )
+    def _solve(
+        self, gap: np.ndarray, pressure: float, first_contact: bool, tolerance: float | None = None
+    ) -> NewtonResult:
+        load = self._load(pressure)
+        return self.levels.solve(gap, load, tolerance or self.tolerance, self.max_iterations, first_contact)
 
     def _load(self, pressure: float) -> HeightLoad:
-        """What presses on the solid at a mean pressure, in units of the contact modulus."""
+        """Return the load at a mean pressure, in units of the contact modulus."""
         return replace(self._heights, pressure=pressure)
 
-    def _hold(self, gap: np.ndarray, mean_gap: float, approach: bool) -> NewtonResult:
+    def _hold_gap(self, gap: np.ndarray, mean_gap: float, first_contact: bool) -> NewtonResult:
         """Move the end of the spring by the secant method until the mean gap is met."""
         end = mean_gap + self._tension(gap) / self._spring
         compliance, tolerance = 1.0, self.tolerance
-        if mean_gap == 0:  # only a wall can be met everywhere, at any pressure from that of opening on
+        if mean_gap == 0:  # only at a wall can all points close, at any pressure above that of opening
             gap = np.zeros_like(gap)
             end = self._tension(gap) / self._spring
         previous: tuple[float, float] | None = None
         iterations = 0
         outcome = Outcome.ITERATION_LIMIT
-        for _ in range(GAP_CORRECTIONS):
-            result = self._solve(gap, -self._spring * end, approach, tolerance)
-            if result.iterations == 0:  # the last correction is below what the tolerance tells apart
+        for _ in range(self.options.gap_corrections):
+            result = self._solve(gap, -self._spring * end, first_contact, tolerance)
+            if result.iterations == 0:  # the tolerance does not resolve the last correction
                 tolerance *= 0.1
             iterations += result.iterations
-            gap, approach = result.gap, False
+            gap, first_contact = result.gap, False
             error = float(np.mean(gap)) - mean_gap
             if result.outcome is not Outcome.CONVERGED or abs(error) <= self.tolerance:
                 outcome = result.outcome
@@ -261,11 +258,11 @@ class AdhesiveContact:
             end -= error / compliance
         return replace(result, iterations=iterations, outcome=outcome)
 
-    def _lower(self, gap: np.ndarray, plane: float, approach: bool) -> NewtonResult:
-        """Solve until the undeformed surface is in its place, too: a residual moves what is soft in the mean far."""
+    def _hold_approach(self, gap: np.ndarray, plane: float, first_contact: bool) -> NewtonResult:
+        """Solve until the undeformed surface is at its height, too: a small residual may move a soft mean far."""
         tolerance, iterations = self.tolerance, 0
-        for _ in range(APPROACH_REFINEMENTS):
-            result = self._solve(gap, -self._spring * plane, approach, tolerance)
+        for _ in range(self.options.approach_refinements):
+            result = self._solve(gap, -self._spring * plane, first_contact, tolerance)
             iterations += result.iterations
             pressure, _ = self._pressure(result.gap * self._length, result.reaction)
             mean_pressure = float(pressure.mean()) / self.elasticity.contact_modulus
@@ -273,27 +270,27 @@ class AdhesiveContact:
             found = displacement - mean_pressure / self._spring
             if result.outcome is not Outcome.CONVERGED or abs(found - plane) <= self.tolerance:
                 return replace(result, iterations=iterations)
-            gap, approach = result.gap, False
+            gap, first_contact = result.gap, False
             tolerance *= 0.1
         return replace(result, iterations=iterations, outcome=Outcome.ITERATION_LIMIT)
 
     def _tension(self, gap: np.ndarray) -> float:
-        """Mean tension under which a state is in equilibrium, in units of the contact modulus."""
+        """Return the mean tension under which a state is in equilibrium, in units of the contact modulus."""
         if not self.law.has_wall:
             return float(np.mean(self._law.traction(gap)))
-        finest, load = self._contact.finest, self._load(-self._spring * float(gap.mean()))
+        finest, load = self.levels.finest, self._load(-self._spring * float(gap.mean()))
         pressing = finest.press(gap, load)
-        if not gap.any():  # in full contact the one at which a first point is pulled off
+        if not gap.any():  # in full contact the tension at which a first point is pulled off
             return float(pressing.min()) + self._law.peak_tensile_stress
-        # The wall's share is not in the law; points that are free are in balance without it.
+        # The wall's share is not in the law; free points are in balance without it.
         return finest.imbalance(gap, load)
 
     def _solution(self, result: NewtonResult, pairs: float) -> Solution:
         gap = result.gap
-        gap *= self._length  # in place: a field less at the height of a step's memory
+        gap *= self._length  # in place, to save a field at the peak of a step's memory
         displacement = self.height + gap
         pressure, interaction = self._pressure(gap, result.reaction)
-        # In equilibrium K w is the interface pressure less its mean: ½<w, K w> without another transform.
+        # In equilibrium K w is the interface pressure minus its mean: ½<w, K w> without another transform.
         mean = float(pressure.mean())
         work = sum(inner_product(pressure[here] - mean, displacement[here]) for here in blocks(gap))
         elastic = 0.5 * work / gap.size + self.elasticity.compression_energy(mean)
@@ -313,26 +310,15 @@ class AdhesiveContact:
         )
 
     def _pressure(self, gap: np.ndarray, reaction: np.ndarray | float) -> tuple[np.ndarray, float]:
-        """Of the interface at a gap in metres (Pa), and its energy per area (J/m²)."""
+        """Return the pressure of the interface at a gap in metres (Pa), and its energy per area (J/m²)."""
         pressure = np.empty_like(gap)
-        interaction = self._passes.act(gap, pressure) / gap.size
+        interaction = self._local.traction(gap, pressure) / gap.size
         np.negative(pressure, out=pressure)
         pressure += reaction * self.elasticity.contact_modulus
         return pressure, interaction
 
     def _apart(self, outcome: Outcome, iterations: int = 0, pairs: float = 0.0) -> Solution:
-        """No contact: infinite gaps, no pressure; a later step starts from separation."""
-        apart = self.separated()
-        return Solution(
-            apart,
-            apart,
-            np.full(self.height.shape, np.inf),
-            np.zeros(self.height.shape),
-            0.0,
-            0.0,
-            0.0,
-            iterations,
-            pairs,
-            outcome,
-            law=self.law,
-        )
+        """Return separated surfaces: infinite gaps, no pressure; a later step starts from separation."""
+        apart, shape = self.separated(), self.height.shape
+        none = (0.0, 0.0, 0.0, iterations, pairs, outcome)
+        return Solution(apart, apart, np.full(shape, np.inf), np.zeros(shape), *none, law=self.law)

@@ -1,16 +1,14 @@
-"""An adhesive contact at a gap: its energy, what is out of balance, and how the law curves.
+"""Energy of an adhesive contact at a gap, its gradient, and the curvature of the law.
 
-For the solver that descends in that energy (:mod:`bem_adhesion.adhesive.newton`). The residual is formed in float64,
-and on the way to it K (d + h) follows the changes of d, whose transforms are in float32. Stresses are in units of the
-contact modulus; lengths in any, of order one for the sake of float32.
+The residual is formed in float64; between two full evaluations K (d + h) follows the changes of d by transforms in
+float32. Stresses are in units of the contact modulus; lengths in any unit that makes them of order one in float32.
 """
 
 from functools import partial
 
 import numpy as np
 
-from bem_adhesion.kernels.law import EnergyAndGradient
-from bem_adhesion.kernels.wall import passes_of
+from bem_adhesion.kernels.local_energy import EnergyAndGradient, LocalEnergy
 from bem_adhesion.operators.fourier import MakeOperator
 from bem_adhesion.operators.free_space import Window
 from bem_adhesion.operators.load import FieldLoad, Load
@@ -19,9 +17,8 @@ from contact_study.numerics.grid import Grid
 from contact_study.numerics.memory import Memory
 from contact_study.physics.laws.base import TractionLaw
 
-# A step changes K (d + h) by K of the change, in float32. What that rounds off is less than this fraction of the
-# largest change times the largest K (at most 2.8e-7 of 3000 changes, 32² to 1024² points). It is formed anew where all
-# that was rounded off since the last time may be more than a share of the residual.
+# Upper bound of the rounding of K times a change in float32, as a fraction of the largest change times the largest K;
+# K d is formed again where the rounding since the last time may exceed this share of the residual.
 CHANGE_ROUNDING, SHARE_OF_RESIDUAL = 3e-7, 0.1
 
 
@@ -33,21 +30,20 @@ class ContactEnergy:
     grid : Grid
         The periodic grid.
     make_operator : MakeOperator
-        The elastic solid. Its mean stiffness is that of the spring which carries the mean gap, zero under pressure
-        control.
+        The elastic solid; its mean stiffness is that of the spring on the mean gap, zero under pressure control.
     law : TractionLaw
         The law of interaction.
     window : Window, optional
-        Where on the grid there is a surface; everywhere without one.
+        Part of the grid with a surface; the whole grid by default.
     memory : Memory, optional
-        Where its arrays lie.
+        Memory of its arrays.
 
     Attributes
     ----------
-    window : Window
-        Where there is a surface.
     solid : Operator
-        The elastic solid, K d and the load's field at the last gap in its field.
+        The elastic solid; its field holds K d and the load's field at the last gap.
+    local : LocalEnergy
+        Energy of the law and of anchor springs.
     curvature : numpy.ndarray of float32, shape grid.shape
         φ'' at the last gap that was evaluated.
     """
@@ -67,68 +63,41 @@ class ContactEnergy:
         self.window = window or Window(grid.shape)
         self.solid = make(grid, np.float64)
         self._single = make(grid, np.float32)
-        self._passes = passes_of(law, self.solid.largest, window)
-        self._free_passes = self._passes
+        self.local = LocalEnergy(law, self.solid.largest, window)
         self._rounded = 0.0
         self.curvature = memory.array(grid.shape, np.float32)
         self._right_side = memory.array(grid.shape, np.float32)
 
     def imbalance_at(self, gap: np.ndarray, load: Load) -> tuple[EnergyAndGradient, bool]:
-        """What is out of balance at a gap, and whether the surfaces separate for ever."""
+        """Evaluate a gap; return its energy and gradient, and whether the surfaces detach from there."""
         state = self._evaluate(gap, load)
-        return state, self._runs_away(gap, state)
+        return state, self._is_detaching(gap, state)
 
     def press(self, gap: np.ndarray, load: Load) -> np.ndarray:
-        """K d and the load's field in the field of the solid; a solve may go on from it."""
+        """Write K d and the load's field into the field of the solid, from which a solve may continue."""
         self._rounded = 0.0
         return load.press(gap, self.solid)
 
-    def load_that_presses(self, pressing: np.ndarray, gap: np.ndarray, pressure: float) -> FieldLoad:
-        """The load whose field and K d of a gap are given together; a solve may go on from them."""
+    def load_for(self, pressing: np.ndarray, gap: np.ndarray, pressure: float) -> FieldLoad:
+        """Make the load whose field and K d of a gap add up to ``pressing``; a solve may continue from them."""
         self._rounded = 0.0
         self.solid.field[...] = gap
         load = FieldLoad(pressing - self.solid.apply(self.solid.stiffness), pressure)
         self.solid.field[...] = pressing
         return load
 
-    def interpolated(self, coarser: "ContactEnergy", values: np.ndarray) -> np.ndarray:
-        """A field on a coarser grid, on this one, to single precision; in a buffer of which a solve takes hold."""
+    def interpolate(self, coarser: "ContactEnergy", values: np.ndarray) -> np.ndarray:
+        """Interpolate a field on a coarser grid to single precision, into a buffer that a solve overwrites."""
         coarser._single.field[...] = values
         return self._single.interpolate(coarser._single)
 
     def imbalance(self, gap: np.ndarray, load: Load) -> float:
-        """Mean of K d + φ'(d) + load over the points that are free to move, of a gap that was evaluated last."""
-        return self._passes.imbalance(self.solid.field, gap, load.pressure)
-
-    def _evaluate(self, gap: np.ndarray, load: Load) -> EnergyAndGradient:
-        """Energy and gradient at a gap; fills curvature, right side, and the field of the solid as :meth:`press`."""
-        self.press(gap, load)
-        return self._state(gap, load)
-
-    def _evaluate_change(self, gap: np.ndarray, new: np.ndarray, load: Load) -> EnergyAndGradient:
-        """As :meth:`_evaluate` at a new gap, by the change from the one that was evaluated last."""
-        change = self._single.field
-        np.subtract(new, gap, out=change, casting="same_kind")
-        largest = max(float(change.max()), -float(change.min()))
-        self.solid.field += self._single.apply(self._single.stiffness)
-        self._rounded += CHANGE_ROUNDING * largest * self.solid.largest
-        return self._state(new, load)
-
-    def _evaluate_from(self, known: np.ndarray | None, gap: np.ndarray, load: Load) -> EnergyAndGradient:
-        """As :meth:`_evaluate`, from the gap that was pressed last, if there is one."""
-        if known is None:
-            return self._evaluate(gap, load)
-        if known is gap:
-            return self._state(gap, load)
-        return self._unless_rounded(self._evaluate_change(known, gap, load), gap, load)
-
-    def _unless_rounded(self, state: EnergyAndGradient, gap: np.ndarray, load: Load) -> EnergyAndGradient:
-        """The state, evaluated anew where rounding may show in its residual."""
-        return self._evaluate(gap, load) if self._rounded > SHARE_OF_RESIDUAL * state.largest else state
+        """Return the mean of K d + φ'(d) + load over the free points, for a gap that was evaluated last."""
+        return self.local.imbalance(self.solid.field, gap, load.pressure)
 
     def excess_of(self, state: EnergyAndGradient, gap: np.ndarray, load: Load, tolerance: float) -> Excess:
-        """What is out of balance at a gap that was evaluated last, over what may be, see :func:`excess`."""
-        pressure = 0.0 if self.solid.mean_stiffness else load.pressure  # the spring that ties the mean carries the rest
+        """Compare the residual at a gap that was evaluated last with what is allowed, see :func:`excess`."""
+        pressure = 0.0 if self.solid.mean_stiffness else load.pressure  # a spring on the mean carries the rest
         missing = state.total / gap.size
         if state.largest > tolerance:  # whatever the stress
             return excess(tolerance, state.largest, missing, pressure)
@@ -137,21 +106,47 @@ class ContactEnergy:
         return excess(tolerance, state.largest, missing, pressure, stress, self.rounding(gap), gap.size)
 
     def rounding(self, gap: np.ndarray) -> float:
-        """Residual that the rounding of a gap leaves."""
+        """Return the residual that the rounding of a gap leaves."""
         return ROUNDING * self.solid.largest * float(gap.max())
 
-    def _take_back(self) -> None:
-        """The solid's field as it was before the last change."""
+    def _evaluate(self, gap: np.ndarray, load: Load) -> EnergyAndGradient:
+        """Evaluate energy and gradient; fill curvature, right side, and the field of the solid as :meth:`press`."""
+        self.press(gap, load)
+        return self._pressed(gap, load)
+
+    def _evaluate_change(self, gap: np.ndarray, new: np.ndarray, load: Load) -> EnergyAndGradient:
+        """Evaluate as :meth:`_evaluate` at a new gap, by the change from the one that was evaluated last."""
+        change = self._single.field
+        np.subtract(new, gap, out=change, casting="same_kind")
+        largest = max(float(change.max()), -float(change.min()))
+        self.solid.field += self._single.apply(self._single.stiffness)
+        self._rounded += CHANGE_ROUNDING * largest * self.solid.largest
+        return self._pressed(new, load)
+
+    def _evaluate_from(self, known: np.ndarray | None, gap: np.ndarray, load: Load) -> EnergyAndGradient:
+        """Evaluate as :meth:`_evaluate`, from the gap that was pressed last, if there is one."""
+        if known is None:
+            return self._evaluate(gap, load)
+        if known is gap:
+            return self._pressed(gap, load)
+        return self._unless_rounded(self._evaluate_change(known, gap, load), gap, load)
+
+    def _unless_rounded(self, state: EnergyAndGradient, gap: np.ndarray, load: Load) -> EnergyAndGradient:
+        """Return the state, evaluated again where rounding may show in its residual."""
+        return self._evaluate(gap, load) if self._rounded > SHARE_OF_RESIDUAL * state.largest else state
+
+    def _undo_change(self) -> None:
+        """Restore the solid's field before the last change."""
         self.solid.field -= self._single.field
 
-    def _state(self, gap: np.ndarray, load: Load) -> EnergyAndGradient:
-        """Energy and gradient at a gap that was pressed last, or by its change."""
-        return self._passes.balance(self.solid.field, gap, load, self._right_side, self.curvature)
+    def _pressed(self, gap: np.ndarray, load: Load) -> EnergyAndGradient:
+        """Evaluate energy and gradient at a gap whose K d is in the solid's field."""
+        return self.local.energy_and_gradient(self.solid.field, gap, load, self._right_side, self.curvature)
 
-    def _runs_away(self, gap: np.ndarray, state: EnergyAndGradient) -> bool:
-        """Whether the surfaces separate for ever: pulled apart with every point past the peak of the law.
+    def _is_detaching(self, gap: np.ndarray, state: EnergyAndGradient) -> bool:
+        """Return whether a tension separates the surfaces with every point beyond the peak of the law.
 
-        The mean gap then has negative curvature and a gradient outwards, and both persist at any larger gap.
+        The mean gap then has negative curvature and an outward gradient, and both persist at any larger gap.
         """
-        tension = self.solid.mean_stiffness == 0 and state.total < 0 and self._passes is self._free_passes
+        tension = self.solid.mean_stiffness == 0 and state.total < 0 and not self.local.anchored
         return tension and bool(self.window.inside(gap).min() > self.law.peak_distance)

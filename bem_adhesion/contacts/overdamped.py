@@ -50,7 +50,7 @@ class OverdampedContact(AdhesiveContact):
     def __init__(self, *arguments: Any, allowed: float, **options: Any):
         super().__init__(*arguments, **options)
         self._allowed = allowed / self._length
-        self._pairs = self._contact.equivalent_pairs(self._grid)  # before the steps whose work is not told yet
+        self._pairs = self.levels.equivalent_pairs(self._grid)  # before the steps whose work is not told yet
 
     def separated(self) -> np.ndarray:
         """The gap of the flat block just out of reach of the law (m)."""
@@ -58,10 +58,10 @@ class OverdampedContact(AdhesiveContact):
 
     def advance(self, state: np.ndarray, load: float, drag: float) -> Moved | None:
         """The gap after a time step; see :class:`contact_study.numerics.gradient_flow.Overdamped`."""
-        modulus, finest = self.elasticity.contact_modulus, self._contact.finest
+        modulus, finest = self.elasticity.contact_modulus, self.levels.finest
         gap, pressure = self._scaled(state, load)
         stiffness = drag * self._length / modulus
-        finest.tie(0.0, gap)
+        finest.set_anchor_springs(0.0, gap)
         now, apart = finest.imbalance_at(gap, pressure)
         force = now.largest
         if apart:
@@ -71,9 +71,9 @@ class OverdampedContact(AdhesiveContact):
             max(least, min(finest.rounding(gap), self.tolerance)) or self.tolerance
         )  # in full contact nothing is left
         accuracy = max(least, min(_ACCURACY * self._allowed * stiffness, _REDUCTION * force))
-        finest.tie(stiffness, gap)
+        finest.set_anchor_springs(stiffness, gap)
         result = finest.solve(gap, pressure, accuracy, _NEWTON_STEPS, carries=force <= self.tolerance)
-        finest.tie(0.0, gap)
+        finest.set_anchor_springs(0.0, gap)
         if result.outcome is not Outcome.CONVERGED:
             return None
         # Friction apart no force is larger than what the solve left and friction itself.
@@ -87,12 +87,12 @@ class OverdampedContact(AdhesiveContact):
 
     def _work(self) -> float:
         """Transform pairs since it was asked for last."""
-        before, self._pairs = self._pairs, self._contact.equivalent_pairs(self._grid)
+        before, self._pairs = self._pairs, self.levels.equivalent_pairs(self._grid)
         return self._pairs - before
 
     def _in_motion(self, result: NewtonResult) -> Solution:
         """A state whose law does not balance its flexure: ½<w, K w> takes a transform."""
-        flexure = self._contact.finest.press(result.gap, self._heights)
+        flexure = self.levels.finest.press(result.gap, self._heights)
         elastic = 0.5 * float(np.mean(flexure * (result.gap + self.height / self._length)))
         elastic *= self.elasticity.contact_modulus * self._length
         found = self._solution(result, self._work())
@@ -104,13 +104,13 @@ class OverdampedContact(AdhesiveContact):
         if load <= 0 and self._out_of_reach(state / self._length):
             return Moved(state, self._apart(Outcome.APART), 0.0)
         gap, pressure = self._scaled(state, load)
-        result = self._contact.finest.solve(gap, pressure, self.tolerance, 0)
+        result = self.levels.finest.solve(gap, pressure, self.tolerance, 0)
         found = self._in_motion(result)
         return Moved(state, found, result.residual, self._at_rest(found, load))
 
     def _at_rest(self, found: Solution, load: float) -> bool:
         """Whether a state is in balance without friction under a mean pressure (Pa)."""
-        unit, finest = self.elasticity.contact_modulus, self._contact.finest
+        unit, finest = self.elasticity.contact_modulus, self.levels.finest
         missing, stress = load - float(found.pressure.mean()), float(np.abs(found.pressure).max())
         rounding = finest.rounding(found.gap / self._length)
         points = found.gap.size
@@ -121,6 +121,6 @@ class OverdampedContact(AdhesiveContact):
     def beside_saddle(self, state: np.ndarray, load: float) -> np.ndarray | None:
         """A gap of lower energy next to a saddle; see :class:`contact_study.numerics.gradient_flow.Overdamped`."""
         gap, pressure = self._scaled(state, load)
-        self._contact.finest.imbalance_at(gap, pressure)
-        lower = self._contact.beside_saddle(gap, pressure)
+        self.levels.finest.imbalance_at(gap, pressure)
+        lower = self.levels.leave_saddle(gap, pressure)
         return None if lower is None else lower * self._length

@@ -10,11 +10,12 @@ import numpy as np
 
 from bem_adhesion.hard_wall.active_set import ContactLevel
 from bem_adhesion.hard_wall.plastic_active_set import BoundedLevel
+from bem_adhesion.kernels.wall import PINNED
 from bem_adhesion.linear.conjugate_gradients import LinearisedContact
-from bem_adhesion.linear.contact_stiffness import PINNED, mean_stiffness
+from bem_adhesion.linear.contact_stiffness import mean_stiffness
+from bem_adhesion.linear.preconditioner import typical_wavenumber
 from bem_adhesion.operators.fourier import periodic
 from bem_adhesion.operators.trace import Trace
-from bem_adhesion.roughness import typical_wavenumber
 from bem_adhesion.solution import Outcome, Solution
 from contact_study.numerics.arguments import positive
 from contact_study.numerics.exclusive import in_turn

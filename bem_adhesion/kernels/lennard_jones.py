@@ -1,31 +1,28 @@
-"""Lennard-Jones laws as a Newton solver walks on them, compiled for each exponent.
+"""Kernels of Lennard-Jones laws, compiled for each exponent.
 
-The exponent is a constant of the compiled loops: as an argument, however the power is formed, the compiler makes no
-vectors of the step, which takes ten times as long.
+The exponent is a constant of the compiled loops: passed as an argument it keeps the compiler from vectorising the step.
 """
 
 from collections.abc import Callable
 from functools import cache
 
-from numba import njit
-
-from bem_adhesion.kernels.law import LANDING, LawPasses
+from bem_adhesion.kernels.law import LANDING, LawKernels
+from contact_study.numerics.kernel import kernel
 from contact_study.physics.laws.lennard_jones import LennardJones
 
-_compiled = njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "arcp", "nsz"})
 # s^(m+6) at which tangents bound the root of s^(m+6) − s^m = y from above.
 _TANGENTS = (1.0, 1.1**11, 1.25**11, 1.6**11)
 
 
 @cache
 def _evaluation(exponent: int) -> Callable[..., float]:
-    """The pass that :meth:`LawPasses.evaluate` is."""
+    """Compile :meth:`LawKernels.evaluate` for one exponent."""
     low, high = float(exponent), exponent + 6.0
     attraction, repulsion = 1 / (exponent - 1), 1 / (exponent + 5)
 
-    @_compiled
+    @kernel
     def evaluate(gap, length, prefactor, traction, stiffness):
-        """Fused pass over flat arrays; returns r0 Σ [s^(m+5)/(m + 5) − s^(m−1)/(m − 1)]."""
+        """Fill flat arrays; return r0 Σ [s^(m+5)/(m + 5) − s^(m−1)/(m − 1)]."""
         total = 0.0
         for i in range(gap.size):
             s = length / gap[i]
@@ -40,16 +37,16 @@ def _evaluation(exponent: int) -> Callable[..., float]:
 
 @cache
 def _advance(exponent: int) -> Callable[..., None]:
-    """The pass that :meth:`LawPasses.advance` is."""
+    """Compile :meth:`LawKernels.advance` for one exponent."""
     low, high = float(exponent), exponent + 6.0
     touching = [each ** (1 / high) for each in _TANGENTS]
     (s0, y0, k0), (s1, y1, k1), (s2, y2, k2), (s3, y3, k3) = (
         (s, s**high - s**low, high * s ** (high - 1) - low * s ** (low - 1)) for s in touching
     )
 
-    @_compiled
+    @kernel
     def advance(gap, step, limit, length, landing, out):
-        """Newton step over flat arrays; tractions in units of the prefactor."""
+        """Take a Newton step over flat arrays; tractions in units of the prefactor."""
         tangent = 6.0 / length
         for i in range(gap.size):
             d = gap[i]
@@ -77,14 +74,8 @@ def _advance(exponent: int) -> Callable[..., None]:
     return advance
 
 
-class LennardJonesPasses(LawPasses):
-    """A Lennard-Jones law, compiled.
-
-    Parameters
-    ----------
-    law : LennardJones
-        The law.
-    """
+class LennardJonesKernels(LawKernels):
+    """Kernels of a Lennard-Jones law, compiled."""
 
     law: LennardJones
 

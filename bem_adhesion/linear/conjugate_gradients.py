@@ -1,32 +1,32 @@
 """The linearised contact: conjugate gradients for (K + D) x = r with a preconditioner split into core and tail.
 
-K is the solid, D = φ'' the curvature of the law at each point: large where surfaces repel (the shift), small and
-often negative where they attract (the tail). A weight b² = c / (D⁺ + c) tells them apart, and
+K is the solid, D = φ'' the curvature of the law at each point: large where surfaces repel (the core), small and often
+negative where they attract (the tail). A weight b² = c / (D⁺ + c) separates them, and
 
     z = (1 − b²) / (D⁺ + ½ K_max) r + b (K + c)⁻¹ b r
 
 inverts D in the core and K in the tail, with one pair of transforms. The iteration count does not depend on the grid.
-All runs in float32: the outer Newton iteration restores float64.
+All arrays are in float32: the outer Newton iteration restores float64.
 """
 
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 
-from bem_adhesion.linear.preconditioner import Bed, FourierPreconditioner
+from bem_adhesion.linear.preconditioner import FourierPreconditioner, Preconditioner
 from bem_adhesion.operators.fourier import Operator
 from contact_study.numerics.inner_product import inner_product
+from contact_study.numerics.kernel import kernel
 from contact_study.numerics.memory import Memory
 
-# Energy of a direction s below this fraction of what it is the sum of counts as negative: the rounding of float32.
-# Above this fraction of |s|² none needs a second look.
+# Rounding of float32: an energy of a direction s below this fraction of the terms that it is the sum of is negative;
+# above this fraction of |s|² the terms need not be computed.
 CURVATURE_ROUNDING = 1e-7
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "arcp", "nsz"})
+@kernel
 def _begin(right_side, curvature, shift, grid, residual, direction, solution, buffer):
-    """Zero start: residual = right side, buffer = b·residual; returns Σ residual² and the core part of Σ r z."""
+    """Start from zero: residual = right side, buffer = b·residual; return Σ residual² and the core part of Σ r z."""
     square = 0.0
     core_product = 0.0
     zero = right_side.dtype.type(0)
@@ -49,9 +49,9 @@ def _begin(right_side, curvature, shift, grid, residual, direction, solution, bu
     return square, core_product
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "arcp", "nsz"})
+@kernel
 def _direct(curvature, residual, shift, grid, softening, beta, direction, buffer):
-    """New direction s = z + β s, also into the buffer; returns Σ D s² and Σ s²."""
+    """Write the new direction s = z + β s, also into the buffer; return Σ D s² and Σ s²."""
     product = 0.0
     square = 0.0
     zero = residual.dtype.type(0)
@@ -75,9 +75,9 @@ def _direct(curvature, residual, shift, grid, softening, beta, direction, buffer
     return product, square
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "arcp", "nsz"})
+@kernel
 def _descend(curvature, shift, grid, softening, alpha, direction, solution, residual, buffer):
-    """x += α s, r −= α (K + D) s with K s in the buffer; buffer = b r. Returns Σ r² and the core part of Σ r z."""
+    """Step x += α s, r −= α (K + D) s with K s in the buffer; buffer = b r; return Σ r² and the core part of Σ r z."""
     square = 0.0
     core_product = 0.0
     zero = residual.dtype.type(0)
@@ -104,7 +104,7 @@ def _descend(curvature, shift, grid, softening, alpha, direction, solution, resi
 
 @dataclass(frozen=True)
 class LinearResult:
-    """How the linear solve ended: its iterations and whether it met a direction of negative curvature."""
+    """Iterations of a linear solve, and whether it stopped at a direction of negative curvature."""
 
     iterations: int
     negative_curvature: bool
@@ -118,12 +118,11 @@ class LinearisedContact:
     operator : Operator
         The elastic solid, in float32.
     shift : float
-        Stiffness c above which a point belongs to the shift, and of the bed of springs that stands for the law in
-        the tail (Pa/m).
-    bed : Bed, optional
-        The solid on that bed, inverted, in the operator's buffer; by its own transforms without one.
+        Stiffness c above which a point belongs to the core; the preconditioner adds it to K in the tail (Pa/m).
+    preconditioner : Preconditioner, optional
+        (K + c)⁻¹ in the operator's buffer; by default by the operator's transforms.
     memory : Memory, optional
-        Where its arrays lie.
+        Memory of its arrays.
 
     Attributes
     ----------
@@ -134,15 +133,20 @@ class LinearisedContact:
     direction : numpy.ndarray
         The last search direction (m): one of negative curvature if the solver stopped on it.
     idle : numpy.ndarray of uint8
-        The memory of its arrays. Between two solves another may use it who has no need of ``solution`` and
-        ``direction``.
+        The memory of its arrays, free between two solves once ``solution`` and ``direction`` are used.
     """
 
-    def __init__(self, operator: Operator, shift: float, bed: Bed | None = None, memory: Memory | None = None):
+    def __init__(
+        self,
+        operator: Operator,
+        shift: float,
+        preconditioner: Preconditioner | None = None,
+        memory: Memory | None = None,
+    ):
         self.operator = operator
         self._shift = np.float32(shift)
         self._grid = np.float32(0.5 * operator.largest)
-        self._bed = bed or FourierPreconditioner(operator, shift)
+        self._preconditioner = preconditioner or FourierPreconditioner(operator, shift)
         arrays = (memory or Memory()).array((3, *operator.grid.shape), np.float32)
         self._residual, self.direction, self.solution = arrays
         self.idle = arrays.reshape(-1).view(np.uint8)
@@ -169,7 +173,7 @@ class LinearisedContact:
         iterations : int
             Largest number of iterations.
         total : float, optional
-            Largest |Σ residual| to leave (Pa): the softest mode of a light contact, its mean gap, may be a small part
+            Largest |Σ residual| at the end (Pa): the softest mode of a light contact, its mean gap, may be a small part
             of the 2-norm.
         """
         operator, buffer = self.operator, self.operator.field
@@ -180,7 +184,7 @@ class LinearisedContact:
         target = reduction**2 * square
         previous = np.inf
         for iteration in range(1, iterations + 1):
-            product = core_product + self._bed.apply_and_sum()
+            product = core_product + self._preconditioner.apply_and_sum()
             beta = np.float32(product / previous)
             local, length = _direct(curvature, residual, *weights, kept, beta, direction, buffer)
             elastic = operator.apply_and_sum(operator.stiffness)
@@ -195,7 +199,7 @@ class LinearisedContact:
         return LinearResult(iteration, False)
 
     def _rounding(self, curvature: np.ndarray, softening: np.float32, elastic: float, length: float) -> float:
-        """Energy of the direction s that may be rounding, of <s, K s> = ``elastic`` and |s|² = ``length``."""
+        """Return the rounding of the energy of the direction s with <s, K s> = ``elastic`` and |s|² = ``length``."""
         softened = np.abs(np.where(curvature < 0, softening * curvature, curvature))
         local = inner_product(softened * self.direction, self.direction)
         # K of a field that is nearly uniform is itself rounding.

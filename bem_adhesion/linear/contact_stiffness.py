@@ -1,14 +1,13 @@
-"""Contact stiffness by the linearised problem: how a state gives way to a little more pressure, without another state.
+"""Contact stiffness from the linearised equations of one state.
 
-Under a pressure that grows by dp every point that is free to move follows its balance, (K + φ'') x = −dp, and every
-point that a wall holds stays. Of all x of one mean that hold these points the one in balance has the least energy, so
-that
+Under a pressure that grows by dp every free point follows its balance, (K + φ'') x = −dp, and a wall holds the other
+points. Among all x of one mean that hold these points, the one in balance has the least energy, so that the error of
 
     −dp/dū = <x, (K + φ'') x> / <x>²
 
-errs by the square of what x does: what the difference of two states tends to, as long as no patch jumps. To find it,
-x starts as the rigid displacement of the free points and is relieved of all that is out of balance but for a constant,
-which is dp. A spring of the control that ties the mean takes up a constant, too, and is not in it.
+is the square of the error of x. The difference of two states tends to this value as long as no patch jumps. The solve
+starts with the rigid displacement of the free points and removes what is out of balance except a constant, which is dp.
+A spring of the control on the mean takes up a constant, too, and is not included.
 """
 
 import numpy as np
@@ -16,29 +15,31 @@ import numpy as np
 from bem_adhesion.linear.conjugate_gradients import LinearisedContact
 from contact_study.numerics.inner_product import inner_product
 
-REDUCTION, ITERATIONS = 1e-4, 400
-# Stiffness of a held point, over the largest of the solid: what it gives way shows in the answer. No step follows from
-# it, so that it may be larger than in a descent.
-PINNED = 1e6
 
-
-def mean_stiffness(linearised: LinearisedContact, curvature: np.ndarray, held: np.ndarray) -> float:
-    """−dp/dū, mean pressure over mean displacement (Pa/m): negative where tension falls as surfaces part.
+def mean_stiffness(
+    linearised: LinearisedContact,
+    curvature: np.ndarray,
+    held: np.ndarray,
+    reduction: float = 1e-4,
+    iterations: int = 400,
+) -> float:
+    """Return −dp/dū, mean pressure over mean displacement (Pa/m): negative where tension falls with the gap.
 
     Parameters
     ----------
     linearised : LinearisedContact
         The linear solver.
     curvature : numpy.ndarray of float32
-        φ'' (Pa/m), and where points are held what stands for infinite.
+        φ'' (Pa/m); a very large value where a wall holds points.
     held : numpy.ndarray of bool
         Points that a wall holds.
+    reduction, iterations : float and int, optional
+        Limits of the linear solve.
 
     Returns
     -------
     float
-        Zero where nothing holds the surfaces together, infinite where a wall holds all points; not a number at a fold
-        or without convergence.
+        Zero where no force acts, infinite where a wall holds all points, NaN at a fold or without convergence.
     """
     if held.all():
         return np.inf
@@ -51,9 +52,9 @@ def mean_stiffness(linearised: LinearisedContact, curvature: np.ndarray, held: n
     right_side[held] = 0
     largest = float(np.abs(right_side).max())
     if largest > 0:
-        # At unit size: squares of what is left of a tail may be nothing in single precision.
-        result = linearised.solve(right_side / np.float32(largest), curvature, 1.0, REDUCTION, ITERATIONS)
-        if result.negative_curvature or result.iterations == ITERATIONS:
+        # At unit size: squares of a very small tail underflow in single precision.
+        result = linearised.solve(right_side / np.float32(largest), curvature, 1.0, reduction, iterations)
+        if result.negative_curvature or result.iterations == iterations:
             return np.nan
         displacement += np.where(held, 0, largest * linearised.solution.astype(float))
     bent = displacement - displacement.mean()
@@ -62,7 +63,7 @@ def mean_stiffness(linearised: LinearisedContact, curvature: np.ndarray, held: n
 
 
 def _flexure(linearised: LinearisedContact, displacement: np.ndarray) -> np.ndarray:
-    """K x without the spring that may tie the mean; its rounding is that of what bends, not of the mean."""
+    """Return K x without a spring on the mean; its rounding is that of the bending part of x."""
     operator = linearised.operator
     operator.field[...] = displacement - displacement.mean()
     return operator.apply(operator.stiffness)

@@ -1,7 +1,7 @@
-"""The solid on a uniform bed of springs, inverted: what preconditions the linearised contact where surfaces attract.
+"""Preconditioners of the linearised contact: (K + c)⁻¹, the elastic solid with a uniform stiffness c at every point.
 
-Only waves longer than a few points need K there (:mod:`contact_study.numerics.multigrid`). Conjugate gradients need as
-many iterations with long waves on coarser grids as with (K + c)⁻¹ of the finest, for a sixteenth of its transforms.
+Only waves longer than a few points need K (:mod:`contact_study.numerics.multigrid`). With long waves on coarser grids
+conjugate gradients need as many iterations as with (K + c)⁻¹ of the finest grid, for a sixteenth of its transforms.
 """
 
 from typing import Protocol
@@ -9,27 +9,33 @@ from typing import Protocol
 import numpy as np
 
 from bem_adhesion.operators.fourier import MakeOperator, Operator
+from contact_study.numerics import fourier
 from contact_study.numerics.grid import Grid
 from contact_study.numerics.multigrid import HALVINGS, SHORT_WAVES, HalvedInverse, Inverse, can_be_halved
 
 
-class Bed(Inverse, Protocol):
-    """An inverse that says what work it took."""
+def typical_wavenumber(height: np.ndarray, grid: Grid) -> float:
+    """Return rms slope over rms height, at least the wavenumber of the longest wave (1/m).
+
+    It sets the shift c. It does not change when the same roughness is studied on a larger area.
+    """
+    power = grid.variances(fourier.transform(height))
+    lowest = 2 * np.pi / max(grid.size)
+    variance = power.sum()
+    if variance == 0:
+        return lowest
+    return max(lowest, float(np.sqrt(np.sum(grid.wavenumber**2 * power) / variance)))
+
+
+class Preconditioner(Inverse, Protocol):
+    """An inverse that counts its work."""
 
     def equivalent_pairs(self, grid: Grid) -> float:
-        """Transform pairs beyond those of the operator that owns :attr:`field`, as float64 pairs on ``grid``."""
+        """Return the transform pairs on coarser grids than :attr:`field`, as float64 pairs on ``grid``."""
 
 
 class FourierPreconditioner:
-    """The inverse by the transforms of an operator.
-
-    Parameters
-    ----------
-    operator : Operator
-        The elastic solid.
-    shift : float
-        Stiffness of the springs (Pa/m).
-    """
+    """The inverse by the transforms of an operator, with the shift c (Pa/m)."""
 
     def __init__(self, operator: Operator, shift: float):
         self.field = operator.field
@@ -43,24 +49,20 @@ class FourierPreconditioner:
         return 0.0
 
 
-class TwoLevelPreconditioner(HalvedInverse[Bed]):
+class TwoLevelPreconditioner(HalvedInverse[Preconditioner]):
     """The inverse with long waves on a grid of half the resolution.
 
     Parameters
     ----------
-    field : numpy.ndarray, shape (2·rows, 2·columns)
-        Buffer of the finer grid.
-    coarser : Bed
-        The inverse on half the resolution, ``rows`` by ``columns``.
+    field, coarser, largest, short_waves
+        As for :class:`HalvedInverse`.
     operator : Operator
-        The solid there, which owns the buffer of ``coarser``.
-    largest : float
-        Largest eigenvalue of K on the finer grid (Pa/m).
-    short_waves : float
-        ω of :class:`HalvedInverse`.
+        The solid on half the resolution, which owns the buffer of ``coarser``.
     """
 
-    def __init__(self, field: np.ndarray, coarser: Bed, operator: Operator, largest: float, short_waves: float):
+    def __init__(
+        self, field: np.ndarray, coarser: Preconditioner, operator: Operator, largest: float, short_waves: float
+    ):
         super().__init__(field, coarser, largest, short_waves)
         self._operator = operator
 
@@ -74,8 +76,8 @@ def preconditioner_for(
     shift: float,
     short_waves: float = SHORT_WAVES,
     halvings: int = HALVINGS,
-) -> Bed:
-    """The bed for an operator in float32, with its long waves on a coarser grid where that saves work."""
+) -> Preconditioner:
+    """Return the preconditioner of an operator in float32, with long waves on a coarser grid where that saves work."""
     rows, columns = operator.grid.shape
     if not (halvings and can_be_halved((rows, columns))):
         return FourierPreconditioner(operator, shift)

@@ -68,7 +68,7 @@ def step_arguments(control: str, target: float, state: Any, shape: tuple[int, ..
     except (TypeError, ValueError):
         number = math.nan
     if not math.isfinite(number):
-        raise ValueError(f"target = {target!r}: a {quantity} must be a finite number, in {unit}")
+        raise ValueError(f"target = {target!r}: the {quantity} must be a finite number, in {unit}")
     start = getattr(state, "state", state)
     if not isinstance(start, np.ndarray):
         given = "None" if state is None else f"a {type(state).__name__}"

@@ -237,7 +237,7 @@ def test_a_residual_by_changes_is_that_of_the_gap_within_what_it_says():
     before = solver.solid.field.copy()
     solver._evaluate_change(result.gap, moved, load)
     by_change, said = solver.solid.field.copy(), solver._rounded
-    solver._take_back()
+    solver._undo_change()
     scale = solver.solid.largest * np.abs(moved - result.gap).max()
     np.testing.assert_allclose(solver.solid.field, before, rtol=0, atol=1e-15 * scale)  # roundings of float64
     error = np.abs(by_change - solver.press(moved, load)).max()
@@ -262,8 +262,8 @@ def test_a_solve_leaves_its_start_alone_unless_it_is_given_away():
 def test_coarser_grids_and_squares_lie_where_the_finest_grid_is_idle():
     """Neither is in use while the finest has a linear solve to do, nor are the two at the same time."""
     rough = surface(512, size=1040e-10)
-    whole = AdhesiveContact(rough.heights(rough.shape), rough.grid, E_STAR, law(1.0))._contact
-    finest, guests = whole.finest, (whole.coarser.finest, whole.finest.relaxation._contact)
+    whole = AdhesiveContact(rough.heights(rough.shape), rough.grid, E_STAR, law(1.0)).levels
+    finest, guests = whole.finest, (whole.coarser.finest, whole.finest.corrector.solver)
     in_use = (finest.solid.field, finest._single.field, finest.curvature, finest._right_side)
     for guest in guests:
         for array in (guest.solid.field, guest._single.field, guest.curvature, guest._right_side, guest.idle):
@@ -288,5 +288,5 @@ def test_memory_of_a_step_stays_within_ten_and_a_half_arrays():
     _, peak = tracemalloc.get_traced_memory()
     tracemalloc.stop()
     assert found.converged
-    assert contact._contact.coarser is not None  # the grids under it are in the count
+    assert contact.levels.coarser is not None  # the grids under it are in the count
     assert peak <= 10.5 * height.nbytes

@@ -119,10 +119,10 @@ def test_a_step_follows_from_a_solution(kind):
         (None, 1e9, r"state is None: give contact\.separated\(\), or the solution of an earlier step"),
         ("separated", 1e9, "state is a str"),
         (np.zeros((3, 3)), 1e9, r"state has shape \(3, 3\)"),
-        ("apart", "1 GPa", "target = '1 GPa': a mean pressure must be a finite number, in Pa"),
-        ("apart", None, "target = None: a mean pressure"),
-        ("apart", [1e9, 2e9], r"target = \[1000000000.0, 2000000000.0\]: a mean pressure"),
-        ("apart", np.inf, "target = inf: a mean pressure"),
+        ("apart", "1 GPa", "target = '1 GPa': the mean pressure must be a finite number, in Pa"),
+        ("apart", None, "target = None: the mean pressure"),
+        ("apart", [1e9, 2e9], r"target = \[1000000000.0, 2000000000.0\]: the mean pressure"),
+        ("apart", np.inf, "target = inf: the mean pressure"),
     ],
 )
 def test_bad_states_and_targets_are_named(kind, state, target, message):

@@ -7,8 +7,8 @@ import pytest
 
 import contact_study
 from bem_adhesion import rough_contact
-from bem_adhesion.kernels.law import LawPasses
-from bem_adhesion.kernels.wall import passes_of
+from bem_adhesion.kernels.law import LawKernels
+from bem_adhesion.kernels.local_energy import kernels_of
 from tests.bem_adhesion.paper_system import E_STAR, study_table
 from tests.bem_adhesion.rough_surfaces import self_affine
 from tests.laws_of_all_kinds import EVERY_LAW, KEYS
@@ -63,7 +63,7 @@ def test_states_are_minima(law):
 
 @every_law
 def test_passes_are_the_law(law):
-    passes = passes_of(law)
+    passes = kernels_of(law)
     gap = law.equilibrium_distance + law.length * np.linspace(-0.3 if not law.has_wall else 0, 3, 40).reshape(1, -1)
     traction, stiffness = np.empty_like(gap), np.empty_like(gap)
     total = passes.evaluate(gap, traction, stiffness)
@@ -75,7 +75,7 @@ def test_passes_are_the_law(law):
         repelled = gap[law.traction(gap) < 0].reshape(1, -1)
         step = 1e-3 * (law.equilibrium_distance - repelled)
         out = np.empty_like(repelled)
-        LawPasses(law).advance(repelled, step, 0.4, out)
+        LawKernels(law).advance(repelled, step, 0.4, out)
         wanted = law.traction(repelled) + law.stiffness(repelled) * step
         np.testing.assert_allclose(law.traction(out), wanted, rtol=1e-9, atol=1e-9 * np.abs(wanted).max())
 
@@ -84,7 +84,7 @@ def test_points_enter_a_repulsion_without_a_peak_on_its_tangent():
     """With no force there the descent would leave them at the onset, where nothing stiff tells it of them."""
     law = EVERY_LAW["repulsive"]
     gap, out = np.full((1, 1), 1.05 * law.length), np.empty((1, 1))
-    LawPasses(law).advance(gap, np.full((1, 1), -0.1 * law.length), 0.4, out)
+    LawKernels(law).advance(gap, np.full((1, 1), -0.1 * law.length), 0.4, out)
     assert law.traction(out).item() == pytest.approx(-0.05 * law.length * law.equilibrium_stiffness, rel=1e-9)
 
 

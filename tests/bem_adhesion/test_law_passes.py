@@ -6,8 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from bem_adhesion.kernels import law as law_passes
-from bem_adhesion.kernels.law import LawPasses
-from bem_adhesion.kernels.wall import passes_of
+from bem_adhesion.kernels.law import LawKernels
+from bem_adhesion.kernels.local_energy import kernels_of
 from tests.study.test_laws import gaps, laws
 
 
@@ -16,7 +16,7 @@ from tests.study.test_laws import gaps, laws
 def test_fused_pass_equals_the_separate_functions(law, single):
     gap = gaps(law).reshape(1, -1)
     traction, stiffness = np.empty_like(gap), np.empty(gap.shape, single)
-    total = passes_of(law).evaluate(gap, traction, stiffness)
+    total = kernels_of(law).evaluate(gap, traction, stiffness)
     assert total == pytest.approx(law.potential(gap).sum(), rel=1e-13)
     np.testing.assert_allclose(traction, law.traction(gap), rtol=1e-11, atol=1e-14 * law.peak_tensile_stress)
     np.testing.assert_allclose(
@@ -29,8 +29,8 @@ def test_fused_pass_equals_the_separate_functions(law, single):
 def test_compiled_advance_equals_the_general_one(law, start, step):
     gap, move = np.full((1, 1), start * law.length), np.full((1, 1), step * law.length, np.float32)
     general, compiled = np.empty((1, 1)), np.empty((1, 1))
-    LawPasses(law).advance(gap, move, 0.4, general)
-    passes_of(law).advance(gap, move, 0.4, compiled)
+    LawKernels(law).advance(gap, move, 0.4, general)
+    kernels_of(law).advance(gap, move, 0.4, compiled)
     # Three Newton iterations instead of convergence: 3 % at a thousand times the peak stress, less below.
     moved = abs((general - gap).item())
     assert abs((compiled - general).item()) <= 0.03 * moved + 1e-12 * law.length
@@ -40,7 +40,7 @@ def test_compiled_advance_equals_the_general_one(law, start, step):
 def test_blocks_of_points_are_as_single_points(law, monkeypatch):
     """Of 26 points in rows of two, blocks of 10: the last one is shorter."""
     monkeypatch.setattr(law_passes, "BLOCK", 10)
-    rng, passes = np.random.default_rng(1), LawPasses(law)
+    rng, passes = np.random.default_rng(1), LawKernels(law)
     gap = law.length * rng.uniform(0.8, 2.0, (13, 2))
     step = law.length * rng.uniform(-0.5, 0.5, gap.shape).astype(np.float32)
     traction, stiffness, out = (np.full(gap.shape, np.nan) for _ in range(3))
@@ -65,7 +65,7 @@ def test_advance_is_newtons_step_to_first_order(law):
 
     def error(h):
         step = np.full(gap.shape, h * law.length)
-        passes_of(law).advance(gap, step, 0.4, out)
+        kernels_of(law).advance(gap, step, 0.4, out)
         return np.max(np.abs(out - gap - step))
 
     assert error(1e-4) / error(5e-5) > 3.9

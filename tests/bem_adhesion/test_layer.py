@@ -197,8 +197,8 @@ def test_a_table_of_the_grids_waves_does_without_squares():
     height, solid = rough.heights(rough.shape), HalfSpace(E_STAR)
     table = Tabulated(E_STAR, rough.grid, solid.stiffness_on(rough.grid))
     whole, plain = (AdhesiveContact(height, rough.grid, one, law(4.0)) for one in (table, solid))
-    assert plain._contact.finest.relaxation is not None
-    assert whole._contact.finest.relaxation is None
+    assert plain.levels.finest.corrector is not None
+    assert whole.levels.finest.corrector is None
     found = [contact.step(contact.separated(), 2e9) for contact in (whole, plain)]
     # Residuals of 1e-8 E* over the softest stiffness, about 1e-3 E*/r0 close to a fold.
     np.testing.assert_allclose(found[0].gap, found[1].gap, atol=1e-3 * R0)

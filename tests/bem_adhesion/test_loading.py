@@ -3,8 +3,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from bem_adhesion.adhesive import multigrid as multilevel
 from bem_adhesion.adhesive.contact import AdhesiveContact, reach, typical_wavenumber
+from bem_adhesion.adhesive.options import AdhesiveOptions, MultigridOptions
 from bem_adhesion.solution import Outcome
 from contact_study.numerics.grid import Grid
 from contact_study.physics.laws.lennard_jones_9_3 import LennardJones93
@@ -160,9 +160,9 @@ small = settings(max_examples=8)
 def test_saddles_without_end_meet_the_iteration_limit(monkeypatch):
     contact = rough_contact(1.0, 32)
     contact.max_iterations = 40
-    levels = contact._contact
+    levels = contact.levels
     monkeypatch.setattr(levels, "_has_negative_curvature", lambda: True)
-    monkeypatch.setattr(levels.finest, "beside_saddle", lambda gap, load: gap)
+    monkeypatch.setattr(levels.finest, "leave_saddle", lambda gap, load: gap)
     found = contact.step(contact.separated(), 1e9)
     assert found.outcome is Outcome.ITERATION_LIMIT
     assert found.iterations == 41
@@ -250,43 +250,44 @@ def test_a_gap_out_of_reach_is_met_rigidly():
 def test_tangent_covers_small_changes_only():
     """A Newton step of a small load lands next to the solution; one that changes a gap by more is not taken."""
     contact = rough_contact(1.0)
-    solver = contact._contact.finest
+    solver = contact.levels.finest
     start = contact.step(contact.separated(), 1e9).gap / contact.law.length
     load = contact._load(1.001e9 / contact.elasticity.contact_modulus)
     target = solver.solve(start, load, 1e-10, 50).gap
-    moved = solver.on_tangent(start, load, 0.1)
+    moved = solver.follow_tangent(start, load, 0.1)
     # A linear solve to a tenth, and curvature: what is left is a small part of the way.
     assert np.abs(moved - target).max() < 0.3 * np.abs(start - target).max()
-    assert solver.on_tangent(start, load, 1e-9) is start
+    assert solver.follow_tangent(start, load, 1e-9) is start
 
 
 def test_further_tangent_steps_close_in_within_the_same_limit():
     contact = rough_contact(1.0)
-    solver = contact._contact.finest
+    solver = contact.levels.finest
     start = contact.step(contact.separated(), 1e9).gap / contact.law.length
     load = contact._load(1.01e9 / contact.elasticity.contact_modulus)
     target = solver.solve(start, load, 1e-10, 50).gap
-    one, three = (solver.on_tangent(start, load, 0.1, steps) for steps in (1, 3))
+    one, three = (solver.follow_tangent(start, load, 0.1, steps) for steps in (1, 3))
     # Each linear solve goes to a tenth of the residual.
     assert np.abs(three - target).max() < 0.1 * np.abs(one - target).max()
     # The limit is on the whole way: between the first step's change and the second's there is none after it.
     first = np.abs(one / start - 1).max()
     whole = np.abs(target / start - 1).max()
     assert first < whole
-    assert solver.on_tangent(start, load, 0.999 * whole, 9) is not start
-    assert np.abs(solver.on_tangent(start, load, 0.999 * whole, 9) / start - 1).max() < 0.999 * whole
+    assert solver.follow_tangent(start, load, 0.999 * whole, 9) is not start
+    assert np.abs(solver.follow_tangent(start, load, 0.999 * whole, 9) / start - 1).max() < 0.999 * whole
 
 
-def test_a_fine_grid_takes_tangent_steps_until_its_interpolation_is_what_is_left(monkeypatch):
+def test_a_fine_grid_takes_tangent_steps_until_its_interpolation_is_what_is_left():
     """A wave with forty points of the coarse grid to a process zone: fewer pairs than with one step, the same state."""
     length, points = 60.0, 2048
     grid = Grid((16, points), (16 * length / points, length))
     height = np.broadcast_to(1.5 * np.cos(2 * np.pi * grid.coordinates[1] / length), grid.shape).copy()
-    contact = AdhesiveContact(height, grid, 1.0, LennardJones104(0.1, 1.0))
-    assert contact._contact.coarser.points_per_process_zone > multilevel.POINTS_FOR_STEPS
+    once = AdhesiveOptions(multigrid=MultigridOptions(tangent_steps=1))
+    contact, plain = (
+        AdhesiveContact(height, grid, 1.0, LennardJones104(0.1, 1.0), options=options) for options in (None, once)
+    )
+    assert contact.levels.coarser.points_per_process_zone > MultigridOptions.points_for_steps
     state = contact.step(contact.separated(), 0.01).state
-    many = contact.step(state, 0.02)
-    monkeypatch.setattr(multilevel, "TANGENT_STEPS", 1)
-    one = contact.step(state, 0.02)
+    many, one = contact.step(state, 0.02), plain.step(state, 0.02)
     assert many.fft_pairs < 0.85 * one.fft_pairs
     np.testing.assert_allclose(many.gap, one.gap, atol=1e-7)

@@ -2,8 +2,9 @@ import numpy as np
 import pytest
 
 from bem_adhesion.adhesive.contact import AdhesiveContact
-from bem_adhesion.adhesive.local_newton import MOST_SQUARES, LocalNewton, _largest_of_tiles, _squares
-from bem_adhesion.adhesive.newton import CLOSE, NewtonSolver
+from bem_adhesion.adhesive.local_newton import LocalNewton, _largest_of_tiles, find_subdomains
+from bem_adhesion.adhesive.newton import NewtonSolver
+from bem_adhesion.adhesive.options import NewtonOptions, SubdomainOptions
 from bem_adhesion.operators.fourier import periodic
 from bem_adhesion.operators.load import FieldLoad
 from bem_adhesion.solution import Outcome
@@ -15,6 +16,11 @@ from tests.bem_adhesion.paper_system import E_STAR, R0, law, relative_contact_ar
 
 UNIT = HalfSpace(1.0)
 POINTS = 256
+CLOSE = NewtonOptions.close
+
+
+def corners_of(tiles):
+    return find_subdomains(tiles, CLOSE, SubdomainOptions())
 
 
 @pytest.mark.parametrize("place", [(0, 3), (130, 85)])  # one of them around the corner of the cell
@@ -30,7 +36,7 @@ def test_a_place_out_of_balance_relaxes_as_in_the_whole(place):
     assert whole.imbalance_at(start, load)[0].largest == pytest.approx(0.05)
 
     local, out = LocalNewton(grid, periodic(UNIT), the_law, 0.05), np.empty_like(start)
-    assert local.relax(start, whole.solid.field.copy(), load, whole._right_side, out)
+    assert local.correct(start, whole.solid.field.copy(), load, whole._right_side, out)
     expected = whole.solve(start, load, 1e-10, 50).gap
     changed = np.abs(expected - start).max()
     # Equilibrium of the square is to CLOSE, a fiftieth of the load.
@@ -51,7 +57,7 @@ def test_the_rim_stays_where_nothing_else_holds_it():
     load = FieldLoad(push - the_law.traction(start))
     whole.imbalance_at(start, load)
     local, out = LocalNewton(grid, periodic(UNIT), the_law, 0.05), np.empty_like(start)
-    assert local.relax(start, whole.solid.field.copy(), load, whole._right_side, out)
+    assert local.correct(start, whole.solid.field.copy(), load, whole._right_side, out)
     change = np.abs(out - start)
     rows = np.flatnonzero(change.any(axis=1))
     # A spring as stiff as the shortest wave lets through what the pressure at the rim is over its K, (8/32)³ of 0.02.
@@ -64,7 +70,7 @@ def test_springs_that_hold_the_rim_leave_negative_curvature_to_the_descent():
     start = np.full(contact.grid.shape, 1.3)  # beyond the peak: balanced, but for a push, and unstable
     load = FieldLoad(-the_law.traction(start), 1e-4)
     for stalls, outcome in [(True, Outcome.STALLED), (False, Outcome.CONVERGED)]:
-        contact.tie(np.full(contact.grid.shape, 1e-3), start, stalls)
+        contact.set_anchor_springs(np.full(contact.grid.shape, 1e-3), start, stalls)
         assert contact.solve(start, load, 1e-8, 100).outcome is outcome
 
 
@@ -72,18 +78,18 @@ def test_squares_cover_what_is_out_of_balance_and_are_few():
     tiles = np.zeros((32, 32))
     tiles[3, 3], tiles[3, 5], tiles[0, 31], tiles[20, 20] = 1.0, 0.5, 0.9, 0.3
     tiles[10, 10] = 0.1  # less than a fifth of the worst
-    corners = _squares(tiles)
+    corners = corners_of(tiles)
     assert len(corners) == 3
     for row, column in [(3, 3), (3, 5), (0, 31), (20, 20)]:
         assert any(1 <= (row - r) % 32 <= 6 and 1 <= (column - c) % 32 <= 6 for r, c in corners)
     assert (20 - corners[2][0]) % 32 in (3, 4)  # alone it is in the middle
     pair = np.zeros((32, 32))
     pair[10, 10], pair[10, 15], pair[5, 10] = 1.0, 0.5, 0.5
-    assert _squares(pair) == [(4, 9)]  # the one that has all three within its rim
+    assert corners_of(pair) == [(4, 9)]  # the one that has all three within its rim
     many = np.zeros((32, 32))
-    many[:: 32 // MOST_SQUARES, ::8] = 1.0
-    assert _squares(many) is None
-    assert _squares(0.5 * CLOSE * tiles) is None
+    many[:: 32 // SubdomainOptions.most, ::8] = 1.0
+    assert corners_of(many) is None
+    assert corners_of(0.5 * CLOSE * tiles) is None
 
 
 def test_tiles_of_a_grid_that_they_do_not_divide():
@@ -102,7 +108,7 @@ def test_a_first_load_ends_in_the_state_of_the_whole():
     for relaxing in (True, False):
         contact = AdhesiveContact(rough.heights(rough.shape), rough.grid, E_STAR, law(8.0))
         if not relaxing:
-            contact._contact.finest.relaxation = None
+            contact.levels.finest.corrector = None
         found.append(contact.step(contact.separated(), 0.1e9))
     relaxed, whole = found
     # Residuals of 1e-8 E* over the softest stiffness, about 1e-3 E*/r0 close to a fold.
@@ -114,10 +120,10 @@ def test_a_path_with_jumps_takes_fewer_pairs_to_the_same_states():
     def path(relaxing):
         rough = surface(POINTS)
         contact = AdhesiveContact(rough.sampled, rough.grid, E_STAR, law(4.0))
-        finest = contact._contact.finest
-        assert finest.relaxation is not None
+        finest = contact.levels.finest
+        assert finest.corrector is not None
         if not relaxing:
-            finest.relaxation = None
+            finest.corrector = None
         state, found = contact.separated(), []
         for pressure in (0.2e9, 0.5e9, 1e9):
             found.append(contact.step(state, pressure))
@@ -134,6 +140,6 @@ def test_a_path_with_jumps_takes_fewer_pairs_to_the_same_states():
 def test_squares_are_for_periodic_contacts_under_pressure_with_points_enough():
     rough = surface(POINTS)
     held = AdhesiveContact(rough.sampled, rough.grid, E_STAR, law(), control="gap")
-    assert held._contact.finest.relaxation is None
+    assert held.levels.finest.corrector is None
     coarse = surface(POINTS // 2)
-    assert AdhesiveContact(coarse.sampled, coarse.grid, E_STAR, law())._contact.finest.relaxation is None
+    assert AdhesiveContact(coarse.sampled, coarse.grid, E_STAR, law()).levels.finest.corrector is None

@@ -6,8 +6,9 @@ from scipy.optimize import brentq
 
 from bem_adhesion.adhesive.contact import AdhesiveContact
 from bem_adhesion.hard_wall.contact import HardWallContact
-from bem_adhesion.kernels.law import LawPasses
-from bem_adhesion.kernels.wall import WallPasses, passes_of
+from bem_adhesion.kernels.law import LawKernels
+from bem_adhesion.kernels.local_energy import kernels_of
+from bem_adhesion.kernels.wall import WallKernels
 from bem_adhesion.solution import Outcome
 from contact_study.numerics.grid import Grid
 from contact_study.physics.laws.dugdale import Dugdale
@@ -69,7 +70,7 @@ def test_states_satisfy_the_conditions_of_contact(work_of_adhesion, control):
 
 def test_a_prediction_touches_where_the_coarse_grid_does():
     contact = contact_of(0.1, points=128)
-    grids, load = contact._contact, contact._load(5e9 / E_STAR)
+    grids, load = contact.levels, contact._load(5e9 / E_STAR)
     gap = contact._gap_of(contact.separated())
     grids.finest.press(gap, load)
     assert grids.coarser is not None
@@ -275,12 +276,12 @@ def test_adhesive_wave_follows_johnson():
     [(Exponential(0.69, RANGE), 1e-12, 0.0), (Dugdale(0.69, RANGE, 0.02), 1e-11, 1e-10)],
 )
 def test_compiled_pass_equals_the_functions_of_the_law(law, rounding, differences):
-    passes = passes_of(law)
-    assert isinstance(passes, WallPasses)
+    passes = kernels_of(law)
+    assert isinstance(passes, WallKernels)
     # On the ramp, and to where an exponential is less than the smallest number.
     gap = RANGE * np.concatenate([[0.0], np.geomspace(1e-6, 30, 40), np.linspace(0.5, 1.5, 41), [800.0, 1e5]])
     one, two = (np.empty((2, 1, gap.size)) for _ in range(2))
-    assert passes.evaluate(gap[None], *one) == pytest.approx(LawPasses(law).evaluate(gap[None], *two), rel=1e-13)
+    assert passes.evaluate(gap[None], *one) == pytest.approx(LawKernels(law).evaluate(gap[None], *two), rel=1e-13)
     # The pass lets no exponential fall below e⁻⁷⁰⁰ = 1e-304.
     least = 1e-303 * np.abs(two).max(axis=-1)
     np.testing.assert_allclose(one[0], two[0], rtol=rounding, atol=least[0].item())

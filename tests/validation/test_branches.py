@@ -28,8 +28,8 @@ def contact(ratio, points, spacing, rms_height, seed):
 
 def on_one_grid(ratio, points, spacing, rms_height, seed):
     alone = contact(ratio, points, spacing, rms_height, seed)
-    assert alone._contact.coarser is not None
-    alone._contact.coarser = None
+    assert alone.levels.coarser is not None
+    alone.levels.coarser = None
     return alone
 
 
@@ -68,9 +68,9 @@ def test_squares_end_in_the_states_of_the_whole(system):
     moved = []
     for seed in range(1, 11):
         squares, whole = on_one_grid(*system, seed), on_one_grid(*system, seed)
-        finest = squares._contact.finest
+        finest = squares.levels.finest
         # Of 40 points, fewer than pay; here it is their states that count.
-        finest.relaxation = LocalNewton(finest.grid, periodic(HalfSpace(1.0)), finest.law, 0.05)
+        finest.corrector = LocalNewton(finest.grid, periodic(HalfSpace(1.0)), finest.law, 0.05)
         steps = steps_of_both(squares, whole, system[0], f"seed {seed}")
         moved += [local.fft_pairs != plain.fft_pairs for local, plain in steps]
     assert len(moved) > 10 * 20
@@ -84,7 +84,7 @@ def test_no_square_runs_ahead_of_the_rest(seed, before, load):
     """On the paper's surface; of the second step a slow flow comes within 0.01 r0 of the whole's state."""
     surface = realise(make_study(study_table(400, seed)).cases[0])
     squares, whole = (AdhesiveContact(surface.heights(surface.shape), surface.grid, E_STAR, law(8.0)) for _ in range(2))
-    whole._contact.finest.relaxation = None
+    whole.levels.finest.corrector = None
     state = whole.separated()
     for pressure in [pressure for pressure in LOADING if pressure <= before]:
         state = whole.step(state, pressure).state

@@ -1,0 +1,215 @@
+"""Local energy of the interface: a law or a wall, in a window of the grid or everywhere, and anchor springs."""
+
+from collections.abc import Callable, Iterable
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from bem_adhesion.kernels.law import LawKernels, blocks, free_gradient
+from bem_adhesion.kernels.lennard_jones import LennardJonesKernels
+from bem_adhesion.kernels.wall import HELD, PINNED, DugdaleKernels, ExponentialKernels, WallKernels
+from bem_adhesion.operators.free_space import Window
+from bem_adhesion.operators.load import Load
+from contact_study.numerics.inner_product import inner_product
+from contact_study.physics.laws.base import TractionLaw
+from contact_study.physics.laws.dugdale import Dugdale
+from contact_study.physics.laws.exponential import Exponential
+from contact_study.physics.laws.lennard_jones import LennardJones
+
+
+class EnergyAndGradient(NamedTuple):
+    """Energy, max|gradient|, Σ gradient² and Σ gradient at a gap; the sums run over all points."""
+
+    energy: float
+    largest: float
+    square: float
+    total: float
+
+
+def kernels_of(law: TractionLaw, largest: float = 1.0) -> LawKernels:
+    """Return the kernels of a law, compiled ones where they exist; ``largest`` is the solid's stiffness (Pa/m)."""
+    if isinstance(law, LennardJones):
+        return LennardJonesKernels(law)
+    if isinstance(law, Exponential):
+        return ExponentialKernels(law, largest)
+    if isinstance(law, Dugdale):
+        return DugdaleKernels(law, largest)
+    return WallKernels(law, largest) if law.has_wall else LawKernels(law)
+
+
+class LocalEnergy:
+    """Energy of all points of an interface, its derivatives, and Newton steps in it.
+
+    Outside the window no law acts and no step is limited.
+
+    Parameters
+    ----------
+    law : TractionLaw
+        The law of interaction.
+    largest : float, optional
+        Largest stiffness of the elastic solid (Pa/m).
+    window : Window, optional
+        Part of the grid with a surface; the whole grid by default.
+
+    Attributes
+    ----------
+    margin : float
+        Length added to a gap where a relative change of it is limited (m).
+    anchored : bool
+        Whether springs hold points to anchors.
+    """
+
+    def __init__(self, law: TractionLaw, largest: float = 1.0, window: Window | None = None):
+        self.law = law
+        self._kernels = kernels_of(law, largest)
+        self._window = window
+        self._held = self._kernels.held if isinstance(self._kernels, WallKernels) else None
+        self._springs: tuple[float | np.ndarray, np.ndarray] | None = None
+        self.margin = self._kernels.margin
+
+    @property
+    def anchored(self) -> bool:
+        return self._springs is not None
+
+    def set_anchor_springs(self, stiffness: float | np.ndarray, anchor: np.ndarray) -> None:
+        """Hold every point to a gap (m) by a spring (Pa/m); remove the springs where all are zero."""
+        self._springs = (stiffness, anchor) if np.any(stiffness) else None
+
+    def evaluate(self, gap: np.ndarray, traction: np.ndarray, stiffness: np.ndarray) -> float:
+        """Write φ' and φ'' of the law, with the springs' part of φ'; return Σ φ over all points (J/m²)."""
+        if self._window is None:
+            potential = self._kernels.evaluate(gap, traction, stiffness)
+        else:
+            inside = np.ascontiguousarray(self._window.inside(gap))
+            own_traction, own_stiffness = np.empty_like(inside), np.empty(inside.shape, stiffness.dtype)
+            potential = self._kernels.evaluate(inside, own_traction, own_stiffness)
+            traction[...] = 0
+            stiffness[...] = 0
+            self._window.inside(traction)[...] = own_traction
+            self._window.inside(stiffness)[...] = own_stiffness
+        if self._springs is not None:
+            spring, anchor = self._springs
+            stretch = gap - anchor
+            pull = spring * stretch
+            potential += 0.5 * inner_product(pull, stretch)
+            traction += pull
+        return potential
+
+    def gradient(
+        self,
+        pressing: np.ndarray,
+        gap: np.ndarray,
+        traction: np.ndarray,
+        pressure: float,
+        right_side: np.ndarray,
+        curvature: np.ndarray,
+    ) -> tuple[float, float, float, float]:
+        """Form the gradient as :meth:`LawKernels.gradient`, and add the springs to the curvature of free points."""
+        if self._window is None:
+            result = self._kernels.gradient(pressing, gap, traction, pressure, right_side, curvature)
+        else:
+            rows, columns = self._window.slices
+
+            def form(gradient: Callable[..., Any], here: Any) -> Any:
+                fields = pressing[here], gap[here], traction[here]
+                return gradient(*fields, pressure, right_side[here], curvature[here])
+
+            energy, largest, square, total = form(self._kernels.gradient, (rows, columns))
+            for here in ((rows, slice(columns.stop, None)), (slice(rows.stop, None), slice(None))):
+                found = form(free_gradient, here)
+                energy, largest = energy + found[0], max(largest, found[1])
+                square, total = square + found[2], total + found[3]
+            result = energy, largest, square, total
+        if self._springs is not None:
+            free = np.ones_like(curvature)
+            self.hold(curvature, free)
+            curvature += np.asarray(self._springs[0], np.float32) * free
+        return result
+
+    def energy_and_gradient(
+        self, pressing: np.ndarray, gap: np.ndarray, load: Load, right_side: np.ndarray, curvature: np.ndarray
+    ) -> EnergyAndGradient:
+        """Write −gradient and φ'', raised where points are out of balance, given K d + field; block by block."""
+        energy, largest, square, total = load.energy, 0.0, 0.0, 0.0
+        for here, traction in self._blocks(gap):
+            energy += self.evaluate(gap[here], traction, curvature[here])
+            energy += load.rest_of_energy(pressing, gap, here)
+            found = self.gradient(pressing[here], gap[here], traction, load.pressure, right_side[here], curvature[here])
+            energy, largest = energy + found[0], max(largest, found[1])
+            square, total = square + found[2], total + found[3]
+        # A maximum passes over what is not a number.
+        return EnergyAndGradient(energy, largest if np.isfinite(square) else np.inf, square, total)
+
+    def traction(self, gap: np.ndarray, out: np.ndarray) -> float:
+        """Write φ' alone; return Σ φ over all points (J/m²)."""
+        total = 0.0
+        for here, scratch in self._blocks(gap):
+            total += self.evaluate(gap[here], scratch, np.empty(scratch.shape, np.float32))
+            out[here] = scratch
+        return total
+
+    def imbalance(self, pressing: np.ndarray, gap: np.ndarray, pressure: float) -> float:
+        """Return the mean of pressing + φ' + pressure over the points that do not touch a wall (Pa)."""
+        total, free = 0.0, 0
+        for here, traction in self._blocks(gap):
+            self.evaluate(gap[here], traction, np.empty(traction.shape, np.float32))
+            traction += pressing[here]
+            moving = ~self._touching(gap[here])
+            total, free = total + float(traction.sum(where=moving)), free + int(np.count_nonzero(moving))
+        return total / free + pressure if free else 0.0
+
+    def hold(self, curvature: np.ndarray, step: np.ndarray) -> None:
+        """Set the step of the points that a wall holds to zero."""
+        if self._held is not None:
+            step[curvature == self._held] = 0
+
+    def pin(self, curvature: np.ndarray, gap: np.ndarray) -> np.ndarray:
+        """Set the curvature of points that touch a wall to a very large value; return which points touch."""
+        held = self._touching(gap)
+        if self._held is not None:
+            curvature[held] = np.float32(PINNED / HELD) * self._held
+        return held
+
+    def reaction(self, pressing: np.ndarray, gap: np.ndarray, pressure: float) -> np.ndarray | float:
+        """Return a wall's pressure, pressing + φ' + pressure where the gap is zero; zero without a wall."""
+        if self._held is None:
+            return 0.0
+        reaction = np.zeros_like(gap)
+        own, pressing, gap = (self._inside(field) for field in (reaction, pressing, gap))
+        for here in blocks(gap):
+            traction = np.empty_like(gap[here])
+            self._kernels.evaluate(gap[here], traction, np.empty(traction.shape, np.float32))
+            np.copyto(own[here], pressing[here] + traction + pressure, where=gap[here] == 0)
+        return reaction
+
+    def advance(self, gap: np.ndarray, step: np.ndarray, limit: float, out: np.ndarray) -> None:
+        """Write the gap after a Newton step, see :meth:`LawKernels.advance`."""
+        if self._window is None:
+            self._kernels.advance(gap, step, limit, out)
+            return
+        np.add(gap, step, out=out)
+        inside, own_step = (np.ascontiguousarray(self._window.inside(field)) for field in (gap, step))
+        moved = np.empty_like(inside)
+        self._kernels.advance(inside, own_step, limit, moved)
+        self._window.inside(out)[...] = moved
+
+    def _inside(self, field: np.ndarray) -> np.ndarray:
+        return field if self._window is None else self._window.inside(field)
+
+    def _touching(self, gap: np.ndarray) -> np.ndarray:
+        """Return which points touch a wall."""
+        touching = np.zeros(gap.shape, bool)
+        if self._held is not None:
+            self._inside(touching)[...] = self._inside(gap) == 0
+        return touching
+
+    def _blocks(self, gap: np.ndarray) -> Iterable[tuple[slice, np.ndarray]]:
+        """Yield rows, and memory for a field on them; window and springs take all rows at once."""
+        if self._window is not None or self._springs is not None:
+            yield slice(None), np.empty_like(gap)
+            return
+        scratch = None
+        for here in blocks(gap):
+            rows = len(gap[here])
+            scratch = np.empty_like(gap[here]) if scratch is None else scratch
+            yield here, scratch[:rows]
