@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from contact_study.campaign.dataset.xyz import to_xyz
     from contact_study.campaign.library import run
     from contact_study.errors import InputError
-    from contact_study.physics.surfaces.realisation import realise
+    from contact_study.study.case import realise
     from contact_study.study.study import make_study, read_study
 
 __all__ = ["InputError", "__version__", "make_study", "read_study", "realise", "run", "to_vtk", "to_xyz"]
@@ -22,7 +22,7 @@ _MODULES = {
     "InputError": "errors",
     "make_study": "study.study",
     "read_study": "study.study",
-    "realise": "physics.surfaces.realisation",
+    "realise": "study.case",
     "run": "campaign.library",
     "to_vtk": "campaign.dataset.vtk",
     "to_xyz": "campaign.dataset.xyz",

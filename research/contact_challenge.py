@@ -32,7 +32,8 @@ from contact_study.campaign.memory import require_memory
 from contact_study.errors import InputError
 from contact_study.numerics.grid import Grid
 from contact_study.physics.laws import Exponential, HardWall
-from contact_study.physics.surfaces.realisation import Surface, realise
+from contact_study.physics.surfaces.surface import Surface
+from contact_study.study.case import realise
 from contact_study.study.study import make_study
 from contact_study.units import quantity
 from theory.non_adhesive.closed_forms import relative_contact_area

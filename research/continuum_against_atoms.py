@@ -30,8 +30,8 @@ from contact_study.numerics import fourier
 from contact_study.numerics.grid import Grid
 from contact_study.physics.laws.base import TractionLaw
 from contact_study.physics.solids import Elasticity, HalfSpace, Tabulated
-from contact_study.physics.surfaces.realisation import Surface, realise
-from contact_study.study.case import Case
+from contact_study.physics.surfaces.surface import Surface
+from contact_study.study.case import Case, realise
 from contact_study.study.study import read_study
 from contact_study.units import quantity
 from md_reference.block.condensed import SurfaceStiffness, without_lateral_freedom

@@ -13,8 +13,8 @@ from matplotlib.figure import Figure
 
 from contact_study.campaign.command_line.command import Parser, guarded
 from contact_study.campaign.store.files import write_aside
-from contact_study.physics.surfaces.realisation import realise
 from contact_study.plots import criteria_map
+from contact_study.study.case import realise
 from contact_study.study.study import read_study
 from theory import StickinessCriteria, gap_flow, stickiness
 

@@ -15,7 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
-from contact_study.physics.surfaces.realisation import realise
+from contact_study.study.case import realise
 from contact_study.study.study import read_study
 from theory import edge_flow
 

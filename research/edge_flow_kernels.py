@@ -19,8 +19,7 @@ import numpy as np
 import pandas as pd
 from scipy.optimize import brentq, least_squares
 
-from contact_study.physics.surfaces.realisation import realise
-from contact_study.study.case import Case
+from contact_study.study.case import Case, realise
 from contact_study.study.study import make_study
 from research.edge_flow_ensemble import PRESSURES, study
 from theory import EdgeFlow, edge_flow

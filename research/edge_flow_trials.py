@@ -30,7 +30,7 @@ from scipy.interpolate import PchipInterpolator, make_interp_spline
 from scipy.linalg import solve_banded
 
 from contact_study.physics.roughness.spectrum import RadialSpectrum
-from contact_study.physics.surfaces.realisation import realise
+from contact_study.study.case import realise
 from contact_study.study.study import make_study
 from research.edge_flow_ensemble import BRANCHES, PRESSURES, SHOWN, study
 from research.edge_flow_kernels import PRESSURE, SIMULATIONS, kernels, spectrum_stress

@@ -19,8 +19,7 @@ import pandas as pd
 from bem_adhesion import rough_contact
 from contact_study.numerics.grid import Grid
 from contact_study.physics.laws import HardWall, Repulsive
-from contact_study.physics.surfaces.realisation import realise
-from contact_study.study.case import Case
+from contact_study.study.case import Case, realise
 from contact_study.study.study import make_study
 from theory import edge_flow, gap_distribution
 

@@ -15,8 +15,9 @@ from matplotlib.figure import Figure
 
 from bem_adhesion import Contact, HardWall, Solution, rough_contact
 from contact_study.campaign.command_line.command import Parser, guarded
-from contact_study.physics.surfaces.realisation import Surface, realise
+from contact_study.physics.surfaces.surface import Surface
 from contact_study.plots.style import COLOURS, DOUBLE, RESOLUTION, readable_decades, styled
+from contact_study.study.case import realise
 from contact_study.study.study import read_study
 
 MODULUS = 1.0

@@ -18,8 +18,8 @@ from bem_adhesion.solution import Solution
 from contact_study.campaign.command_line.command import Parser, guarded
 from contact_study.numerics.grid import Grid
 from contact_study.physics.solids import Elasticity, HalfSpace, Layer
-from contact_study.physics.surfaces.realisation import realise
 from contact_study.plots.style import COLOURS, DOUBLE, RESOLUTION, styled
+from contact_study.study.case import realise
 from contact_study.study.study import read_study
 from theory.non_adhesive.closed_forms import relative_contact_area
 

@@ -25,7 +25,7 @@ from scipy.special import erfc
 import contact_study
 from contact_study.physics.roughness.spectrum import RoughnessSpectrum
 from contact_study.physics.solids import Elasticity
-from contact_study.physics.surfaces.realisation import realise
+from contact_study.study.case import realise
 from contact_study.study.study import make_study, read_study
 from theory import NonAdhesiveTheory, PerssonTheory
 from theory.non_adhesive import closed_forms

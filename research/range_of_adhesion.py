@@ -18,10 +18,9 @@ from contact_study.campaign.command_line.command import Parser, guarded
 from contact_study.errors import InputError
 from contact_study.numerics.grid import Grid
 from contact_study.physics.laws import make_law
-from contact_study.physics.surfaces.realisation import realise
 from contact_study.physics.tabor import ATOMIC
-from contact_study.study.case import Case
-from contact_study.study.checks.automatic import AUTO, LENGTH
+from contact_study.study.case import Case, realise
+from contact_study.study.schema.interaction import AUTO, LENGTH
 from contact_study.study.study import read_study
 from contact_study.units import length
 

@@ -21,9 +21,8 @@ import md_reference.study.model
 from contact_study.campaign.command_line.command import Parser, guarded
 from contact_study.campaign.store import files
 from contact_study.errors import InputError
-from contact_study.physics.surfaces.realisation import realise
 from contact_study.results.state import InterfaceState
-from contact_study.study.case import Case
+from contact_study.study.case import Case, realise
 from contact_study.study.study import read_study
 from contact_study.units import quantity
 

@@ -18,7 +18,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from bem_adhesion import Exponential, HardWall, rough_contact
-from contact_study.physics.surfaces.realisation import realise
+from contact_study.study.case import realise
 from contact_study.study.study import make_study
 
 CELL, RADIUS, MODULUS, WORK, TABOR = 4e-6, 60e-9, 25e6, 5e-3, 3.0

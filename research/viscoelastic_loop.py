@@ -18,8 +18,9 @@ from matplotlib.figure import Figure
 from bem_adhesion import LennardJones93, Viscoelastic, ViscoelasticContact, rough_contact
 from bem_adhesion.study.viscoelastic import TimeState, follow_in_time
 from contact_study.campaign.command_line.command import Parser, guarded
-from contact_study.physics.surfaces.realisation import Surface, realise
+from contact_study.physics.surfaces.surface import Surface
 from contact_study.plots.style import COLOURS, DOUBLE, RESOLUTION, styled
+from contact_study.study.case import realise
 from contact_study.study.study import read_study
 
 RELAXED, BRANCH, TIME = 1e9, 9e9, 1.0

@@ -25,8 +25,7 @@ import numpy as np
 import bem_adhesion.operators.fourier
 from bem_adhesion.adhesive.contact import AdhesiveContact
 from contact_study.numerics.fourier import RealTransform
-from contact_study.physics.surfaces.realisation import realise
-from contact_study.study.case import Case
+from contact_study.study.case import Case, realise
 from contact_study.study.study import read_study
 
 PRESSURES = np.array([0.1, 0.2, 0.5, 1, 2, 5, 10]) * 1e9

@@ -19,8 +19,7 @@ from pathlib import Path
 
 import numpy as np
 
-from contact_study.physics.surfaces.realisation import realise
-from contact_study.study.case import Case
+from contact_study.study.case import Case, realise
 from contact_study.study.study import read_study
 from contact_study.units import quantity
 from md_reference.study.system import build_contact

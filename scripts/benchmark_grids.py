@@ -27,8 +27,7 @@ import pandas as pd
 
 from bem_adhesion import HardWall, rough_contact
 from contact_study.campaign.memory import require_memory
-from contact_study.physics.surfaces.realisation import realise
-from contact_study.study.case import Case
+from contact_study.study.case import Case, realise
 from contact_study.study.study import read_study
 
 STUDY = Path(__file__).resolve().parent.parent / "data" / "yang2008.toml"

@@ -25,7 +25,7 @@ from bem_adhesion.solution import Solution
 from contact_study.numerics import fourier
 from contact_study.numerics.fourier import RealTransform
 from contact_study.numerics.grid import Grid
-from contact_study.physics.surfaces.realisation import realise
+from contact_study.study.case import realise
 from contact_study.study.study import make_study
 
 SIZE, RMS_HEIGHT, CONTACT_MODULUS = 104e-9, 1e-9, 93.7348e9

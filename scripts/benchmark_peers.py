@@ -38,7 +38,7 @@ import numpy as np
 import pandas as pd
 
 from bem_adhesion import Dugdale, Exponential, HardWall, LennardJones, TractionLaw, rough_contact
-from contact_study.physics.surfaces.realisation import realise
+from contact_study.study.case import realise
 from contact_study.study.study import make_study
 
 MEAN_PRESSURE, ROLL_OFF, SEED = 0.05, 4, 1

@@ -23,7 +23,7 @@ import numpy as np
 from bem_adhesion import HardWall, rough_contact
 from contact_study.numerics.fourier import RealTransform
 from contact_study.physics.lattice import lattice_of
-from contact_study.physics.surfaces.realisation import realise
+from contact_study.study.case import realise
 from contact_study.study.study import read_study
 from md_reference.block.condensed import isotropic_element, lame_constants
 from md_reference.block.multiscale import MultiscaleBlock, level_layers

@@ -26,7 +26,7 @@ import numpy as np
 from contact_study.campaign.command_line.command import Parser, guarded
 from contact_study.errors import InputError
 from contact_study.physics.solids import Viscoelastic
-from contact_study.physics.surfaces.realisation import realise
+from contact_study.study.case import realise
 from contact_study.study.study import make_study
 from scripts.state_checks import own_steps, plain_steps, relaxing, yielding
 from scripts.state_checks.drawing import SUBJECTS, drawn

@@ -17,13 +17,12 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from contact_study.campaign.command_line.command import Parser, guarded
-from contact_study.physics.surfaces.realisation import realise
 from contact_study.physics.tabor import DMT_LIKE, JKR_LIKE, tabor_parameter
 from contact_study.plots.style import COLOURS, DOUBLE, RESOLUTION, styled
 from contact_study.report.compute.regime import roughness
 from contact_study.report.labels import coordinate_label
 from contact_study.report.wording import number
-from contact_study.study.case import Case
+from contact_study.study.case import Case, realise
 from contact_study.study.study import Study, read_study
 
 STUDIES = ("first", "yang2008_quick", "yang2008", "rubber")

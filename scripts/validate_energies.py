@@ -16,7 +16,7 @@ from bem_adhesion.study.adaptive import separation_of
 from contact_study.campaign.command_line.command import Parser, guarded
 from contact_study.physics.laws.base import TractionLaw
 from contact_study.physics.solids import Elasticity
-from contact_study.physics.surfaces.realisation import realise
+from contact_study.study.case import realise
 from contact_study.study.study import make_study
 
 MODULUS, WORK, RANGE = 93.7e9, 0.69, 3.28e-10

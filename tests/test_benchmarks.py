@@ -10,7 +10,7 @@ import pytest
 import bem_adhesion.operators.fourier
 import contact_study
 from contact_study.numerics.fourier import RealTransform
-from contact_study.physics.surfaces.realisation import realise
+from contact_study.study.case import realise
 from contact_study.study.study import read_study
 from scripts import benchmark_adhesive, benchmark_atoms, benchmark_grids, benchmark_storage, benchmark_workers
 
@@ -84,7 +84,7 @@ def test_benchmark_of_the_atoms(capsys):
 
 
 def test_the_atoms_of_the_benchmark_keep_the_slopes():
-    from contact_study.physics.surfaces.realisation import realise
+    from contact_study.study.case import realise
 
     small, large = (realise(benchmark_atoms.case_of(Path("data/yang2008.toml"), n, 4.0)) for n in (40, 80))
     assert large.rms_slope == pytest.approx(small.rms_slope, rel=1e-9)

@@ -13,7 +13,7 @@ from contact_study.campaign.model import Model
 from contact_study.campaign.worker import overdamped_path
 from contact_study.errors import InputError
 from contact_study.physics.solids import Viscoelastic
-from contact_study.physics.surfaces.realisation import Surface
+from contact_study.physics.surfaces.surface import Surface
 from contact_study.results.constants import InterfaceConstants, heights_on
 from contact_study.results.state import Ensemble, InterfaceState, Value
 from contact_study.study.case import Case

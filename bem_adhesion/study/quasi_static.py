@@ -10,7 +10,7 @@ from bem_adhesion.contacts.rough_contact import Contact, contact_between
 from bem_adhesion.solution import Solution
 from bem_adhesion.study.adaptive import EnergyLedger, account_of, follow, states_of
 from bem_adhesion.study.state import interface_state
-from contact_study.physics.surfaces.realisation import Surface
+from contact_study.physics.surfaces.surface import Surface
 from contact_study.results.state import InterfaceState, OwnSteps
 from contact_study.study.case import Case
 

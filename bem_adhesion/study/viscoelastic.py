@@ -12,7 +12,7 @@ from bem_adhesion.solution import Solution
 from bem_adhesion.study.adaptive import account_of, states_of
 from bem_adhesion.study.state import interface_state
 from contact_study.physics.solids import Viscoelastic
-from contact_study.physics.surfaces.realisation import Surface
+from contact_study.physics.surfaces.surface import Surface
 from contact_study.results.state import InterfaceState, Relaxation
 from contact_study.study.case import Case
 

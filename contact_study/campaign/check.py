@@ -3,7 +3,6 @@
 from contact_study.campaign.model import Model
 from contact_study.errors import InputError
 from contact_study.numerics.distributions import Bins
-from contact_study.physics.surfaces.scales import scales_of
 from contact_study.study.bins import bins_of
 from contact_study.study.checks.plausibility import review
 from contact_study.study.study import Study
@@ -17,12 +16,11 @@ def checked(model: Model, study: Study) -> tuple[Bins, list[str]]:
     InputError
         If the model cannot serve it, or its numbers cannot belong together.
     """
-    scales = scales_of(study)
-    notes = [*study.notes, *review(study, scales)]
+    notes = [*study.notes, *review(study)]
     for case in study.cases:
         if case.surface.absent and model.kind != "theory":
             raise InputError(
                 f"missing key surface.kind: {model.command} needs a surface; the study has a spectrum only"
             )
         model.check(case)
-    return bins_of(study, scales), [*notes, *model.review(study, scales)]
+    return bins_of(study), [*notes, *model.review(study, study.scales)]

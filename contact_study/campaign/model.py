@@ -9,8 +9,8 @@ import numpy as np
 
 from contact_study.campaign.memory import Need, grid_of
 from contact_study.numerics.fourier import POINTS_FOR_THREADS
-from contact_study.physics.surfaces.realisation import Surface
 from contact_study.physics.surfaces.scales import SurfaceScales
+from contact_study.physics.surfaces.surface import Surface
 from contact_study.results.state import Ensemble, InterfaceState, Value
 from contact_study.results.step import Step
 from contact_study.study.case import Case

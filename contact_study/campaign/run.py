@@ -20,8 +20,7 @@ from contact_study.campaign.resume.work_directory import WorkDirectory
 from contact_study.campaign.store.files import writable_output
 from contact_study.campaign.worker.runner import Where, check_memory, run_cases
 from contact_study.errors import InputError
-from contact_study.physics.height_maps.description import taken as maps_taken
-from contact_study.physics.surfaces.scales import scales_of
+from contact_study.study.checks.height_maps import describe_maps
 from contact_study.study.study import Study
 
 
@@ -108,7 +107,7 @@ def run_campaign(
         names = run.case_names()
         commits = earlier_commits(unfinished, finished, commit)
         taken = resume_run(run, names, parts, unfinished, finished, commit, progress)
-        for line in [*study.choices, *maps_taken(study.cases, scales_of(study))]:
+        for line in [*study.choices, *describe_maps(study.cases)]:
             progress.say(line)
         for note in [*said, *commits, *taken.notes]:
             progress.warn(note)

@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 from filelock import FileLock
 
-from contact_study.numerics.cache import cache_folder, has_locks
+from contact_study.cache import cache_folder, has_locks
 from contact_study.numerics.memory import Memory, Scratch
 
 # OpenMP's threads spin while they wait for one another. Where another process holds a core they then wait for the

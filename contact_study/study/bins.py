@@ -3,33 +3,23 @@
 No realisation has a say: two seeds of one study have the same bins, and their datasets concatenate.
 """
 
-from collections.abc import Sequence
-
 import numpy as np
 
 from contact_study.numerics.distributions import Bins
-from contact_study.physics.surfaces.scales import SurfaceScales, scales_of
+from contact_study.physics.surfaces.scales import SurfaceScales
 from contact_study.study.case import Case
 from contact_study.study.study import Study
 
 
-def bins_of(study: Study, scales: Sequence[SurfaceScales] | None = None) -> Bins:
+def bins_of(study: Study) -> Bins:
     """The bins of a study's distributions, one set for all of its cases.
-
-    Parameters
-    ----------
-    study : Study
-        The study.
-    scales : sequence of SurfaceScales, optional
-        Those of its cases, if they are known already.
 
     Raises
     ------
     InputError
         If a height map cannot be used.
     """
-    scales = scales_of(study) if scales is None else scales
-    ranges = (_ranges(case, scale) for case, scale in zip(study.cases, scales, strict=True))
+    ranges = (_ranges(case, scale) for case, scale in zip(study.cases, study.scales, strict=True))
     tension, compression, gap = (max(values) for values in zip(*ranges, strict=True))
     output = study.cases[0].output
     if output.pressure_range is not None:

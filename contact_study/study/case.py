@@ -1,4 +1,4 @@
-"""One point of a study's sweep: all that a model is given besides the surface, frozen, in plain SI numbers."""
+"""One point of a study's sweep: all that a model is given, frozen, in SI numbers."""
 
 import math
 from dataclasses import dataclass, field
@@ -9,12 +9,14 @@ from typing import Any
 from contact_study.errors import InputError
 from contact_study.physics.lattice import Lattice, lattice_of
 from contact_study.physics.laws import LAWS, TractionLaw
-from contact_study.physics.laws.lennard_jones_10_4 import work_of_adhesion
+from contact_study.physics.laws.lennard_jones import work_of_adhesion
 from contact_study.physics.solids import Elasticity, Viscoelastic
-from contact_study.physics.solids.base import ElasticitySection
-from contact_study.physics.surfaces.base import SurfaceSection
+from contact_study.physics.surfaces.scales import SurfaceScales
+from contact_study.physics.surfaces.surface import Surface
 from contact_study.study.schema import sections
+from contact_study.study.schema.elasticity import ElasticitySection
 from contact_study.study.schema.interaction import InteractionSection
+from contact_study.study.schema.surface import SurfaceSection
 from contact_study.units import stress
 
 # Lengths of the law that the least step of a path through distances is the resolution's share of: with the default a
@@ -162,6 +164,11 @@ class Case:
         return frozenset(points[number] for number in self.output.field_steps if -len(points) <= number < len(points))
 
     @cached_property
+    def scales(self) -> SurfaceScales:
+        """Scales of the surface, calculated once; errors as :func:`realise`."""
+        return self.surface.scales(self.directory)
+
+    @cached_property
     def solid(self) -> Elasticity:
         """The elastic block, by the stiffness of its surface."""
         return self.elasticity.solid(self.material)
@@ -190,11 +197,7 @@ class Case:
     @cached_property
     def law(self) -> TractionLaw:
         """The traction-separation law."""
-        return self._law.of(self.interaction, self.work_of_adhesion)
-
-    @property
-    def _law(self) -> type[TractionLaw]:
-        return LAWS[self.interaction.law]
+        return self.interaction.make_law(self.work_of_adhesion)
 
     @property
     def contact_distance(self) -> float:
@@ -243,7 +246,7 @@ class Case:
     def work_of_adhesion(self) -> float:
         """Δγ (J/m²), including ``well_depth_ratio``; zero for a hard wall without adhesion."""
         given = self.interaction
-        if not self._law.attracts:
+        if not LAWS[self.interaction.law].attracts:
             return 0.0
         if given.work_of_adhesion is not None:
             return given.work_of_adhesion * given.well_depth_ratio
@@ -260,3 +263,14 @@ class Case:
         if given.length is None:
             raise InputError("missing key interaction.length: atoms need a pair potential")
         return self.work_of_adhesion / work_of_adhesion(1.0, given.length, *self.lattice.densities)
+
+
+def realise(case: Case) -> Surface:
+    """Make the surface of a case; equal cases give equal surfaces, for every model.
+
+    Raises
+    ------
+    InputError
+        If a height map cannot be read or used.
+    """
+    return case.surface.realise(case.directory)

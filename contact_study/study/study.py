@@ -7,22 +7,24 @@ import math
 import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 import tomli_w
 
 from contact_study.errors import InputError
-from contact_study.physics.surfaces.absent import AbsentSurface
+from contact_study.physics.surfaces.scales import SurfaceScales
 from contact_study.regular_files import refuse_endless
 from contact_study.study.case import Case
-from contact_study.study.checks import automatic
-from contact_study.study.checks.bare_numbers import bare_numbers
+from contact_study.study.reading import automatic
+from contact_study.study.reading.bare_numbers import bare_numbers
 from contact_study.study.reading.overrides import replace_keys
 from contact_study.study.reading.spectrum_file import TABLE, with_spectrum
 from contact_study.study.reading.tables import with_columns
 from contact_study.study.schema.dotted_keys import SECTIONS, WHOLE_STUDY, is_sweep, last, read, split
 from contact_study.study.schema.keys import TaggedUnion, bind, keys_of
+from contact_study.study.schema.surface import AbsentSurface, SurfaceSection
 from contact_study.study.sweep import (
     SweptKey,
     check_exceptions,
@@ -66,6 +68,21 @@ class Study:
     def title(self) -> str:
         """The study's title."""
         return self.cases[0].study.title
+
+    @cached_property
+    def scales(self) -> tuple[SurfaceScales, ...]:
+        """Scales of the surface of each case, calculated once for equal surfaces.
+
+        Raises
+        ------
+        InputError
+            If a height map cannot be used.
+        """
+        known: dict[SurfaceSection, SurfaceScales] = {}
+        for case in self.cases:
+            case.__dict__.setdefault("scales", known.get(case.surface) or case.scales)
+            known[case.surface] = case.scales
+        return tuple(case.scales for case in self.cases)
 
     @property
     def toml(self) -> str:
@@ -111,11 +128,12 @@ def make_study(table: dict[str, Any], directory: Path | str = ".") -> Study:
     swept = table.get("sweep", {})
     points = list(points_of(swept))
     merged = sections_at(table, [point for point, _ in points])
-    cases = tuple(_case(one, *point, Path(directory)) for one, point in zip(merged, points, strict=True))
+    scales: dict[SurfaceSection, SurfaceScales] = {}
+    cases = tuple(_case(one, *point, Path(directory), scales) for one, point in zip(merged, points, strict=True))
     _check_field_steps(cases)
     keys = {last(dotted): swept_key(dotted, written, cases) for dotted, written in swept.items()}
     notes = without_effect(table, merged)
-    return Study(table, Path(directory), cases, keys, notes, automatic.choices(merged, cases))
+    return Study(table, Path(directory), cases, keys, notes, automatic.describe_choices(merged, cases))
 
 
 def _check_field_steps(cases: tuple[Case, ...]) -> None:
@@ -169,18 +187,34 @@ def _check_lists(table: dict[str, Any]) -> None:
                 )
 
 
-def _case(merged: dict[str, Any], point: dict[str, Any], index: tuple[int, ...], directory: Path) -> Case:
+def _case(
+    merged: dict[str, Any],
+    point: dict[str, Any],
+    index: tuple[int, ...],
+    directory: Path,
+    scales: dict[SurfaceSection, SurfaceScales],
+) -> Case:
+    """Bind the sections of a point; ``scales`` collects those of the surfaces that a key is chosen by."""
+
+    def scales_of(surface: SurfaceSection) -> SurfaceScales:
+        return scales.setdefault(surface, scales.get(surface) or surface.scales(directory))
+
     bound: dict[str, Any] = {}
     theory = bind(SECTIONS["theory"], merged["theory"], "theory")
     for name, declared in SECTIONS.items():
-        if name == "surface" and not merged[name] and theory.spectra == (TABLE,):
-            bound[name] = AbsentSurface(table=theory.table())
-            continue
-        asked = merged[name] if name != "interaction" else automatic.with_length(merged[name], bound, directory)
-        bound[name] = theory if name == "theory" else bind(declared, asked, name)
+        asked = merged[name]
+        if name == "interaction":
+            asked = automatic.with_length(asked, bound, lambda: scales_of(bound["surface"]))
+        if name == "surface" and not asked and theory.spectra == (TABLE,):
+            bound[name] = AbsentSurface(wavevectors=theory.wavevectors, density=theory.density)
+        else:
+            bound[name] = theory if name == "theory" else bind(declared, asked, name)
     if bound["loading"].has_forces:
         cell = bound["surface"].cell(directory)
         if cell is None:
             raise InputError("loading.path: forces act on a cell, which needs surface.size; give pressures")
         bound["loading"] = bound["loading"].spread(math.prod(cell))
-    return Case(**bound, coordinates=coordinates_of(point), index=index, directory=directory)
+    case = Case(**bound, coordinates=coordinates_of(point), index=index, directory=directory)
+    if case.surface in scales:
+        case.__dict__["scales"] = scales[case.surface]
+    return case

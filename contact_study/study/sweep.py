@@ -7,8 +7,8 @@ from typing import Any
 
 from contact_study.errors import InputError
 from contact_study.study.case import Case
-from contact_study.study.checks import automatic
 from contact_study.study.schema.dotted_keys import SECTIONS, WHOLE_STUDY, last, read, same, split
+from contact_study.study.schema.interaction import AUTO, LENGTH
 from contact_study.study.schema.keys import TaggedUnion, default_of, keys_of
 
 
@@ -34,8 +34,8 @@ def check_sweep(swept: dict[str, Any]) -> None:
             )
         if not isinstance(values, list) or not values:
             raise InputError(f"sweep.{dotted} = {values!r}: expected a list of at least one value")
-        if dotted == automatic.LENGTH and automatic.AUTO in values:
-            raise InputError(f'sweep.{dotted}: "{automatic.AUTO}" is no number to sweep over; give it in [[override]]')
+        if dotted == LENGTH and AUTO in values:
+            raise InputError(f'sweep.{dotted}: "{AUTO}" is no number to sweep over; give it in [[override]]')
         if any(isinstance(value, list | dict) for value in values):
             raise InputError(f"sweep.{dotted}: each value must be a number or a text")
         if name in seen:

@@ -8,7 +8,7 @@ import numpy as np
 
 from contact_study.campaign.memory import Need
 from contact_study.errors import InputError
-from contact_study.physics.surfaces.realisation import Surface
+from contact_study.physics.surfaces.surface import Surface
 from contact_study.results.observables.atoms import block_nodes, surface_atoms
 from contact_study.results.state import Ensemble, InterfaceState, SolverReport, ThermalMotion
 from contact_study.study.case import Case

@@ -8,8 +8,8 @@ from contact_study.campaign.memory import Need
 from contact_study.campaign.model import Model
 from contact_study.campaign.worker import overdamped_path
 from contact_study.errors import InputError
-from contact_study.physics.surfaces.realisation import Surface
 from contact_study.physics.surfaces.scales import SurfaceScales
+from contact_study.physics.surfaces.surface import Surface
 from contact_study.results.constants import InterfaceConstants, heights_on
 from contact_study.results.observables.atoms import substrate_sites
 from contact_study.results.state import Ensemble, InterfaceState, Value

@@ -5,7 +5,7 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
-from contact_study.physics.surfaces.realisation import Surface
+from contact_study.physics.surfaces.surface import Surface
 from contact_study.results.state import Ensemble, InterfaceState
 from contact_study.study.case import Case
 from md_reference.solution import Equilibrium, Outcome

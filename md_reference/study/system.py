@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Mapping
 import numpy as np
 
 from contact_study.numerics.fourier import POINTS_FOR_THREADS
-from contact_study.physics.surfaces.realisation import Surface
+from contact_study.physics.surfaces.surface import Surface
 from contact_study.results.observables.atoms import surface_atoms
 from contact_study.results.state import Ensemble, InterfaceState, SolverReport
 from contact_study.study.case import Case

@@ -6,7 +6,7 @@ import numpy as np
 
 from bem_adhesion import Contact, Solution
 from bem_adhesion.study.model import solve_path
-from contact_study.physics.surfaces.realisation import Surface
+from contact_study.physics.surfaces.surface import Surface
 from contact_study.results.state import InterfaceState
 from contact_study.study.case import Case
 from scripts.state_checks import equilibrium

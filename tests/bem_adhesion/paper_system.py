@@ -3,8 +3,9 @@
 import numpy as np
 
 from bem_adhesion.adhesive.contact import AdhesiveContact
-from contact_study.physics.laws.lennard_jones_10_4 import LennardJones104
-from contact_study.physics.surfaces.realisation import Surface, realise
+from contact_study.physics.laws.lennard_jones import LennardJones104
+from contact_study.physics.surfaces.surface import Surface
+from contact_study.study.case import realise
 from contact_study.study.study import make_study
 
 E_STAR = 77.2e9 / (1 - 0.42**2)

@@ -4,7 +4,7 @@ import numpy as np
 
 from bem_adhesion.hard_wall.contact import HardWallContact
 from contact_study.numerics.grid import Grid
-from contact_study.physics.surfaces.realisation import realise
+from contact_study.study.case import realise
 from contact_study.study.study import make_study
 
 CONTACT_MODULUS = 93.7348e9

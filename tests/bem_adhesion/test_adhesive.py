@@ -14,7 +14,7 @@ from bem_adhesion.operators.load import FieldLoad
 from bem_adhesion.process_zone import process_zone
 from bem_adhesion.solution import Outcome
 from contact_study.numerics.grid import Grid
-from contact_study.physics.laws.lennard_jones_10_4 import LennardJones104
+from contact_study.physics.laws.lennard_jones import LennardJones104
 from contact_study.physics.solids import HalfSpace
 from tests.bem_adhesion.paper_system import E_STAR, R0, SIZE, law, relative_contact_area, surface, touching
 

@@ -12,8 +12,7 @@ from bem_adhesion import Dugdale, Exponential, HardWall, Layer, LennardJones104,
 from bem_adhesion.operators.free_space import FreeHalfSpace, Window, padded_grid
 from contact_study.errors import InputError
 from contact_study.numerics.grid import Grid
-from contact_study.physics.solids import ELASTICITIES
-from contact_study.physics.solids.layer import LayerSection
+from contact_study.study.schema.elasticity import ELASTICITIES, LayerSection
 from contact_study.study.study import make_study
 from tests.study.test_study import changed
 from theory import references as reference

@@ -7,8 +7,7 @@ from bem_adhesion.adhesive.contact import AdhesiveContact, reach, typical_wavenu
 from bem_adhesion.adhesive.options import AdhesiveOptions, MultigridOptions
 from bem_adhesion.solution import Outcome
 from contact_study.numerics.grid import Grid
-from contact_study.physics.laws.lennard_jones_9_3 import LennardJones93
-from contact_study.physics.laws.lennard_jones_10_4 import LennardJones104
+from contact_study.physics.laws.lennard_jones import LennardJones93, LennardJones104
 from tests.bem_adhesion.paper_system import E_STAR, R0, law, relative_contact_area, surface
 
 

@@ -10,7 +10,7 @@ from bem_adhesion.operators.load import FieldLoad
 from bem_adhesion.solution import Outcome
 from contact_study.numerics.grid import Grid
 from contact_study.physics.solids import HalfSpace
-from contact_study.physics.surfaces.realisation import realise
+from contact_study.study.case import realise
 from contact_study.study.study import make_study
 from tests.bem_adhesion.paper_system import E_STAR, R0, law, relative_contact_area, study_table, surface
 

@@ -13,8 +13,8 @@ from contact_study.campaign.worker import case_run
 from contact_study.campaign.worker.overdamped_path import pace_of
 from contact_study.errors import InputError
 from contact_study.numerics.gradient_flow import Status, at_rest, follow
-from contact_study.physics.surfaces.realisation import realise
 from contact_study.results.schema import TRAJECTORY
+from contact_study.study.case import realise
 from contact_study.study.study import make_study
 from tests.bem_adhesion.paper_system import CONTACT_DISTANCE, E_STAR, R0, study_table
 from tests.md_reference.test_sampling import assert_equal_groups, groups_of

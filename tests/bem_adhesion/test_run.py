@@ -8,9 +8,9 @@ import pytest
 from bem_adhesion.study import model as run
 from contact_study.campaign import memory
 from contact_study.errors import InputError
-from contact_study.physics.surfaces.realisation import BandLimitedSurface, realise
-from contact_study.physics.surfaces.scales import scales_of
+from contact_study.physics.surfaces.surface import BandLimitedSurface
 from contact_study.results.schema import COORDINATES, VARIABLES
+from contact_study.study.case import realise
 from contact_study.study.study import make_study
 from contact_study.units import quantity
 from tests.bem_adhesion.paper_system import E_STAR, R0, study_table
@@ -109,7 +109,7 @@ def test_constants_of_law_material_and_surface():
 
 def review(points, **sections):
     study = make_study(study_table(points, size=500e-10, **sections))
-    return run.review(study, scales_of(study))
+    return run.review(study, study.scales)
 
 
 def test_a_grid_that_cannot_resolve_the_law_is_warned_of():
@@ -121,13 +121,13 @@ def test_a_grid_that_cannot_resolve_the_law_is_warned_of():
 def test_the_grid_is_warned_of_once_a_study_with_ways_out():
     table = study_table(64, size=500e-10, sweep={"interaction.well_depth_ratio": [1, 4, 8], "surface.seed": [1, 2]})
     study = make_study(table)
-    (note,) = run.review(study, scales_of(study))
+    (note,) = run.review(study, study.scales)
     assert "(4 of 6 points of the sweep, such as well_depth_ratio = 4.0, seed = 1)" in note  # of process zone 10, 5 Å
     # The way that is named resolves the law of the strongest adhesion, and not by far.
     shape = json.loads(re.search(r"surface\.shape = (\[.*?\])", note)[1])
     for points, resolves in ((shape, True), ([n - 16 for n in shape], False)):
         changed = {**table, "surface": table["surface"] | {"shape": points}}
-        assert (run.review(make_study(changed), scales_of(make_study(changed))) == []) == resolves
+        assert (run.review(make_study(changed), make_study(changed).scales) == []) == resolves
     assert "interaction.length" not in note, "stiff contacts are not JKR-like: a longer range is another contact"
 
 
@@ -149,7 +149,7 @@ def test_a_grid_beyond_this_machine_is_not_proposed(tmp_path, monkeypatch, given
             {"surface": keys, "material": SOFT["material"], "interaction": interaction, "loading": {"path": [1e4]}},
             tmp_path,
         )
-        return [note for note in run.review(study, scales_of(study)) if "process zone" in note]
+        return [note for note in run.review(study, study.scales) if "process zone" in note]
 
     law = {"law": "exponential", "work_of_adhesion": 0.05, "length": given}
     (note,) = notes(law)
@@ -263,7 +263,7 @@ def coated(thickness, base):
 def test_a_layer_thinner_than_the_grid_is_said(solid):
     for thickness, said in ((9e-10, True), (12e-10, False)):
         study = make_study(study_table(48, size=500e-10, loading={"path": [1e9]}, **solid(thickness)))
-        notes = [note for note in run.review(study, scales_of(study)) if "layer" in note]
+        notes = [note for note in run.review(study, study.scales) if "layer" in note]
         assert len(notes) == said
         if said:
             assert "the layer of 9e-10 m is thinner than the grid spacing 1.04e-09 m" in notes[0]

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import md_reference
-from contact_study.physics.surfaces.realisation import realise
+from contact_study.study.case import realise
 from md_reference import rough_contact
 from md_reference.study.model import solve_path
 from tests.md_reference.systems import LATTICE_CONSTANT, LENGTH, POISSONS_RATIO, WELL_DEPTH, YOUNGS_MODULUS, case_of

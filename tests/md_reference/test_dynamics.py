@@ -10,8 +10,8 @@ import contact_study
 from contact_study.campaign import memory
 from contact_study.campaign.worker import case_run
 from contact_study.errors import InputError
-from contact_study.physics.surfaces.realisation import realise
 from contact_study.results.schema import STANDARD_ERROR, TRAJECTORY
+from contact_study.study.case import realise
 from contact_study.study.study import make_study
 from md_reference.statics.contact import separated
 from md_reference.study import dynamics

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from contact_study.errors import InputError
-from contact_study.physics.surfaces.realisation import realise
+from contact_study.study.case import realise
 from md_reference.study import model as run
 from md_reference.study.system import build_stiffness
 from tests.md_reference.systems import case_of

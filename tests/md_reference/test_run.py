@@ -7,8 +7,7 @@ import pytest
 from contact_study.campaign.memory import require
 from contact_study.errors import InputError
 from contact_study.numerics import fourier
-from contact_study.physics.surfaces.realisation import realise
-from contact_study.physics.surfaces.scales import scales_of
+from contact_study.study.case import realise
 from contact_study.study.schema.keys import keys_of
 from contact_study.study.schema.sections import AtomisticSection
 from contact_study.study.study import Study
@@ -278,33 +277,33 @@ def test_a_potential_too_weak_to_stand_on_is_refused():
         study = Study({}, Path(), (case_of((32, 32), ratio=ratio),), {})
         if refused:
             with pytest.raises(InputError, match="inside the substrate"):
-                review(study, scales_of(study))
+                review(study, study.scales)
         else:
-            assert review(study, scales_of(study)) == []
+            assert review(study, study.scales) == []
 
 
 def test_a_path_of_the_continuum_is_not_the_atoms():
     for method, said in (("quasi_static", 1), ("overdamped", 0)):
         case = case_of((32, 32), solver={"path": "overdamped"}, atomistic={"method": method})
-        notes = review(Study({}, Path(), (case,), {}), scales_of(Study({}, Path(), (case,), {})))
+        notes = review(Study({}, Path(), (case,), {}), Study({}, Path(), (case,), {}).scales)
         assert [note.startswith('solver.path = "overdamped": atoms do not read it') for note in notes] == [True] * said
 
 
 def test_keys_of_a_way_that_the_atoms_do_not_go_are_said():
     case = case_of((32, 32), dynamics={"duration": "1 ps"})
-    (note,) = review(Study({}, Path(), (case,), {}), scales_of(Study({}, Path(), (case,), {})))
+    (note,) = review(Study({}, Path(), (case,), {}), Study({}, Path(), (case,), {}).scales)
     assert note.startswith("dynamics.duration: without effect")
 
 
 def test_waves_that_the_sites_cannot_carry_are_said():
     fine = case_of((16, 48), surface={"shape": [128, 128], "cutoff_mode": 40, "rms_height": "0.1 angstrom"})
     study = Study({}, Path(), (fine,), {})
-    (note,) = review(study, scales_of(study))
+    (note,) = review(study, study.scales)
     assert "left out" in note
     # Of several such cases the first is described, with how many there are.
     finer = case_of((16, 48), surface={"shape": [128, 128], "cutoff_mode": 50, "rms_height": "0.1 angstrom"})
     several = Study({}, Path(), (case_of((32, 32)), fine, finer), {})
-    (again,) = review(several, scales_of(several))
+    (again,) = review(several, several.scales)
     assert again.partition(" m")[0] == note.partition(" m")[0]
     assert "points" in again
 

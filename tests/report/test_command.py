@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from contact_study.physics.surfaces.realisation import realise
 from contact_study.report import illustrations
 from contact_study.report.command import main
 from contact_study.report.compute.deviations import compute_deviations
@@ -18,6 +17,7 @@ from contact_study.report.compute.shown_states import panel_points
 from contact_study.report.read.datasets import read_inputs
 from contact_study.report.read.files import field_at
 from contact_study.report.wording import percent
+from contact_study.study.case import realise
 from tests.report.synthetic import GAP_STUDY, STUDY, study, write, write_all
 
 

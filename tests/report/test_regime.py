@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from contact_study.physics.solids import HalfSpace, Layer
-from contact_study.physics.surfaces.realisation import realise
 from contact_study.report.compute.regime import compute_regime, roughness
 from contact_study.report.read.datasets import read_inputs
+from contact_study.study.case import realise
 from tests.report.synthetic import STUDY, study, write
 
 

@@ -3,9 +3,8 @@
 import numpy as np
 import pytest
 
-from contact_study.physics.surfaces.realisation import realise
-from contact_study.physics.surfaces.scales import scales_of
 from contact_study.study.bins import bins_of
+from contact_study.study.case import realise
 from contact_study.study.study import make_study
 from tests.study.test_study import changed
 
@@ -68,7 +67,7 @@ def test_surfaces_fit_into_the_bins(surface):
     table = changed("surface", normalisation="spectrum", **surface)
     table["sweep"] = {"surface.seed": list(range(100))}
     study = make_study(table)
-    (scale,) = set(scales_of(make_study(changed("surface", **surface))))
+    (scale,) = set(make_study(changed("surface", **surface)).scales)
     surfaces = [realise(case) for case in study.cases]
     extreme = np.array([np.abs(one.heights(one.shape)).max() for one in surfaces])
     # Places of excess come singly at this height: Poisson, of mean 0.02 a surface, hence above 8 in 100 surfaces with a
@@ -94,7 +93,7 @@ def test_surfaces_fit_into_the_bins(surface):
 def test_scales_of_other_surfaces_are_theirs(surface, error):
     table = changed("surface", size=["104 nm", "52 nm"], **surface)
     study = make_study(table)
-    (scale,) = scales_of(study)
+    (scale,) = study.scales
     heights = realise(study.cases[0]).heights(scale.shape)
     assert scale.rms_height == pytest.approx(heights.std(), rel=error, abs=1e-30)
     assert scale.peak_to_valley == pytest.approx(
@@ -111,7 +110,7 @@ def test_ranges_are_those_of_the_largest_values():
     table = changed("loading", path=["1 GPa", "200 GPa"])
     study = make_study(table)
     bins = bins_of(study)
-    (case,), (scale,) = study.cases, scales_of(study)
+    (case,), (scale,) = study.cases, study.scales
     highest = 3 * case.material.contact_modulus * scale.rms_slope + 200e9 + case.law.peak_tensile_stress
     # Rounded upwards to two digits, and moved by half a bin for zero to lie in the middle of one.
     width = bins.pressure_edges[1] - bins.pressure_edges[0]
@@ -126,7 +125,7 @@ def test_ranges_are_those_of_the_largest_values():
 
 def test_peak_to_valley_of_random_surfaces():
     """Places above u rms heights in the mean, 0.01: the Euler characteristic of the excursion set, solved for u."""
-    (scale,) = scales_of(make_study(changed("surface", size=["104 nm", "52 nm"])))
+    (scale,) = make_study(changed("surface", size=["104 nm", "52 nm"])).scales
     u = 0.5 * scale.peak_to_valley / scale.rms_height
     area, axis_slope = 104e-9 * 52e-9, scale.rms_slope / np.sqrt(2)
     places = area * (axis_slope / scale.rms_height) ** 2 * (2 * np.pi) ** -1.5 * u * np.exp(-(u**2) / 2)
@@ -137,7 +136,7 @@ def test_scales_of_a_height_map(tmp_path):
     heights = 5e-9 + 1e-9 * np.cos(2 * np.pi * np.arange(16)[:, None] / 16) * np.ones(32)
     np.save(tmp_path / "map.npy", heights)
     table = changed("surface", kind="file", path="map.npy", shape=[16, 32], size=["104 nm", "52 nm"])
-    (scale,) = scales_of(make_study(table, tmp_path))
+    (scale,) = make_study(table, tmp_path).scales
     assert scale.rms_height == pytest.approx(1e-9 / np.sqrt(2), rel=1e-12, abs=0)  # about its mean
     assert scale.rms_slope == pytest.approx(1e-9 / np.sqrt(2) * 2 * np.pi / 104e-9, rel=1e-12)
     assert scale.peak_to_valley == pytest.approx(2e-9, rel=1e-12, abs=0)

@@ -18,9 +18,8 @@ from contact_study.physics.solids import (
     contact_modulus_of,
     elasticity_of,
 )
-from contact_study.physics.solids.transversely_isotropic import indentation_modulus, stiffnesses
-from contact_study.physics.surfaces.realisation import realise
-from contact_study.physics.surfaces.scales import scales_of
+from contact_study.physics.solids.half_space import indentation_modulus, stiffnesses
+from contact_study.study.case import realise
 from contact_study.study.study import make_study
 
 RATIOS = [-0.3, 0.0, 0.3, 0.42, 0.4999, 0.5]
@@ -250,7 +249,7 @@ def test_stress_of_full_contact_is_that_of_the_surface(kind, elasticity):
     material = {"youngs_modulus": "2 GPa", "poissons_ratio": 0.45}
     study = make_study({**layered(material=material), "surface": own, "elasticity": elasticity})
     case, surface = study.cases[0], realise(study.cases[0])
-    scales = scales_of(study)[0]
+    scales = study.scales[0]
     found = scales.full_contact_stress(case.solid)
     if isinstance(case.solid, HalfSpace):
         assert found == pytest.approx(0.5 * case.solid.contact_modulus * scales.rms_slope, rel=1e-12)
@@ -270,7 +269,7 @@ def test_stress_of_full_contact_with_a_height_map(tmp_path):
     power = grid.variances(fourier.transform(heights))
     expected = np.sqrt(np.sum(solid.stiffness_on(grid) ** 2 * power))
     # Bands of an eighth of an octave, in which K is taken at one wavenumber.
-    assert scales_of(study)[0].full_contact_stress(solid) == pytest.approx(expected, rel=2e-3)
+    assert study.scales[0].full_contact_stress(solid) == pytest.approx(expected, rel=2e-3)
 
 
 def equations_of(q, c11, c13, c33, c44):

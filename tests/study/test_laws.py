@@ -18,11 +18,9 @@ from contact_study.physics.laws import (
     TractionLaw,
     make_law,
 )
-from contact_study.physics.laws.lennard_jones import LennardJones
-from contact_study.physics.laws.lennard_jones_9_3 import LennardJones93
-from contact_study.physics.laws.lennard_jones_10_4 import LennardJones104, work_of_adhesion
+from contact_study.physics.laws.lennard_jones import LennardJones, LennardJones93, LennardJones104, work_of_adhesion
 from contact_study.study.schema.dotted_keys import SECTIONS
-from contact_study.study.schema.interaction import SmoothInteraction
+from contact_study.study.schema.interaction import INTERACTIONS, SmoothInteraction
 from contact_study.study.schema.keys import TaggedUnion, key, quantity
 from contact_study.study.study import make_study
 from tests.laws_of_all_kinds import ADHESIVE, EVERY_LAW, KEYS, TABLE_GAPS, TABLE_TRACTIONS, WORK
@@ -295,13 +293,8 @@ class OwnMorse(TractionLaw):
 
     title = "Morse"
     words = "Morse's"
-    section = OwnInteraction
 
     width: float = 1.0
-
-    @classmethod
-    def of(cls, section, work_of_adhesion):
-        return cls(work_of_adhesion, section.length, section.width)
 
     def potential(self, gap):
         decay = np.exp(-(gap - self.length) / self.width)
@@ -310,7 +303,7 @@ class OwnMorse(TractionLaw):
 
 def test_a_new_law_is_a_potential_and_its_keys(monkeypatch):
     monkeypatch.setitem(TABLE, "own_morse", OwnMorse)
-    sections = {name: law.section for name, law in TABLE.items()}
+    sections = {**INTERACTIONS.declared, "own_morse": OwnInteraction}
     monkeypatch.setitem(SECTIONS, "interaction", TaggedUnion("law", sections))
     (case,) = make_study(changed("interaction", law="own_morse", width="0.5 angstrom")).cases
     law, width = case.law, 0.5e-10

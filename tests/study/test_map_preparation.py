@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from contact_study.physics.surfaces.scales import scales_of
 from contact_study.study.study import make_study
 from tests.study.test_map_files import refused, surface, taken
 from tests.study.test_study import TABLE
@@ -70,7 +69,7 @@ def test_resample_and_lowpass(tilted):
     assert power[(q < 1 / 9e-9) & (q > 1 / 10e-9)].max() > 1e-4 * power.max()
     table = {"surface": {"kind": "file", "path": "map.npy", "lowpass": "9 nm", **keys}, "material": TABLE["material"]}
     table |= {"interaction": {"law": "hard_wall"}, "loading": TABLE["loading"]}
-    assert scales_of(make_study(table, tilted))[0].shortest_wave == pytest.approx(9e-9, abs=0, rel=1e-9)
+    assert make_study(table, tilted).scales[0].shortest_wave == pytest.approx(9e-9, abs=0, rel=1e-9)
     assert "surface.lowpass" in refused(tilted, "map.npy", lowpass="25 nm", **keys)
 
 

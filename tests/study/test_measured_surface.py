@@ -4,10 +4,9 @@ import numpy as np
 import pytest
 
 from contact_study.errors import InputError
-from contact_study.physics.height_maps.description import described, doubts, law_in_words, taken
 from contact_study.physics.roughness.power_law import SelfAffineFit
-from contact_study.physics.surfaces.realisation import realise
-from contact_study.physics.surfaces.scales import scales_of
+from contact_study.study.case import realise
+from contact_study.study.checks.height_maps import describe_maps, described, law_in_words, map_warnings
 from contact_study.study.checks.plausibility import review
 from contact_study.study.study import make_study
 from tests.study.test_study import TABLE, changed
@@ -31,7 +30,7 @@ def study_of(folder, heights, **keys):
 
 def notes(folder, heights, **keys):
     study = study_of(folder, heights, **keys)
-    return review(study, scales_of(study))
+    return review(study)
 
 
 def test_a_periodic_map_is_taken_without_a_word(tmp_path, heights):
@@ -49,21 +48,21 @@ def test_edges_that_do_not_meet(tmp_path, heights):
 
 @pytest.mark.parametrize("edges", ["periodic", "mirror", "window"])
 def test_what_is_told_of_a_map_is_its_own_whatever_becomes_of_its_edges(tmp_path, heights, edges):
-    (scales,) = scales_of(study_of(tmp_path, heights[:256, :256], size="1 um", edges=edges))
-    part = scales_of(study_of(tmp_path, heights, edges=edges))[0].sample.rms_slope
+    (scales,) = study_of(tmp_path, heights[:256, :256], size="1 um", edges=edges).scales
+    part = study_of(tmp_path, heights, edges=edges).scales[0].sample.rms_slope
     assert scales.sample.rms_slope == pytest.approx(part, abs=0, rel=0.1)  # a quarter of the surface
     assert scales.rms_curvature == scales.sample.rms_curvature
     assert scales.sample.fit.hurst_exponent == pytest.approx(0.8, abs=0.1)
     if edges == "periodic":
         assert scales.rms_slope > 1.3 * part
-        (line,) = doubts("map.npy", scales)
+        (line,) = map_warnings("map.npy", scales)
         words = f"has an rms slope of {scales.rms_slope:.3g} in place of {scales.sample.rms_slope:.3g};"
         assert words in line
 
 
 def test_points_or_waves_that_are_left_out_do_not_count(tmp_path, heights):
     whole, lowpass, fewer = (
-        scales_of(study_of(tmp_path, heights[:256, :256], size="1 um", **keys))[0].sample.rms_slope
+        study_of(tmp_path, heights[:256, :256], size="1 um", **keys).scales[0].sample.rms_slope
         for keys in ({}, {"lowpass": "40 nm"}, {"resample": [50, 50]})
     )
     assert lowpass < 0.9 * whole
@@ -83,7 +82,7 @@ def test_laws_that_are_no_self_affine_surfaces():
 
 def test_a_mirrored_map_has_the_law_of_the_whole(tmp_path, heights):
     study = study_of(tmp_path, heights[:256, :256], size="1 um", edges="mirror")
-    fit = scales_of(study)[0].sample.fit
+    fit = study.scales[0].sample.fit
     # A quarter of the surface; the roll-off is among two waves a side.
     assert fit.hurst_exponent == pytest.approx(0.8, abs=0.05)
     assert 2 * np.pi / fit.cutoff == pytest.approx(20e-9, abs=0, rel=0.03)
@@ -138,7 +137,7 @@ def test_what_was_taken_is_said_once_for_each_map(tmp_path, heights):
     table = study_of(tmp_path, torn, fill="harmonic").table
     table["sweep"] = {"material.poissons_ratio": [0.2, 0.3]}
     study = make_study(table, tmp_path)
-    lines = taken(study.cases, scales_of(study))
+    lines = describe_maps(study.cases)
     assert len(lines) == 3
     assert "512 x 512 points, spacing 3.906 x 3.906 nm, size 2 x 2 µm (y, x), 0.381 % filled" in lines[0]
     said = float(lines[1].partition("h_rms ")[2].partition(" nm")[0])
@@ -146,17 +145,17 @@ def test_what_was_taken_is_said_once_for_each_map(tmp_path, heights):
     assert "Hurst exponent 0.8" in lines[2]
     table["sweep"] = {"surface.lowpass": ["40 nm", "80 nm"]}
     study = make_study(table, tmp_path)
-    assert len(taken(study.cases, scales_of(study))) == 5  # the first line is the same for both
+    assert len(describe_maps(study.cases)) == 5  # the first line is the same for both
 
 
 def test_other_kinds_are_not_said():
     study = make_study(changed("surface"))
-    assert taken(study.cases, scales_of(study)) == []
-    assert doubts("none", scales_of(study)[0]) == []
+    assert describe_maps(study.cases) == []
+    assert map_warnings("none", study.scales[0]) == []
 
 
 def test_a_flat_map_is_described(tmp_path):
     study = study_of(tmp_path, np.zeros((8, 8)))
-    (scales,) = scales_of(study)
+    (scales,) = study.scales
     assert "h_rms 0 pm" in described(scales.measured, scales.sample)[1]
-    assert review(study, scales_of(study)) == []
+    assert review(study) == []

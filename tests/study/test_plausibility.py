@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from contact_study.errors import InputError
-from contact_study.physics.surfaces.scales import scales_of
 from contact_study.study.checks.plausibility import contact_stress, review, squeeze
 from contact_study.study.study import make_study
 from tests.study.test_study import changed, of_another_kind
@@ -25,7 +24,7 @@ def table_of(**sections):
 
 def notes_of(**sections):
     study = make_study(table_of(**sections))
-    return review(study, scales_of(study))
+    return review(study)
 
 
 def test_the_papers_study_is_plausible():
@@ -73,7 +72,7 @@ def test_steep_surfaces_are_said():
     table = table_of()
     table["sweep"] = {"surface.rms_height": ["10 angstrom", "50 angstrom", "100 angstrom"]}
     study = make_study(table)
-    (note,) = review(study, scales_of(study))
+    (note,) = review(study)
     assert "rms slope 2.62" in note
     assert "2 of 3 points of the sweep" in note
 
@@ -100,10 +99,10 @@ def test_heights_in_the_wrong_unit(tmp_path):
     table = table_of(surface={"kind": "file", "path": "map.npy", "shape": [16, 16]})
     study = make_study(table, tmp_path)
     with pytest.raises(InputError, match=r"surface\.height_unit"):
-        review(study, scales_of(study))
+        review(study)
     table["surface"]["height_unit"] = "angstrom"
     study = make_study(table, tmp_path)
-    assert review(study, scales_of(study)) == []
+    assert review(study) == []
 
 
 def test_weak_laws_are_said():
@@ -119,7 +118,7 @@ def test_weak_laws_are_said():
 
 def test_squeeze_is_where_the_law_carries_the_contact():
     study = make_study(table_of(interaction={"well_depth_ratio": 1e-5}))
-    (case,), (scale,) = study.cases, scales_of(study)
+    (case,), (scale,) = study.cases, study.scales
     stress = contact_stress(case, scale)
     assert stress == pytest.approx(0.5 * case.material.contact_modulus * scale.rms_slope)
     at = squeeze(case.law, stress) * case.law.equilibrium_distance
@@ -138,7 +137,7 @@ def test_no_unit_is_favoured(unit):
         "contact_distance": 3.68e-10 * unit,
     }
     scaled = make_study(table)
-    assert review(scaled, scales_of(scaled)) == review(plain, scales_of(plain))
+    assert review(scaled) == review(plain)
 
 
 def test_coarse_grids_say_what_a_map_loses(tmp_path):
@@ -149,7 +148,7 @@ def test_coarse_grids_say_what_a_map_loses(tmp_path):
     said = {}
     for shape in ([32, 32], [64, 32], [8, 32], [12, 8]):
         study = make_study(table_of(surface={**keys, "shape": shape}), tmp_path)
-        said[tuple(shape)] = review(study, scales_of(study))
+        said[tuple(shape)] = review(study)
     assert said[32, 32] == said[64, 32] == []
     # The wave of six periods along y is lost on eight points there: of the variances 9/2 and 1/2 the first is left,
     # of the slopes' 9/2 and 36/2 likewise.
@@ -166,7 +165,7 @@ def test_less_than_a_per_cent_of_a_map_is_lost_without_a_word(tmp_path):
     for part, said in ((1e-16, 0), (0.03, 0), (0.1, 1)):
         np.save(tmp_path / "map.npy", 3 * long + part * short)
         study = make_study(table_of(surface=keys), tmp_path)
-        notes = review(study, scales_of(study))
+        notes = review(study)
         assert len(notes) == said
     # The root of 3² and (6 · 0.1)² loses 1.9 % with the short wave, that of 3² and 0.1² nothing to speak of.
     assert re.search(r"becomes \S+ \S+ \(the same\), rms slope \S+ becomes \S+ \(-\S+ %\)", notes[0])
@@ -186,7 +185,7 @@ def test_keys_without_effect_on_a_wall_are_said():
     table = table_of()
     table["interaction"] = {"law": "hard_wall"}
     study = make_study(table)
-    assert review(study, scales_of(study)) == []
+    assert review(study) == []
 
 
 VISCOELASTIC = {"kind": "viscoelastic", "branch_youngs_moduli": [1e9], "relaxation_times": [1.0]}
@@ -223,7 +222,7 @@ def test_keys_without_effect_at_some_points_of_a_sweep_are_said():
     table = table_of(loading={"resolution": 0.02})
     table["sweep"] = {"loading.adaptive": [True, False]}
     study = make_study(table)
-    (note,) = review(study, scales_of(study))
+    (note,) = review(study)
     assert "without effect (1 of 2 points of the sweep, such as adaptive = False)" in note
 
 

@@ -7,7 +7,7 @@ import pytest
 import xarray as xr
 
 from contact_study.errors import InputError
-from contact_study.physics.surfaces.realisation import realise
+from contact_study.study.case import realise
 from contact_study.study.study import make_study
 from tests.study.test_study import changed
 

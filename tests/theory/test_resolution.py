@@ -7,8 +7,8 @@ import warnings
 import numpy as np
 import pytest
 
-from contact_study.physics.surfaces.realisation import realise
 from contact_study.results.schema import RESOLUTION_ERROR, VARIABLES, variable_of
+from contact_study.study.case import realise
 from contact_study.study.study import make_study
 from tests.theory.test_run import STUDY
 from theory.study import accuracy as resolution

@@ -8,9 +8,8 @@ import numpy as np
 import pytest
 
 from contact_study.errors import InputError
-from contact_study.physics.surfaces.realisation import realise
-from contact_study.physics.surfaces.scales import scales_of
 from contact_study.results.schema import COORDINATES, VARIABLES, quantity_of
+from contact_study.study.case import realise
 from contact_study.study.study import make_study
 from tests.recording import bins_of_case, recorded_path
 from tests.study.test_study import of_another_kind
@@ -486,7 +485,7 @@ def review(**sections):
     for name, keys in sections.items():
         table.setdefault(name, {}).update(keys)
     study = make_study(table)
-    return run.review(study, scales_of(study))
+    return run.review(study, study.scales)
 
 
 def test_roughness_that_adhesion_dwarfs_is_refused():

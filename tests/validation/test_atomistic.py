@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from contact_study.physics.surfaces.realisation import realise
+from contact_study.study.case import realise
 from md_reference.study.model import solve_path
 from tests.md_reference.systems import LENGTH, case_of
 from tests.recording import recorded_path

@@ -8,7 +8,7 @@ from bem_adhesion.adhesive.contact import AdhesiveContact
 from bem_adhesion.adhesive.local_newton import LocalNewton
 from bem_adhesion.operators.fourier import periodic
 from contact_study.physics.solids import HalfSpace
-from contact_study.physics.surfaces.realisation import realise
+from contact_study.study.case import realise
 from contact_study.study.study import make_study
 from tests.bem_adhesion.paper_system import CONTACT_DISTANCE, E_STAR, R0, law, study_table
 

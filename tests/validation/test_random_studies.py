@@ -10,7 +10,7 @@ from bem_adhesion.contacts.viscoelastic import ViscoelasticContact
 from bem_adhesion.study import quasi_static as equilibrium_path
 from contact_study.physics.laws import LAWS
 from contact_study.physics.solids import Layer, Measured
-from contact_study.physics.surfaces.realisation import realise
+from contact_study.study.case import realise
 from contact_study.study.study import make_study
 from scripts.random_studies import checked
 from scripts.state_checks import equilibrium

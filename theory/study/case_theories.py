@@ -10,7 +10,7 @@ import numpy as np
 
 from contact_study.errors import InputError
 from contact_study.physics.roughness.spectrum import RoughnessSpectrum
-from contact_study.physics.surfaces.realisation import Surface
+from contact_study.physics.surfaces.surface import Surface
 from contact_study.results.schema import SPECTRUM_MARK
 from contact_study.study.case import Case
 from theory.edge_flow.flow import EDGE_FLOW_GAPS, EDGE_FLOW_SCALES, EdgeFlow, edge_flow

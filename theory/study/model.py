@@ -14,8 +14,8 @@ import numpy as np
 from contact_study.campaign.model import Model
 from contact_study.errors import InputError
 from contact_study.physics.solids import Elasticity
-from contact_study.physics.surfaces.realisation import Surface
 from contact_study.physics.surfaces.scales import SurfaceScales
+from contact_study.physics.surfaces.surface import Surface
 from contact_study.results.constants import InterfaceConstants
 from contact_study.results.schema import quantity_of
 from contact_study.results.state import Value

@@ -10,13 +10,12 @@ import xarray as xr
 from contact_study.campaign.store.files import write_aside
 from contact_study.errors import InputError
 from contact_study.numerics.grid import Grid
-from contact_study.physics.height_maps.description import described, doubts
 from contact_study.physics.roughness.power_law import PowerSpectrum
 from contact_study.physics.roughness.statistics import Roughness
-from contact_study.physics.surfaces import SURFACES
-from contact_study.physics.surfaces.base import SurfaceSection
 from contact_study.study.case import Case
+from contact_study.study.checks.height_maps import described, map_warnings
 from contact_study.study.schema.keys import bind
+from contact_study.study.schema.surface import SURFACES, SurfaceSection
 from contact_study.study.study import read_study
 
 if TYPE_CHECKING:
@@ -58,7 +57,7 @@ def inspect(path: Path, overrides: Mapping[str, Any], picture: Path | None = Non
     scales = section.scales(directory)
     surface = section.realise(directory)
     lines = [words, *described(surface.roughness, surface.sample, surface.filled)]
-    lines += [f"warning: {line}" for line in doubts(str(section.map_path), scales)]
+    lines += [f"warning: {line}" for line in map_warnings(str(section.map_path), scales)]
     if surface.roughness.rms_slope > 1:
         lines.append("warning: surface: an rms slope above 1; linear elasticity of a half-space is meant for far less")
     figure = picture or path.with_name(f"{path.stem}.inspect.png")

@@ -13,6 +13,7 @@ import numpy as np
 import xarray as xr
 from filelock import FileLock, Timeout
 
+from contact_study.cache import has_locks
 from contact_study.campaign.dataset.file import history_of, write_dataset
 from contact_study.campaign.dataset.formats import mark_of, put, put_back
 from contact_study.campaign.dataset.states import States, states_file, write_states
@@ -20,7 +21,6 @@ from contact_study.campaign.engines.base import CampaignError
 from contact_study.campaign.store.case_file import CaseFile
 from contact_study.campaign.store.files import load_json, save_json
 from contact_study.errors import InputError
-from contact_study.numerics.cache import has_locks
 
 _REPLACES, _STORAGE = "replaces", "storage"
 _KIND_OF_STORAGE = 2  # how steps are kept; 1 were folders of a file a step

@@ -1,23 +1,19 @@
-"""Traction-separation laws, one a file."""
+"""Traction-separation laws: interaction energy per area as a function of the local gap.
+
+Their keys in a study file live in :mod:`contact_study.study.schema.interaction`, compiled loops with the solvers.
+"""
 
 from dataclasses import MISSING, fields
 
 from contact_study.physics.laws.base import TractionLaw
-from contact_study.physics.laws.dugdale import Dugdale
-from contact_study.physics.laws.dugdale_core import DugdaleCore
-from contact_study.physics.laws.exponential import Exponential
-from contact_study.physics.laws.exponential_core import ExponentialCore
-from contact_study.physics.laws.hard_wall import HardWall
-from contact_study.physics.laws.lennard_jones import LennardJones
-from contact_study.physics.laws.lennard_jones_9_3 import LennardJones93
-from contact_study.physics.laws.lennard_jones_10_4 import LennardJones104
+from contact_study.physics.laws.dugdale import Dugdale, DugdaleCore
+from contact_study.physics.laws.exponential import Exponential, ExponentialCore
+from contact_study.physics.laws.lennard_jones import LennardJones, LennardJones93, LennardJones104
 from contact_study.physics.laws.morse import Morse
-from contact_study.physics.laws.repulsive import Repulsive
+from contact_study.physics.laws.repulsion import HardWall, Repulsive
 from contact_study.physics.laws.tabulated import TabulatedLaw
-from contact_study.study.schema.keys import TaggedUnion
 
 __all__ = [
-    "INTERACTIONS",
     "LAWS",
     "Dugdale",
     "DugdaleCore",
@@ -46,7 +42,6 @@ LAWS: dict[str, type[TractionLaw]] = {
     "repulsive": Repulsive,
     "hard_wall": HardWall,
 }
-INTERACTIONS = TaggedUnion("law", {name: law.section for name, law in LAWS.items()})
 
 
 def make_law(name: str, work_of_adhesion: float, length: float, **own: float) -> TractionLaw:

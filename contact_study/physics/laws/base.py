@@ -2,15 +2,13 @@
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
-from scipy.optimize import brentq, minimize_scalar
 
 from contact_study.numerics.arguments import positive
-from contact_study.study.schema.interaction import InteractionSection, SmoothInteraction
 
 # Steps of the numerical derivatives, in units of the law's length: along the imaginary axis nothing cancels; along the
 # real one truncation (of fourth order) and rounding stay below 1e-9 of the curvature.
@@ -58,8 +56,6 @@ class TractionLaw(ABC):
         Whether repulsion grows without bound as the gap closes, so that no gap is ever zero or less.
     own_lengths : tuple of str
         Fields beside ``length`` that are lengths.
-    section : type
-        Its keys in a study file.
 
     Raises
     ------
@@ -75,7 +71,6 @@ class TractionLaw(ABC):
     counts_as_contact: ClassVar[str] = "a gap below the contact distance"
     diverges: ClassVar[bool] = True
     own_lengths: ClassVar[tuple[str, ...]] = ()
-    section: ClassVar[type[InteractionSection]] = SmoothInteraction
 
     work_of_adhesion: float
     length: float
@@ -83,17 +78,6 @@ class TractionLaw(ABC):
     def __post_init__(self):
         for name, unit in (("work_of_adhesion", "J/m²"), ("length", "m")):
             positive(name, getattr(self, name), unit)
-
-    @classmethod
-    def of(cls, section: InteractionSection, work_of_adhesion: float) -> "TractionLaw":
-        """The law of a study file: Δγ, ``length`` and the keys of its section that are fields of the law."""
-        own = {field.name: getattr(section, field.name) for field in fields(cls)[2:]}
-        return cls(work_of_adhesion, section.length or 0.0, **own)
-
-    def keys(self) -> dict[str, Any]:
-        """The keys of a study file that make this law, without its name: what :meth:`of` reads."""
-        own = {field.name: getattr(self, field.name) for field in fields(self)[1:]}
-        return own | ({"work_of_adhesion": self.work_of_adhesion} if self.attracts else {})
 
     @abstractmethod
     def potential(self, gap: np.ndarray) -> np.ndarray:
@@ -154,6 +138,8 @@ class TractionLaw(ABC):
         """
         if self.has_wall:
             return 0.0
+        from scipy.optimize import brentq  # slow to import
+
         lowest = int(np.argmin(self.potential(self.length * _SAMPLES)))
         if lowest in (0, _SAMPLES.size - 1):
             raise ValueError(f"law: {self.title}: has no core, or none from 0.01 to 100 times its length: give it one")
@@ -186,6 +172,8 @@ class TractionLaw(ABC):
         at = int(np.argmin(function(gaps)))
         if at == 0:
             return self.equilibrium_distance
+        from scipy.optimize import minimize_scalar  # slow to import
+
         near, far = gaps[at - 1] / self.length, gaps[at + 1] / self.length
         found = minimize_scalar(
             lambda gap: float(function(np.array(self.length * gap))),

@@ -10,34 +10,25 @@ from functools import cached_property
 
 import numpy as np
 
-from contact_study.errors import InputError
 from contact_study.physics.laws.base import TractionLaw
-from contact_study.study.schema.interaction import PlainSmooth
-from contact_study.study.schema.keys import key, quantity
 
 _INVERSE_STEPS = 12
 
 
-@dataclass(frozen=True, kw_only=True)
-class CoredInteraction(PlainSmooth):
-    """Keys of a law with a core; its length is the equilibrium distance."""
-
-    range: float = key(quantity("m", positive=True), "length over which the attraction fades")
-    core: float = key(quantity("m", positive=True), "decay length of the repulsion")
-
-    def _check_core(self, longest: float, what: str) -> None:
-        if self.core >= longest:
-            raise InputError(
-                f"interaction.core = {self.core:g} m: must be shorter than {what}, {longest:g} m, "
-                "or nothing is left of the attraction"
-            )
-
-
 @dataclass(frozen=True)
 class CoredLaw(TractionLaw):
-    """A wall's attraction with a smooth core.
+    """A wall's attraction with a smooth repulsion.
 
-    ``length`` is the equilibrium distance d0, ``range`` that of the attraction, ``core`` the decay length c (m).
+    Parameters
+    ----------
+    work_of_adhesion : float
+        Δγ (J/m²).
+    length : float
+        Equilibrium distance d0 (m).
+    range : float
+        Range of the attraction (m).
+    core : float
+        Decay length c of the repulsion (m).
     """
 
     diverges = False

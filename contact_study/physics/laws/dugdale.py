@@ -14,36 +14,29 @@ from dataclasses import dataclass
 import numpy as np
 
 from contact_study.physics.laws.base import TractionLaw
-from contact_study.study.schema.interaction import PlainAdhesion
-from contact_study.study.schema.keys import key, quantity
+from contact_study.physics.laws.cored import CoredLaw
 
 RAMP = 0.05
 
 
-def ramp_key() -> float:
-    """The key ``ramp`` of a section."""
-    number: float = key(
-        quantity("1", positive=True, maximum=0.5), "width of the end of the constant tension, over its reach", RAMP
-    )
-    return number
-
-
-@dataclass(frozen=True, kw_only=True)
-class DugdaleInteraction(PlainAdhesion):
-    """Keys of Dugdale's law."""
-
-    ramp: float = ramp_key()
-
-
 @dataclass(frozen=True)
 class Dugdale(TractionLaw):
-    """Constant tension outside a hard wall; ``length`` is its reach h, ``ramp`` the width of its end over h."""
+    """Constant tension outside a hard wall.
+
+    Parameters
+    ----------
+    work_of_adhesion : float
+        Δγ (J/m²).
+    length : float
+        Reach h of the tension (m).
+    ramp : float, optional
+        Width w of the end of the tension over its reach.
+    """
 
     has_wall = True
     title = "Dugdale"
     words = "A constant tension out to a finite reach, outside a hard wall"
     counts_as_contact = "a gap of zero"
-    section = DugdaleInteraction
 
     ramp: float = RAMP
 
@@ -85,3 +78,26 @@ class Dugdale(TractionLaw):
     @property
     def strongest_softening(self) -> float:
         return 0.25 * self.plateau / self.width
+
+
+@dataclass(frozen=True)
+class DugdaleCore(CoredLaw):
+    """Constant tension over ``range`` from the equilibrium distance on, with an exponential repulsion.
+
+    Parameters
+    ----------
+    work_of_adhesion : float
+        Δγ (J/m²).
+    length, range, core : float
+        Equilibrium distance, reach of the tension and decay length of the repulsion (m).
+    ramp : float, optional
+        Width of the end of the tension over its reach.
+    """
+
+    title = "Dugdale with a core"
+    words = "A constant tension out to a finite reach, with an exponential core"
+
+    ramp: float = RAMP
+
+    def _outside_wall(self, work_of_adhesion: float) -> TractionLaw:
+        return Dugdale(work_of_adhesion, self.range, self.ramp)

@@ -1,6 +1,6 @@
-"""Lennard-Jones pairs summed over bodies: what the tractions of two layers, of a layer and a body, and of two share.
+"""Lennard-Jones pairs summed over bodies: the 10-4 law of two layers of atoms and the 9-3 law of two half-spaces.
 
-The traction is σ(d) = P [s^m − s^(m+6)], s = r0/d and r0 the equilibrium distance, from
+Both laws have the traction σ(d) = P [s^m − s^(m+6)], s = r0/d and r0 the equilibrium distance, from
 
     φ(d) = −P r0 [s^(m−1)/(m − 1) − s^(m+5)/(m + 5)],        P = Δγ (m − 1)(m + 5) / 6 r0.
 """
@@ -84,3 +84,60 @@ class LennardJones(TractionLaw):
         m = self.exponent
         s6 = m * (m + 1) / ((m + 6) * (m + 7))
         return 6 * m / (m + 7) * s6 ** ((m + 1) / 6) * self.prefactor / self.length
+
+
+@dataclass(frozen=True)
+class LennardJones104(LennardJones):
+    """The 10-4 law of two facing layers of atoms, σ(d) = (20Δγ/3r0)[(r0/d)⁵ − (r0/d)¹¹].
+
+    One layer of the block and one of the substrate interact through V(r) = 4ε[(r0/r)¹² − (r0/r)⁶]. Integration over
+    both areal densities gives φ(d) = −Δγ (5/3)[(r0/d)⁴ − (2/5)(r0/d)¹⁰], Δγ as :func:`work_of_adhesion`.
+
+    Parameters
+    ----------
+    work_of_adhesion : float
+        Δγ (J/m²).
+    length : float
+        Equilibrium distance r0, the zero of the pair potential (m).
+    """
+
+    title = "10-4"
+    words = "smeared into the 10-4"
+    of_pairs = True
+    exponent = 5
+
+
+@dataclass(frozen=True)
+class LennardJones93(LennardJones):
+    """The 9-3 law of two half-spaces of atoms, σ(d) = (8Δγ/3z0)[(z0/d)³ − (z0/d)⁹].
+
+    φ(d) = −Δγ[(4/3)(z0/d)² − (1/3)(z0/d)⁸]; used for adhesive spheres since V. M. Muller, V. S. Yushchenko &
+    B. V. Derjaguin, J. Colloid Interface Sci. 77, 91 (1980).
+
+    Parameters
+    ----------
+    work_of_adhesion : float
+        Δγ (J/m²).
+    length : float
+        Equilibrium distance z0 (m).
+    """
+
+    title = "9-3"
+    words = "in the 9-3"
+    of_pairs = True
+    exponent = 3
+
+
+def work_of_adhesion(well_depth: float, length: float, block_density: float, substrate_density: float) -> float:
+    """Calculate Δγ = (6π/5) n_a n_b ε r0² of two smeared layers (J/m²).
+
+    Parameters
+    ----------
+    well_depth : float
+        ε of the pair potential (J).
+    length : float
+        r0 of the pair potential (m).
+    block_density, substrate_density : float
+        Atoms per area of each layer (1/m²).
+    """
+    return 6 * np.pi / 5 * block_density * substrate_density * well_depth * length**2

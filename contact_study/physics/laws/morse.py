@@ -8,26 +8,24 @@ from dataclasses import dataclass
 import numpy as np
 
 from contact_study.physics.laws.base import TractionLaw
-from contact_study.study.schema.interaction import PlainSmooth
-from contact_study.study.schema.keys import key, quantity
-
-
-@dataclass(frozen=True, kw_only=True)
-class MorseInteraction(PlainSmooth):
-    """Keys of Morse's law."""
-
-    range: float = key(quantity("m", positive=True), "length over which the attraction fades")
 
 
 @dataclass(frozen=True)
 class Morse(TractionLaw):
-    """σ(d) = (2Δγ/w)[y − y²], y = e^(−(d−d0)/w); ``length`` is d0, the equilibrium distance, ``range`` w (m)."""
+    """Morse's law, σ(d) = (2Δγ/w)[y − y²] with y = e^(−(d−d0)/w).
+
+    Parameters
+    ----------
+    work_of_adhesion : float
+        Δγ (J/m²).
+    length, range : float
+        Equilibrium distance d0 and range w of the attraction (m).
+    """
 
     title = "Morse"
     words = "Morse's law"
     diverges = False
     own_lengths = ("range",)
-    section = MorseInteraction
 
     range: float
 

@@ -11,16 +11,14 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from scipy.interpolate import CubicHermiteSpline, PchipInterpolator, PPoly
-from scipy.optimize import brentq
 
-from contact_study.errors import InputError
 from contact_study.physics.laws.base import TractionLaw
-from contact_study.study.schema.interaction import InteractionSection
-from contact_study.study.schema.keys import key, quantity, sequence, text
+
+if TYPE_CHECKING:
+    from scipy.interpolate import CubicHermiteSpline, PPoly
 
 # Tension at the last gap, over the table's peak, up to which an end is guessed.
 _LARGEST_END = 0.05
@@ -28,44 +26,6 @@ _LARGEST_END = 0.05
 _LEAST_POWER = 2.0
 _FEWEST_POINTS = 5
 _INVERSE_STEPS = 60
-
-
-@dataclass(frozen=True, kw_only=True)
-class TabulatedInteraction(InteractionSection):
-    """Keys of a tabulated law: a file, or its numbers, which the file's become when the study is read.
-
-    Attributes
-    ----------
-    columns : mapping
-        Of the file, see :func:`~contact_study.study.reading.tables.with_columns`.
-    """
-
-    columns: ClassVar[dict[str, tuple[str, str, str]]] = {
-        "gap": ("gap_unit", "m", "m"),
-        "traction": ("traction_unit", "Pa", "Pa"),
-    }
-
-    path: str | None = key(text(), "text table of gap and traction, tension positive, relative to the study file", None)
-    gap_unit: str = key(text(), "unit of the gaps in that table", "m")
-    traction_unit: str = key(text(), "unit of the tractions in that table", "Pa")
-    gap: tuple[float, ...] | None = key(
-        sequence(quantity("m", positive=True)), "gaps of the table, in place of path", None
-    )
-    traction: tuple[float, ...] | None = key(
-        sequence(quantity("Pa")), "tractions at these gaps, tension positive, in place of path", None
-    )
-
-    def __post_init__(self):
-        super().__post_init__()
-        for name in ("well_depth", "work_of_adhesion", "length"):
-            if getattr(self, name) is not None:
-                raise InputError(f'interaction.{name}: law = "{self.law}" has its own, from the table')
-        if self.path is not None:
-            raise InputError("interaction.path: one table a study; it cannot be swept or overridden")
-        if self.gap is None or self.traction is None:
-            raise InputError(
-                f'missing key interaction.path: law = "{self.law}" needs a table, or interaction.gap and traction'
-            )
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,7 +40,6 @@ class TabulatedLaw(TractionLaw):
 
     title = "tabulated"
     words = "A law by a table"
-    section = TabulatedInteraction
 
     gaps: np.ndarray
     tractions: np.ndarray
@@ -102,21 +61,15 @@ class TabulatedLaw(TractionLaw):
         if traction[first - 1] == 0:
             length = float(gap[first - 1])
         else:
+            from scipy.optimize import brentq  # slow to import
+
             length = float(brentq(interpolant, gap[first - 1], gap[first], xtol=1e-15 * gap[first], rtol=1e-15))
         return replace(bare, work_of_adhesion=-float(bare.potential(np.array(length))), length=length)
 
-    @classmethod
-    def of(cls, section: Any, work_of_adhesion: float) -> "TabulatedLaw":
-        try:
-            return cls.through(section.gap, np.asarray(section.traction) * section.well_depth_ratio)
-        except ValueError as error:
-            raise InputError(f"interaction: the table of the law {error}") from None
-
-    def keys(self) -> dict[str, Any]:
-        return {"gap": self.gaps, "traction": self.tractions}
-
     @cached_property
-    def _between(self) -> CubicHermiteSpline:
+    def _between(self) -> "CubicHermiteSpline":
+        from scipy.interpolate import CubicHermiteSpline, PchipInterpolator  # slow to import
+
         _, tension, fading = self._end
         slopes = PchipInterpolator(self.gaps, self.tractions).derivative()(self.gaps)
         # Up to three times the secant a cubic is monotone; the exponential has less, unless its length is the bound.
@@ -125,11 +78,11 @@ class TabulatedLaw(TractionLaw):
         return CubicHermiteSpline(self.gaps, self.tractions, slopes)
 
     @cached_property
-    def _slope(self) -> PPoly:
+    def _slope(self) -> "PPoly":
         return self._between.derivative()
 
     @cached_property
-    def _work(self) -> PPoly:
+    def _work(self) -> "PPoly":
         return self._between.antiderivative()
 
     @cached_property
@@ -278,6 +231,8 @@ def _check(gap: np.ndarray, traction: np.ndarray) -> None:
             f"ends at a tension of {traction[-1] / traction.max():.2g} of its peak; go on to where it is below "
             f"{_LARGEST_END:g}"
         )
+    from scipy.interpolate import PchipInterpolator  # slow to import
+
     power = -gap[0] * float(PchipInterpolator(gap, traction).derivative()(gap[0])) / traction[0]
     if power < _LEAST_POWER:
         raise ValueError(

@@ -1,17 +1,14 @@
-"""Elastic solids by the stiffness K(q) of their surface, one a file."""
+"""Elastic solids: the stiffness K(q) of a wave of their surface.
+
+Their keys in a study file live in :mod:`contact_study.study.schema.elasticity`, operators on grids with the solvers.
+"""
 
 from contact_study.physics.solids.base import Elasticity, contact_modulus_of
-from contact_study.physics.solids.half_space import HalfSpace, HalfSpaceSection
-from contact_study.physics.solids.layer import Layer, LayerSection
-from contact_study.physics.solids.layered import Layered, LayeredSection
-from contact_study.physics.solids.measured import Measured, MeasuredSection
-from contact_study.physics.solids.tabulated import Tabulated
-from contact_study.physics.solids.transversely_isotropic import TransverselyIsotropicSection
-from contact_study.physics.solids.viscoelastic import Viscoelastic, ViscoelasticSection
-from contact_study.study.schema.keys import TaggedUnion
+from contact_study.physics.solids.half_space import HalfSpace, Viscoelastic
+from contact_study.physics.solids.layer import Layer, Layered
+from contact_study.physics.solids.tabulated import Measured, Tabulated
 
 __all__ = [
-    "ELASTICITIES",
     "Elasticity",
     "HalfSpace",
     "Layer",
@@ -23,21 +20,9 @@ __all__ = [
     "elasticity_of",
 ]
 
-ELASTICITIES = TaggedUnion(
-    "kind",
-    {
-        "half_space": HalfSpaceSection,
-        "layer": LayerSection,
-        "layered": LayeredSection,
-        "transversely_isotropic": TransverselyIsotropicSection,
-        "tabulated": MeasuredSection,
-        "viscoelastic": ViscoelasticSection,
-    },
-)
-
 
 def elasticity_of(solid: Elasticity | float) -> Elasticity:
-    """The solid itself; a number is the contact modulus E* of a half-space (Pa).
+    """Return the solid itself; a number is the contact modulus E* of a half-space (Pa).
 
     Raises
     ------

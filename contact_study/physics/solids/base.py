@@ -3,15 +3,12 @@
 import math
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, replace
-from typing import Any, ClassVar, Self
+from typing import ClassVar, Self
 
 import numpy as np
 
-from contact_study.errors import InputError
 from contact_study.numerics.arguments import positive
 from contact_study.numerics.grid import Grid
-from contact_study.study.schema.keys import choice, key, text
-from contact_study.study.schema.sections import MaterialSection
 
 
 @dataclass(frozen=True)
@@ -101,58 +98,9 @@ class Elasticity(ABC):
         q = np.geomspace(2 * np.pi / longest, 2 * np.pi / shortest, count)
         return float(np.min(contact_modulus_of(self.stiffness(q), q)))
 
-    def keys(self, poissons_ratio: float) -> dict[str, Any]:
-        """The keys of a study's section that make this solid: what :meth:`ElasticitySection.solid` reads.
-
-        Parameters
-        ----------
-        poissons_ratio : float
-            ν of the material, whose modulus is E = E* (1 − ν²).
-
-        Raises
-        ------
-        InputError
-            If no section of a study makes such a solid.
-        """
-        raise InputError(f"elasticity: no keys of a study make a {type(self).__name__}; use rough_contact")
-
     def scaled(self, length: float, stress: float) -> Self:
         """The same solid in other units: lengths divided by ``length`` (m), stresses by ``stress`` (Pa)."""
         return replace(self, contact_modulus=self.contact_modulus / stress)
-
-
-@dataclass(frozen=True, kw_only=True)
-class ElasticitySection(ABC):
-    """What solid the block is; its constants are those of the material. A kind declares its own keys as fields.
-
-    Attributes
-    ----------
-    words : str
-        The solid in a sentence, before its constants; a name in braces is replaced by the values of that key.
-    may_be_free : bool
-        Whether its surface may go on beyond the rigid one instead of being repeated with it.
-    """
-
-    words: ClassVar[str]
-    may_be_free: ClassVar[bool] = False
-
-    kind: str = key(text(), "what solid the block is", "half_space")
-    boundary: str = key(
-        choice("periodic", "free"),
-        "whether surface and block are repeated, or the surface ends with its cell and the block goes on (continuum)",
-        "periodic",
-    )
-
-    def __post_init__(self) -> None:
-        if self.boundary == "free" and not self.may_be_free:
-            raise InputError(
-                f'elasticity.boundary = "free": known of kind = "half_space" and "transversely_isotropic" only, not of '
-                f'"{self.kind}"; use boundary = "periodic"'
-            )
-
-    @abstractmethod
-    def solid(self, material: MaterialSection) -> Elasticity:
-        """The solid of a material."""
 
 
 def contact_modulus_of(stiffness: np.ndarray, wavenumber: np.ndarray) -> np.ndarray:

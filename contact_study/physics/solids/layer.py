@@ -1,25 +1,12 @@
-"""An elastic layer of finite thickness, bonded to a rigid base.
-
-A layer 0 < z < d whose lower face is held, and whose upper face feels a normal pressure p of wavenumber q and no shear,
-gives way there by 2p/(E* q) times
-
-    S = [(3−4ν) sinh 2qd − 2qd] / [(3−4ν) cosh 2qd + 2(qd)² + 5 − 12ν + 8ν²]:
-
-the four exponentials e^(±qz), z e^(±qz) that solve the equations of elasticity, under the four conditions of the two
-faces; the tests hold it to an integration of the equations of elasticity.
-Thick layers are half-spaces, S → 1. Thin compressible ones are a bed of springs, K → (1−ν) E / [(1+ν)(1−2ν) d]; thin
-incompressible ones resist flow along the layer, K → 3E*/(4 q² d³).
-"""
+"""Elastic layers on a rigid base and on a half-space; the tests integrate the equations of elasticity."""
 
 from dataclasses import dataclass, replace
-from typing import Any, Self
+from typing import Self
 
 import numpy as np
 
 from contact_study.numerics.arguments import finite, positive
-from contact_study.physics.solids.base import Elasticity, ElasticitySection
-from contact_study.study.schema.keys import key, quantity
-from contact_study.study.schema.sections import MaterialSection
+from contact_study.physics.solids.base import Elasticity
 
 
 def check_poissons_ratio(name: str, value: float) -> None:
@@ -31,7 +18,16 @@ def check_poissons_ratio(name: str, value: float) -> None:
 
 @dataclass(frozen=True)
 class Layer(Elasticity):
-    """A homogeneous isotropic layer on a rigid base.
+    """A homogeneous isotropic layer bonded to a rigid base.
+
+    A layer 0 < z < d whose lower face is held, and whose upper face feels a normal pressure p of wavenumber q and no
+    shear, is displaced there by 2p/(E* q) times
+
+        S = [(3−4ν) sinh 2qd − 2qd] / [(3−4ν) cosh 2qd + 2(qd)² + 5 − 12ν + 8ν²]:
+
+    the four exponentials e^(±qz), z e^(±qz) that solve the equations of elasticity, under the four conditions of the
+    two faces. Thick layers are half-spaces, S → 1. Thin compressible ones are springs side by side,
+    K → (1−ν) E / [(1+ν)(1−2ν) d]; thin incompressible ones resist flow along the layer, K → 3E*/(4 q² d³).
 
     Parameters
     ----------
@@ -75,23 +71,8 @@ class Layer(Elasticity):
         ratio = self.poissons_ratio
         return (1 - 2 * ratio) * self.thickness / ((1 - ratio) ** 2 * self.contact_modulus)
 
-    def keys(self, poissons_ratio: float) -> dict[str, Any]:
-        return {"kind": "layer", "thickness": self.thickness}
-
     def scaled(self, length: float, stress: float) -> Self:
         return replace(super().scaled(length, stress), thickness=self.thickness / length)
-
-
-@dataclass(frozen=True, kw_only=True)
-class LayerSection(ElasticitySection):
-    """A layer of the material."""
-
-    words = "a layer of thickness {thickness} bonded to a rigid base, "
-
-    thickness: float = key(quantity("m", positive=True), "thickness of the layer")
-
-    def solid(self, material: MaterialSection) -> Layer:
-        return Layer(material.contact_modulus, material.poissons_ratio, self.thickness)
 
 
 def _sinh_less_argument(y: np.ndarray) -> np.ndarray:
@@ -102,3 +83,70 @@ def _sinh_less_argument(y: np.ndarray) -> np.ndarray:
     for order in range(17, 3, -2):
         rest = (1 + rest) * square / (order * (order - 1))
     return np.where(y < 1, y**3 / 6 * (1 + rest) * np.exp(-y), 0.5 * (1 - np.exp(-2 * y)) - y * np.exp(-y))
+
+
+@dataclass(frozen=True)
+class Layered(Elasticity):
+    """A homogeneous isotropic layer bonded to a half-space of another material: coatings, oxides, skins.
+
+    A layer 0 < z < d of shear modulus μ and Poisson's ratio ν on a half-space of μ_b, ν_b, whose upper face feels a
+    normal pressure p of wavenumber q and no shear, is displaced there by 2p/(E* q) times
+
+        S = [1 + 4 m qd e^(−2qd) − m n e^(−4qd)] / [1 − (m + n + 4 m (qd)²) e^(−2qd) + m n e^(−4qd)],
+
+        m = (μ/μ_b − 1)/(μ/μ_b + 3 − 4ν),    n = 1 − 4(1 − ν)/[1 + (μ/μ_b)(3 − 4ν_b)],
+
+    E* that of the layer. Short waves feel the layer, S → 1, long ones the base, S → E*/E*_b; on a rigid base it is the
+    bonded layer.
+
+    Parameters
+    ----------
+    contact_modulus : float
+        E* = E/(1 − ν²) of the layer (Pa).
+    poissons_ratio : float
+        ν of the layer, above −1 and up to 0.5.
+    thickness : float
+        d (m).
+    base_modulus : float
+        E*_b, the contact modulus of the half-space (Pa).
+    base_poissons_ratio : float
+        ν_b.
+
+    Raises
+    ------
+    ValueError
+        If a number is not possible.
+    """
+
+    poissons_ratio: float
+    thickness: float
+    base_modulus: float
+    base_poissons_ratio: float
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        check_poissons_ratio("poissons_ratio", self.poissons_ratio)
+        check_poissons_ratio("base_poissons_ratio", self.base_poissons_ratio)
+        positive("thickness", self.thickness, "m")
+        positive("base_modulus", self.base_modulus, "Pa")
+
+    @property
+    def layer_thickness(self) -> float:
+        return self.thickness
+
+    def stiffness(self, wavenumber: np.ndarray | float) -> np.ndarray:
+        q, ratio, base_ratio = np.asarray(wavenumber, dtype=float), self.poissons_ratio, self.base_poissons_ratio
+        # E* = 2μ/(1 − ν).
+        shear = self.contact_modulus * (1 - ratio) / (self.base_modulus * (1 - base_ratio))
+        m = (shear - 1) / (shear + 3 - 4 * ratio)
+        n = 1 - 4 * (1 - ratio) / (1 + shear * (3 - 4 * base_ratio))
+        x = self.thickness * q
+        decay = np.exp(-2 * x)
+        above = 1 + 4 * m * x * decay - m * n * decay**2
+        below = 1 - (m + n + 4 * m * x**2) * decay + m * n * decay**2
+        return 0.5 * self.contact_modulus * q * below / above
+
+    def scaled(self, length: float, stress: float) -> Self:
+        return replace(
+            super().scaled(length, stress), thickness=self.thickness / length, base_modulus=self.base_modulus / stress
+        )

@@ -1,13 +1,70 @@
-"""A solid whose stiffness is known wavevector by wavevector, such as a lattice's own."""
+"""Solids whose stiffness is a table: by wavenumber, or by the wavevectors of a grid."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Self
+from typing import TYPE_CHECKING, Self
 
 import numpy as np
 
 from contact_study.numerics.grid import Grid
 from contact_study.physics.solids.base import Elasticity, contact_modulus_of
+
+if TYPE_CHECKING:
+    from scipy.interpolate import PchipInterpolator
+
+
+@dataclass(frozen=True, eq=False)
+class Measured(Elasticity):
+    """A solid of stiffness K(q) known at a number of wavenumbers, the same in all directions.
+
+    Between the points E*(q) = 2K/q is a monotone cubic of ln q (SciPy's ``PchipInterpolator``), beyond them constant.
+
+    Parameters
+    ----------
+    contact_modulus : float
+        E* to quote, and the unit of stresses (Pa).
+    wavenumbers : array_like, shape (points,)
+        Increasing (1/m).
+    stiffnesses : array_like, shape (points,)
+        K there (Pa/m), positive.
+
+    Raises
+    ------
+    ValueError
+        If the table is no stiffness.
+    """
+
+    wavenumbers: Sequence[float] | np.ndarray
+    stiffnesses: Sequence[float] | np.ndarray
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        q, stiffness = (np.asarray(values, dtype=float) for values in (self.wavenumbers, self.stiffnesses))
+        if q.ndim != 1 or q.shape != stiffness.shape or q.size < 2:
+            raise ValueError("needs at least two wavenumbers, and as many stiffnesses")
+        if not (np.all(np.isfinite(q)) and q[0] > 0 and np.all(np.diff(q) > 0)):
+            raise ValueError("must have positive wavenumbers in increasing order")
+        if not (np.all(np.isfinite(stiffness)) and np.all(stiffness > 0)):
+            raise ValueError("must have positive stiffnesses")
+
+    @cached_property
+    def _modulus(self) -> "PchipInterpolator":
+        from scipy.interpolate import PchipInterpolator  # slow to import
+
+        q = np.asarray(self.wavenumbers, dtype=float)
+        return PchipInterpolator(np.log(q), contact_modulus_of(np.asarray(self.stiffnesses, dtype=float), q))
+
+    def stiffness(self, wavenumber: np.ndarray | float) -> np.ndarray:
+        q = np.asarray(wavenumber, dtype=float)
+        return 0.5 * q * self._modulus(np.log(np.clip(q, self.wavenumbers[0], self.wavenumbers[-1])))
+
+    def scaled(self, length: float, stress: float) -> Self:
+        return replace(
+            super().scaled(length, stress),
+            wavenumbers=np.asarray(self.wavenumbers) * length,
+            stiffnesses=np.asarray(self.stiffnesses) * (length / stress),
+        )
 
 
 @dataclass(frozen=True, eq=False)

@@ -5,7 +5,6 @@ distributions, is equal for all seeds.
 """
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -13,10 +12,6 @@ from contact_study.numerics.grid import Grid
 from contact_study.physics.roughness.spectrum import RadialSpectrum, RoughnessSpectrum
 from contact_study.physics.roughness.statistics import Roughness
 from contact_study.physics.solids import Elasticity
-
-if TYPE_CHECKING:
-    from contact_study.physics.surfaces.base import SurfaceSection
-    from contact_study.study.study import Study
 
 
 @dataclass(frozen=True)
@@ -108,18 +103,3 @@ def spectrum_of_waves(wavenumber: np.ndarray, variance: np.ndarray) -> RadialSpe
     heights, slopes = np.bincount(band, variance), np.bincount(band, wavenumber**2 * variance)
     present = heights > 0
     return RadialSpectrum(np.sqrt(slopes[present] / heights[present]), heights[present]) if present.any() else None
-
-
-def scales_of(study: "Study") -> tuple[SurfaceScales, ...]:
-    """Scales of the surface of each case; each section is looked at, and each height map read, once.
-
-    Raises
-    ------
-    InputError
-        If a height map cannot be used.
-    """
-    known: dict[SurfaceSection, SurfaceScales] = {}
-    for case in study.cases:
-        if case.surface not in known:
-            known[case.surface] = case.surface.scales(case.directory)
-    return tuple(known[case.surface] for case in study.cases)

@@ -10,11 +10,11 @@ from contact_study.errors import InputError
 from contact_study.numerics import fourier
 from contact_study.numerics.grid import Grid
 from contact_study.physics.solids import Elasticity
-from contact_study.physics.surfaces.realisation import realise
 from contact_study.report.compute.cases import SweepPoint, constant, first_constant, select, sweep_points
 from contact_study.report.models import entry_of
 from contact_study.report.read.datasets import Inputs
 from contact_study.report.read.load_steps import averaged
+from contact_study.study.case import realise
 
 
 @dataclass(frozen=True)

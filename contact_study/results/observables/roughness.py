@@ -33,7 +33,7 @@ def roughness_values(roughness: Roughness, sample: Roughness, filled: float) -> 
     Parameters
     ----------
     roughness, sample : Roughness
-        What it is like repeated, and by itself; see :attr:`contact_study.physics.surfaces.realisation.Surface.sample`.
+        What it is like repeated, and by itself; see :attr:`contact_study.physics.surfaces.surface.Surface.sample`.
     filled : float
         Fraction of the points of a measured map that were missing.
     """

@@ -13,7 +13,7 @@ Every criterion is a ratio of the study's own scales, so that no unit, material 
 - **table of a stiffness** against the waves of the grid, and its E* at the shortest of them against the material's.
 - **peak over tolerance**: the law's largest tension against the residual stress that ``solver.tolerance`` leaves.
 
-Of measured maps see :mod:`contact_study.physics.height_maps.description`.
+Of measured maps see :mod:`contact_study.study.checks.height_maps`.
 
 The models add what only they need: see ``review`` in their ``run.py``.
 """
@@ -24,11 +24,11 @@ import numpy as np
 
 from contact_study import units
 from contact_study.errors import InputError
-from contact_study.physics.height_maps.description import doubts
 from contact_study.physics.laws.base import TractionLaw
 from contact_study.physics.solids import Measured, contact_modulus_of
 from contact_study.physics.surfaces.scales import SurfaceScales
 from contact_study.study.case import Case
+from contact_study.study.checks.height_maps import map_warnings
 from contact_study.study.checks.idle_keys import idle_keys
 from contact_study.study.study import Study
 from contact_study.study.sweep import points
@@ -41,22 +41,15 @@ NEGLIGIBLE = 0.01
 SAME_MODULUS = 2.0
 
 
-def review(study: Study, scales: Sequence[SurfaceScales]) -> list[str]:
+def review(study: Study) -> list[str]:
     """Warnings for the user, each once for the whole study.
-
-    Parameters
-    ----------
-    study : Study
-        The study.
-    scales : sequence of SurfaceScales
-        Of the surface of each of its cases.
 
     Raises
     ------
     InputError
         If the numbers of some case cannot belong together.
     """
-    pairs = list(zip(study.cases, scales, strict=True))
+    pairs = list(zip(study.cases, study.scales, strict=True))
     adhesive = [(case, scale, case.law) for case, scale in pairs if case.law.attracts]
     notes = _slopes(pairs)
     notes += _loads(study.cases)
@@ -65,7 +58,7 @@ def review(study: Study, scales: Sequence[SurfaceScales]) -> list[str]:
     notes += _missing_waves(pairs)
     notes += _other_moduli(pairs)
     notes += _maps(pairs)
-    notes += dict.fromkeys(line for case, scale in pairs for line in doubts(str(case.surface.map_path), scale))
+    notes += dict.fromkeys(line for case, scale in pairs for line in map_warnings(str(case.surface.map_path), scale))
     notes += idle_keys(study.cases)
     return notes
 

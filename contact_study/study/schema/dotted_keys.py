@@ -5,11 +5,11 @@ from collections.abc import Iterator
 from typing import Any
 
 from contact_study.errors import InputError
-from contact_study.physics.laws import INTERACTIONS
-from contact_study.physics.solids import ELASTICITIES
-from contact_study.physics.surfaces import SURFACES
 from contact_study.study.schema import sections
+from contact_study.study.schema.elasticity import ELASTICITIES
+from contact_study.study.schema.interaction import INTERACTIONS
 from contact_study.study.schema.keys import Key, TaggedUnion, default_of, keys_of, replacement
+from contact_study.study.schema.surface import SURFACES
 
 SECTIONS: dict[str, type | TaggedUnion] = {
     "study": sections.StudySection,

@@ -1,17 +1,22 @@
-"""What a study file says of the interaction across the interface."""
+"""The section ``[interaction]`` of a study file: the keys of each law, and the law that they make."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
+from typing import Any, ClassVar
+
+import numpy as np
 
 from contact_study.errors import InputError
-from contact_study.study.schema.keys import key, or_word, quantity, text
+from contact_study.physics.laws import LAWS, HardWall, TabulatedLaw, TractionLaw
+from contact_study.physics.laws.dugdale import RAMP
+from contact_study.study.schema.keys import TaggedUnion, key, or_word, quantity, sequence, text
+
+# The key that may be left to be chosen, and the word that does so.
+LENGTH, AUTO = "interaction.length", "auto"
 
 
 @dataclass(frozen=True, kw_only=True)
 class InteractionSection:
-    """The interaction across the interface.
-
-    A law that needs keys of its own, or other checks, gives its :attr:`TractionLaw.section` a subclass.
-    """
+    """The keys that every law shares; a law with keys of its own, or other checks, has a subclass."""
 
     law: str = key(text(), "traction-separation law of the continuum", "lennard_jones_10_4")
     well_depth: float | None = key(
@@ -20,7 +25,7 @@ class InteractionSection:
     work_of_adhesion: float | None = key(quantity("J/m^2", positive=True), "Δγ, in place of well_depth", None)
     well_depth_ratio: float = key(quantity("1", positive=True), "multiplies well_depth or work_of_adhesion", 1.0)
     length: float | None = key(
-        or_word(quantity("m", positive=True), "auto"),
+        or_word(quantity("m", positive=True), AUTO),
         "the law's length: distance of zero stress (laws with a core; 10-4: r0 of the pairs, 9-3: z0), range "
         "(exponential wall), reach (Dugdale); auto: the longest that leaves contacts JKR-like",
         None,
@@ -34,6 +39,18 @@ class InteractionSection:
     def __post_init__(self):
         if self.well_depth is not None and self.work_of_adhesion is not None:
             raise InputError("interaction.well_depth and interaction.work_of_adhesion: give one of the two, not both")
+
+    def make_law(self, work_of_adhesion: float) -> TractionLaw:
+        """Make the law of these keys, whose fields have the names of the keys, for a work of adhesion (J/m²)."""
+        law = LAWS[self.law]
+        own = {field.name: getattr(self, field.name) for field in fields(law)[2:]}
+        return law(work_of_adhesion, self.length or 0.0, **own)
+
+    @classmethod
+    def keys_from(cls, law: TractionLaw) -> dict[str, Any]:
+        """Return the keys, without the name, that make a law: the inverse of :meth:`make_law`."""
+        own = {field.name: getattr(law, field.name) for field in fields(law)[1:]}
+        return own | ({"work_of_adhesion": law.work_of_adhesion} if law.attracts else {})
 
     def _check_adhesion(self) -> None:
         """A law with adhesion has a strength and a length."""
@@ -77,3 +94,162 @@ class PlainAdhesion(InteractionSection):
 @dataclass(frozen=True, kw_only=True)
 class PlainSmooth(PlainAdhesion, SmoothInteraction):
     """A law with a repulsive core whose adhesion is given as Δγ."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class HardWallInteraction(InteractionSection):
+    """A hard wall has no number of its own."""
+
+    def make_law(self, work_of_adhesion: float) -> HardWall:
+        return HardWall()
+
+    @classmethod
+    def keys_from(cls, law: TractionLaw) -> dict[str, Any]:
+        return {}
+
+
+@dataclass(frozen=True, kw_only=True)
+class HalfSpacesInteraction(SmoothInteraction):
+    """Keys of the 9-3 law, whose adhesion does not follow from a pair of layers."""
+
+    def __post_init__(self):
+        super().__post_init__()
+        if self.well_depth is not None:
+            raise InputError(
+                'interaction.well_depth: law = "lennard_jones_9_3" is that of two half-spaces, whose adhesion needs '
+                "the number of atoms per volume of both; give interaction.work_of_adhesion and length = z0 "
+                "(docs/conventions.md has both from ε, r0 and the densities)"
+            )
+
+
+@dataclass(frozen=True, kw_only=True)
+class MorseInteraction(PlainSmooth):
+    """Keys of Morse's law."""
+
+    range: float = key(quantity("m", positive=True), "length over which the attraction fades")
+
+
+@dataclass(frozen=True, kw_only=True)
+class CoredInteraction(MorseInteraction):
+    """Keys of a law with an exponential repulsion; its length is the equilibrium distance."""
+
+    core: float = key(quantity("m", positive=True), "decay length of the repulsion")
+
+    def __post_init__(self):
+        super().__post_init__()
+        longest, what = self._longest_core
+        if self.core >= longest:
+            raise InputError(
+                f"interaction.core = {self.core:g} m: must be shorter than {what}, {longest:g} m, "
+                "or nothing is left of the attraction"
+            )
+
+    @property
+    def _longest_core(self) -> tuple[float, str]:
+        """Length (m) below which the decay length must be, and its name."""
+        return self.range, "interaction.range"
+
+
+def _ramp() -> Any:
+    number = quantity("1", positive=True, maximum=0.5)
+    return key(number, "width of the end of the constant tension, over its reach", RAMP)
+
+
+@dataclass(frozen=True, kw_only=True)
+class DugdaleInteraction(PlainAdhesion):
+    """Keys of Dugdale's law."""
+
+    ramp: float = _ramp()
+
+
+@dataclass(frozen=True, kw_only=True)
+class DugdaleCoreInteraction(CoredInteraction):
+    """A core shorter than the ramp at the end of the tension, which it would outlast."""
+
+    ramp: float = _ramp()
+
+    @property
+    def _longest_core(self) -> tuple[float, str]:
+        return self.ramp * self.range, "the ramp, interaction.ramp × interaction.range"
+
+
+@dataclass(frozen=True, kw_only=True)
+class RepulsiveInteraction(InteractionSection):
+    """Keys of a soft repulsion."""
+
+    length: float = key(quantity("m", positive=True), "gap at which the repulsion begins")
+    repulsion: float = key(
+        quantity("J/m^2", positive=True), "U, its strength: that of the 9-3 law of this work of adhesion"
+    )
+
+    def __post_init__(self):
+        super().__post_init__()
+        for name in ("well_depth", "work_of_adhesion"):
+            if getattr(self, name) is not None:
+                raise InputError(f'interaction.{name}: law = "{self.law}" does not attract; give interaction.repulsion')
+
+
+@dataclass(frozen=True, kw_only=True)
+class TabulatedInteraction(InteractionSection):
+    """Keys of a tabulated law: a file, or its numbers, which the file's become when the study is read.
+
+    Attributes
+    ----------
+    columns : mapping
+        Of the file, see :func:`~contact_study.study.reading.tables.with_columns`.
+    """
+
+    columns: ClassVar[dict[str, tuple[str, str, str]]] = {
+        "gap": ("gap_unit", "m", "m"),
+        "traction": ("traction_unit", "Pa", "Pa"),
+    }
+
+    path: str | None = key(text(), "text table of gap and traction, tension positive, relative to the study file", None)
+    gap_unit: str = key(text(), "unit of the gaps in that table", "m")
+    traction_unit: str = key(text(), "unit of the tractions in that table", "Pa")
+    gap: tuple[float, ...] | None = key(
+        sequence(quantity("m", positive=True)), "gaps of the table, in place of path", None
+    )
+    traction: tuple[float, ...] | None = key(
+        sequence(quantity("Pa")), "tractions at these gaps, tension positive, in place of path", None
+    )
+
+    def __post_init__(self):
+        super().__post_init__()
+        for name in ("well_depth", "work_of_adhesion", "length"):
+            if getattr(self, name) is not None:
+                raise InputError(f'interaction.{name}: law = "{self.law}" has its own, from the table')
+        if self.path is not None:
+            raise InputError("interaction.path: one table a study; it cannot be swept or overridden")
+        if self.gap is None or self.traction is None:
+            raise InputError(
+                f'missing key interaction.path: law = "{self.law}" needs a table, or interaction.gap and traction'
+            )
+
+    def make_law(self, work_of_adhesion: float) -> TabulatedLaw:
+        try:
+            return TabulatedLaw.through(np.asarray(self.gap), np.asarray(self.traction) * self.well_depth_ratio)
+        except ValueError as error:
+            raise InputError(f"interaction: the table of the law {error}") from None
+
+    @classmethod
+    def keys_from(cls, law: TractionLaw) -> dict[str, Any]:
+        assert isinstance(law, TabulatedLaw)
+        return {"gap": law.gaps, "traction": law.tractions}
+
+
+INTERACTIONS = TaggedUnion(
+    "law",
+    {
+        "lennard_jones_10_4": SmoothInteraction,
+        "lennard_jones_9_3": HalfSpacesInteraction,
+        "morse": MorseInteraction,
+        "exponential_core": CoredInteraction,
+        "dugdale_core": DugdaleCoreInteraction,
+        "tabulated": TabulatedInteraction,
+        "exponential": PlainAdhesion,
+        "dugdale": DugdaleInteraction,
+        "repulsive": RepulsiveInteraction,
+        "hard_wall": HardWallInteraction,
+    },
+)

@@ -215,7 +215,7 @@ class TaggedUnion:
     """
 
     tag: str
-    declared: Mapping[str, type]
+    declared: Mapping[str, Any]
 
     @cached_property
     def keys(self) -> dict[str, Key]:

@@ -6,6 +6,8 @@ from typing import Any
 from contact_study.errors import InputError
 from contact_study.physics.laws import LAWS, TractionLaw
 from contact_study.physics.solids import Elasticity
+from contact_study.study.schema.elasticity import ELASTICITIES
+from contact_study.study.schema.interaction import INTERACTIONS
 from contact_study.study.schema.keys import keys_of
 from contact_study.study.schema.sections import MaterialSection
 
@@ -39,7 +41,7 @@ def with_keys(study: Mapping[str, Any]) -> dict[str, Any]:
             if f"material.{name}" in found.get("sweep", {}):
                 raise InputError(f"sweep.material.{name}: elasticity is an object of one material")
         constants = _constants(solid, material)
-        found["elasticity"] = _joined("elasticity", solid.keys(constants["poissons_ratio"]), beside)
+        found["elasticity"] = _joined("elasticity", _keys_of_solid(solid, constants["poissons_ratio"]), beside)
         found["material"] = {**material, **constants}
     return found
 
@@ -63,10 +65,17 @@ def _joined(section: str, own: Mapping[str, Any], beside: Mapping[str, Any]) -> 
 def _keys_of_law(law: TractionLaw) -> dict[str, Any]:
     for name, known in LAWS.items():
         if type(law) is known:
-            return {"law": name, **law.keys()}
+            return {"law": name, **INTERACTIONS.declared[name].keys_from(law)}
     raise InputError(
         f"interaction: {type(law).__name__} is no law of a study; pass TabulatedLaw.through(gaps, law.traction(gaps))"
     )
+
+
+def _keys_of_solid(solid: Elasticity, poissons_ratio: float) -> dict[str, Any]:
+    for kind, section in ELASTICITIES.declared.items():
+        if section.makes is type(solid):
+            return {"kind": kind, **section.keys_from(solid, poissons_ratio)}
+    raise InputError(f"elasticity: no keys of a study make a {type(solid).__name__}; use rough_contact")
 
 
 def _constants(solid: Elasticity, material: Mapping[str, Any]) -> dict[str, float]:

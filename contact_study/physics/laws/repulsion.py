@@ -1,46 +1,81 @@
-"""Repulsion alone, soft: what the 9-3 law does below its equilibrium distance, and nothing beyond.
-
-φ(d) = U [(1/3)(z0/d)⁸ − (4/3)(z0/d)² + 1] for d < z0, zero from there on, with a continuous traction; the cut is that
-of J. D. Weeks, D. Chandler & H. C. Andersen, J. Chem. Phys. 54, 5237 (1971).
-"""
+"""Laws that do not attract: a hard wall and a soft repulsion."""
 
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
-from contact_study.errors import InputError
 from contact_study.numerics.arguments import positive
 from contact_study.physics.laws.base import TractionLaw
-from contact_study.physics.laws.lennard_jones_9_3 import LennardJones93
-from contact_study.study.schema.interaction import InteractionSection
-from contact_study.study.schema.keys import key, quantity
+from contact_study.physics.laws.lennard_jones import LennardJones93
 
 
-@dataclass(frozen=True, kw_only=True)
-class RepulsiveInteraction(InteractionSection):
-    """Keys of a law that does not attract."""
+@dataclass(frozen=True)
+class HardWall(TractionLaw):
+    """A hard wall without adhesion: gap >= 0, pressure >= 0, gap × pressure = 0 (Signorini conditions).
 
-    length: float = key(quantity("m", positive=True), "gap at which the repulsion begins")
-    repulsion: float = key(
-        quantity("J/m^2", positive=True), "U, its strength: that of the 9-3 law of this work of adhesion"
-    )
+    A constraint, not a potential. Points of positive pressure are in contact.
+
+    Parameters
+    ----------
+    work_of_adhesion, length : float, optional
+        Zero.
+    """
+
+    has_wall = True
+    attracts = False
+    title = "hard wall"
+    words = "a hard wall without adhesion"
+    counts_as_contact = "a positive pressure"
+
+    work_of_adhesion: float = 0.0
+    length: float = 0.0
 
     def __post_init__(self):
-        super().__post_init__()
-        for name in ("well_depth", "work_of_adhesion"):
-            if getattr(self, name) is not None:
-                raise InputError(f'interaction.{name}: law = "{self.law}" does not attract; give interaction.repulsion')
+        if self.work_of_adhesion or self.length:
+            raise ValueError("a hard wall has neither work of adhesion nor length")
+
+    def potential(self, gap):
+        return np.zeros(np.shape(gap))
+
+    def traction(self, gap):
+        return np.zeros(np.shape(gap))
+
+    def stiffness(self, gap):
+        return np.zeros(np.shape(gap))
+
+    def in_contact(self, gap, pressure, contact_distance):
+        return pressure > 0
+
+    @property
+    def peak_distance(self) -> float:
+        return 0.0
+
+    @property
+    def strongest_softening(self) -> float:
+        return 0.0
 
 
 @dataclass(frozen=True)
 class Repulsive(TractionLaw):
-    """The repulsive half of the 9-3 law: ``length`` is z0, ``repulsion`` its U (J/m²); it has no work of adhesion."""
+    """The repulsive half of the 9-3 law, a soft repulsion of finite reach.
+
+    φ(d) = U [(1/3)(z0/d)⁸ − (4/3)(z0/d)² + 1] for d < z0, zero from there on, with a continuous traction; the cut is
+    that of J. D. Weeks, D. Chandler & H. C. Andersen, J. Chem. Phys. 54, 5237 (1971).
+
+    Parameters
+    ----------
+    work_of_adhesion : float
+        Zero.
+    length : float
+        Gap z0 at which the repulsion begins (m).
+    repulsion : float
+        U, the work of adhesion of the 9-3 law (J/m²).
+    """
 
     attracts = False
     title = "repulsive"
     words = "a soft repulsion"
-    section = RepulsiveInteraction
 
     repulsion: float
 

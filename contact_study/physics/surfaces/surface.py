@@ -1,9 +1,8 @@
-"""The rigid surface of a case: one height function, sampled by each model on the points it needs."""
+"""The rigid surface of a case: one height function, which each model samples on its own points."""
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -11,9 +10,6 @@ from contact_study.numerics import fourier
 from contact_study.numerics.grid import Grid
 from contact_study.physics.roughness.spectrum import RadialSpectrum, SelfAffineSpectrum, radial_spectrum
 from contact_study.physics.roughness.statistics import Roughness, roughness_of
-
-if TYPE_CHECKING:
-    from contact_study.study.case import Case
 
 
 @dataclass(frozen=True)
@@ -103,14 +99,3 @@ class BandLimitedSurface(Surface):
     def heights(self, shape: tuple[int, int]) -> np.ndarray:
         coefficients = fourier.resize_spectrum(self.coefficients, self.native_shape, shape)
         return fourier.synthesise(coefficients, shape)
-
-
-def realise(case: "Case") -> Surface:
-    """The surface of a case; equal cases give equal surfaces, for every model.
-
-    Raises
-    ------
-    InputError
-        If a height map cannot be read or used.
-    """
-    return case.surface.realise(case.directory)

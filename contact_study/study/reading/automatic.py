@@ -1,20 +1,21 @@
-"""Values that a study leaves to be chosen: the range of adhesion, from surface, modulus and work of adhesion."""
+"""Values that a study leaves to be chosen: the range of adhesion, by surface, modulus and work of adhesion."""
 
-from collections.abc import Mapping, Sequence
-from pathlib import Path
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from contact_study.errors import InputError
-from contact_study.physics.laws import INTERACTIONS, LAWS
+from contact_study.physics.laws import LAWS
+from contact_study.physics.surfaces.scales import SurfaceScales
 from contact_study.physics.tabor import JKR_LIKE, SHARE_OF_HEIGHT, longest_range, tabor_parameter
 from contact_study.study.case import Case
+from contact_study.study.schema.interaction import AUTO, INTERACTIONS, LENGTH
 from contact_study.study.schema.keys import default_of, keys_of
 from contact_study.units import length
 
-AUTO, LENGTH = "auto", "interaction.length"
 
-
-def with_length(interaction: Mapping[str, Any], bound: Mapping[str, Any], directory: Path) -> dict[str, Any]:
+def with_length(
+    interaction: Mapping[str, Any], bound: Mapping[str, Any], scales: Callable[[], SurfaceScales]
+) -> dict[str, Any]:
     """The interaction of a study with a number for its length, the longest that leaves contacts JKR-like.
 
     Parameters
@@ -23,8 +24,8 @@ def with_length(interaction: Mapping[str, Any], bound: Mapping[str, Any], direct
         The section as the file has it.
     bound : mapping
         The sections before it, bound: surface, material and elasticity among them.
-    directory : pathlib.Path
-        Where relative paths of the study start.
+    scales : callable
+        Gives the scales of the surface.
 
     Raises
     ------
@@ -45,17 +46,17 @@ def with_length(interaction: Mapping[str, Any], bound: Mapping[str, Any], direct
         keys_of(INTERACTIONS)[name].read(given.get(name, default_of(INTERACTIONS, name)), f"interaction.{name}")
         for name in ("work_of_adhesion", "well_depth_ratio")
     )
-    scales = bound["surface"].scales(directory)
+    surface = scales()
     solid = bound["elasticity"].solid(bound["material"])
     try:
-        given["length"] = longest_range(scales.rms_curvature, scales.rms_height, solid.contact_modulus, work * ratio)
+        given["length"] = longest_range(surface.rms_curvature, surface.rms_height, solid.contact_modulus, work * ratio)
     except ValueError as error:
         raise InputError(f'{LENGTH} = "{AUTO}": {error}; give the length of the interaction') from None
     return given
 
 
-def choices(tables: Sequence[Mapping[str, Any]], cases: Sequence[Case]) -> tuple[str, ...]:
-    """What was chosen, in words, each once.
+def describe_choices(tables: Sequence[Mapping[str, Any]], cases: Sequence[Case]) -> tuple[str, ...]:
+    """Describe the values that were chosen, each once.
 
     Parameters
     ----------
@@ -64,10 +65,10 @@ def choices(tables: Sequence[Mapping[str, Any]], cases: Sequence[Case]) -> tuple
     cases : sequence of Case
         The same points, bound.
     """
-    said = []
+    lines = []
     for table, case in zip(tables, cases, strict=True):
         if table["interaction"].get("length") == AUTO:
-            scales = case.surface.scales(case.directory)
+            scales = case.scales
             tabor = tabor_parameter(
                 1 / scales.rms_curvature, case.solid.contact_modulus, case.work_of_adhesion, case.law.length
             )
@@ -76,8 +77,8 @@ def choices(tables: Sequence[Mapping[str, Any]], cases: Sequence[Case]) -> tuple
                 if tabor / JKR_LIKE * case.law.length < SHARE_OF_HEIGHT * scales.rms_height
                 else "a tenth of the rms height"
             )
-            said.append(
+            lines.append(
                 f'range of adhesion ({LENGTH} = "{AUTO}"): {length(case.law.length)}, {why}; Tabor parameter '
                 f"{tabor:.2g}: JKR-like"
             )
-    return tuple(dict.fromkeys(said))
+    return tuple(dict.fromkeys(lines))

@@ -63,7 +63,7 @@ def law_in_words(fit: SelfAffineFit) -> str:
     return f"C falls as q^{-2 - 2 * hurst:.1f} ± {2 * error:.1f}, {how}, than any self-affine surface's,"
 
 
-def doubts(path: str, scales: SurfaceScales) -> list[str]:
+def map_warnings(path: str, scales: SurfaceScales) -> list[str]:
     """What of a measured map looks wrong; each line says what to do."""
     found, sample, notes = scales.measured, scales.sample, []
     if found is None or sample is None:
@@ -97,12 +97,12 @@ def doubts(path: str, scales: SurfaceScales) -> list[str]:
     return notes
 
 
-def taken(cases: Sequence[Case], scales: Sequence[SurfaceScales]) -> list[str]:
-    """Lines on each measured map of a study as it was taken, each once."""
+def describe_maps(cases: Sequence[Case]) -> list[str]:
+    """Describe each measured map of a study as it was read, each once."""
     words = (
         f"surface {case.surface.map_path}: {line}"
-        for case, scale in zip(cases, scales, strict=True)
-        if scale.measured is not None and scale.sample is not None
+        for case in cases
+        if (scale := case.scales).measured is not None and scale.sample is not None
         for line in described(scale.measured, scale.sample, scale.filled)
     )
     return list(dict.fromkeys(words))

@@ -1,0 +1,81 @@
+"""Gaussian random surfaces of a self-affine spectrum with roll-off."""
+
+import numpy as np
+
+from contact_study.errors import InputError
+from contact_study.physics.roughness.spectrum import SelfAffineSpectrum
+from contact_study.physics.surfaces.scales import SurfaceScales
+from contact_study.physics.surfaces.surface import BandLimitedSurface
+
+# Mean number of places per surface that stand higher, or lie lower, than the peak-to-valley height allows for.
+_RARE = 0.01
+
+
+def gaussian_surface(
+    spectrum: SelfAffineSpectrum, size: tuple[float, float], shape: tuple[int, int], seed: int, exact_height: bool
+) -> BandLimitedSurface:
+    """Draw a Gaussian surface: independent complex amplitudes of variance ∝ C(q), in order of |q|.
+
+    The order makes the surface of a seed independent of ``shape`` and keeps its long waves when only the cutoff grows.
+    The variances are scaled so that the *expected* mean square is rms_height² on this discrete set of modes.
+
+    Parameters
+    ----------
+    spectrum : SelfAffineSpectrum
+        C(q).
+    size : tuple of float
+        Periods along y and x (m).
+    shape : tuple of int
+        Points of the continuum grid.
+    seed : int
+        Of the random numbers.
+    exact_height : bool
+        Whether to scale the sample to rms_height exactly.
+
+    Raises
+    ------
+    InputError
+        If no mode of the spectrum fits the cell.
+    """
+    unit_y, unit_x = 2 * np.pi / size[0], 2 * np.pi / size[1]
+    # A mode on the limit belongs to the set whatever the rounding of 2π.
+    highest, lowest = spectrum.cutoff * (1 + 1e-9), spectrum.low * (1 - 1e-9)
+    rows, columns = int(highest / unit_y), int(highest / unit_x)
+    m_y, m_x = np.meshgrid(np.arange(-rows, rows + 1), np.arange(columns + 1), indexing="ij")
+    q = np.hypot(m_y * unit_y, m_x * unit_x)
+    independent = (q >= lowest) & (q <= highest) & ((m_x > 0) | (m_y > 0))
+    m_y, m_x, q = m_y[independent], m_x[independent], q[independent]
+    if q.size == 0:
+        raise InputError("surface: no mode between low_mode and cutoff_mode fits the cell")
+    order = np.lexsort((m_x, m_y, np.round(q / min(unit_y, unit_x), 9)))
+    m_y, m_x, q = m_y[order], m_x[order], q[order]
+    draws = np.random.default_rng(seed).standard_normal((q.size, 2))
+    variance = spectrum.density(np.clip(q, spectrum.low, spectrum.cutoff))
+    variance = variance * spectrum.rms_height**2 / (2 * variance.sum())  # each mode and its conjugate
+    amplitude = np.sqrt(variance / 2) * (draws[:, 0] + 1j * draws[:, 1])
+    if exact_height:
+        amplitude *= spectrum.rms_height / np.sqrt(2 * np.sum(np.abs(amplitude) ** 2))
+    native = (2 * rows + 1, 2 * columns + 1)
+    coefficients = np.zeros((native[0], columns + 1), complex)
+    coefficients[m_y % native[0], m_x] = amplitude
+    on_axis = m_x == 0
+    coefficients[-m_y[on_axis] % native[0], 0] = np.conj(amplitude[on_axis])
+    return BandLimitedSurface(size, shape, spectrum, coefficients, native)
+
+
+def gaussian_scales(spectrum: SelfAffineSpectrum, size: tuple[float, float], shape: tuple[int, int]) -> SurfaceScales:
+    """Calculate the scales that all surfaces of a spectrum share; parameters as :func:`gaussian_surface`."""
+    height, slope, shortest = spectrum.rms_height, spectrum.rms_slope, 2 * np.pi / spectrum.cutoff
+    peak = gaussian_peak_to_valley(height, slope, size[0] * size[1])
+    return SurfaceScales(size, shape, height, slope, peak, shortest, spectrum)
+
+
+def gaussian_peak_to_valley(rms_height: float, rms_slope: float, area: float) -> float:
+    """Highest minus lowest point (m) that few Gaussian surfaces of an area (m²) exceed."""
+    # A Gaussian surface stands above u rms heights at (2π)^(−3/2) A (ξ²/2 h_rms²) u exp(−u²/2) places in the mean,
+    # for large u (the Euler characteristic of the region above); ξ²/2 is the variance of the slope along one axis.
+    places = area * rms_slope**2 / (2 * rms_height**2) / (2 * np.pi) ** 1.5
+    u = 3.0
+    for _ in range(20):  # a contraction of factor 1/u² where places are many
+        u = float(np.sqrt(2 * np.log(max(places * u / _RARE, np.exp(2.0)))))
+    return 2 * u * rms_height

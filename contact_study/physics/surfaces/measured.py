@@ -1,0 +1,202 @@
+"""A measured surface: heights from a file, prepared as asked and taken as periodic."""
+
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+
+from contact_study.errors import InputError
+from contact_study.numerics import fourier
+from contact_study.numerics.grid import Grid
+from contact_study.physics.height_maps import preparation
+from contact_study.physics.height_maps.height_map import HeightMap
+from contact_study.physics.roughness.statistics import Roughness, roughness_of, roughness_of_sample
+from contact_study.physics.surfaces.scales import SurfaceScales, spectrum_of_waves
+from contact_study.physics.surfaces.surface import BandLimitedSurface
+
+_DEGREES = {"mean": 0, "tilt": 1, "curvature": 2}
+
+
+@dataclass(frozen=True)
+class MeasuredMap:
+    """A map made ready.
+
+    Attributes
+    ----------
+    heights : numpy.ndarray, shape (ny, nx)
+        Heights about their mean (m).
+    grid : Grid
+        Their points.
+    filled : float
+        Share of the points of the crop that were missing and filled.
+    unit : str
+        Unit that the heights were taken to be in, and who says so.
+    sample : Roughness
+        What it is like by itself, before its edges were joined or faded.
+    """
+
+    heights: np.ndarray
+    grid: Grid
+    filled: float
+    unit: str
+    sample: Roughness
+
+    @cached_property
+    def roughness(self) -> Roughness:
+        """What it is like, repeated."""
+        return roughness_of(self.heights, self.grid)
+
+
+@dataclass(frozen=True)
+class MeasuredSurface(BandLimitedSurface):
+    """The trigonometric polynomial through a measured map, which remembers the map."""
+
+    measured: MeasuredMap
+
+    @property
+    def roughness(self) -> Roughness:
+        return self.measured.roughness
+
+    @property
+    def sample(self) -> Roughness:
+        return self.measured.sample
+
+    @property
+    def filled(self) -> float:
+        return self.measured.filled
+
+
+@dataclass(frozen=True, kw_only=True)
+class MapPreparation:
+    """How a map becomes a periodic surface.
+
+    Parameters
+    ----------
+    crop : pair of pair of float, optional
+        Part [from, to] that is taken along y and x (m).
+    detrend : {"mean", "tilt", "curvature"}, optional
+        Least-squares surface that is subtracted.
+    fill : {"none", "harmonic"}, optional
+        Missing heights: refused, or continued from around them.
+    edges : {"periodic", "mirror", "window"}, optional
+        Edges: left as they are, joined to mirror images, or faded to the mean.
+    window_share : float, optional
+        Fraction of each side over which a window fades.
+    resample : tuple of int, optional
+        Points along y and x, by trigonometric interpolation.
+    lowpass : float, optional
+        Shortest wavelength that is kept (m).
+    """
+
+    crop: tuple[tuple[float, float], tuple[float, float]] | None = None
+    detrend: str = "mean"
+    fill: str = "none"
+    edges: str = "periodic"
+    window_share: float = 0.2
+    resample: tuple[int, int] | None = None
+    lowpass: float | None = None
+
+    def prepare(self, path: Path, whole: HeightMap) -> MeasuredMap:
+        """Crop, detrend, fill and join the edges of a map that a file (named in messages) holds.
+
+        Raises
+        ------
+        InputError
+            If the map does not fit what is asked for.
+        """
+        found = self._cropped(path, whole)
+        heights = found.heights
+        missing = float(np.mean(np.isnan(heights)))
+        if missing and self.fill == "none":
+            row, column = np.argwhere(np.isnan(heights))[0]
+            raise InputError(
+                f"surface.path: {100 * missing:.2g} % of the heights in {path} are missing, the first at row {row}, "
+                f'column {column}; surface.fill = "harmonic" fills them, surface.crop leaves them out'
+            )
+        if missing == 1:
+            raise InputError(f"surface.crop: all heights of {path} in it are missing")
+        if self.detrend != "mean":  # the mean is taken at the end, and what fills holes follows any constant
+            heights = preparation.detrended(heights, _DEGREES[self.detrend])
+        heights = preparation.filled(heights, found.spacing)
+        alone, own = heights, Grid(found.shape, found.size)
+        size = found.size
+        if self.edges == "mirror":
+            heights, size = preparation.mirrored(heights), (2 * size[0], 2 * size[1])
+        elif self.edges == "window":
+            heights = preparation.windowed(heights, self.window_share)
+        if self.resample is not None:
+            heights = fourier.interpolate(heights, self.resample)
+        grid = Grid((heights.shape[0], heights.shape[1]), size)
+        if self.lowpass is not None:
+            heights = preparation.lowpassed(heights, grid, self._shortest(grid))
+        heights = heights - heights.mean()
+        heights.setflags(write=False)
+        coarser = 2 * max(grid.spacing) if max(grid.spacing) > max(own.spacing) * (1 + 1e-9) else None
+        sample = roughness_of_sample(alone, own, self.lowpass or coarser)
+        return MeasuredMap(heights, grid, missing, found.unit, sample)
+
+    def _cropped(self, path: Path, found: HeightMap) -> HeightMap:
+        if self.crop is None:
+            return found
+        parts, size = [], []
+        for axis, (low, high), count, step in zip("yx", self.crop, found.shape, found.spacing, strict=True):
+            # A point on a limit is meant, whatever the rounding of its unit.
+            first, last = (int(np.ceil(limit / step - 1e-6)) for limit in (low, high))
+            if last > count:
+                raise InputError(
+                    f"surface.crop: {axis} = {high:g} m lies beyond {path}, which ends at {count * step:g} m"
+                )
+            if last - first < 4:
+                raise InputError(
+                    f"surface.crop: holds {last - first} points of {path} along {axis}; at least 4 are needed"
+                )
+            parts.append(slice(first, last))
+            size.append((last - first) * step)
+        return HeightMap(found.heights[parts[0], parts[1]], (size[0], size[1]), found.unit)
+
+    def _shortest(self, grid: Grid) -> float:
+        assert self.lowpass is not None
+        if self.lowpass > min(grid.size) / 2:
+            raise InputError(
+                f"surface.lowpass = {self.lowpass:g} m: leaves less than two waves on a side of {min(grid.size):g} m"
+            )
+        return self.lowpass
+
+
+def measured_surface(found: MeasuredMap, shape: tuple[int, int] | None) -> MeasuredSurface:
+    """Make the trigonometric polynomial through a map, on a continuum grid of its own or another shape."""
+    native = found.grid.shape
+    return MeasuredSurface(found.grid.size, shape or native, None, fourier.transform(found.heights), native, found)
+
+
+def measured_scales(found: MeasuredMap, shape: tuple[int, int] | None, lowpass: float | None) -> SurfaceScales:
+    """Calculate the scales of a map on a continuum grid of a shape; ``lowpass`` is the shortest wave kept (m)."""
+    grid, heights = found.grid, found.heights
+    coefficients = fourier.transform(heights)
+    lost = None
+    if shape is not None and (shape[0] < grid.shape[0] or shape[1] < grid.shape[1]):
+        lost = _moments(fourier.resize_spectrum(coefficients, grid.shape, shape), Grid(shape, grid.size))
+    height, slope = _moments(coefficients, grid)
+    power = grid.variances(coefficients)
+    spectrum = spectrum_of_waves(grid.wavenumber.reshape(-1)[1:], power.reshape(-1)[1:])
+    return SurfaceScales(
+        grid.size,
+        shape or grid.shape,
+        height,
+        slope,
+        float(np.ptp(heights)),
+        max(2 * max(grid.spacing), lowpass or 0.0),
+        spectrum,
+        lost,
+        found.roughness,
+        found.sample,
+        found.unit,
+        found.filled,
+    )
+
+
+def _moments(coefficients: np.ndarray, grid: Grid) -> tuple[float, float]:
+    """Rms height (m) and rms slope of a trigonometric polynomial, its mean apart."""
+    power = grid.variances(coefficients)
+    return float(np.sqrt(power.sum())), float(np.sqrt(np.sum(grid.wavenumber**2 * power)))

@@ -1,0 +1,242 @@
+"""The section ``[elasticity]`` of a study file: the keys of each solid, and the solid that they make."""
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+from contact_study.errors import InputError
+from contact_study.physics.solids import Elasticity, HalfSpace, Layer, Layered, Measured, Viscoelastic
+from contact_study.physics.solids.half_space import indentation_modulus, stiffnesses
+from contact_study.study.schema.keys import TaggedUnion, choice, key, quantity, sequence, text
+from contact_study.study.schema.sections import MaterialSection
+
+
+@dataclass(frozen=True, kw_only=True)
+class ElasticitySection(ABC):
+    """The solid that the block is made of; its constants are those of ``[material]``.
+
+    A kind declares its own keys as fields.
+
+    Attributes
+    ----------
+    words : str
+        The solid in a sentence, before its constants; a name in braces is replaced by the values of that key.
+    may_be_free : bool
+        Whether its surface may go on beyond the rigid one instead of being repeated with it.
+    makes : type or None
+        Class whose objects a Python study may give in place of these keys.
+    """
+
+    words: ClassVar[str]
+    may_be_free: ClassVar[bool] = False
+    makes: ClassVar[type[Elasticity] | None] = None
+
+    kind: str = key(text(), "what solid the block is", "half_space")
+    boundary: str = key(
+        choice("periodic", "free"),
+        "whether surface and block are repeated, or the surface ends with its cell and the block goes on (continuum)",
+        "periodic",
+    )
+
+    def __post_init__(self) -> None:
+        if self.boundary == "free" and not self.may_be_free:
+            raise InputError(
+                f'elasticity.boundary = "free": known of kind = "half_space" and "transversely_isotropic" only, not of '
+                f'"{self.kind}"; use boundary = "periodic"'
+            )
+
+    @abstractmethod
+    def solid(self, material: MaterialSection) -> Elasticity:
+        """Make the solid of a material."""
+
+    @classmethod
+    def keys_from(cls, solid: Any, poissons_ratio: float) -> dict[str, Any]:
+        """Return the keys, without the kind, that make a solid of class ``makes``: the inverse of :meth:`solid`."""
+        return {}
+
+
+@dataclass(frozen=True, kw_only=True)
+class HalfSpaceSection(ElasticitySection):
+    """The default, which needs no key."""
+
+    words = ""
+    may_be_free = True
+    makes = HalfSpace
+
+    def solid(self, material: MaterialSection) -> HalfSpace:
+        return HalfSpace(material.contact_modulus)
+
+
+@dataclass(frozen=True, kw_only=True)
+class LayerSection(ElasticitySection):
+    """A layer of the material on a rigid base."""
+
+    words = "a layer of thickness {thickness} bonded to a rigid base, "
+    makes: ClassVar[type[Elasticity] | None] = Layer
+
+    thickness: float = key(quantity("m", positive=True), "thickness of the layer")
+
+    def solid(self, material: MaterialSection) -> Elasticity:
+        return Layer(material.contact_modulus, material.poissons_ratio, self.thickness)
+
+    @classmethod
+    def keys_from(cls, solid: Any, poissons_ratio: float) -> dict[str, Any]:
+        return {"thickness": solid.thickness}
+
+
+@dataclass(frozen=True, kw_only=True)
+class LayeredSection(LayerSection):
+    """A layer of the material on a half-space of another."""
+
+    words = (
+        "a layer of thickness {thickness} bonded to a half-space of modulus {base_youngs_modulus} and Poisson's ratio "
+        "{base_poissons_ratio}, "
+    )
+    makes = Layered
+
+    base_youngs_modulus: float = key(quantity("Pa", positive=True), "Young's modulus of the half-space under the layer")
+    base_poissons_ratio: float = key(
+        quantity("1", minimum=-0.999, maximum=0.5), "Poisson's ratio of the half-space under the layer"
+    )
+
+    def solid(self, material: MaterialSection) -> Layered:
+        return Layered(
+            material.contact_modulus,
+            material.poissons_ratio,
+            self.thickness,
+            self.base_youngs_modulus / (1 - self.base_poissons_ratio**2),
+            self.base_poissons_ratio,
+        )
+
+    @classmethod
+    def keys_from(cls, solid: Any, poissons_ratio: float) -> dict[str, Any]:
+        return {
+            "thickness": solid.thickness,
+            "base_youngs_modulus": solid.base_modulus * (1 - solid.base_poissons_ratio**2),
+            "base_poissons_ratio": solid.base_poissons_ratio,
+        }
+
+
+@dataclass(frozen=True, kw_only=True)
+class TransverselyIsotropicSection(ElasticitySection):
+    """A half-space stiffer or softer along its normal; the material's E and ν are those in the plane."""
+
+    words = (
+        "transversely isotropic, along the normal E = {axial_modulus}, ν = {axial_poissons_ratio}, shear modulus "
+        "{axial_shear_modulus}, in the plane "
+    )
+    may_be_free = True
+
+    axial_modulus: float = key(quantity("Pa", positive=True), "Young's modulus along the normal of the surface")
+    axial_poissons_ratio: float = key(
+        quantity("1", minimum=-2.0, maximum=2.0), "contraction in the plane over extension along the normal"
+    )
+    axial_shear_modulus: float = key(quantity("Pa", positive=True), "shear modulus between plane and normal")
+
+    def solid(self, material: MaterialSection) -> HalfSpace:
+        try:
+            known = stiffnesses(
+                material.youngs_modulus, material.poissons_ratio, self.axial_modulus, self.axial_poissons_ratio
+            )
+        except ValueError as error:
+            raise InputError(
+                f"elasticity.axial_poissons_ratio = {self.axial_poissons_ratio:g}: no solid has it beside these "
+                f"moduli, {error}"
+            ) from None
+        return HalfSpace(indentation_modulus(*known, self.axial_shear_modulus))
+
+
+@dataclass(frozen=True, kw_only=True)
+class MeasuredSection(ElasticitySection):
+    """Keys of a table, from a file whose numbers it becomes when the study is read.
+
+    Attributes
+    ----------
+    columns : mapping
+        Of the file, see :func:`~contact_study.study.reading.tables.with_columns`.
+    """
+
+    words = "of tabulated stiffness K(q), quoted by "
+    makes = Measured
+    columns: ClassVar[dict[str, tuple[str, str, str]]] = {
+        "wavenumber": ("wavenumber_unit", "m^-1", "m^-1"),
+        "stiffness": ("stiffness_unit", "Pa/m", "Pa/m"),
+    }
+
+    path: str | None = key(text(), "text table of wavenumber and stiffness K, relative to the study file", None)
+    wavenumber_unit: str = key(text(), "unit of the wavenumbers in that table", "m^-1")
+    stiffness_unit: str = key(text(), "unit of the stiffnesses in that table", "Pa/m")
+    wavenumber: tuple[float, ...] | None = key(
+        sequence(quantity("m^-1", positive=True)), "wavenumbers of the table, in place of path", None
+    )
+    stiffness: tuple[float, ...] | None = key(
+        sequence(quantity("Pa/m", positive=True)), "stiffnesses at these wavenumbers, in place of path", None
+    )
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.path is not None:
+            raise InputError("elasticity.path: one table a study; it cannot be swept or overridden")
+        if self.wavenumber is None or self.stiffness is None:
+            raise InputError(
+                f'missing key elasticity.path: kind = "{self.kind}" needs a table, or elasticity.wavenumber and '
+                "stiffness"
+            )
+
+    def solid(self, material: MaterialSection) -> Measured:
+        assert self.wavenumber is not None  # just checked, both
+        assert self.stiffness is not None
+        try:
+            return Measured(material.contact_modulus, self.wavenumber, self.stiffness)
+        except ValueError as error:
+            raise InputError(f"elasticity: the table of the stiffness {error}") from None
+
+    @classmethod
+    def keys_from(cls, solid: Any, poissons_ratio: float) -> dict[str, Any]:
+        return {"wavenumber": solid.wavenumbers, "stiffness": solid.stiffnesses}
+
+
+@dataclass(frozen=True, kw_only=True)
+class ViscoelasticSection(ElasticitySection):
+    """A half-space with the material's E after all time, and branches that relax."""
+
+    words = "relaxing from branches of moduli {branch_youngs_moduli} in times {relaxation_times}, "
+    makes = Viscoelastic
+
+    branch_youngs_moduli: tuple[float, ...] = key(
+        sequence(quantity("Pa", positive=True)), "Young's moduli E_i of the branches, beside material.youngs_modulus"
+    )
+    relaxation_times: tuple[float, ...] = key(
+        sequence(quantity("s", positive=True)), "times τ_i in which the branches relax, one for each"
+    )
+
+    def solid(self, material: MaterialSection) -> Viscoelastic:
+        if len(self.branch_youngs_moduli) != len(self.relaxation_times):
+            raise InputError(
+                f"elasticity: {len(self.branch_youngs_moduli)} branch_youngs_moduli and {len(self.relaxation_times)} "
+                "relaxation_times; give one of each for every branch"
+            )
+        plane_strain = 1 - material.poissons_ratio**2
+        moduli = tuple(modulus / plane_strain for modulus in self.branch_youngs_moduli)
+        try:
+            return Viscoelastic(material.contact_modulus, moduli, self.relaxation_times)
+        except ValueError as error:
+            raise InputError(f"elasticity: {error}") from None
+
+    @classmethod
+    def keys_from(cls, solid: Any, poissons_ratio: float) -> dict[str, Any]:
+        moduli = [modulus * (1 - poissons_ratio**2) for modulus in solid.branch_moduli]
+        return {"branch_youngs_moduli": moduli, "relaxation_times": solid.relaxation_times}
+
+
+ELASTICITIES = TaggedUnion(
+    "kind",
+    {
+        "half_space": HalfSpaceSection,
+        "layer": LayerSection,
+        "layered": LayeredSection,
+        "transversely_isotropic": TransverselyIsotropicSection,
+        "tabulated": MeasuredSection,
+        "viscoelastic": ViscoelasticSection,
+    },
+)

@@ -1,0 +1,368 @@
+"""The section ``[surface]`` of a study file: the keys of each kind, its heights and its scales."""
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass, fields
+from functools import cached_property, lru_cache
+from pathlib import Path
+from typing import ClassVar
+
+import numpy as np
+
+from contact_study.errors import InputError
+from contact_study.physics.height_maps.height_map import read_height_map
+from contact_study.physics.roughness.spectrum import SelfAffineSpectrum
+from contact_study.physics.roughness.tabulated_spectrum import TabulatedSpectrum
+from contact_study.physics.surfaces.gaussian import gaussian_peak_to_valley, gaussian_scales, gaussian_surface
+from contact_study.physics.surfaces.measured import (
+    MapPreparation,
+    MeasuredMap,
+    MeasuredSurface,
+    measured_scales,
+    measured_surface,
+)
+from contact_study.physics.surfaces.scales import SurfaceScales
+from contact_study.physics.surfaces.shapes import Paraboloid, paraboloid_scales, wavy_scales, wavy_surface
+from contact_study.physics.surfaces.surface import BandLimitedSurface, Surface
+from contact_study.study.schema.keys import TaggedUnion, choice, integer, key, name_or_number, pair, quantity, text
+
+_SIZE = pair(quantity("m", positive=True), broadcast=True)
+_SHAPE = pair(integer(minimum=4, maximum=2**31 - 1))
+
+
+@dataclass(frozen=True, kw_only=True)
+class SurfaceSection(ABC):
+    """The rigid rough surface; heights point toward the block.
+
+    A kind declares its own keys as fields and checks them in ``__post_init__``.
+
+    Attributes
+    ----------
+    words : str
+        The surface in a sentence; a name in braces is replaced by the values of that key, ``{size}`` by the size of
+        the cell. A key that holds a word has its own words in ``phrases``.
+    height_key : str
+        The key to look at when the heights make no sense.
+    rough : bool
+        Whether it has any height.
+    periodic : bool
+        Whether heights and slopes go on over the edge of the cell, so that its spectrum is that of a roughness.
+    absent : bool
+        Whether the study has a roughness spectrum only, for theories.
+    """
+
+    words: ClassVar[str]
+    phrases: ClassVar[dict[str, str]] = {}
+    height_key: ClassVar[str]
+    rough: ClassVar[bool] = True
+    periodic: ClassVar[bool] = True
+    absent: ClassVar[bool] = False
+
+    kind: str = key(text(), "geometry of the rigid surface")
+    size: tuple[float, float] | None = key(_SIZE, "lateral periods (a height map may bring its own)", None)
+    shape: tuple[int, int] | None = key(_SHAPE, "points of the continuum grid (a height map may bring its own)", None)
+
+    @abstractmethod
+    def realise(self, directory: Path) -> Surface:
+        """The heights.
+
+        Parameters
+        ----------
+        directory : pathlib.Path
+            Where relative paths of the study start.
+
+        Raises
+        ------
+        InputError
+            If a height map cannot be read or used.
+        """
+
+    @abstractmethod
+    def scales(self, directory: Path) -> SurfaceScales:
+        """What the study alone says of heights and slopes; parameters and errors as :meth:`realise`."""
+
+    @property
+    def stated_cell(self) -> tuple[float, float] | None:
+        """Periods along y and x (m) as far as the study alone tells them."""
+        return self.size
+
+    def cell(self, directory: Path) -> tuple[float, float] | None:
+        """Periods along y and x (m), None if they are not known; parameters and errors as :meth:`realise`."""
+        return self.stated_cell
+
+    @property
+    def map_path(self) -> str | None:
+        """File of the heights as the study writes it; None for a surface that needs none."""
+        return None
+
+    @property
+    def target_spectrum(self) -> SelfAffineSpectrum | None:
+        """The spectrum that a random surface is a sample of."""
+        return None
+
+    @property
+    def realisation(self) -> int | None:
+        """Seed of a random surface."""
+        return None
+
+
+@dataclass(frozen=True, kw_only=True)
+class CellSection(SurfaceSection):
+    """A surface made on a cell that the study must give."""
+
+    size: tuple[float, float] = key(_SIZE, "lateral periods (a height map may bring its own)")
+    shape: tuple[int, int] = key(_SHAPE, "points of the continuum grid (a height map may bring its own)")
+
+
+@dataclass(frozen=True, kw_only=True)
+class SelfAffine(CellSection):
+    """A random surface; its modes count waves on the longest side."""
+
+    words = (
+        "rigid, periodic, randomly rough, {size}: self-affine with Hurst exponent {hurst_exponent} between "
+        "{roll_off_mode:or} and {cutoff_mode:or} times 2π/L, flat spectrum from {low_mode:or} to {roll_off_mode:or} "
+        "times 2π/L, h_rms = {rms_height} ({normalisation})"
+    )
+    phrases = {"realised": "each sample exactly", "spectrum": "in the mean over samples"}  # noqa: RUF012
+    height_key = "surface.rms_height"
+
+    hurst_exponent: float = key(quantity("1", minimum=0.0, maximum=1.0), "Hurst exponent H", 0.8)
+    rms_height: float = key(quantity("m", positive=True), "root-mean-square roughness")
+    low_mode: float = key(quantity("1", positive=True), "q_L in units of 2π over the longest side of size", 1.0)
+    roll_off_mode: float = key(quantity("1", positive=True), "q_0 in units of 2π over the longest side of size", 1.0)
+    cutoff_mode: float = key(quantity("1", positive=True), "q_1 in units of 2π over the longest side of size")
+    seed: int = key(integer(minimum=0), "random realisation", 1)
+    normalisation: str = key(
+        choice("spectrum", "realised"),
+        "rms_height is that of the ensemble (spectrum) or of each sample exactly (realised)",
+        "spectrum",
+    )
+
+    def __post_init__(self):
+        if not self.low_mode <= self.roll_off_mode <= self.cutoff_mode or self.low_mode == self.cutoff_mode:
+            raise InputError(
+                f"surface.low_mode = {self.low_mode:g}, roll_off_mode = {self.roll_off_mode:g}, "
+                f"cutoff_mode = {self.cutoff_mode:g}: must not decrease, and the last must exceed the first"
+            )
+        # Modes count waves on the longest side; every axis must resolve that wavevector below its Nyquist mode.
+        longest = max(self.size)
+        for points, size in zip(self.shape, self.size, strict=True):
+            highest = self.cutoff_mode * size / longest
+            if 2 * highest >= points:
+                raise InputError(
+                    f"surface.cutoff_mode = {self.cutoff_mode:g}: beyond what surface.shape = {list(self.shape)} can "
+                    f"carry; use more than {int(2 * highest)} points or a smaller mode"
+                )
+
+    @cached_property
+    def target_spectrum(self) -> SelfAffineSpectrum:
+        unit = 2 * np.pi / max(self.size)
+        return SelfAffineSpectrum(
+            self.hurst_exponent,
+            self.rms_height,
+            self.low_mode * unit,
+            self.roll_off_mode * unit,
+            self.cutoff_mode * unit,
+        )
+
+    @property
+    def realisation(self) -> int:
+        return self.seed
+
+    def realise(self, directory: Path) -> Surface:
+        exact = self.normalisation == "realised"
+        return gaussian_surface(self.target_spectrum, self.size, self.shape, self.seed, exact)
+
+    def scales(self, directory: Path) -> SurfaceScales:
+        return gaussian_scales(self.target_spectrum, self.size, self.shape)
+
+
+@dataclass(frozen=True, kw_only=True)
+class MapFile(SurfaceSection):
+    """The trigonometric polynomial through the heights of a map, less their mean."""
+
+    words = "rigid, periodic, height map {path} less its {detrend}, edges {edges}, {size}"
+    phrases = {  # noqa: RUF012
+        "tilt": "mean plane",
+        "curvature": "surface of second order",
+        "periodic": "as they are",
+        "mirror": "joined to mirror images",
+        "window": "faded to the mean",
+    }
+    height_key = "surface.height_unit"
+
+    path: str = key(
+        text(),
+        "height map: NetCDF, npy, npz, text, xyz, ESRI or WSxM ASCII, or an instrument's (extra instruments), relative "
+        "to the study file",
+    )
+    channel: str | int | None = key(
+        name_or_number(), "name or number, from 0, of the map in a file that holds several", None
+    )
+    height_unit: str | None = key(text(), "unit of the map's heights where its file does not say, default m", None)
+    lateral_unit: str | None = key(
+        text(), "unit of the map's x and y or cell size where its file does not say, default m", None
+    )
+    crop: tuple[tuple[float, float], tuple[float, float]] | None = key(
+        pair(pair(quantity("m", minimum=0.0), names="[from, to]")), "part of the map that is taken", None
+    )
+    detrend: str = key(
+        choice("mean", "tilt", "curvature"),
+        "what is subtracted by least squares: the mean, the mean plane, or a surface of second order",
+        "mean",
+    )
+    fill: str = key(choice("none", "harmonic"), "missing heights: refused, or continued from around them", "none")
+    edges: str = key(
+        choice("periodic", "mirror", "window"),
+        "edges that do not meet: left as they are, joined to mirror images (twice the sides), or faded to the mean",
+        "periodic",
+    )
+    window_share: float = key(
+        quantity("1", positive=True, maximum=1.0), 'share of each side over which edges = "window" fades them', 0.2
+    )
+    resample: tuple[int, int] | None = key(
+        pair(integer(minimum=4, maximum=2**31 - 1)),
+        "points of the map for all models, by trigonometric interpolation",
+        None,
+    )
+    lowpass: float | None = key(quantity("m", positive=True), "shortest wavelength that is kept", None)
+
+    def __post_init__(self):
+        if self.crop is not None and any(low >= high for low, high in self.crop):
+            raise InputError(f"surface.crop = {[list(side) for side in self.crop]}: each [from, to] must increase")
+
+    @property
+    def map_path(self) -> str:
+        return self.path
+
+    @property
+    def stated_cell(self) -> tuple[float, float] | None:
+        # The file, if it says a size, says the same.
+        return self.size if self.crop is None and self.edges != "mirror" else None
+
+    def cell(self, directory: Path) -> tuple[float, float]:
+        return self.stated_cell or self.measured(directory).grid.size
+
+    def realise(self, directory: Path) -> MeasuredSurface:
+        return measured_surface(self.measured(directory), self.shape)
+
+    def scales(self, directory: Path) -> SurfaceScales:
+        return measured_scales(self.measured(directory), self.shape, self.lowpass)
+
+    def measured(self, directory: Path) -> MeasuredMap:
+        """The map, made ready; errors as :meth:`realise`."""
+        path = directory / self.path
+        state = path.stat() if path.is_file() else None
+        return _measured(self, path, (state.st_mtime_ns, state.st_size) if state else None)
+
+
+@lru_cache(maxsize=2)
+def _measured(section: MapFile, path: Path, state: tuple[int, int] | None) -> MeasuredMap:
+    """Read and prepare a map once for the realisation and the scales; ``state`` identifies the file's content."""
+    whole = read_height_map(path, section.height_unit, section.size, section.channel, section.lateral_unit)
+    how = MapPreparation(**{field.name: getattr(section, field.name) for field in fields(MapPreparation)})
+    return how.prepare(path, whole)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Sphere(CellSection):
+    """A paraboloid in the middle of the cell; its slope jumps at the cell's edge."""
+
+    words = "a rigid sphere of radius {radius}, {size}"
+    height_key = "surface.radius"
+    periodic = False
+
+    radius: float = key(quantity("m", positive=True), "radius of curvature of the apex")
+
+    def realise(self, directory: Path) -> Surface:
+        return Paraboloid(self.size, self.shape, None, self.radius)
+
+    def scales(self, directory: Path) -> SurfaceScales:
+        return paraboloid_scales(self.radius, self.size, self.shape)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Wavy(CellSection):
+    """h = amplitude · cos(2π m_y y/L_y) · cos(2π m_x x/L_x); a mode 0 leaves that axis flat."""
+
+    words = "a rigid wavy surface of amplitude {amplitude}, modes {modes}, {size}"
+    height_key = "surface.amplitude"
+
+    amplitude: float = key(quantity("m", positive=True), "h = amplitude·cos·cos")
+    modes: tuple[int, int] = key(pair(integer(minimum=0, maximum=2**31 - 1)), "waves along y and x", (1, 1))
+
+    def __post_init__(self):
+        if self.modes == (0, 0):
+            raise InputError("surface.modes = [0, 0]: make no wave; at least one must be positive")
+        for axis, mode, points in zip("yx", self.modes, self.shape, strict=True):
+            if 2 * mode >= points:
+                raise InputError(
+                    f"surface.modes = {list(self.modes)}: {mode} waves along {axis} are beyond what "
+                    f"surface.shape = {list(self.shape)} can carry; use more than {2 * mode} points along {axis} or "
+                    "a smaller mode"
+                )
+
+    def realise(self, directory: Path) -> Surface:
+        return wavy_surface(self.amplitude, self.modes, self.size, self.shape)
+
+    def scales(self, directory: Path) -> SurfaceScales:
+        return wavy_scales(self.amplitude, self.modes, self.size, self.shape)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Flat(CellSection):
+    """h = 0."""
+
+    words = "rigid and flat, {size}"
+    height_key = "surface.size"
+    rough = False
+
+    def realise(self, directory: Path) -> Surface:
+        return BandLimitedSurface(self.size, self.shape, None, np.zeros((1, 1), complex), (1, 1))
+
+    def scales(self, directory: Path) -> SurfaceScales:
+        return SurfaceScales(self.size, self.shape, 0.0, 0.0, 0.0, float("inf"))
+
+
+@dataclass(frozen=True)
+class SpectrumOnly(Surface):
+    """A spectrum in place of heights; its cell holds the longest wave once and its grid carries the shortest."""
+
+    def heights(self, shape: tuple[int, int]) -> np.ndarray:
+        """Raise InputError: there are none."""
+        raise InputError("missing key surface.kind: the study has a roughness spectrum only, no surface")
+
+
+@dataclass(frozen=True, kw_only=True)
+class AbsentSurface(SurfaceSection):
+    """What a study without ``[surface]`` has, whose theories take the spectrum of ``[theory]``."""
+
+    words = "no surface: a roughness spectrum"
+    height_key = "theory.density"
+    periodic = False
+    absent = True
+
+    kind: str = key(text(), "geometry of the rigid surface", "none")
+    wavevectors: tuple[float, ...]
+    density: tuple[float, ...]
+
+    @cached_property
+    def table(self) -> TabulatedSpectrum:
+        """C(q)."""
+        return TabulatedSpectrum(np.array(self.wavevectors), np.array(self.density))
+
+    def realise(self, directory: Path) -> SpectrumOnly:
+        scales = self.scales(directory)
+        return SpectrumOnly(scales.size, scales.shape, None)
+
+    def scales(self, directory: Path) -> SurfaceScales:
+        longest, shortest = (2 * np.pi / q for q in self.table.limits)
+        height, slope = float(np.sqrt(self.table.mean_square_height)), self.table.rms_slope
+        points = 2 * int(np.ceil(longest / shortest)) + 2
+        peak = gaussian_peak_to_valley(height, slope, longest**2)
+        return SurfaceScales((longest, longest), (points, points), height, slope, peak, shortest, self.table)
+
+
+SURFACES = TaggedUnion(
+    "kind",
+    {"self_affine": SelfAffine, "file": MapFile, "sphere": Sphere, "wavy": Wavy, "flat": Flat},
+)
