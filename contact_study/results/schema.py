@@ -97,6 +97,9 @@ VARIABLES: dict[str, Variable] = {
         "mean of the local pressures, compression positive, gap flow and edge flow; its difference to the mean "
         "pressure is the edge flow's own error, the gap flow's resolution",
     ),
+    "stress_balance": Variable(
+        "1", "mean of the stress distribution over the mean pressure, gap flow and edge flow; exact: 1"
+    ),
     "resolved": Variable(
         "1", "whether the estimated errors of the resolution are within theory.accuracy", kind="flag", attrs=FLAG
     ),
