@@ -1,16 +1,20 @@
-"""Contact of an elastic solid with a rigid rough solid that neither adheres nor gives way.
+"""Contact of an elastic solid with a rigid rough surface without adhesion.
 
 Pressure and gap satisfy the Signorini conditions, gap >= 0, pressure >= 0, gap × pressure = 0, at every point of the
-grid, for a given mean pressure, mean gap or approach. The algorithm is in :mod:`bem_adhesion.hard_wall.active_set`.
+grid, for a given mean pressure, mean gap or approach. The algorithm is in :mod:`bem_adhesion.hard_wall.active_set`; gap
+and approach are found as the pressure that leads to them.
 """
 
+from collections.abc import Callable
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
+from scipy.optimize import brentq
 
 from bem_adhesion.arguments import check_arguments
+from bem_adhesion.hard_wall.options import HardWallOptions
 from bem_adhesion.hard_wall.pressure_controlled import PressureControlledWall
-from bem_adhesion.hard_wall.pressure_search import find_pressure
 from bem_adhesion.operators.trace import Trace
 from bem_adhesion.solution import Outcome, Solution
 from contact_study.numerics.arguments import step_arguments
@@ -18,51 +22,99 @@ from contact_study.numerics.exclusive import in_turn
 from contact_study.numerics.grid import Grid
 from contact_study.physics.solids import Elasticity, elasticity_of
 
-LARGEST_SHARE = 1 - 1e-9
-"""Share of the hardness up to which a pressure is looked for: no point of a grid is open then."""
 
-FIRST_SHARE = 1e-3
-"""Share of what would hold an approach without a gap that closes: a pressure to look from."""
+def find_pressure(
+    press: Callable[[np.ndarray, float], Solution],
+    state: np.ndarray,
+    excess: Callable[[Solution], float],
+    tolerance: float,
+    first: float,
+    most: float,
+    stride: float = 2.0,
+) -> Solution:
+    """Find the state at the pressure at which an excess distance, which falls with the pressure, vanishes.
 
-AT_HARDNESS = 1e-8
-"""Share of the hardness by which one of many points that yield may miss it, its mean over them found to rounding."""
+    Parameters
+    ----------
+    press : callable
+        Solves from a state at a mean pressure (Pa).
+    state : numpy.ndarray
+        State to start from.
+    excess : callable
+        Excess distance of the surfaces of a solution (m).
+    tolerance : float
+        Excess that counts as zero (m).
+    first, most : float
+        First and largest pressure (Pa); the largest may be infinite.
+    stride : float, optional
+        Step in the logarithm of the pressure, until the root is between two pressures.
+
+    Returns
+    -------
+    Solution
+        The state; that at the largest pressure if the excess is positive even there.
+    """
+    start = state
+    latest: tuple[float, Solution] | None = None
+
+    def at(log_pressure: float) -> Solution:
+        nonlocal start, latest
+        found = press(start, float(np.exp(log_pressure)))
+        start, latest = found.state, (log_pressure, found)
+        return found
+
+    @cache
+    def left(log_pressure: float) -> float:
+        away = excess(at(log_pressure))
+        return away if abs(away) > tolerance else 0.0
+
+    top = float(np.log(most))
+    low = high = min(float(np.log(first)), top)
+    while left(low) < 0:
+        low, high = low - stride, low
+    while left(high) > 0 and high < top:
+        low, high = high, min(high + stride, top)
+    root = high if left(high) >= 0 else brentq(left, low, high, xtol=1e-15, rtol=1e-14)
+    return latest[1] if latest and latest[0] == root else at(root)
 
 
 class HardWallContact(PressureControlledWall):
-    """One rough surface against an elastic solid, to be solved at any number of loads.
+    """One rough surface against an elastic solid, for any number of loads.
 
     Parameters
     ----------
     height : numpy.ndarray, shape grid.shape
-        Heights of the rigid surface, toward the block (m); their mean is of no consequence. Minus infinity is a point
-        without a surface, see :class:`~bem_adhesion.contacts.free_boundary.FreeBoundaryContact`.
+        Heights of the rigid surface, toward the elastic solid (m); their mean does not matter. Minus infinity marks
+        points without a surface, see :class:`~bem_adhesion.contacts.free_boundary.FreeBoundaryContact`.
     grid : Grid
         The periodic grid; any shape. Shapes that can be halved converge in half the time.
     elasticity : Elasticity or float
         The solid; a number is the contact modulus E* = E / (1 − ν²) of a half-space (Pa).
     control : {"pressure", "gap", "approach"}
-        What a step prescribes.
+        Quantity that a step prescribes.
     tolerance : float, optional
         Largest gap inside the contact and largest penetration outside, in units of the rms height, for a nearly flat
         punch with free boundaries of a thousandth of its displacement; under control of the gap or the approach also
         its largest error.
     max_iterations : int, optional
-        Limit of active-set iterations on each grid.
+        Largest number of active-set iterations on each grid.
     threads : int, optional
         Threads of the transforms.
     hardness : float, optional
-        Largest pressure (Pa): points that carry it give way, see
-        :class:`~bem_adhesion.contacts.plastic.PlasticContact`, which keeps what they gave way by.
+        Largest pressure (Pa), at which points yield; :class:`~bem_adhesion.contacts.plastic.PlasticContact` keeps the
+        indentation.
     unit : float, optional
-        Length that the tolerance is in units of, in place of the rms height (m): that of a surface before it yielded.
+        Unit of the tolerance in place of the rms height (m): that of a surface before it yielded.
     trace : Trace, optional
         Receiver of progress while a step is solved.
+    options : HardWallOptions, optional
+        Constants of the solver.
 
     Raises
     ------
     ValueError
-        If a height is not finite, the shapes differ, the modulus, the tolerance or the hardness is not positive, or
-        ``control`` is unknown or not known of the solid.
+        If a height is not finite, the shapes differ, the modulus, the tolerance or the hardness is not positive, or the
+        solid does not support ``control``.
     """
 
     def __init__(
@@ -77,32 +129,32 @@ class HardWallContact(PressureControlledWall):
         hardness: float | None = None,
         unit: float | None = None,
         trace: Trace | None = None,
+        options: HardWallOptions | None = None,
     ):
         solid = elasticity_of(elasticity)
         heights = np.where(np.isneginf(height), 0.0, height)
         check_arguments(heights, grid, control, tolerance, max_iterations, solid)
-        super().__init__(height, grid, solid, tolerance, max_iterations, threads, hardness, unit, trace)
+        super().__init__(height, grid, solid, tolerance, max_iterations, threads, hardness, unit, trace, options)
         self.control = control
 
     @in_turn
     def step(self, state: np.ndarray | Solution, target: float) -> Solution:
-        """The contact at a load. It is unique: the state to start from is a matter of work alone.
+        """Find the contact at a load. It is unique: the state to start from only changes the work.
 
         Parameters
         ----------
         state : numpy.ndarray, shape grid.shape, or Solution
-            The solution of a similar contact, its ``state``, or :meth:`separated`: a pressure (Pa). It is the start,
-            in place of the coarser grids, where its mean is near to the one asked for.
+            The solution of a similar contact, its ``state``, or :meth:`separated`: a pressure (Pa). It replaces the
+            coarser grids as the start where its mean is near the target.
         target : float
-            Mean pressure, >= 0 (Pa), mean gap, >= 0 (m), or approach (m), as ``control`` says: how far the solid has
-            come beyond the place where, undeformed, its surface touches the highest point. Above the gap of first
-            touch, or at an approach up to zero, there is no contact; at a gap of zero the pressure is the least of full
-            contact.
+            Mean pressure, >= 0 (Pa), mean gap, >= 0 (m), or approach (m), as for :meth:`Contact.step`. Above the gap of
+            first touch, or at an approach up to zero, there is no contact; at a gap of zero the pressure is the least
+            of full contact.
 
         Returns
         -------
         Solution
-            ``residual`` is what ``tolerance`` bounds. Contact is where the pressure is positive; the gap there is zero.
+            ``tolerance`` bounds ``residual``. The pressure is positive in contact; the gap there is zero.
 
         Raises
         ------
@@ -122,13 +174,13 @@ class HardWallContact(PressureControlledWall):
         if target < 0:
             raise ValueError(f"target = {target:g}: a hard wall without adhesion has no negative mean {self.control}")
         if self.control == "pressure" and target >= self._share * self.hardness:
-            asked = target / self._share  # of free boundaries on the surface alone
+            asked = target / self._share  # with free boundaries on the surface alone
             raise ValueError(f"target = {asked:g}: no state carries the hardness, {self.hardness:g} Pa, or more")
         if self.control == "gap" and target == 0 and np.isfinite(self.hardness):
             raise ValueError("target = 0: with a hardness surfaces close at no one pressure; give a gap above zero")
 
     def _at_gap(self, state: np.ndarray, mean_gap: float) -> Solution:
-        """Found as the pressure that leaves that gap."""
+        """Find the pressure that leaves that gap."""
         if self._flat or mean_gap >= self._height.max() - self._mean_height:
             return self._apart(self._mean_height + mean_gap)
         least_full = self._least_full_contact_pressure()
@@ -138,16 +190,16 @@ class HardWallContact(PressureControlledWall):
         def excess(found: Solution) -> float:
             return float(found.gap.mean()) - mean_gap
 
-        most = min(least_full, LARGEST_SHARE * self.hardness)
-        # Contact dies about exponentially with the gap, on the scale of the rms height.
+        most = min(least_full, self.options.largest_share * self.hardness)
+        # Contact falls about exponentially with the gap, on the scale of the rms height.
         first = most * np.exp(-mean_gap / self._unit)
-        found = find_pressure(self._at_pressure, state, excess, self.tolerance * self._unit, first, most)
-        # What has yielded has no gap.
+        found = self._search(state, excess, self.tolerance * self._unit, first, most)
+        # Points that have yielded have no gap.
         moving = float(np.mean(found.pressure <= 0.5 * self.hardness))
-        return self._where_wanted(found, excess(found), self._unit, moving)
+        return self._correct_position(found, excess(found), self._unit, moving)
 
     def _at_approach(self, state: np.ndarray, approach: float) -> Solution:
-        """Found as the pressure that brings it about."""
+        """Find the pressure that leads to that approach."""
         highest = float(self._height.max())
         plane = highest - approach
         if approach <= self._rounding:
@@ -157,30 +209,35 @@ class HardWallContact(PressureControlledWall):
         def excess(found: Solution) -> float:
             return float(found.displacement.mean()) - float(found.pressure.mean()) / stiffness - plane
 
-        first = float(state.mean()) or FIRST_SHARE * stiffness * approach
+        first = float(state.mean()) or self.options.first_share * stiffness * approach
         uniform = stiffness * (self._mean_height - plane)
         if self._flat or (self._bounded and uniform >= self._least_full_contact_pressure()):
             first = uniform  # of full contact
         unit = self._unit_at(approach) or approach
-        # Of small approaches their share: near first touch the surface is known to rounding.
+        # A share of small approaches: near first touch the surface is known to rounding.
         tolerance = self.tolerance * min(unit, approach)
-        most = LARGEST_SHARE * self._share * self.hardness
-        found = find_pressure(self._at_pressure, state, excess, tolerance, first, most)
-        return self._where_wanted(found, excess(found), unit)
+        most = self.options.largest_share * self._share * self.hardness
+        found = self._search(state, excess, tolerance, first, most)
+        return self._correct_position(found, excess(found), unit)
 
-    def _where_wanted(self, found: Solution, excess: float, unit: float, moving: float = 1.0) -> Solution:
-        """What was found, or where the pressure stands still while surfaces come nearer the state between.
+    def _search(
+        self, state: np.ndarray, excess: Callable[[Solution], float], tolerance: float, first: float, most: float
+    ) -> Solution:
+        return find_pressure(self._at_pressure, state, excess, tolerance, first, most, self.options.stride)
+
+    def _correct_position(self, found: Solution, excess: float, unit: float, moving: float = 1.0) -> Solution:
+        """Return the solution, or the state between two where surfaces approach at the same pressure.
 
         Parameters
         ----------
         found : Solution
-            At the pressure in question.
+            Solution at the pressure that was found.
         excess : float
-            By how much its surfaces are too far apart (m).
+            Excess distance of its surfaces (m).
         unit : float
-            What that is measured in (m).
+            Unit of the tolerance (m).
         moving : float, optional
-            By how much that changes per movement of the solid.
+            Change of the excess per movement of the solid.
         """
         # Two solves of one pressure differ by their tolerance each.
         if not found.converged or abs(excess) <= 3 * self.tolerance * unit:
@@ -188,14 +245,15 @@ class HardWallContact(PressureControlledWall):
         if np.isinf(self.hardness):
             return replace(found, outcome=Outcome.ITERATION_LIMIT)
         lift = -excess / moving
-        if lift < 0 and float(found.pressure.mean()) > (2 * LARGEST_SHARE - 1) * self._share * self.hardness:
-            return self._given_way(found, lift)
-        return self._yielded_by(found, lift)
+        near_hardness = (2 * self.options.largest_share - 1) * self._share * self.hardness
+        if lift < 0 and float(found.pressure.mean()) > near_hardness:
+            return self._all_yielded(found, lift)
+        return self._moved(found, lift)
 
-    def _yielded_by(self, found: Solution, lift: float) -> Solution:
-        """The state of a solid moved as a whole beside a pressure at which every touching point yields.
+    def _moved(self, found: Solution, lift: float) -> Solution:
+        """Move the solid as a whole at a pressure at which every touching point yields.
 
-        Under a whole number of points times the hardness surfaces come nearer at no more pressure, the solid unchanged.
+        Under a whole number of points times the hardness surfaces approach at the same pressure, the solid unchanged.
         """
         pressure = found.pressure
         yields = pressure > 0.5 * self.hardness
@@ -203,7 +261,7 @@ class HardWallContact(PressureControlledWall):
         gap = np.where(yields, 0.0, found.gap + lift)
         indentation = np.zeros(self.grid.shape) if found.plastic_indentation is None else found.plastic_indentation
         indentation = np.where(yields, indentation - lift, 0.0)
-        if np.abs(away).max() > AT_HARDNESS * self.hardness or gap.min() < 0 or indentation.min() < 0:
+        if np.abs(away).max() > self.options.at_hardness * self.hardness or gap.min() < 0 or indentation.min() < 0:
             return replace(found, outcome=Outcome.ITERATION_LIMIT)
         return self._solution(
             np.where(yields, self.hardness, 0.0),
@@ -214,8 +272,8 @@ class HardWallContact(PressureControlledWall):
             indentation=indentation,
         )
 
-    def _given_way(self, found: Solution, lift: float) -> Solution:
-        """The same where no point is left that does not yield: flagged, for no load holds the surfaces there."""
+    def _all_yielded(self, found: Solution, lift: float) -> Solution:
+        """Move the solid where every point yields: flagged, as no load holds the surfaces there."""
         there = np.isfinite(self._height)
         surface = found.displacement + lift
         return self._solution(

@@ -1,17 +1,19 @@
-"""Passes over the points of a surface and its contact set, each fused to one or two sweeps through memory.
+"""Loops over the points of a hard wall, each fused to one or two sweeps through memory.
 
-Arrays are flat unless said, of one size; ``contact`` is the indicator of the contact set.
+Arrays are flat unless stated, of one size; ``contact`` marks the contact set. With a bound to the pressure, points at
+zero may have a gap, points at the bound may be indented, and between the bounds surfaces touch.
 """
 
 import numpy as np
-from numba import njit
 
-_FAST = {"contract", "reassoc", "arcp", "nsz"}
+from contact_study.numerics.kernel import kernel
+
+_MOST_SHIFTS = 100
 
 
-@njit(cache=True, error_model="numpy", fastmath=_FAST)
+@kernel
 def offset(displacement, heights, contact):
-    """Mean of displacement − heights over the contact set."""
+    """Return the mean of displacement − heights over the contact set."""
     total = 0.0
     count = 0
     for i in range(contact.size):
@@ -21,9 +23,9 @@ def offset(displacement, heights, contact):
     return total / count
 
 
-@njit(cache=True, error_model="numpy", fastmath=_FAST)
+@kernel
 def enter(displacement, heights, offset, threshold, contact):
-    """Let points that penetrate by more than ``threshold`` enter the contact set; how many, and the deepest other."""
+    """Add points that penetrate by more than ``threshold`` to the contact set; return their number, the next depth."""
     entered = 0
     deepest = 0.0
     for i in range(contact.size):
@@ -37,9 +39,9 @@ def enter(displacement, heights, offset, threshold, contact):
     return entered, deepest
 
 
-@njit(cache=True, error_model="numpy", fastmath=_FAST)
+@kernel
 def residual(displacement, heights, offset, contact, residual):
-    """Negative gap on the contact set, zero elsewhere; returns its largest magnitude."""
+    """Write the negative gap on the contact set, zero elsewhere; return its largest magnitude."""
     largest = 0.0
     for i in range(contact.size):
         if contact[i]:
@@ -52,9 +54,9 @@ def residual(displacement, heights, offset, contact, residual):
     return largest + 0.0 * offset
 
 
-@njit(cache=True, error_model="numpy", fastmath=_FAST)
+@kernel
 def products(preconditioned, residual, contact):
-    """Mean of the preconditioned residual over the contact set, and its product with the residual."""
+    """Return the mean of the preconditioned residual over the contact set, and its product with the residual."""
     total = 0.0
     product = 0.0
     count = 0
@@ -66,9 +68,9 @@ def products(preconditioned, residual, contact):
     return total / count, product
 
 
-@njit(cache=True, error_model="numpy", fastmath=_FAST)
+@kernel
 def turn(preconditioned, mean, weight, contact, direction):
-    """direction = preconditioned − mean + weight direction on the contact set, copied over the first argument."""
+    """Write preconditioned − mean + weight·direction on the contact set into ``direction`` and the first argument."""
     shift = np.float32(mean)
     factor = np.float32(weight)
     for i in range(contact.size):
@@ -79,9 +81,9 @@ def turn(preconditioned, mean, weight, contact, direction):
         preconditioned[i] = direction[i]
 
 
-@njit(cache=True, error_model="numpy", fastmath=_FAST)
+@kernel
 def advance(pressure, residual, direction, response, contact, product):
-    """One step along ``direction``, whose displacement is ``response``; returns the largest residual left."""
+    """Take one step along ``direction``, whose displacement is ``response``; return the largest residual left."""
     curvature = 0.0
     total = 0.0
     count = 0
@@ -102,9 +104,9 @@ def advance(pressure, residual, direction, response, contact, product):
     return largest
 
 
-@njit(cache=True, error_model="numpy", fastmath=_FAST)
+@kernel
 def leave(pressure, contact, change):
-    """Let points that pull leave the contact set, note the change; how many, and the sum of the pressures left."""
+    """Remove points that pull from the contact set, write the change; return their number, the sum of the pressures."""
     left = 0
     total = 0.0
     for i in range(contact.size):
@@ -119,17 +121,17 @@ def leave(pressure, contact, change):
     return left, total
 
 
-@njit(cache=True, error_model="numpy", fastmath=_FAST)
+@kernel
 def rescale(pressure, factor, change):
-    """Multiply the pressure by a factor and add what that changes to ``change``."""
+    """Multiply the pressure by a factor and add the difference to ``change``."""
     for i in range(pressure.size):
         change[i] += (factor - 1.0) * pressure[i]
         pressure[i] *= factor
 
 
-@njit(cache=True, error_model="numpy", fastmath=_FAST)
+@kernel
 def refine(signed, refined):
-    """Bilinear interpolation to a periodic grid of twice as many points along each side."""
+    """Interpolate bilinearly to a periodic grid of twice as many points along each side; arrays (y, x)."""
     rows, columns = signed.shape
     for i in range(rows):
         below = (i + 1) % rows
@@ -141,3 +143,112 @@ def refine(signed, refined):
             refined[2 * i + 1, 2 * j + 1] = 0.25 * (
                 signed[i, j] + signed[i, right] + signed[below, j] + signed[below, right]
             )
+
+
+@kernel
+def descended(displacement, heights, pressure, stiffness, result):
+    """Write pressure − stiffness·(displacement − heights), zero without a surface; return where there is one."""
+    present = np.empty(pressure.size, np.bool_)
+    for i in range(pressure.size):
+        present[i] = heights[i] > -np.inf
+        result[i] = pressure[i] - stiffness * (displacement[i] - heights[i]) if present[i] else 0.0
+    return present
+
+
+@kernel
+def judge(displacement, heights, offset, pressure, bound, free):
+    """Mark the points that may move; return the largest violation.
+
+    They are those between the bounds, those at zero that penetrate, and those at the bound with a gap.
+    """
+    worst = 0.0
+    for i in range(pressure.size):
+        clearance = displacement[i] - heights[i] - offset
+        if pressure[i] <= 0:
+            violation = -clearance
+            free[i] = violation > 0
+        elif pressure[i] >= bound:
+            violation = clearance
+            free[i] = violation > 0
+        else:
+            violation = abs(clearance)
+            free[i] = True
+        worst = max(worst, violation)
+    # max() passes over what is not a number; the offset, a sum, does not.
+    return worst + 0.0 * offset
+
+
+@kernel
+def balancing_shift(pressure, free, bound, total):
+    """Find the shift of the free points with which all points, cut off at the bounds, carry ``total``.
+
+    Returns the shift, the pressure missing by rounding, and the number of points between the bounds. Points that are
+    not free are at a bound. The shift is the zero of a piecewise linear, increasing function, found by Newton's method
+    and bisection.
+    """
+    smallest, largest = np.inf, -np.inf
+    saturated = 0
+    for i in range(pressure.size):
+        if free[i]:
+            smallest = min(smallest, pressure[i])
+            largest = max(largest, pressure[i])
+        elif pressure[i] >= bound:
+            saturated += 1
+    low, high = -largest, bound - smallest
+    shift, previous = 0.0, np.inf
+    for _ in range(_MOST_SHIFTS):
+        carried, inside, full = _carried(pressure, free, bound, shift)
+        # Counted, not summed: near saturation a sum would lose the small rest.
+        missing = total - (saturated + full) * bound - carried
+        if abs(missing) <= 1e-15 * total:
+            break
+        if missing > 0:
+            low = shift
+        else:
+            high = shift
+        newton = shift + missing / max(inside, 1)
+        if inside == 0 or abs(missing) > 0.5 * previous or not low < newton < high:
+            newton = 0.5 * (low + high)
+        if newton == shift:
+            break
+        shift, previous = newton, abs(missing)
+    return shift, missing, inside
+
+
+@kernel
+def carry(pressure, free, bound, total):
+    """Shift the free points and cut them off at the bounds so that all points carry ``total``."""
+    shift, missing, inside = balancing_shift(pressure, free, bound, total)
+    # The shift is as exact as the largest number that it is added to; points between the bounds take the rest.
+    rest = missing / max(inside, 1)
+    for i in range(pressure.size):
+        if free[i]:
+            p = pressure[i] + shift
+            if 0 < p < bound:
+                p += rest
+            pressure[i] = min(max(p, 0.0), bound)
+
+
+@kernel
+def _carried(pressure, free, bound, shift):
+    """Return what the shifted free points between the bounds carry, their number, and the number above."""
+    total, inside, full = 0.0, 0, 0
+    for i in range(pressure.size):
+        if free[i]:
+            p = pressure[i] + shift
+            if p >= bound:
+                full += 1
+            elif p > 0:
+                total += p
+                inside += 1
+    return total, inside, full
+
+
+@kernel
+def energy(displacement, heights, pressure):
+    """Return Σ p (½ displacement − height), which the pressure minimises."""
+    total = 0.0
+    for i in range(pressure.size):
+        if pressure[i] > 0:
+            total += pressure[i] * (0.5 * displacement[i] - heights[i])
+    return total

@@ -1,37 +1,36 @@
-"""Extend a field from a contact set to the whole surface, smoothly: the heart of the hard-wall preconditioner.
+"""Smooth extension of a field from a contact set to the whole surface: the core of the hard-wall preconditioner.
 
-On a contact set A the compliance C_AA must be inverted. The whole surface's stiffness K = C⁻¹ gives that inverse as an
-energy minimum over extensions E of a field from A to everywhere, C_AA⁻¹ = min_E Eᵀ K E, and any stable extension gives
-a preconditioner Eᵀ K E that one pair of transforms applies (an argument of the kind of S. V. Nepomnyaschikh's
-fictitious-space lemma). Extension by zero, Eᵀ K E = K_AA, is poor where contact is many small islands: each island's
-edge costs as much as a crack in the surface. Here the gaps between islands are filled from local averages instead.
+On a contact set A the compliance C_AA must be inverted. The stiffness K = C⁻¹ of the whole surface gives the inverse as
+a minimum over extensions E of a field from A to everywhere, C_AA⁻¹ = min_E Eᵀ K E. Any stable extension gives a
+preconditioner Eᵀ K E for one pair of transforms (as in S. V. Nepomnyaschikh's fictitious-space lemma). Extension by
+zero, Eᵀ K E = K_AA, is poor for many small islands of contact, because K couples strongly across their edges. Here
+local averages fill the gaps between islands.
 
 With m_l and c_l the averages of the field (zero outside A) and of A's indicator over cells of 2^l points, and U the
 bilinear interpolation to the next finer cells,
 
     e_l = m_l + (1 − c_l) U e_{l+1},        E r = e_0,
 
-so a point of A keeps its value, a hole takes the average of its neighbourhood, and a lone island's extension decays
-with distance as the island's share of the cell. E is linear and local, costs about two passes over memory, and its
-exact transpose is as cheap.
+so a point of A keeps its value, a hole has the average of its neighbourhood, and the extension of a single island
+decays with distance as the island's share of the cell. E is linear and local; E and its exact transpose each cost about
+two passes over memory.
 """
 
 from itertools import pairwise
 
 import numpy as np
-from numba import njit
 
-_OPTIONS = {"cache": True, "error_model": "numpy", "fastmath": {"contract", "reassoc", "arcp", "nsz"}}
-# Rows are taken two points at a time and by unsigned numbers, which are known not to count from the end: loops without
-# a branch, which vectorise.
+from contact_study.numerics.kernel import kernel
+
+# Unsigned indices, which do not count from the end, and two points at a time: loops without a branch, which vectorise.
 _ONE, _TWO = np.uint64(1), np.uint64(2)
 _FULL = np.float32(1)
 _NEAR, _FAR = np.float32(0.75), np.float32(0.25)  # weights of the centres of cells about a point
 
 
-@njit(**_OPTIONS)
+@kernel
 def _average(fine, coarse):
-    """Average over cells of 2 × 2 points; the last cell of an odd axis has one point along it."""
+    """Write averages over cells of 2 × 2 points; the last cell of an odd axis has one point along it."""
     rows, columns = fine.shape
     for i in range(coarse.shape[0]):
         # A missing second point is the first once more: the average is over the points that exist.
@@ -46,9 +45,9 @@ def _average(fine, coarse):
             cells[-1] = np.float32(0.5) * (np.float32(upper[-1]) + np.float32(lower[-1]))
 
 
-@njit(**_OPTIONS)
+@kernel
 def _spread(coarse, fine):
-    """Transpose of :func:`_average`, added to ``fine``."""
+    """Add the transpose of :func:`_average` to ``fine``."""
     rows, columns = fine.shape
     for i in range(rows):
         share = np.float32(0.25 if i < rows - 1 or rows % 2 == 0 else 0.5)
@@ -61,19 +60,19 @@ def _spread(coarse, fine):
             points[-1] += np.float32(2) * share * cells[-1]
 
 
-@njit(**_OPTIONS)
+@kernel
 def _rows_about(coarse, i):
-    """The row of cells that has row i of the points in it, and the next nearest."""
+    """Return the row of cells that contains row i of the points, and the next nearest."""
     centre = i // 2
     return coarse[centre], coarse[(centre + 2 * (i % 2) - 1) % coarse.shape[0]]
 
 
-@njit(**_OPTIONS)
+@kernel
 def _fill(averages, coverage, coarse, filled):
-    """filled = averages + (1 − coverage) U coarse, U bilinear between the centres of cells, periodic."""
+    """Write averages + (1 − coverage) U coarse, U bilinear between the centres of cells, periodic."""
     rows, columns = filled.shape
     coarse_columns = coarse.shape[1]
-    line = np.empty(coarse_columns + 2, coarse.dtype)  # of cells, with the periodic image before and after
+    line = np.empty(coarse_columns + 2, coarse.dtype)  # cells with the periodic image before and after
     for i in range(rows):
         near, far = _rows_about(coarse, i)
         for j in range(np.uint64(coarse_columns)):
@@ -91,14 +90,14 @@ def _fill(averages, coverage, coarse, filled):
             out[-1] = means[-1] + (_FULL - np.float32(covered[-1])) * between
 
 
-@njit(**_OPTIONS)
+@kernel
 def _collect(fine, coverage, coarse):
-    """coarse = Uᵀ (1 − coverage) fine, the transpose of what :func:`_fill` adds."""
+    """Write Uᵀ (1 − coverage) fine, the transpose of what :func:`_fill` adds."""
     rows, columns = fine.shape
     coarse_columns = coarse.shape[1]
     coarse[...] = 0
     line = np.empty(coarse_columns, coarse.dtype)
-    # Of points, with the periodic image before and after; the missing second point of the last cell is zero.
+    # Points with the periodic image before and after; a missing second point of the last cell is zero.
     outside = np.zeros(2 * coarse_columns + 2, coarse.dtype)
     for i in range(rows):
         values, covered = fine[i], coverage[i]
@@ -122,7 +121,7 @@ class Extension:
     Parameters
     ----------
     contact : numpy.ndarray of bool, shape (ny, nx)
-        The contact set; it is kept, not copied: call :meth:`update` after changing it.
+        The contact set, not copied: call :meth:`update` after a change.
     """
 
     def __init__(self, contact: np.ndarray):
@@ -135,7 +134,7 @@ class Extension:
             self._average.append(np.empty(shape, np.float32))
 
     def update(self) -> None:
-        """Take note of a changed contact set."""
+        """Adapt to a changed contact set."""
         for fine, coarse in pairwise(self._coverage):
             _average(fine, coarse)
 
@@ -149,10 +148,7 @@ class Extension:
         _fill(field, self._coverage[0], levels[1], extended)
 
     def transpose(self, field: np.ndarray) -> None:
-        """Add Eᵀ's share from outside the contact set to ``field`` inside it, in place.
-
-        Values outside the contact set are left over and have no meaning.
-        """
+        """Add Eᵀ's share from outside the contact set to ``field`` inside it; values outside are then meaningless."""
         levels = [field, *self._average]
         for level, coverage in enumerate(self._coverage[:-1]):
             _collect(levels[level], coverage, levels[level + 1])

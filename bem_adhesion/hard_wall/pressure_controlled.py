@@ -1,14 +1,12 @@
-"""A hard wall under a mean pressure: one contact of an elastic solid with a rigid rough one, and what is known of it.
-
-The algorithm is in :mod:`bem_adhesion.hard_wall.active_set`, of a wall that yields in
-:mod:`bem_adhesion.hard_wall.plastic_active_set`.
-"""
+"""A hard wall under a mean pressure, elastic or with a hardness: units, starting states, and the solution's fields."""
 
 from threading import RLock
 
 import numpy as np
 
+from bem_adhesion.arguments import require_solution
 from bem_adhesion.hard_wall.active_set import ContactLevel
+from bem_adhesion.hard_wall.options import HardWallOptions
 from bem_adhesion.hard_wall.plastic_active_set import BoundedLevel
 from bem_adhesion.kernels.wall import PINNED
 from bem_adhesion.linear.conjugate_gradients import LinearisedContact
@@ -24,23 +22,11 @@ from contact_study.numerics.inner_product import inner_product
 from contact_study.physics.laws import HardWall
 from contact_study.physics.solids import Elasticity
 
-SIMILAR_LOAD = 16
-"""Change of the mean pressure, as a fraction, times points along the longer side, up to which an earlier state is a
-better start than the coarser grids.
-
-In one iteration the edge of contact moves by about a spacing. A fresh nested start costs 19 to 30 pairs; from an
-earlier state it is 16 to 22 up to this limit, 20 to 30 at twice of it, 35 to 50 for a factor of two in the load (256²
-to 1024², roughness cut off at 12 waves and at 8 points a wave)."""
-
-SHARE_OF_PUNCH = 1e-3
-"""Share of a punch's displacement that errors are measured by where it has less rms height: what rounding leaves of it
-is more than any share of that."""
-
 
 class PressureControlledWall:
-    """One rough surface against an elastic solid, to be solved at any number of mean pressures.
+    """One rough surface against an elastic solid, for any number of mean pressures.
 
-    Parameters as of :class:`~bem_adhesion.hard_wall.contact.HardWallContact`, which prescribes more than pressures.
+    Parameters as for :class:`~bem_adhesion.hard_wall.contact.HardWallContact`, which also prescribes other quantities.
     """
 
     def __init__(
@@ -54,12 +40,14 @@ class PressureControlledWall:
         hardness: float | None,
         unit: float | None,
         trace: Trace | None,
+        options: HardWallOptions | None,
     ):
         self.turn = RLock()
         self.elasticity = elasticity
         self.tolerance = tolerance
         self.max_iterations = max_iterations
         self.grid = grid
+        self.options = options or HardWallOptions()
         self.hardness = np.inf if hardness is None else positive("hardness", hardness, "Pa")
         self._height = height
         finite = np.isfinite(height)
@@ -77,7 +65,7 @@ class PressureControlledWall:
             self._scale_to(self._unit or max(grid.size))
 
     def _scale_to(self, unit: float) -> None:
-        """Have a level in this unit of heights (m)."""
+        """Make a level in this unit of heights (m)."""
         if unit == self._unit_of_level:
             return
         self._pairs_of_levels = self._pairs()
@@ -88,28 +76,25 @@ class PressureControlledWall:
         heights /= unit
         make_operator = periodic(self.elasticity.scaled(period, modulus), threads=self._threads, trace=self._trace)
         self._level = (
-            ContactLevel(heights, grid, make_operator)
+            ContactLevel(heights, grid, make_operator, self.options.active_set)
             if np.isinf(self.hardness)
-            else BoundedLevel(self.hardness / self._pressure_unit, heights, grid, make_operator)
+            else BoundedLevel(
+                self.hardness / self._pressure_unit, heights, grid, make_operator, self.options.active_set
+            )
         )
 
     def _unit_at(self, displacement: float) -> float:
-        """The unit of errors where a punch sinks in by about so much (m)."""
-        return self._unit if self._bounded else max(self._unit, SHARE_OF_PUNCH * displacement)
+        """Return the unit of errors at a displacement of a punch (m)."""
+        return self._unit if self._bounded else max(self._unit, self.options.share_of_punch * displacement)
 
     def separated(self) -> np.ndarray:
-        """The state without contact to start from: no pressure anywhere (Pa), in no memory and read-only."""
+        """Return the state without contact: zero pressure (Pa), read-only."""
         return np.broadcast_to(0.0, self.grid.shape)
 
     @in_turn
     def stiffness(self, solution: Solution) -> float:
-        """−dp/dū of a state, mean pressure over mean gap (Pa/m): zero without contact, infinite in full contact.
-
-        Parameters
-        ----------
-        solution : Solution
-            A state of this contact.
-        """
+        """Return −dp/dū of a state of this contact (Pa/m): zero without contact, infinite in full contact."""
+        require_solution(solution)
         touching = solution.state > 0
         if self._flat or touching.all():
             return np.inf if touching.all() else 0.0
@@ -129,11 +114,11 @@ class PressureControlledWall:
         self._scale_to(unit)
         level, load = self._level, mean_pressure / self._pressure_unit
         full_contact, surface, indentation = False, None, None
-        if _similar(state, mean_pressure):
+        if self._is_similar(state, mean_pressure):
             level.start_from(state, load)
         else:
             full_contact = level.start(load, self.max_iterations)
-        if full_contact and not level.exceeds():
+        if full_contact and not level.exceeds_bound():
             gap = np.zeros(self.grid.shape)
             residual, iterations, outcome = 0.0, 0, Outcome.CONVERGED
         else:
@@ -148,8 +133,13 @@ class PressureControlledWall:
         pressure = level.pressure * self._pressure_unit
         return self._solution(pressure, gap, residual, iterations, outcome, surface, indentation)
 
+    def _is_similar(self, pressure: np.ndarray, mean_pressure: float) -> bool:
+        """Return whether a state, without its tension, carries nearly that load (Pa)."""
+        carried = float(np.maximum(pressure, 0).mean())
+        return carried > 0 and abs(carried / mean_pressure - 1) * max(pressure.shape) <= self.options.similar_load
+
     def _pairs(self) -> float:
-        """Transform pairs done so far, as float64 pairs on the grid."""
+        """Return the transform pairs so far, as float64 pairs on the grid."""
         if not self._unit_of_level:
             return 0.0
         return self._pairs_of_levels + self._level.equivalent_pairs(self._level.grid)
@@ -158,7 +148,7 @@ class PressureControlledWall:
         return self._level.least_full_contact_pressure() * self._pressure_unit
 
     def _apart(self, plane: float) -> Solution:
-        """Without contact, the solid's surface at a height (m)."""
+        """Return the solution without contact, the solid's surface at a height (m)."""
         surface = np.full(self.grid.shape, plane)
         return self._solution(np.zeros(self.grid.shape), surface - self._height, surface=surface)
 
@@ -195,9 +185,3 @@ class PressureControlledWall:
             plastic_indentation=indentation,
             law=HardWall(),
         )
-
-
-def _similar(pressure: np.ndarray, mean_pressure: float) -> bool:
-    """Whether a state, without its tension if any, carries nearly that load (Pa)."""
-    carried = float(np.maximum(pressure, 0).mean())
-    return carried > 0 and abs(carried / mean_pressure - 1) * max(pressure.shape) <= SIMILAR_LOAD

@@ -280,7 +280,7 @@ def test_mean_gap_beyond_touch_is_separation():
     ("arguments", "message"),
     [
         ({"mean_pressure": -1e3}, "target = -1000: .* negative mean pressure"),
-        ({"mean_pressure": np.nan}, "target = nan: a mean pressure"),
+        ({"mean_pressure": np.nan}, "target = nan: the mean pressure"),
         ({"height": np.full((8, 8), np.nan)}, "height"),
         ({"height": np.full((8, 8), np.inf)}, "height"),
         ({"height": np.zeros((8, 9))}, "shape"),
