@@ -1,8 +1,8 @@
-"""Rows of a layer shared out to threads, by compiled kernels that release the interpreter's lock.
+"""Rows of a layer shared among threads, by compiled kernels that release the interpreter's lock.
 
-A kernel does a block of rows by itself, and no row's numbers depend on the block it is in: results are the same bits
-for any number of threads. Whoever is free takes the next block. Who waits sleeps, and the caller works as well: where
-the other cores are busy it does most of the blocks, and withdraws what nobody has begun.
+No row's numbers depend on the block of rows that contains it: results are bit-identical for any number of threads.
+Every thread, the caller included, takes the next block when it is free; blocks that no thread has begun when the caller
+runs out of work stay with it.
 """
 
 import os
@@ -10,28 +10,24 @@ from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from functools import cache
 
-# Below so many atoms of a layer waking a thread takes what it gains, or more where the other cores are busy.
+from numba import njit
+
+# In smaller layers waking a thread costs what it gains, or more where the other cores are busy.
 ATOMS_FOR_THREADS = 200**2
-_FEWEST_BLOCKS = 2  # of a thread: with one each, who is late makes the other wait
+_FEWEST_BLOCKS = 2  # per thread: with one each, all wait for the last
+
+row_kernel = njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract", "nsz"})
+"""Compile a function of rows: sums in the order written, the interpreter's lock released."""
 
 
 class ParallelRows:
-    """Blocks of consecutive rows, done by one or several threads.
-
-    Parameters
-    ----------
-    threads : int, optional
-        The caller among them.
-    """
+    """Apply kernels to blocks of consecutive rows, with so many threads, the caller among them."""
 
     def __init__(self, threads: int = 1):
         self.threads = threads
 
     def run(self, kernel: Callable[[int, int], object], rows: int, size: int) -> None:
-        """Call ``kernel(first, end)`` for blocks of ``size`` rows, ``first`` … ``end − 1``, in any order.
-
-        A layer of few blocks is done by fewer threads.
-        """
+        """Call ``kernel(first, end)`` for blocks of ``size`` rows, ``first`` to before ``end``, in any order."""
         blocks = [(first, min(first + size, rows)) for first in range(0, rows, size)]
         left = iter(blocks)
         helpers = min(self.threads, len(blocks) // _FEWEST_BLOCKS) - 1

@@ -1,4 +1,4 @@
-"""A state of the atoms and how it was reached: what the minimiser returns, and what a contact under load does."""
+"""Results of the atoms' solvers: an equilibrium of the bottom layer, and a solution of the contact under load."""
 
 from dataclasses import dataclass
 from enum import Enum
@@ -10,7 +10,14 @@ from contact_study.results.state import in_two_lines
 
 
 class Outcome(Enum):
-    """How a solve ended; the value is the sentence for the user."""
+    """End of a solve; the value is the sentence for the user.
+
+    Examples
+    --------
+    >>> from md_reference import Outcome
+    >>> Outcome.CONVERGED.value
+    'converged'
+    """
 
     CONVERGED = "converged"
     DETACHED = "detached: no atom is within reach of the substrate and no pressure drives the block towards it"
@@ -24,56 +31,65 @@ class Outcome(Enum):
     )
 
 
-@dataclass(frozen=True)
-class Equilibrium:
-    """A state and how it was reached.
-
-    Attributes
-    ----------
-    displacement : numpy.ndarray, shape (3, ny, nx)
-        Lateral moves along x and y from the rest positions, and height over the mean plane of the substrate (m).
-    force : numpy.ndarray, shape (3, ny, nx)
-        Force of the interface on each atom (N).
-    residual : float
-        Largest force component left on an atom, over a² E*.
-    outcome : Outcome
-        How the solve ended.
-    iterations, evaluations : int
-        Newton steps and evaluations of the interface, those of some atoms counted by their share.
-    fft_pairs : float
-        Transform pairs of three components, a single-precision pair counted one half.
-    elastic_energy, interaction_energy : float
-        ½ u·Su and E(u) (J).
-    """
+@dataclass(frozen=True, eq=False, repr=False)
+class _Result:
+    """Fields and properties that both kinds of results share."""
 
     displacement: np.ndarray
-    force: np.ndarray
     residual: float
     outcome: Outcome
     iterations: int
-    evaluations: int
+    force_evaluations: int
     fft_pairs: float
     elastic_energy: float
     interaction_energy: float
 
     @property
     def converged(self) -> bool:
-        """Whether the question is answered: an equilibrium within the tolerance, or the finding that none exists."""
+        """Whether there is an answer: an equilibrium within the tolerance, or the finding that none exists."""
         return self.outcome in (Outcome.CONVERGED, Outcome.DETACHED)
+
+    @property
+    def detached(self) -> bool:
+        """Whether the surfaces are apart."""
+        return self.outcome is Outcome.DETACHED
+
+    @property
+    def message(self) -> str:
+        """End of the solve, in words."""
+        return self.outcome.value
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Solution:
-    """A state of the contact at one load.
+class Equilibrium(_Result):
+    """A state of the bottom layer; fields as in :class:`Solution`, energies in J.
 
-    Solutions compare by identity.
+    ``force`` is that of the interface on each atom, shape (3, ny, nx) (N).
+    """
 
-    Attributes
+    force: np.ndarray
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Solution(_Result):
+    """A state of the contact at one load; solutions compare by identity.
+
+    Parameters
     ----------
-    state : numpy.ndarray, shape (3, ny, nx)
-        What the next step starts from (m); read-only, with the displacement that it is.
     displacement : numpy.ndarray, shape (3, ny, nx)
-        As of :class:`Equilibrium` (m).
+        Lateral moves along x and y from the rest positions, and height over the mean plane of the substrate (m).
+    residual : float
+        Largest unbalanced force component on an atom, over a² E*.
+    outcome : Outcome
+        End of the solve.
+    iterations, force_evaluations : int
+        Newton steps, and evaluations of the interface, those of some atoms counted by their share.
+    fft_pairs : float
+        Transform pairs of three components, a single-precision pair counted one half.
+    elastic_energy, interaction_energy : float
+        Per nominal area (J/m²).
+    state : numpy.ndarray, shape (3, ny, nx)
+        Start of the next step (m); read-only, with the displacement that it is.
     gap : numpy.ndarray, shape (ny, nx)
         Height of each atom above the surface at its lateral position (m); infinite when detached.
     pressure : numpy.ndarray, shape (ny, nx)
@@ -81,34 +97,25 @@ class Solution:
     shear_stress : numpy.ndarray, shape (2, ny, nx)
         Force on each atom along x and y per its area (Pa).
     mean_separation : float
-        Distance of the mean planes less r0 (m): what the load works on.
-    elastic_energy, interaction_energy : float
-        Per nominal area (J/m²).
-    residual : float
-        Largest force component left on an atom, over a² E*.
-    iterations, force_evaluations : int
-        Newton steps and evaluations of the interface, those of some atoms counted by their share.
-    fft_pairs : float
-        Transform pairs of three components, a single-precision pair counted one half.
-    outcome : Outcome
-        How the solve ended.
+        Distance of the mean planes minus r0 (m), on which the load does work.
     length : float
         r0 of the pair potential (m).
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from md_reference import rough_contact
+    >>> block = rough_contact(np.zeros((8, 8)), 12 * 2.6e-10, 2.6e-10, 77.2e9, 0.42, 2.98e-21, 3.28e-10)
+    >>> solution = block.step(block.separated(), 1e9)
+    >>> solution.converged, solution.relative_contact_area
+    (True, 1.0)
     """
 
     state: np.ndarray
-    displacement: np.ndarray
     gap: np.ndarray
     pressure: np.ndarray
     shear_stress: np.ndarray
     mean_separation: float
-    elastic_energy: float
-    interaction_energy: float
-    residual: float
-    iterations: int
-    force_evaluations: int
-    fft_pairs: float
-    outcome: Outcome
     length: float
 
     def __post_init__(self):
@@ -124,20 +131,5 @@ class Solution:
 
     @property
     def mean_gap(self) -> float:
-        """Mean of the gap less r0, as in datasets (m); infinite when detached."""
+        """Mean of the gap minus r0, as in datasets (m); infinite when detached."""
         return float(np.mean(self.gap)) - self.length
-
-    @property
-    def converged(self) -> bool:
-        """Whether the question is answered: an equilibrium within the tolerance, or the finding that none exists."""
-        return self.outcome in (Outcome.CONVERGED, Outcome.DETACHED)
-
-    @property
-    def detached(self) -> bool:
-        """Whether the surfaces are apart."""
-        return self.outcome is Outcome.DETACHED
-
-    @property
-    def message(self) -> str:
-        """How the solve ended, in words."""
-        return self.outcome.value

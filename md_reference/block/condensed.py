@@ -17,31 +17,24 @@ from contact_study.numerics import fourier
 from contact_study.numerics.grid import Grid
 from contact_study.physics.solids import contact_modulus_of
 
-_OPTIONS = {"cache": True, "error_model": "numpy", "fastmath": {"contract", "arcp", "nsz"}}
+_kernel = njit(cache=True, error_model="numpy", fastmath={"contract", "arcp", "nsz"})
 
 # Corners of a cubic cell; degree of freedom 3 * corner + component.
 _CORNERS = np.array([(x, y, z) for z in (0, 1) for y in (0, 1) for x in (0, 1)])
 
 
 def lame_constants(youngs_modulus: float, poissons_ratio: float) -> tuple[float, float]:
-    """First Lamé constant λ and shear modulus μ (Pa) of an isotropic solid."""
+    """Return the first Lamé constant λ and the shear modulus μ (Pa) of an isotropic solid."""
     shear_modulus = youngs_modulus / (2 * (1 + poissons_ratio))
     first = youngs_modulus * poissons_ratio / ((1 + poissons_ratio) * (1 - 2 * poissons_ratio))
     return first, shear_modulus
 
 
 def isotropic_element(lattice_constant: float, youngs_modulus: float, poissons_ratio: float) -> np.ndarray:
-    """Stiffness of one cubic cell of an elastically isotropic lattice.
+    """Return the stiffness of one cubic cell of an elastically isotropic lattice.
 
-    Springs μa along the edges and the face diagonals, and a dilatation energy ½(λ−μ)a³θ² of the cell. A cell owns a
-    quarter of each edge and half of each face diagonal, so that free surfaces are consistent.
-
-    Parameters
-    ----------
-    lattice_constant : float
-        Edge of the cell a (m).
-    youngs_modulus, poissons_ratio : float
-        Of the solid at long wavelengths (Pa, 1).
+    Springs μa act along the edges and the face diagonals, beside a dilatation energy ½(λ−μ)a³θ² of the cell. A cell
+    owns a quarter of each edge and half of each face diagonal, so that free surfaces are consistent.
 
     Returns
     -------
@@ -67,13 +60,7 @@ def isotropic_element(lattice_constant: float, youngs_modulus: float, poissons_r
 
 
 def element_matrix(model: str, lattice_constant: float, youngs_modulus: float, poissons_ratio: float) -> np.ndarray:
-    """Element matrix of the named block model at small strains, see :func:`isotropic_element`.
-
-    Raises
-    ------
-    ValueError
-        If there is no block model of that name.
-    """
+    """Return the element of the named block model at small strains; ValueError for an unknown name."""
     if model not in ("isotropic", "nonlinear_springs"):  # the same to first order
         raise ValueError(
             f"atomistic.block: {model!r} is not available; the block models are: 'isotropic', 'nonlinear_springs'"
@@ -81,9 +68,9 @@ def element_matrix(model: str, lattice_constant: float, youngs_modulus: float, p
     return isotropic_element(lattice_constant, youngs_modulus, poissons_ratio)
 
 
-@njit(**_OPTIONS)
+@_kernel
 def _stack(lower, upper, out):
-    """Schur complement of two slabs on their common plane; slab[0, 1, 2] are A, B, D of [[A, B], [Bᵀ, D]], real."""
+    """Eliminate the common plane of two slabs; slab[0, 1, 2] are A, B, D of [[A, B], [Bᵀ, D]], real."""
     i_xx, i_yy, i_zz, i_xy, i_xz, i_yz = invert_symmetric(
         lower[2, 0, 0] + upper[0, 0, 0],
         lower[2, 1, 1] + upper[0, 1, 1],
@@ -108,9 +95,9 @@ def _stack(lower, upper, out):
             out[2, r, c] = upper[2, r, c] - to_d
 
 
-@njit(**_OPTIONS)
+@_kernel
 def invert_symmetric(xx, yy, zz, xy, xz, yz):
-    """Inverse of a symmetric 3×3 matrix, six numbers for six."""
+    """Invert a symmetric 3×3 matrix, six numbers for six."""
     c_xx = yy * zz - yz * yz
     c_xy = xz * yz - xy * zz
     c_xz = xy * yz - yy * xz
@@ -125,9 +112,9 @@ def invert_symmetric(xx, yy, zz, xy, xz, yz):
     )
 
 
-@njit(**_OPTIONS)
+@_kernel
 def _bloch(element, phase_y, phase_x, slab):
-    """Real form of the matrices A, B, D between the two planes of one layer of cells."""
+    """Write the real form of the matrices A, B, D between the two planes of one layer of cells."""
     for n in range(3):
         for c in range(3):
             for d in range(3):
@@ -149,7 +136,7 @@ def _bloch(element, phase_y, phase_x, slab):
                     slab[(p >> 2) + (q >> 2), c, d] += factor * element[3 * p + c, 3 * q + d]
 
 
-@njit(**_OPTIONS)
+@_kernel
 def _condense(element, phase_y, phase_x, layers, coefficients):
     """Fill coefficients[6, n] with S of ``layers`` cells under a clamped plane, for n pairs of Bloch phases."""
     # Slabs of 2^bit layers in ``powers``, what is stacked so far in ``stacked``, two buffers each.
@@ -182,21 +169,10 @@ def _condense(element, phase_y, phase_x, layers, coefficients):
 
 
 def condense(element: np.ndarray, phase_y: np.ndarray, phase_x: np.ndarray, layers: int) -> np.ndarray:
-    """S(q) of a block of ``layers`` cells under a clamped plane, at chosen wavevectors.
+    """Return S(q) of a block of ``layers`` cells under a clamped plane, at chosen wavevectors.
 
-    Parameters
-    ----------
-    element : numpy.ndarray, shape (24, 24)
-        Stiffness of one cell (N/m); any harmonic model of cubic symmetry.
-    phase_y, phase_x : numpy.ndarray
-        q_y a and q_x a, of one common shape.
-    layers : int
-        Number of cells across the thickness, at least one.
-
-    Returns
-    -------
-    numpy.ndarray, shape (6, *phase_y.shape)
-        xx, yy, zz, xy, xz, yz in the real form of this module (N/m).
+    ``element`` is the stiffness of one cell of any harmonic model of cubic symmetry (N/m, shape (24, 24)), the phases
+    are q_y a and q_x a. The result has shape (6, *phase_y.shape), in the real form of this module (N/m).
     """
     if layers < 1:
         raise ValueError(f"atomistic.layers: a block needs at least one layer of cells, got {layers}")
@@ -207,36 +183,13 @@ def condense(element: np.ndarray, phase_y: np.ndarray, phase_x: np.ndarray, laye
 
 
 def normal_stiffness(coefficients: np.ndarray, lattice_constant: float) -> np.ndarray:
-    """K = 1 / (a² [S⁻¹]_zz), the normal pressure per displacement where no shear acts (Pa/m).
-
-    Parameters
-    ----------
-    coefficients : numpy.ndarray, shape (6, ...)
-        As returned by :func:`condense`.
-    lattice_constant : float
-        Of the block (m).
-    """
+    """Return K = 1/(a² [S⁻¹]_zz), the normal pressure per displacement without shear stress (Pa/m)."""
     normal_compliance = invert_symmetric.py_func(*coefficients)[2]  # plain NumPy, on whole arrays
     return 1 / (lattice_constant**2 * normal_compliance)
 
 
 def contact_modulus(coefficients: np.ndarray, wavenumber: np.ndarray, lattice_constant: float) -> np.ndarray:
-    """Surface modulus E*(q) = 2 K/q that a frictionless normal traction feels.
-
-    Parameters
-    ----------
-    coefficients : numpy.ndarray, shape (6, ...)
-        As returned by :func:`condense`.
-    wavenumber : numpy.ndarray
-        |q| > 0 of each entry (1/m).
-    lattice_constant : float
-        Of the block (m).
-
-    Returns
-    -------
-    numpy.ndarray
-        E*(q) (Pa), of the shape of ``wavenumber``.
-    """
+    """Return the surface modulus E*(q) = 2 K/q for a frictionless normal traction (Pa), q > 0 in 1/m."""
     return contact_modulus_of(normal_stiffness(coefficients, lattice_constant), wavenumber)
 
 
@@ -251,8 +204,8 @@ class SurfaceStiffness:
     lattice_constant : float
         Of the block (m).
     coefficients : numpy.ndarray, shape (6, ny, nx // 2 + 1)
-        Real form of S, see the module (N/m). S_zz at q = 0 is the uniform compression of the block, which a
-        calculation under prescribed pressure or prescribed mean height leaves out.
+        Real form of S (N/m). S_zz at q = 0 is the block's uniform compression, which calculations under prescribed
+        pressure or mean height omit.
     """
 
     grid: Grid
@@ -261,10 +214,7 @@ class SurfaceStiffness:
 
     @property
     def normal_stiffness(self) -> np.ndarray:
-        """K of each wavevector for a frictionless normal pressure, on the half spectrum (Pa/m).
-
-        At q = 0 that of the block's uniform compression.
-        """
+        """K of each wavevector (Pa/m), at q = 0 that of the block's uniform compression."""
         return normal_stiffness(self.coefficients, self.lattice_constant)
 
     @property
@@ -282,7 +232,7 @@ class SurfaceStiffness:
 def surface_stiffness(
     element: np.ndarray, shape: tuple[int, int], lattice_constant: float, layers: int
 ) -> SurfaceStiffness:
-    """S(q) of a block of ``shape`` (y, x) atoms a layer and ``layers`` cells thick, see :func:`condense`."""
+    """Return S(q) of a block of ``shape`` (y, x) atoms per layer and ``layers`` cells thick."""
     grid = Grid(shape, (shape[0] * lattice_constant, shape[1] * lattice_constant))
     # Phases from integers: the Nyquist phase is then exactly π and the matrix there real to rounding.
     phase_y = 2 * np.pi * np.fft.fftfreq(shape[0])[:, None]
@@ -291,36 +241,18 @@ def surface_stiffness(
 
 
 def without_lateral_freedom(stiffness: SurfaceStiffness) -> SurfaceStiffness:
-    """The block as a frictionless continuum sees it: normal compliance only, the bottom atoms on vertical rails.
-
-    For taking apart what separates atoms from a continuum model, see ``research/continuum_against_atoms.py``.
-
-    Parameters
-    ----------
-    stiffness : SurfaceStiffness
-        The full block.
-    """
+    """Return a block with the same normal compliance whose bottom atoms cannot move sideways."""
     coefficients = np.zeros_like(stiffness.coefficients)
-    # Stiff beyond any force that the interface can exert; the value only has to leave the matrix invertible.
+    # Stiff beyond any force of the interface; the value only keeps the matrix invertible.
     coefficients[:2] = 1e6 * np.max(stiffness.coefficients)
     coefficients[2] = stiffness.area_per_atom * stiffness.normal_stiffness
     return SurfaceStiffness(stiffness.grid, stiffness.lattice_constant, coefficients)
 
 
 def effective_contact_modulus(stiffness: SurfaceStiffness, heights: np.ndarray) -> float:
-    """The modulus that the block shows to a surface: E*(q), weighted by the energy of full contact, q|h_q|².
+    """Return E*(q) of a block averaged over a surface's waves, weighted by the energy of full contact, q|h_q|² (Pa).
 
-    Parameters
-    ----------
-    stiffness : SurfaceStiffness
-        The condensed block.
-    heights : numpy.ndarray, shape (ny, nx)
-        Heights under the block's atoms (m).
-
-    Returns
-    -------
-    float
-        In Pa; for a flat surface that of the longest wave.
+    ``heights`` are those under the block's atoms (m). A flat surface has the modulus of the longest wave.
     """
     grid = stiffness.grid
     weight = grid.multiplicity * grid.wavenumber * np.abs(fourier.transform(heights)) ** 2

@@ -1,21 +1,17 @@
-"""The plane where a fine level of the explicit block hangs on the lowest plane of the next, twice as coarse one.
+"""Coupling of a fine level of the explicit block to the lowest plane of the next, twice as coarse one.
 
-Arrays of nodes have shape (3, planes, ny + 2, nx + 2): a frame of ghosts holds the periodic images.
+Arrays of nodes have shape (3, planes, ny + 2, nx + 2): a frame of ghosts contains the periodic images. The kernels
+treat the rows ``first`` to before ``end`` of the coarse plane, ghosts not counted.
 """
 
 import numpy as np
-from numba import njit
 
-_OPTIONS = {"cache": True, "nogil": True, "error_model": "numpy", "fastmath": {"contract", "nsz"}}
+from md_reference.parallel_rows import row_kernel
 
 
-@njit(**_OPTIONS)
+@row_kernel
 def prolong(coarse, fine, first, end):
-    """Bilinear values of a slab's lowest plane, ghosts filled, on some rows of the highest plane of a finer one.
-
-    Arrays of nodes have shape (3, planes, ny + 2, nx + 2); the rows, of the coarse plane without ghosts, are ``first``
-    to before ``end``.
-    """
+    """Write the coarse level's lowest plane, bilinearly interpolated, on the fine level's highest plane."""
     top = fine.shape[1] - 1
     one = np.uint64(1)
     for c in range(3):
@@ -31,9 +27,9 @@ def prolong(coarse, fine, first, end):
                 odd[east] = 0.25 * ((here[i] + here[e]) + (next_one[i] + next_one[e]))
 
 
-@njit(**_OPTIONS)
+@row_kernel
 def restrict(fine, coarse, first, end):
-    """Add the transpose of :func:`prolong` to some rows of the coarse plane."""
+    """Add the transpose of :func:`prolong` to the coarse plane."""
     top = fine.shape[1] - 1
     rows = fine.shape[2] - 2
     one = np.uint64(1)

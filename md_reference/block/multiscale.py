@@ -20,43 +20,45 @@ from md_reference.block.slab import fill_ghosts, move_slab, slab_constants, slab
 from md_reference.block.verlet import Action, move_planes
 from md_reference.parallel_rows import ParallelRows
 
-# Layers of the finest level and of the coarser ones below the last: E*(q) within 0.2 % of the full lattice's.
-_FINEST_LAYERS = 12
-_LAYERS = 8
-_FEWEST_NODES = 4  # of a level along an axis
-_NODES_OF_A_BLOCK = 8192  # of a plane, done in one go: three planes of displacements and the forces stay in the cache
-_FEWEST_ROWS = 8
+
+@dataclass(frozen=True)
+class BlockOptions:
+    """Coarsening of a block, which leaves E*(q) within 0.2 % of the full lattice's, and division of its rows."""
+
+    finest_layers: int = 12  # of the finest level
+    layers: int = 8  # of the coarser levels below the last
+    fewest_nodes: int = 4  # of a level along an axis
+    task_nodes: int = 8192  # of a plane, per task: three planes of displacements and the forces stay in the cache
+    task_rows: int = 8  # at least, per task
 
 
-def level_layers(atoms: tuple[int, int], layers: int) -> tuple[int, ...]:
-    """Layers of cells of each level, from the surface up, that together are as thick as ``layers`` of atoms.
+DEFAULTS = BlockOptions()
 
-    Parameters
-    ----------
-    atoms : tuple of int
-        Atoms of the surface along y and x; a level has half as many nodes as the one below, where that is a number.
-    layers : int
-        Thickness of the block over the lattice constant.
+
+def level_layers(atoms: tuple[int, int], layers: int, options: BlockOptions = DEFAULTS) -> tuple[int, ...]:
+    """Return the layers of cells of each level, from the surface up, together as thick as ``layers`` of atoms.
+
+    ``atoms`` are those of the surface along y and x; a level has half as many nodes as the one below, where it can.
     """
-    counts = [min(layers, _FINEST_LAYERS)]
+    counts = [min(layers, options.finest_layers)]
     left = layers - counts[0]
     while left:
         level = len(counts)
         size = 2**level
-        possible = all(n % size == 0 and n // size >= _FEWEST_NODES for n in atoms)
+        possible = all(n % size == 0 and n // size >= options.fewest_nodes for n in atoms)
         if not possible or left < size:
-            # What is left goes to the levels that are there, in whole layers, the coarsest first.
+            # The rest goes to the levels that exist, in whole layers, the coarsest first.
             for lower in reversed(range(level)):
                 counts[lower] += left // 2**lower
                 left %= 2**lower
         else:
-            counts.append(min(_LAYERS, left // size))
+            counts.append(min(options.layers, left // size))
             left -= counts[-1] * size
     return tuple(counts)
 
 
 def node_count(atoms: tuple[int, int], layers: Sequence[int]) -> int:
-    """Nodes of a block with these layers on each level, ghosts and hanging planes among them."""
+    """Return the nodes of a block with these layers on each level, including ghosts and hanging planes."""
     rows, columns = atoms
     return sum((count + 1) * ((rows >> n) + 2) * ((columns >> n) + 2) for n, count in enumerate(layers))
 
@@ -67,13 +69,17 @@ class Level:
 
     size: int
     shape: tuple[int, int, int, int]
-    constants: tuple[float, float, float]
+
+    @property
+    def nodes(self) -> int:
+        """Nodes of a plane without ghosts."""
+        return (self.shape[2] - 2) * (self.shape[3] - 2)
 
 
 class MultiscaleBlock:
     """Forces and masses of the explicit block.
 
-    All nodes stand in one vector, level after level; :meth:`levels_of` gives the views of shape (3, planes, ny + 2,
+    One vector contains all nodes, level after level; :meth:`levels_of` gives the views of shape (3, planes, ny + 2,
     nx + 2). Displacements along z are heights: only differences count.
 
     Parameters
@@ -87,15 +93,21 @@ class MultiscaleBlock:
     layers : sequence of int
         Layers of cells of each level, see :func:`level_layers`.
     atom_mass : float
-        Of an atom (kg).
+        Mass of an atom (kg).
     threads : int, optional
-        That share the rows.
+        Threads that share the rows.
+    options : BlockOptions, optional
+        Division of the rows.
 
     Attributes
     ----------
     plane_mass : list of numpy.ndarray, each of shape (planes,)
-        Of a node of each plane of each level (kg); zero for planes that do not move on their own.
+        Mass of a node of each plane of each level (kg). A node represents its share of the cells above and below, an
+        atom of the surface a whole atom; where two levels meet, half a layer of each. Hanging planes and the rigid one
+        have zero.
     """
+
+    _force_kernel, _move_kernel = staticmethod(slab_force), staticmethod(move_slab)
 
     def __init__(
         self,
@@ -106,29 +118,30 @@ class MultiscaleBlock:
         layers: Sequence[int],
         atom_mass: float,
         threads: int = 1,
+        options: BlockOptions = DEFAULTS,
     ):
         self.atoms = atoms
         self.lattice_constant = lattice_constant
         self.lame = first_lame, shear_modulus
         self.thickness = lattice_constant * sum(count * 2**number for number, count in enumerate(layers))
         self.levels = [
-            Level(
-                2**number,
-                (3, count + 1, (atoms[0] >> number) + 2, (atoms[1] >> number) + 2),
-                slab_constants(2**number * lattice_constant, first_lame, shear_modulus),
-            )
+            Level(2**number, (3, count + 1, (atoms[0] >> number) + 2, (atoms[1] >> number) + 2))
             for number, count in enumerate(layers)
         ]
+        self.options = options
         self._ends = [0, *accumulate(math.prod(level.shape) for level in self.levels)]
         self._rows = ParallelRows(threads)
-        self.plane_mass = [self._plane_mass(number, atom_mass) for number in range(len(self.levels))]
+        self.plane_mass = [np.full(level.shape[1], level.size**3 * atom_mass) for level in self.levels]
+        for number, mass in enumerate(self.plane_mass):
+            mass[-1] = 0.0
+            if number:
+                mass[0] *= 0.75
         with np.errstate(divide="ignore"):
             self._inverse_mass = [np.where(mass > 0, 1 / mass, 0.0) for mass in self.plane_mass]
         # Forces on the lowest and highest plane of each level.
         self._faces = [np.zeros((3, min(level.shape[1], 2), *level.shape[2:])) for level in self.levels]
-        last = self.levels[-1]
         # Half of the highest layer of cells moves with the rigid plane.
-        self.top_mass = 0.5 * last.size**3 * atom_mass * (last.shape[2] - 2) * (last.shape[3] - 2)
+        self.top_mass = 0.5 * self.levels[-1].size ** 3 * atom_mass * self.levels[-1].nodes
 
     @property
     def size(self) -> int:
@@ -137,19 +150,17 @@ class MultiscaleBlock:
 
     @property
     def freedoms(self) -> int:
-        """Nodes that move on their own, times three."""
-        total = 0
-        for level, mass in zip(self.levels, self.plane_mass, strict=True):
-            _, _, rows, columns = level.shape
-            total += 3 * int(np.count_nonzero(mass)) * (rows - 2) * (columns - 2)
-        return total
+        """Three times the number of nodes that move independently."""
+        pairs = zip(self.levels, self.plane_mass, strict=True)
+        return sum(3 * int(np.count_nonzero(mass)) * level.nodes for level, mass in pairs)
 
     @property
     def total_mass(self) -> float:
-        """Of all nodes and the rigid plane (kg)."""
+        """Mass of all nodes and the rigid plane (kg)."""
         pairs = zip(self.levels, self.plane_mass, strict=True)
-        nodes = sum(float(mass.sum()) * (level.shape[2] - 2) * (level.shape[3] - 2) for level, mass in pairs)
-        return nodes + self.top_mass
+        return sum(float(mass.sum()) * (level.shape[2] - 2) * (level.shape[3] - 2) for level, mass in pairs) + (
+            self.top_mass
+        )
 
     @property
     def mass(self) -> np.ndarray:
@@ -160,19 +171,20 @@ class MultiscaleBlock:
         return vector
 
     def levels_of(self, vector: np.ndarray) -> list[np.ndarray]:
-        """The nodes of each level in a vector, with ghosts, shape (3, planes, ny + 2, nx + 2)."""
-        return [self._level(vector, number) for number in range(len(self.levels))]
+        """Return views of each level's nodes, with ghosts, shape (3, planes, ny + 2, nx + 2)."""
+        parts = zip(self.levels, self._ends[:-1], self._ends[1:], strict=True)
+        return [vector[start:end].reshape(level.shape) for level, start, end in parts]
 
     def bottom_of(self, vector: np.ndarray) -> np.ndarray:
-        """The atoms of the surface in a vector, shape (3, ny, nx)."""
-        return self._level(vector, 0)[:, 0, 1:-1, 1:-1]
+        """Return a view of the surface's atoms, shape (3, ny, nx)."""
+        return self.levels_of(vector)[0][:, 0, 1:-1, 1:-1]
 
     def top_of(self, vector: np.ndarray) -> np.ndarray:
-        """The rigid plane in a vector, shape (3, ny, nx)."""
-        return self._level(vector, len(self.levels) - 1)[:, -1, 1:-1, 1:-1]
+        """Return a view of the rigid plane, shape (3, ny, nx)."""
+        return self.levels_of(vector)[-1][:, -1, 1:-1, 1:-1]
 
     def nodes_of(self, vector: np.ndarray) -> np.ndarray:
-        """All nodes of a vector without ghosts and hanging planes, shape (3, nodes): the atoms of the surface first."""
+        """Return all nodes without ghosts and hanging planes, shape (3, nodes): the atoms of the surface first."""
         *lower, last = self.levels_of(vector)
         own = [*(nodes[:, :-1] for nodes in lower), last]
         return np.concatenate([nodes[:, :, 1:-1, 1:-1].reshape(3, -1) for nodes in own], axis=1)
@@ -195,7 +207,7 @@ class MultiscaleBlock:
 
     @property
     def rest_positions(self) -> np.ndarray:
-        """Where the nodes of :meth:`nodes_of` stand over a surface at height zero, shape (3, nodes) (m)."""
+        """Positions of the nodes of :meth:`nodes_of` over a surface at height zero, shape (3, nodes) (m)."""
         vector = np.zeros(self.size)
         floor = 0.0
         for level, nodes in zip(self.levels, self.levels_of(vector), strict=True):
@@ -208,19 +220,17 @@ class MultiscaleBlock:
         return self.nodes_of(vector)
 
     def force(self, displacement: np.ndarray, force: np.ndarray) -> None:
-        """Write the block's forces on its nodes (N); those of the rigid plane are what it has to carry.
+        """Write the block's forces on its nodes (N); those on the rigid plane are its load.
 
-        Parameters
-        ----------
-        displacement, force : numpy.ndarray, shape (size,)
-            Ghosts and hanging planes of ``displacement`` are filled; those of ``force`` mean nothing.
+        Both vectors have shape (size,). Ghosts and hanging planes of ``displacement`` are filled; those of ``force``
+        are meaningless.
         """
         u, f = self.levels_of(displacement), self.levels_of(force)
         for number in reversed(range(len(u))):
-            self._hang(u, number)
-            self._slab_force(number, u[number], f[number])
+            self._fill_level(u, number)
+            self._on_rows(number, partial(self._force_kernel, u[number], f[number], *self._constants(number)))
         for number in range(len(u) - 1):
-            self.on_rows(number + 1, partial(restrict, f[number], f[number + 1]))
+            self._on_rows(number + 1, partial(restrict, f[number], f[number + 1]))
             f[number][:, -1] = 0.0
 
     def move(
@@ -231,7 +241,7 @@ class MultiscaleBlock:
         surface_force: np.ndarray,
         action: Action,
     ) -> float:
-        """Let the forces act on all nodes but the rigid plane, in one pass over them.
+        """Apply the forces to all nodes but the rigid plane, in one pass over them; return the pull on that plane (N).
 
         Parameters
         ----------
@@ -240,32 +250,30 @@ class MultiscaleBlock:
         velocity : numpy.ndarray, shape (size,)
             In m/s, in place.
         surface_force : numpy.ndarray, shape (3, ny, nx)
-            From outside on the atoms of the surface (N).
+            External force on the surface's atoms (N).
         action : Action
-            What a force does.
-
-        Returns
-        -------
-        float
-            Force of the block on the rigid plane along z (N).
+            Effect of a force.
         """
         u, new, v = map(self.levels_of, (displacement, moved, velocity))
+        faces, mass = self._faces, self._inverse_mass
+        first_node = [end // 3 for end in self._ends]
         for number in reversed(range(len(u))):
-            self._hang(u, number)
-            self._move_inside(number, u[number], new[number], v[number], action)
-        faces = self._faces
+            self._fill_level(u, number)
+            nodes = u[number], new[number], v[number], faces[number], mass[number]
+            constants = self._constants(number)
+            self._on_rows(number, partial(self._move_kernel, *nodes, action, *constants, first_node[number]))
         for number in range(len(u) - 1):
-            self.on_rows(number + 1, partial(restrict, faces[number], faces[number + 1]))
+            self._on_rows(number + 1, partial(restrict, faces[number], faces[number + 1]))
         faces[0][:, 0, 1:-1, 1:-1] += surface_force
-        for number, mass in enumerate(self._inverse_mass):
-            if mass[0]:
-                nodes = u[number], new[number], v[number], faces[number]
-                self.on_rows(number, partial(move_planes, *nodes, mass, action, self._first_node(number), 0, 1))
+        for number in range(len(u)):
+            if mass[number][0]:
+                nodes = u[number], new[number], v[number], faces[number], mass[number]
+                self._on_rows(number, partial(move_planes, *nodes, action, first_node[number], 0, 1))
         new[-1][:, -1] = u[-1][:, -1]
         return float(faces[-1][2, -1, 1:-1, 1:-1].sum())
 
     def elastic_energy(self, displacement: np.ndarray, force: np.ndarray) -> float:
-        """½ u·Ku (J) of a displacement and its forces; the rigid plane's part is exact for any height of the whole."""
+        """Return ½ u·Ku (J) of a displacement and its forces, exact for any height of the rigid plane."""
         height = float(np.mean(self.top_of(displacement)[2]))
         total = 0.0
         for u, f in zip(self.levels_of(displacement), self.levels_of(force), strict=True):
@@ -275,7 +283,7 @@ class MultiscaleBlock:
         return 0.5 * total
 
     def compression_energy(self, displacement: np.ndarray) -> float:
-        """Energy of the mean strain of every layer along z, per area (J/m²); of a displacement with hanging planes."""
+        """Return the energy of every layer's mean strain along z, per area (J/m²); hanging planes must be filled."""
         total = 0.0
         for level, u in zip(self.levels, self.levels_of(displacement), strict=True):
             edge = level.size * self.lattice_constant
@@ -284,84 +292,49 @@ class MultiscaleBlock:
         return total
 
     def _compression_density(self, strain: np.ndarray) -> np.ndarray:
-        """Energy of a uniform strain along z, per volume (J/m³)."""
+        """Return the energy of a uniform strain along z, per volume (J/m³)."""
         first, shear = self.lame
         return 0.5 * (first + 2 * shear) * strain**2
 
-    def on_rows(self, number: int, kernel: Callable[[int, int], object]) -> None:
-        """Call ``kernel(first, end)`` for all blocks of rows of a level, see :class:`ParallelRows`."""
+    def _constants(self, number: int) -> tuple[float, float, float]:
+        """Return the kernels' constants for a level."""
+        return slab_constants(2**number * self.lattice_constant, *self.lame)
+
+    def _on_rows(self, number: int, kernel: Callable[[int, int], object]) -> None:
+        """Call ``kernel(first, end)`` for all blocks of rows of a level."""
         _, _, rows, columns = self.levels[number].shape
-        self._rows.run(kernel, rows - 2, max(_FEWEST_ROWS, _NODES_OF_A_BLOCK // columns))
+        self._rows.run(kernel, rows - 2, max(self.options.task_rows, self.options.task_nodes // columns))
 
-    def _level(self, vector: np.ndarray, number: int) -> np.ndarray:
-        return vector[self._ends[number] : self._ends[number + 1]].reshape(self.levels[number].shape)
-
-    def _hang(self, levels: list[np.ndarray], number: int) -> None:
+    def _fill_level(self, levels: list[np.ndarray], number: int) -> None:
         """Fill a level's hanging plane from the next one and its ghosts."""
         if number + 1 < len(levels):
-            self.on_rows(number + 1, partial(prolong, levels[number + 1], levels[number]))
+            self._on_rows(number + 1, partial(prolong, levels[number + 1], levels[number]))
         fill_ghosts(levels[number])
-
-    def _first_node(self, number: int) -> int:
-        """Number of a level's first node, ghosts counted."""
-        return self._ends[number] // 3
-
-    def _move_inside(
-        self, number: int, displacement: np.ndarray, moved: np.ndarray, velocity: np.ndarray, action: Action
-    ) -> None:
-        """Move the planes of one level but the lowest and highest, whose forces go to :attr:`_faces`."""
-        nodes = displacement, moved, velocity, self._faces[number], self._inverse_mass[number]
-        constants = self.levels[number].constants
-        self.on_rows(number, partial(move_slab, *nodes, action, *constants, self._first_node(number)))
-
-    def _slab_force(self, number: int, displacement: np.ndarray, force: np.ndarray) -> None:
-        """Write the forces of one level's cells on its nodes, ghosts filled."""
-        self.on_rows(number, partial(slab_force, displacement, force, *self.levels[number].constants))
-
-    def _plane_mass(self, number: int, atom_mass: float) -> np.ndarray:
-        """Mass of a node of each plane of a level (kg).
-
-        A node stands for its share of the cells above and below; where two levels meet for half a layer of each. An
-        atom of the surface is a whole one. Hanging planes and the rigid one have none.
-        """
-        level = self.levels[number]
-        mass = np.full(level.shape[1], level.size**3 * atom_mass)
-        mass[-1] = 0.0
-        if number:
-            mass[0] *= 0.75
-        return mass
 
 
 class NonlinearSpringBlock(MultiscaleBlock):
-    """As :class:`MultiscaleBlock`, of central springs and cell volumes at any displacement.
+    """A :class:`MultiscaleBlock` of central springs and cell volumes at any displacement.
 
-    The levels, their masses and how they hang together are those of the linear block: a plane's bilinear values are
-    exact for what is turned as a whole.
+    Its first order is the linear block, with the same levels, masses and coupling: bilinear interpolation is exact for
+    a rigid rotation.
     """
 
+    _force_kernel, _move_kernel = staticmethod(rotating_slab_force), staticmethod(move_rotating_slab)
+
     def elastic_energy(self, displacement: np.ndarray, force: np.ndarray) -> float:
-        """Elastic energy (J) of a displacement; ``force`` is not needed, see the base class."""
+        """Return the elastic energy (J) of a displacement; ``force`` is not read, see the base class."""
         scratch = np.empty(self.size)
-        pairs = zip(self.levels, self.levels_of(displacement), self.levels_of(scratch), strict=True)
-        return sum(rotating_slab_force(u, f, *self._constants(level), 0, u.shape[2] - 2) for level, u, f in pairs)
+        pairs = zip(self.levels_of(displacement), self.levels_of(scratch), strict=True)
+        return sum(
+            rotating_slab_force(u, f, *self._constants(number), 0, u.shape[2] - 2)
+            for number, (u, f) in enumerate(pairs)
+        )
 
     def _compression_density(self, strain: np.ndarray) -> np.ndarray:
         first, shear = self.lame
-        longer = np.hypot(1, 1 + strain) - math.sqrt(2)  # of the springs across a face that stands upright
+        longer = np.hypot(1, 1 + strain) - math.sqrt(2)  # of the springs across an upright face
         return 0.5 * first * strain**2 + 2 * shear * longer**2
 
-    def _move_inside(
-        self, number: int, displacement: np.ndarray, moved: np.ndarray, velocity: np.ndarray, action: Action
-    ) -> None:
-        nodes = displacement, moved, velocity, self._faces[number], self._inverse_mass[number]
-        constants = self._constants(self.levels[number])
-        self.on_rows(number, partial(move_rotating_slab, *nodes, action, *constants, self._first_node(number)))
-
-    def _slab_force(self, number: int, displacement: np.ndarray, force: np.ndarray) -> None:
-        constants = self._constants(self.levels[number])
-        self.on_rows(number, partial(rotating_slab_force, displacement, force, *constants))
-
-    def _constants(self, level: Level) -> tuple[float, float, float]:
-        """Edge of a cell (m), μ and λ − μ (Pa)."""
+    def _constants(self, number: int) -> tuple[float, float, float]:
         first, shear = self.lame
-        return level.size * self.lattice_constant, shear, first - shear
+        return 2**number * self.lattice_constant, shear, first - shear

@@ -2,41 +2,29 @@
 
 The cell of :func:`md_reference.block.condensed.isotropic_element` at any displacement: springs along edges and face
 diagonals pull along the line between their atoms, ½k(|r| − r₀)², and the volume costs ½(λ − μ)a³(det F − 1)², F the
-mean of the deformation gradient over the cell's corners. A turn of the whole costs nothing; to first order both are the
-linear cell. Arrays of nodes have shape (3, planes, ny + 2, nx + 2): a frame of ghosts holds the periodic images.
+mean of the deformation gradient over the cell's corners. A rigid rotation costs nothing; to first order both are the
+linear cell. Arrays are those of :mod:`md_reference.block.slab`.
 
 Every spring and every volume is met once, layer by layer: some rows of a plane, with the one before them and the one
-after, stand in a line, and a neighbour is a shift along it. At ghosts what is computed so means nothing.
+after, form a line, and a neighbour is a shift along it. Values computed at ghosts are meaningless.
 """
 
 import numpy as np
-from numba import njit
 
 from md_reference.block.verlet import move_plane
-
-_OPTIONS = {"cache": True, "nogil": True, "error_model": "numpy", "fastmath": {"contract", "nsz"}}
+from md_reference.parallel_rows import row_kernel
 
 # Steps along y and x to the neighbours in the plane, and in the plane above, that a node has springs to.
 _WITHIN = ((0, 1), (1, 0), (1, 1), (1, -1))
 _UPWARD = ((0, 0), (0, 1), (0, -1), (1, 0), (-1, 0))
 
 
-@njit(**_OPTIONS)
+@row_kernel
 def rotating_slab_force(nodes, force, edge, shear_modulus, bulk, first, end):
-    """Write the forces on the nodes of some rows of a slab whose ghosts are filled; returns the rows' energy (J).
+    """Write the forces (N) on rows of a slab whose ghosts are filled; return the rows' energy (J).
 
     The energy is that of the springs and volumes whose lowest corner, of the least y and x, is a node of the rows.
-
-    Parameters
-    ----------
-    nodes, force : numpy.ndarray, shape (3, planes, ny + 2, nx + 2)
-        Displacements (m) and forces (N); what is written at the ghosts means nothing.
-    edge : float
-        Of a cell (m).
-    shear_modulus, bulk : float
-        μ and λ − μ (Pa).
-    first, end : int
-        The rows, of ny without ghosts: from ``first`` to before ``end``.
+    ``edge`` is that of a cell (m), ``shear_modulus`` μ and ``bulk`` λ − μ (Pa).
     """
     forces, pull, stress = _start(nodes, bulk, first, end)
     energy = 0.0
@@ -46,11 +34,11 @@ def rotating_slab_force(nodes, force, edge, shear_modulus, bulk, first, end):
     return energy
 
 
-@njit(**_OPTIONS)
+@row_kernel
 def move_rotating_slab(
     nodes, moved, velocity, faces, inverse_mass, action, edge, shear_modulus, bulk, number, first, end
 ):
-    """As :func:`md_reference.block.slab.move_slab`, by the forces of :func:`rotating_slab_force`."""
+    """Move the inner planes as :func:`md_reference.block.slab.move_slab`, by the forces of rotating springs."""
     forces, pull, stress = _start(nodes, bulk, first, end)
     last = nodes.shape[1] - 1
     for k in range(last + 1):
@@ -61,19 +49,19 @@ def move_rotating_slab(
             faces[:, 0 if k == 0 else 1, first + 1 : end + 1] = forces[:, k & 1, 1:-1]
 
 
-@njit(**_OPTIONS)
+@row_kernel
 def _start(nodes, bulk, first, end):
-    """Forces on a plane and the one above, what every node's springs pull at it, and the stress of a layer's cells."""
+    """Return arrays for the forces on two planes, the pulls of a node's springs, and the stress of a layer's cells."""
     rows, columns = end - first + 2, nodes.shape[3]
     line = rows * columns
     return np.zeros((3, 2, rows, columns)), np.empty((9, 3, line)), np.empty((10, line if bulk != 0.0 else 0))
 
 
-@njit(**_OPTIONS)
+@row_kernel
 def _add_layer(nodes, k, forces, pull, stress, edge, shear_modulus, bulk, first, with_energy):
     """Complete the forces on plane k, in plane k & 1 of ``forces``, and begin those on the plane above.
 
-    Returns the energy of the springs within the plane, and of springs and volumes between it and the one above.
+    Return the energy of the springs within the plane, and of springs and volumes between it and the one above.
     """
     planes, _, columns = nodes.shape[1:]
     lines, start = nodes.reshape((3, planes, -1)), first * columns
@@ -107,11 +95,11 @@ def _add_layer(nodes, k, forces, pull, stress, edge, shear_modulus, bulk, first,
     return energy
 
 
-@njit(**_OPTIONS)
+@row_kernel
 def _spring(lines, start, k, to_k, shift, columns, r_x, r_y, r_z, stiffness, pull):
-    """Pull on every node of plane k by its spring to the node ``shift`` further on in plane ``to_k``, at rest r away.
+    """Write the pull on every node of plane k by its spring to the node ``shift`` further on in plane ``to_k``.
 
-    Nodes are those of which the rows' forces need it: the rows' own and those whose springs end there.
+    The spring at rest is r; nodes are the rows' own and those whose springs end at them.
     """
     low = columns + 1 - max(shift, 0)
     high = pull.shape[1] - columns - 1 - min(shift, 0)
@@ -134,7 +122,7 @@ def _spring(lines, start, k, to_k, shift, columns, r_x, r_y, r_z, stiffness, pul
         f_z[i] = tension * (r_z + d_z)
 
 
-@njit(**_OPTIONS)
+@row_kernel
 def _share_within(pull, columns, force, here):
     """Add the pulls of the springs of :data:`_WITHIN` to the forces on both of their nodes."""
     low, high = np.uint64(columns + 1), np.uint64(pull.shape[2] - columns - 1)
@@ -148,7 +136,7 @@ def _share_within(pull, columns, force, here):
             to[i] += straight + ((rising[i] - rising[s - one]) + (falling[i] - falling[s + one]))
 
 
-@njit(**_OPTIONS)
+@row_kernel
 def _share_upward(pull, columns, force, here, above):
     """Add the pulls of the springs of :data:`_UPWARD` to the forces on plane ``here``, begin those on ``above``."""
     low, high = np.uint64(columns + 1), np.uint64(pull.shape[2] - columns - 1)
@@ -161,9 +149,9 @@ def _share_upward(pull, columns, force, here, above):
             to_above[i] = -(up[i] + ((east[i - one] + west[i + one]) + (north[i - width] + south[i + width])))
 
 
-@njit(**_OPTIONS)
+@row_kernel
 def _stored(values, columns):
-    """Sum of squares over the rows' nodes without ghosts."""
+    """Return the sum of squares over the rows' nodes without ghosts."""
     total = 0.0
     for begin in range(columns, values.shape[1] - columns, columns):
         for of in values:
@@ -172,9 +160,9 @@ def _stored(values, columns):
     return total
 
 
-@njit(**_OPTIONS)
+@row_kernel
 def _gradients(lines, start, k, columns, scale, gradient):
-    """Displacement gradients of the cells over the nodes of plane k, each at the index of its first corner."""
+    """Write displacement gradients of the cells over plane k, each at the index of its first corner."""
     one, width, line = np.uint64(1), np.uint64(columns), gradient.shape[1]
     for c in range(3):
         near, up = lines[c, k, start : start + line], lines[c, k + 1, start : start + line]
@@ -189,9 +177,9 @@ def _gradients(lines, start, k, columns, scale, gradient):
             along_z[i] = scale * (((up[i] - near[i]) + (up[e] - near[e])) + ((up[n] - near[n]) + (up[ne] - near[ne])))
 
 
-@njit(**_OPTIONS)
+@row_kernel
 def _stresses(gradient, strength):
-    """Turn displacement gradients G into strength (det F − 1) ∂det F/∂F, F = 1 + G, in place, beside det F − 1."""
+    """Turn gradients G into strength (det F − 1) ∂det F/∂F, F = 1 + G, in place, beside det F − 1."""
     xx, xy, xz, yx, yy, yz, zx, zy, zz, growth = gradient
     for i in range(np.uint64(xx.size)):
         f_xx = 1.0 + xx[i]
@@ -221,7 +209,7 @@ def _stresses(gradient, strength):
         zz[i] = g * c_zz
 
 
-@njit(**_OPTIONS)
+@row_kernel
 def _share_stresses(stress, columns, force, here, above):
     """Add the forces of the cells' stresses on the corners below and above."""
     low, high = np.uint64(columns + 1), np.uint64(stress.shape[1] - columns - 1)

@@ -2,33 +2,24 @@
 
 The springs and the dilatation energy of :func:`md_reference.block.condensed.isotropic_element`, gathered node by node:
 springs along edges, springs along face diagonals, and the dilatation of every cell, of which two planes at a time are
-kept. Arrays of nodes have shape (3, planes, ny + 2, nx + 2): a frame of ghosts holds the periodic images.
+kept. Arrays of nodes have shape (3, planes, ny + 2, nx + 2): a frame of ghosts contains the periodic images. The
+kernels treat the rows ``first`` to before ``end`` of ny; values that they write at ghosts are meaningless.
 """
 
 import numpy as np
-from numba import njit
 
 from md_reference.block.verlet import move_plane
-
-_OPTIONS = {"cache": True, "nogil": True, "error_model": "numpy", "fastmath": {"contract", "nsz"}}
+from md_reference.parallel_rows import row_kernel
 
 
 def slab_constants(lattice_constant: float, first_lame: float, shear_modulus: float) -> tuple[float, float, float]:
-    """Stiffnesses of edge springs, of diagonal springs along an axis, and of the dilatation (N/m).
-
-    Parameters
-    ----------
-    lattice_constant : float
-        Edge of the cell (m).
-    first_lame, shear_modulus : float
-        λ and μ (Pa).
-    """
+    """Return the stiffnesses of edge springs, of diagonal springs along an axis, and of the dilatation (N/m)."""
     edge = shear_modulus * lattice_constant
     # A diagonal spring acts along (1, 1)/√2; a cell's dilatation is a sum of differences over 4a, in force and energy.
     return edge, edge / 2, (first_lame - shear_modulus) * lattice_constant / 16
 
 
-@njit(**_OPTIONS)
+@row_kernel
 def fill_ghosts(u):
     """Copy the periodic images of the nodes into the frame."""
     for c in range(u.shape[0]):
@@ -42,11 +33,11 @@ def fill_ghosts(u):
                 u[c, k, rows - 1, i] = u[c, k, 1, i]
 
 
-@njit(**_OPTIONS)
+@row_kernel
 def _add_plane(u, k, width, start, below, dilatation):
-    """Dilatation of the cells under plane k, as a sum of corner differences, 4a times it, nodes start on.
+    """Sum the corner differences, 4a times the dilatation, of the cells under plane k, from node ``start`` on.
 
-    ``below`` has what the plane under it adds to that, and is given what plane k adds to the cells over it.
+    ``below`` holds what the plane under it adds, and is overwritten with what plane k adds to the cells over it.
     """
     x = u[0, k]
     y = u[1, k]
@@ -62,12 +53,9 @@ def _add_plane(u, k, width, start, below, dilatation):
         below[q] = within - height
 
 
-@njit(**_OPTIONS)
+@row_kernel
 def _start(nodes, first, end):
-    """Dilatation of the cells under and over the lowest plane from the row of cells before ``first`` on.
-
-    Returns an array for the two layers of cells about a plane, and one of what the plane under a layer adds to it.
-    """
+    """Return the dilatation of the cells about the lowest plane, and what that plane adds to the cells above it."""
     dilatation = np.zeros((2, (end - first + 1) * nodes.shape[3] - 1))
     below = np.zeros(dilatation.shape[1])
     width = np.uint64(nodes.shape[3])
@@ -75,11 +63,11 @@ def _start(nodes, first, end):
     return dilatation, below
 
 
-@njit(**_OPTIONS)
+@row_kernel
 def _plane_force(nodes, k, dilatation, below, edge, diagonal, volume, first, f_x, f_y, f_z):
-    """Write the forces on some rows of plane k, from row ``first`` on, after those of the plane below.
+    """Write the forces on rows of plane k, from row ``first`` on, after those of the plane below.
 
-    Row after row in one line, ``f_x`` … of their length: the ghosts between them cost less than to begin a loop anew.
+    The rows form one line: the ghosts between them cost less than to begin a loop again.
     """
     planes = nodes.shape[1]
     width = np.uint64(nodes.shape[3])
@@ -150,19 +138,9 @@ def _plane_force(nodes, k, dilatation, below, edge, diagonal, volume, first, f_x
         )
 
 
-@njit(**_OPTIONS)
+@row_kernel
 def slab_force(nodes, force, edge, diagonal, volume, first, end):
-    """Write the forces on the nodes of some rows of a slab whose ghosts are filled.
-
-    Parameters
-    ----------
-    nodes, force : numpy.ndarray, shape (3, planes, ny + 2, nx + 2)
-        Displacements (m) and forces (N); what is written at the ghosts means nothing.
-    edge, diagonal, volume : float
-        As :func:`slab_constants`.
-    first, end : int
-        The rows, of ny without ghosts: from ``first`` to before ``end``.
-    """
+    """Write the forces (N) on nodes whose ghosts are filled; the constants are those of :func:`slab_constants`."""
     dilatation, below = _start(nodes, first, end)
     for k in range(nodes.shape[1]):
         f_x = force[0, k, first + 1 : end + 1].reshape(-1)
@@ -171,26 +149,14 @@ def slab_force(nodes, force, edge, diagonal, volume, first, end):
         _plane_force(nodes, k, dilatation, below, edge, diagonal, volume, first, f_x, f_y, f_z)
 
 
-@njit(**_OPTIONS)
+@row_kernel
 def move_slab(nodes, moved, velocity, faces, inverse_mass, action, edge, diagonal, volume, number, first, end):
-    """Let the forces of :func:`slab_force` act on the inner planes, a plane of the rows at a time: none is kept.
+    """Apply the forces of :func:`slab_force` to the inner planes, one plane at a time, storing none.
 
-    Parameters
-    ----------
-    nodes, moved, velocity : numpy.ndarray, shape (3, planes, ny + 2, nx + 2)
-        Displacements before and after (m), velocities (m/s), see :func:`md_reference.block.verlet.move_plane`.
-    faces : numpy.ndarray, shape (3, 2, ny + 2, nx + 2)
-        Given the forces on the lowest and highest plane (N), which are not moved.
-    inverse_mass : numpy.ndarray, shape (planes,)
-        Of a node of each plane (1/kg).
-    action : md_reference.block.verlet.Action
-        Of the forces.
-    edge, diagonal, volume : float
-        As :func:`slab_constants`.
-    number : int
-        Of the slab's first node among all of the block.
-    first, end : int
-        The rows, of ny without ghosts: from ``first`` to before ``end``.
+    ``nodes`` and ``moved`` are displacements before and after (m), ``velocity`` in m/s, see
+    :func:`md_reference.block.verlet.move_plane`. ``faces``, shape (3, 2, ny + 2, nx + 2), receives the forces (N) on
+    the lowest and highest plane, which are not moved. ``inverse_mass`` has one value per plane (1/kg); ``number`` is
+    that of the slab's first node in the block.
     """
     dilatation, below = _start(nodes, first, end)
     inside = np.empty((3, 1, end - first, nodes.shape[3]))

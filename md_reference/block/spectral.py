@@ -1,18 +1,18 @@
-"""The block's stiffness applied wave by wave, see the module :mod:`md_reference.block.condensed` for its real form."""
+"""Kernels that apply the condensed block's stiffness S(q), or its inverse, wave by wave.
+
+:mod:`md_reference.block.condensed` defines the real form of S: xx, yy, zz, xy, xz, yz of each wave on the half
+spectrum, with the normal component multiplied by the imaginary unit. Single- and double-precision spectra of three
+components hold real and imaginary parts in turn, shape (3, ny, 2 (nx // 2 + 1)), except where they are complex.
+"""
 
 import numpy as np
-from numba import njit
 
-_OPTIONS = {"cache": True, "error_model": "numpy", "fastmath": {"contract", "reassoc", "arcp", "nsz"}}
+from contact_study.numerics.kernel import kernel
 
 
-@njit(**_OPTIONS)
+@kernel
 def act_on_wave(s_x, s_y, s_z, i, norm, xx, yy, zz, xy, xz, yz):
-    """Replace the i-th wave of a row by ``norm`` times a symmetric matrix times it; returns the product of both.
-
-    The components of the row have real and imaginary parts in turn. The normal component times the imaginary unit
-    makes the matrix real.
-    """
+    """Replace the i-th wave of a row by ``norm`` times a matrix times it; return the product of both."""
     re = np.uint64(2) * np.uint64(i)
     im = re + np.uint64(1)
     x_re = s_x[re]
@@ -36,20 +36,11 @@ def act_on_wave(s_x, s_y, s_z, i, norm, xx, yy, zz, xy, xz, yz):
     return x_re * o_re + x_im * o_im + y_re * p_re + y_im * p_im + z_re * q_re + z_im * q_im
 
 
-@njit(**_OPTIONS)
+@kernel
 def multiply(spectrum, stiffness, multiplicity, normalisation):
-    """Replace the spectrum of s by that of S s; returns s·S s.
+    """Replace the spectrum of s by ``normalisation`` times that of S s; return s·S s.
 
-    Parameters
-    ----------
-    spectrum : numpy.ndarray, shape (3, ny, 2 (nx // 2 + 1))
-        Of s, real and imaginary parts in turn, single or double precision as all else.
-    stiffness : numpy.ndarray, shape (6, ny, nx // 2 + 1)
-        S: xx, yy, zz, xy, xz, yz.
-    multiplicity : numpy.ndarray, shape (nx // 2 + 1,)
-        How many waves an entry of the half spectrum stands for.
-    normalisation : float
-        Factor of S s: the inverse number of points on the way back, or one where S holds it.
+    ``multiplicity`` counts the waves that each column of the half spectrum represents.
     """
     rows, columns = stiffness.shape[1:]
     norm = np.float32(normalisation)
@@ -72,9 +63,9 @@ def multiply(spectrum, stiffness, multiplicity, normalisation):
     return total
 
 
-@njit(**_OPTIONS)
+@kernel
 def invert(spectrum, stiffness, multiplicity, shift, normalisation):
-    """Replace the spectrum of r by that of z = (S + shift)⁻¹ r, normalised for the way back; returns r·z."""
+    """Replace the spectrum of r by ``normalisation`` times that of z = (S + shift)⁻¹ r; return r·z."""
     rows, columns = stiffness.shape[1:]
     c_0 = np.float32(shift)
     norm = np.float32(normalisation)
@@ -107,9 +98,9 @@ def invert(spectrum, stiffness, multiplicity, shift, normalisation):
     return total
 
 
-@njit(**_OPTIONS)
+@kernel
 def accelerate(velocity, displacement, force, coefficients, over_mass, dt):
-    """velocity += dt (force − S displacement) / mass; see the module ``block`` for the real form of S."""
+    """Add dt (force − S displacement)/mass to the velocity; complex spectra."""
     for j in range(force.shape[1]):
         for i in range(force.shape[2]):
             x = displacement[0, j, i]
@@ -121,9 +112,9 @@ def accelerate(velocity, displacement, force, coefficients, over_mass, dt):
             velocity[2, j, i] += dt * over_mass[2, j, i] * (force[2, j, i] + 1j * s_z)
 
 
-@njit(**_OPTIONS)
+@kernel
 def quadratic(displacement, coefficients, multiplicity):
-    """Sum over all waves of u†Su."""
+    """Return the sum of u†Su over all waves of a complex spectrum."""
     total = 0.0
     for j in range(displacement.shape[1]):
         row = 0.0
@@ -141,9 +132,9 @@ def quadratic(displacement, coefficients, multiplicity):
     return total
 
 
-@njit(**_OPTIONS)
+@kernel
 def _product(stiffness, x, y, z):
-    """The real symmetric form of S times (x, y, i u_z)."""
+    """Multiply (x, y, i u_z) by the real symmetric form of S."""
     return (
         stiffness[0] * x + stiffness[3] * y + stiffness[4] * z,
         stiffness[3] * x + stiffness[1] * y + stiffness[5] * z,

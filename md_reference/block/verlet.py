@@ -1,14 +1,14 @@
-"""Velocity Verlet's updates of the nodes, in one pass over memory: what forces, friction and noise do in a time step.
+"""Velocity Verlet's update of nodes in one pass over memory: kick by the forces, friction and noise, drift.
 
-Arrays of nodes have shape (3, planes, ny + 2, nx + 2); ghosts are left alone.
+Arrays of nodes have shape (3, planes, ny + 2, nx + 2); ghosts are left alone. The kernels are here because the slab's
+kernels apply them plane by plane, without storing forces.
 """
 
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
-_OPTIONS = {"cache": True, "nogil": True, "error_model": "numpy", "fastmath": {"contract", "nsz"}}
+from md_reference.parallel_rows import row_kernel
 
 _WIDTH = float(np.sqrt(3.0))
 _SHARE = 2**21 // 6  # of 21 random bits: a sixth to either side
@@ -17,56 +17,39 @@ _STRIDE = 0x9E3779B97F4A7C15  # an odd number near 2⁶⁴ over the golden mean
 
 
 class Action(NamedTuple):
-    """What a force f does to a node of mass m and velocity v: first v + kick·f/m, then friction and noise, and the way.
+    """Effect of a force f on a node of mass m and velocity v: v + kick·f/m, then friction and noise, and the drift."""
 
-    Attributes
-    ----------
-    kick : float
-        Duration of the force (s).
-    kept : float
-        Share of the velocity that friction leaves.
-    wind : float
-        What it adds to the velocity along z, of a bath that moves (m/s).
-    half : float
-        Duration of the way before friction and noise, and of that after them (s); at 0 nodes stay where they are.
-    noise : float
-        Variance of the momentum over a mass (J), zero for none.
-    key : int
-        Of the noise's random numbers.
-    """
-
-    kick: float
-    kept: float = 1.0
-    wind: float = 0.0
-    half: float = 0.0
-    noise: float = 0.0
-    key: int = 0
+    kick: float  # duration of the force (s)
+    kept: float = 1.0  # share of the velocity that friction leaves
+    wind: float = 0.0  # velocity along z that a moving bath adds (m/s)
+    half: float = 0.0  # duration of the drift before friction and noise, and of that after them (s)
+    noise: float = 0.0  # variance of the momentum over a mass (J)
+    key: int = 0  # of the noise's random numbers
 
 
-@njit(**_OPTIONS)
+@row_kernel
 def _mixed(state):
-    """64 random bits of a state (mix64 of G. L. Steele, D. Lea and C. H. Flood, OOPSLA 2014, 453)."""
+    """Return 64 random bits of a state (mix64 of G. L. Steele, D. Lea and C. H. Flood, OOPSLA 2014, 453)."""
     state = (state ^ (state >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
     state = (state ^ (state >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
     return state ^ (state >> np.uint64(31))
 
 
-@njit(**_OPTIONS)
+@row_kernel
 def _three_point(bits):
-    """±√3, each for a sixth of all values of 21 bits, and 0: the moments of a normal number up to the fifth."""
+    """Return ±√3, each for a sixth of all values of 21 bits, or 0: the moments of a normal number up to the fifth."""
     value = np.int64(bits & np.uint64(_BITS))
     return _WIDTH * (np.float64(value < _SHARE) - np.float64(value > _BITS - _SHARE))
 
 
-@njit(**_OPTIONS)
+@row_kernel
 def move_plane(
     displacement, moved, velocity, force, force_plane, force_row, inverse_mass, action, number, k, first, end
 ):
-    """Let the forces act on some rows of a plane.
+    """Apply forces to the rows ``first`` to before ``end`` of plane ``k``.
 
-    Noise is a number of :func:`_three_point` for each component, made of the node's own number and the step's key
-    alone: whoever moves the node, it is the same. It has the moments of a normal number up to the fifth, the first that
-    differ being of the third power of the step: the three-point increments of weak schemes of second order (P. E.
+    Each component's noise is a number of :func:`_three_point`, a function of the node's number and the step's key
+    alone, so that results do not depend on threads. Such increments suffice for weak schemes of second order (P. E.
     Kloeden, E. Platen, Numerical Solution of Stochastic Differential Equations, Springer 1992).
 
     Parameters
@@ -76,17 +59,13 @@ def move_plane(
     velocity : numpy.ndarray, shape (3, planes, ny + 2, nx + 2)
         In m/s, in place.
     force : numpy.ndarray, shape (3, any, any, nx + 2)
-        In N, of row ``first`` in row ``force_row`` of the plane ``force_plane``.
+        In N; row ``first`` is row ``force_row`` of the plane ``force_plane``.
     inverse_mass : float
         Of a node of the plane (1/kg).
     action : Action
-        Of the forces.
+        Effect of the forces.
     number : int
-        Of the slab's first node among all of the block.
-    k : int
-        The plane.
-    first, end : int
-        The rows, of ny without ghosts: from ``first`` to before ``end``.
+        Number of the slab's first node in the block.
     """
     gain = action.kick * inverse_mass
     spread = np.sqrt(action.noise * inverse_mass)
@@ -131,9 +110,9 @@ def move_plane(
                     m[i] = u[i] + half * (before + after)
 
 
-@njit(**_OPTIONS)
+@row_kernel
 def move_planes(displacement, moved, velocity, force, inverse_mass, action, number, low, high, first, end):
-    """As :func:`move_plane`, planes ``low`` to before ``high``, by forces of shape (3, any, ny + 2, nx + 2) of all."""
+    """Apply :func:`move_plane` to planes ``low`` to before ``high``, with forces of shape (3, any, ny + 2, nx + 2)."""
     for k in range(low, high):
         mass = inverse_mass[k]
         move_plane(displacement, moved, velocity, force, k, first + 1, mass, action, number, k, first, end)

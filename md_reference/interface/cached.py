@@ -1,34 +1,42 @@
-"""An interface followed from state to state: an atom that has moved little is not evaluated again.
+"""An interface evaluated again only where atoms have moved.
 
-While a front advances all but some tens of atoms stand nearly still, and the interface is most of a step's work. Energy
-and force of an atom are therefore expanded to second order about where it was last evaluated,
+While a contact edge advances all but some tens of atoms are nearly at rest, and the interface is most of a step's work.
+Energy and force of an atom are therefore expanded to second order about its last evaluation,
 
     E = E₀ − F₀·d + ½ d·H₀d,    F = F₀ − H₀ d,
 
 as long as the next term of the force, ½ T d², is below an error that the caller allows, and |d| below a tenth of r0.
-With no error allowed only atoms that have not moved at all are left as they are.
+With no error allowed only atoms that have not moved at all are skipped.
 
-T is bounded by stiffness k and force F that the atom had there. For a layer's law P (s¹¹ − s⁵), s = r0/distance, in
-units of P/r0 and P/r0²: k = 11 s¹² − 5 s⁶, and T = 132 s¹³ − 30 s⁷ stays below 17 k⁺ + 60 |F| for s < 1.6.
-Where the pairs are taken to zero over the last tenth of the cutoff r_c it is some (r0/r_c)⁵ / (0.1 r_c/r0)².
+T is bounded by stiffness k and force F of the atom there. For a layer's law P (s¹¹ − s⁵), s = r0/distance, in units of
+P/r0 and P/r0²: k = 11 s¹² − 5 s⁶, and T = 132 s¹³ − 30 s⁷ stays below 17 k⁺ + 60 |F| for s < 1.6. Where the pairs are
+taken to zero over the last tenth of the cutoff r_c it is some (r0/r_c)⁵ / (0.1 r_c/r0)².
 """
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 
+from contact_study.numerics.kernel import kernel
 from md_reference.interface.pairs import AtomwiseInteraction
 
-_OPTIONS = {"cache": True, "error_model": "numpy", "fastmath": {"contract", "reassoc", "arcp", "nsz"}}
 
-_HARD, _SOFT = 17.0, 60.0  # T over k/r0, and over F/r0²
-_SWITCHED = 1500.0  # T over P/r0² (r0/r_c)⁷
-_FARTHEST = 0.1  # an atom is followed, in units of r0
+@dataclass(frozen=True)
+class CacheOptions:
+    """Bounds of the expansion, see the module."""
+
+    hard: float = 17.0  # T over k/r0
+    soft: float = 60.0  # T over F/r0²
+    switched: float = 1500.0  # T over P/r0² (r0/r_c)⁷
+    farthest: float = 0.1  # largest move of an atom that is expanded (r0)
+
+
+DEFAULTS = CacheOptions()
 
 
 class CachedInterface:
-    """An interface and where each of its atoms was last evaluated.
+    """An interface with the last evaluation of each of its atoms.
 
     Parameters
     ----------
@@ -36,64 +44,58 @@ class CachedInterface:
         The interface.
     shape : tuple of int
         Atoms along y and x.
+    options : CacheOptions, optional
+        Bounds of the expansion.
 
     Attributes
     ----------
     hessian : numpy.ndarray of float32, shape (6, ny, nx)
-        Second derivatives there (N/m), as of :meth:`Interaction.evaluate`.
+        Second derivatives of the last evaluation: xx, yy, zz, xy, xz, yz (N/m).
     evaluations : float
-        Done so far, of some atoms counted by their share of all.
+        Evaluations so far, those of some atoms counted by their share of all.
     """
 
-    def __init__(self, interaction: AtomwiseInteraction, shape: tuple[int, int]):
+    def __init__(self, interaction: AtomwiseInteraction, shape: tuple[int, int], options: CacheOptions = DEFAULTS):
         self.hessian = np.zeros((6, *shape), np.float32)
         self.evaluations = 0.0
         self._interaction = interaction
-        self._place = np.full((3, *shape), np.inf)  # nowhere
+        self._options = options
+        self._position = np.full((3, *shape), np.inf)  # of no evaluation yet
         self._force = np.zeros((3, *shape))
         self._energy = np.zeros(shape)
         self._due = np.empty(shape, dtype=np.bool_)
 
     def forget(self) -> None:
         """Evaluate every atom next time."""
-        self._place.fill(np.inf)
+        self._position.fill(np.inf)
 
     def evaluate(self, displacement: np.ndarray, force: np.ndarray, error: float = 0.0) -> float:
-        """Energy (J), infinite if an atom is inside the substrate.
+        """Write the force on each atom, off by at most ``error`` (N); return the energy (J).
 
-        Parameters
-        ----------
-        displacement : numpy.ndarray, shape (3, ny, nx)
-            As of :meth:`Interaction.evaluate` (m).
-        force : numpy.ndarray, shape (3, ny, nx)
-            On each atom, written here (N).
-        error : float, optional
-            Allowed to a force (N).
+        The energy is infinite if an atom is inside the substrate.
         """
-        length, cutoff = self._interaction.length, self._interaction.cutoff
-        least = _SWITCHED * self._interaction.force_prefactor / length**2 / cutoff**7
-        there = self._place, self._force, self.hessian
-        count = _mark(displacement, *there, length, least, 2 * error, self._due)
+        length, cutoff, options = self._interaction.length, self._interaction.cutoff, self._options
+        least = options.switched * self._interaction.force_prefactor / length**2 / cutoff**7
+        there = self._position, self._force, self.hessian
+        limits = options.hard / length, options.soft / length**2, least, (options.farthest * length) ** 2
+        count = _mark(displacement, *there, *limits, 2 * error, self._due)
         self.evaluations += count / self._due.size
         results = self._force, self.hessian, self._energy
         if count and not self._interaction.evaluate_some(displacement, self._due, *results):
-            self._place[:, self._due] = np.inf
+            self._position[:, self._due] = np.inf
             return math.inf
         return _expand(displacement, *there, self._energy, force)
 
 
-@njit(**_OPTIONS)
-def _mark(displacement, place, force, hessian, length, least, allowed, due):
-    """Write which atoms have left where they were evaluated, and put them where they are; returns how many."""
-    hardness = _HARD / length
-    softness = _SOFT / length**2
-    farthest = (_FARTHEST * length) ** 2
+@kernel
+def _mark(displacement, position, force, hessian, hardness, softness, least, farthest, allowed, due):
+    """Write which atoms are too far from their last evaluation, and update its position; return how many."""
     count = 0
     for j in range(due.shape[0]):
         for i in range(due.shape[1]):
-            x = displacement[0, j, i] - place[0, j, i]
-            y = displacement[1, j, i] - place[1, j, i]
-            z = displacement[2, j, i] - place[2, j, i]
+            x = displacement[0, j, i] - position[0, j, i]
+            y = displacement[1, j, i] - position[1, j, i]
+            z = displacement[2, j, i] - position[2, j, i]
             stiffness = hessian[0, j, i] + hessian[1, j, i] + hessian[2, j, i]
             f_x = force[0, j, i]
             f_y = force[1, j, i]
@@ -105,20 +107,20 @@ def _mark(displacement, place, force, hessian, length, least, allowed, due):
             if left:
                 count += 1
                 for c in range(3):
-                    place[c, j, i] = displacement[c, j, i]
+                    position[c, j, i] = displacement[c, j, i]
     return count
 
 
-@njit(**_OPTIONS)
-def _expand(displacement, place, force_there, hessian, energy_there, force):
-    """Forces by their expansion; returns the energy."""
+@kernel
+def _expand(displacement, position, force_there, hessian, energy_there, force):
+    """Write the forces by their expansion; return the energy."""
     total = 0.0
-    for j in range(place.shape[1]):
+    for j in range(position.shape[1]):
         row = 0.0
-        for i in range(place.shape[2]):
-            x = displacement[0, j, i] - place[0, j, i]
-            y = displacement[1, j, i] - place[1, j, i]
-            z = displacement[2, j, i] - place[2, j, i]
+        for i in range(position.shape[2]):
+            x = displacement[0, j, i] - position[0, j, i]
+            y = displacement[1, j, i] - position[1, j, i]
+            z = displacement[2, j, i] - position[2, j, i]
             xy = hessian[3, j, i]
             xz = hessian[4, j, i]
             yz = hessian[5, j, i]

@@ -1,9 +1,9 @@
 """Lennard-Jones forces of the rigid substrate on the block's bottom atoms.
 
 The pair potential is V(r) = 4ε[(r0/r)¹² − (r0/r)⁶], taken smoothly to zero between 0.9 r_c and the cutoff r_c by the
-quintic in r² that has two continuous derivatives: a bare cut has steps in the force above the solver's tolerance, a
+quintic in r² with two continuous derivatives: a bare cut has steps in the force above the solver's tolerance, a
 shifted potential loses 3.6 % of the work of adhesion at r_c = 4 r0. Neighbours follow by index arithmetic from an
-atom's current position; the substrate being rigid, the Hessian is block diagonal, one 3×3 matrix an atom.
+atom's current position; the substrate being rigid, the Hessian is block diagonal, one 3×3 matrix per atom.
 """
 
 import math
@@ -25,64 +25,49 @@ INSIDE = 0.3
 # The switch acts between this fraction of the cutoff and the cutoff.
 _SWITCH_START = 0.9
 
-# Error allowed to the interpolated height of the surface, in units of r0; the contact area does not notice 1e-4.
-HEIGHT_TOLERANCE = 1e-4
+# Error allowed to the interpolated height of the surface, in units of r0.
+_HEIGHT_TOLERANCE = 1e-4
 
-_ROWS_OF_A_BLOCK = 8  # that a thread does in one go: some tenths of a millisecond and more
+_TASK_ROWS = 8  # per task of a thread: some tenths of a millisecond and more
+
+_kernel = njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract", "reassoc", "arcp", "nsz"})
 
 
 class Interaction(Protocol):
-    """What moves atoms over a substrate.
-
-    Displacements have shape (3, ny, nx): components 0 and 1 are the moves along x and y from the atoms' rest positions,
-    component 2 is the height over the substrate's mean plane (m).
-    """
-
-    length: float
-
-    @property
-    def force_prefactor(self) -> float:
-        """Force on an atom over a flat layer of sites, over s¹¹ − s⁵ with s = r0/distance (N)."""
+    """Forces on atoms over a substrate."""
 
     def evaluate(self, displacement: np.ndarray, force: np.ndarray, hessian: np.ndarray | None) -> float:
-        """Energy (J), infinite if an atom is inside the substrate.
-
-        Writes the force on each atom (N, shape (3, ny, nx)) and, if an array is given, the second derivatives of the
-        energy (N/m, shape (6, ny, nx) in the order xx, yy, zz, xy, xz, yz).
-        """
-
-    def gap(self, displacement: np.ndarray) -> np.ndarray:
-        """Height of each atom above the surface at its current lateral position (m), shape (ny, nx)."""
-
-    def gap_and_cosine(self, displacement: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """:meth:`gap` and the cosine of the surface's tilt there, each of shape (ny, nx)."""
+        """Return the energy (J), infinite if an atom is inside the substrate; see :class:`LennardJonesInterface`."""
 
 
 class AtomwiseInteraction(Protocol):
-    """What the minimiser needs of an interface, as of :class:`Interaction`, and of some atoms without the others."""
+    """Forces on atoms over a substrate, one by one, as the minimiser needs them."""
 
     length: float
     cutoff: float  # in units of it
 
     @property
-    def force_prefactor(self) -> float: ...
+    def force_prefactor(self) -> float:
+        """Force on an atom over a flat layer of sites, over s¹¹ − s⁵ with s = r0/distance (N)."""
 
     def evaluate_some(
         self, displacement: np.ndarray, due: np.ndarray, force: np.ndarray, hessian: np.ndarray, energy: np.ndarray
     ) -> bool:
         """Write forces, second derivatives and energies of the atoms that are ``due``, and of no other.
 
-        ``due`` and ``energy`` have shape (ny, nx), and an atom at least is due; False, with what is written undefined,
-        if one of them is inside the substrate.
+        ``due`` and ``energy`` have shape (ny, nx), and at least one atom is due. False, with undefined results, if one
+        of them is inside the substrate.
         """
 
-    def gap(self, displacement: np.ndarray) -> np.ndarray: ...
-
-    def gap_and_cosine(self, displacement: np.ndarray) -> tuple[np.ndarray, np.ndarray]: ...
+    def gap_and_cosine(self, displacement: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return each atom's height above the surface (m) and the cosine of the surface's tilt, shape (ny, nx)."""
 
 
 class LennardJonesInterface:
     """Block atoms over a substrate layer, with the pair potential above.
+
+    Displacements have shape (3, ny, nx): components 0 and 1 are the moves along x and y from the atoms' rest positions,
+    component 2 is the height over the substrate's mean plane (m).
 
     Parameters
     ----------
@@ -97,7 +82,7 @@ class LennardJonesInterface:
     cutoff : float
         r_c in units of r0.
     threads : int, optional
-        That share the rows.
+        Threads that share the rows.
     """
 
     def __init__(
@@ -127,13 +112,22 @@ class LennardJonesInterface:
         self._row_inside = np.empty(shape[0], dtype=np.int64)
 
     def evaluate(self, displacement: np.ndarray, force: np.ndarray, hessian: np.ndarray | None = None) -> float:
-        """Energy, forces and second derivatives; see :class:`Interaction`.
+        """Write the force on each atom, and its second derivatives; return the energy of all pairs.
+
+        Parameters
+        ----------
+        displacement : numpy.ndarray, shape (3, ny, nx)
+            See the class (m).
+        force : numpy.ndarray, shape (3, ny, nx)
+            Written (N).
+        hessian : numpy.ndarray, shape (6, ny, nx), optional
+            Written: xx, yy, zz, xy, xz, yz (N/m).
 
         Returns
         -------
         float
-            Energy of all pairs (J); infinite, with the other results undefined, if an atom is less than 0.3 r0 above
-            the site below it, or nowhere (NaN).
+            Energy (J); infinite, with undefined results, if an atom is less than 0.3 r0 above the site below it or has
+            no finite position.
         """
         derivatives = self._no_hessian if hessian is None else hessian
         if not self.evaluate_some(displacement, self._all, force, derivatives, self._energy):
@@ -143,7 +137,7 @@ class LennardJonesInterface:
     def evaluate_some(
         self, displacement: np.ndarray, due: np.ndarray, force: np.ndarray, hessian: np.ndarray, energy: np.ndarray
     ) -> bool:
-        """Some of the atoms; see :class:`AtomwiseInteraction`."""
+        """Evaluate some of the atoms; see :class:`AtomwiseInteraction`."""
         kernel = partial(
             _lennard_jones,
             displacement,
@@ -162,36 +156,36 @@ class LennardJonesInterface:
             energy,
             self._row_inside,
         )
-        self._rows.run(kernel, self.shape[0], _ROWS_OF_A_BLOCK)
+        self._rows.run(kernel, self.shape[0], _TASK_ROWS)
         return not self._row_inside.any()
 
     @property
     def force_prefactor(self) -> float:
-        """That of the smeared layer; see :class:`Interaction`."""
+        """Force of the smeared layer, see :class:`AtomwiseInteraction` (N)."""
         return 8 * math.pi * self.well_depth * self.length / math.prod(self.substrate.spacing)
 
     def gap(self, displacement: np.ndarray) -> np.ndarray:
-        """Height of each atom above the surface below it; see :class:`Interaction`."""
+        """Return each atom's height above the surface below it (m), shape (ny, nx)."""
         return self.gap_and_cosine(displacement)[0]
 
     def gap_and_cosine(self, displacement: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Gap and tilt; see :class:`Interaction`."""
-        height, cosine = self.substrate.height_and_cosine(*self._places(displacement))
+        """Return gap and tilt; see :class:`AtomwiseInteraction`."""
+        height, cosine = self.substrate.height_and_cosine(*self._lateral_positions(displacement))
         return displacement[2] - height, cosine
 
     def floor(self, displacement: np.ndarray) -> np.ndarray:
-        """The higher of the surface below each atom and of the site nearest to it (m), shape (ny, nx)."""
-        y, x = self._places(displacement)
+        """Return the higher of the surface below each atom and of the nearest site (m), shape (ny, nx)."""
+        y, x = self._lateral_positions(displacement)
         return np.maximum(self.substrate.height_at(y, x), self.substrate.nearest_site(y, x))
 
-    def _places(self, displacement: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Lateral positions of the atoms, y and x (m)."""
+    def rest_heights(self) -> np.ndarray:
+        """Return the height of the surface under the atoms' rest positions (m), shape (ny, nx)."""
+        return -self.gap(np.zeros((3, *self.shape)))
+
+    def _lateral_positions(self, displacement: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return the atoms' positions along y and x (m)."""
         y = np.arange(self.shape[0])[:, None] * self.spacing[0] + displacement[1]
         return y, np.arange(self.shape[1])[None, :] * self.spacing[1] + displacement[0]
-
-    def rest_heights(self) -> np.ndarray:
-        """Height of the surface under the atoms' rest positions (m), shape (ny, nx)."""
-        return -self.gap(np.zeros((3, *self.shape)))
 
 
 def interface_of(
@@ -202,27 +196,37 @@ def interface_of(
     cutoff: float,
     threads: int = 1,
 ) -> LennardJonesInterface:
-    """Lennard-Jones atoms over the substrate's sites on a surface.
+    """Return Lennard-Jones atoms over the substrate's sites on a surface.
 
-    Parameters
-    ----------
-    heights : callable
-        Heights of the surface on a grid of the given shape (m).
-    lattice : Lattice
-        Atoms and sites.
-    well_depth, length : float
-        ε (J) and r0 (m).
-    cutoff : float
-        In units of r0.
-    threads : int, optional
-        That share the rows.
+    ``heights`` gives the surface on a grid of any shape (m); the other arguments are those of
+    :class:`LennardJonesInterface`.
     """
-    substrate = sample_substrate(heights, lattice.size, lattice.substrate_sites, HEIGHT_TOLERANCE * length)
+    substrate = sample_substrate(heights, lattice.size, lattice.substrate_sites, _HEIGHT_TOLERANCE * length)
     spacing = (lattice.size[0] / lattice.atoms[0], lattice.size[1] / lattice.atoms[1])
     return LennardJonesInterface(substrate, lattice.atoms, spacing, well_depth, length, cutoff, threads)
 
 
-@njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract", "reassoc", "arcp", "nsz"})
+@njit(inline="always")
+def _pair(dx, dy, dz, start, slope):
+    """Return potential, dV/ds and d²V/ds² of a pair over 4ε, s = r²/r0², with the switch from ``start`` on."""
+    s = dx * dx + dy * dy + dz * dz
+    inverse = 1.0 / s
+    t = inverse * inverse * inverse
+    u = min(max((s - start) * slope, 0.0), 1.0)
+    v = 1.0 - u
+    uv = u * v
+    switch = v * v * v * (1.0 + u * (3.0 + 6.0 * u))
+    switch_1 = -30.0 * slope * uv * uv
+    switch_2 = -60.0 * slope * slope * uv * (v - u)
+    potential = t * (t - 1.0)
+    potential_1 = inverse * t * (3.0 - 6.0 * t)
+    potential_2 = inverse * inverse * t * (42.0 * t - 12.0)
+    g = potential_1 * switch + potential * switch_1
+    q = potential_2 * switch + 2.0 * potential_1 * switch_1 + potential * switch_2
+    return potential * switch, g, q
+
+
+@_kernel
 def _lennard_jones(
     displacement,
     due,
@@ -242,11 +246,11 @@ def _lennard_jones(
     first_row,
     end_row,
 ):
-    """Sum over pairs of due atoms in some rows, ``first_row`` to before ``end_row``, with lengths in units of r0.
+    """Sum over pairs of due atoms in rows ``first_row`` to before ``end_row``, with lengths in units of r0.
 
-    Writes the energy of each and the number of a row's atoms inside the substrate, beside forces and Hessians.
-    ``scale`` is 1/r0, ``strength`` 4ε. For s = r²/r0² and the switch w(s): V = strength (s⁻⁶ − s⁻³) w, the force is
-    −2V'Δ and the Hessian 2V' 1 + 4V'' ΔΔᵀ, so no square root is taken.
+    Writes each atom's energy, force and Hessian, and the number of a row's atoms inside the substrate. ``scale`` is
+    1/r0, ``strength`` 4ε. With V(s) as in :func:`_pair` the force is −2V'Δ and the Hessian 2V' 1 + 4V'' ΔΔᵀ, so that
+    no square root is taken.
     """
     columns = displacement.shape[2]
     site_rows, site_columns = highest.shape
@@ -336,24 +340,11 @@ def _lennard_jones(
             e = 0.0
             if not with_hessian:
                 for k in range(count):
-                    dx = delta_x[k]
-                    dy = delta_y[k]
-                    dz = delta_z[k]
-                    s = dx * dx + dy * dy + dz * dz
-                    inverse = 1.0 / s
-                    t = inverse * inverse * inverse
-                    u = min(max((s - start) * slope, 0.0), 1.0)
-                    v = 1.0 - u
-                    uv = u * v
-                    switch = v * v * v * (1.0 + u * (3.0 + 6.0 * u))
-                    switch_1 = -30.0 * slope * uv * uv
-                    potential = t * (t - 1.0)
-                    potential_1 = inverse * t * (3.0 - 6.0 * t)
-                    g = potential_1 * switch + potential * switch_1
-                    f_x += g * dx
-                    f_y += g * dy
-                    f_z += g * dz
-                    e += potential * switch
+                    potential, g, _ = _pair(delta_x[k], delta_y[k], delta_z[k], start, slope)
+                    f_x += g * delta_x[k]
+                    f_y += g * delta_y[k]
+                    f_z += g * delta_z[k]
+                    e += potential
             else:
                 h_xx = 0.0
                 h_yy = 0.0
@@ -366,24 +357,11 @@ def _lennard_jones(
                     dx = delta_x[k]
                     dy = delta_y[k]
                     dz = delta_z[k]
-                    s = dx * dx + dy * dy + dz * dz
-                    inverse = 1.0 / s
-                    t = inverse * inverse * inverse
-                    u = min(max((s - start) * slope, 0.0), 1.0)
-                    v = 1.0 - u
-                    uv = u * v
-                    switch = v * v * v * (1.0 + u * (3.0 + 6.0 * u))
-                    switch_1 = -30.0 * slope * uv * uv
-                    switch_2 = -60.0 * slope * slope * uv * (v - u)
-                    potential = t * (t - 1.0)
-                    potential_1 = inverse * t * (3.0 - 6.0 * t)
-                    potential_2 = inverse * inverse * t * (42.0 * t - 12.0)
-                    g = potential_1 * switch + potential * switch_1
-                    q = potential_2 * switch + 2.0 * potential_1 * switch_1 + potential * switch_2
+                    potential, g, q = _pair(dx, dy, dz, start, slope)
                     f_x += g * dx
                     f_y += g * dy
                     f_z += g * dz
-                    e += potential * switch
+                    e += potential
                     trace += g
                     h_xx += q * dx * dx
                     h_yy += q * dy * dy

@@ -1,8 +1,6 @@
-"""What the atoms themselves are: adhesion of flat on flat, and the modulus of the block for a given surface.
+"""Adhesion of flat layers, measured from the pair potential alone.
 
-Nothing here knows a traction–separation law. The interface is measured from the pair potential alone, so that it can
-confirm or refute the continuum's law; the modulus is that of the lattice, not of the material constants it was built
-from.
+No traction–separation law enters, so that the measured values can confirm or refute the continuum's law.
 """
 
 from dataclasses import dataclass
@@ -20,24 +18,12 @@ _SHIFTS = 8
 
 @dataclass(frozen=True)
 class InterfaceProperties:
-    """Flat block layer on flat substrate layer, averaged over the lateral registry.
+    """Flat block layer on flat substrate layer, averaged over the lateral registry."""
 
-    Attributes
-    ----------
-    work_of_adhesion : float
-        Depth of the energy's minimum (J/m²).
-    equilibrium_distance : float
-        Distance of the layers there (m).
-    peak_tensile_stress : float
-        Largest tension that the interface carries (Pa).
-    peak_distance : float
-        Distance of the layers there (m).
-    """
-
-    work_of_adhesion: float
-    equilibrium_distance: float
-    peak_tensile_stress: float
-    peak_distance: float
+    work_of_adhesion: float  # depth of the energy's minimum (J/m²)
+    equilibrium_distance: float  # distance of the layers there (m)
+    peak_tensile_stress: float  # largest tension that the interface carries (Pa)
+    peak_distance: float  # distance of the layers there (m)
 
 
 class FlatInterface:
@@ -65,27 +51,26 @@ class FlatInterface:
     ):
         shifts = (_SHIFTS, _SHIFTS)
         spacing = (substrate_spacing[0] / _SHIFTS, substrate_spacing[1] / _SHIFTS)
-        self._interface = LennardJonesInterface(
-            Substrate(np.zeros((2, 2)), substrate_spacing), shifts, spacing, well_depth, length, cutoff
-        )
+        substrate = Substrate(np.zeros((2, 2)), substrate_spacing)
+        self._interface = LennardJonesInterface(substrate, shifts, spacing, well_depth, length, cutoff)
         self._displacement = np.zeros((3, *shifts))
         self._force = np.empty((3, *shifts))
         self._area = area_per_atom * _SHIFTS**2
 
     def energy(self, distance: float) -> float:
-        """Energy per area (J/m²) at a distance of the layers (m)."""
+        """Return the energy per area (J/m²) at a distance of the layers (m)."""
         self._displacement[2] = distance
         return self._interface.evaluate(self._displacement, self._force) / self._area
 
     def tension(self, distance: float) -> float:
-        """Tensile stress (Pa) at a distance of the layers (m)."""
+        """Return the tensile stress (Pa) at a distance of the layers (m)."""
         self.energy(distance)
         return -float(np.sum(self._force[2])) / self._area
 
 
 def measure_interface(flat: FlatInterface, length: float) -> InterfaceProperties:
-    """Equilibrium and peak of a flat interface whose minimum lies near ``length`` (m)."""
-    # The 10-4 law has its zero at 1 and its peak at 1.14 lengths; the lattice and the cut move both a little.
+    """Find equilibrium and peak of a flat interface whose minimum lies near ``length`` (m)."""
+    # The 10-4 law has its zero at 1 and its peak at 1.14 lengths; the lattice and the cutoff move both slightly.
     equilibrium = optimize.brentq(flat.tension, 0.8 * length, 1.1 * length, xtol=1e-12 * length)
     peak = optimize.minimize_scalar(
         lambda distance: -flat.tension(distance * length), bounds=(1.02, 1.4), method="bounded", options={"xatol": 1e-8}

@@ -5,8 +5,9 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numba import njit
 from scipy import ndimage
+
+from contact_study.numerics.kernel import kernel
 
 
 @dataclass(frozen=True)
@@ -16,11 +17,11 @@ class Substrate:
     Parameters
     ----------
     samples : numpy.ndarray, shape (refinement * my, refinement * mx)
-        Height of the surface on ``refinement`` points a site along each axis, toward the block (m).
+        Height of the surface on ``refinement`` points per site along each axis, toward the block (m).
     spacing : tuple of float
         Distance between sites along y and x (m).
     refinement : int, optional
-        Samples a site; more than one only sharpens :meth:`height_at`.
+        Samples per site; more than one only sharpens :meth:`height_at`.
     """
 
     samples: np.ndarray
@@ -38,11 +39,11 @@ class Substrate:
         return self.heights.shape[0], self.heights.shape[1]
 
     def padded(self, width: tuple[int, int]) -> np.ndarray:
-        """Heights continued periodically by ``width`` sites on every side, so that neighbours need no wrapping (m)."""
+        """Return the heights, continued periodically by ``width`` sites on every side (m)."""
         return np.pad(self.heights, [(width[0], width[0]), (width[1], width[1])], mode="wrap")
 
     def highest_within(self, reach: tuple[int, int]) -> np.ndarray:
-        """Largest height within ``reach`` sites along each axis of every site, shape (my, mx) (m)."""
+        """Return the largest height within ``reach`` sites along each axis of every site, shape (my, mx) (m)."""
         highest = self.padded(reach)
         for axis in range(2):
             highest = ndimage.maximum_filter1d(highest, 2 * reach[axis] + 1, axis=axis, mode="nearest")
@@ -55,39 +56,28 @@ class Substrate:
         return np.pad(coefficients, [(1, 2), (1, 2)], mode="wrap")
 
     def height_at(self, y: np.ndarray, x: np.ndarray) -> np.ndarray:
-        """Height of the surface at any lateral position.
+        """Return the height of the surface at any lateral positions, m, of the shape of ``y``.
 
-        A periodic cubic B-spline through the samples: of fourth order in their distance. On the surface of Yang et
-        al. (shortest wave 54 sites, rms height 10 Å, one sample a site) its largest error is 1.3e-6 Å.
-
-        Parameters
-        ----------
-        y, x : numpy.ndarray
-            Positions (m), of one common shape, anywhere: the surface is periodic.
-
-        Returns
-        -------
-        numpy.ndarray
-            Heights (m), of the shape of ``y``.
+        A periodic cubic B-spline through the samples, of fourth order in their distance.
         """
         return self.height_and_cosine(y, x)[0]
 
     def nearest_site(self, y: np.ndarray, x: np.ndarray) -> np.ndarray:
-        """Height of the nearest site (m), parameters as :meth:`height_at`."""
+        """Return the height of the nearest site (m)."""
         rows, columns = (np.floor(at / b + 0.5).astype(int) for at, b in zip((y, x), self.spacing, strict=True))
         return self.heights[rows % self.shape[0], columns % self.shape[1]]
 
     def height_and_cosine(self, y: np.ndarray, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Height of the surface (m), and cosine of its tilt 1/√(1 + |∇h|²); parameters as :meth:`height_at`."""
+        """Return the height of the surface (m) and the cosine of its tilt, 1/√(1 + |∇h|²)."""
         height, cosine = np.empty(y.shape), np.empty(y.shape)
         per_y, per_x = (self.refinement / distance for distance in self.spacing)
         _evaluate_spline(self._spline, y.ravel(), x.ravel(), per_y, per_x, height.ravel(), cosine.ravel())
         return height, cosine
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "arcp", "nsz"})
+@kernel
 def _basis(t):
-    """The four cubic B-splines that cover a point at fraction t of its interval."""
+    """Return the four cubic B-splines that cover a point at fraction t of its interval."""
     s = 1.0 - t
     return (
         s * s * s / 6.0,
@@ -97,14 +87,14 @@ def _basis(t):
     )
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "arcp", "nsz"})
+@kernel
 def _basis_slope(t):
-    """Derivatives of :func:`_basis`."""
+    """Return the derivatives of :func:`_basis`."""
     s = 1.0 - t
     return (-0.5 * s * s, 0.5 * t * (3.0 * t - 4.0), 0.5 * s * (4.0 - 3.0 * s), 0.5 * t * t)
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "arcp", "nsz"})
+@kernel
 def _evaluate_spline(coefficients, y, x, samples_per_y, samples_per_x, height, cosine):
     rows = coefficients.shape[0] - 3
     columns = coefficients.shape[1] - 3
@@ -139,19 +129,10 @@ def sample_substrate(
     sites: tuple[int, int],
     tolerance: float,
 ) -> Substrate:
-    """Put sites on a surface, and enough samples between them.
+    """Put sites on a surface of periods ``size`` along y and x (m), and enough samples between them.
 
-    Parameters
-    ----------
-    sample : callable
-        Heights (m) of the surface on a grid of a given shape.
-    size : tuple of float
-        Periods along y and x (m).
-    sites : tuple of int
-        Number of sites along y and x.
-    tolerance : float
-        Wanted error of the interpolated height (m), measured midway between samples; four samples a site are the
-        most that are taken.
+    ``sample`` gives heights on a grid of any shape (m). ``tolerance`` is the wanted error of the interpolated height
+    (m), measured midway between samples; at most four samples per site are taken.
     """
     spacing = (size[0] / sites[0], size[1] / sites[1])
     samples = sample(sites)

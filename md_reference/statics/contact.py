@@ -1,4 +1,4 @@
-"""Atoms under load, by the same face as the continuum: a state and a target in, a solution out."""
+"""The contact of a block of atoms under load: a state and a target in, a solution out."""
 
 from collections.abc import Sequence
 from threading import RLock
@@ -13,12 +13,12 @@ from contact_study.numerics.exclusive import in_turn
 from contact_study.physics.lattice import lattice_of
 from md_reference.block.condensed import SurfaceStiffness, element_matrix, surface_stiffness
 from md_reference.interface.pairs import LennardJonesInterface, interface_of
-from md_reference.solution import Equilibrium, Outcome, Solution
-from md_reference.statics.energy import Landscape
+from md_reference.solution import Equilibrium, Solution
+from md_reference.statics.energy import BlockEnergy
 from md_reference.statics.newton import EquilibriumSolver
 
-# In units of r0: as atomistic.cutoff of a study.
-_SHORTEST_CUTOFF = 2.0
+_SHORTEST_CUTOFF = 2.0  # in units of r0, as atomistic.cutoff of a study
+_CLOSEST = 0.85  # distance to surface and nearest site that a start keeps, in units of r0
 
 
 class AtomisticContact:
@@ -33,14 +33,28 @@ class AtomisticContact:
     contact_modulus : float
         E*, the scale of the residual (Pa).
     control : {"pressure", "gap"}
-        What a step prescribes.
-    tolerance, max_iterations, threads : optional
-        As :class:`EquilibriumSolver`; the threads share the rows of atoms, too.
+        Quantity that a step prescribes.
+    tolerance : float, optional
+        Largest unbalanced force component on an atom, over a² E*.
+    max_iterations : int, optional
+        Newton steps of a load step, at most.
+    threads : int, optional
+        Threads of the Fourier transforms.
 
     Raises
     ------
     ValueError
         If ``control`` is unknown or a limit is not positive.
+
+    Examples
+    --------
+    :func:`rough_contact` builds one from a height array.
+
+    >>> import numpy as np
+    >>> from md_reference import rough_contact
+    >>> contact = rough_contact(np.zeros((8, 8)), 12 * 2.6e-10, 2.6e-10, 77.2e9, 0.42, 2.98e-21, 3.28e-10, "gap")
+    >>> contact.step(contact.separated(), 1e-10).converged
+    True
     """
 
     def __init__(
@@ -67,35 +81,40 @@ class AtomisticContact:
         self._apart = separated(interface)
 
     def separated(self) -> np.ndarray:
-        """Displacement of the flat block just beyond the cutoff, shape (3, ny, nx) (m)."""
+        """Return the displacement of the flat block just beyond the cutoff, shape (3, ny, nx) (m)."""
         return self._apart.copy()
 
     @property
-    def landscape(self) -> Landscape:
+    def energy(self) -> BlockEnergy:
         """Energy and forces of block and interface."""
-        return self._solver.landscape
+        return self._solver.energy
 
     def is_separated(self, state: np.ndarray) -> bool:
-        """Whether a state is :meth:`separated`."""
+        """Return whether a state is :meth:`separated`."""
         return bool(np.array_equal(state, self._apart))
 
     def predicted(self, gap: np.ndarray) -> np.ndarray:
-        """A state to start from that has nearly this gap field, of any grid over the same rectangle (m)."""
+        """Return a start with nearly this gap field, of any grid over the same rectangle (m)."""
         start = predicted(self._heights, gap, self.interface.length)
         start[2] = np.maximum(start[2], self.interface.floor(start) + 0.5 * self.interface.length)
         return start
 
     @in_turn
     def step(self, state: np.ndarray | Solution, target: float) -> Solution:
-        """The equilibrium that a state falls into under a new load.
+        """Find the equilibrium that a state reaches under a new load.
 
         Parameters
         ----------
         state : numpy.ndarray, shape (3, ny, nx), or Solution
             The solution of an earlier step, its ``state``, :meth:`separated` or :meth:`predicted` (m).
         target : float
-            Mean pressure (Pa) or mean separation above r0 (m), as ``control`` says. From separation only a positive
-            pressure, or a gap, leads to contact.
+            Mean pressure (Pa) or mean separation above r0 (m), according to ``control``. From separation only a
+            positive pressure, or a gap, leads to contact.
+
+        Returns
+        -------
+        Solution
+            The state at this load.
 
         Raises
         ------
@@ -112,27 +131,26 @@ class AtomisticContact:
         return self.solution(found)
 
     def solution(self, found: Equilibrium) -> Solution:
-        """What a state of the atoms is as one of the contact."""
-        nominal_area = self.block.area_per_atom * self._heights.size
-        detached = found.outcome is Outcome.DETACHED
-        # Atoms that slide to other heights change their mean gap, not the distance that the load works on.
+        """Return a state of the bottom layer as one of the contact."""
+        area, apart = self.block.area_per_atom, found.detached
+        nominal_area = area * self._heights.size
+        # Atoms that slide to other heights change their mean gap, not the distance on which the load does work.
         separation = float(np.mean(found.displacement[2])) - self._mean_height - self.interface.length
-        gap = np.full(self.interface.shape, np.inf) if detached else self.interface.gap(found.displacement)
         return Solution(
-            # Once torn off the block is nowhere in particular: the next step starts from separation again.
-            state=self.separated() if detached else found.displacement,
             displacement=found.displacement,
-            gap=gap,
-            pressure=found.force[2] / self.block.area_per_atom,
-            shear_stress=found.force[:2] / self.block.area_per_atom,
-            mean_separation=np.inf if detached else separation,
-            elastic_energy=0.0 if detached else found.elastic_energy / nominal_area,
-            interaction_energy=found.interaction_energy / nominal_area,
-            residual=0.0 if detached else found.residual,
-            iterations=found.iterations,
-            force_evaluations=found.evaluations,
-            fft_pairs=found.fft_pairs,
+            residual=0.0 if apart else found.residual,
             outcome=found.outcome,
+            iterations=found.iterations,
+            force_evaluations=found.force_evaluations,
+            fft_pairs=found.fft_pairs,
+            elastic_energy=0.0 if apart else found.elastic_energy / nominal_area,
+            interaction_energy=found.interaction_energy / nominal_area,
+            # A detached block has no definite position: the next step starts from separation again.
+            state=self.separated() if apart else found.displacement,
+            gap=np.full(self.interface.shape, np.inf) if apart else self.interface.gap(found.displacement),
+            pressure=found.force[2] / area,
+            shear_stress=found.force[:2] / area,
+            mean_separation=np.inf if apart else separation,
             length=self.interface.length,
         )
 
@@ -153,10 +171,10 @@ def rough_contact(
     max_iterations: int = 2000,
     threads: int = 1,
 ) -> AtomisticContact:
-    """A block of atoms over a rough substrate of Lennard-Jones sites.
+    """Build a block of atoms over a rough substrate of Lennard-Jones sites.
 
-    The block's atoms stand a lattice constant apart, the substrate's sites closer by the golden mean, so that the two
-    lattices nowhere match; their pairs interact by V(r) = 4ε[(r0/r)¹² − (r0/r)⁶].
+    The spacing of the substrate's sites is the lattice constant over the golden mean, so that the two lattices nowhere
+    match; pairs interact by V(r) = 4ε[(r0/r)¹² − (r0/r)⁶].
 
     Parameters
     ----------
@@ -172,18 +190,25 @@ def rough_contact(
     well_depth, length : float
         ε (J) and r0 (m).
     control : {"pressure", "gap"}
-        What a step prescribes: mean pressure (Pa), or mean separation above r0 (m).
+        Quantity that a step prescribes: mean pressure (Pa), or mean separation above r0 (m).
     cutoff : float, optional
         Of the pairs, in units of r0.
     layers : int, optional
-        Thickness of the block in layers of atoms; as thick as wide by default.
-    tolerance, max_iterations, threads : optional
-        As :class:`EquilibriumSolver`.
+        Thickness of the block in layers of atoms; equal to its width by default.
+    tolerance, max_iterations : optional
+        As :class:`AtomisticContact`.
+    threads : int, optional
+        Threads of the Fourier transforms and of the interface.
+
+    Returns
+    -------
+    AtomisticContact
+        The contact, to be loaded.
 
     Raises
     ------
     ValueError
-        If an argument is not what it should be; the message names it.
+        If an argument is invalid; the message names it.
 
     Examples
     --------
@@ -222,23 +247,17 @@ def rough_contact(
 
 
 def separated(interface: LennardJonesInterface) -> np.ndarray:
-    """A flat layer of atoms just beyond the cutoff from the highest site of the substrate, shape (3, ny, nx) (m)."""
+    """Return a flat layer of atoms just beyond the cutoff from the highest site, shape (3, ny, nx) (m)."""
     displacement = np.zeros((3, *interface.shape))
     displacement[2] = np.max(interface.substrate.heights) + (1 + 1e-6) * interface.cutoff * interface.length
     return displacement
 
 
 def predicted(heights: np.ndarray, gap: np.ndarray, length: float) -> np.ndarray:
-    """Atoms at their lateral rest positions on a gap field of any grid, shape (3, ny, nx) (m).
+    """Return atoms at their lateral rest positions on a gap field, shape (3, ny, nx) (m).
 
-    Parameters
-    ----------
-    heights : numpy.ndarray, shape (ny, nx)
-        Surface under the rest positions (m).
-    gap : numpy.ndarray
-        Gap of a continuum solution over the same rectangle (m); interpolated trigonometrically.
-    length : float
-        r0; interpolation is kept from undershooting half of it (m).
+    ``heights`` is the surface under the rest positions (m, shape (ny, nx)). ``gap`` is that of a continuum solution on
+    any grid over the same rectangle (m), interpolated trigonometrically and not below half of r0, ``length`` (m).
     """
     displacement = np.zeros((3, *heights.shape))
     displacement[2] = heights + np.maximum(fourier.interpolate(gap, heights.shape), 0.5 * length)
@@ -246,18 +265,14 @@ def predicted(heights: np.ndarray, gap: np.ndarray, length: float) -> np.ndarray
 
 
 def at_mean_gap(interface: LennardJonesInterface, displacement: np.ndarray, mean_gap: float) -> np.ndarray:
-    """A state moved to a mean height of ``mean_gap`` + r0, with no atom below the surface (m).
+    """Move a state to a mean height of ``mean_gap`` + r0, with no atom below the surface (m).
 
-    Atoms that a rigid approach would push closer to the surface, or to the height of the site next to them, than
-    0.85 r0 stay at that distance: on steep flanks that site stands above the surface below the atom.
-
-    Raises
-    ------
-    InputError
-        If the mean gap is so small that all atoms would be closer.
+    Atoms that a rigid motion would push closer than 0.85 r0 to the surface, or to the height of the nearest site, stay
+    at that distance: on steep flanks that site is above the surface below the atom. InputError if the mean gap is so
+    small that all atoms would be closer.
     """
     length = interface.length
-    floor = interface.floor(displacement) + 0.85 * length
+    floor = interface.floor(displacement) + _CLOSEST * length
     target = mean_gap + length
     if np.mean(floor) >= target:
         raise InputError(f"loading.path: a mean gap of {mean_gap:g} m needs atoms closer than 0.85 r0 everywhere")
@@ -266,7 +281,7 @@ def at_mean_gap(interface: LennardJonesInterface, displacement: np.ndarray, mean
         return float(np.mean(np.maximum(displacement[2] + shift, floor))) - target
 
     rigid = target - float(np.mean(displacement[2]))
-    lowest = float(np.min(floor - displacement[2]))  # so far down that all atoms stand on the floor
+    lowest = float(np.min(floor - displacement[2]))  # moves all atoms to the floor
     shift = optimize.brentq(excess, lowest, rigid, xtol=1e-15 * length) if excess(rigid) > 0 else rigid
     moved = displacement.copy()
     moved[2] = np.maximum(displacement[2] + shift, floor)

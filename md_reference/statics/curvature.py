@@ -1,20 +1,16 @@
-"""Symmetric 3×3 matrices, one an atom: eigenvalues by the trigonometric solution of the characteristic equation."""
+"""Curvature of the interface, one symmetric 3×3 matrix per atom: xx, yy, zz, xy, xz, yz.
+
+Eigenvalues follow from the trigonometric solution of the characteristic equation.
+"""
 
 import numpy as np
-from numba import njit
 
-_OPTIONS = {"cache": True, "error_model": "numpy", "fastmath": {"contract", "reassoc", "arcp", "nsz"}}
-
-# A raised atom has at least the curvature |g| / distance of a spring that ends at contact where the force out of
-# balance g draws it there, and at twice its gap where g draws it away. It vanishes with g: Newton's convergence stays.
-_SMALLEST_DISTANCE = 0.03  # in units of r0, bounds that curvature close to contact
-# Curvature below this share of c leaves the preconditioner as good as it is.
-_NEGLIGIBLE = 0.1
+from contact_study.numerics.kernel import kernel
 
 
-@njit(**_OPTIONS)
+@kernel
 def deviator(xx, yy, zz, xy, xz, yz):
-    """Mean m of the diagonal, size p and entries of the matrix (A − m)/p, and its angle; p is zero for A = m.
+    """Return mean m of the diagonal, size p and entries of (A − m)/p, and its angle; p is zero for A = m.
 
     The eigenvalues are m + 2p cos(angle + 2πk/3), the largest for k = 0, the lowest for k = 1.
     """
@@ -33,16 +29,16 @@ def deviator(xx, yy, zz, xy, xz, yz):
     return mean, p, a, b, c, d, e, f, np.arccos(min(1.0, max(-1.0, r))) / 3.0
 
 
-@njit(**_OPTIONS)
+@kernel
 def lowest_eigenvalue(xx, yy, zz, xy, xz, yz):
-    """The lowest eigenvalue."""
+    """Return the lowest eigenvalue."""
     mean, p, _, _, _, _, _, _, angle = deviator(xx, yy, zz, xy, xz, yz)
     return mean + 2.0 * p * np.cos(angle + 2.0 * np.pi / 3.0)
 
 
-@njit(**_OPTIONS)
+@kernel
 def stiffest(xx, yy, zz, xy, xz, yz):
-    """The largest eigenvalue and its unit eigenvector; z where there is no one direction."""
+    """Return the largest eigenvalue and its unit eigenvector; z where no direction is unique."""
     mean, p, a, b, c, d, e, f, angle = deviator(xx, yy, zz, xy, xz, yz)
     if not 6.0 * p * p > 1e-20 * mean * mean:
         return mean, 0.0, 0.0, 1.0
@@ -67,24 +63,28 @@ def stiffest(xx, yy, zz, xy, xz, yz):
     return mean + p * top, x1 / size, y1 / size, z1 / size
 
 
-@njit(**_OPTIONS)
-def raised_curvature(hessian, gradient, gap, cosine, fading, length, diagonal):
-    """Hessian of each atom, raised by a multiple of 1 where the normal force softens.
+@kernel
+def raise_curvature(hessian, gradient, gap, cosine, damping, length, smallest_distance, diagonal):
+    """Write each atom's Hessian, raised by a multiple of 1 where the normal force softens.
+
+    A raised atom has at least the curvature|g|/distance of a spring that ends at contact where the unbalanced force g
+    pulls it toward contact, and at twice its gap where g pulls it away. The increase vanishes with g, which preserves
+    Newton's convergence.
 
     Parameters
     ----------
     hessian : numpy.ndarray, shape (6, ny, nx)
-        Of the interface: xx, yy, zz, xy, xz, yz (N/m).
+        Second derivatives of the interface (N/m).
     gradient : numpy.ndarray, shape (3, ny, nx)
-        Force out of balance on each atom, negated (N).
+        Unbalanced force on each atom, negated (N).
     gap, cosine : numpy.ndarray, shape (ny, nx)
-        Height over the surface (m) and cosine of the surface's tilt there.
-    fading : float
-        Fraction of the remaining negative curvature to take away: 1 leaves none.
-    length : float
-        r0 (m).
+        Height over the surface (m) and cosine of the surface's tilt.
+    damping : float
+        Share of the remaining negative curvature to remove: 1 leaves none.
+    length, smallest_distance : float
+        r0 (m), and the least distance to contact (r0).
     diagonal : numpy.ndarray, shape (6, ny, nx)
-        The raised Hessian, written here.
+        Written.
     """
     for j in range(gap.shape[0]):
         for i in range(gap.shape[1]):
@@ -95,15 +95,15 @@ def raised_curvature(hessian, gradient, gap, cosine, fading, length, diagonal):
             xz = hessian[4, j, i]
             yz = hessian[5, j, i]
             lift = 0.0
-            if zz < 0.0 or fading > 0.0:
+            if zz < 0.0 or damping > 0.0:
                 if zz < 0.0:
                     g = gradient[2, j, i]
                     height = gap[j, i]
-                    above = max(height - length / cosine[j, i], _SMALLEST_DISTANCE * length)
+                    above = max(height - length / cosine[j, i], smallest_distance * length)
                     lift = abs(g) / (above if g > 0.0 else height)
-                if fading > 0.0:
+                if damping > 0.0:
                     lowest = lowest_eigenvalue(float(xx), float(yy), float(zz), float(xy), float(xz), float(yz))
-                    lift -= fading * min(lowest + lift, 0.0)
+                    lift -= damping * min(lowest + lift, 0.0)
             diagonal[0, j, i] = xx + lift
             diagonal[1, j, i] = yy + lift
             diagonal[2, j, i] = zz + lift
@@ -112,24 +112,23 @@ def raised_curvature(hessian, gradient, gap, cosine, fading, length, diagonal):
             diagonal[5, j, i] = yz
 
 
-@njit(**_OPTIONS)
-def split(diagonal, shift, half_grid, known, normal, removed, core):
-    """Stiffest direction of each atom and how much of it is core, see :mod:`md_reference.statics.linear`.
+@kernel
+def split(diagonal, shift, half_grid, negligible, known, normal, removed, core):
+    """Write the stiffest direction of each atom and its core, see :mod:`md_reference.statics.linear`.
 
     Parameters
     ----------
     diagonal : numpy.ndarray, shape (6, ny, nx)
-        D: xx, yy, zz, xy, xz, yz (N/m).
-    shift, half_grid : float
-        c and ½ S_max (N/m).
+        D (N/m).
+    shift, half_grid, negligible : float
+        c, ½ S_max and the curvature below which an atom is all tail (N/m).
     known : numpy.ndarray, shape (6, ny, nx)
-        D of the last call, whose results stand where it is the same; NaN at first.
+        D of the last call, whose results remain valid where it is the same; NaN at first.
     normal : numpy.ndarray, shape (3, ny, nx)
         Written: unit eigenvector n of the largest eigenvalue k.
     removed, core : numpy.ndarray, shape (ny, nx)
-        Written: 1 − β, and (1 − β²)/(k + ½ S_max) (m/N), with β² = c/(k + c); zero where k is next to nothing.
+        Written: 1 − β, and (1 − β²)/(k + ½ S_max) (m/N), with β² = c/(k + c); zero where k is negligible.
     """
-    negligible = _NEGLIGIBLE * shift
     for j in range(removed.shape[0]):
         for i in range(removed.shape[1]):
             same = True

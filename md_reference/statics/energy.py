@@ -1,56 +1,59 @@
-"""The energy of the bottom layer under load: ½ u·Su + E(u) + p a² Σu_z, its slope, and steps that lower it.
+"""The energy of the bottom layer under load: ½ u·Su + E(u) + p a² Σu_z, its gradient, and steps that lower it.
 
-Where the layer is dragged, springs of one stiffness tie every atom to where it was, ½ k |u − u_0|² more. Changes of the
-energy are summed from their parts, never a difference of two totals, which would round away.
+In overdamped motion anchor springs of one stiffness tie every atom to its position before the time step, which adds
+½ k |u − u_0|². Changes of the energy are summed from their parts: a difference of two totals would round away.
 """
 
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 
 from contact_study.numerics.balance import ROUNDING, Excess, excess
 from contact_study.numerics.fourier import RealTransform
+from contact_study.numerics.kernel import kernel
 from md_reference.block.condensed import SurfaceStiffness
 from md_reference.block.spectral import multiply
 from md_reference.interface.cached import CachedInterface
 from md_reference.interface.pairs import AtomwiseInteraction
-from md_reference.statics.curvature import raised_curvature
-from md_reference.statics.linear import NewtonSolver
-from md_reference.statics.step_limiter import land
+from md_reference.solution import Equilibrium, Outcome
+from md_reference.statics import linear, step_limiter
+from md_reference.statics.curvature import raise_curvature
+from md_reference.statics.linear import LinearOptions, LinearSolver
+from md_reference.statics.step_limiter import StepLimiterOptions, limit_step
 
-# Lengths in units of the interaction's length r0.
-_LARGEST_STEP = 10.0
-_LARGEST_SLIDE = 0.5  # of an atom along the surface in one step
-_VANISHING_STEP = 1e-9
-_BACKTRACK, _SHORTEST_FRACTION = 0.4, 1e-4
-# Stiffness c of the preconditioner, over √(strongest softening × stiffness of the surface's mean wave): the waves that
-# soften with the interface. In units of force_prefactor/r0 the strongest softening is 25/44.
-_SHIFT_FRACTION, _SOFTENING = 0.22, 25 / 44
+
+@dataclass(frozen=True)
+class EnergyOptions:
+    """Line search and preconditioner; lengths in units of the interaction's length r0."""
+
+    largest_step: float = 10.0  # of an atom
+    largest_slide: float = 0.5  # of an atom along the surface
+    vanishing_step: float = 1e-9  # below which a step has no length
+    backtrack: float = 0.4  # factor between two trials of a step
+    shortest_fraction: float = 1e-4  # of a step that is tried
+    # Stiffness c of the preconditioner over √(strongest softening × stiffness of the surface's mean wave): the waves
+    # that soften with the interface. The strongest softening is in units of force_prefactor/r0.
+    shift_fraction: float = 0.22
+    softening: float = 25 / 44
+    limiter: StepLimiterOptions = step_limiter.DEFAULTS
+    linear: LinearOptions = linear.DEFAULTS
+
+
+DEFAULTS = EnergyOptions()
 
 
 @dataclass(frozen=True)
 class Load:
-    """What acts on the layer besides block and interface.
+    """Forces on the layer beside those of block and interface."""
 
-    Attributes
-    ----------
-    push : float
-        Force on each atom toward the substrate (N); without meaning where the mean height is held.
-    drag : float
-        Stiffness of the springs that tie each atom to where it was (N/m).
-    anchor : numpy.ndarray or None
-        Where that is, shape (3, ny, nx) (m).
-    """
-
-    push: float
-    drag: float = 0.0
-    anchor: np.ndarray | None = None
+    push: float  # on each atom toward the substrate (N); not used where the mean height is prescribed
+    stiffness: float = 0.0  # of the anchor springs (N/m)
+    anchor: np.ndarray | None = None  # their rest positions, shape (3, ny, nx) (m)
 
 
 @dataclass
 class MinimizerState:
-    """A state u with its interaction energy, S u, gaps and tilt, and the steps that led there."""
+    """A state u with its interaction energy, S u, gaps and tilt, and counters of the steps to it."""
 
     displacement: np.ndarray
     energy: float
@@ -58,11 +61,11 @@ class MinimizerState:
     gap: np.ndarray
     cosine: np.ndarray
     fresh: bool = True  # S u computed from u itself, not updated, and every atom evaluated here
-    vanishing: int = 0  # steps of no length in a row
+    vanishing: int = 0  # consecutive steps of no length
     evaluations: float = 1.0  # of the interface, those of some atoms counted by their share
 
 
-class Landscape:
+class BlockEnergy:
     """Energy, forces and curvature of one block and one interface, owner of all work arrays.
 
     Parameters
@@ -77,13 +80,15 @@ class Landscape:
         Whether the mean of the normal component keeps its value.
     threads : int, optional
         Threads of FFTW.
+    options : EnergyOptions, optional
+        Line search and preconditioner.
 
     Attributes
     ----------
     force : numpy.ndarray, shape (3, ny, nx)
-        Of the interface on each atom where it was last evaluated or moved to (N).
-    newton : NewtonSolver
-        Of the linear problems.
+        Force of the interface on each atom at the last evaluated state (N).
+    newton : LinearSolver
+        Solver of the Newton steps' linear problems.
     """
 
     def __init__(
@@ -93,15 +98,18 @@ class Landscape:
         contact_modulus: float,
         fixed_mean: bool,
         threads: int = 1,
+        options: EnergyOptions = DEFAULTS,
     ):
         self.interaction = interaction
+        self.options = options
         self.area = stiffness.area_per_atom
         self.force_scale = contact_modulus * self.area
         self.fixed_mean = fixed_mean
         shape = (3, *stiffness.grid.shape)
-        softening = _SOFTENING * interaction.force_prefactor / interaction.length
+        softening = options.softening * interaction.force_prefactor / interaction.length
         wave = 0.5 * self.force_scale * self._mean_wavenumber(stiffness)
-        self.newton = NewtonSolver(stiffness, _SHIFT_FRACTION * (softening * wave) ** 0.5, fixed_mean, threads)
+        shift = options.shift_fraction * (softening * wave) ** 0.5
+        self.newton = LinearSolver(stiffness, shift, fixed_mean, threads, options.linear)
         self._transform = RealTransform(shape, np.float64, threads)
         self._coefficients = stiffness.coefficients / self._transform.points
         self._coefficients[2, 0, 0] = 0.0
@@ -115,14 +123,8 @@ class Landscape:
         """Transform pairs of three components so far, a single-precision pair counted one half."""
         return self._transform.pairs + 0.5 * self.newton.pairs
 
-    def place(self, displacement: np.ndarray) -> MinimizerState:
-        """A state to start from.
-
-        Raises
-        ------
-        ValueError
-            If an atom lies inside the substrate or is not finite.
-        """
+    def evaluate(self, displacement: np.ndarray) -> MinimizerState:
+        """Evaluate a starting state; ValueError if an atom lies inside the substrate or is not finite."""
         u = displacement.copy()
         self._interface.forget()
         energy = self._interface.evaluate(u, self.force)
@@ -130,137 +132,156 @@ class Landscape:
             raise ValueError("the starting state has atoms inside the substrate (or not finite): start it higher")
         return MinimizerState(u, energy, self.apply_stiffness(u).copy(), *self.interaction.gap_and_cosine(u))
 
-    def gradient(self, at: MinimizerState, load: Load) -> np.ndarray:
-        """Force out of balance on each atom, negated (N)."""
-        gradient = at.stretch - self.force
+    def gradient(self, state: MinimizerState, load: Load) -> np.ndarray:
+        """Return the unbalanced force on each atom, negated (N)."""
+        gradient = state.stretch - self.force
         gradient[2] += -np.mean(gradient[2]) if self.fixed_mean else load.push
         if load.anchor is not None:
-            gradient += load.drag * (at.displacement - load.anchor)
+            gradient += load.stiffness * (state.displacement - load.anchor)
         return gradient
 
     def residual(self, gradient: np.ndarray) -> float:
-        """Its largest component, over a² E*."""
+        """Return the largest component of a gradient over a² E*."""
         return float(np.max(np.abs(gradient))) / self.force_scale
 
-    def excess(self, at: MinimizerState, gradient: np.ndarray, load: Load, tolerance: float) -> Excess:
-        """Return how far a state is from balance, without the springs of a drag: see :func:`excess`."""
+    def excess(self, state: MinimizerState, gradient: np.ndarray, load: Load, tolerance: float) -> Excess:
+        """Return how far a state is from balance, see :func:`contact_study.numerics.balance.excess`."""
         scale = self.force_scale
         push = 0.0 if self.fixed_mean else load.push / scale
         stress = float(np.abs(self.force[2]).max()) / scale
         missing = float(np.mean(gradient[2])) / scale
-        rounding, points = self.rounding(at, load.drag), 1 if load.drag else gradient[2].size
+        rounding, points = self.rounding(state, load.stiffness), 1 if load.stiffness else gradient[2].size
         return excess(tolerance, self.residual(gradient), missing, push, stress, rounding, points)
 
-    def rounding(self, at: MinimizerState, drag: float = 0.0) -> float:
-        """Residual that the rounding of a displacement leaves."""
-        stiffest = float(self._coefficients[2].max()) * self._transform.points + drag
-        return ROUNDING * stiffest * float(np.abs(at.displacement).max()) / self.force_scale
+    def rounding(self, state: MinimizerState, anchor_stiffness: float = 0.0) -> float:
+        """Return the residual that the rounding of a displacement leaves."""
+        stiffest = float(self._coefficients[2].max()) * self._transform.points + anchor_stiffness
+        return ROUNDING * stiffest * float(np.abs(state.displacement).max()) / self.force_scale
 
-    def set_curvature(self, at: MinimizerState, gradient: np.ndarray, fading: float, drag: float = 0.0) -> None:
-        """Put the curvature of interface and drag into the linear solver."""
-        length, diagonal = self.interaction.length, self.newton.diagonal
-        raised_curvature(self._interface.hessian, gradient, at.gap, at.cosine, fading, length, diagonal)
-        if drag:
-            diagonal[:3] += np.float32(drag)
+    def set_curvature(
+        self, state: MinimizerState, gradient: np.ndarray, damping: float, anchor_stiffness: float = 0.0
+    ) -> None:
+        """Put the curvature of interface and anchor springs into the linear solver.
 
-    def search(self, at: MinimizerState, step: np.ndarray, load: Load, error: float = 0.0) -> float:
-        """Shorten the step until the energy falls, and move there; the fraction taken, zero if it never falls.
-
-        Forces there may be off by ``error`` (N), see :mod:`md_reference.interface.cached`.
+        ``damping`` is the share of negative curvature that is removed.
         """
-        # Where next to nothing acts, rounding is all that keeps a block from moving for ever.
-        excess = float(np.max(np.abs(step))) / (_LARGEST_STEP * self.interaction.length)
+        diagonal, limiter, length = self.newton.diagonal, self.options.limiter, self.interaction.length
+        given = self._interface.hessian, gradient, state.gap, state.cosine
+        raise_curvature(*given, damping, length, limiter.smallest_distance, diagonal)
+        if anchor_stiffness:
+            diagonal[:3] += np.float32(anchor_stiffness)
+
+    def search(self, state: MinimizerState, step: np.ndarray, load: Load, error: float = 0.0) -> float:
+        """Shorten a step until the energy falls, and take it; return the fraction taken, zero if it never falls.
+
+        Forces at the new state may be off by ``error`` (N), see :mod:`md_reference.interface.cached`.
+        """
+        length, options = self.interaction.length, self.options
+        # Where forces nearly vanish, rounding alone would move a block for ever.
+        excess = float(np.max(np.abs(step))) / (options.largest_step * length)
         if excess > 1:
             step /= excess
-        noise = 1e-12 * abs(at.energy)  # rounding of the sum over pairs
+        noise = 1e-12 * abs(state.energy)  # rounding of the sum over pairs
         fraction = 1.0
-        while fraction > _SHORTEST_FRACTION:
-            trial, gap, cosine = self._trial(at, fraction * step)
-            energy = self._evaluate(at, trial, self._trial_force, error)
+        while fraction > options.shortest_fraction:
+            trial, gap, cosine = self._trial(state, fraction * step)
+            energy = self._evaluate(state, trial, self._trial_force, error)
             if np.isfinite(energy):
-                move = trial - at.displacement
+                move = trial - state.displacement
                 stretch = self.apply_stiffness(move)
-                change = _work_against(at.stretch, stretch, move, load.push)
+                change = _work_against(state.stretch, stretch, move, load.push)
                 if load.anchor is not None:
-                    change += load.drag * float(np.sum((at.displacement - load.anchor + 0.5 * move) * move))
-                if change + energy - at.energy <= noise:
-                    size = float(np.max(np.abs(move))) / self.interaction.length
-                    at.vanishing = at.vanishing + 1 if size < _VANISHING_STEP else 0
-                    at.displacement, at.energy, at.gap, at.cosine = trial, energy, gap, cosine
-                    at.stretch += stretch
-                    at.fresh = False
+                    change += load.stiffness * float(np.sum((state.displacement - load.anchor + 0.5 * move) * move))
+                if change + energy - state.energy <= noise:
+                    size = float(np.max(np.abs(move))) / length
+                    state.vanishing = state.vanishing + 1 if size < options.vanishing_step else 0
+                    state.displacement, state.energy, state.gap, state.cosine = trial, energy, gap, cosine
+                    state.stretch += stretch
+                    state.fresh = False
                     self.force, self._trial_force = self._trial_force, self.force
                     return fraction
-            fraction *= _BACKTRACK
-        at.vanishing += 1
-        at.energy = self._evaluate(at, at.displacement, self.force, error)
+            fraction *= options.backtrack
+        state.vanishing += 1
+        state.energy = self._evaluate(state, state.displacement, self.force, error)
         return 0.0
 
-    def step_downhill(self, at: MinimizerState, direction: np.ndarray, length: float) -> bool:
-        """Move along a direction, to either side, to where the energy of a balanced state falls; whether it does.
+    def step_downhill(self, state: MinimizerState, direction: np.ndarray, length: float) -> bool:
+        """Move a balanced state along a direction, to either side, to lower energy; return whether there is any.
 
-        Parameters
-        ----------
-        direction : numpy.ndarray, shape (3, ny, nx)
-            Its largest component is one.
-        length : float
-            Of the first try (m).
+        The largest component of ``direction`` is one; ``length`` is that of the first trial (m).
         """
         stretch = self.apply_stiffness(direction).copy()
-        elastic_slope = float(np.sum(self.force * direction))  # in balance: what the interface holds
+        elastic_slope = float(np.sum(self.force * direction))  # in balance the interface's slope is opposite
         elastic_curvature = float(np.sum(stretch * direction))
-        while length > _VANISHING_STEP * self.interaction.length:
+        while length > self.options.vanishing_step * self.interaction.length:
             for move in (length, -length):
-                trial = at.displacement + move * direction
-                energy = self._evaluate(at, trial, self.force)
-                if move * elastic_slope + 0.5 * move**2 * elastic_curvature + energy < at.energy:
-                    at.displacement, at.energy, at.vanishing = trial, energy, 0
-                    at.gap, at.cosine = self.interaction.gap_and_cosine(trial)
-                    self.refresh(at)
+                trial = state.displacement + move * direction
+                energy = self._evaluate(state, trial, self.force)
+                if move * elastic_slope + 0.5 * move**2 * elastic_curvature + energy < state.energy:
+                    state.displacement, state.energy, state.vanishing = trial, energy, 0
+                    state.gap, state.cosine = self.interaction.gap_and_cosine(trial)
+                    self.refresh(state)
                     return True
-            length *= _BACKTRACK
-        self._evaluate(at, at.displacement, self.force)
+            length *= self.options.backtrack
+        self._evaluate(state, state.displacement, self.force)
         return False
 
-    def refresh(self, at: MinimizerState) -> None:
-        """Evaluate the interface wherever it is expanded, and compute S u anew."""
-        at.energy = self._evaluate(at, at.displacement, self.force)
-        self.stretch_anew(at)
-        at.fresh = True
+    def refresh(self, state: MinimizerState) -> None:
+        """Evaluate every expanded atom, and compute S u from u."""
+        state.energy = self._evaluate(state, state.displacement, self.force)
+        self.refresh_stretch(state)
+        state.fresh = True
 
-    def stretch_anew(self, at: MinimizerState) -> None:
+    def refresh_stretch(self, state: MinimizerState) -> None:
         """Compute S u free of the rounding of its updates."""
-        at.stretch = self.apply_stiffness(at.displacement).copy()
+        state.stretch = self.apply_stiffness(state.displacement).copy()
 
     def apply_stiffness(self, u: np.ndarray) -> np.ndarray:
-        """S u, in the transform's own buffer."""
+        """Return S u, in the transform's own buffer."""
         self._transform.field[...] = u
         multiply(self._transform.forward().view(np.float64), self._coefficients, self._multiplicity, 1.0)
         return self._transform.backward()
 
-    def _evaluate(self, at: MinimizerState, u: np.ndarray, force: np.ndarray, error: float = 0.0) -> float:
-        """Energy of the interface at a state near a place (J), whose work it counts as; writes the forces."""
+    def equilibrium(
+        self, state: MinimizerState, residual: float, outcome: Outcome, iterations: int, pairs: float
+    ) -> Equilibrium:
+        """Return the last evaluated state as a result."""
+        return Equilibrium(
+            displacement=state.displacement,
+            force=self.force.copy(),
+            residual=residual,
+            outcome=outcome,
+            iterations=iterations,
+            force_evaluations=round(state.evaluations),
+            fft_pairs=pairs,
+            elastic_energy=0.5 * float(np.sum(state.displacement * state.stretch)),
+            interaction_energy=state.energy,
+        )
+
+    def _evaluate(self, state: MinimizerState, u: np.ndarray, force: np.ndarray, error: float = 0.0) -> float:
+        """Write the forces near a state, whose work it counts as; return the energy (J)."""
         before = self._interface.evaluations
         energy = self._interface.evaluate(u, force, error)
-        at.evaluations += self._interface.evaluations - before
+        state.evaluations += self._interface.evaluations - before
         return energy
 
-    def _trial(self, at: MinimizerState, step: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Displacement, gap and cosine of the tilt after a step in which every atom lands softly."""
-        length = self.interaction.length
-        trial = at.displacement + step
-        slide = _LARGEST_SLIDE * length
-        trial[:2] = at.displacement[:2] + np.clip(step[:2], -slide, slide)
+    def _trial(self, state: MinimizerState, step: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Return displacement, gap and cosine of the tilt after a step, limited atom by atom."""
+        length, limiter = self.interaction.length, self.options.limiter
+        trial = state.displacement + step
+        slide = self.options.largest_slide * length
+        trial[:2] = state.displacement[:2] + np.clip(step[:2], -slide, slide)
         gap, cosine = self.interaction.gap_and_cosine(trial)
-        land(at.gap, at.cosine, self.force[2], length, self.interaction.force_prefactor, gap, cosine, trial[2])
+        before = state.gap, state.cosine, self.force[2]
+        limit_step(*before, length, self.interaction.force_prefactor, limiter, gap, cosine, trial[2])
         if self.fixed_mean:
-            shift = np.mean(at.displacement[2]) - np.mean(trial[2])
+            shift = np.mean(state.displacement[2]) - np.mean(trial[2])
             trial[2] += shift
             gap += shift
         return trial, gap, cosine
 
     def _mean_wavenumber(self, stiffness: SurfaceStiffness) -> float:
-        """Rms slope over rms height of the surface (1/m), at least the longest wave's."""
+        """Return rms slope over rms height of the surface (1/m), at least the longest wave's wavenumber."""
         gap, cosine = self.interaction.gap_and_cosine(np.zeros((3, *stiffness.grid.shape)))
         longest = 2 * np.pi / max(stiffness.grid.size)
         height = float(np.std(gap))
@@ -268,9 +289,9 @@ class Landscape:
         return max(slope / height, longest) if height > 0 else longest
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "arcp", "nsz"})
+@kernel
 def _work_against(stretch, change, move, push):
-    """Sum of (S u + ½ S d)·d and of the push on d_z: what a move d from u takes, S d being ``change`` (J)."""
+    """Return the sum of (S u + ½ S d)·d and of the push on d_z for a move d from u, S d being ``change`` (J)."""
     total = 0.0
     for c in range(3):
         load = push if c == 2 else 0.0

@@ -1,8 +1,7 @@
 """The linear problem of one Newton step: conjugate gradients with a preconditioner split into core and tail.
 
-Solve (S + D) x = −g, S the block's surface stiffness and D one 3×3 matrix an atom: large along the normal n where atoms
-touch (the core), small everywhere else (the tail). With k = n·Dn and β² = c/(k + c) tells B = 1 − (1 − β) n nᵀ them
-apart, and
+Solve (S + D) x = −g, S the block's surface stiffness and D one 3×3 matrix per atom: large along the normal n where
+atoms touch (the core), small everywhere else (the tail). With k = n·Dn, β² = c/(k + c) and B = 1 − (1 − β) n nᵀ,
 
     z = (1 − β²)/(k + ½ S_max) n nᵀ r + B (S + c)⁻¹ B r
 
@@ -15,35 +14,36 @@ Newton method, whose residual is evaluated in double precision.
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 
 from contact_study.numerics.fourier import RealTransform
 from contact_study.numerics.inner_product import inner_product
+from contact_study.numerics.kernel import kernel
 from contact_study.numerics.multigrid import HALVINGS
 from md_reference.block.condensed import SurfaceStiffness
 from md_reference.block.spectral import multiply
 from md_reference.statics.curvature import split
 from md_reference.statics.preconditioner import preconditioner_for
 
-_OPTIONS = {"cache": True, "error_model": "numpy", "fastmath": {"contract", "reassoc", "arcp", "nsz"}}
 
-# Energy of a direction s below this fraction of what it is the sum of counts as none: the rounding of single precision.
-# Above this fraction of c |s|² none needs a second look.
-_CURVATURE_ROUNDING = 1e-6
+@dataclass(frozen=True)
+class LinearOptions:
+    """Preconditioner and the test for negative curvature."""
+
+    halvings: int = HALVINGS  # of the grid, at most, for the preconditioner's long waves
+    negligible: float = 0.1  # curvature over c that is left to the tail
+    # Energy of a direction s below this fraction of the sum's terms counts as zero: rounding of single precision.
+    # Above this fraction of c |s|² it needs no second test.
+    rounding: float = 1e-6
+
+
+DEFAULTS = LinearOptions()
 
 
 @dataclass(frozen=True)
-class NewtonStep:
-    """Outcome of a linear solve.
+class LinearSolution:
+    """Approximate solution of a linear problem (m, shape (3, ny, nx)), and the conjugate-gradient iterations.
 
-    Attributes
-    ----------
-    step : numpy.ndarray, shape (3, ny, nx)
-        Approximate solution x (m).
-    iterations : int
-        Conjugate-gradient iterations, each of a transform pair and what the bed takes.
-    indefinite : bool
-        True if a direction of negative curvature ended the iteration; ``step`` is what was reached before.
+    ``indefinite`` marks an iteration that a direction of negative curvature ended, after ``step``.
     """
 
     step: np.ndarray
@@ -51,19 +51,21 @@ class NewtonStep:
     indefinite: bool
 
 
-class NewtonSolver:
-    """Owner of the single-precision arrays and transforms.
+class LinearSolver:
+    """Conjugate gradients, owner of the single-precision arrays and transforms.
 
     Parameters
     ----------
     stiffness : SurfaceStiffness
-        S of the block; S_zz at q = 0 is left out.
+        S of the block; S_zz at q = 0 is omitted.
     shift : float
         c of the preconditioner (N/m), positive.
     fixed_mean : bool
         Keep the mean of the normal component (gap control) instead of leaving it free (pressure control).
     threads : int, optional
         Threads of FFTW.
+    options : LinearOptions, optional
+        Preconditioner and the test for negative curvature.
 
     Attributes
     ----------
@@ -73,18 +75,27 @@ class NewtonSolver:
         The last search direction: one of negative curvature if the solver stopped on it.
     """
 
-    def __init__(self, stiffness: SurfaceStiffness, shift: float, fixed_mean: bool, threads: int = 1):
+    def __init__(
+        self,
+        stiffness: SurfaceStiffness,
+        shift: float,
+        fixed_mean: bool,
+        threads: int = 1,
+        options: LinearOptions = DEFAULTS,
+    ):
         shape = (3, *stiffness.grid.shape)
         self.transform = RealTransform(shape, np.float32, threads)
         self.fixed_mean = fixed_mean
         self.diagonal = np.zeros((6, *shape[1:]), np.float32)
         self.direction = np.empty(shape, np.float32)
         self._shift = shift
+        self._options = options
         self._coefficients = stiffness.coefficients.astype(np.float32)
         self._coefficients[2, 0, 0] = 0.0
         self._half_grid = 0.5 * float(np.max(self._coefficients[2]))
         self._multiplicity = stiffness.grid.multiplicity[0].astype(np.float32)
-        self._bed = preconditioner_for(self.transform, self._coefficients, shift, HALVINGS, threads)
+        halvings = options.halvings
+        self._preconditioner = preconditioner_for(self.transform, self._coefficients, shift, halvings, threads)
         self._residual = np.empty(shape, np.float32)
         self._solution = np.empty(shape, np.float32)
         self._split_curvature = np.full(self.diagonal.shape, np.nan, np.float32)
@@ -95,17 +106,19 @@ class NewtonSolver:
     @property
     def pairs(self) -> float:
         """Transform pairs so far, on coarser grids in proportion to their points."""
-        return self.transform.pairs + self._bed.pairs
+        return self.transform.pairs + self._preconditioner.pairs
 
-    def solve(self, gradient: np.ndarray, reduction: float, max_iterations: int, total: float = np.inf) -> NewtonStep:
-        """Solve (S + D) x = −gradient with the D that the caller has put into :attr:`diagonal`.
+    def solve(
+        self, gradient: np.ndarray, reduction: float, max_iterations: int, total: float = np.inf
+    ) -> LinearSolution:
+        """Solve (S + D) x = −gradient with the D of :attr:`diagonal`.
 
         Parameters
         ----------
         gradient : numpy.ndarray, shape (3, ny, nx)
             Right-hand side, negated (N); its normal mean is zero if that mean is fixed.
         reduction : float
-            Stop when the residual's norm has fallen by this factor.
+            Factor by which the residual's norm has to fall.
         max_iterations : int
             Largest number of iterations.
         total : float, optional
@@ -118,7 +131,8 @@ class NewtonSolver:
         waves = self._coefficients, self._multiplicity
         parts = self._normal, self._removed, self._core
         residual, direction, solution = self._residual, self.direction, self._solution
-        split(self.diagonal, self._shift, self._half_grid, self._split_curvature, *parts)
+        negligible, rounding = self._options.negligible * self._shift, self._options.rounding * self._shift
+        split(self.diagonal, self._shift, self._half_grid, negligible, self._split_curvature, *parts)
         np.multiply(gradient, -1 / scale, out=residual, casting="same_kind")
         solution[...] = 0.0
         direction[...] = 0.0
@@ -128,18 +142,18 @@ class NewtonSolver:
         indefinite = False
         iterations = 0
         while iterations < max_iterations:
-            product = core + self._bed.apply_and_sum()
+            product = core + self._preconditioner.apply_and_sum()
             if not product > 0.0:
-                break  # rounding is all that is left
+                break  # only rounding is left
             iterations += 1
             local, length = _turn(residual, *parts, product / previous, self.diagonal, direction, field)
             if self.fixed_mean:
-                local -= self._take_mean_out()
+                local -= self._remove_mean()
             previous = product
             transform.forward()
             elastic = multiply(spectrum, *waves, normalisation)
             curvature = local + elastic
-            if curvature <= _CURVATURE_ROUNDING * self._shift * length and curvature <= self._rounding(elastic, length):
+            if curvature <= rounding * length and curvature <= self._rounding(elastic, length):
                 indefinite = True
                 break
             transform.backward()
@@ -149,33 +163,13 @@ class NewtonSolver:
             squares, core = _take_tail(residual, *parts, field)
             if squares <= target and (np.isinf(total) or abs(residual[2].sum(dtype=float)) * scale <= total):
                 break
-        return NewtonStep(solution * scale, iterations, indefinite)
-
-    def _rounding(self, elastic: float, length: float) -> float:
-        """Energy of the direction s that may be rounding, of s·S s = ``elastic`` and s·s = ``length``."""
-        local = inner_product(np.abs(self.diagonal[:3]) * self.direction, self.direction)
-        # S of a field that is nearly uniform is itself rounding.
-        return _CURVATURE_ROUNDING * (local + elastic + 2 * _CURVATURE_ROUNDING * self._half_grid * length)
-
-    def _take_mean_out(self) -> float:
-        """Make the normal mean of the direction (and of the transform's field) zero; returns what s·D s loses."""
-        mean = np.float32(np.mean(self.direction[2], dtype=np.float64))
-        xz, yz, zz = self.diagonal[4], self.diagonal[5], self.diagonal[2]
-        x, y, w = self.direction
-        lost = 2 * mean * (xz * x + yz * y + zz * w) - mean * mean * zz
-        self.direction[2] -= mean
-        self.transform.field[2] -= mean
-        return float(np.sum(lost, dtype=np.float64))
+        return LinearSolution(solution * scale, iterations, indefinite)
 
     def unstable_direction(self, max_iterations: int) -> np.ndarray | None:
-        """A direction of negative curvature of S + D, shape (3, ny, nx); None if conjugate gradients meet none.
+        """Find a direction of negative curvature of S + D, shape (3, ny, nx); None if conjugate gradients meet none.
 
-        Their right side is random (the same each time) and lies where D is negative, as every unstable mode does.
-
-        Parameters
-        ----------
-        max_iterations : int
-            As in :meth:`solve`.
+        Their right side is random (the same each time) and restricted to atoms of negative D, as is every unstable
+        mode.
         """
         start = np.maximum(-self.diagonal[:3], 0)
         start *= 1 + np.random.default_rng(0).standard_normal(start.shape, dtype=np.float32)
@@ -186,10 +180,27 @@ class NewtonSolver:
         found = self.solve(start, 0.0, max_iterations)
         return self.direction / np.abs(self.direction).max() if found.indefinite else None
 
+    def _rounding(self, elastic: float, length: float) -> float:
+        """Return the energy of the direction s that may be rounding; s·S s = ``elastic``, s·s = ``length``."""
+        local = inner_product(np.abs(self.diagonal[:3]) * self.direction, self.direction)
+        # S of a nearly uniform field is itself rounding.
+        rounding = self._options.rounding
+        return rounding * (local + elastic + 2 * rounding * self._half_grid * length)
 
-@njit(**_OPTIONS)
+    def _remove_mean(self) -> float:
+        """Make the normal mean of the direction (and of the transform's field) zero; return the change of s·D s."""
+        mean = np.float32(np.mean(self.direction[2], dtype=np.float64))
+        xz, yz, zz = self.diagonal[4], self.diagonal[5], self.diagonal[2]
+        x, y, w = self.direction
+        lost = 2 * mean * (xz * x + yz * y + zz * w) - mean * mean * zz
+        self.direction[2] -= mean
+        self.transform.field[2] -= mean
+        return float(np.sum(lost, dtype=np.float64))
+
+
+@kernel
 def _take_tail(r, normal, removed, core, field):
-    """Write B r into ``field``; returns r·r and the core's part of r·z."""
+    """Write B r into ``field``; return r·r and the core's part of r·z."""
     squares = 0.0
     product = 0.0
     for j in range(r.shape[1]):
@@ -211,9 +222,9 @@ def _take_tail(r, normal, removed, core, field):
     return squares, product
 
 
-@njit(**_OPTIONS)
+@kernel
 def _turn(r, normal, removed, core, ratio, diagonal, direction, field):
-    """New direction s = z + ratio·s, also into ``field``, which holds (S + c)⁻¹ B r; returns s·D s and s·s."""
+    """Write the direction s = z + ratio·s, also into ``field`` in place of (S + c)⁻¹ B r; return s·D s and s·s."""
     beta = np.float32(ratio)
     local = 0.0
     length = 0.0
@@ -246,7 +257,7 @@ def _turn(r, normal, removed, core, ratio, diagonal, direction, field):
     return local, length
 
 
-@njit(**_OPTIONS)
+@kernel
 def _descend(step, direction, diagonal, stretch, solution, r):
     """Step along the direction s, with S s in ``stretch``."""
     alpha = np.float32(step)

@@ -1,9 +1,9 @@
 """Mechanical equilibrium at zero temperature: minimise ½ u·Su + E(u) + p a² Σu_z over the bottom layer of atoms.
 
 Newton's method with inexact linear solves in single precision (:mod:`md_reference.statics.linear`). Attracted atoms
-have negative curvature; what :mod:`md_reference.statics.step_limiter` leaves of it is faded by a factor 1 − fading when
-a linear solve meets a descent of the whole quadratic model, and restored after successful steps. From the first touch
-of a block that was apart it is faded out altogether until the residual is small: surfaces that come together snap in
+have negative curvature; what :mod:`md_reference.statics.curvature` leaves of it is reduced by a factor 1 − damping when
+a linear solve meets a descent of the whole quadratic model, and restored after successful steps. From the first contact
+of a separated block it is removed altogether until the residual is small: approaching surfaces jump into contact
 everywhere at once, and the descent then follows a slow gradient flow.
 """
 
@@ -16,44 +16,51 @@ from contact_study.numerics.inner_product import inner_product
 from md_reference.block.condensed import SurfaceStiffness
 from md_reference.interface.pairs import AtomwiseInteraction
 from md_reference.solution import Equilibrium, Outcome
-from md_reference.statics.energy import Landscape, Load, MinimizerState
+from md_reference.statics import energy
+from md_reference.statics.energy import BlockEnergy, EnergyOptions, Load, MinimizerState
 
-# Lengths in units of the interaction's length r0, stresses in units of the contact modulus.
-_FALL = 0.9  # of a block out of reach, as a whole
-_VANISHING_STEPS = 5  # as many in a row mean that the residual has reached its rounding
-# Reduction of the residual that a linear solve is asked for: while curvature is faded, with all of it, at the end.
-_FADED_REDUCTION = 0.3
-_REDUCTION = 0.1
-_SMALLEST_REDUCTION = 0.03  # single precision loses more than it gains below
-_CLOSE = 1e-3  # residual below which a linear solve may take all the iterations it needs
-_FEW_ITERATIONS, _MANY_ITERATIONS = 60, 300
-# Fading of negative curvature: first value, growth on failure, decay on success.
-_FADING_START, _FADING_GROWTH, _FADING_DECAY = 0.1, 3.0, 0.6
-# Below this residual a state with negative curvature is left along that direction, by this step; above it surfaces that
-# come together from separation are still coming.
-_SADDLE_RESIDUAL, _ALONG_SADDLE = 0.2, 0.1
-_SADDLE_ITERATIONS = 10  # of conjugate gradients that look for negative curvature at an equilibrium
-_SADDLE_STEP = 0.03
-_EXPANSION = 0.003  # of the residual: error allowed to forces of atoms that have moved little
-_REFRESH = 20  # accepted steps after which S u is computed anew from u
+
+@dataclass(frozen=True)
+class NewtonOptions:
+    """Newton's method; lengths in units of r0, residuals in units of a² E*."""
+
+    fall: float = 0.9  # step of a whole block out of reach
+    vanishing_steps: int = 5  # so many in a row: the residual has reached its rounding
+    # Reduction of the residual in a linear solve: with damped curvature, with all of it, at the end (single precision
+    # loses more than it gains below).
+    damped_reduction: float = 0.3
+    reduction: float = 0.1
+    smallest_reduction: float = 0.03
+    close: float = 1e-3  # residual below which a linear solve may take many iterations
+    few_iterations: int = 60
+    many_iterations: int = 300
+    # Damping of negative curvature: first value, growth on failure, decay on success.
+    damping_start: float = 0.1
+    damping_growth: float = 3.0
+    damping_decay: float = 0.6
+    # Below this residual a state with negative curvature is left along that direction, by this step; above it
+    # approaching surfaces are still in motion.
+    saddle_residual: float = 0.2
+    saddle_step: float = 0.1
+    # At an equilibrium: conjugate-gradient iterations that search for negative curvature, and first step along it.
+    test_iterations: int = 10
+    test_step: float = 0.03
+    expansion: float = 0.003  # error of forces on atoms that moved little, over the residual
+    refresh: int = 20  # steps after which S u is computed from u
+    energy: EnergyOptions = energy.DEFAULTS
+
+
+DEFAULTS = NewtonOptions()
 
 
 @dataclass
 class _Descent:
-    """Where a solve stands, and what its steps may rely on."""
+    """Progress of a solve; ``approaching`` surfaces had no contact at the start."""
 
-    place: MinimizerState
-    approaching: bool  # surfaces come together from where nothing touched
-    fading: float = 0.0
+    state: MinimizerState
+    approaching: bool
+    damping: float = 0.0
     iteration: int = 0
-
-    def fade(self) -> None:
-        """Take away more of the negative curvature."""
-        self.fading = min(1.0, max(_FADING_GROWTH * self.fading, _FADING_START))
-
-    def restore(self) -> None:
-        """Take away less of it."""
-        self.fading = self.fading * _FADING_DECAY if self.fading > 0.9 * _FADING_START else 0.0
 
 
 class EquilibriumSolver:
@@ -72,14 +79,16 @@ class EquilibriumSolver:
     tolerance : float
         On the residual, in units of E*.
     max_iterations : int
-        Newton steps before giving up.
+        Newton steps before the solve ends without convergence.
     threads : int, optional
         Threads of FFTW.
+    options : NewtonOptions, optional
+        The method's constants.
 
     Attributes
     ----------
-    landscape : Landscape
-        What is minimised.
+    energy : BlockEnergy
+        The minimised energy.
     """
 
     def __init__(
@@ -91,140 +100,132 @@ class EquilibriumSolver:
         tolerance: float = 1e-8,
         max_iterations: int = 2000,
         threads: int = 1,
+        options: NewtonOptions = DEFAULTS,
     ):
         self.interaction = interaction
         self.tolerance = tolerance
         self.max_iterations = max_iterations
+        self.options = options
         self._fixed_mean = control == "gap"
-        self.landscape = Landscape(stiffness, interaction, contact_modulus, self._fixed_mean, threads)
+        self.energy = BlockEnergy(stiffness, interaction, contact_modulus, self._fixed_mean, threads, options.energy)
 
     def solve(self, start: np.ndarray, pressure: float = 0.0) -> Equilibrium:
-        """Equilibrium reached from a starting state.
+        """Find the equilibrium reached from a starting state.
 
         Parameters
         ----------
         start : numpy.ndarray, shape (3, ny, nx)
             Starting displacement (m).
         pressure : float, optional
-            Mean pressure, positive in compression (Pa); without meaning under gap control.
+            Mean pressure, positive in compression (Pa); not used under gap control.
 
         Raises
         ------
         ValueError
             If an atom of the starting state lies inside the substrate or is not finite.
         """
-        landscape = self.landscape
-        transforms = landscape.pairs
-        load = Load(0.0 if self._fixed_mean else pressure * landscape.area)
-        place = landscape.place(start)
-        at = _Descent(place, approaching=not np.any(landscape.force[2] > 0))
+        energy = self.energy
+        transforms = energy.pairs
+        load = Load(0.0 if self._fixed_mean else pressure * energy.area)
+        state = energy.evaluate(start)
+        at = _Descent(state, approaching=not np.any(energy.force[2] > 0))
         while True:
-            gradient = landscape.gradient(place, load)
-            residual = landscape.residual(gradient)
-            excess = landscape.excess(place, gradient, load, self.tolerance)
+            gradient = energy.gradient(state, load)
+            residual = energy.residual(gradient)
+            excess = energy.excess(state, gradient, load, self.tolerance)
             outcome = self._outcome(at, excess, pressure)
-            if outcome is Outcome.CONVERGED and leave_saddle(landscape, place):
-                at.iteration += 1  # there may be one saddle after the other
+            if outcome is Outcome.CONVERGED and leave_saddle(energy, state, self.options):
+                at.iteration += 1  # one saddle may follow another
                 continue
             if outcome is not None:
                 break
             if excess.balanced:
-                landscape.refresh(place)
+                energy.refresh(state)
                 continue
             at.iteration += 1
-            self._advance(at, gradient, residual, load, excess.load > excess.residual and residual < _CLOSE)
-        if not place.fresh:
-            landscape.refresh(place)
-            residual = landscape.residual(landscape.gradient(place, load))
-        return equilibrium_of(landscape, place, residual, outcome, at.iteration, landscape.pairs - transforms)
+            light = excess.load > excess.residual and residual < self.options.close
+            self._advance(at, gradient, residual, load, light)
+        if not state.fresh:
+            energy.refresh(state)
+            residual = energy.residual(energy.gradient(state, load))
+        return energy.equilibrium(state, residual, outcome, at.iteration, energy.pairs - transforms)
 
     def _outcome(self, at: _Descent, excess: Excess, pressure: float) -> Outcome | None:
-        """How the solve has ended, None while it goes on."""
-        if not self._fixed_mean and pressure <= 0 and not self.landscape.force.any():
+        """Return how the solve has ended, None while it continues."""
+        if not self._fixed_mean and pressure <= 0 and not self.energy.force.any():
             return Outcome.DETACHED
         if at.iteration > self.max_iterations:  # by leaving a saddle
             return Outcome.ITERATION_LIMIT
         if excess.balanced:
-            return Outcome.CONVERGED if at.place.fresh else None
+            return Outcome.CONVERGED if at.state.fresh else None
         if at.iteration >= self.max_iterations:
             return Outcome.ITERATION_LIMIT
-        return Outcome.STALLED if at.place.vanishing >= _VANISHING_STEPS else None
+        return Outcome.STALLED if at.state.vanishing >= self.options.vanishing_steps else None
 
     def _newton_step(self, at: _Descent, gradient: np.ndarray, residual: float, light: bool) -> tuple[np.ndarray, bool]:
-        """A step by the linear model of the energy, and whether more negative curvature had to be faded for it.
+        """Return a step by the linear model of the energy, and whether it needed more damping.
 
-        Where the load is light what is missing of it is reduced as well as the residual.
+        Under a ``light`` load the missing load is reduced as well as the residual.
         """
-        landscape = self.landscape
+        energy, options = self.energy, self.options
         if at.approaching:
-            coming = not self._fixed_mean and not np.any(landscape.force[2] > 0)
-            if coming or residual > _SADDLE_RESIDUAL:
-                at.fading = 1.0
+            out_of_reach = not self._fixed_mean and not np.any(energy.force[2] > 0)
+            if out_of_reach or residual > options.saddle_residual:
+                at.damping = 1.0
         raised = False
         while True:
-            landscape.set_curvature(at.place, gradient, at.fading)
+            energy.set_curvature(at.state, gradient, at.damping)
             # The forcing term falls with the residual (in units of E*/100) for fast final convergence.
-            full = max(_SMALLEST_REDUCTION, min(_REDUCTION, (100 * residual) ** 0.5))
-            iterations = _FEW_ITERATIONS if residual > _CLOSE else _MANY_ITERATIONS
-            reduction = _FADED_REDUCTION if at.fading > 0 else full
+            full = max(options.smallest_reduction, min(options.reduction, (100 * residual) ** 0.5))
+            iterations = options.few_iterations if residual > options.close else options.many_iterations
+            reduction = options.damped_reduction if at.damping > 0 else full
             total = reduction * abs(float(np.sum(gradient[2]))) if light else np.inf
-            newton = landscape.newton.solve(gradient, reduction, iterations, total)
+            newton = energy.newton.solve(gradient, reduction, iterations, total)
             if not newton.indefinite:
                 return newton.step, raised
-            if at.fading == 1:
-                # Nothing is indefinite: where the first direction has no curvature, next to nothing acts yet.
+            if at.damping == 1:
+                # Nothing is indefinite: if the first direction has no curvature, forces nearly vanish.
                 falls = newton.iterations == 1 and not self._fixed_mean
                 return self._fall(gradient) if falls else newton.step, raised
-            if at.fading == 0 and not raised and residual < _SADDLE_RESIDUAL:
+            if at.damping == 0 and not raised and residual < options.saddle_residual:
                 return newton.step + self._downhill(gradient), raised
-            at.fade()
+            self._raise_damping(at)
             raised = True
 
+    def _raise_damping(self, at: _Descent) -> None:
+        """Remove more of the negative curvature."""
+        at.damping = min(1.0, max(self.options.damping_growth * at.damping, self.options.damping_start))
+
     def _fall(self, gradient: np.ndarray) -> np.ndarray:
-        """A block out of reach of the substrate moves as a whole."""
+        """Return a step that moves a block out of reach of the substrate as a whole."""
         step = np.zeros_like(gradient)
-        step[2] = -np.sign(np.sum(gradient[2])) * _FALL * self.interaction.length
+        step[2] = -np.sign(np.sum(gradient[2])) * self.options.fall * self.interaction.length
         return step
 
     def _downhill(self, gradient: np.ndarray) -> np.ndarray:
-        """A step along the last direction of the linear solver, which has negative curvature."""
-        direction = self.landscape.newton.direction
+        """Return a step along the last direction of the linear solver, which has negative curvature."""
+        direction = self.energy.newton.direction
         sign = -1.0 if inner_product(gradient, direction) >= 0 else 1.0
-        return sign * _ALONG_SADDLE * self.interaction.length / np.abs(direction).max() * direction
+        return sign * self.options.saddle_step * self.interaction.length / np.abs(direction).max() * direction
 
     def _advance(self, at: _Descent, gradient: np.ndarray, residual: float, load: Load, light: bool) -> None:
-        """Take a step as far as the energy follows it, and adapt what the next one may rely on."""
+        """Take a step as far as the energy falls, and adapt the damping."""
+        options = self.options
         step, raised = self._newton_step(at, gradient, residual, light)
-        fraction = self.landscape.search(at.place, step, load, _EXPANSION * residual * self.landscape.force_scale)
+        error = options.expansion * residual * self.energy.force_scale
+        fraction = self.energy.search(at.state, step, load, error)
         if fraction < 1:
-            at.fade()
+            self._raise_damping(at)
         elif not raised:
-            at.restore()
-        if at.iteration % _REFRESH == 0:
-            self.landscape.stretch_anew(at.place)
+            at.damping = at.damping * options.damping_decay if at.damping > 0.9 * options.damping_start else 0.0
+        if at.iteration % options.refresh == 0:
+            self.energy.refresh_stretch(at.state)
 
 
-def leave_saddle(landscape: Landscape, place: MinimizerState) -> bool:
-    """Move to lower energy where an equilibrium has a direction of negative curvature; whether it had."""
-    landscape.set_curvature(place, np.zeros_like(landscape.force), 0.0)
-    direction = landscape.newton.unstable_direction(_SADDLE_ITERATIONS)
+def leave_saddle(energy: BlockEnergy, state: MinimizerState, options: NewtonOptions = DEFAULTS) -> bool:
+    """Move an equilibrium to lower energy along a direction of negative curvature; return whether it has any."""
+    energy.set_curvature(state, np.zeros_like(energy.force), 0.0)
+    direction = energy.newton.unstable_direction(options.test_iterations)
     if direction is None:
         return False
-    return landscape.step_downhill(place, direction, _SADDLE_STEP * landscape.interaction.length)
-
-
-def equilibrium_of(
-    landscape: Landscape, place: MinimizerState, residual: float, outcome: Outcome, iterations: int, pairs: float
-) -> Equilibrium:
-    """A place of the landscape, where it was last evaluated, as a result."""
-    return Equilibrium(
-        displacement=place.displacement,
-        force=landscape.force.copy(),
-        residual=residual,
-        outcome=outcome,
-        iterations=iterations,
-        evaluations=round(place.evaluations),
-        fft_pairs=pairs,
-        elastic_energy=0.5 * float(np.sum(place.displacement * place.stretch)),
-        interaction_energy=place.energy,
-    )
+    return energy.step_downhill(state, direction, options.test_step * energy.interaction.length)

@@ -1,8 +1,8 @@
 """The condensed block in overdamped motion: one implicit Euler step of :mod:`contact_study.numerics.gradient_flow`.
 
-A step is a minimum of the energy with springs of the stiffness η/τ that tie every atom to where it was, found by the
-Newton steps of the equilibrium solver. Under springs stiffer than the negative curvature there is one minimum only; a
-direction of negative curvature says that the time step is too long for the motion to be followed.
+A step is a minimum of the energy with springs of the stiffness η/τ that tie every atom to its former position, found by
+the Newton steps of the equilibrium solver. Springs stiffer than the negative curvature leave one minimum only; a
+direction of negative curvature shows that the time step is too long.
 """
 
 from dataclasses import dataclass, replace
@@ -10,12 +10,21 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from md_reference.solution import Equilibrium, Outcome
-from md_reference.statics.energy import Landscape, Load, MinimizerState
-from md_reference.statics.newton import equilibrium_of, leave_saddle
+from md_reference.statics.energy import BlockEnergy, Load, MinimizerState
+from md_reference.statics.newton import leave_saddle
 
-_REDUCTION = 0.1  # of the residual in a linear solve
-_LINEAR_ITERATIONS, _NEWTON_STEPS = 100, 8
-_ACCURACY = 0.05  # of the allowed error of a time step: what a step's own minimum may be off
+
+@dataclass(frozen=True)
+class OverdampedOptions:
+    """Newton's method within a time step."""
+
+    reduction: float = 0.1  # of the residual in a linear solve
+    linear_iterations: int = 100
+    newton_steps: int = 8
+    accuracy: float = 0.05  # error of a step's minimum over the allowed error of the time step
+
+
+DEFAULTS = OverdampedOptions()
 
 
 @dataclass(frozen=True)
@@ -33,98 +42,101 @@ class Moved:
 
     @property
     def residual(self) -> float:
-        """Largest force out of balance, friction apart, over a² E*."""
+        """Largest unbalanced force without friction, over a² E*."""
         return self.equilibrium.residual
 
 
 class OverdampedBlock:
-    """The bottom layer of a block that moves against friction, see :mod:`contact_study.numerics.gradient_flow`.
+    """The bottom layer of a block in overdamped motion, see :class:`contact_study.numerics.gradient_flow.Overdamped`.
 
     Drag is a stiffness over area (Pa/m), load a mean pressure (Pa).
 
     Parameters
     ----------
-    landscape : Landscape
+    energy : BlockEnergy
         Of a block under pressure control.
     tolerance : float
         Residual of a state at rest, in units of E*.
     allowed : float
         Local error of a time step (m).
+    options : OverdampedOptions, optional
+        The method's constants.
     """
 
-    def __init__(self, landscape: Landscape, tolerance: float, allowed: float):
-        self._landscape = landscape
+    def __init__(self, energy: BlockEnergy, tolerance: float, allowed: float, options: OverdampedOptions = DEFAULTS):
+        self._energy = energy
         self._tolerance = tolerance
-        self._accuracy = _ACCURACY * allowed / landscape.force_scale
-        self._last: MinimizerState | None = None  # where the landscape was last evaluated
-        self._evaluations, self._pairs = 0.0, landscape.pairs  # of steps that were not found, and the pairs before them
+        self._options = options
+        self._accuracy = options.accuracy * allowed / energy.force_scale
+        self._last: MinimizerState | None = None  # last evaluated state
+        self._evaluations, self._pairs = 0.0, energy.pairs  # of failed steps, and the pairs before them
 
     def advance(self, state: np.ndarray, load: float, drag: float) -> Moved | None:
-        """The layer after a time step; see :class:`contact_study.numerics.gradient_flow.Overdamped`."""
-        landscape = self._landscape
-        drag *= landscape.area
-        place, free = self._place(state), Load(load * landscape.area)
-        acting = replace(free, drag=drag, anchor=state)
+        """Return the layer after a time step, None if the step is too long."""
+        energy, options = self._energy, self._options
+        drag *= energy.area
+        at, free = self._state(state), Load(load * energy.area)
+        acting = replace(free, stiffness=drag, anchor=state)
         self._last = None
-        gradient = landscape.gradient(place, acting)
-        force, excess = landscape.residual(gradient), landscape.excess(place, gradient, free, self._tolerance)
+        gradient = energy.gradient(at, acting)
+        force, excess = energy.residual(gradient), energy.excess(at, gradient, free, self._tolerance)
         balanced, light = excess.balanced, force <= self._tolerance  # unbalanced and yet light: the load is missing
-        least = max(force * excess.to_balance, min(landscape.rounding(place, drag), self._tolerance))
+        least = max(force * excess.to_balance, min(energy.rounding(at, drag), self._tolerance))
         accuracy = max(least, self._accuracy * drag)
         step = 0
-        while not balanced and step < _NEWTON_STEPS:
-            landscape.set_curvature(place, gradient, 0.0, drag)
-            total = _REDUCTION * abs(float(np.sum(gradient[2]))) if light else np.inf
-            newton = landscape.newton.solve(gradient, _REDUCTION, _LINEAR_ITERATIONS, total)
-            if newton.indefinite or not landscape.search(place, newton.step, acting):
+        while not balanced and step < options.newton_steps:
+            energy.set_curvature(at, gradient, 0.0, drag)
+            total = options.reduction * abs(float(np.sum(gradient[2]))) if light else np.inf
+            newton = energy.newton.solve(gradient, options.reduction, options.linear_iterations, total)
+            if newton.indefinite or not energy.search(at, newton.step, acting):
                 break
             step += 1
-            gradient = landscape.gradient(place, acting)
-            balanced = landscape.residual(gradient) <= accuracy
+            gradient = energy.gradient(at, acting)
+            balanced = energy.residual(gradient) <= accuracy
             if light:
-                balanced &= landscape.excess(place, gradient, acting, self._tolerance).load <= 1
+                balanced &= energy.excess(at, gradient, acting, self._tolerance).load <= 1
         if not balanced:
-            self._evaluations += place.evaluations
+            self._evaluations += at.evaluations
             return None
-        self._last = place
-        return self._moved(place, load, step)
+        self._last = at
+        return self._moved(at, load, step)
 
     def standing(self, state: np.ndarray, load: float) -> Moved:
-        """A state as it is."""
-        self._last = place = self._place(state)
-        return self._moved(place, load, 0)
-
-    def _moved(self, place: MinimizerState, load: float, steps: int) -> Moved:
-        """The place where the landscape was evaluated last, with the work since the one before."""
-        landscape = self._landscape
-        place.evaluations += self._evaluations
-        self._evaluations, pairs = 0.0, self._work()
-        acting = Load(load * landscape.area)
-        gradient = landscape.gradient(place, acting)
-        residual = landscape.residual(gradient)
-        at_rest = landscape.excess(place, gradient, acting, self._tolerance).balanced
-        apart = load <= 0 and not landscape.force.any()
-        outcome = Outcome.DETACHED if apart else Outcome.CONVERGED
-        return Moved(equilibrium_of(landscape, place, residual, outcome, steps, pairs), apart, at_rest)
-
-    def _work(self) -> float:
-        """Transform pairs since it was asked for last."""
-        before, self._pairs = self._pairs, self._landscape.pairs
-        return self._pairs - before
+        """Return a state without motion."""
+        self._last = at = self._state(state)
+        return self._moved(at, load, 0)
 
     def beside_saddle(self, state: np.ndarray, load: float) -> np.ndarray | None:
-        """A state of lower energy next to a saddle; see :class:`contact_study.numerics.gradient_flow.Overdamped`."""
-        place = self._place(state)
+        """Return a state of lower energy next to a saddle, None at a minimum."""
+        at = self._state(state)
         self._last = None
-        return place.displacement if leave_saddle(self._landscape, place) else None
+        return at.displacement if leave_saddle(self._energy, at) else None
 
-    def _place(self, state: np.ndarray) -> MinimizerState:
-        """The landscape at a state, to the same bits whether the motion came there or begins there."""
+    def _moved(self, at: MinimizerState, load: float, steps: int) -> Moved:
+        """Return the last evaluated state, with the work since the one before."""
+        energy = self._energy
+        at.evaluations += self._evaluations
+        self._evaluations, pairs = 0.0, self._work()
+        acting = Load(load * energy.area)
+        gradient = energy.gradient(at, acting)
+        residual = energy.residual(gradient)
+        at_rest = energy.excess(at, gradient, acting, self._tolerance).balanced
+        apart = load <= 0 and not energy.force.any()
+        outcome = Outcome.DETACHED if apart else Outcome.CONVERGED
+        return Moved(energy.equilibrium(at, residual, outcome, steps, pairs), apart, at_rest)
+
+    def _work(self) -> float:
+        """Return the transform pairs since the last call."""
+        before, self._pairs = self._pairs, self._energy.pairs
+        return self._pairs - before
+
+    def _state(self, state: np.ndarray) -> MinimizerState:
+        """Evaluate a state, to the same bits whether the motion came from it or begins there."""
         if self._last is None or self._last.displacement is not state:
-            place = self._landscape.place(state)
+            at = self._energy.evaluate(state)
         else:
-            place, self._last = self._last, None
-            self._landscape.refresh(place)
-            place.gap, place.cosine = self._landscape.interaction.gap_and_cosine(state)
-        place.vanishing = place.evaluations = 0
-        return place
+            at, self._last = self._last, None
+            self._energy.refresh(at)
+            at.gap, at.cosine = self._energy.interaction.gap_and_cosine(state)
+        at.vanishing = at.evaluations = 0
+        return at

@@ -1,7 +1,7 @@
-"""The block on a uniform bed of springs, inverted: what preconditions the linear problem where atoms attract.
+"""Inverse of the block on uniform springs, which preconditions the linear problem where atoms attract.
 
-Only waves longer than a few atoms need S there (:mod:`contact_study.numerics.multigrid`): the rest is answered by one
-stiffness for each component.
+Only waves longer than a few atoms need S there (:mod:`contact_study.numerics.multigrid`): one stiffness per component
+represents the rest.
 """
 
 from typing import Protocol
@@ -14,8 +14,8 @@ from contact_study.numerics.multigrid import HALVINGS, HalvedInverse, Inverse, c
 from md_reference.block.spectral import invert
 
 
-class Bed(Inverse, Protocol):
-    """An inverse, on a field of shape (3, ny, nx), that says what work it took."""
+class Preconditioner(Inverse, Protocol):
+    """An inverse, on a field of shape (3, ny, nx), that counts its work."""
 
     @property
     def pairs(self) -> float:
@@ -23,54 +23,30 @@ class Bed(Inverse, Protocol):
 
 
 class FourierPreconditioner:
-    """The inverse by transforms.
+    """The inverse by transforms of three components in float32; S and the springs' stiffness ``shift`` in N/m."""
 
-    Parameters
-    ----------
-    transform : RealTransform
-        Of three components, in float32.
-    coefficients : numpy.ndarray of float32, shape (6, ny, nx // 2 + 1)
-        S, see :mod:`md_reference.block.condensed` (N/m).
-    shift : float
-        Stiffness of the springs (N/m).
-    """
+    pairs = 0.0  # the transform's owner counts them
 
     def __init__(self, transform: RealTransform, coefficients: np.ndarray, shift: float):
         self.field = transform.field
         self._transform = transform
-        self._coefficients = coefficients
-        self._shift = shift
         grid = Grid((transform.shape[1], transform.shape[2]), (1.0, 1.0))
-        self._multiplicity = grid.multiplicity[0].astype(np.float32)
+        self._operator = coefficients, grid.multiplicity[0].astype(np.float32), shift, 1 / transform.points
 
     def apply_and_sum(self) -> float:
-        transform = self._transform
-        spectrum = transform.forward().view(np.float32)
-        product = invert(spectrum, self._coefficients, self._multiplicity, self._shift, 1 / transform.points)
-        transform.backward()
+        product = invert(self._transform.forward().view(np.float32), *self._operator)
+        self._transform.backward()
         return product
 
-    @property
-    def pairs(self) -> float:
-        return 0.0
 
-
-class TwoLevelPreconditioner(HalvedInverse[Bed]):
+class TwoLevelPreconditioner(HalvedInverse[Preconditioner]):
     """The inverse with long waves on half the resolution.
 
-    Parameters
-    ----------
-    field : numpy.ndarray of float32, shape (3, 2·rows, 2·columns)
-        Buffer of the finer grid.
-    coarser : Bed
-        The inverse on half the resolution.
-    transform : RealTransform
-        That owns the buffer of ``coarser``.
-    largest : numpy.ndarray, shape (3,)
-        Largest stiffness of each component on the finer grid (N/m).
+    ``field`` is the buffer of the finer grid, ``largest`` each component's largest stiffness there (N/m), and
+    ``transform`` owns the buffer of ``coarser``.
     """
 
-    def __init__(self, field: np.ndarray, coarser: Bed, transform: RealTransform, largest: np.ndarray):
+    def __init__(self, field: np.ndarray, coarser: Preconditioner, transform: RealTransform, largest: np.ndarray):
         super().__init__(field, coarser, largest)
         self._transform = transform
 
@@ -81,18 +57,14 @@ class TwoLevelPreconditioner(HalvedInverse[Bed]):
 
 def preconditioner_for(
     transform: RealTransform, coefficients: np.ndarray, shift: float, halvings: int = HALVINGS, threads: int = 1
-) -> Bed:
-    """The bed for a layer, with its long waves on a coarser one where that saves work."""
+) -> Preconditioner:
+    """Return the preconditioner of a layer, with its long waves on a coarser one where that saves work."""
     rows, columns = transform.shape[1:]
     if not (halvings and can_be_halved((rows, columns))):
         return FourierPreconditioner(transform, coefficients, shift)
     coarse = RealTransform((3, rows // 2, columns // 2), np.float32, threads)
-    coarser = preconditioner_for(coarse, _of_every_second_atom(coefficients, columns), shift, halvings - 1, threads)
-    return TwoLevelPreconditioner(transform.field, coarser, coarse, coefficients[:3].max(axis=(1, 2)))
-
-
-def _of_every_second_atom(coefficients: np.ndarray, columns: int) -> np.ndarray:
-    """S of the waves that every second atom of a layer with so many columns can carry."""
-    rows = coefficients.shape[1]
+    # S of the waves that every second atom can carry.
     kept = np.r_[: rows // 4 + 1, rows - (rows // 2 - rows // 4 - 1) : rows]
-    return np.ascontiguousarray(coefficients[:, kept, : columns // 4 + 1])
+    coarse_coefficients = np.ascontiguousarray(coefficients[:, kept, : columns // 4 + 1])
+    coarser = preconditioner_for(coarse, coarse_coefficients, shift, halvings - 1, threads)
+    return TwoLevelPreconditioner(transform.field, coarser, coarse, coefficients[:3].max(axis=(1, 2)))

@@ -18,7 +18,7 @@ class MovingAtoms(OverdampedBlock):
     """The atoms of a case in motion, as the campaign takes them."""
 
     def __init__(self, case: Case, contact: AtomisticContact, allowed: float):
-        super().__init__(contact.landscape, case.solver.tolerance, allowed)
+        super().__init__(contact.energy, case.solver.tolerance, allowed)
         self._case = case
         self._contact = contact
 

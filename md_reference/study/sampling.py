@@ -93,7 +93,7 @@ def _thermal_state(
             residual=np.nan,
             outcome=Outcome.DETACHED if apart else Outcome.CONVERGED,
             iterations=chain.sampler.trajectories,
-            evaluations=chain.sampler.evaluations,
+            force_evaluations=chain.sampler.evaluations,
             fft_pairs=float(chain.sampler.evaluations),  # each takes one pair
             elastic_energy=sampler.elastic_energy(chain.sampler),
             interaction_energy=energy,

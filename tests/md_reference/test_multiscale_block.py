@@ -37,7 +37,7 @@ def surface_response(block, wave):
     operator = LinearOperator((block.size,) * 2, matvec=lambda u: stiffness_times(block, u))
     diagonal = np.zeros(block.size)
     for level, nodes in zip(block.levels, block.levels_of(diagonal), strict=True):
-        nodes[...] = 1 / level.constants[0]
+        nodes[...] = 1 / (level.size * LATTICE_CONSTANT * LAME[1])
     preconditioner = LinearOperator((block.size,) * 2, matvec=lambda r: diagonal * r)
     found, info = cg(operator, load, rtol=1e-9, maxiter=3000, M=preconditioner)
     assert info == 0

@@ -4,9 +4,8 @@ import numpy as np
 import pytest
 
 from contact_study.campaign.worker.case_run import Job, run_case
-from md_reference.block import multiscale as multiscale_block
 from md_reference.block.condensed import isotropic_element, lame_constants
-from md_reference.block.multiscale import MultiscaleBlock, NonlinearSpringBlock
+from md_reference.block.multiscale import BlockOptions, MultiscaleBlock, NonlinearSpringBlock
 from md_reference.interface.pairs import LennardJonesInterface
 from md_reference.parallel_rows import ParallelRows
 from md_reference.study.model import MODEL
@@ -71,7 +70,7 @@ def with_threads(interface, threads):
 
 
 @pytest.mark.parametrize("kind", [MultiscaleBlock, NonlinearSpringBlock])
-def test_any_number_of_threads_gives_the_same_bits(kind, monkeypatch):
+def test_any_number_of_threads_gives_the_same_bits(kind):
     """Atoms in motion with a thermostat, over a rough substrate: forces, curvature, energy, and where all nodes end.
 
     One thread does all rows of a level in one block, the others eight at a time.
@@ -81,9 +80,9 @@ def test_any_number_of_threads_gives_the_same_bits(kind, monkeypatch):
     step = 0.4 / fastest_wave(isotropic_element(LATTICE_CONSTANT, YOUNGS_MODULUS, POISSONS_RATIO), MASS)
     found = []
     for threads in (1, 2, 3):
-        monkeypatch.setattr(multiscale_block, "_NODES_OF_A_BLOCK", 8192 if threads == 1 else 1)
+        options = BlockOptions(task_nodes=8192 if threads == 1 else 1)
         interface = with_threads(rough, threads)
-        block = kind(ATOMS, LATTICE_CONSTANT, *lame, (4, 4), MASS, threads)
+        block = kind(ATOMS, LATTICE_CONSTANT, *lame, (4, 4), MASS, threads, options)
         system = MolecularDynamics(block, interface, step, friction=0.01 / step, temperature=300.0)
         surface = np.zeros((3, *ATOMS))
         surface[2] = interface.rest_heights().max() + interface.length

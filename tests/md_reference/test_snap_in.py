@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 from scipy import optimize
 
-from md_reference.statics.curvature import raised_curvature
-from md_reference.statics.step_limiter import land, repulsive_root
+from md_reference.statics.curvature import raise_curvature
+from md_reference.statics.step_limiter import DEFAULTS, limit_step, repulsive_root
 from tests.md_reference.systems import LENGTH, interface_of, rough_coefficients
 
 PREFACTOR = 2e-9
@@ -22,12 +22,13 @@ def landed(distance, step, cosine=1.0, after=None, force=None):
     trial_gap = np.full(SHAPE, 0.0) + (distance + np.broadcast_to(step, SHAPE)) / after
     height = trial_gap.copy()
     forces = np.full(SHAPE, cosine**2 * law(distance) if force is None else force)
-    land(
+    limit_step(
         gap,
         np.full(SHAPE, cosine),
         forces,
         LENGTH,
         PREFACTOR,
+        DEFAULTS,
         trial_gap,
         np.full(SHAPE, after),
         height,
@@ -96,7 +97,16 @@ def curved(hessian, gradient_z, gap, cosine=1.0, fading=0.0):
     gradient[2] = gradient_z
     given = np.reshape(hessian, (6, *shape)).astype(float)
     diagonal = np.empty((6, *shape), np.float32)
-    raised_curvature(given, gradient, np.full(shape, gap), np.full(shape, cosine), fading, LENGTH, diagonal)
+    raise_curvature(
+        given,
+        gradient,
+        np.full(shape, gap),
+        np.full(shape, cosine),
+        fading,
+        LENGTH,
+        DEFAULTS.smallest_distance,
+        diagonal,
+    )
     return diagonal[:, 0, 0]
 
 
