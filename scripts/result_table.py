@@ -12,9 +12,10 @@ from pathlib import Path
 
 import xarray as xr
 
+from contact_study.report.compute.deviations import split_pair
+from contact_study.report.facts.findings import find
 from contact_study.report.models import entry_of, file_kinds, spectrum_of
 from contact_study.report.read.files import models_in
-from contact_study.report.text.findings import headline, split_pair
 from contact_study.report.text.result_tables import results_tables
 from contact_study.report.wording import number
 from contact_study.units import quantity
@@ -24,7 +25,7 @@ def parser() -> argparse.ArgumentParser:
     made = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     made.add_argument("comparison", type=Path, help="dataset that contact-compare wrote")
     made.add_argument("--pressures", nargs="+", required=True, help="pressures of the path to show")
-    made.add_argument("--brief", action="store_true", help="of the sentences below the table only the first")
+    made.add_argument("--brief", action="store_true", help="below the table only the order of the models")
     return made
 
 
@@ -34,15 +35,18 @@ def main(arguments: Sequence[str] | None = None) -> int:
     with xr.open_datatree(given.comparison, decode_timedelta=False) as tree:
         there = {node.path.strip("/") for node in tree.subtree}
         roots = [tree[kind].to_dataset().load() for kind in file_kinds() if kind in there]
-        deviations = tree["deviations"].to_dataset().load()
+        deviations, regime = (tree[name].to_dataset().load() for name in ("deviations", "regime"))
+        beside = tree["scatter"].children if "scatter" in there else {}
+        scatter = {name: node.to_dataset().load() for name, node in beside.items()}
     models = {name: dataset for root in roots for name, dataset in models_in(root).items()}
     models = {name: dataset for name, dataset in models.items() if not spectrum_of(name)}
     print(table(models, pressures))
     print()
     first = split_pair(deviations["pair"].values[0])[1]
     pairs = [pair for pair in deviations["pair"].values if split_pair(pair)[1] == first]
-    sentences = headline(models, deviations.sel(pair=pairs))
-    print(sentences[0] if given.brief else "\n".join(f"- {sentence}" for sentence in sentences))
+    from_surfaces = scatter.pop("deviations", None)
+    findings = find(models, deviations.sel(pair=pairs), regime, scatter, from_surfaces)
+    print("\n".join(f"- {sentence}" for sentence in findings.sentences(given.brief)))
     return 0
 
 

@@ -18,11 +18,11 @@ from contact_study.report.compute.deviations import MISSING, compute_deviations,
 from contact_study.report.compute.ensemble import ensemble_statistics
 from contact_study.report.compute.regime import compute_regime
 from contact_study.report.draw.style import FORMATS
+from contact_study.report.facts.findings import find, surface_deviations
 from contact_study.report.illustrations import draw
 from contact_study.report.read.datasets import Inputs, read_inputs
 from contact_study.report.read.scatter import read_scatter
 from contact_study.report.text.report import FIGURE_TITLES, Figures, collected_warnings, render_report
-from contact_study.report.text.scatter import scatter_findings
 from contact_study.report.text.setting_tables import unconverged_steps
 from contact_study.report.tree import comparison_tree
 from contact_study.results.schema import CONVENTIONS, SCHEMA_VERSION
@@ -67,8 +67,10 @@ def _main(arguments: Sequence[str]) -> int:
     regime = compute_regime(inputs)
     attrs = _attributes(inputs, output, arguments)
     of_surfaces = ensemble_statistics({scatter.model: scatter.dataset}) if scatter else {}
+    shown = inputs.with_first_spectra.models
+    from_surfaces = surface_deviations(inputs.models, scatter.model, scatter.dataset) if scatter else None
     drawn = draw(inputs, wanted, formats, scatter) if given.figures or report else Figures({}, {})
-    tree = comparison_tree(inputs, deviations, regime, attrs, of_surfaces)
+    tree = comparison_tree(inputs, deviations, regime, attrs, of_surfaces, from_surfaces)
     outputs: dict[Path, Callable[[Path], Any]] = {
         output: lambda path: tree.to_netcdf(path, engine="netcdf4", write_inherited_coords=True)
     }
@@ -77,8 +79,8 @@ def _main(arguments: Sequence[str]) -> int:
             files = drawn.files(kind).items()
             outputs |= {given.figures / f"{FIGURE_FILES[name]}.{kind}": _writer(content) for name, content in files}
     if report:
-        said = scatter_findings(inputs.models, of_surfaces)
-        page = render_report(inputs, deviations, regime, drawn, {**attrs, "file": output.name}, said)
+        findings = find(shown, deviations, regime, of_surfaces, from_surfaces).sentences()
+        page = render_report(inputs, deviations, regime, drawn, {**attrs, "file": output.name}, findings)
         outputs[report] = _writer(page.encode())
     _write(outputs)
     print(*outputs, sep="\n")

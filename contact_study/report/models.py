@@ -13,6 +13,8 @@ from contact_study.study.case import Case
 
 _PRESSED = "the surfaces are pressed closer than this distance on average"
 
+_OWN = "this project's own, unpublished"
+
 # Between the name of a model and the file that tells one of its datasets from another: "continuum:coarse".
 _OF = ":"
 
@@ -55,6 +57,8 @@ class ShownModel:
         Whether the traction-separation law acts in it at every gap.
     about, about_adhesion, about_hard_wall : str
         What it is; what of it holds with adhesion, and at a hard wall.
+    status : str
+        Whether a theory is published, said wherever it is ranked.
     start : str
         Where its states come from.
     start_predicted : str
@@ -85,6 +89,7 @@ class ShownModel:
     feels_law: bool = False
     about_adhesion: str = ""
     about_hard_wall: str = ""
+    status: str = ""
     start_predicted: str = ""
     densities: str = ""
     area: str = ""
@@ -148,6 +153,7 @@ MODELS = (
         colour="#D55E00",
         line="--",
         marker="",
+        status="published",
         about="The theory of the paper: the stress distribution diffuses with the roughness added at growing "
         "magnification and is absorbed where the tension reaches that of a crack. It knows the spectrum, not the "
         "surface, and takes the range of the law to be zero.",
@@ -169,6 +175,7 @@ MODELS = (
         line=":",
         marker="",
         feels_law=True,
+        status=_OWN,
         about="Roughness is added scale by scale, from fine to coarse, to the law itself. It keeps the law's range, "
         "knows the spectrum only, and gives an equilibrium with two metastable branches on either side.",
         start="The gap-flow theory gives the equilibrium at each point, whatever came before.",
@@ -185,6 +192,7 @@ MODELS = (
         line="-.",
         marker="",
         feels_law=True,
+        status=_OWN,
         about="The gap flow whose response to each scale costs the elastic energy of its own modulation, so that "
         "contact has edges. It knows the spectrum only and gives one state at each mean gap, without hysteresis; its "
         "pressure is the slope of its energy, from which the mean of its local pressures differs by its own error.",

@@ -15,11 +15,12 @@ def comparison_tree(
     regime: xr.Dataset,
     attrs: Mapping[str, Any],
     of_surfaces: Mapping[str, xr.Dataset] | None = None,
+    from_surfaces: xr.Dataset | None = None,
 ) -> xr.DataTree:
     """A group for each file, named after its kind and as in the file itself, ``regime``, ``deviations`` if any.
 
     In ``ensemble`` stand, for each model with several samples, means and standard errors over them; in ``scatter`` the
-    same of the realisations that are shown behind the models.
+    same of the realisations that are shown behind the models, and the theories' deviations from each of them.
 
     Parameters
     ----------
@@ -31,6 +32,8 @@ def comparison_tree(
         Attributes of the root.
     of_surfaces : mapping, optional
         What :func:`ensemble_statistics` makes of the realisations that are shown behind the models.
+    from_surfaces : xarray.Dataset, optional
+        Deviations of the theories from each of these realisations.
     """
     groups = {
         f"/{kind}" + (f"/{name}" if name else ""): dataset
@@ -40,6 +43,8 @@ def comparison_tree(
     groups["/regime"] = regime
     groups |= {f"/ensemble/{name}": dataset for name, dataset in ensemble_statistics(inputs.models).items()}
     groups |= {f"/scatter/{name}": dataset for name, dataset in (of_surfaces or {}).items()}
+    if from_surfaces is not None:
+        groups["/scatter/deviations"] = from_surfaces
     if deviations is not None:
         groups["/deviations"] = deviations
     return xr.DataTree.from_dict(

@@ -38,9 +38,9 @@ def percent(value: float, error: float = np.nan) -> str:
     return f"{with_error(100 * value, 100 * error, _decimals(value), plus=True)} %"
 
 
-def percent_of(value: float) -> str:
+def percent_of(value: float, error: float = np.nan) -> str:
     """A magnitude in per cent, as :func:`percent`."""
-    return f"{fixed(100 * value, _decimals(value))} %"
+    return f"{with_error(100 * value, 100 * error, _decimals(value))} %"
 
 
 def _decimals(fraction: float) -> int:

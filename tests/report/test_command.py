@@ -109,7 +109,7 @@ def test_report_holds_the_numbers(compared, files):
         "160 × 160 atoms",
         "0.1, −0.4987, 0.7799, 5.8725 GPa",
         "a grid too coarse",
-        "nearest to the atoms: the continuum (11 %), then the gap-flow theory (39 %), then Persson's theory (44 %)",
+        "distances from the atoms: the continuum (11 % and 0.050",
         "p/E* = −0.00532, 0.00832, 0.06265",
         "A theory with the target spectrum",
         f"the simulations have one realisation of it (rms slope {realise(study().cases[0]).rms_slope:.4g})",

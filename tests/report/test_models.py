@@ -102,7 +102,7 @@ def test_an_entry_is_all_it_takes(paths, tmp_path, monkeypatch):
     assert main([*map(str, paths), "-o", str(tmp_path / "out.nc"), "--report", str(report)]) == 0
     text = html.unescape(re.sub(r"<[^>]+>", "", report.read_text(encoding="utf-8"))).replace("\u00a0", " ")
     for words in (
-        "The made-up theory against the atoms: contact area +11 %",
+        "The made-up theory against the atoms, 7 states: contact area +11 %",
         "Made-up theory. It is of no use.",
         "The made-up theory starts nowhere.",
         "made up − atoms",

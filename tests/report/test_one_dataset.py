@@ -144,7 +144,7 @@ def test_two_datasets_of_one_model(tmp_path):
     status, text, groups = reported(tmp_path, *paths)
     assert status == 0
     assert {"/continuum:coarse", "/continuum:fine", "/deviations"} <= groups
-    assert "The continuum (fine) against the continuum (coarse): contact area +0.0 %" in text
+    assert "The continuum (fine) against the continuum (coarse), 7 states: contact area +0.0 %" in text
     assert "coarse: Continuum: 24 × 24 points" in text
     assert "fine: Continuum: 48 × 48 points" in text
 

@@ -1,7 +1,5 @@
 """The scatter between surfaces behind the models of one: --scatter."""
 
-import re
-
 import numpy as np
 import pytest
 import xarray as xr
@@ -10,15 +8,13 @@ from matplotlib.collections import PolyCollection
 from contact_study.errors import InputError
 from contact_study.report.command import main
 from contact_study.report.compute.curves import Curve
-from contact_study.report.compute.ensemble import ensemble_statistics
 from contact_study.report.compute.plotted import path_curves
 from contact_study.report.compute.scatter import scatter_strips
 from contact_study.report.draw import figures
 from contact_study.report.draw.style import SWEEP_COLOURS
 from contact_study.report.read.datasets import read_inputs
 from contact_study.report.read.scatter import read_scatter
-from contact_study.report.text.scatter import scatter_findings
-from tests.report.synthetic import GAP_SHIFT, STUDY, area, gap, write, write_all
+from tests.report.synthetic import STUDY, area, gap, write, write_all
 
 SEEDS = np.array([1, 2, 4])
 SEEDED = STUDY.replace("[sweep]\n", f'[sweep]\n"surface.seed" = {SEEDS.tolist()}\n')
@@ -110,39 +106,7 @@ def test_command(files, tmp_path, capsys):
         assert "ensemble" not in tree.children
     page = (tmp_path / "r.html").read_text()
     assert page.count("mean ± one standard deviation of the continuum over 3 surfaces") == 2
-    assert "Over 3 surfaces of one spectrum" in page
-
-
-def test_findings_are_the_numbers(files):
-    inputs = read_inputs(files[0])
-    scatter = read_scatter(files[1], inputs)
-    spread, theories, one = scatter_findings(inputs.models, ensemble_statistics({scatter.model: scatter.dataset}))
-    relative = {ratio: areas(ratio).std(0, ddof=1) / areas(ratio).mean(0) for ratio in PRESSURES}
-    every = np.concatenate(list(relative.values()))
-    words = re.findall(r"([\d.]+) %", spread)
-    np.testing.assert_allclose([float(w) for w in words[:2]], [100 * np.median(every), 100 * every.max()], atol=0.051)
-    assert float(words[2]) == pytest.approx(100 * np.median(every / np.sqrt(3)), abs=0.051)
-    off = {
-        "Persson's theory": [0.5 * area(r, np.array(p)) / areas(r).mean(0) for r, p in PRESSURES.items()],
-        "the gap-flow theory": [
-            np.minimum(1.25 * area(r, np.array(p)), 1) / areas(r).mean(0) for r, p in PRESSURES.items()
-        ],
-    }
-    medians = {name: 100 * np.median(np.abs(np.concatenate(ratios) - 1)) for name, ratios in off.items()}
-    for name, median in medians.items():
-        assert f"{name} by {median:.0f} %" in theories
-    assert theories.index("gap-flow") < theories.index("Persson"), "the nearer one first"
-    within = sum(
-        int((np.abs(area(r, np.array(p)) - areas(r).mean(0)) <= areas(r).std(0, ddof=1)).sum())
-        for r, p in PRESSURES.items()
-    )
-    assert f"{within} of 7 states" in one
-    assert GAP_SHIFT["persson"] < 0
-    # Where a theory is fed with the target, too, the mean over its surfaces is compared with that alone.
-    both = {**inputs.models, "persson@analytic": inputs.models["gap_flow"]}
-    _, theories, _ = scatter_findings(both, ensemble_statistics({scatter.model: scatter.dataset}))
-    assert f"Persson's theory with the target spectrum by {medians['the gap-flow theory']:.0f} %." in theories
-    assert "gap-flow" not in theories
+    assert "over 3 surfaces of one spectrum" in page
 
 
 @pytest.mark.parametrize(

@@ -7,7 +7,6 @@ from contact_study.report.compute.cases import Series, series
 from contact_study.report.compute.deviations import compute_deviations
 from contact_study.report.compute.regime import compute_regime
 from contact_study.report.read.datasets import read_inputs
-from contact_study.report.text.findings import headline
 from contact_study.report.text.result_tables import deviation_tables, results_tables, summary_table
 from contact_study.report.text.setting_tables import constants_table, effort_table, regime_table, unconverged_steps
 from tests.report import synthetic
@@ -94,48 +93,6 @@ def test_summary_is_over_shared_states(tmp_path):
     rows = {row[0]: row[1:] for row in table.rows}
     assert rows["continuum − atoms"][:2] == ["11 % (11 %)", "11 % (11 %)"]
     assert rows["Persson − atoms"] == ["44 % (44 %)", "44 % (44 %)", "0.214 (0.214)", "0.214 (0.214)"]
-    sentences = headline(inputs.models, deviations)
-    assert "over the 6 states that all models share, nearest to the atoms: the continuum (11 %)" in sentences[0]
-    assert "87 %" not in sentences[0]
-    assert "−87 % (ε = ε₀, p = 0.1 GPa)" in sentences[2], "the pair's own sentence has all its states"
-
-
-def test_the_worst_state_is_said_beside_the_median(inputs):
-    deviations = compute_deviations(inputs.models, "pressure").copy(deep=True)
-    here = {"pair": "continuum - atomistic", "well_depth_ratio": 8, "step": 1}
-    deviations["relative_contact_area_relative_deviation"].loc[here] = -0.87
-    sentence = headline(inputs.models, deviations)[0]
-    assert "the continuum (11 %), then the gap-flow theory (39 %), then Persson's theory (44 %)" in sentence
-    assert "At worst they are off by −87 % (ε = 8 ε₀, p = −0.4987 GPa)" in sentence
-    assert "by the worst state the order is the gap-flow theory, Persson's theory, the continuum" in sentence
-    assert summary_table(inputs.models, deviations).rows[0][2] == "11 % (87 %)"
-    deviations["relative_contact_area_relative_deviation"].loc[here] = 0.91
-    assert "off by +91 % (ε = 8 ε₀, p = −0.4987 GPa)" in headline(inputs.models, deviations)[0]
-    assert summary_table(inputs.models, deviations).rows[0][2] == "11 % (91 %)"
-
-
-def test_models_without_a_shared_state_are_not_ranked(tmp_path):
-    every = [(0, step) for step in range(3)]
-    paths = [
-        write(tmp_path / "c.nc", "continuum", STUDY, unconverged=every),
-        write(tmp_path / "a.nc", "atomistic", STUDY),
-        write(tmp_path / "t.nc", "theory", STUDY, unconverged=[(1, step) for step in range(4)]),
-    ]
-    inputs = read_inputs(paths)
-    sentences = headline(inputs.models, compute_deviations(inputs.models, "pressure"))
-    assert sentences[0].startswith("No state was found converged and in contact by all models")
-    assert not any("nearest" in sentence for sentence in sentences)
-
-
-def test_states_visited_again_are_told_apart(tmp_path):
-    back = STUDY[: STUDY.index("[sweep]")].replace('"5.8725 GPa"]', '"5.8725 GPa", "0.1 GPa"]\nunload = true')
-    models = read_inputs([write(tmp_path / f"{kind}.nc", kind, back) for kind in ("continuum", "atomistic")]).models
-    deviations = compute_deviations(models, "pressure").copy(deep=True)
-    name = "relative_contact_area_relative_deviation"
-    for step, words in ((0, "p = 0.1 GPa)"), (3, "p = 0.1 GPa, visit 2)"), (4, "p = 5.8725 GPa on unloading)")):
-        changed = deviations.copy(deep=True)
-        changed[name][0, step] = 0.9
-        assert words in headline(models, changed)[0]
 
 
 def test_errors_over_seeds_have_digits(tmp_path):

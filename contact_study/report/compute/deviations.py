@@ -27,6 +27,12 @@ def pairs_of(models: Iterable[str]) -> list[tuple[str, str]]:
     ]
 
 
+def split_pair(pair: str) -> tuple[str, str]:
+    """Model and reference of an entry of the coordinate ``pair``."""
+    model, _, reference = pair.partition(" - ")
+    return model, reference
+
+
 def compute_deviations(models: Mapping[str, xr.Dataset], control: str) -> xr.Dataset:
     """Deviations of every pair of models, aligned by prescribed value, branch and occurrence.
 

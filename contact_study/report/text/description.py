@@ -3,11 +3,13 @@
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from contact_study.physics.laws import TractionLaw
 from contact_study.plots.units import pressure_unit
 from contact_study.report.labels import coordinate_label
 from contact_study.report.model_settings import over
-from contact_study.report.models import entry_of
+from contact_study.report.models import TARGET, entry_of, spectrum_of
 from contact_study.report.read.datasets import Inputs
 from contact_study.report.wording import control_unit, length, listed, listed_points, number, varied
 from contact_study.study.case import Case
@@ -211,3 +213,41 @@ def _models(inputs: Inputs) -> Iterator[str]:
         if words is not None:
             _, _, tail = file.partition(":")
             yield (f"{tail}: " if tail else "") + words(inputs.studies[file].cases)
+
+
+def sample_notes(inputs: Inputs) -> list[str]:
+    """What the deviations mean statistically: whose surfaces they are of, and what their medians are over."""
+    seeds = inputs.seeds
+    if not seeds:
+        return []
+    counts = sorted({len(own) for own in seeds.values()})
+    surfaces = "one realisation" if counts == [1] else f"{listed((str(count) for count in counts), 'or')} realisations"
+    notes = []
+    ensembles = [name for name in inputs.models if not entry_of(name).simulation and _knows_the_target(inputs, name)]
+    if ensembles:
+        target, realised = _slopes(inputs, ensembles), _slopes(inputs, list(seeds))
+        notes.append(
+            f"A theory with the target spectrum{target} knows no surface, the simulations have {surfaces} of "
+            f"it{realised}: the scatter between surfaces enters its deviations from them."
+        )
+    notes.append(
+        f"Medians and extremes are over states of the same {'surface' if counts == [1] else 'surfaces'}, which are no "
+        "independent samples."
+    )
+    return notes
+
+
+def _knows_the_target(inputs: Inputs, model: str) -> bool:
+    own = spectrum_of(model)
+    return any((own or case.spectra[0]) == TARGET for case in inputs.studies[entry_of(model).file].cases)
+
+
+def _slopes(inputs: Inputs, models: Sequence[str]) -> str:
+    """Root-mean-square slopes of the surfaces that some models know, in brackets; nothing where none is stored."""
+    stored = [inputs.models[name]["rms_slope"].values.ravel() for name in models if "rms_slope" in inputs.models[name]]
+    found = np.concatenate([np.empty(0), *stored])
+    found = found[np.isfinite(found)]
+    if not found.size:
+        return ""
+    words = dict.fromkeys(number(value, 4) for value in (found.min(), found.max()))
+    return f" (rms slope {' to '.join(words)})"

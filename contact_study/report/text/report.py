@@ -1,20 +1,17 @@
 """The report: one HTML file that needs nothing else."""
 
 import base64
-import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-import jinja2
 import xarray as xr
-from markupsafe import Markup, escape
 
 from contact_study.report.models import entry_of, kind_of
 from contact_study.report.read.datasets import Inputs
+from contact_study.report.rendering import render
 from contact_study.report.text import result_tables, setting_tables
-from contact_study.report.text.description import study_paragraphs
-from contact_study.report.text.findings import extents, headline, sample_notes
+from contact_study.report.text.description import sample_notes, study_paragraphs
 
 FIGURE_TITLES = {
     "stress_distribution": "Stress distribution",
@@ -26,11 +23,6 @@ FIGURE_TITLES = {
     "magnification": "Magnification",
     "atoms": "Atoms",
 }
-
-# Symbols whose subscripts are set as such; study text is full of underscores that are none.
-_SUBSCRIPTS = re.compile(r"\b(h|U|σ|d|q)_(rms|full|max|eq|L|a)\b")
-_BEFORE_UNITS = re.compile(r" (?=%|\(?GPa|h_rms|Å|nm\b|ε₀)")
-
 
 _WIDE = 1000  # pixels: more than one column
 
@@ -54,7 +46,7 @@ def render_report(
     regime: xr.Dataset,
     figures: Figures,
     attrs: Mapping[str, Any],
-    scatter: Sequence[str] = (),
+    findings: Sequence[str] = (),
 ) -> str:
     """The whole report as HTML.
 
@@ -68,22 +60,15 @@ def render_report(
         Figures to embed.
     attrs : mapping
         Attributes of the comparison's dataset: title, source, history.
-    scatter : sequence of str, optional
-        What the scatter between surfaces amounts to, in sentences.
+    findings : sequence of str
+        The findings in sentences.
     """
-    environment = jinja2.Environment(
-        loader=jinja2.PackageLoader("contact_study.report.text", ""),
-        autoescape=True,
-        trim_blocks=True,
-        lstrip_blocks=True,
-        undefined=jinja2.StrictUndefined,
-    )
-    environment.filters["symbols"] = _symbols
     models = inputs.models
-    return environment.get_template("report.html.j2").render(
+    return render(
+        "report.html.j2",
         attrs=attrs,
         paragraphs=study_paragraphs(inputs.with_first_spectra),
-        findings=[*_findings(inputs.with_first_spectra, deviations), *scatter],
+        findings=findings,
         sample_notes=sample_notes(inputs),
         related=_related(inputs),
         file=next(iter(inputs.paths)),
@@ -110,10 +95,6 @@ def render_report(
     )
 
 
-def _findings(inputs: Inputs, deviations: xr.Dataset | None) -> list[str]:
-    return extents(inputs.models) if deviations is None else headline(inputs.models, deviations)
-
-
 def collected_warnings(inputs: Inputs) -> list[str]:
     """Differences between the studies, and what each model warned of."""
     notes = list(inputs.notes)
@@ -126,11 +107,6 @@ def collected_warnings(inputs: Inputs) -> list[str]:
 def _width(image: bytes) -> int:
     """Pixels across a PNG file, from its header."""
     return int.from_bytes(image[16:20], "big")
-
-
-def _symbols(text: str) -> Markup:
-    unbroken = _BEFORE_UNITS.sub("\u00a0", str(escape(text)))
-    return Markup(_SUBSCRIPTS.sub(r"\1<sub>\2</sub>", unbroken))
 
 
 def _provenance(inputs: Inputs) -> list[dict[str, str]]:
@@ -162,5 +138,6 @@ def _related(inputs: Inputs) -> list[tuple[str, str]]:
     adhesive, hard = any(law.attracts for law in inputs.laws), not all(law.attracts for law in inputs.laws)
     for entry in (entry_of(kind_of(name)) for name in inputs.models):
         words = [entry.about, entry.about_adhesion if adhesive else "", entry.about_hard_wall if hard else ""]
+        words.append(f"Status: {entry.status}." if entry.status else "")
         said[entry.label[0].upper() + entry.label[1:]] = " ".join(filter(None, words))
     return list(said.items())

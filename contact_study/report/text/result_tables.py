@@ -7,10 +7,11 @@ import xarray as xr
 
 from contact_study.plots.units import Unit
 from contact_study.report.compute.cases import SweepPoint, case_points, select, series, sweep_points
-from contact_study.report.compute.deviations import COMPARED, DETACHED, NOT_CONVERGED
+from contact_study.report.compute.deviations import COMPARED, DETACHED, NOT_CONVERGED, split_pair
 from contact_study.report.compute.scales import Scales, scales
+from contact_study.report.facts.findings import Spread, pair_spread
+from contact_study.report.facts.ranking import AREA, GAP, on_shared_states
 from contact_study.report.models import entry_of
-from contact_study.report.text.findings import AREA, GAP, Spread, on_shared_states, split_pair, spread
 from contact_study.report.text.tables import NOTHING, Table
 from contact_study.report.wording import PRESCRIBED, control_unit, fixed, number, percent, percent_of, with_error
 from contact_study.study.load_steps import PathPoint
@@ -105,7 +106,7 @@ def pair_name(pair: str) -> str:
 
 
 def summary_table(models: Mapping[str, xr.Dataset], deviations: xr.Dataset) -> Table:
-    """Median and largest magnitude of all deviations, a row for each pair, columns over the sweep.
+    """Mean and largest magnitude of all deviations, a row for each pair, columns over the sweep.
 
     In a column all pairs are over the same states: those that every pair has which has some there.
     """
@@ -116,7 +117,7 @@ def summary_table(models: Mapping[str, xr.Dataset], deviations: xr.Dataset) -> T
         for point in points:
             scale = 1.0 if name == AREA else scales(models, point).rms_height
             found = _shared_spreads(deviations, name, point, scale)
-            columns.append([_median_and_largest(found.get(pair), name) for pair in deviations["pair"].values])
+            columns.append([_mean_and_largest(found.get(pair), name) for pair in deviations["pair"].values])
             counts.append(max((spread.count for spread in found.values()), default=0))
     pairs = [pair_name(pair) for pair in deviations["pair"].values]
     rows = [list(row) for row in zip(pairs, *columns, strict=True)]
@@ -126,7 +127,7 @@ def summary_table(models: Mapping[str, xr.Dataset], deviations: xr.Dataset) -> T
         for label, count in zip(labels, counts, strict=True)
     ]
     groups = [("", 1), ("contact area, relative", len(points)), (f"mean gap ({symbol})", len(points))]
-    return Table("Median (largest) magnitude of the deviations", ["", *header], rows, groups)
+    return Table("Mean (largest) magnitude of the deviations", ["", *header], rows, groups)
 
 
 def _shared_spreads(deviations: xr.Dataset, name: str, point: SweepPoint, scale: float) -> dict[str, Spread]:
@@ -135,21 +136,15 @@ def _shared_spreads(deviations: xr.Dataset, name: str, point: SweepPoint, scale:
     if any(value not in deviations[dim].values for dim, (value,) in here.items()):
         return {}
     shared = on_shared_states(deviations.sel(here), name)
-    spreads = {}
-    for pair in shared["pair"].values:
-        try:
-            spreads[pair] = spread(shared, pair, name, [point], {point.label: scale})
-        except ValueError:
-            continue
-    return spreads
+    found = {pair: pair_spread(shared, pair, name, [point], {point.label: scale}) for pair in shared["pair"].values}
+    return {pair: spread for pair, spread in found.items() if spread is not None}
 
 
-def _median_and_largest(found: Spread | None, name: str) -> str:
+def _mean_and_largest(found: Spread | None, name: str) -> str:
     if found is None:
         return NOTHING
-    values = found.median, abs(found.worst)
-    median, largest = (percent_of(value) if name == AREA else fixed(value, 3) for value in values)
-    return f"{median} ({largest})"
+    mean, largest = (percent_of(v) if name == AREA else fixed(v, 3) for v in (found.mean, abs(found.worst)))
+    return f"{mean} ({largest})"
 
 
 def _deviation(here: xr.Dataset, name: str, scale: float) -> str:
