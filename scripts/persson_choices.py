@@ -19,9 +19,8 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from contact_study.physics.surfaces.realisation import realise
 from contact_study.report.wording import listed, percent_of
-from contact_study.study.case import Case
+from contact_study.study.case import Case, realise
 from contact_study.study.study import make_study
 from theory import PerssonTheory
 

@@ -5,7 +5,7 @@ import tomllib
 import pytest
 
 from contact_study import run
-from contact_study.physics.surfaces.realisation import realise
+from contact_study.study.case import realise
 from contact_study.study.study import make_study
 from scripts import persson_choices
 from theory import PerssonTheory
