@@ -123,6 +123,21 @@ def test_what_is_undefined_or_gone_is_told_apart(case):
     assert judged(0.5, 1e-10, 0.5, 2.1e-10)[1] == (pytest.approx(0.11, rel=1e-2), "of the rms height in the mean gap")
 
 
+def test_a_balance_of_stress_that_is_off_is_not_resolved(case):
+    (theories,) = case_theories(case, realise(case))
+    for balance, accuracy, resolved in (
+        (1.03, 0.02, False),
+        (0.97, 0.02, False),
+        (1.03, 0.04, True),
+        (np.nan, 0.01, True),
+    ):
+        fine = {f"persson/{AREA}": 0.5, "persson/stress_balance": balance}
+        values, worst = errors(fine, fine | {"persson/stress_balance": 7.0}, theories, accuracy)
+        assert values == {f"persson/{AREA}{RESOLUTION_ERROR}": 0.0, "persson/resolved": resolved}
+        if not resolved:
+            assert worst["persson"] == (pytest.approx(0.03), "of the pressure in the balance of stress")
+
+
 def test_a_prescribed_gap_has_an_error_of_the_pressure():
     case = case_of(0.05, control="gap", path=["0.5 nm"])
     (step,) = run.solve_path(case, realise(case))

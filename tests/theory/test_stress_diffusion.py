@@ -74,8 +74,8 @@ def test_load_is_carried_in_the_contact_and_at_its_edges(pressure):
     s = nodes()
     result = diffuse(pressure, s, boundary(s), 300)
     assert result.edge_stress < 0
-    # First moment of the scheme: exact but for the Scharfetter-Gummel fluxes, of second order in the cells.
-    assert result.contact_stress + result.edge_stress == pytest.approx(pressure, abs=5e-5)
+    # First moment of the scheme: exact at any number of cells, but for the 1e-9 that a boundary moved closer takes.
+    assert result.contact_stress + result.edge_stress == pytest.approx(pressure, abs=1e-8)
 
 
 def test_second_order_in_variance():
@@ -157,10 +157,21 @@ def test_whole_contact_joins_that_of_the_march():
 
 def test_cells_end_seven_deviations_beyond_the_contact():
     s = nodes()
-    for pressure, reach in ((0.5, 0.5 + 1.5 + 7), (-0.5, 1.5 + 7)):
+    for pressure in (0.5, -0.5):
         edges = diffuse(pressure, s, 1 + 0.5 * s, 300).edges
         assert edges[0] == pytest.approx(-1.5)
-        assert edges[-1] == pytest.approx(reach - 1.5)
+        assert edges[-1] == pytest.approx(pressure + 7)
+
+
+def test_boundary_out_of_reach_is_moved_closer():
+    """However far it goes the cells stay with the contact, and no more than a billionth of that is lost."""
+    s = nodes()
+    contacts = [diffuse(0.1, s, 0.2 + rise * s, 300) for rise in (50, 5000)]
+    for found in contacts:
+        assert found.edges[0] == pytest.approx(0.1 - 7, abs=0.1)
+        assert found.contact_stress + found.edge_stress == pytest.approx(0.1, abs=1e-8)
+    area = surviving_by_volterra(0.1, lambda t: 0.2 + 50 * t, lambda t: np.full_like(t, 50.0), 8000)
+    assert contacts[0].contact[-1] == pytest.approx(area, rel=2e-3)
 
 
 def test_boundary_that_comes_near_from_afar():
@@ -168,8 +179,7 @@ def test_boundary_that_comes_near_from_afar():
     result = diffuse(0.0, s, 1 + 2000 * (1 - s), 300)
     assert 0 < result.contact[-1] < 1
     assert np.sum(result.density * np.diff(result.edges)) == pytest.approx(result.contact[-1], abs=1e-12)
-    # The cells that the mass starts in are fourteen deviations wide, and it crosses as many as a front in some steps.
-    assert result.contact_stress + result.edge_stress == pytest.approx(0, abs=0.02 * 2001)
+    assert result.contact_stress + result.edge_stress == pytest.approx(0, abs=1e-6)
 
 
 @pytest.mark.parametrize("cells", [2, 3, 4, 5, 8, 501])

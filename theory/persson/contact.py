@@ -16,6 +16,9 @@ if TYPE_CHECKING:
 # By which the last wavevector may be missed where it is written as a product.
 _ROUNDING = 1e-9
 
+# Largest error of the stress balance of a converged state, over the pressure or over this share of the stress scale.
+BALANCE_TOLERANCE, _LEAST_PRESSURE = 0.02, 1e-6
+
 
 @dataclass(frozen=True)
 class PerssonContact:
@@ -32,7 +35,7 @@ class PerssonContact:
     distribution : StressDistribution
         P(σ) at the highest magnification and A(q), in units of ``theory.stress_scale``.
     converged : bool
-        Whether the residual met the tolerance.
+        Whether the residual met the tolerance and the stresses balance.
     stalled : bool
         Whether the iteration was ended because it came no nearer to its end.
     residual : float
@@ -67,7 +70,12 @@ class PerssonContact:
 
     @property
     def advice(self) -> str:
-        """What to do about a state that did not converge."""
+        """The remedy for a state that did not converge."""
+        if not self.balanced:
+            return (
+                f"contact and edges carry {self.stress_balance:.3g} times the pressure, and not one within "
+                f"{BALANCE_TOLERANCE:g}; use more cells of stress (PerssonTheory(cells=...)) or a higher pressure"
+            )
         return "its iteration circles; lower theory.alpha" if self.stalled else "raise solver.max_iterations"
 
     @property
@@ -100,6 +108,17 @@ class PerssonContact:
     def edge_stress(self) -> float:
         """Mean stress carried at detached edges, −∫ σ_a g ds <= 0 (Pa); with the contact's it makes the pressure."""
         return self.distribution.edge_stress * self.theory.stress_scale
+
+    @property
+    def stress_balance(self) -> float:
+        """Stress carried by contact and edges over the applied pressure: one, but for the cells; NaN at p = 0."""
+        return (self.contact_stress + self.edge_stress) / self.pressure if self.pressure else np.nan
+
+    @property
+    def balanced(self) -> bool:
+        """Whether contact and edges carry the applied pressure, within a fiftieth."""
+        error = self.contact_stress + self.edge_stress - self.pressure
+        return abs(error) <= BALANCE_TOLERANCE * max(abs(self.pressure), _LEAST_PRESSURE * self.theory.stress_scale)
 
     def pressure_density(self, edges: np.ndarray) -> np.ndarray:
         """Mean of P(σ) in bins (1/Pa), shape (n,) for n + 1 edges (Pa)."""
@@ -152,6 +171,7 @@ class PerssonContact:
             "pressure_pdf": self.pressure_density,
             "contact_stress": self.contact_stress,
             "edge_stress": self.edge_stress,
+            "stress_balance": self.stress_balance,
             "relative_contact_area_at": self.contact,
             "detachment_stress": self.detachment_stress,
             "effective_work_of_adhesion": self.effective_work_of_adhesion,

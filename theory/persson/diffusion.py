@@ -5,10 +5,11 @@ ever shorter wavelength is added, the stress of the contact diffuses, ∂P/∂s 
 that the roughness so far would make in full contact. Contact is lost where the stress reaches the detachment stress:
 P(−σ_a(s), s) = 0.
 
-Scheme: the front is fixed by x = σ + σ_a(s), where ∂P/∂s = −∂J/∂x with J = σ_a' P − ½ ∂P/∂x. Finite volumes with
-Scharfetter-Gummel fluxes, exact for constant J and monotone at any speed of the front; in s the L-stable two-stage
-SDIRK method, whose stages share one factorisation because σ_a is linear between nodes of s. Both conserve
-probability to rounding: what leaves does so through the boundary.
+Scheme: x = σ + σ_a(s) fixes the front, and ∂P/∂s = ½ ∂²P/∂x² − ∂(σ_a' P)/∂x. The masses of the cells follow a Markov
+chain: mass jumps between neighbouring centres, at rates whose mean displacement is σ_a' exactly. The chain is monotone
+at any speed of the front and conserves area and stress to rounding: whatever leaves does so through the boundary, at
+the stress −σ_a. In s the scheme is the L-stable two-stage SDIRK method; its stages share one factorisation because σ_a
+is linear between nodes of s.
 """
 
 from dataclasses import dataclass
@@ -23,15 +24,20 @@ from theory.numerics.tridiagonal import solve
 # Alexander's stiffly accurate SDIRK method of order two.
 _GAMMA = 1 - 1 / np.sqrt(2)
 
-# Up to here four terms of the Bernoulli function's series are it to rounding: the next is z¹⁰/47900160.
-_SERIES = 0.2
-
 # Standard deviations outside which 1e-12 of a Gaussian lies.
 _REACH = 7.0
 
 # Standard deviations of its stress that a contact may be away from detaching anywhere before none is lost: beyond ten
-# lies 1e-23 of a Gaussian. Cells that reach from the boundary to a far contact would be wider than its distribution.
+# lies 1e-23 of a Gaussian.
 _SAFE_DISTANCE = 10.0
+
+# Stress up to which cells are nearly equal: this many times the distance of the boundary at the start, between two
+# bounds. The lower one is also this many deviations of stress at the first node: much narrower cells would see a first
+# step of s that is so long that SDIRK2 leaves negative masses.
+_SHARE_OF_START, _COARSEST, _FINEST, _LEAST_OF_FIRST_STEP = 3.0, 0.3, 1e-5, 250.0
+
+# Distance of the boundary at the start, over that stress, beyond which the boundary is moved closer.
+_FIRST_DISTANCE = 3.0
 
 
 @dataclass(frozen=True)
@@ -85,21 +91,30 @@ def diffuse(
     cells : int, optional
         Number of stress cells.
     """
-    start = pressure + detachment_stress[0]
     if np.min(pressure + detachment_stress - _SAFE_DISTANCE * np.sqrt(variance)) > 0:
         return _full_contact(pressure, variance, cells)
-    reach = max(pressure, 0.0) + detachment_stress.max() + _REACH * np.sqrt(variance[-1])
-    faces = graded(reach, cells)
-    if start > 0.5 * (faces[-2] + faces[-1]):  # in the outer half of a last cell that is wider than the distribution
-        faces = graded(1.5 * reach, cells)
-    mass = np.zeros(cells)
-    if start <= 0:
-        contact = np.zeros(variance.size)
-        return StressDistribution(contact, faces - detachment_stress[-1], mass, min(pressure, 0.0))
-    _split_delta(start, faces, mass)
-    contact = np.empty(variance.size)
-    edge_stress = _march(variance, detachment_stress, faces, mass, contact)
-    return StressDistribution(contact, faces - detachment_stress[-1], mass / np.diff(faces), edge_stress)
+    finest = max(_FINEST, _LEAST_OF_FIRST_STEP * np.sqrt(variance[1]))
+    scale = float(np.clip(_SHARE_OF_START * (pressure + detachment_stress[0]), finest, _COARSEST))
+    boundary = _close_boundary(pressure, variance, detachment_stress, _FIRST_DISTANCE * scale)
+    start = pressure + boundary[0]
+    faces = graded(max(pressure + boundary.max(), 0.0) + _REACH * np.sqrt(variance[-1]), cells, scale)
+    mass, contact = np.zeros(cells), np.zeros(variance.size)
+    edge_stress = min(pressure, 0.0)
+    if start > 0:
+        _split_delta(start, faces, mass)
+        edge_stress = _march(variance, boundary, faces, mass, contact)
+    return StressDistribution(contact, faces - boundary[-1], mass / np.diff(faces), edge_stress)
+
+
+def _close_boundary(
+    pressure: float, variance: np.ndarray, detachment_stress: np.ndarray, first_distance: float
+) -> np.ndarray:
+    """σ_a, reduced where the contact is farther from detaching than its own deviations of stress reach.
+
+    Only a billionth of the contact gets there, and the cells stay as narrow as the distribution wherever σ_a lies.
+    """
+    distance = _REACH * np.sqrt(variance + (first_distance / _REACH) ** 2)
+    return np.minimum(detachment_stress, np.maximum(distance - pressure, 0.0))
 
 
 def _full_contact(pressure: float, variance: np.ndarray, cells: int) -> StressDistribution:
@@ -111,9 +126,8 @@ def _full_contact(pressure: float, variance: np.ndarray, cells: int) -> StressDi
     return StressDistribution(np.ones(variance.size), edges, mass / np.diff(edges), 0.0)
 
 
-def graded(reach: float, cells: int) -> np.ndarray:
-    """Cell faces from 0 to ``reach``, finest at the absorbing boundary."""
-    scale = 0.3
+def graded(reach: float, cells: int, scale: float) -> np.ndarray:
+    """Cell faces from 0 to ``reach``: nearly equal up to ``scale``, wider in proportion to the distance beyond."""
     return scale * np.sinh(np.linspace(0, np.arcsinh(reach / scale), cells + 1))
 
 
@@ -137,16 +151,10 @@ def _march(variance, detachment_stress, faces, mass, contact):
     width = faces[1:] - faces[:-1]
     distance = np.empty(n)  # between neighbouring centres; from the boundary for the first
     distance[0] = 0.5 * width[0]
-    from_right = np.empty(n)
-    from_left = np.empty(n)
     for i in range(1, n):
         distance[i] = 0.5 * (width[i] + width[i - 1])
-        from_left[i] = 0.5 / (distance[i] * width[i - 1])
-    for i in range(n):
-        from_right[i] = 0.5 / (distance[i] * width[i])
     forward = np.empty(n + 1)  # rate of mass through face i from cell i-1 into i, and back
     backward = np.empty(n + 1)
-    bernoulli = np.empty(n)
     inverse = np.empty(n)  # of the pivots, and the factors of elimination and of its way back
     inward = np.empty(n)
     outward = np.empty(n)
@@ -160,11 +168,14 @@ def _march(variance, detachment_stress, faces, mass, contact):
         rise = detachment_stress[k + 1] - detachment_stress[k]
         speed = rise / step
         forward[0] = forward[n] = backward[n] = 0.0
-        _bernoulli(2.0 * speed, distance, bernoulli)
-        for i in range(n):
-            backward[i] = bernoulli[i] * from_right[i]
-        for i in range(1, n):
-            forward[i] = (bernoulli[i] + 2.0 * speed * distance[i]) * from_left[i]
+        # Rates of a mean displacement ``speed`` and the mean square one, or as much more as keeps them positive.
+        for i in range(n - 1):
+            below, above = distance[i], distance[i + 1]
+            both = below + above
+            square = max(0.5 * both / width[i], speed * above, -speed * below)
+            backward[i] = (square - speed * above) / (below * both)
+            forward[i + 1] = (square + speed * below) / (above * both)
+        backward[n - 1] = 0.5 / (distance[n - 1] * width[n - 1])
         weight = gamma * step
         # Stage one: (1 − γ Δs L) m₁ = m₀.
         _factorise(weight, forward, backward, inverse, inward, outward)
@@ -176,24 +187,12 @@ def _march(variance, detachment_stress, faces, mass, contact):
             mass[i] += ratio * (first[i] - mass[i])
         solve(inverse, inward, outward, mass)
         late = backward[0] * mass[0] * weight
-        edge_stress -= early * (detachment_stress[k] + gamma * rise) + late * detachment_stress[k + 1]
+        # Weights of the stages with which the stress that leaves is what the contact loses.
+        edge_stress -= early * (detachment_stress[k] + (1.0 - 2.0 * gamma) * rise)
+        edge_stress -= late * (detachment_stress[k] + (1.0 - gamma) * rise)
         total -= early + late
         contact[k + 1] = total
     return edge_stress
-
-
-@njit(cache=True, error_model="numpy", fastmath={"contract", "arcp", "nsz"})
-def _bernoulli(scale, rising, values):
-    """Bernoulli function z / (e^z − 1) of z = scale · rising."""
-    first = np.searchsorted(rising, _SERIES / max(abs(scale), 1e-300))
-    # The series keeps the digits that the quotient loses at small z, and compilers make vectors of it.
-    for i in range(first):
-        z = scale * rising[i]
-        z2 = z * z
-        values[i] = 1.0 - 0.5 * z + z2 / 12.0 * (1.0 - z2 / 60.0 * (1.0 - z2 / 42.0 * (1.0 - z2 / 40.0)))
-    for i in range(first, rising.size):
-        z = scale * rising[i]
-        values[i] = z / np.expm1(z)
 
 
 @njit(cache=True, error_model="numpy", fastmath={"contract", "arcp", "nsz"})

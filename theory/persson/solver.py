@@ -6,6 +6,7 @@ pressure and under tension, where detachment is another solution, it would chang
 σ_a follows the branch of its start.
 """
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -65,7 +66,15 @@ def solve(
     stress = _first_detachment_stress(theory, start)
     if theory.work_of_adhesion == 0:
         distribution = _diffused(theory, pressure, np.zeros_like(stress))
-        return PerssonContact(theory, pressure, stress, distribution, True, False, 0.0, 1)
+        contact = PerssonContact(theory, pressure, stress, distribution, True, False, 0.0, 1)
+    else:
+        contact = _iterated(theory, pressure, stress, tolerance, max_iterations)
+    return contact if contact.balanced else replace(contact, converged=False)
+
+
+def _iterated(
+    theory: "PerssonTheory", pressure: float, stress: np.ndarray, tolerance: float, max_iterations: int
+) -> PerssonContact:
     spent = 0
     if pressure > 0:
         contact = _accelerated(theory, pressure, stress, tolerance, min(max_iterations, _ACCELERATED))

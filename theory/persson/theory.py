@@ -33,8 +33,12 @@ from theory.persson.solver import MAX_ITERATIONS, TOLERANCE, solve
 ENERGY_WEIGHTS = ("paper", "wang_mueser", "area")
 TRUE_AREAS = ("persson", "none", "lattice")
 
-# Share of the nodes that resolves the start of the diffusion; the others are logarithmic in q.
-_EARLY_SHARE = 0.4
+# Share of the nodes that resolves the start of the diffusion, evenly in this power of the stress variance: under light
+# load contact is lost where that is p². The others are logarithmic in q.
+_EARLY_SHARE, _EARLY_POWER = 0.4, 1 / 6
+
+# Smallest distance from the first wavevector at which the variance is looked at, over the spectrum's width.
+_NEAREST = 1e-14
 
 # Share of the stress variance below which roughness is left out: 3e-5 of the stress's deviation, far below the error of
 # the nodes. Filtered height maps have shells down to the rounding of the variance's sum, where no diffusion is left.
@@ -89,7 +93,7 @@ class PerssonTheory:
     true_area: str = "persson"
     alpha: float = 1.0
     stress_cap: float = np.inf
-    nodes: int = 160
+    nodes: int = 200
     cells: int = 300
 
     def __post_init__(self):
@@ -111,19 +115,20 @@ class PerssonTheory:
     def wavevectors(self) -> np.ndarray:
         """Magnifications from the smallest to the largest wavevector with roughness, shape (nodes + 1,) (1/m).
 
-        They equidistribute 0.4 (s/s₁)^(1/3) + 0.6 ln q: the cube root resolves the spreading of the initial δ. Octaves
-        that add no stress variance get no nodes, so that s grows from each to the next.
+        They equidistribute 0.4 (s/s₁)^(1/6) + 0.6 ln q. Octaves that add no stress variance get no nodes, so that s
+        grows from each to the next.
         """
         fine = self.spectrum.band_edges(100 * self.nodes)
-        fine = np.unique(np.concatenate([fine, np.geomspace(fine[0], fine[-1], 100 * self.nodes)]))
-        share = self.spectrum.full_contact_stress_variance(self.solid.stiffness, fine)
+        near = fine[0] + (fine[-1] - fine[0]) * np.geomspace(_NEAREST, 1e-2, 20 * self.nodes)
+        fine = np.unique(np.concatenate([fine, near, np.geomspace(fine[0], fine[-1], 100 * self.nodes)]))
+        share = np.maximum.accumulate(self.spectrum.full_contact_stress_variance(self.solid.stiffness, fine))
         share /= share[-1]
         end = int(np.argmax(share >= 1 - _NEGLIGIBLE)) + 1
         fine, share = fine[:end], share[:end]
         octaves = np.diff(np.log(fine))
         octaves[np.diff(share) < _NEGLIGIBLE * octaves / octaves.sum()] = 0.0
         late = np.concatenate([[0.0], np.cumsum(octaves)]) / octaves.sum()
-        measure = _EARLY_SHARE * np.cbrt(share) + (1 - _EARLY_SHARE) * late
+        measure = _EARLY_SHARE * share**_EARLY_POWER + (1 - _EARLY_SHARE) * late
         return np.interp(np.linspace(0, measure[-1], self.nodes + 1), measure, fine)
 
     @cached_property

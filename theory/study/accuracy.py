@@ -23,6 +23,7 @@ _JUDGED = {
     "relative_contact_area": "of the contact area",
     "mean_gap": "of the rms height in the mean gap",
     "mean_pressure": "of the full-contact stress in the mean pressure",
+    "stress_balance": "of the pressure in the balance of stress",
 }
 
 
@@ -66,7 +67,8 @@ def errors(
     Returns
     -------
     found : dict
-        For each state, ``…_resolution_error`` of its quantities, in their units, and the flag ``resolved``. A quantity
+        For each state, ``…_resolution_error`` of its quantities, in their units, and the flag ``resolved``, which asks
+        Persson's theory for a ``stress_balance`` of one within the accuracy, too. A quantity
         that one of the two resolutions alone defines has an error that is no number, and is not resolved.
     worst : dict
         For each state that is not resolved, named as its quantities are, its largest error in the units of the accuracy
@@ -85,11 +87,15 @@ def errors(
             continue
         one, other = float(fine[name]), float(coarser[name])
         state = "/".join(labels)
-        error = 0.0 if one == other else abs(one - other)  # both may be infinite
-        found[name + RESOLUTION_ERROR] = error if np.isfinite(error) else np.nan
+        if quantity == "stress_balance":
+            if not state.startswith("persson"):
+                continue
+            error, scale, other = abs(one - 1.0), 1.0, one
+        else:
+            error, scale = 0.0 if one == other else abs(one - other), scales.get(quantity, one)  # both may be infinite
+            found[name + RESOLUTION_ERROR] = error if np.isfinite(error) else np.nan
         if np.isnan(one) and np.isnan(other):  # what neither defines is judged by nothing
             error = 0.0
-        scale = scales.get(quantity, one)
         share = error / scale if scale else np.inf if error else 0.0
         found.setdefault(f"{state}/resolved", True)
         if not share <= accuracy:

@@ -129,6 +129,7 @@ def _persson_values(contact: PerssonContact) -> dict[str, Any]:
             "contact_stress": 0.0,
             "edge_stress": 0.0,
             "message": "detached: the adhered branch ends above this pressure",
+            "stress_balance": np.nan,
             "iterations": contact.iterations,
         }
     stored, nodes = np.log(stored_wavevectors(theory)), np.log(theory.wavevectors)
@@ -136,7 +137,9 @@ def _persson_values(contact: PerssonContact) -> dict[str, Any]:
     if contact.pressure <= 0:
         message = "the theory's mean gap diverges at zero pressure and is not defined under tension"
     elif not contact.converged:
-        message = f"the detachment stress did not converge; {contact.advice}"
+        message = (
+            contact.advice if not contact.balanced else f"the detachment stress did not converge; {contact.advice}"
+        )
     values = contact.quantities() | {"message": message}
     return values | {name: np.interp(stored, nodes, values[name]) for name in _RESOLVED}
 
@@ -144,7 +147,7 @@ def _persson_values(contact: PerssonContact) -> dict[str, Any]:
 def _unreachable(gap: float) -> dict[str, Any]:
     """Values of a prescribed mean gap that Persson's theory has no pressure for: NaN."""
     names = ("mean_pressure", "relative_contact_area", "elastic_energy", "interaction_energy", "contact_stress")
-    lost: dict[str, Any] = dict.fromkeys((*names, "edge_stress", "residual"), float("nan"))
+    lost: dict[str, Any] = dict.fromkeys((*names, "edge_stress", "stress_balance", "residual"), float("nan"))
     return lost | {
         **{name: np.full(_STORED_WAVEVECTORS, np.nan) for name in _RESOLVED},
         "pressure_pdf": lambda edges: np.full(edges.size - 1, np.nan),
