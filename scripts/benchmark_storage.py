@@ -72,8 +72,8 @@ def run(study: Study, folder: Path, workers: int, flows: str) -> tuple[float, fl
 def write_and_read(study: Study, dataset: Path, path: Path) -> tuple[float, float, int]:
     """Processor time to write all steps of a dataset, and to read them (s), and their number."""
     bins = bins_of(study)
-    with DatasetReader(dataset, study.sweep) as earlier:
-        values = [earlier.step(case.index, number) for case in study.cases for number in range(len(case.path))]
+    with DatasetReader(dataset, study) as earlier:
+        values = [earlier.step(i, number) for i, case in enumerate(study.cases) for number in range(len(case.path))]
     with CaseWriter(path, len(values), last_state=False) as file:
         written = timed(lambda: [file.save_step(i, Step(one, bins=bins)) for i, one in enumerate(values)])
     read = timed(lambda: [file.step(i) for i in range(len(values))])

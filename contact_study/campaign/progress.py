@@ -41,7 +41,7 @@ class Progress:
                 total=total, initial=done, desc=self._name, unit="step", file=sys.stderr, dynamic_ncols=True
             )
         if done:
-            self.say(f"{done} of {total} steps were finished before")
+            self.report(f"{done} of {total} steps were finished before")
 
     def step(self, label: str, point: str, summary: dict[str, Any], seconds: float) -> None:
         """One more step is finished, at a point of the path of the case with a label."""
@@ -58,7 +58,7 @@ class Progress:
             self._bar.set_postfix_str(text, refresh=False)
             self._bar.update()
         else:
-            self.say(f"[{self._done}/{self._total}] {text} ({seconds:.1f} s)")
+            self.report(f"[{self._done}/{self._total}] {text} ({seconds:.1f} s)")
 
     def through(self, items: Collection[T], words: str) -> Iterator[T]:
         """Hand items on, one after the other, and show how many where that takes its time."""
@@ -70,10 +70,10 @@ class Progress:
         for number, item in enumerate(items):
             if time.monotonic() - said > _SILENCE:
                 said = time.monotonic()
-                self.say(f"{words}: {number} of {len(items)}")
+                self.report(f"{words}: {number} of {len(items)}")
             yield item
 
-    def say(self, text: str) -> None:
+    def report(self, text: str) -> None:
         """A line of its own."""
         with suppress(OSError):  # whoever read along may have gone; the run matters more
             tqdm.write(f"{self._name}: {self._wording(text)}", file=sys.stderr)
@@ -81,7 +81,7 @@ class Progress:
 
     def warn(self, note: str) -> None:
         """Something to be known of the study or a step."""
-        self.say(f"warning: {note}")
+        self.report(f"warning: {note}")
 
     def close(self) -> None:
         """No more steps."""
@@ -104,7 +104,7 @@ class Warnings(Progress):
     def step(self, label: str, point: str, summary: dict[str, Any], seconds: float) -> None:
         pass
 
-    def say(self, text: str) -> None:
+    def report(self, text: str) -> None:
         pass
 
     def warn(self, note: str) -> None:

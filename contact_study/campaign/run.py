@@ -1,50 +1,26 @@
-"""A campaign from its study to its dataset: checked, taken up where an earlier run stands, run, assembled."""
+"""A campaign: check a study, resume what earlier runs finished, run the other cases, write the dataset."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import Path
 
 import xarray as xr
 
 from contact_study.campaign import engines
-from contact_study.campaign.check import checked
 from contact_study.campaign.dataset import provenance
-from contact_study.campaign.dataset.assembly import assembled, last_states
-from contact_study.campaign.dataset.formats import check_name, is_dataset
-from contact_study.campaign.model import Model
-from contact_study.campaign.predictor import check_predictor
+from contact_study.campaign.dataset.assembly import assemble_cases, last_states
+from contact_study.campaign.dataset.file import ExistingDataset
+from contact_study.campaign.dataset.predictor import check_predictor
+from contact_study.campaign.model import Model, check_study
 from contact_study.campaign.progress import Progress
-from contact_study.campaign.resume.identity import Run, run_of
-from contact_study.campaign.resume.resume import ExistingDataset, earlier_commits, finished_at, resume_run
+from contact_study.campaign.record import prepare_run
+from contact_study.campaign.resume.resume import earlier_commits, existing_dataset, resume_run
 from contact_study.campaign.resume.work_directory import WorkDirectory
 from contact_study.campaign.store.files import writable_output
-from contact_study.campaign.worker.runner import Where, check_memory, run_cases
+from contact_study.campaign.store.formats import check_name, is_dataset
+from contact_study.campaign.worker.runner import RunOptions, count_fitting_cases, run_cases
 from contact_study.errors import InputError
 from contact_study.study.checks.height_maps import describe_maps
 from contact_study.study.study import Study
-
-
-@dataclass(frozen=True)
-class RunOptions:
-    """How a campaign is carried out; nothing here decides a number.
-
-    Parameters
-    ----------
-    resume, overwrite : bool
-        What to do about a dataset, or the steps of one, that stand at the output: continue them, or replace them.
-    workers : int or None
-        Processes; None for one a case, at most the cores.
-    engine : str or None
-        Where cases run, a name of :data:`contact_study.campaign.engines.ENGINES`; None for what the workers ask for.
-    scheduler : str or None
-        Where a cluster answers, for an engine that has one.
-    """
-
-    resume: bool = False
-    overwrite: bool = False
-    workers: int | None = None
-    engine: str | None = None
-    scheduler: str | None = None
 
 
 def run_campaign(
@@ -54,9 +30,9 @@ def run_campaign(
     progress: Progress,
     command: str,
     predictor: Path | None = None,
-    conditions: RunOptions | None = None,
+    options: RunOptions | None = None,
 ) -> Mapping[str, xr.Dataset]:
-    """Carry out a study and write its dataset.
+    """Run a study and write its dataset.
 
     Parameters
     ----------
@@ -67,79 +43,77 @@ def run_campaign(
     output : pathlib.Path
         Dataset to write.
     progress : Progress
-        Hears of every step and every warning.
+        Receives every step and every warning.
     command : str
-        What was asked, for the dataset's history.
+        The user's command, for the dataset's history.
     predictor : pathlib.Path, optional
         Dataset whose gap fields the steps start from.
-    conditions : Conditions, optional
-        How.
+    options : RunOptions, optional
+        How to run it.
 
     Returns
     -------
     mapping
-        Groups of the dataset by name, at least which of their steps converged.
+        Groups of the dataset by name; of a dataset that was complete before only the flags ``converged``.
 
     Raises
     ------
     InputError
-        If the study, the predictor or what stands at the output cannot be used; nothing is written then.
+        If the study, the predictor or the output cannot be used; nothing is written.
     CampaignError
-        If it could not be brought to its end; finished steps are kept.
+        If the run cannot finish; finished steps are kept.
     """
-    how = conditions or RunOptions()
+    options = options or RunOptions()
+    choices = {"resume": options.resume, "overwrite": options.overwrite}
     check_name(output)
-    bins, said = checked(model, study)
-    run = run_of(model, study, bins, predictor if predictor is not None and is_dataset(predictor) else None)
+    bins, study_notes = check_study(model, study)
+    run = prepare_run(model, study, bins, predictor if predictor is not None and is_dataset(predictor) else None)
     if predictor is not None:
-        said += check_predictor(predictor, study, run.height_maps)
-    parts = WorkDirectory(output)
-    finished = finished_at(parts, resume=how.resume, overwrite=how.overwrite)
-    if finished is not None and finished.is_of(run):
-        return _already_done(run, parts, finished, progress)
-    engines.check(how.engine, how.scheduler)
-    fitting = check_memory(model, study, how.engine, how.workers)
+        study_notes += check_predictor(predictor, study, run.record.height_maps)
+    work = WorkDirectory(output)
+    finished = existing_dataset(work, **choices)
+    if finished is not None and run.record.is_recorded_in(finished.attributes):
+        return _already_done(work, finished, progress)
+    engines.check(options.engine, options.scheduler)
+    fitting = count_fitting_cases(model, study, options.engine, options.workers)
     writable_output(output)
     commit = provenance.git_commit()
     try:
-        unfinished = parts.open(resume=how.resume, overwrite=how.overwrite)
-        finished = finished_at(parts, resume=how.resume, overwrite=how.overwrite)  # by now it changes no more
-        names = run.case_names()
-        commits = earlier_commits(unfinished, finished, commit)
-        taken = resume_run(run, names, parts, unfinished, finished, commit, progress)
+        unfinished = work.open(**choices)
+        finished = existing_dataset(work, **choices)  # under the lock it cannot change any more
+        names = run.record.case_names()
+        study_notes += earlier_commits(unfinished, finished, commit)
+        resumed = resume_run(run, names, work, unfinished, finished, commit, progress)
         for line in [*study.choices, *describe_maps(study.cases)]:
-            progress.say(line)
-        for note in [*said, *commits, *taken.notes]:
+            progress.report(line)
+        for note in [*study_notes, *resumed.notes]:
             progress.warn(note)
-        where = Where(how.workers, fitting, how.engine, how.scheduler)
-        files, notes = run_cases(run, names, parts, taken.whole, progress, where)
+        files, notes = run_cases(run, names, work, resumed.whole, progress, options, fitting)
         progress.close()
-        parts.check_output()
-        with taken.opened() as standing:
-            sources = [standing.get(number) or files[number] for number in range(len(study.cases))]
-            groups, late = assembled(run, sources, progress)
-            notes = [*provenance.carried_warnings(run, finished, taken.earlier), *notes, *late]
+        work.check_output()
+        with resumed.opened() as stored:
+            sources = [stored.get(number) or files[number] for number in range(len(study.cases))]
+            groups, late = assemble_cases(study, bins, sources, progress)
+            notes = [*provenance.carried_warnings(model, finished, resumed.earlier), *notes, *late]
             earlier = [finished.attributes] if finished is not None else []
-            groups[""].attrs.update(provenance.provenance(run, earlier, [*said, *notes, *commits], command, commit))
-            parts.write(groups, last_states(run, sources))
-        parts.publish()
+            groups[""].attrs.update(provenance.attributes(run, earlier, [*study_notes, *notes], command, commit))
+            work.write(groups, last_states(study, sources))
+        work.publish()
     except (InputError, OSError):
-        parts.drop_if_empty()
+        work.drop_if_empty()
         raise
     finally:
         progress.close()
-        parts.close()
+        work.close()
     for note in dict.fromkeys(notes):
         progress.warn(note)
     return groups
 
 
-def _already_done(
-    run: Run, parts: WorkDirectory, finished: ExistingDataset, progress: Progress
-) -> Mapping[str, xr.Dataset]:
-    if not parts.tidy(run.attributes):
-        progress.warn(f"{parts.folder} holds steps of another run, which are left alone")
+def _already_done(work: WorkDirectory, finished: ExistingDataset, progress: Progress) -> Mapping[str, xr.Dataset]:
+    if not work.clear_leftovers():
+        progress.warn(f"{work.folder} holds steps of another run, which are left alone")
     commit, now = finished.attributes["git_commit"], provenance.git_commit()
     if commit != now:
-        progress.warn(f"{finished.path} is of commit {commit}, this is {now}; use --overwrite to compute it anew")
-    return provenance.read_flags(finished)
+        progress.warn(f"{finished.path} is of commit {commit}, this is {now}; --overwrite computes it again")
+    return provenance.read_flags(finished.path)

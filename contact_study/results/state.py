@@ -97,6 +97,28 @@ class SolverReport:
         )
 
 
+def usable(record: Any) -> Any:
+    """Whether a state is converged and in contact: the one rule for every record of states.
+
+    Parameters
+    ----------
+    record : mapping
+        Quantities by name, of which ``relative_contact_area``, ``converged`` and ``detached`` count where present: an
+        :class:`xarray.Dataset`, or a mapping of arrays or numbers.
+
+    Returns
+    -------
+    bool, array or xarray.DataArray
+        Of the shape of these quantities.
+    """
+    there: Any = np.True_
+    if "relative_contact_area" in record:
+        there = ~np.isnan(record["relative_contact_area"])
+    if "converged" in record:
+        there = there & (record["converged"] == 1)
+    return there & (record["detached"] != 1) if "detached" in record else there
+
+
 @dataclass(frozen=True)
 class ThermalMotion:
     """Of atoms in motion.

@@ -70,9 +70,10 @@ def test_steps_of_another_study_are_not_mixed(study, tmp_path, capsys):
     folder = tmp_path / "bem.nc.parts"
     folder.mkdir()
     (folder / "manifest.json").write_text("{}")
+    (folder / "abc.case").touch()
     assert run(study, "-o", output) == 1
     assert run(study, "-o", output, "--resume") == 1
-    assert "has lost what its steps belong to (manifest.json)" in capsys.readouterr().err
+    assert "has lost the record of its run (manifest.json)" in capsys.readouterr().err
     assert (folder / "manifest.json").read_text() == "{}"
 
 

@@ -111,7 +111,7 @@ def outcome(before, after, path):
     return xr.load_dataset(path)
 
 
-@pytest.mark.filterwarnings("ignore:computed anew")
+@pytest.mark.filterwarnings("ignore:computed again")
 @pytest.mark.parametrize(
     ("before", "after"),
     [

@@ -101,9 +101,9 @@ def test_more_workers_than_memory_holds_are_refused(study, tmp_path, monkeypatch
 def test_on_other_machines_each_case_says_so_where_it_runs(monkeypatch):
     cases = make_study(changed())
     monkeypatch.setattr(memory, "_memory", lambda: 0.5 * NEED)
-    assert runner.check_memory(TOY, cases, "dask", 100) == 2
+    assert runner.count_fitting_cases(TOY, cases, "dask", 100) == 2
     with pytest.raises(InputError, match=r"needs at least 2\.56e-05 GB"):
-        runner.check_memory(TOY, cases, None, None)
+        runner.count_fitting_cases(TOY, cases, None, None)
     with pytest.raises(InputError, match=r"needs at least 2\.56e-05 GB"):
         memory.require(TOY.needs(cases.cases[0]))
 

@@ -10,7 +10,7 @@ import xarray as xr
 
 from contact_study.campaign.command_line.command import main
 from contact_study.campaign.dataset.states import States, states_file
-from contact_study.campaign.merge import joining
+from contact_study.campaign.merge import merge as merging
 from contact_study.campaign.merge.command import main as merge_main
 from contact_study.campaign.model import MODULES
 from tests.campaign.toy_model import SOLVED, TOY, TOY_ATOMS
@@ -258,7 +258,7 @@ def test_interrupted_merge_leaves_nothing(parts, merge, tmp_path, monkeypatch):
     def interrupt(*_):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(joining, "assembled", interrupt)
+    monkeypatch.setattr(merging, "assemble_cases", interrupt)
     status, said = merge(parts / "seed1.nc", parts / "seed2.nc")
     assert (status, said) == (130, "contact-merge: interrupted; nothing was written\n")
     assert list(tmp_path.iterdir()) == []

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from contact_study.campaign.predictor import GapFields, check_predictor
+from contact_study.campaign.dataset.predictor import GapFields, check_predictor
 from contact_study.errors import InputError
 from contact_study.study.study import make_study
 from tests.study.test_study import changed, of_another_kind
@@ -51,10 +51,12 @@ def case(ratio):
 
 
 @pytest.mark.parametrize("method", ["overdamped", "dynamics"])
-def test_atoms_that_come_down_by_themselves_take_none(dataset, method):
+def test_atoms_with_a_start_of_their_own_take_none(dataset, method):
     """A dataset would say of their steps that they started from its fields."""
     assert check_predictor(dataset, study(), {}) == []
-    with pytest.raises(InputError, match=f'--predictor .*: atoms of atomistic.method = "{method}" come down'):
+    with pytest.raises(
+        InputError, match=f'--predictor .*: atoms of atomistic.method = "{method}" start from separation'
+    ):
         check_predictor(dataset, study(atomistic={"method": method}), {})
 
 
@@ -186,7 +188,7 @@ def test_predictor_of_another_law_is_said(tmp_path, sections, words):
     path = content_of(single(), tmp_path / "bem.nc")
     notes = check_predictor(path, single(**sections), {})
     assert any(words in note for note in notes)
-    assert all("may choose other states" in note for note in notes)
+    assert all("may select other states" in note for note in notes)
 
 
 @pytest.mark.parametrize(
@@ -218,7 +220,7 @@ def test_predictor_of_another_height_map(tmp_path):
 
 def test_dataset_without_its_study_is_refused(tmp_path):
     path = content_of(single(), tmp_path / "bem.nc", study_toml="[surface]\nkind = 3")
-    with pytest.raises(InputError, match="does not hold the study"):
+    with pytest.raises(InputError, match=r"bem\.nc its study is not one this version can read"):
         check_predictor(path, single(), {})
 
 

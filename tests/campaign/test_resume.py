@@ -31,7 +31,7 @@ def test_finished_study_is_widened_to_what_a_fresh_run_gives(finished, run, tmp_
     status, solved, said = run(wider, "--resume")
     assert status == 0, said
     assert len(solved) == len(set(solved)) == SOLVED_OF.get(words, 0)
-    assert "anew" not in said
+    assert "again" not in said
     assert run(wider, output="fresh.nc")[0] == 0
     assert_same(tmp_path / "bem.nc", tmp_path / "fresh.nc")
     with xr.open_dataset(tmp_path / "bem.nc") as one, xr.open_dataset(tmp_path / "fresh.nc") as two:
@@ -66,12 +66,12 @@ def test_exceptions_of_some_points_are_lengthened(finished, run, tmp_path):
 
 
 ANEW = {
-    "fields": ({"output": {"fields": False}}, {}, 6, "fields that were not kept cannot be made from nothing"),
+    "fields": ({"output": {"fields": False}}, {}, 6, "the earlier run did not keep its fields"),
     "no state": (
         {"output": {"restart": False}},
         {"loading": {"path": ["0.1 GPa", "1 GPa", "2 GPa", "1.5 GPa"]}},
         8,
-        "output.restart = false",
+        "output.restart = false), or its file bem.nc.restart is missing, of another dataset or damaged",
     ),
     "another turn": (
         {"loading": {"unload": True}},
@@ -90,8 +90,8 @@ def test_what_must_be_computed_anew_is(run, tmp_path, why):
     status, solved, said = run(changed(**then), "--resume")
     assert status == 0, said
     assert len(solved) == steps
-    assert said.count("computed anew: ") == 2
-    assert "warning: well_depth_ratio = 1.0: computed anew: " in said
+    assert said.count("computed again: ") == 2
+    assert "warning: well_depth_ratio = 1.0: computed again: " in said
     assert words in said
     run(changed(**then), output="fresh.nc")
     assert_same(tmp_path / "bem.nc", tmp_path / "fresh.nc")
@@ -115,7 +115,7 @@ def test_steps_that_follow_from_the_whole_path(run):
     longer = changed(loading={"path": ["0.1 GPa", "1 GPa", "2 GPa", "3 GPa"]}, **{"sweep": wider["sweep"]})
     _, solved, said = run(longer, "--resume", **model)
     assert len(solved) == 12
-    assert "computed from all of them" in said
+    assert "share quantities of the whole path" in said
 
 
 def test_another_study_is_refused(finished, run, tmp_path):

@@ -80,7 +80,7 @@ def test_without_a_state_a_longer_path_is_computed_anew(finished, run, tmp_path,
     status, solved, said = run(LONGER, "--resume")
     one = fault in ("one bit", "torn")
     assert (status, len(solved)) == (0, 5 if one else 8), said
-    assert said.count("computed anew: the state after its last point was not kept") == (1 if one else 2)
+    assert said.count("computed again: the state after its last point was not kept") == (1 if one else 2)
     run(LONGER, output="fresh.nc")
     assert_same(tmp_path / "bem.nc", tmp_path / "fresh.nc")
 
@@ -95,7 +95,7 @@ def test_a_file_that_holds_no_states_is_not_lost(finished, run, tmp_path):
     before = (tmp_path / "bem.nc").read_bytes()
     status, _, said = run(LONGER, "--resume")
     assert (status, said.count("\n")) == (1, 1)
-    assert "bem.nc.restart: exists and holds no states to go on from" in said
+    assert "bem.nc.restart: exists and holds no restart states" in said
     assert (tmp_path / "bem.nc.restart").read_text() == "precious"
     assert (tmp_path / "bem.nc").read_bytes() == before
     assert names(tmp_path) == ["bem.nc", "bem.nc.restart"]
@@ -108,7 +108,7 @@ def interrupt(*_, **__):
     raise KeyboardInterrupt
 
 
-@pytest.mark.parametrize("at", ["_settle", "remove", "close"])
+@pytest.mark.parametrize("at", ["_publish_states", "remove", "close"])
 @pytest.mark.parametrize("then", [BASE, LONGER])
 def test_a_kill_after_the_rename_leaves_nothing_for_good(run, tmp_path, monkeypatch, at, then):
     """Neither the folder, nor its lock, nor a warning; the states come to their place."""
@@ -272,7 +272,7 @@ def test_steps_that_have_lost_what_they_belong_to(run, stopped, tmp_path):
     (tmp_path / "bem.nc.parts" / "manifest.json").unlink()
     status, _, said = run(BASE, "--resume")
     assert (status, said.count("\n")) == (1, 1)
-    assert "bem.nc.parts: has lost what its steps belong to (manifest.json); drop them with --overwrite" in said
+    assert "bem.nc.parts: has lost the record of its run (manifest.json); drop them with --overwrite" in said
 
 
 def test_steps_of_an_earlier_version_are_refused_and_stay(run, tmp_path):
@@ -283,7 +283,9 @@ def test_steps_of_an_earlier_version_are_refused_and_stay(run, tmp_path):
     for how in ([], ["--resume"]):
         status, _, said = run(BASE, *how)
         assert (status, said.count("\n")) == (1, 1)
-    assert "bem.nc.parts: holds steps as an earlier version kept them; finish them with that version, or drop" in said
+    assert (
+        "bem.nc.parts: holds steps in the format of an earlier version; finish them with that version, or drop" in said
+    )
     assert (old / "step-0000.npz").exists()
     assert run(BASE, "--overwrite")[0] == 0
     assert names(tmp_path) == ["bem.nc", "bem.nc.restart"]
@@ -328,7 +330,7 @@ def test_a_step_garbled_while_a_study_runs_is_told_and_computed_again(run, tmp_p
     monkeypatch.undo()
     status, _, said = run(BASE, "--resume")
     assert status == 0
-    assert "1 damaged files of the earlier run; what they lost is computed again" in said
+    assert "1 damaged files of the earlier run: this run computes their lost steps again" in said
     run(BASE, output="fresh.nc")
     assert_same(tmp_path / "bem.nc", tmp_path / "fresh.nc")
 

@@ -141,7 +141,7 @@ def test_atoms_are_kept_only_on_demand_and_widen_a_run(tmp_path):
     without = {**study, "output": {}, "loading": {"path": ["1 GPa"]}}
     assert "atom_height" not in contact_study.run(without, "atomistic", output=kept)
     with_atoms = {**without, "output": {"atoms": "surface"}}
-    with pytest.warns(UserWarning, match=r"output\.atoms = surface: atoms that were not kept"):
+    with pytest.warns(UserWarning, match=r"output\.atoms = surface: the earlier run did not keep its atoms"):
         assert "substrate_height" in contact_study.run(with_atoms, "atomistic", output=kept, resume=True)
     with pytest.raises(ValueError, match=r"it keeps atoms by output\.atoms = surface, this study has none: set it so"):
         contact_study.run(without, "atomistic", output=kept, resume=True)
@@ -169,7 +169,7 @@ def test_what_cannot_be_written(dataset, tmp_path, monkeypatch):
         with pytest.raises(ValueError, match=culprit):
             to_xyz(given, f"{tmp_path}/{name}")
     monkeypatch.setitem(__import__("sys").modules, "ase.io", None)
-    with pytest.raises(ValueError, match=re.escape("bem-adhesion[xyz]")):
+    with pytest.raises(ValueError, match=re.escape(".[xyz]")):
         to_xyz(dataset, tmp_path / "atoms.xyz")
     assert not list(tmp_path.iterdir())
 

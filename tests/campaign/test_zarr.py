@@ -11,7 +11,7 @@ from contact_study.campaign import library
 from contact_study.campaign.command_line.command import main
 from contact_study.campaign.merge.command import main as merge
 from contact_study.campaign.model import MODULES
-from contact_study.campaign.resume.identity import content_hash
+from contact_study.campaign.record import content_hash
 from contact_study.report.command import main as compare
 from tests.campaign.test_merge import WHOLE
 from tests.campaign.toy_model import SOLVED, TOY, TOY_ATOMS
@@ -140,4 +140,4 @@ def test_what_cannot_be_is_said(run, tmp_path, capsys, monkeypatch):
     monkeypatch.setitem(sys.modules, "zarr", None)
     monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
     assert run(WHOLE, "bem.zarr") == 1
-    assert "pip install 'bem-adhesion[zarr]'" in capsys.readouterr().err
+    assert "pip install '.[zarr]'" in capsys.readouterr().err

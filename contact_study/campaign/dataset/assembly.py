@@ -7,7 +7,6 @@ import numpy as np
 import xarray as xr
 
 from contact_study.campaign.progress import Progress
-from contact_study.campaign.resume.identity import Run
 from contact_study.numerics.distributions import Bins, redistributed
 from contact_study.results.observables.contact_autocorrelation import RELATIVE_DISTANCE
 from contact_study.results.path_results import PATH_RESULTS, path_results, series_of
@@ -23,6 +22,7 @@ from contact_study.results.schema import (
     variable_of,
 )
 from contact_study.study.case import Case
+from contact_study.study.study import Study
 from contact_study.study.sweep import SweptKey
 
 # Arrays by name and by the labels before it.
@@ -30,84 +30,86 @@ _Labelled = dict[str, dict[tuple[str, ...], np.ndarray]]
 
 
 class CaseSource(Protocol):
-    """Where the numbers of a finished case stand."""
+    """A finished case: its file, or its place in a dataset."""
 
     @property
     def constants(self) -> dict[str, Any]:
-        """What does not change along the path."""
+        """Quantities that do not change along the path."""
 
     def step(self, number: int) -> tuple[dict[str, Any], Bins]:
         """Quantities and fields of one step, and the bins of its distributions."""
 
     def state(self, number: int) -> dict[str, np.ndarray]:
-        """State after a step; empty if it was not kept. Of a finished dataset the last step's alone."""
+        """Restart state after a step; empty if it was not kept."""
 
 
-def assembled(run: Run, sources: Sequence[CaseSource], progress: Progress) -> tuple[dict[str, xr.Dataset], list[str]]:
-    """The groups of the dataset, and what came to light on the way.
+def assemble_cases(
+    study: Study, bins: Bins, sources: Sequence[CaseSource], progress: Progress
+) -> tuple[dict[str, xr.Dataset], list[str]]:
+    """Assemble the groups of a study's dataset.
 
     Parameters
     ----------
-    run : Run
-        The run.
+    study : Study
+        The study.
+    bins : Bins
+        Bins of its distributions.
     sources : sequence of CaseSource
         Its cases, in their order.
     progress : Progress
-        Shows how far it is.
+        Shows progress.
+
+    Returns
+    -------
+    groups : dict
+        The groups by name, "" for the root.
+    notes : list of str
+        Warnings.
     """
-    study = run.study
-    brought: list[str] = []
+    rebinned: list[str] = []
+    coordinates = {"pressure_bin": bins.pressure, "gap_bin": bins.gap, "relative_distance": RELATIVE_DISTANCE}
+    pairs = progress.through(list(zip(study.cases, sources, strict=True)), "cases written to the dataset")
     longest = max(len(case.path) for case in study.cases)
-    coordinates = {
-        "pressure_bin": run.bins.pressure,
-        "gap_bin": run.bins.gap,
-        "relative_distance": RELATIVE_DISTANCE,
-    }
-    cases = progress.through(list(zip(study.cases, sources, strict=True)), "cases brought into the dataset")
-    groups = assemble(
-        study.sweep, longest, (_read(case, source, run.bins, brought) for case, source in cases), coordinates
-    )
-    if not brought:
+    cases = (_read(case, source, bins, rebinned) for case, source in pairs)
+    groups = assemble(study.sweep, longest, cases, coordinates)
+    if not rebinned:
         return groups, []
     return groups, [
-        f"the distributions of {len(brought)} steps finished before were on other bins and are spread over this "
-        "study's, within one bin; --overwrite computes them anew"
+        f"the distributions of {len(rebinned)} steps finished before were on other bins and are spread over this "
+        "study's, within one bin; --overwrite computes them again"
     ]
 
 
-def last_states(run: Run, sources: Sequence[CaseSource]) -> Iterator[dict[str, np.ndarray]] | None:
-    """State after the last step of every case, empty where it is not there; None if the study keeps none."""
-    if not run.study.cases[0].output.restart:
+def last_states(study: Study, sources: Sequence[CaseSource]) -> Iterator[dict[str, np.ndarray]] | None:
+    """Restart state after the last step of every case, empty where it is missing; None if the study keeps none."""
+    if not study.cases[0].output.restart:
         return None
-    return (source.state(len(case.path) - 1) for case, source in zip(run.study.cases, sources, strict=True))
+    return (source.state(len(case.path) - 1) for case, source in zip(study.cases, sources, strict=True))
 
 
 def _read(
-    case: Case, source: CaseSource, bins: Bins, brought: list[str]
+    case: Case, source: CaseSource, bins: Bins, rebinned: list[str]
 ) -> tuple[tuple[int, ...], dict[str, Any], list[dict[str, Any]]]:
-    """Position, constants and steps of a finished case, their distributions on the study's bins.
+    """Position, constants and steps of a finished case, its distributions on the study's bins.
 
-    Labels of steps whose distributions were on others are appended to ``brought``.
+    Appends the labels of steps whose distributions were on other bins to ``rebinned``.
     """
     steps = []
     for number in range(len(case.path)):
         values, own = source.step(number)
         if own is not bins and not own.equal(bins):
-            brought.append(f"{case.label}, point {number + 1}")
+            rebinned.append(f"{case.label}, point {number + 1}")
             values = _on_bins(values, own, bins)
         steps.append(values)
     constants = source.constants
-    if "mean_separation" in steps[0]:  # a simulation's; theories say themselves what the path tells of adhesion
+    if "mean_separation" in steps[0]:  # a simulation's; a theory gives its path results itself
         control = case.loading.control
-        # A path that was lengthened may tell no more what it told before.
-        constants = {name: value for name, value in constants.items() if _quantity(name) not in PATH_RESULTS}
+        # A longer path may have lost a path result of the shorter one.
+        constants = {
+            name: value for name, value in constants.items() if name.removesuffix(RESOLUTION_ERROR) not in PATH_RESULTS
+        }
         constants |= path_results(series_of(steps, control), control)
     return case.index, constants, steps
-
-
-def _quantity(name: str) -> str:
-    """What a quantity's name is of, if it is that of an error."""
-    return name.removesuffix(RESOLUTION_ERROR)
 
 
 def _on_bins(values: dict[str, Any], old: Bins, new: Bins) -> dict[str, Any]:

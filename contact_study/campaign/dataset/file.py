@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -10,12 +10,13 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from contact_study.campaign.dataset.formats import engine_of, is_dataset, is_zarr, readable
 from contact_study.campaign.dataset.states import States, states_file
 from contact_study.campaign.store.files import write_aside
+from contact_study.campaign.store.formats import engine_of, is_dataset, is_zarr, readable
 from contact_study.errors import InputError
+from contact_study.numerics.distributions import Bins
 from contact_study.results.schema import COORDINATES, LABELS, TRAJECTORY, variable_of
-from contact_study.study.sweep import SweptKey
+from contact_study.study.study import Study
 
 # Group in which datasets of earlier versions have what stands beside them now, see :mod:`.states`.
 _RESTART = "restart"
@@ -81,7 +82,7 @@ def chunks_of(shape: tuple[int, ...]) -> tuple[int, ...]:
 
 
 def attributes_of(path: Path) -> dict[str, Any] | None:
-    """Global attributes of the dataset at a place; None where there is none that can be read."""
+    """Global attributes of a dataset; None if there is no readable one."""
     if not is_dataset(path):
         return None
     try:
@@ -92,14 +93,30 @@ def attributes_of(path: Path) -> dict[str, Any] | None:
 
 
 def history_of(path: Path) -> str | None:
-    """What was asked for the dataset at a place, and when; None where there is none that can be read."""
+    """History attribute of a dataset; None if there is no readable one."""
     attributes = attributes_of(path)
     return None if attributes is None else str(attributes.get("history", ""))
 
 
 @dataclass(frozen=True)
+class ExistingDataset:
+    """A finished dataset.
+
+    Attributes
+    ----------
+    path : pathlib.Path
+        Its file, or folder of Zarr.
+    attributes : dict
+        Its global attributes.
+    """
+
+    path: Path
+    attributes: Mapping[str, Any]
+
+
+@dataclass(frozen=True)
 class _Quantity:
-    """A quantity of all cases as a model names it: an array in memory, or a variable that is read piece by piece."""
+    """A quantity of all cases: an array in memory, or a variable that is read piece by piece."""
 
     name: str
     dims: tuple[str, ...]
@@ -111,29 +128,24 @@ class _Quantity:
 
 
 class DatasetReader:
-    """The cases of a dataset that :func:`write_dataset` wrote.
+    """Reader of the cases of a dataset that :func:`write_dataset` wrote; a context.
 
     Parameters
     ----------
     path : pathlib.Path
         The dataset.
-    sweep : mapping
-        The swept keys of its study.
-
-    Attributes
-    ----------
-    path : pathlib.Path
-        The dataset.
+    study : Study
+        Its study.
 
     Raises
     ------
     InputError
-        If it cannot be read; so do the methods.
+        If it cannot be read; the methods raise it, too.
     """
 
-    def __init__(self, path: Path, sweep: Mapping[str, SweptKey]):
+    def __init__(self, path: Path, study: Study):
         self.path = path
-        self._sweep = sweep
+        self._study = study
         with readable(path):
             self._tree = xr.open_datatree(path, engine=engine_of(path), mask_and_scale=False, decode_timedelta=False)
             self._quantities = list(self._read_quantities())
@@ -145,35 +157,46 @@ class DatasetReader:
     def __exit__(self, *_: Any) -> None:
         self._tree.close()
 
-    @property
-    def bin_centres(self) -> tuple[np.ndarray | None, np.ndarray | None]:
-        """Centres of the bins of pressure (Pa) and gap (m); None where there is no such distribution."""
-        names = ("pressure_bin", "gap_bin")
+    def bins(self, own: Bins) -> Bins:
+        """Bins of the distributions, from their centres; those of ``own`` for a distribution that is missing."""
         nodes = list(self._tree.subtree)
-        with readable(self.path):
-            found = [next((node[name].values for node in nodes if name in node.coords), None) for name in names]
-        return found[0], found[1]
+        edges = []
+        for name, default in (("pressure_bin", own.pressure_edges), ("gap_bin", own.gap_edges)):
+            with readable(self.path):
+                centres = next((node[name].values for node in nodes if name in node.coords), None)
+            if centres is None:
+                edges.append(default)
+            else:
+                width = (centres[-1] - centres[0]) / (centres.size - 1)
+                edges.append(np.linspace(centres[0] - width / 2, centres[-1] + width / 2, centres.size + 1))
+        return replace(own, pressure_edges=edges[0], gap_edges=edges[1])
 
-    def constants(self, index: tuple[int, ...]) -> dict[str, Any]:
-        """What does not change along the path of the case at a position of the sweep."""
-        return self._at(index, (one for one in self._quantities if "step" not in one.dims))
+    def case(self, number: int, bins: Bins) -> "StoredCase":
+        """One case, by its number in the study; ``bins`` are those of the dataset."""
+        return StoredCase(self, number, bins)
 
-    def step(self, index: tuple[int, ...], number: int) -> dict[str, Any]:
+    def constants(self, number: int) -> dict[str, Any]:
+        """Quantities of a case that do not change along its path."""
+        return self._read(number, (one for one in self._quantities if "step" not in one.dims))
+
+    def step(self, number: int, step: int) -> dict[str, Any]:
         """Quantities and fields of one step of a case."""
-        return self._at(index, (one for one in self._quantities if "step" in one.dims), number)
+        return self._read(number, (one for one in self._quantities if "step" in one.dims), step)
 
-    def text(self, name: str, index: tuple[int, ...], number: int) -> str | None:
-        """A text at one step of a case; None if the dataset has no such quantity."""
-        found = self._at(index, (one for one in self._quantities if one.name == name), number)
+    def text(self, name: str, number: int, step: int) -> str | None:
+        """A text of one step of a case; None if the dataset has no such quantity."""
+        found = self._read(number, (one for one in self._quantities if one.name == name), step)
         return str(found[name]) if found else None
 
-    def _at(self, index: tuple[int, ...], quantities: Iterable[_Quantity], number: int = 0) -> dict[str, Any]:
-        place = {**dict(zip(self._sweep, index, strict=True)), "step": number}
+    def _read(self, number: int, quantities: Iterable[_Quantity], step: int = 0) -> dict[str, Any]:
+        place = {**dict(zip(self._study.sweep, self._study.cases[number].index, strict=True)), "step": step}
         with readable(self.path):
             return {one.name: one.at(place) for one in quantities}
 
-    def state(self, number: int) -> dict[str, np.ndarray]:
-        """State after the last step of the case of that number; empty if it was not kept."""
+    def state(self, number: int, step: int) -> dict[str, np.ndarray]:
+        """Restart state after a step of a case; empty unless it is the last one and was kept."""
+        if step != len(self._study.cases[number].path) - 1:
+            return {}
         if _RESTART not in self._tree.children:
             return self._states.state(number) if self._states.history == self._tree.attrs.get("history") else {}
         with readable(self.path):
@@ -181,7 +204,7 @@ class DatasetReader:
 
     @cached_property
     def _grouped_states(self) -> dict[int, dict[str, xr.DataArray]]:
-        """The states of a dataset of an earlier version: variables such as ``case_12_state``."""
+        """States in a dataset of an earlier version: variables such as ``case_12_state``."""
         found: dict[int, dict[str, xr.DataArray]] = {}
         for name, variable in self._tree[_RESTART].to_dataset(inherit=False).data_vars.items():
             _, number, own = str(name).split("_", 2)
@@ -189,16 +212,17 @@ class DatasetReader:
         return found
 
     def _read_quantities(self) -> Iterator[_Quantity]:
-        """Quantities of all groups but those of the whole study; larger ones than a distribution stay in the file."""
-        whole = {*self._sweep, *LABELS, "step", "pressure_bin", "gap_bin", "relative_distance"}
+        """Yield the quantities of all groups; those larger than a distribution stay in the file."""
+        sweep = self._study.sweep
+        whole_study = {*sweep, *LABELS, "step", "pressure_bin", "gap_bin", "relative_distance"}
         for node in self._tree.subtree:
             group = node.path.strip("/")
             if group == _RESTART:
                 continue
             for name, variable in node.to_dataset(inherit=False).variables.items():
-                if name in whole or (group and name in COORDINATES):
+                if name in whole_study or (group and name in COORDINATES):
                     continue
-                own = [size for dim, size in variable.sizes.items() if dim not in (*self._sweep, *LABELS, "step")]
+                own = [size for dim, size in variable.sizes.items() if dim not in (*sweep, *LABELS, "step")]
                 small = math.prod(own) <= _SMALL
                 if small:
                     variable.load()
@@ -206,8 +230,38 @@ class DatasetReader:
                 above = [TRAJECTORY] if group == TRAJECTORY else []
                 for place in np.ndindex(*(variable.sizes[dim] for dim in dims)):
                     labelled = dict(zip(dims, place, strict=True))
-                    # A group inherits the labels that the root has, too.
+                    # A group inherits the labels of the root.
                     labels = [str(node[dim].values[i]) for dim, i in labelled.items()]
                     chosen = variable.isel(labelled)
                     key = "/".join([*above, *labels, str(name)])
                     yield _Quantity(key, chosen.dims, chosen.values if small else chosen)
+
+
+class StoredCase:
+    """A case in a finished dataset; it is read in place.
+
+    Parameters
+    ----------
+    dataset : DatasetReader
+        The dataset.
+    number : int
+        Number of the case in it.
+    bins : Bins
+        Bins of the dataset.
+    """
+
+    def __init__(self, dataset: DatasetReader, number: int, bins: Bins):
+        self._dataset, self._number, self._bins = dataset, number, bins
+
+    @property
+    def constants(self) -> dict[str, Any]:
+        """Quantities that do not change along the path."""
+        return self._dataset.constants(self._number)
+
+    def step(self, number: int) -> tuple[dict[str, Any], Bins]:
+        """Quantities and fields of one step, and the bins of its distributions."""
+        return self._dataset.step(self._number, number), self._bins
+
+    def state(self, number: int) -> dict[str, np.ndarray]:
+        """Restart state after a step; empty unless it is the last one and was kept."""
+        return self._dataset.state(self._number, number)

@@ -1,56 +1,47 @@
-"""What a dataset says of itself: where it came from, and which of its steps did not converge."""
+"""Attributes of a dataset: its origin, its warnings, and a count of the steps that did not converge."""
 
 import itertools
 import os
 import subprocess
-import tomllib
 from collections.abc import Iterator, Mapping, Sequence
 from datetime import UTC, datetime
 from functools import cache
+from pathlib import Path
 from typing import Any
 
 import xarray as xr
 
 import contact_study
-from contact_study.campaign.check import checked
-from contact_study.campaign.dataset.formats import engine_of, readable
-from contact_study.campaign.resume.identity import Cases, Run
-from contact_study.campaign.resume.resume import ExistingDataset
+from contact_study.campaign.dataset.file import ExistingDataset
+from contact_study.campaign.model import Model, check_study
+from contact_study.campaign.record import Run, RunRecord
+from contact_study.campaign.store.formats import engine_of, readable
 from contact_study.errors import InputError
 from contact_study.results.schema import CONVENTIONS, LABELS
-from contact_study.study.study import make_study
 
 # Of this file's folder in a checkout.
 _PLACE = "contact_study/campaign/dataset/"
 
 
-def carried_warnings(run: Run, finished: ExistingDataset | None, earlier: Cases | None = None) -> list[str]:
-    """Warnings of an earlier dataset that hold on: those of its steps, not those that were said of its whole study.
-
-    ``earlier`` are its cases, if they are known already.
-    """
+def carried_warnings(model: Model, finished: ExistingDataset | None, earlier: RunRecord | None) -> list[str]:
+    """Warnings of an earlier dataset about its steps, without those about its study as a whole."""
     if finished is None:
         return []
     lines = str(finished.attributes.get("warnings", "")).splitlines()
     try:
-        study = (
-            earlier.study
-            if earlier
-            else make_study(tomllib.loads(finished.attributes["study_toml"]), run.study.directory)
-        )
-        _, said = checked(run.model, study)
+        study_notes = check_study(model, earlier.study)[1] if earlier else []
     except InputError:  # a height map has moved since
-        said = []
-    return [line for line in lines if line not in said]
+        study_notes = []
+    return [line for line in lines if line not in study_notes]
 
 
-def provenance(
+def attributes(
     run: Run, earlier: Sequence[Mapping[str, Any]], warnings: Sequence[str], command: str, git_commit: str
 ) -> dict[str, Any]:
     """Attributes of the root; ``command`` heads the history, that of ``earlier`` datasets follows."""
     history = [f"{datetime.now(UTC).isoformat(timespec='seconds')}: {command}"]
-    for attributes in earlier:
-        history += str(attributes.get("history", "")).splitlines()
+    for own in earlier:
+        history += str(own.get("history", "")).splitlines()
     return {
         "Conventions": CONVENTIONS,
         "title": run.study.title,
@@ -59,22 +50,19 @@ def provenance(
         "references": run.model.references,
         "git_commit": git_commit,
         "warnings": "\n".join(dict.fromkeys(warnings)),
-        **run.attributes,
+        **run.record.attributes,
     }
 
 
-def read_flags(finished: ExistingDataset) -> dict[str, xr.Dataset]:
-    """Which steps converged, in each group of a finished dataset."""
-    with (
-        readable(finished.path),
-        xr.open_datatree(finished.path, engine=engine_of(finished.path), decode_timedelta=False) as tree,
-    ):
+def read_flags(path: Path) -> dict[str, xr.Dataset]:
+    """Flags ``converged`` in each group of a dataset."""
+    with readable(path), xr.open_datatree(path, engine=engine_of(path), decode_timedelta=False) as tree:
         nodes = {node.path.strip("/"): node for node in tree.subtree if "converged" in node.data_vars}
         return {group: node.to_dataset()[["converged"]].load() for group, node in nodes.items()}
 
 
 def unconverged(groups: Mapping[str, xr.Dataset]) -> Iterator[str]:
-    """For each theory and metastable branch with steps that did not converge, how many of how many, in words."""
+    """Yield a sentence for each theory and metastable branch with steps that did not converge."""
     for group, dataset in groups.items():
         if "converged" not in dataset:
             continue
@@ -94,9 +82,9 @@ def unconverged(groups: Mapping[str, xr.Dataset]) -> Iterator[str]:
 
 @cache
 def git_commit() -> str:
-    """Commit of the checkout that this runs from, marked if it has been changed; "unknown" outside one."""
+    """Commit of the checkout that runs, marked if it has been changed; "unknown" outside one."""
     try:
-        # Installed in an environment that lies in someone's repository, this is none of its files.
+        # In an environment inside someone else's repository this file does not belong to that repository.
         if _git("rev-parse", "--show-prefix") != _PLACE:
             return "unknown"
         return _git("describe", "--always", "--dirty", "--abbrev=40", "--exclude=*") or "unknown"
@@ -105,6 +93,5 @@ def git_commit() -> str:
 
 
 def _git(*words: str) -> str:
-    """What git says of the folder of this file."""
     command = ["git", "-C", os.path.dirname(__file__), *words]
     return subprocess.run(command, capture_output=True, text=True, timeout=10).stdout.strip()

@@ -48,7 +48,7 @@ def to_vtk(dataset: xr.Dataset, path: str | Path) -> list[Path]:
         from pyevtk.hl import imageToVTK
         from pyevtk.vtk import VtkGroup
     except ImportError:
-        raise InputError("VTK files need pip install 'bem-adhesion[vtk]'") from None
+        raise InputError("VTK files need pip install '.[vtk]'") from None
     writable_output(path)
     folder = path.with_suffix("")
     folder.mkdir(exist_ok=True)

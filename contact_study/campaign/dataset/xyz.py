@@ -63,7 +63,7 @@ def to_xyz(dataset: xr.Dataset, path: str | Path) -> list[Path]:
     try:
         from ase.io import write
     except ImportError:
-        raise InputError("XYZ files need pip install 'bem-adhesion[xyz]'") from None
+        raise InputError("XYZ files need pip install '.[xyz]'") from None
     path_points = dataset if "step" in dataset.dims else dataset.expand_dims("step")
     states = (_frame(path_points.isel(step=step)) for step in range(path_points.sizes["step"]))
     frames = [frame for frame in states if frame is not None]

@@ -80,7 +80,7 @@ def _client(scheduler: str | None) -> Iterator[Any]:
     try:
         from distributed import Client
     except ImportError:
-        raise InputError("--engine dask: needs Dask; pip install 'bem-adhesion[dask]'") from None
+        raise InputError("--engine dask: needs Dask; pip install '.[dask]'") from None
     for name in logging.root.manager.loggerDict:  # what matters is raised; Dask gives each a level of its own
         if name.partition(".")[0] == "distributed":
             logging.getLogger(name).setLevel(logging.CRITICAL)

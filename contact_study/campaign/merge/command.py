@@ -8,7 +8,7 @@ from pathlib import Path
 import contact_study
 from contact_study.campaign.command_line.command import DONE, NOT_CONVERGED, Parser, completed, guarded
 from contact_study.campaign.dataset.provenance import unconverged
-from contact_study.campaign.merge.joining import merge
+from contact_study.campaign.merge.merge import merge
 from contact_study.campaign.progress import Progress
 from contact_study.campaign.store.files import named_file
 

@@ -1,63 +1,166 @@
-"""The one study that several datasets are parts of: their keys side by side, their sweeps together."""
+"""The datasets to merge, and the one study that they are parts of: equal keys, and the union of their sweeps."""
 
 import copy
 import dataclasses
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
+from pathlib import Path
 from typing import Any
 
-from contact_study.campaign.merge.sources import Source
-from contact_study.campaign.resume.identity import Cases, differing_keys, rounded
+import xarray as xr
+
+from contact_study.campaign.dataset.file import ExistingDataset
+from contact_study.campaign.model import MODULES, Model, model_of
+from contact_study.campaign.record import Differences, RunRecord, describe_differences, differences, key_values
+from contact_study.campaign.store.files import real
+from contact_study.campaign.store.formats import engine_of, readable, require_dataset
 from contact_study.errors import InputError
 from contact_study.study.case import Case
 from contact_study.study.schema.dotted_keys import SECTIONS, WHOLE_STUDY, same
-from contact_study.study.schema.keys import default_of, keys_of, shown, suggestion
+from contact_study.study.schema.keys import default_of, keys_of, suggestion
 from contact_study.study.study import Study, make_study
 
 _SEED = "surface.seed"
-_SHOWN = 3  # differing keys that a message names
-# Keys of the whole study that decide neither a number nor how it is kept.
+# Attributes that all datasets share beside the study.
+_SHARED = ("model", "version", "schema_version")
+# Keys of the whole study that may differ.
 _FREE = ("study.title", "output.restart")
 
 
-def joined_study(sources: Sequence[Source], along: Sequence[str] = ()) -> Study:
-    """The study whose sweep holds the cases of every dataset.
+@dataclasses.dataclass(frozen=True)
+class Source(ExistingDataset):
+    """One of the datasets to merge.
 
-    Its keys are the first dataset's. What some dataset sweeps is swept, numbers in increasing order; the others have
-    one value of it each. Samples of one random surface that no dataset sweeps are joined over their seeds.
+    Attributes
+    ----------
+    model : Model
+        Its model.
+    record : RunRecord
+        The run that wrote it.
+    """
+
+    model: Model
+    record: RunRecord
+
+    @property
+    def study(self) -> Study:
+        """Its study."""
+        return self.record.study
+
+
+def read_sources(paths: Sequence[Path]) -> list[Source]:
+    """Read the records of datasets of one model and version.
+
+    Raises
+    ------
+    InputError
+        If there are fewer than two, one is given twice, missing or foreign, or if models, versions or height maps
+        differ.
+    """
+    if len(paths) < 2:
+        raise InputError("give at least two datasets to join")
+    seen: set[str] = set()
+    for path in paths:
+        if real(path) in seen:
+            raise InputError(f"{path} is given twice")
+        seen.add(real(path))
+    first, *others = sources = [_read_source(path) for path in paths]
+    maps: dict[str, tuple[Path, str]] = {}
+    for source in sources:
+        for name, content in source.record.height_maps.items():
+            known, other = maps.setdefault(name, (source.path, content))
+            if other != content:
+                raise InputError(
+                    f"{known} and {source.path} cannot be joined: the height map {name} had another content "
+                    f"(SHA-256 {other[:12]}… and {content[:12]}…)"
+                )
+    for source in others:
+        fault = next(
+            (
+                f"{name} is {first.attributes.get(name)} in the one and {source.attributes.get(name)} in the other"
+                for name in _SHARED
+                if first.attributes.get(name) != source.attributes.get(name)
+            ),
+            "",
+        )
+        if not fault and bool(first.record.predictor) != bool(source.record.predictor):
+            fault = "one was run with --predictor, one without"
+        if fault:
+            raise InputError(f"{first.path} and {source.path} cannot be joined: {fault}")
+    return sources
+
+
+def _read_source(path: Path) -> Source:
+    require_dataset(path)
+    with readable(path), xr.open_dataset(path, engine=engine_of(path), decode_timedelta=False) as dataset:
+        attributes, sizes = dict(dataset.attrs), dict(dataset.sizes)
+        held = {str(name): dataset[name].values.tolist() for name in dataset.dims if name in dataset.coords}
+    kind = str(attributes.get("model"))
+    if kind not in MODULES or "schema_version" not in attributes:
+        raise InputError(f"{path}: is no dataset of bem-adhesion, md-reference or persson-theory")
+    model = model_of(kind)
+    try:
+        record = RunRecord.read(attributes, path.parent, model.ignores)
+        record.require_height_maps()
+    except InputError as error:
+        raise InputError(f"{path}: {error}") from None
+    for name, swept in record.study.sweep.items():
+        if held.get(name) != list(swept.values):
+            raise InputError(
+                f"{path}: does not hold the points of {name} that its study sweeps ({sizes.get(name, 0)} of "
+                f"{len(swept.values)}), as if it had been cut or joined by other means; give files as they were written"
+            )
+    return Source(path, attributes, model, record)
+
+
+def joined_study(sources: Sequence[Source], along: Sequence[str] = ()) -> Study:
+    """Make the study whose sweep holds the cases of every dataset.
+
+    Its keys are those of the first dataset. A key that some dataset sweeps is swept, numbers in increasing order; the
+    other datasets have one value of it each. Samples of one random surface that no dataset sweeps are joined over their
+    seeds.
 
     Parameters
     ----------
     sources : sequence of Source
         The datasets.
     along : sequence of str
-        Keys, ``"section.key"``, whose values in the datasets become a sweep, too.
+        Further keys, ``"section.key"``, whose values become a sweep.
 
     Raises
     ------
     InputError
-        If the datasets differ in any other key, which the message names.
+        If the datasets differ in any other key; the message names it.
     """
     for dotted in along:
         _check_sweepable(dotted)
     swept = dict.fromkeys(dotted for source in sources for dotted in source.study.table.get("sweep", {}))
-    swept |= dict.fromkeys(dotted for dotted in along)
+    swept |= dict.fromkeys(along)
     if _SEED not in swept and _differ_in_seeds(sources):
         swept[_SEED] = None
-    table = copy.deepcopy(sources[0].study.table)
+    first = sources[0]
+    table = copy.deepcopy(first.study.table)
     for dotted in swept:
         if dotted not in table.get("sweep", {}):
             section, _, name = dotted.partition(".")
             table.get(section, {}).pop(name, None)
         table.setdefault("sweep", {})[dotted] = _values(sources, dotted)
-    study = make_study(table, sources[0].study.directory)
-    whole = Cases(sources[0].model, study, {name: content for s in sources for name, content in s.height_maps.items()})
+    whole = dataclasses.replace(first.record, study=make_study(table, first.study.directory), height_maps=maps(sources))
     for source in sources:
-        _check_same(whole, sources[0], source)
-    return study
+        for case in source.study.cases:
+            other = whole.study.cases[position(whole.study, case)]
+            different = differences(_compared_keys(whole, other), _compared_keys(source.record, case))
+            if different:
+                raise InputError(f"{first.path} and {source.path} are of different studies: {_words(different)}")
+    return whole.study
 
 
-def place_of(study: Study, case: Case) -> int:
-    """Number of the case of a joined study that stands at the same point of its sweep."""
+def maps(sources: Sequence[Source]) -> dict[str, str]:
+    """SHA-256 of every height map of the datasets, by its path as the studies write it."""
+    return {name: content for source in sources for name, content in source.record.height_maps.items()}
+
+
+def position(study: Study, case: Case) -> int:
+    """Number of the case of a joined study at the same point of its sweep."""
     number = 0
     for dotted in study.table.get("sweep", {}):
         values, value = study.sweep[dotted.rpartition(".")[2]].values, _value(case, dotted)
@@ -67,19 +170,15 @@ def place_of(study: Study, case: Case) -> int:
 
 
 def _value(case: Case, dotted: str) -> Any:
-    """What a case has of a key, one number for a pair of equal ones, as a sweep holds it."""
+    """Value of a key in a case; one number for a pair of equal ones, as a sweep holds it."""
     section, _, name = dotted.partition(".")
     value = getattr(getattr(case, section), name, None)
     return value[0] if isinstance(value, tuple) and len(value) == 2 and value[0] == value[1] else value
 
 
 def _check_sweepable(dotted: str) -> None:
-    known = [
-        f"{section}.{name}"
-        for section, declared in SECTIONS.items()
-        if section not in WHOLE_STUDY
-        for name in keys_of(declared)
-    ]
+    sections = {section: declared for section, declared in SECTIONS.items() if section not in WHOLE_STUDY}
+    known = [f"{section}.{name}" for section, declared in sections.items() for name in keys_of(declared)]
     if dotted not in known:
         raise InputError(f"--along {dotted}: is no key that a study sweeps{suggestion(dotted, known)}")
 
@@ -119,37 +218,16 @@ def _own_values(source: Source, dotted: str) -> Iterator[tuple[Any, Any]]:
     yield size, size if written is dataclasses.MISSING or isinstance(written, list | tuple) else written
 
 
-def _check_same(whole: Cases, first: Source, source: Source) -> None:
-    """Refuse a dataset whose cases are not those of the joined study at their places."""
-    for case in source.study.cases:
-        one = _keys(whole, whole.study.cases[place_of(whole.study, case)])
-        different = dict(differing_keys(one, _keys(source, case)))
-        if different:
-            raise InputError(f"{first.path} and {source.path} are of different studies: {_words(different)}")
+def _compared_keys(record: RunRecord, case: Case) -> dict[str, Any]:
+    """Every key in which two datasets of one case may not differ."""
+    whole = {dotted: value for dotted, value in key_values(case, WHOLE_STUDY) if dotted not in _FREE}
+    path = {"loading.path": case.loading.path, "loading.unload": case.loading.unload}
+    return {**record.deciding_keys(case), **path, **whole}
 
 
-def _keys(cases: Cases, case: Case) -> dict[str, Any]:
-    """Every key by which a dataset of one case differs from another's but its title and the work it took."""
-    values = cases.deciding(case)
-    values["loading.path"], values["loading.unload"] = rounded(case.loading.path), case.loading.unload
-    for section in WHOLE_STUDY:
-        for name in keys_of(SECTIONS[section]):
-            if f"{section}.{name}" not in _FREE:
-                values[f"{section}.{name}"] = rounded(getattr(getattr(case, section), name))
-    return values
-
-
-def _words(different: Mapping[str, tuple[Any, Any]]) -> str:
-    words = [
-        f"{name} is {shown(one)} in the one and {shown(two)} in the other" for name, (one, two) in different.items()
-    ]
-    more = f", and {len(words) - _SHOWN} keys more differ" if len(words) > _SHOWN else ""
-    alone = next(iter(different))
-    advice = ""
-    if (
-        len(different) == 1
-        and not any(isinstance(value, list) for value in different[alone])
-        and (alone.partition(".")[0] not in WHOLE_STUDY)
-    ):
-        advice = f" (--along {alone} joins them over it)"
-    return ", ".join(words[:_SHOWN]) + more + advice
+def _words(different: Differences) -> str:
+    key, values = next(iter(different.items()))
+    joinable = len(different) == 1 and key.partition(".")[0] not in WHOLE_STUDY
+    joinable = joinable and not any(isinstance(value, tuple) for value in values)
+    advice = f" (--along {key} joins them over it)" if joinable else ""
+    return describe_differences(different, "in the one", "in the other") + advice

@@ -1,73 +1,49 @@
-"""Going on from an earlier run: a dataset that is finished, the steps of one that is not, or both.
+"""Continue an earlier run: a finished dataset, the steps of an unfinished run, or both.
 
-All that may refuse comes first; only then is anything moved. Cases that stand whole in a dataset are read there when
-the next one is assembled. Those of which a part stands are brought into the folder of this run's parts, from where the
-campaign goes on as if it had just been interrupted. A kill on the way leaves what a later resume sorts out: cases move
-by one rename each, and the dataset stays until its successor is complete.
+Every check comes before the first change. Cases that the dataset holds whole stay there until the next dataset is
+assembled. Other cases move to this run's work directory by one rename each, as if the run had just been interrupted.
+A later resume finishes one that was killed, and the old dataset stays until the new one is complete.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
-from contact_study.campaign.dataset.file import DatasetReader, attributes_of
+from contact_study.campaign.dataset.file import DatasetReader, ExistingDataset, StoredCase, attributes_of
+from contact_study.campaign.dataset.predictor import GapFields
 from contact_study.campaign.dataset.states import states_file
-from contact_study.campaign.predictor import GapFields
 from contact_study.campaign.progress import Progress
-from contact_study.campaign.resume.identity import Cases, Match, NotKeptError, Run, match
+from contact_study.campaign.record import Run, RunRecord
+from contact_study.campaign.resume.matching import Match, NotKeptError, match
 from contact_study.campaign.resume.work_directory import WorkDirectory
 from contact_study.campaign.store.case_file import CaseFile, write_case
 from contact_study.errors import InputError
 from contact_study.numerics.distributions import Bins
-from contact_study.study.case import Case
-from contact_study.study.sweep import SweptKey
 
-# Fingerprint of the field that a step started from.
-STARTED = "predictor_field"
+# Fingerprint of the gap field that a step started from.
+_START = "predictor_field"
 
-# Why a case of a dataset is computed again, where only its bins are in the way.
-COARSER = "the bins of its distributions were coarser than those asked for now"
+# Why the bins of a finished distribution do not serve.
+COARSER_BINS = "the bins of its distributions were coarser than those asked for now"
 
 
-@dataclass(frozen=True)
-class ExistingDataset:
-    """A finished dataset that stands at the output.
-
-    Attributes
-    ----------
-    path : pathlib.Path
-        The file.
-    attributes : dict
-        Its global attributes.
-    """
-
-    path: Path
-    attributes: Mapping[str, Any]
-
-    def is_of(self, run: Run) -> bool:
-        """Whether it is this very run's."""
-        return all(self.attributes.get(name) == value for name, value in run.attributes.items())
-
-
-def finished_at(parts: WorkDirectory, *, resume: bool, overwrite: bool) -> ExistingDataset | None:
-    """The dataset at the output, if it is there to be gone on from, and not to be replaced by the steps in the parts.
+def existing_dataset(work: WorkDirectory, *, resume: bool, overwrite: bool) -> ExistingDataset | None:
+    """The dataset at the output, if this run continues it and no steps in the work directory replace it.
 
     Raises
     ------
     InputError
-        If there is a file that is not to be touched.
+        If the output exists and neither option allows to use or replace it.
     """
-    output = parts.output
+    output = work.output
     if not output.exists() or overwrite:
         return None
     if not resume:
         raise InputError(f"{output} exists; use --overwrite to replace it or --resume to continue its run")
     attributes = attributes_of(output)
-    if parts.replaces() == _history(attributes):
+    if work.replaces() == _history(attributes):
         return None
     if attributes is None:
         raise InputError(f"{output} exists and is no readable dataset; use --overwrite or another output")
@@ -75,107 +51,70 @@ def finished_at(parts: WorkDirectory, *, resume: bool, overwrite: bool) -> Exist
 
 
 def _history(attributes: Mapping[str, Any] | None) -> str:
-    """What was asked for a dataset, and when; empty of what is none."""
     return str((attributes or {}).get("history", ""))
 
 
-class InPlace:
-    """A case that stands whole in a dataset, where it is read.
-
-    Parameters
-    ----------
-    dataset : Earlier
-        The dataset.
-    case : Case
-        The case there.
-    number : int
-        Its number there.
-    bins : Bins
-        Those of the dataset.
-    """
-
-    def __init__(self, dataset: DatasetReader, case: Case, number: int, bins: Bins):
-        self._dataset, self._index, self._number, self._bins = dataset, case.index, number, bins
-
-    @property
-    def constants(self) -> dict[str, Any]:
-        """What does not change along the path."""
-        return self._dataset.constants(self._index)
-
-    def step(self, number: int) -> tuple[dict[str, Any], Bins]:
-        """Quantities and fields of one step, and the bins of its distributions."""
-        return self._dataset.step(self._index, number), self._bins
-
-    def state(self, number: int) -> dict[str, np.ndarray]:
-        """State after the last step; empty if it was not kept."""
-        return self._dataset.state(self._number)
-
-
 @dataclass(frozen=True)
-class Taken:
-    """What stands of earlier runs.
+class Resumed:
+    """The part of a run that earlier runs have finished.
 
     Attributes
     ----------
     notes : list of str
-        What is to be known of it.
+        Warnings.
     path : pathlib.Path or None
         A finished dataset.
-    earlier : Cases or None
-        Its cases.
+    earlier : RunRecord or None
+        The run that wrote it.
     whole : dict
-        Those of this run that stand whole in it, by their number.
+        Cases that this dataset holds whole, by their number in this run.
     bins : Bins or None
-        Those of its distributions.
+        Bins of its distributions.
     """
 
     notes: list[str]
     path: Path | None = None
-    earlier: Cases | None = None
+    earlier: RunRecord | None = None
     whole: Mapping[int, Match] = field(default_factory=dict)
     bins: Bins | None = None
 
     @contextmanager
-    def opened(self) -> Iterator[dict[int, InPlace]]:
-        """The cases that stand whole in the finished dataset, to be read."""
+    def opened(self) -> Iterator[dict[int, StoredCase]]:
+        """Open the cases that the dataset holds whole."""
         if self.path is None or self.earlier is None or self.bins is None or not self.whole:
             yield {}
             return
-        cases, bins = self.earlier.study.cases, self.bins
-        with DatasetReader(self.path, self.earlier.study.sweep) as dataset:
-            yield {
-                number: InPlace(dataset, cases[found.earlier], found.earlier, bins)
-                for number, found in self.whole.items()
-            }
+        with DatasetReader(self.path, self.earlier.study) as dataset:
+            yield {number: dataset.case(found.earlier, self.bins) for number, found in self.whole.items()}
 
 
 def resume_run(
     run: Run,
     names: Sequence[str],
-    parts: WorkDirectory,
+    work: WorkDirectory,
     unfinished: Mapping[str, Any] | None,
     finished: ExistingDataset | None,
     git_commit: str,
     progress: Progress,
-) -> Taken:
-    """Find what of earlier runs stands in this one, and bring what is no whole case of a dataset into its parts.
+) -> Resumed:
+    """Find the finished part of a run; bring cases that no dataset holds whole into its work directory.
 
     Parameters
     ----------
     run : Run
-        This run.
+        The run.
     names : sequence of str
         Names of its cases.
-    parts : Parts
-        Its parts, opened.
+    work : WorkDirectory
+        Its work directory, open.
     unfinished : mapping or None
-        What the steps in the parts belong to.
-    finished : Finished or None
-        A dataset of an earlier run.
+        Attributes of the run whose steps the work directory holds.
+    finished : ExistingDataset or None
+        Dataset of an earlier run.
     git_commit : str
         Commit of the program now.
     progress : Progress
-        Shows how far it is.
+        Shows progress.
 
     Raises
     ------
@@ -183,97 +122,88 @@ def resume_run(
         If an earlier run is of another study, or its steps started from other fields of the predictor.
     """
     notes: list[str] = []
-    taken, kept = _Matched(), _Matched()
+    earlier: RunRecord | None = None
+    matches: dict[int, Match] = {}
     if finished is not None:
-        taken = _Matched.of(finished.attributes, run, finished.path, "exists and belongs to another study or model")
+        fault = "exists and belongs to another study or model"
+        earlier, matches = _match(finished.attributes, run, finished.path, fault)
         if run.predictor is not None:
-            with DatasetReader(finished.path, taken.sweep) as dataset:
-                _check_starts(run, taken, lambda found, step: dataset.text(STARTED, taken.case(found).index, step))
+            with DatasetReader(finished.path, earlier.study) as dataset:
+                _check_starts(run, matches, lambda number, step: dataset.text(_START, number, step))
     if unfinished is not None:
-        kept = _Matched.of(unfinished, run, parts.folder, "holds the steps of another study or version")
-        files = [CaseFile(parts.case_file(name)) for name in kept.names]
-        for file in progress.through(files, "steps of the earlier run checked, of cases"):
-            file.check()
-        _check_starts(run, kept, lambda found, step: files[found.earlier].step_text(step, STARTED))
-        # Nothing refuses from here on.
-        for number, found in kept.matches.items():
-            file, target = files[found.earlier], parts.case_file(names[number])
-            usable = file.usable_steps(run.bins)
-            file.keep(min(found.steps, usable), partial=usable < found.steps and not file.has_step(usable))
-            if file.path != target and file.path.exists():
-                file.path.rename(target)
-            if found.anew and not file.has_steps:
-                notes.append(_anew(run, number, found.anew))
-        damaged = sum(file.damaged for file in files)
-        if damaged:
-            notes.append(f"{damaged} damaged files of the earlier run; what they lost is computed again")
-    replaced = _history(attributes_of(parts.output)) if finished is None and parts.output.exists() else None
-    parts.claim({**run.attributes, "git_commit": git_commit}, replaced)
-    if finished is None:
-        return Taken(notes)
+        notes += _take_over(unfinished, run, names, work, progress)
+    replaced = _history(attributes_of(work.output)) if finished is None and work.output.exists() else None
+    work.claim({**run.record.attributes, "git_commit": git_commit}, replaced)
+    if finished is None or earlier is None:
+        return Resumed(notes)
     whole: dict[int, Match] = {}
-    with DatasetReader(finished.path, taken.sweep) as dataset:
-        bins = recorded_bins(dataset, run.bins)
-        for number, found in progress.through(taken.matches.items(), "cases of the dataset taken up"):
-            case, file = run.study.cases[number], CaseFile(parts.case_file(names[number]))
+    with DatasetReader(finished.path, earlier.study) as dataset:
+        bins = dataset.bins(run.bins)
+        for number, found in progress.through(matches.items(), "cases of the dataset checked"):
+            case, file = run.study.cases[number], CaseFile(work.case_file(names[number]))
             if found.steps == len(case.path) and bins.hold(run.bins):
                 whole[number] = found
             elif not file.path.exists() or file.finished(len(case.path), last_state=False) < found.steps:
-                why = _unpack(dataset, taken.case(found), found, case, bins, run.bins, file.path)
-                notes += [_anew(run, number, why)] if why else []
-    return Taken(list(dict.fromkeys(notes)), finished.path, taken.earlier, whole, bins)
+                reason = _extract(dataset, found, bins, run.bins, file.path)
+                notes += [_again(run, number, reason)] if reason else []
+    return Resumed(list(dict.fromkeys(notes)), finished.path, earlier, whole, bins)
 
 
-@dataclass(frozen=True)
-class _Matched:
-    """The cases of an earlier run and where they stand in this one."""
+def _match(attributes: Mapping[str, Any], run: Run, where: Path, fault: str) -> tuple[RunRecord, dict[int, Match]]:
+    try:
+        return match(attributes, run)
+    except NotKeptError as error:
+        raise InputError(f"{where}: {error}") from None
+    except InputError as error:
+        raise InputError(f"{where} {fault}; use --overwrite or another output: {error}") from None
 
-    earlier: Cases | None = None
-    matches: Mapping[int, Match] = field(default_factory=dict)
 
-    @classmethod
-    def of(cls, attributes: Mapping[str, Any], run: Run, where: Path, whose: str) -> "_Matched":
-        try:
-            return cls(*match(attributes, run))
-        except NotKeptError as error:
-            raise InputError(f"{where}: {error}") from None
-        except InputError as error:
-            raise InputError(f"{where} {whose}; use --overwrite or another output: {error}") from None
-
-    @property
-    def sweep(self) -> Mapping[str, SweptKey]:
-        return self.earlier.study.sweep if self.earlier else {}
-
-    @property
-    def names(self) -> list[str]:
-        return self.earlier.case_names() if self.earlier else []
-
-    def case(self, found: Match) -> Case:
-        assert self.earlier is not None
-        return self.earlier.study.cases[found.earlier]
+def _take_over(
+    unfinished: Mapping[str, Any], run: Run, names: Sequence[str], work: WorkDirectory, progress: Progress
+) -> list[str]:
+    """Give the case files of an unfinished run the names of this run's cases; drop steps that do not serve."""
+    earlier, matches = _match(unfinished, run, work.folder, "holds the steps of another study or version")
+    files = [CaseFile(work.case_file(name)) for name in earlier.case_names()]
+    for file in progress.through(files, "case files of the earlier run checked"):
+        file.check()
+    _check_starts(run, matches, lambda number, step: files[number].step_text(step, _START))
+    # No check comes after this line.
+    notes = []
+    for number, found in matches.items():
+        file, target = files[found.earlier], work.case_file(names[number])
+        usable = file.usable_steps(run.bins)
+        file.keep(min(found.steps, usable), partial=usable < found.steps and not file.has_step(usable))
+        if file.path != target and file.path.exists():
+            file.path.rename(target)
+        if found.reason and not file.has_steps:
+            notes.append(_again(run, number, found.reason))
+    damaged = sum(file.damaged for file in files)
+    if damaged:
+        notes.append(f"{damaged} damaged files of the earlier run: this run computes their lost steps again")
+    return notes
 
 
 def earlier_commits(unfinished: Mapping[str, Any] | None, finished: ExistingDataset | None, now: str) -> list[str]:
-    """Which commits of the program earlier steps are of, where it is not this one."""
+    """Name the commits of the program that computed earlier steps, where they differ from the present one."""
     earlier = [attributes for attributes in (unfinished, finished and finished.attributes) if attributes]
     commits = dict.fromkeys(str(attributes.get("git_commit")) for attributes in earlier)
     return [f"the earlier steps are of commit {commit}, the next of {now}" for commit in commits if commit != now]
 
 
-def _anew(run: Run, number: int, why: str) -> str:
+def _again(run: Run, number: int, reason: str) -> str:
     label = run.study.cases[number].label
-    return f"{label + ': ' if label else ''}computed anew: {why}"
+    return f"{label + ': ' if label else ''}computed again: {reason}"
 
 
-def _check_starts(run: Run, earlier: _Matched, started: Callable[[Match, int], str | None]) -> None:
-    """Every step that stands started from the field that the predictor holds now."""
+def _check_starts(run: Run, matches: Mapping[int, Match], fingerprint: Callable[[int, int], str | None]) -> None:
+    """Check that every finished step started from the gap field that the predictor holds now."""
     if run.predictor is None:
         return
-    for number, found in earlier.matches.items():
+    for number, found in matches.items():
         case = run.study.cases[number]
         fields = GapFields(run.predictor, case)
         for step in range(found.steps):
-            before = started(found, step)
+            before = fingerprint(found.earlier, step)
             if before is None:  # not finished
                 break
             if before != fields.fingerprint(step):
@@ -284,47 +214,35 @@ def _check_starts(run: Run, earlier: _Matched, started: Callable[[Match, int], s
                 )
 
 
-def _unpack(dataset: DatasetReader, before: Case, found: Match, case: Case, bins: Bins, own: Bins, path: Path) -> str:
-    """Put what stands of a case of a finished dataset into the file of a run's case, which appears by rename.
+def _extract(dataset: DatasetReader, found: Match, bins: Bins, own: Bins, path: Path) -> str:
+    """Write the usable steps of a dataset's case to a case file.
 
     Parameters
     ----------
-    dataset : Earlier
+    dataset : DatasetReader
         The dataset.
-    before, case : Case
-        The case there and here.
     found : Match
-        Where it stands there, and how much of it stands here.
+        The case in it.
     bins, own : Bins
-        Those of the dataset and of the run.
+        Bins of the dataset and of the run.
     path : pathlib.Path
-        The file.
+        The case file; it appears by rename.
 
     Returns
     -------
     str
-        Why nothing of it can be used; empty if it can.
+        Why no step is usable; empty if some are.
     """
     if found.steps == 0:
-        return found.anew
+        return found.reason
     if not bins.hold(own):
-        return COARSER
-    state = dataset.state(found.earlier) if found.steps == len(before.path) else {}
+        return COARSER_BINS
+    case = dataset.case(found.earlier, bins)
+    state = case.state(found.steps - 1)
     if not state:
-        no_file = f"no {states_file(dataset.path).name} of this dataset"
-        return found.anew or f"the state after its last point was not kept (output.restart = false, or {no_file})"
-    steps = [dataset.step(before.index, number) for number in range(found.steps)]
-    write_case(path, dataset.constants(before.index), steps, bins, state)
+        return found.reason or (
+            "the state after its last point was not kept (output.restart = false), or its file "
+            f"{states_file(dataset.path).name} is missing, of another dataset or damaged"
+        )
+    write_case(path, case.constants, [case.step(number)[0] for number in range(found.steps)], bins, state)
     return ""
-
-
-def recorded_bins(dataset: DatasetReader, own: Bins) -> Bins:
-    """Bins of a dataset, from their centres; those of ``own`` for a distribution that it lacks."""
-    edges = []
-    for centres, default in zip(dataset.bin_centres, (own.pressure_edges, own.gap_edges), strict=True):
-        if centres is None:
-            edges.append(default)
-        else:
-            width = (centres[-1] - centres[0]) / (centres.size - 1)
-            edges.append(np.linspace(centres[0] - width / 2, centres[-1] + width / 2, centres.size + 1))
-    return replace(own, pressure_edges=edges[0], gap_edges=edges[1])

@@ -1,7 +1,8 @@
-"""The folder of a running campaign, and the lock that keeps a second run away from it.
+"""The work directory of a run, ``bem.nc.parts``, and the lock that excludes a second run.
 
-``bem.nc.parts`` holds what the run is and one file per case, named after what decides its numbers. The dataset appears,
-by rename, when all is done, then the states beside it; then the folder goes, what says whose it is last.
+It holds a manifest with the record of the run, and one file per case, named after what decides its numbers. When all
+cases are finished the dataset moves to the output by rename, then its restart states, and the directory is removed, the
+manifest last. A run that is killed in between leaves what the next run on this output finishes.
 """
 
 import shutil
@@ -14,57 +15,60 @@ import xarray as xr
 from filelock import FileLock, Timeout
 
 from contact_study.cache import has_locks
-from contact_study.campaign.dataset.file import history_of, write_dataset
-from contact_study.campaign.dataset.formats import mark_of, put, put_back
+from contact_study.campaign.dataset.file import attributes_of, history_of, write_dataset
 from contact_study.campaign.dataset.states import States, states_file, write_states
 from contact_study.campaign.engines.base import CampaignError
 from contact_study.campaign.store.case_file import CaseFile
 from contact_study.campaign.store.files import load_json, save_json
+from contact_study.campaign.store.formats import mark_of, move_dataset, restore_dataset
 from contact_study.errors import InputError
 
-_REPLACES, _STORAGE = "replaces", "storage"
-_KIND_OF_STORAGE = 2  # how steps are kept; 1 were folders of a file a step
+_REPLACES, _STORAGE, _COMMIT = "replaces", "storage", "git_commit"
+_STORAGE_VERSION = 2  # one file per case; version 1 had a folder per case with one file per step
 
 
 class WorkDirectory:
-    """The folder of a running campaign.
+    """The work directory of a run.
 
     Parameters
     ----------
     output : pathlib.Path
-        The dataset it will become.
+        Dataset that the run writes.
     """
 
     def __init__(self, output: Path):
         self.output = output
         self.folder = output.with_name(output.name + ".parts")
         self._lock = FileLock(str(self.folder) + ".lock")
-        self._stood: tuple[int, ...] | None = None
-        self._overwrites = self._is_ours = False
+        self._manifest = self.folder / "manifest.json"
+        self._dataset = self.folder / f"dataset{output.suffix}"
+        self._states = self.folder / "restart"
+        self._output_mark: tuple[int, ...] | None = None
+        self._overwrites = self._is_claimed = False
 
     def open(self, *, resume: bool, overwrite: bool) -> dict[str, Any] | None:
-        """Take the folder for this campaign, clearing what is there (overwrite) or leaving it (resume).
+        """Lock the directory for this run; clear it (overwrite) or keep its steps (resume).
 
         Returns
         -------
         dict or None
-            What the steps that are there belong to, as :meth:`claim` wrote it; None if there are no steps.
+            What :meth:`claim` recorded of the steps in it; None if there are none.
 
         Raises
         ------
         InputError
-            If another run is writing, or steps are there that may be neither used nor cleared.
+            If another run is writing, or if it holds steps that this run may neither use nor clear.
         """
-        self._take_lock()
-        put_back(self._dataset, self.output)
-        self._settle()
-        self._stood, self._overwrites = mark_of(self.output), overwrite
+        self._acquire_lock()
+        restore_dataset(self._dataset, self.output)
+        self._publish_states()
+        self._output_mark, self._overwrites = mark_of(self.output), overwrite
         states = states_file(self.output)
         if not overwrite and states.exists() and States(states).history is None:
-            raise InputError(f"{states}: exists and holds no states to go on from; move it, or choose another output")
-        if overwrite:
+            raise InputError(f"{states}: exists and holds no restart states; move it, or choose another output")
+        if overwrite or (self._manifest.exists() and not resume and not self._holds_cases()):
             self.remove()
-        if not self._manifest.exists() and not any(self.folder.glob("*case*")):
+        if not self._manifest.exists() and not self._holds_cases():
             return None
         if not resume:
             raise InputError(
@@ -72,18 +76,18 @@ class WorkDirectory:
                 "or drop it with --overwrite"
             )
         claimed = self._claimed()
-        if claimed.get(_STORAGE) != _KIND_OF_STORAGE:
+        if claimed.get(_STORAGE) != _STORAGE_VERSION:
             if any(self.folder.glob("case-*")):
-                fault = "holds steps as an earlier version kept them; finish them with that version, or"
+                fault = "holds steps in the format of an earlier version; finish them with that version, or"
             else:
-                fault = "has lost what its steps belong to (manifest.json);"
+                fault = "has lost the record of its run (manifest.json);"
             raise InputError(f"{self.folder}: {fault} drop them with --overwrite")
         return claimed
 
-    def _take_lock(self) -> None:
+    def _acquire_lock(self) -> None:
         if not has_locks(self.folder.parent):
             raise InputError(
-                f"{self.output}: the file system of its folder has no locks (flock), which keep a second run away; "
+                f"{self.output}: the file system of its folder has no locks (flock), which exclude a second run; "
                 "choose an output elsewhere, or have it mounted with locks"
             )
         try:
@@ -93,58 +97,49 @@ class WorkDirectory:
                 f"{self.output}: another run is writing it; wait for its end or choose another output"
             ) from None
 
-    @property
-    def _manifest(self) -> Path:
-        return self.folder / "manifest.json"
+    def _holds_cases(self) -> bool:
+        return any(self.folder.glob("*case*"))
 
     def _claimed(self) -> dict[str, Any]:
-        """What :meth:`claim` wrote; empty if nothing readable says it."""
+        """What :meth:`claim` wrote; empty if it is missing or unreadable."""
         try:
             return dict(load_json(self._manifest))
         except (OSError, ValueError, TypeError):
             return {}
 
     def replaces(self) -> str | None:
-        """What the steps are to replace, as :meth:`claim` was told; None for nothing."""
+        """History of the dataset that the steps replace; None if they replace none."""
         return self._claimed().get(_REPLACES)
 
     def claim(self, attributes: Mapping[str, Any], replaces: str | None = None) -> None:
-        """Write what the steps belong to, and the history of the dataset at the output that they are to replace."""
-        self._is_ours = True
+        """Record the run that the steps belong to, and the history of the dataset that they replace."""
+        self._is_claimed = True
         self.folder.mkdir(parents=True, exist_ok=True)
-        save_json(self._manifest, {**attributes, _REPLACES: replaces, _STORAGE: _KIND_OF_STORAGE})
+        save_json(self._manifest, {**attributes, _REPLACES: replaces, _STORAGE: _STORAGE_VERSION})
 
     def close(self) -> None:
-        """Let other runs write."""
+        """Release the lock."""
         if self._lock.is_locked:
             Path(self._lock.lock_file).unlink(missing_ok=True)
             self._lock.release()
 
-    @property
-    def _dataset(self) -> Path:
-        return self.folder / f"dataset{self.output.suffix}"
-
-    @property
-    def _states(self) -> Path:
-        return self.folder / "restart"
-
     def check_output(self) -> None:
-        """Raise CampaignError if something else stands at the output than when the run began, and is not to be lost."""
-        if not self._overwrites and mark_of(self.output) != self._stood:
+        """Raise CampaignError if a file appeared at the output since the run began, or changed there."""
+        if not self._overwrites and mark_of(self.output) != self._output_mark:
             raise CampaignError(
                 f"{self.output} has appeared or changed while this ran; move it away and run this again (a model with "
                 "--resume)"
             )
 
     def write(self, groups: Mapping[str, xr.Dataset], states: Iterable[Mapping[str, np.ndarray]] | None) -> None:
-        """Write the dataset and what stands beside it, inside the folder.
+        """Write the dataset and its restart states inside the directory.
 
         Parameters
         ----------
         groups : mapping
             Groups of the dataset.
         states : iterable of mapping, or None
-            State after the last point of each case, for the file beside it; None for no such file.
+            State after the last point of each case; None for no file of states.
         """
         write_dataset(self._dataset, groups)
         self._states.unlink(missing_ok=True)
@@ -152,50 +147,52 @@ class WorkDirectory:
             write_states(self._states, str(groups[""].attrs["history"]), states)
 
     def publish(self) -> None:
-        """Rename what is written to the output, and drop the folder.
+        """Rename what is written to the output, and remove the directory.
 
         Raises
         ------
         CampaignError
-            If something else stands at the output than when the run began.
+            If a file appeared at the output since the run began, or changed there.
         """
         self.check_output()
-        put(self._dataset, self.output)
-        there = states_file(self.output)
-        if not self._states.exists() and States(there).history is not None:  # of the dataset that stood here before
-            there.unlink()
-        self._settle()
+        move_dataset(self._dataset, self.output)
+        old = states_file(self.output)
+        if not self._states.exists() and States(old).history is not None:  # of the replaced dataset
+            old.unlink()
+        self._publish_states()
         self.remove()
 
-    def _settle(self) -> None:
-        """Put the states beside their dataset, if that has come to the output."""
+    def _publish_states(self) -> None:
+        """Move the restart states to their dataset, once it is at the output."""
         history = States(self._states).history
         if history is not None and history == history_of(self.output):
             self._states.replace(states_file(self.output))
 
-    def tidy(self, attributes: Mapping[str, Any]) -> bool:
-        """Finish what a run with these attributes has left that was killed after its dataset's rename.
+    def clear_leftovers(self) -> bool:
+        """Finish what a run left that was killed after it had renamed the dataset which is now at the output.
 
         Returns
         -------
         bool
-            Whether nothing is left: another run may be at work, or have left its steps.
+            Whether nothing is left; another run may be at work, or have left its steps.
         """
         if not self.folder.exists() and not Path(self._lock.lock_file).exists():
             return True
         try:
-            self._take_lock()
+            self._acquire_lock()
         except (InputError, OSError):
             return False
-        self._settle()
-        there = self._claimed()
-        if not any(self.folder.glob("*")) or all(there.get(name) == value for name, value in attributes.items()):
+        self._publish_states()
+        written = attributes_of(self.output) or {}
+        claimed = {name: value for name, value in self._claimed().items() if name not in (_REPLACES, _STORAGE, _COMMIT)}
+        is_written = bool(claimed) and all(written.get(name) == value for name, value in claimed.items())
+        if is_written or not any(self.folder.glob("*")):
             self.remove()
         self.close()
         return not self.folder.exists()
 
     def remove(self) -> None:
-        """Drop the folder, whose dataset is written, or which holds nothing; a kill leaves what says whose it is."""
+        """Remove the directory; a kill in between leaves the manifest."""
         for path in self.folder.iterdir() if self.folder.is_dir() else ():
             if path.is_dir():
                 shutil.rmtree(path, ignore_errors=True)
@@ -204,8 +201,8 @@ class WorkDirectory:
         shutil.rmtree(self.folder, ignore_errors=True)
 
     def drop_if_empty(self) -> None:
-        """Drop the folder, if this run has claimed it and no step of any case is in it."""
-        if self._is_ours and not any(CaseFile(path).has_steps for path in self.folder.glob("*.case")):
+        """Remove the directory if this run has claimed it and no case in it has a step."""
+        if self._is_claimed and not any(CaseFile(path).has_steps for path in self.folder.glob("*.case")):
             self.remove()
 
     def case_file(self, name: str) -> Path:

@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from contact_study.campaign.dataset.formats import check_format, is_zarr
+from contact_study.campaign.store.formats import check_format, is_zarr
 from contact_study.errors import InputError
 
 

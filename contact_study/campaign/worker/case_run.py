@@ -14,7 +14,7 @@ import numpy as np
 from contact_study.campaign.engines.base import CampaignError, Report
 from contact_study.campaign.memory import require
 from contact_study.campaign.model import Model
-from contact_study.campaign.resume.identity import content_hash
+from contact_study.campaign.record import content_hash
 from contact_study.campaign.store.case_file import CaseFile, CaseWriter
 from contact_study.campaign.worker.ensemble import Averages, restart_of
 from contact_study.numerics.distributions import Bins
@@ -26,7 +26,7 @@ from contact_study.results.step import Step, recorded
 from contact_study.study.case import Case, realise
 
 if TYPE_CHECKING:
-    from contact_study.campaign.predictor import GapFields
+    from contact_study.campaign.dataset.predictor import GapFields
 
 # Thermal states of half a minute are lost to a kill, and to keep them costs a thousandth of it.
 _SECONDS_BETWEEN_CHECKPOINTS = 30.0
@@ -137,7 +137,7 @@ def _recorded(
 def _predictor(job: Job) -> "GapFields | None":
     if job.predictor is None:
         return None
-    from contact_study.campaign.predictor import GapFields  # and with it xarray, which is slow to import
+    from contact_study.campaign.dataset.predictor import GapFields  # and with it xarray, which is slow to import
 
     return GapFields(job.predictor, job.case)
 

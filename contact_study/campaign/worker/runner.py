@@ -1,4 +1,4 @@
-"""One campaign: the unfinished cases of a study handed to an engine."""
+"""Run the unfinished cases of a study by an engine."""
 
 import os
 from collections.abc import Container, Sequence
@@ -10,7 +10,7 @@ from contact_study.campaign.engines import CampaignError
 from contact_study.campaign.memory import require_memory_at_once
 from contact_study.campaign.model import Model
 from contact_study.campaign.progress import Progress
-from contact_study.campaign.resume.identity import Run
+from contact_study.campaign.record import Run
 from contact_study.campaign.resume.work_directory import WorkDirectory
 from contact_study.campaign.store.case_file import CaseFile
 from contact_study.campaign.worker.case_run import Job, run_case
@@ -18,30 +18,35 @@ from contact_study.study.study import Study
 
 
 @dataclass(frozen=True)
-class Where:
-    """Where the cases of a study run.
+class RunOptions:
+    """How a campaign runs; no option changes a number.
 
     Parameters
     ----------
-    workers, engine, scheduler
-        See :class:`~contact_study.campaign.run.RunOptions`.
-    fitting : int
-        How many cases this machine's memory holds at once.
+    resume, overwrite : bool
+        Whether to continue, or to replace, a dataset or unfinished run at the output.
+    workers : int or None
+        Number of processes; None for one per case, at most the cores.
+    engine : str or None
+        Name of one of :data:`contact_study.campaign.engines.ENGINES`; None for the one that the workers need.
+    scheduler : str or None
+        Address or file of a cluster's scheduler, for an engine that has one.
     """
 
-    workers: int | None
-    fitting: int
+    resume: bool = False
+    overwrite: bool = False
+    workers: int | None = None
     engine: str | None = None
     scheduler: str | None = None
 
 
-def check_memory(model: Model, study: Study, engine: str | None, workers: int | None) -> int:
-    """How many cases of a study fit this machine's memory at once; any number where they run on others.
+def count_fitting_cases(model: Model, study: Study, engine: str | None, workers: int | None) -> int:
+    """Number of cases of a study that this machine's memory holds at once; all of them on other machines.
 
     Raises
     ------
     InputError
-        If those that are to run at once do not fit. On other machines each says so where it runs.
+        If the cases that are to run at once do not fit. Other machines check this where a case runs.
     """
     if engine in engines.REMOTE:
         return len(study.cases)
@@ -50,7 +55,13 @@ def check_memory(model: Model, study: Study, engine: str | None, workers: int | 
 
 
 def run_cases(
-    run: Run, names: Sequence[str], parts: WorkDirectory, whole: Container[int], progress: Progress, where: Where
+    run: Run,
+    names: Sequence[str],
+    work: WorkDirectory,
+    whole: Container[int],
+    progress: Progress,
+    options: RunOptions,
+    fitting: int,
 ) -> tuple[dict[int, CaseFile], list[str]]:
     """Run every unfinished step of every case.
 
@@ -60,37 +71,39 @@ def run_cases(
         The run.
     names : sequence of str
         Names of its cases.
-    parts : Parts
-        Where they are kept.
+    work : WorkDirectory
+        Folder of the case files.
     whole : container of int
-        Numbers of cases that stand in a dataset, and are not run.
+        Numbers of cases that a dataset holds; they do not run.
     progress : Progress
-        Hears of every step.
-    where : Where
-        Where they run.
+        Receives every step.
+    options : RunOptions
+        Workers, engine and scheduler.
+    fitting : int
+        Number of cases that this machine's memory holds at once.
 
     Returns
     -------
     files : dict
         File of every other case, by its number.
     notes : list of str
-        Warnings of these, also of the steps finished before.
+        Warnings of these cases, earlier steps included.
 
     Raises
     ------
     CampaignError
-        If a worker process died, a height map changed, or steps that a worker has finished are not here.
+        If a worker process died, a height map changed, or finished steps of a worker are missing on this machine.
     """
-    # Workers of other machines may stand in another folder.
+    # Workers on other machines may have another working directory.
     predictor = None if run.predictor is None else run.predictor.absolute()
     jobs = {
         number: Job(
             run.model,
             replace(case, directory=case.directory.absolute()),
             run.bins,
-            parts.case_file(name).absolute(),
+            work.case_file(name).absolute(),
             predictor,
-            run.height_maps.get(str(case.surface.map_path), ""),
+            run.record.height_maps.get(str(case.surface.map_path), ""),
         )
         for number, (case, name) in enumerate(zip(run.study.cases, names, strict=True))
         if number not in whole
@@ -100,15 +113,15 @@ def run_cases(
     missing = {number: job.missing(files[number]) for number, job in jobs.items()}
     progress.start(total, total - sum(missing.values()))
     unfinished = [number for number in jobs if missing[number] or not files[number].has_constants]
-    if where.engine in engines.REMOTE:  # whose cores are not known here
-        workers, threads = where.workers or len(unfinished), 1
+    if options.engine in engines.REMOTE:  # the number of its cores is unknown
+        workers, threads = options.workers or len(unfinished), 1
     else:
-        most = where.workers or min(where.fitting, _processes(run.model, len(run.study.cases)))
+        most = options.workers or min(fitting, _processes(run.model, len(run.study.cases)))
         workers = min(most, len(unfinished))
-        # Threads follow from the whole study, not from what is left of it: a resumed run repeats the arithmetic.
+        # The number of threads follows from the whole study: a resumed run repeats the arithmetic.
         threads = max(1, available_cores() // max(1, min(most, len(run.study.cases))))
     tasks = [partial(run_case, jobs[number], threads) for number in unfinished]
-    engines.run(tasks, workers, progress.step, where.engine, where.scheduler)
+    engines.run(tasks, workers, progress.step, options.engine, options.scheduler)
     for number in unfinished:
         files[number] = CaseFile(jobs[number].file)
         if jobs[number].missing(files[number]):
@@ -119,9 +132,9 @@ def run_cases(
 
 
 def _processes(model: Model, cases: int) -> int:
-    """Processes of a study that asks for no number: one for each core, or where these have not two cases each for more.
+    """Default number of processes: one per core, or per ``model.threads`` cores where cores have fewer than two cases.
 
-    A process more costs a start, and an odd case at the end leaves the others idle.
+    A further process costs its start, and an odd case at the end leaves the others idle.
     """
     cores = available_cores()
     return cores if cases >= 2 * cores else max(1, cores // model.threads)

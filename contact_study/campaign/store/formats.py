@@ -62,31 +62,31 @@ def check_format(path: Path) -> None:
     if not is_zarr(path):
         return
     if importlib.util.find_spec("zarr") is None:
-        raise InputError(f"{path}: needs the package zarr; pip install 'bem-adhesion[zarr]'")
+        raise InputError(f"{path}: needs the package zarr; pip install '.[zarr]'")
     if path.exists() and not is_store(path):
         raise InputError(f"{path}: is there and is no Zarr; choose another output")
 
 
-def put(dataset: Path, path: Path) -> None:
-    """Rename a dataset to its place, over an earlier one; of Zarr that goes beside where the dataset was.
+def move_dataset(dataset: Path, path: Path) -> None:
+    """Rename a dataset to its place, over an earlier one; an earlier folder of Zarr moves beside the new one first.
 
     Raises
     ------
     OSError
-        If a folder stands there that is no dataset.
+        If the place is a folder that is no dataset.
     """
     if not path.is_dir():
         dataset.replace(path)
         return
     if not is_zarr(path) or not is_store(path):
         raise IsADirectoryError(f"{path}: is a folder, and no dataset that may be replaced")
-    # No rename replaces a folder: a kill in between leaves the earlier one, which is put back.
+    # No rename replaces a folder: after a kill in between, restore_dataset puts the earlier one back.
     path.rename(_earlier(dataset, path))
     dataset.rename(path)
 
 
-def put_back(dataset: Path, path: Path) -> None:
-    """Undo half of a :func:`put` that was killed."""
+def restore_dataset(dataset: Path, path: Path) -> None:
+    """Put an earlier dataset back whose :func:`move_dataset` was killed."""
     if not path.exists() and is_store(_earlier(dataset, path)):
         _earlier(dataset, path).rename(path)
 

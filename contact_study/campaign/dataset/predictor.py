@@ -1,0 +1,179 @@
+"""Gap fields of a continuum dataset as starting configurations for the steps of another run."""
+
+import hashlib
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from contact_study.campaign.record import (
+    RunRecord,
+    describe_differences,
+    differences,
+    key_values,
+    matching_cases,
+    recorded_height_maps,
+    value_of,
+)
+from contact_study.campaign.store.formats import engine_of, readable, require_dataset
+from contact_study.errors import InputError
+from contact_study.results.state import usable
+from contact_study.study.case import Case
+from contact_study.study.load_steps import path_points, path_points_of
+from contact_study.study.schema.dotted_keys import SECTIONS, same
+from contact_study.study.schema.keys import keys_of
+from contact_study.study.study import Study
+
+# Sections that define a contact, and their keys that do not: each model has its own grid, a height map counts by its
+# content, and no gap field depends on the lattice or the contact distance.
+_CONTACT = ("surface", "material", "elasticity", "interaction")
+_NO_CONTACT = ("shape", "path", "atom_mass", "lattice_constant", "contact_distance")
+# Keys that the work of adhesion stands for.
+_ADHESION = ("well_depth", "well_depth_ratio", "work_of_adhesion")
+# Methods of the atoms that have a starting configuration of their own.
+_OWN_START = ("overdamped", "dynamics")
+_OPTION = "--predictor"
+
+
+def check_predictor(path: Path, study: Study, height_maps: Mapping[str, str]) -> list[str]:
+    """Make sure that a dataset can serve a study as predictor.
+
+    A start selects one of several adhesive states, so the surface must be the same. Other moduli or another law give
+    rough starts; the notes name them.
+
+    Parameters
+    ----------
+    path : pathlib.Path
+        Dataset of the continuum.
+    study : Study
+        The study to be started.
+    height_maps : mapping
+        SHA-256 of each of its height maps by the path as the study writes it.
+
+    Returns
+    -------
+    list of str
+        Differences between the two contacts.
+
+    Raises
+    ------
+    InputError
+        If the dataset cannot be read, holds no gap fields or is of another surface or control, or if the study's atoms
+        have a starting configuration of their own.
+    """
+    for case in study.cases:
+        if case.atomistic.method in _OWN_START:
+            raise InputError(
+                f'{_OPTION} {path}: atoms of atomistic.method = "{case.atomistic.method}" start from separation; leave '
+                "the option out"
+            )
+    require_dataset(path, _OPTION)
+    with _opened(path) as dataset:
+        if "gap" not in dataset or not str(dataset["gap"].dims[-1]).startswith("x"):
+            raise InputError(f"{_OPTION}: {path} holds no gap fields; write it with output.fields = true")
+        attributes = dict(dataset.attrs)
+    other, maps = _study(path, attributes), recorded_height_maps(attributes)
+    differing: dict[str, tuple[Any, Any]] = {}
+    for case in study.cases:
+        start = _start_case(other, case)
+        if start is not None:
+            differing |= differences(_contact_keys(start), _contact_keys(case))
+            own = height_maps.get(str(case.surface.map_path))
+            if case.height_map is not None and own != maps.get(str(start.surface.map_path)):
+                raise InputError(f"{_OPTION}: {path} is of another height map than {case.surface.map_path}")
+    notes = []
+    for key, pair in differing.items():
+        words = f"is of another contact: {describe_differences({key: pair}, 'there', 'here')}"
+        if key.startswith(("surface.", "loading.")):
+            raise InputError(f"{_OPTION}: {path} {words}")
+        notes.append(f"the predictor {path} {words}; its gap fields may select other states")
+    return notes
+
+
+class GapFields:
+    """Gap field (y, x) of each path point of one case; None where the dataset has no usable state.
+
+    Parameters
+    ----------
+    path : pathlib.Path
+        Dataset of the continuum.
+    case : Case
+        The case to be started; matched by the swept keys of both studies and by the points of its path.
+    """
+
+    def __init__(self, path: Path, case: Case):
+        self._path = path
+        self._case = case
+        self._points = path_points_of(case)
+        with _opened(path) as dataset:
+            study = _study(path, dataset.attrs)
+        start = _start_case(study, case)
+        self._index = None if start is None else dict(zip(study.sweep, start.index, strict=True))
+
+    def __call__(self, number: int) -> np.ndarray | None:
+        if self._index is None:
+            return None
+        with _opened(self._path) as dataset:
+            dataset = dataset.isel({name: i for name, i in self._index.items() if name in dataset.dims})
+            points = path_points(dataset[f"applied_{self._case.loading.control}"].values, dataset["branch"].values)
+            if self._points[number] not in points:
+                return None
+            state = dataset.isel(step=points.index(self._points[number]))
+            if not usable(state):
+                return None
+            field = _unpadded(state["gap"].values.astype(float))
+            return field if field.size else None  # not among output.field_steps
+
+    def fingerprint(self, number: int) -> str:
+        """SHA-256 of the field of a path point; empty where there is none."""
+        field = self(number)
+        return "" if field is None else hashlib.sha256(np.ascontiguousarray(field).tobytes()).hexdigest()
+
+
+@contextmanager
+def _opened(path: Path) -> Iterator[xr.Dataset]:
+    with readable(path, _OPTION), xr.open_dataset(path, engine=engine_of(path), decode_timedelta=False) as dataset:
+        yield dataset
+
+
+def _study(path: Path, attributes: Mapping[str, Any]) -> Study:
+    try:
+        return _read_study(str(attributes.get("study_toml")), path.parent)
+    except InputError as error:
+        raise InputError(f"{_OPTION}: {path} {error}") from None
+
+
+@lru_cache(maxsize=1)  # every case of a study asks for it
+def _read_study(toml: str, directory: Path) -> Study:
+    return RunRecord.read({"study_toml": toml}, directory).study
+
+
+def _start_case(study: Study, case: Case) -> Case | None:
+    """The case of another study at the same point of either sweep: of the same contact, as near as possible else."""
+    swept = {*study.sweep, *case.coordinates}
+    contact = {name for section in _CONTACT for name in keys_of(SECTIONS[section])} - {*_NO_CONTACT} | {"path"}
+
+    def shared(other: Case) -> int:
+        return sum(same(value_of(other, name), value_of(case, name)) for name in swept - contact)
+
+    return max(matching_cases(study, case, swept & contact), key=shared, default=None)
+
+
+def _contact_keys(case: Case) -> dict[str, Any]:
+    """Keys that define the contact of a case."""
+    values = {
+        key: value
+        for key, value in key_values(case, _CONTACT)
+        if key.rpartition(".")[2] not in (*_NO_CONTACT, *_ADHESION)
+    }
+    return {**values, "the work of adhesion": case.law.work_of_adhesion, "loading.control": case.loading.control}
+
+
+def _unpadded(field: np.ndarray) -> np.ndarray:
+    """A field without the rows and columns of NaN that pad it in a sweep over sizes."""
+    there = ~np.isnan(field)
+    return field[: np.count_nonzero(there.any(axis=1)), : np.count_nonzero(there.any(axis=0))]
