@@ -11,30 +11,34 @@ import os
 import sys
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
-from filelock import FileLock
 
 from contact_study.cache import cache_folder, has_locks
 from contact_study.numerics.memory import Memory, Scratch
 
 # OpenMP's threads spin while they wait for one another. Where another process holds a core they then wait for the
-# scheduler at every barrier, and two threads take up to a hundred times as long as one. Read when FFTW is loaded.
+# scheduler at every barrier, and two threads take up to a hundred times as long as one. FFTW reads it when loaded.
 os.environ.setdefault("OMP_WAIT_POLICY", "passive")
-if "dask" in sys.modules:
-    import pyfftw
-else:
-    # Where Dask is installed, pyFFTW takes it up for its own face of dask.array: half of the start of every command.
-    sys.modules["dask"] = None  # type: ignore[assignment]
-    try:
-        import pyfftw
-    finally:
-        del sys.modules["dask"]
 
 # Below it a second thread of FFTW gains little or nothing, and costs much when the other core is busy.
 POINTS_FOR_THREADS = 1024**2
 # Above it a transform for occasional use is planned anew each time, from the wisdom, rather than held.
 POINTS_TO_HOLD = 512**2
+
+
+@cache
+def _fftw() -> Any:
+    """Import pyFFTW without its faces of Dask and SciPy, which take longer than most commands need to start."""
+    hidden = [name for name in ("dask", "scipy.fftpack") if name not in sys.modules]
+    sys.modules.update(dict.fromkeys(hidden))  # type: ignore[arg-type]
+    try:
+        import pyfftw
+    finally:
+        for name in hidden:
+            sys.modules.pop(name, None)
+    return pyfftw
 
 
 def _wisdom_file() -> Path:
@@ -49,13 +53,13 @@ def _load_wisdom(path: Path) -> None:
             return
         wisdom = json.loads(content)
         if isinstance(wisdom, list) and len(wisdom) == 3 and all(isinstance(one, str) for one in wisdom):
-            pyfftw.import_wisdom([one.encode() for one in wisdom])  # of double, single and long double precision
+            _fftw().import_wisdom([one.encode() for one in wisdom])  # of double, single and long double precision
     except (OSError, ValueError):
         return  # none yet, or a damaged file: measured anew
 
 
 def _save_wisdom(path: Path) -> None:
-    content = json.dumps([wisdom.decode() for wisdom in pyfftw.export_wisdom()])
+    content = json.dumps([wisdom.decode() for wisdom in _fftw().export_wisdom()])
     partial = path.with_suffix(f".{os.getpid()}")
     partial.write_text(f"{_checksum(content)}\n{content}", "ascii")
     partial.replace(path)
@@ -115,11 +119,15 @@ class RealTransform:
         self._plan(threads)
 
     def _plan(self, threads: int) -> None:
-        def plans(*flags: str) -> tuple[pyfftw.FFTW, pyfftw.FFTW]:
+        from filelock import FileLock  # slow to import, as FFTW is
+
+        fftw = _fftw().FFTW
+
+        def plans(*flags: str) -> tuple[Any, Any]:
             common = {"axes": (-2, -1), "threads": threads}
             return (
-                pyfftw.FFTW(self.field, self.spectrum, flags=flags, **common),
-                pyfftw.FFTW(
+                fftw(self.field, self.spectrum, flags=flags, **common),
+                fftw(
                     self.spectrum,
                     self.field,
                     direction="FFTW_BACKWARD",

@@ -114,7 +114,7 @@ def test_damaged_wisdom_is_measured_anew(tmp_path, monkeypatch, where):
     content = bytearray(path.read_bytes())
     content[where] ^= 1
     path.write_bytes(content)
-    monkeypatch.setattr(fourier.pyfftw, "import_wisdom", imported.append)
+    monkeypatch.setattr(fourier._fftw(), "import_wisdom", imported.append)
     wisdom_of_a_plan(tmp_path, monkeypatch, (14, 26))
     assert not imported, "of a bit that is another"
     wisdom_of_a_plan(tmp_path, monkeypatch, (14, 30))
@@ -143,7 +143,7 @@ def test_threads_that_wait_sleep_unless_told_otherwise(chosen, expected):
     """What OpenMP itself says it has read when FFTW's library was loaded."""
     environment = {key: value for key, value in os.environ.items() if key != "OMP_WAIT_POLICY"}
     environment |= {"OMP_DISPLAY_ENV": "true"} | ({"OMP_WAIT_POLICY": chosen} if chosen else {})
-    command = [sys.executable, "-c", "import bem_adhesion.study.model, md_reference.study.model, theory.study.model"]
+    command = [sys.executable, "-c", "from contact_study.numerics import fourier; fourier.RealTransform((4, 4))"]
     shown = subprocess.run(command, env=environment, capture_output=True, text=True, check=True).stderr
     assert f"OMP_WAIT_POLICY = '{expected}'" in shown
 

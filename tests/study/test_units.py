@@ -3,6 +3,7 @@
 import subprocess
 import sys
 
+import numpy as np
 import pytest
 
 from contact_study import units
@@ -22,20 +23,20 @@ def fresh(tmp_path, monkeypatch):
 
 
 def test_definitions_are_kept_and_damaged_ones_do_no_harm(fresh):
-    assert units.quantity("3 GPa", "Pa", "key") == 3e9
+    assert units.quantity("3 MN/m^2", "Pa", "key") == 3e6
     kept = [path for path in (fresh / "units").iterdir() if path.is_file()]
     assert kept
     for path in kept:
         path.write_bytes(b"garbage")
     units._registry.cache_clear()
     units._from_text.cache_clear()
-    assert units.quantity("2 angstrom", "m", "key") == pytest.approx(2e-10, abs=0, rel=1e-15)
+    assert units.quantity("2 inch", "m", "key") == pytest.approx(0.0508, abs=0, rel=1e-15)
 
 
 def test_definitions_are_not_read_from_a_folder_that_others_may_write(fresh, monkeypatch):
     """Pint keeps them pickled."""
     monkeypatch.setenv("BEM_ADHESION_CACHE", str(fresh / "shared"))
-    assert units.quantity("3 GPa", "Pa", "key") == 3e9
+    assert units.quantity("3 MN/m^2", "Pa", "key") == 3e6
     assert (fresh / "units").is_dir()
     assert not (fresh / "shared").exists()
 
@@ -43,7 +44,7 @@ def test_definitions_are_not_read_from_a_folder_that_others_may_write(fresh, mon
 def test_a_folder_that_cannot_be_made_does_no_harm(fresh, monkeypatch):
     (fresh / "file").touch()
     monkeypatch.setattr(units, "own_cache_folder", lambda: fresh / "file" / "below")
-    assert units.quantity("3 GPa", "Pa", "key") == 3e9
+    assert units.quantity("3 MN/m^2", "Pa", "key") == 3e6
 
 
 def test_commands_start_without_dask():
@@ -51,6 +52,20 @@ def test_commands_start_without_dask():
     code = "import sys, theory.study.model; assert 'dask' not in sys.modules; import dask.array; import pyfftw"
     pytest.importorskip("dask")
     subprocess.run([sys.executable, "-c", code], check=True)
+
+
+def test_everyday_units_are_those_of_pint_to_the_last_bit():
+    numbers = np.random.default_rng(0).normal(0, 100, 50)
+    for unit, known in units._COMMON.items():
+        for written in known:
+            for number in numbers:
+                expected = units._registry().Quantity(float(number), written).to(unit).magnitude
+                assert units.quantity(f"{float(number)!r} {written}", unit, "key") == expected, written
+
+
+@pytest.mark.parametrize(("text", "unit", "is_one"), [("1 nN", "N", True), ("1 GPa", "N", False), ("1 kgf", "N", True)])
+def test_kinds_of_units(text, unit, is_one):
+    assert units.is_a(text, unit) == is_one
 
 
 def test_an_integer_beyond_any_float_is_one_line():

@@ -4,8 +4,6 @@ Heights are (y, x) with rows and columns evenly spaced; NaN stands where nothing
 """
 
 import numpy as np
-from scipy import sparse
-from scipy.sparse.linalg import spsolve
 
 from contact_study.numerics import fourier
 from contact_study.numerics.grid import Grid
@@ -53,6 +51,9 @@ def filled(heights: np.ndarray, spacing: tuple[float, float]) -> np.ndarray:
     count = int(missing.sum())
     if count == 0:
         return heights.copy()
+    from scipy import sparse  # slow to import
+    from scipy.sparse.linalg import spsolve
+
     number = np.full(heights.shape, -1)
     number[missing] = np.arange(count)
     diagonal, right = np.zeros(count), np.zeros(count)
@@ -94,7 +95,7 @@ def windowed(heights: np.ndarray, share: float) -> np.ndarray:
     share : float
         Share of each side over which they fade, both ends together.
     """
-    from scipy.signal.windows import tukey  # takes longer to import than most commands do to start
+    from scipy.signal.windows import tukey  # slow to import
 
     rows, columns = (tukey(n, share, sym=False) for n in heights.shape)
     mean = heights.mean()
