@@ -11,10 +11,27 @@ if TYPE_CHECKING:
     from contact_study.campaign.dataset.xyz import to_xyz
     from contact_study.campaign.library import run
     from contact_study.errors import InputError
+    from contact_study.results.schema import register_observable
     from contact_study.study.case import realise
+    from contact_study.study.schema.elasticity import register_solid
+    from contact_study.study.schema.interaction import register_law
+    from contact_study.study.schema.surface import register_surface
     from contact_study.study.study import make_study, read_study
 
-__all__ = ["InputError", "__version__", "make_study", "read_study", "realise", "run", "to_vtk", "to_xyz"]
+__all__ = [
+    "InputError",
+    "__version__",
+    "make_study",
+    "read_study",
+    "realise",
+    "register_law",
+    "register_observable",
+    "register_solid",
+    "register_surface",
+    "run",
+    "to_vtk",
+    "to_xyz",
+]
 
 __version__ = "0.1.0"
 
@@ -23,6 +40,10 @@ _MODULES = {
     "make_study": "study.study",
     "read_study": "study.study",
     "realise": "study.case",
+    "register_law": "study.schema.interaction",
+    "register_observable": "results.schema",
+    "register_solid": "study.schema.elasticity",
+    "register_surface": "study.schema.surface",
     "run": "campaign.library",
     "to_vtk": "campaign.dataset.vtk",
     "to_xyz": "campaign.dataset.xyz",

@@ -3,7 +3,10 @@
 import importlib
 import sys
 
-INTERRUPTED = 130  # exit status
+from contact_study import plugins
+from contact_study.errors import InputError
+
+INTERRUPTED, WRONG_INPUT = 130, 1  # exit statuses
 
 
 def bem_adhesion() -> int:
@@ -33,8 +36,12 @@ def contact_merge() -> int:
 
 def _command(name: str, module: str) -> int:
     try:
+        plugins.load()
         main = importlib.import_module(module).main
     except KeyboardInterrupt:
         print(f"{name}: interrupted before it began", file=sys.stderr)
         return INTERRUPTED
+    except InputError as error:  # of a plug-in
+        print(f"{name}: error: {error}", file=sys.stderr)
+        return WRONG_INPUT
     return int(main())

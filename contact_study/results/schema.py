@@ -19,12 +19,12 @@ from functools import cache
 import numpy as np
 
 from contact_study.results.constants import CONSTANTS
-from contact_study.results.observables import ENTRIES
+from contact_study.results.observables import AVERAGED, ENTRIES, OBSERVABLES
 from contact_study.results.observables.atoms import ATOMS, SITES, SURROUNDINGS
 from contact_study.results.observables.roughness import ROUGHNESS, SPECTRUM_WAVEVECTOR
 from contact_study.results.observables.solver_report import FLAG
 from contact_study.results.path_results import PATH_RESULTS
-from contact_study.results.state import Variable
+from contact_study.results.state import Observable, Variable
 
 SCHEMA_VERSION = "2.2"
 CONVENTIONS = "CF-1.11"
@@ -164,6 +164,29 @@ COORDINATES: dict[str, Variable] = {
         attrs={"flag_values": np.array([-1, 0, 1], np.int8), "flag_meanings": "absent loading unloading"},
     ),
 }
+
+
+def register_observable(observable: Observable) -> None:
+    """Make an observable from outside the package a part of every dataset of the simulations.
+
+    Parameters
+    ----------
+    observable : Observable
+        Its variables, and the function that reads them off a state.
+
+    Raises
+    ------
+    ValueError
+        If a dataset has a variable of one of its names.
+    """
+    if observable in OBSERVABLES:
+        return
+    if taken := sorted(observable.variables.keys() & VARIABLES.keys()):
+        raise ValueError(f"observable: {taken[0]} is a variable already; give another name")
+    OBSERVABLES.append(observable)
+    VARIABLES.update(observable.variables)
+    if observable.averaged:
+        AVERAGED.update(observable.variables)
 
 
 def variable_of(name: str) -> Variable:

@@ -13,6 +13,7 @@ from typing import Any
 
 import tomli_w
 
+from contact_study import plugins
 from contact_study.errors import InputError
 from contact_study.physics.surfaces.scales import SurfaceScales
 from contact_study.regular_files import refuse_endless
@@ -106,6 +107,7 @@ def read_study(path: Path | str, overrides: Mapping[str, Any] | None = None) -> 
     InputError
         If the file cannot be read or any key is unknown, missing or impossible.
     """
+    plugins.load()
     path = Path(path)
     try:
         refuse_endless(path)
@@ -123,6 +125,7 @@ def read_study(path: Path | str, overrides: Mapping[str, Any] | None = None) -> 
 
 def make_study(table: dict[str, Any], directory: Path | str = ".") -> Study:
     """Check a table as TOML would hold it and expand its sweep; errors as :func:`read_study`."""
+    plugins.load()
     _check_structure(table)
     table = _with_files(table, Path(directory))
     swept = table.get("sweep", {})

@@ -1,4 +1,3 @@
-from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
@@ -6,7 +5,6 @@ import pytest
 from scipy.integrate import quad
 
 from contact_study.errors import InputError
-from contact_study.physics.laws import LAWS as TABLE
 from contact_study.physics.laws import (
     Dugdale,
     DugdaleCore,
@@ -19,9 +17,6 @@ from contact_study.physics.laws import (
     make_law,
 )
 from contact_study.physics.laws.lennard_jones import LennardJones, LennardJones93, LennardJones104, work_of_adhesion
-from contact_study.study.schema.dotted_keys import SECTIONS
-from contact_study.study.schema.interaction import INTERACTIONS, SmoothInteraction
-from contact_study.study.schema.keys import TaggedUnion, key, quantity
 from contact_study.study.study import make_study
 from tests.laws_of_all_kinds import ADHESIVE, EVERY_LAW, KEYS, TABLE_GAPS, TABLE_TRACTIONS, WORK
 from tests.study.test_study import changed
@@ -280,44 +275,6 @@ def test_scaling_changes_units_only(law):
     np.testing.assert_allclose(
         scaled.potential(gap / length) * stress * length, law.potential(gap), rtol=1e-12, atol=1e-14
     )
-
-
-@dataclass(frozen=True, kw_only=True)
-class OwnInteraction(SmoothInteraction):
-    width: float = key(quantity("m", positive=True), "range of the attraction")
-
-
-@dataclass(frozen=True)
-class OwnMorse(TractionLaw):
-    """What a contributor writes: a potential, a key of its own, words."""
-
-    title = "Morse"
-    words = "Morse's"
-
-    width: float = 1.0
-
-    def potential(self, gap):
-        decay = np.exp(-(gap - self.length) / self.width)
-        return self.work_of_adhesion * (decay**2 - 2 * decay)
-
-
-def test_a_new_law_is_a_potential_and_its_keys(monkeypatch):
-    monkeypatch.setitem(TABLE, "own_morse", OwnMorse)
-    sections = {**INTERACTIONS.declared, "own_morse": OwnInteraction}
-    monkeypatch.setitem(SECTIONS, "interaction", TaggedUnion("law", sections))
-    (case,) = make_study(changed("interaction", law="own_morse", width="0.5 angstrom")).cases
-    law, width = case.law, 0.5e-10
-    assert law.equilibrium_distance == pytest.approx(3.28e-10, abs=0, rel=1e-12)
-    assert law.peak_tensile_stress == pytest.approx(law.work_of_adhesion / (2 * width), rel=1e-12)
-    assert law.peak_distance == pytest.approx(3.28e-10 + np.log(2) * width, abs=0, rel=1e-7)
-    assert law.equilibrium_stiffness == pytest.approx(2 * law.work_of_adhesion / width**2, rel=1e-8)
-    pressure = np.geomspace(1e-6, 1e6, 13) * law.peak_tensile_stress
-    floor = 4 * np.finfo(float).eps * law.equilibrium_stiffness * law.equilibrium_distance  # of a rounded gap
-    np.testing.assert_allclose(law.traction(law.repulsive_gap(-pressure)), -pressure, rtol=1e-12, atol=floor)
-    with pytest.raises(InputError, match=r'interaction\.width: law = "lennard_jones_10_4" has no such key'):
-        make_study(changed("interaction", width="0.5 angstrom"))
-    with pytest.raises(InputError, match=r'missing key interaction\.width: law = "own_morse" needs it'):
-        make_study(changed("interaction", law="own_morse"))
 
 
 @pytest.mark.parametrize("name", KEYS)

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from contact_study import plugins
 from contact_study.campaign.engines.base import CampaignError, Report
 from contact_study.campaign.memory import require
 from contact_study.campaign.model import Model
@@ -68,6 +69,7 @@ def run_case(job: Job, threads: int, report: Report) -> None:
     InputError
         If the case needs more memory than this process may use.
     """
+    plugins.load()
     if not job.file.parent.is_dir():
         raise CampaignError(
             f"{job.file.parent} does not exist on {socket.gethostname()}; put the output into a folder that all "

@@ -18,7 +18,7 @@ from contact_study.results.observables.relaxation import RELAXATION
 from contact_study.results.observables.solver_report import SOLVER_REPORT
 from contact_study.results.state import InterfaceState, Observable, Value, Variable
 
-OBSERVABLES: tuple[Observable, ...] = (
+OBSERVABLES: list[Observable] = [
     MEANS,
     CONTACT_AREA,
     ENERGIES,
@@ -36,7 +36,7 @@ OBSERVABLES: tuple[Observable, ...] = (
     SLOW_MOTION,
     TIME,
     SOLVER_REPORT,
-)
+]
 
 ENTRIES: dict[str, Variable] = {
     name: variable for observable in OBSERVABLES for name, variable in observable.variables.items()
@@ -44,9 +44,7 @@ ENTRIES: dict[str, Variable] = {
 
 
 # What an ensemble has a mean of.
-AVERAGED: frozenset[str] = frozenset(
-    name for observable in OBSERVABLES if observable.averaged for name in observable.variables
-)
+AVERAGED: set[str] = {name for observable in OBSERVABLES if observable.averaged for name in observable.variables}
 
 
 def observed(state: InterfaceState, bins: Bins) -> dict[str, Value]:

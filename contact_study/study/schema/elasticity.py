@@ -240,3 +240,21 @@ ELASTICITIES = TaggedUnion(
         "viscoelastic": ViscoelasticSection,
     },
 )
+
+
+def register_solid(kind: str, section: type[ElasticitySection]) -> None:
+    """Make an elastic solid from outside the package known to studies.
+
+    Parameters
+    ----------
+    kind : str
+        Its name in a study, ``elasticity.kind = kind``.
+    section : type
+        Frozen dataclass of its keys, whose method ``solid`` makes the solid of a material.
+
+    Raises
+    ------
+    ValueError
+        If there is another solid of that name, or a key is taken for another unit.
+    """
+    ELASTICITIES.register(kind, section)

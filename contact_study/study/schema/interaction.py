@@ -253,3 +253,39 @@ INTERACTIONS = TaggedUnion(
         "hard_wall": HardWallInteraction,
     },
 )
+
+
+def register_law(name: str, law: type[TractionLaw], section: type[InteractionSection] = PlainSmooth) -> None:
+    """Make a traction-separation law from outside the package known to studies.
+
+    Parameters
+    ----------
+    name : str
+        Its name in a study, ``interaction.law = name``.
+    law : type
+        A frozen dataclass; its fields beyond Δγ and length are keys of the section.
+    section : type, optional
+        Frozen dataclass of its keys. Without one it has ``work_of_adhesion``, ``length`` and ``contact_distance``.
+
+    Raises
+    ------
+    ValueError
+        If there is another law of that name, or a key is taken for another unit.
+
+    Examples
+    --------
+    >>> from dataclasses import dataclass
+    >>> import contact_study
+    >>> from contact_study.physics.laws import TractionLaw
+    >>> @dataclass(frozen=True)
+    ... class Cubic(TractionLaw):
+    ...     title, words = "cubic", "a law that falls as the cube"
+    ...     def potential(self, gap):
+    ...         s = self.length / gap
+    ...         return self.work_of_adhesion * (s**6 - 2 * s**3)
+    >>> contact_study.register_law("cubic", Cubic)
+    """
+    if LAWS.get(name, law) is not law:
+        raise ValueError(f"law = {name!r} is {LAWS[name].__name__}; give another name")
+    INTERACTIONS.register(name, section)
+    LAWS[name] = law

@@ -210,12 +210,29 @@ class TaggedUnion:
     ----------
     tag : str
         The key that names the kind; every dataclass has it as a field.
-    declared : mapping
+    declared : dict
         Dataclass of each kind. Kinds may share keys; one name is then one meaning.
     """
 
     tag: str
-    declared: Mapping[str, Any]
+    declared: dict[str, Any]
+
+    def register(self, kind: str, section: type) -> None:
+        """Add a kind from outside.
+
+        Raises
+        ------
+        ValueError
+            If there is another kind of that name, or one of its keys means something else in another kind.
+        """
+        if self.declared.get(kind, section) is not section:
+            raise ValueError(f"{self.tag} = {kind!r} is {self.declared[kind].__name__}; give another name")
+        for name, declaration in keys_of(section).items():
+            known = self.declared and self.keys.get(name)
+            if known and known.unit != declaration.unit:
+                raise ValueError(f"{kind}: key {name} is in {declaration.unit}, that of other kinds in {known.unit}")
+        self.declared[kind] = section
+        self.__dict__.pop("keys", None)
 
     @cached_property
     def keys(self) -> dict[str, Key]:
