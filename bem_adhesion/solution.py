@@ -1,4 +1,4 @@
-"""What a continuum solver returns, the same for the hard wall and for adhesion."""
+"""Result of a continuum solver, the same for the hard wall and for adhesion."""
 
 from dataclasses import dataclass, field
 from enum import Enum
@@ -10,7 +10,14 @@ from contact_study.results.state import in_two_lines
 
 
 class Outcome(Enum):
-    """How a solve ended; the value is the sentence shown to the user, with advice where there is any."""
+    """End of a solve; the value is the message for the user.
+
+    Examples
+    --------
+    >>> from bem_adhesion import Outcome
+    >>> Outcome.CONVERGED.value
+    'converged'
+    """
 
     CONVERGED = "converged"
     DETACHED = "detached: no equilibrium in contact exists under this tension, the surfaces separate"
@@ -41,38 +48,48 @@ class Solution:
 
     Parameters
     ----------
-    state : numpy.ndarray, shape (y, x)
-        What the next step starts from, of the solver that gave it: the displacement (m), or the pressure on a hard wall
-        (Pa). Read-only, with the field that it is.
+    state : numpy.ndarray
+        Start of a next step with the same solver: the displacement (m), or the pressure on a hard wall (Pa). Read-only,
+        and the same array as that field.
     displacement : numpy.ndarray, shape (y, x)
-        Position of the block's deformed surface (m): heights plus gap, mean included.
+        Position of the solid's deformed surface (m): heights plus gap, mean included.
     gap : numpy.ndarray, shape (y, x)
         Separation of the surfaces (m); negative only under laws whose repulsion is finite at a gap of zero.
     pressure : numpy.ndarray, shape (y, x)
-        Pressure that the interface exerts, positive in compression (Pa).
+        Pressure at the interface, positive in compression (Pa).
     elastic_energy : float
-        Energy of the block per nominal area (J/m²), with the uniform compression of a layer.
+        Energy of the solid per nominal area (J/m²), with the uniform compression of a layer.
     interaction_energy : float
         Energy of the traction-separation law per nominal area (J/m²); zero for a hard wall.
     residual : float
-        Scale-free error of the equations the solver stops on.
+        Scale-free error of the equations, which the solver's tolerance bounds.
     iterations : int
         Outer iterations on the finest grid.
     fft_pairs : float
         Transform pairs, as float64 pairs on the finest grid (see :meth:`Operator.equivalent_pairs`).
     outcome : Outcome
-        How the solve ended.
+        End of the solve.
     complementarity_residual : float or None
-        Attraction outside a wall: the largest pull that touching points would need of the wall, over E*; where there is
-        a gap the wall carries nothing. With a hardness: the largest pull, or pressure beyond the hardness, over E*.
+        Attraction outside a wall: the largest tension between touching points and the wall, over E*; points with a gap
+        carry no wall pressure. With a hardness: the largest tension, or pressure above the hardness, over E*.
     plane : float or None
-        Free boundaries: where the block's surface would be undeformed, in the coordinate of the heights (m).
+        Free boundaries: position of the undeformed surface, in the coordinate of the heights (m).
     plastic_indentation : numpy.ndarray, shape (y, x), or None
-        How far points have given way for good at the hardness, >= 0 (m): in this step, or of a
-        :class:`~bem_adhesion.contacts.plastic.PlasticContact` in all steps; the surfaces are at heights less
-        indentation plus gap. None where nothing has.
+        Permanent indentation at the hardness, >= 0 (m): of this step, or of all steps of a
+        :class:`~bem_adhesion.contacts.plastic.PlasticContact`; the surfaces are at heights − indentation + gap. None
+        without yielding.
     law : TractionLaw
-        The law of the interface, which says what counts as contact.
+        The law of the interface, which defines contact.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from bem_adhesion import HardWall, rough_contact
+    >>> height = 1e-9 * np.cos(np.linspace(0, 2 * np.pi, 32, endpoint=False)) * np.ones((32, 1))
+    >>> contact = rough_contact(height, 1e-7, 1e11, HardWall())
+    >>> solution = contact.step(contact.separated(), 1e8)
+    >>> bool(solution.converged), round(float(solution.pressure.mean()) / 1e8, 9)
+    (True, 1.0)
     """
 
     state: np.ndarray
@@ -91,40 +108,40 @@ class Solution:
     law: TractionLaw = field(kw_only=True)
 
     def __post_init__(self):
-        self.state.setflags(write=False)  # it is the displacement's array, or a wall's pressure's, and a later start
+        self.state.setflags(write=False)  # also the displacement's array, or a wall's pressure's
 
     def __repr__(self) -> str:
         return in_two_lines(self)
 
     @property
     def relative_contact_area(self) -> float:
-        """Contact area over nominal area, by the law's own :attr:`~TractionLaw.contact_distance`."""
+        """Contact area over nominal area, by the law's :attr:`~TractionLaw.contact_distance`."""
         return float(np.mean(self.law.in_contact(self.gap, self.pressure, self.law.contact_distance)))
 
     @property
     def mean_gap(self) -> float:
-        """Mean of the gap less the law's equilibrium distance, as in datasets (m); infinite when detached."""
+        """Mean of the gap minus the law's equilibrium distance, as in datasets (m); infinite when detached."""
         return float(np.mean(self.gap)) - self.law.equilibrium_distance
 
     @property
     def converged(self) -> bool:
-        """Whether the question is answered: an equilibrium within the tolerance, or the finding that none exists."""
+        """Whether the solve found an equilibrium within the tolerance, or that none exists."""
         return self.outcome is Outcome.CONVERGED or self.detached
 
     @property
     def detached(self) -> bool:
-        """Whether the surfaces are apart."""
+        """Whether the surfaces are separated."""
         return self.outcome in (Outcome.DETACHED, Outcome.APART)
 
     @property
     def message(self) -> str:
-        """How the solve ended, in words."""
+        """End of the solve, in words."""
         return self.outcome.value
 
 
 @dataclass(frozen=True)
 class NewtonResult:
-    """State that a Newton solve reached.
+    """State at the end of a Newton solve.
 
     Parameters
     ----------
@@ -133,11 +150,11 @@ class NewtonResult:
     reaction : numpy.ndarray or float
         Pressure of the wall where the gap is zero; zero for a law without one.
     residual : float
-        max|K d + φ'(d) + load|; where surfaces touch a wall, only what it would have to pull.
+        max|K d + φ'(d) + load|; where surfaces touch a wall, only the tension it would carry.
     iterations : int
         Newton iterations.
     outcome : Outcome
-        How the solve ended.
+        End of the solve.
     """
 
     gap: np.ndarray

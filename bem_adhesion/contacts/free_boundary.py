@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from bem_adhesion.adhesive.contact import AdhesiveContact
+from bem_adhesion.arguments import require_solution
 from bem_adhesion.hard_wall.contact import HardWallContact
 from bem_adhesion.operators.free_space import FreeHalfSpace, Window, padded_grid
 from bem_adhesion.solution import Solution
@@ -17,23 +18,23 @@ from contact_study.physics.solids.half_space import HalfSpace
 
 
 class FreeBoundaryContact:
-    """One rough surface of finite extent against a half-space, to be solved at any number of loads.
+    """One rough surface of finite extent against a half-space, for any number of loads.
 
     Parameters
     ----------
     height : numpy.ndarray, shape grid.shape
         Heights of the rigid surface, toward the half-space (m); beyond the grid there is none.
     grid : Grid
-        Its points; they stand for the cells around them.
+        Its points, at the centres of cells.
     elasticity : Elasticity or float
         A half-space, or its contact modulus (Pa).
     law : TractionLaw
         The law of interaction.
     control : {"pressure", "approach"}
-        What a step prescribes: force over the area of the grid (Pa), or how far the half-space has come beyond the
-        place where, undeformed, its surface has the law's equilibrium distance to the highest point (m).
+        Quantity that a step prescribes: force over the area of the grid (Pa), or displacement of the half-space beyond
+        the position where, undeformed, its surface is the law's equilibrium distance from the highest point (m).
     **options
-        As the solvers' own: :class:`HardWallContact`, :class:`NewtonSolver`.
+        As for :class:`HardWallContact` and :class:`AdhesiveContact`.
 
     Raises
     ------
@@ -72,34 +73,24 @@ class FreeBoundaryContact:
             self._padded = AdhesiveContact(heights, self._grid, free, law, control, window=self._window, **options)
 
     def separated(self) -> np.ndarray:
-        """The state of surfaces out of reach of each other, on the padded grid."""
+        """Return the state of separated surfaces, on the padded grid."""
         return self._padded.separated()
 
     def step(self, state: np.ndarray | Solution, target: float) -> Solution:
-        """The state that follows from one under a new load.
+        """Find the state under a new load, see :meth:`Contact.step`.
 
-        Parameters
-        ----------
-        state : numpy.ndarray, shape (2 ny, 2 nx), or Solution
-            The solution of an earlier step, its ``state``, or :meth:`separated`.
-        target : float
-            Mean pressure (Pa) or approach (m), as ``control`` says.
-
-        Returns
-        -------
-        Solution
-            Fields on the grid of the surface, the state on the padded one; ``plane`` is where the half-space's
-            surface would be undeformed.
+        Fields of the solution are on the grid of the surface, its state on the padded grid, shape (2 ny, 2 nx).
         """
         state, target = step_arguments(self.control, target, state, self._grid.shape)
         return self._cropped(self._padded.step(state, target * self._share if self.control == "pressure" else target))
 
     def stiffness(self, solution: Solution) -> float:
-        """−dp/d(position of the undeformed surface), p the force over the area of the grid (Pa/m)."""
+        """Return −dp/d(position of the undeformed surface), p the force over the area of the grid (Pa/m)."""
+        require_solution(solution)
         inner = self._padded.stiffness(solution)
         if inner == 0:
             return 0.0
-        # The mean of the padded surface gives way, and beyond it the plane.
+        # In series: the mean of the padded surface, and the undeformed surface beyond it.
         return 1 / (self._share * (1 / inner + 1 / self._mean_stiffness))
 
     def _cropped(self, found: Solution) -> Solution:
@@ -110,7 +101,7 @@ class FreeBoundaryContact:
         yielded = found.plastic_indentation
         mean_pressure = float(pressure.mean())
         plane = float(found.displacement.mean()) - mean_pressure * self._share / self._mean_stiffness
-        # Half the work of the pressures, each point from the plane to where it is.
+        # Half the work of the pressures, at each point from the undeformed surface to the displacement.
         elastic = 0.5 * float(np.mean(pressure * (displacement - plane)))
         return replace(
             found,

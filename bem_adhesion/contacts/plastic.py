@@ -1,11 +1,11 @@
-"""Contact with a hard wall that yields: the pressure cannot exceed a hardness, and what has given way stays.
+"""Contact with a hard wall that yields: the pressure cannot exceed a hardness, and the indentation is permanent.
 
-Points under the hardness H are indented by whatever the load asks for and keep the indentation w, no matter which of
-the two bodies it is in; the rigid surface of the next step is h − w. Within a step w grows only where p = H, so that
-the step is one convex problem, see :mod:`bem_adhesion.hard_wall.plastic_active_set`, and its solution the only one: an
-elastic-perfectly plastic contact, as in Persson's theory of elastoplastic contact (B. N. J. Persson, J. Chem. Phys.
-115, 3840 (2001)). Unloading is elastic, and so is loading again up to the same load. The work done on the plastic layer
-is H <w>: a point yields at the pressure H from beginning to end.
+Points under the hardness H are indented as the load requires and keep the indentation w, whichever of the two bodies
+yields; the rigid surface of the next step is h − w. Within a step w grows only where p = H, so that the step is one
+convex problem with one solution, see :mod:`bem_adhesion.hard_wall.plastic_active_set`: an elastic-perfectly plastic
+contact, as in Persson's theory of elastoplastic contact (B. N. J. Persson, J. Chem. Phys. 115, 3840 (2001)). Unloading
+is elastic, and so is reloading up to the same load. The work done on the plastic layer is H <w>: a point yields at the
+pressure H from beginning to end.
 """
 
 from collections.abc import Callable
@@ -13,6 +13,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from bem_adhesion.arguments import require_solution
 from bem_adhesion.contacts.free_boundary import FreeBoundaryContact
 from bem_adhesion.hard_wall.contact import HardWallContact
 from bem_adhesion.solution import Solution
@@ -22,14 +23,14 @@ MakeWall = Callable[..., HardWallContact | FreeBoundaryContact]
 
 
 class PlasticContact:
-    """One rough surface against an elastic solid with a hardness, to be loaded and unloaded.
+    """One rough surface against an elastic solid with a hardness, for loading and unloading.
 
     Parameters
     ----------
     height : numpy.ndarray, shape (y, x)
         Heights of the undeformed rigid surface, toward the solid (m).
     make_wall : callable
-        The hard wall of given heights, with the hardness as its bound; takes the keyword ``unit`` of
+        Makes the hard wall of given heights, with the hardness as its bound; accepts the keyword ``unit`` of
         :class:`HardWallContact`.
     """
 
@@ -42,30 +43,15 @@ class PlasticContact:
         self._untouched = wall.separated()
 
     def separated(self) -> np.ndarray:
-        """The state without contact and without indentation, shape (2, …)."""
+        """Return the state without contact and without indentation, shape (2, …)."""
         return np.broadcast_to(0.0, (2, *self._untouched.shape))
 
     def step(self, state: np.ndarray | Solution, target: float) -> Solution:
-        """The contact at a load that follows a state.
+        """Find the contact at a load, see :meth:`Contact.step`.
 
-        Parameters
-        ----------
-        state : numpy.ndarray, shape (2, …), or Solution
-            The solution of the step before, its ``state``, or :meth:`separated`: its pressure (Pa) and the indentation
-            that it leaves (m), the second deciding, the first a matter of work alone.
-        target : float
-            Mean pressure, mean gap or approach, as the hard wall takes it; the approach from first touch of the
-            surface before it yielded.
-
-        Returns
-        -------
-        Solution
-            ``plastic_indentation`` is that of all steps so far.
-
-        Raises
-        ------
-        ValueError
-            As the hard wall's; also if an indentation of the state is negative.
+        The state, shape (2, …), is the pressure (Pa), which only changes the work, and the indentation so far (m). An
+        approach counts from first touch of the surface before it yielded. ``plastic_indentation`` of the solution is
+        that of all steps so far. An indentation below zero raises ValueError.
         """
         state, target = step_arguments(self._control, target, state, (2, *self._untouched.shape))
         before = self._indentation(state)
@@ -81,14 +67,15 @@ class PlasticContact:
         return replace(found, state=np.stack([found.state, kept]), plastic_indentation=indentation)
 
     def stiffness(self, solution: Solution) -> float:
-        """−dp/dū of a state when it is unloaded (Pa/m): no touching point gives way for good."""
+        """Return −dp/dū of a state on unloading (Pa/m), during which no point yields."""
+        require_solution(solution)
         wall = self._wall(self._indentation(solution.state))
         return wall.stiffness(replace(solution, state=solution.state[0]))
 
     def _wall(self, indentation: np.ndarray) -> HardWallContact | FreeBoundaryContact:
-        # Of a surface that is flattened all over the rms height would be no unit to measure errors in.
+        # The rms height of a surface that is flattened everywhere would be no unit of errors.
         return self._make_wall(self.height - indentation, unit=self._unit)
 
     def _indentation(self, state: np.ndarray) -> np.ndarray:
-        """What a state says of the surface, without the padding of free boundaries."""
+        """Return the indentation in a state, without the padding of free boundaries."""
         return state[1][tuple(map(slice, self.height.shape))]

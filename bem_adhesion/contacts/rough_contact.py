@@ -1,4 +1,4 @@
-"""One face of both continuum solvers: a state and a target in, a solution out."""
+"""The contact of a rough surface: one function that chooses the solver, and the protocol of what it returns."""
 
 import warnings
 from collections.abc import Sequence
@@ -22,34 +22,81 @@ from contact_study.units import length
 
 
 class Contact(Protocol):
-    """One rough surface against an elastic solid, to be solved at any number of loads."""
+    """One rough surface against an elastic solid, for any number of loads.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from bem_adhesion import HardWall, rough_contact
+    >>> height = 1e-9 * np.cos(np.linspace(0, 2 * np.pi, 32, endpoint=False)) * np.ones((32, 1))
+    >>> contact = rough_contact(height, 1e-7, 1e11, HardWall(), control="gap")
+    >>> solution = contact.step(contact.separated(), 0.5e-9)
+    >>> bool(solution.converged), float(round(solution.mean_gap * 1e9, 6))
+    (True, 0.5)
+    """
 
     def separated(self) -> np.ndarray:
-        """The state of surfaces out of reach of each other, where a path begins, shape (y, x)."""
+        """Return the state of separated surfaces, where a path begins.
+
+        Returns
+        -------
+        numpy.ndarray
+            Start of :meth:`step`, out of reach of the law.
+        """
 
     def step(self, state: np.ndarray | Solution, target: float) -> Solution:
-        """The state that follows from one under a new load.
+        """Find the state that follows from another under a new load.
 
         Parameters
         ----------
         state : numpy.ndarray or Solution
-            :meth:`separated`, or the solution of an earlier step, or its ``state``.
+            :meth:`separated`, or the solution of an earlier step of this contact, or its ``state``.
         target : float
-            Mean pressure (Pa), mean gap or approach (m), as ``control`` of :func:`rough_contact` says.
+            Depends on ``control`` of :func:`rough_contact`. ``"pressure"``: mean pressure, positive in compression
+            (Pa). ``"gap"``: mean gap minus the law's equilibrium distance (m). ``"approach"``: displacement of the
+            solid beyond the position where its undeformed surface is the equilibrium distance from the highest point
+            (m).
 
         Returns
         -------
         Solution
-            The state; whether it converged it says itself.
+            The state. Check ``converged``: a step that reaches the iteration limit raises no error.
 
         Raises
         ------
         ValueError
-            If the target is no finite number or the state is none of this contact.
+            If the target is no finite number or the state does not belong to this contact.
         """
 
     def stiffness(self, solution: Solution) -> float:
-        """−dp/dū of a state of this contact (Pa/m), by its linearised equations."""
+        """Compute the contact stiffness −dp/dū of a state, mean pressure over mean gap, by its linearised equations.
+
+        Parameters
+        ----------
+        solution : Solution
+            A converged solution of this contact.
+
+        Returns
+        -------
+        float
+            Stiffness (Pa/m): zero for separated surfaces, infinite in full contact with a wall, negative where the
+            tension falls as the gap grows, NaN where it cannot be computed.
+
+        Raises
+        ------
+        TypeError
+            If the argument is not a Solution.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> from bem_adhesion import HardWall, rough_contact
+        >>> height = 1e-9 * np.cos(np.linspace(0, 2 * np.pi, 32, endpoint=False)) * np.ones((32, 1))
+        >>> contact = rough_contact(height, 1e-7, 1e11, HardWall())
+        >>> solution = contact.step(contact.separated(), 1e8)
+        >>> contact.stiffness(solution) > 0
+        True
+        """
 
 
 def rough_contact(
@@ -65,46 +112,50 @@ def rough_contact(
     hardness: float | None = None,
     trace: Trace | None = None,
 ) -> Contact:
-    """The contact of a rigid rough surface with an elastic solid, by the solver that its law asks for.
+    """Return the contact of a rigid rough surface with an elastic solid, with the solver that the law needs.
 
-    The contact keeps a copy of the heights. Threads that share one take turns; to solve at the same time each needs
-    one of its own.
+    The contact keeps a copy of the heights. Threads that share one contact take turns; for solves at the same time each
+    needs its own contact.
 
     Parameters
     ----------
     height : array_like, shape (y, x)
-        Heights of the rigid surface, toward the elastic solid (m), continued periodically.
+        Heights of the rigid surface, toward the elastic solid (m).
     size : float or pair of float
-        Periods along y and x; one number is both (m).
+        Periods along y and x, or one number for both (m).
     elasticity : Elasticity or float
         The solid; a number is the contact modulus E* = E / (1 − ν²) of a half-space (Pa).
     law : TractionLaw
-        How the surfaces interact.
+        The law of interaction.
     control : {"pressure", "gap", "approach"}
-        What a step prescribes: the mean pressure (Pa), or the mean gap less the law's equilibrium distance (m), or how
-        far the solid comes beyond the place where, undeformed, its surface has that distance to the highest point (m).
-        The gap is for periodic boundaries, the approach for free ones and for compressible layers.
-    tolerance, max_iterations : optional
-        As the solvers' own: :class:`HardWallContact`, :class:`NewtonSolver`.
+        Quantity that a step prescribes, see :meth:`Contact.step`. The gap is for periodic boundaries, the approach for
+        free ones and for compressible layers.
+    tolerance, max_iterations : float and int, optional
+        Residual of a solution and limit of outer iterations, in place of the solver's defaults. A hard wall takes the
+        largest gap in contact over the rms height (1e-10), adhesion the largest unbalanced stress over E* (1e-8).
     threads : int, optional
         Threads of the transforms.
     boundary : {"periodic", "free"}, optional
-        Whether surface and solid go on periodically, or the surface ends with its heights and a half-space goes on.
+        Whether surface and solid are periodic, or the surface ends at its last points on a half-space.
     hardness : float, optional
-        Largest pressure that a hard wall without adhesion transmits; points that reach it give way for good (Pa), see
-        :class:`PlasticContact`.
+        Largest pressure of a hard wall without adhesion; points that reach it are indented permanently (Pa).
     trace : callable, optional
         Called with a :class:`~bem_adhesion.operators.trace.Progress` at each change of phase while a step is solved.
+
+    Returns
+    -------
+    Contact
+        The contact, to be stepped through loads.
 
     Raises
     ------
     ValueError
-        If an argument is not what it should be; the message names it.
+        If an argument is invalid; the message names it.
 
     Warns
     -----
     UserWarning
-        Where the grid does not resolve the law, and what would.
+        If the grid does not resolve the law; the message names a grid that does.
 
     Examples
     --------
@@ -129,7 +180,7 @@ def rough_contact(
 
 
 def warn_of_coarse_grid(grid: Grid, solid: Elasticity, law: TractionLaw) -> None:
-    """Say to who made a contact where its grid does not resolve its law, as the review of a study does."""
+    """Warn the caller of a public function if its grid does not resolve the law, as the review of a study does."""
     zone = process_zone(solid.softest_modulus(max(grid.size), 2 * min(grid.spacing)), law)
     spacing = max(grid.spacing)
     if resolves(spacing, zone):
@@ -155,10 +206,10 @@ def contact_between(
     hardness: float | None = None,
     trace: Trace | None = None,
 ) -> Contact:
-    """As :func:`rough_contact`, of heights that are the contact's own, on their grid, without a word about it."""
+    """Return the contact as :func:`rough_contact`, without a copy of the heights and without a warning."""
     options: dict[str, Any] = {"control": control, "threads": threads, "trace": trace}
-    options |= {} if tolerance is None else {"tolerance": tolerance}
-    options |= {} if max_iterations is None else {"max_iterations": max_iterations}
+    limits = {"tolerance": tolerance, "max_iterations": max_iterations}
+    options |= {key: value for key, value in limits.items() if value is not None}
     if not isinstance(law, TractionLaw):
         raise ValueError(
             f"law = {law!r}: must be a law such as LennardJones104(work_of_adhesion, length) or HardWall()"
@@ -172,14 +223,8 @@ def contact_between(
                 f"hardness: known of a hard wall without adhesion, not of {type(law).__name__}; leave one out"
             )
         options["hardness"] = positive("hardness", hardness, "Pa")
-    if boundary == "free":
-        if hardness is None:
-            return FreeBoundaryContact(heights, grid, elasticity, law, **options)
-        return PlasticContact(
-            heights, partial(FreeBoundaryContact, grid=grid, elasticity=elasticity, law=law, **options)
-        )
-    if bare_wall:
-        if hardness is None:
-            return HardWallContact(heights, grid, elasticity, **options)
-        return PlasticContact(heights, partial(HardWallContact, grid=grid, elasticity=elasticity, **options))
-    return AdhesiveContact(heights, grid, elasticity, law, **options)
+    make: Any = partial(FreeBoundaryContact, law=law)
+    if boundary == "periodic":
+        make = HardWallContact if bare_wall else partial(AdhesiveContact, law=law)
+    make = partial(make, grid=grid, elasticity=elasticity, **options)
+    return make(heights) if hardness is None else PlasticContact(heights, make)

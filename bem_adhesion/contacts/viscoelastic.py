@@ -1,7 +1,7 @@
 """Contact of a linear viscoelastic half-space, in steps of time.
 
-A branch of modulus E_i and time τ_i carries the displacement h_i, h_i' = u' − h_i/τ_i. Over a step Δt in which the
-surface u moves evenly this is exact (the usual update of a Prony series, after R. L. Taylor, K. S. Pister & G. L.
+A branch of modulus E_i and time τ_i has the displacement h_i, h_i' = u' − h_i/τ_i. Over a step Δt in which the surface
+u moves at a constant rate this is exact (the usual update of a Prony series, after R. L. Taylor, K. S. Pister & G. L.
 Goudreau (1970)):
 
     h_i → e_i h_i + a_i (u_new − u),    e_i = exp(−Δt/τ_i),    a_i = (1 − e_i) τ_i/Δt,
@@ -11,11 +11,10 @@ u_new + v,
 
     p = (E q/2) (u_new + v),    v = Σ E_i (e_i h_i − a_i u)/E,
 
-v known. A step of time is one contact of that solid with the heights h + v, by the solvers for elastic solids, whatever
-the law. Of the second order in Δt, and exact where the surface does move evenly.
+v known. A step of time is one contact of that solid with the heights h + v, by the solvers for elastic solids and any
+law. The method is of second order in Δt, and exact where the surface does move at a constant rate.
 """
 
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -29,7 +28,7 @@ from contact_study.physics.solids import HalfSpace, Viscoelastic
 
 
 class ViscoelasticContact:
-    """One rough surface against a viscoelastic half-space, both continued periodically.
+    """One rough surface against a viscoelastic half-space, both periodic.
 
     Parameters
     ----------
@@ -40,9 +39,9 @@ class ViscoelasticContact:
     solid : Viscoelastic
         The half-space.
     law : TractionLaw
-        How the surfaces interact.
+        The law of interaction.
     **options
-        ``control``, ``tolerance``, ``max_iterations`` and ``threads`` of :func:`rough_contact`.
+        ``control``, ``tolerance``, ``max_iterations``, ``threads`` and ``trace`` of :func:`rough_contact`.
 
     Raises
     ------
@@ -53,6 +52,16 @@ class ViscoelasticContact:
     -----
     UserWarning
         As :func:`rough_contact`.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from bem_adhesion import HardWall, Viscoelastic, ViscoelasticContact
+    >>> height = 1e-6 * np.cos(np.linspace(0, 2 * np.pi, 32, endpoint=False)) * np.ones((32, 1))
+    >>> contact = ViscoelasticContact(height, 1e-4, Viscoelastic(1e6, (9e6,), (1e-3,)), HardWall())
+    >>> solution, dissipated = contact.step(contact.separated(), 1e4, duration=1e-4)
+    >>> bool(solution.converged and dissipated > 0)
+    True
     """
 
     def __init__(
@@ -65,43 +74,41 @@ class ViscoelasticContact:
     ):
         self.height = field("height", height)
         self.solid = solid
-        grid = grid_of(self.height, size)
-        self._weight = grid.multiplicity * HalfSpace(1.0).stiffness_on(grid)
-        self._make: Callable[[np.ndarray, float], Contact] = lambda heights, modulus: contact_between(
-            heights,
-            grid,
-            modulus,
-            law,
-            **options,  # type: ignore[arg-type]
-        )
+        self._grid = grid_of(self.height, size)
+        self._law = law
+        self._options = options
+        self._weight = self._grid.multiplicity * HalfSpace(1.0).stiffness_on(self._grid)
         self._wall = law.has_wall and not law.attracts
         self._moduli = np.array(solid.branch_moduli)
         self._times = np.array(solid.relaxation_times)
         self._control = str(options.get("control", "pressure"))
-        self._apart = self._make(self.height, solid.contact_modulus).separated()
-        warn_of_coarse_grid(grid, solid, law)
+        self._apart = self._elastic_contact(self.height, solid.contact_modulus).separated()
+        warn_of_coarse_grid(self._grid, solid, law)
+
+    def _elastic_contact(self, heights: np.ndarray, modulus: float) -> Contact:
+        return contact_between(heights, self._grid, modulus, self._law, **self._options)  # type: ignore[arg-type]
 
     @property
     def first_gap(self) -> float:
-        """Mean gap of the surfaces before they come within reach of each other (m)."""
+        """Mean gap of the surfaces before the law acts between them (m)."""
         return (
             float(self.height.max() - self.height.mean()) if self._wall else float((self._apart - self.height).mean())
         )
 
     def separated(self) -> np.ndarray:
-        """The state at rest and without contact, shape (2 + branches, y, x), see :meth:`step`."""
+        """Return the state at rest and without contact, shape (2 + branches, y, x), see :meth:`step`."""
         state = np.zeros((2 + self._moduli.size, *self.height.shape))
         state[0] = 0.0 if self._wall else np.inf
         return state
 
     def step(self, state: np.ndarray | Solution, target: float, duration: float) -> tuple[Solution, float]:
-        """The contact after a time in which the surface moves evenly.
+        """Find the contact after a time in which the surface moves at a constant rate.
 
         Parameters
         ----------
         state : numpy.ndarray, shape (2 + branches, y, x), or Solution
-            The solution of the step before, its ``state``, or :meth:`separated`: where the solver starts from (the gap,
-            infinite if surfaces are apart; of a hard wall the pressure), the displacement u, and h_i of each branch
+            The solution of the step before, its ``state``, or :meth:`separated`: the start of the solver (the gap,
+            infinite for separated surfaces; the pressure of a hard wall), the displacement u, and h_i of each branch
             (m).
         target : float
             Mean pressure (Pa) or mean gap (m) at the end of the step.
@@ -111,7 +118,7 @@ class ViscoelasticContact:
         Returns
         -------
         Solution
-            At the end. ``elastic_energy`` is what all springs store.
+            State at the end; ``elastic_energy`` is that of all springs.
         float
             Energy dissipated in the step, per area (J/m²).
 
@@ -130,7 +137,7 @@ class ViscoelasticContact:
         memory = np.tensordot(self._moduli * decay, carried, 1) - float(self._moduli @ gain) * before
         memory /= modulus
         heights = self.height + memory
-        contact = self._make(heights, modulus)
+        contact = self._elastic_contact(heights, modulus)
         if not self._wall:
             start = heights + start if np.isfinite(start).all() else contact.separated()
         found = contact.step(start, target)
@@ -151,9 +158,9 @@ class ViscoelasticContact:
     def _energies(
         self, displacement: np.ndarray, change: np.ndarray, carried: np.ndarray, shares: np.ndarray
     ) -> tuple[float, float]:
-        """What all springs store at the end of a step, and what it dissipated, per area (J/m²).
+        """Return the energy of all springs at the end of a step, and the energy dissipated in it, per area (J/m²).
 
-        Within the step h = A exp(−t/τ) + B, B = τ u', and a branch dissipates E h²/τ in time.
+        Within the step h = A exp(−t/τ) + B, B = τ u', and a branch dissipates E h²/τ per time.
         """
         product = self._product
         moved, shown = fourier.transform(change), fourier.transform(displacement)
@@ -172,5 +179,5 @@ class ViscoelasticContact:
         return stored, dissipated
 
     def _product(self, one: np.ndarray, other: np.ndarray) -> float:
-        """Mean of f K g over the surface for a contact modulus of one, from the transforms of f and g."""
+        """Return the mean of f K g for a contact modulus of one, from the transforms of f and g."""
         return float(np.sum(self._weight * (one.real * other.real + one.imag * other.imag)))

@@ -1,1 +1,4 @@
-"""Boundary elements as a campaign runs them: loading paths, checks, the command."""
+"""Boundary elements for a campaign: checks of a study, and the states along its loading path.
+
+The contacts themselves are in :mod:`bem_adhesion.contacts`.
+"""

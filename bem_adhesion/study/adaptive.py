@@ -1,15 +1,15 @@
-"""A loading path with steps of its own length: short where the state jumps, long where it follows the load.
+"""Adaptive load steps: short where the state jumps, long where it follows the load.
 
 Between two states in equilibrium the load does the work −∫p ds, s the separation of the mean planes, and along a branch
-all of it is stored. What is not, D = −∫p ds − ΔU > 0 by the trapezoidal rule, was dissipated in a jump, or the step was
-too long for the rule. A step that leaves more than a given share unaccounted for, or that does not converge, is
-halved, down to the least step; what is left then is a jump, whose place is known to that step and whose D is added up:
-to half the product of what pressure and separation change by in it. A step that succeeds is followed by one twice as
-long.
+all of it is stored. The difference D = −∫p ds − ΔU > 0 by the trapezoidal rule was dissipated in a jump, or the step
+was too long for the rule. A step that leaves more than a given share unaccounted for, or that does not converge, is
+halved, down to the least step. The remaining D is that of a jump, whose place is known to the least step; D is added to
+the ledger, with half the product of the changes of pressure and separation as its uncertainty. A step that succeeds is
+followed by one twice as long.
 
-On the way outwards the strongest pull is the pull-off. A step is halved, too, where the energy that it stores says that
-a stronger pull than at its ends was passed in it; of two steps between which the pull is strongest the longer is, until
-it hardly changes in them.
+On unloading the largest tension is the pull-off. A step is also halved where its stored energy shows that the tension
+was larger within it than at its ends. Of two steps next to the largest tension the longer one is halved until the
+tension hardly changes in them.
 """
 
 from collections.abc import Sequence
@@ -19,37 +19,49 @@ import numpy as np
 
 from bem_adhesion.contacts.rough_contact import Contact
 from bem_adhesion.solution import Outcome, Solution
+from bem_adhesion.study.state import separation_of
 from contact_study.physics.solids import Elasticity
 from contact_study.results.path_results import UNACCOUNTED, lowest_between, unaccounted, undecided
 
-# Share of the way between two points that the first step tries. In a step of the whole way a jump may be lost in what
-# the rule makes of so long a way; that one is in each of three is less likely.
-FIRST_STEP = 0.25
 
-# Share of the pressure by which a pull between two states may be stronger than at both.
-PASSED_OVER = 0.01
+@dataclass(frozen=True)
+class AdaptiveOptions:
+    """Constants of adaptive steps.
+
+    Parameters
+    ----------
+    first_step : float
+        First step, as a share of the way between two points: a step of the whole way could hide a jump in the error of
+        the trapezoidal rule.
+    unaccounted : float
+        Share of the exchanged work that a step without a jump may leave unaccounted for.
+    passed_over : float
+        Relative excess of the tension between two states over that at both.
+    """
+
+    first_step: float = 0.25
+    unaccounted: float = UNACCOUNTED
+    passed_over: float = 0.01
 
 
 @dataclass(frozen=True)
 class EnergyLedger:
-    """Where a path has come to.
+    """A state on a path, and the energy dissipated so far.
 
     Parameters
     ----------
     position : float
-        What is prescribed there: mean pressure (Pa), mean gap or approach (m).
+        Prescribed mean pressure (Pa), mean gap or approach (m).
     pressure : float
         Mean pressure (Pa).
     separation : float
-        Of the mean planes, from any origin (m).
+        Separation of the mean planes, from any origin (m).
     energy : float
-        Elastic and of the interaction, per area (J/m²).
+        Elastic and interaction energy, per area (J/m²).
     attached : bool
-        Whether the surfaces are within reach of each other.
-    dissipated : float
-        In jumps so far, per area (J/m²).
-    uncertain : float
-        By how much that may be off: where within its step a jump lies is not known (J/m²).
+        Whether the law acts between the surfaces.
+    dissipated, uncertain : float
+        Energy dissipated in jumps so far, and its uncertainty, per area (J/m²).
     """
 
     position: float
@@ -67,30 +79,20 @@ class EnergyLedger:
 
     @property
     def array(self) -> np.ndarray:
-        """To be stored between the points of a path."""
+        """Numbers to store between the points of a path."""
         return np.array([float(value) for value in astuple(self)])
 
     @classmethod
     def of(cls, array: np.ndarray) -> "EnergyLedger":
-        """What :attr:`array` was made of."""
-        position, pressure, separation, energy, attached, *books = map(float, array)
-        return cls(position, pressure, separation, energy, bool(attached), *books)
+        """Restore a ledger from its :attr:`array`."""
+        position, pressure, separation, energy, attached, *dissipated = map(float, array)
+        return cls(position, pressure, separation, energy, bool(attached), *dissipated)
 
 
-def separation_of(solution: Solution, solid: Elasticity) -> float:
-    """Distance of the mean planes, without that of the heights (m)."""
-    if solution.plane is not None and not solution.detached:
-        return solution.plane
-    # Nothing slides: all that parts mean gap and separation is the uniform compression of a layer, and what gave way.
-    separation = float(np.mean(solution.gap)) - solid.compression(float(np.mean(solution.pressure)))
-    yielded = solution.plastic_indentation
-    return separation if yielded is None else separation - float(np.mean(yielded))
-
-
-def account_of(
+def ledger_of(
     solution: Solution, position: float, solid: Elasticity, before: EnergyLedger | None = None
 ) -> EnergyLedger:
-    """The account of a state, the books carried on; surfaces apart are where the next step finds them, out of reach."""
+    """Return the ledger of a state; separated surfaces are where the next step starts from, out of reach."""
     return EnergyLedger(
         position,
         float(np.mean(solution.pressure)),
@@ -101,8 +103,8 @@ def account_of(
     )
 
 
-def states_of(passed: Sequence[EnergyLedger], equilibrium_distance: float) -> np.ndarray:
-    """The states of the books as a dataset has them, see :attr:`InterfaceState.passed`."""
+def passed_states(passed: Sequence[EnergyLedger], equilibrium_distance: float) -> np.ndarray:
+    """Return the states of ledgers as in a dataset, see :attr:`InterfaceState.passed`."""
     rows = [
         (at.pressure, at.separation - equilibrium_distance, at.energy) if at.attached else (at.position, np.inf, 0.0)
         for at in passed
@@ -110,7 +112,7 @@ def states_of(passed: Sequence[EnergyLedger], equilibrium_distance: float) -> np
     return np.array(rows).reshape(-1, 3)
 
 
-def follow(
+def adaptive_step(
     contact: Contact,
     state: np.ndarray,
     before: EnergyLedger,
@@ -118,49 +120,53 @@ def follow(
     least: float,
     solid: Elasticity,
     noise: float = 0.0,
+    options: AdaptiveOptions | None = None,
 ) -> tuple[Solution, list[EnergyLedger]]:
-    """Go from one point of a path to the next in steps as long as the work of the load can be accounted for.
+    """Go from one point of a path to the next in steps for which the work of the load is accounted for.
 
     Parameters
     ----------
     contact : Contact
         The contact.
     state : numpy.ndarray
-        Where the path has come to, see :attr:`Solution.state`.
-    before : Account
-        The same place in the books.
+        State to start from, see :attr:`Solution.state`.
+    before : EnergyLedger
+        Ledger of that state.
     target : float
         The next point.
     least : float
-        Least step, the resolution of a jump's place, in units of the target.
+        Least step, in units of the target.
     solid : Elasticity
         The solid.
     noise : float, optional
-        Work that is none (J/m²): what the solver's tolerance leaves, and the last of a law's reach.
+        Work that the solver's tolerance and the law's tail may leave unaccounted for (J/m²).
+    options : AdaptiveOptions, optional
+        Constants of the steps.
 
     Returns
     -------
     Solution
-        At the target, with the work of all steps. A step that does not converge is halved, too; where the least does
-        not, it ends the path: what it left is returned, and as the state to go on from the last that did converge.
-    list of Account
-        The books of every state passed, from ``before`` on to the last that converged.
+        State at the target, with the work of all steps. If even the least step does not converge, it ends the path: the
+        solution has its fields, and the state of the last step that converged.
+    list of EnergyLedger
+        Ledgers of all states passed, from ``before`` to the last that converged.
     """
-    passed, length = [before], FIRST_STEP * (target - before.position)
-    earlier = None  # the state that the last step began from
+    options = options or AdaptiveOptions()
+    passed, length = [before], options.first_step * (target - before.position)
+    earlier = None  # the state at the start of the last step
     pairs, iterations, torn = 0.0, 0, False
     while True:
         now = passed[-1]
         last = abs(length) >= abs(target - now.position)
         found = contact.step(state, target if last else now.position + length)
         pairs, iterations = pairs + found.fft_pairs, iterations + found.iterations
-        new = account_of(found, target if last else now.position + length, solid, now)
+        new = ledger_of(found, target if last else now.position + length, solid, now)
         lost, exchanged = map(float, unaccounted(now.state, new.state)) if new.attached else (0.0, 0.0)
-        parted = now.attached and not new.attached
-        jumped = parted or abs(lost) > max(UNACCOUNTED * exchanged, noise)
+        detached = now.attached and not new.attached
+        jumped = detached or abs(lost) > max(options.unaccounted * exchanged, noise)
         way = new.position - now.position
-        stronger = _passes_over_pull(now, new, noise)
-        if found.converged and len(passed) > 1 and _turns_too_sharply(passed[-2], now, new):
+        stronger = _skips_pull_off(now, new, noise, options.passed_over)
+        if found.converged and len(passed) > 1 and _turns_too_sharply(passed[-2], now, new, options.passed_over):
             way_before = now.position - passed[-2].position
             stronger |= abs(way) >= abs(way_before)
             if abs(way_before) > max(abs(way), least) and earlier is not None:
@@ -173,35 +179,38 @@ def follow(
         if not found.converged:
             ended = replace(found, state=state, outcome=Outcome.LEAST_STEP, fft_pairs=pairs, iterations=iterations)
             return ended, passed
-        if jumped and not parted:
+        if jumped and not detached:
             unknown = float(undecided(now.state, new.state))
             new = replace(new, dissipated=now.dissipated + max(lost, 0.0), uncertain=now.uncertain + unknown)
         state, earlier, length = found.state, state, 2 * way
         passed.append(new)
-        torn |= parted
+        torn |= detached
         if last:
-            # Surfaces that this point has torn apart, and a tension that finds them so, are none that never met.
+            # A tension on surfaces that detached on the way to this point finds them apart.
             outcome = Outcome.DETACHED if torn and found.outcome is Outcome.APART else found.outcome
             return replace(found, fft_pairs=pairs, iterations=iterations, outcome=outcome), passed
 
 
-def _passes_over_pull(before: EnergyLedger, after: EnergyLedger, noise: float) -> bool:
-    """Whether a step outwards leaves out a stronger pull than at its ends, beyond noise (J/m²)."""
+def _skips_pull_off(
+    before: EnergyLedger, after: EnergyLedger, noise: float, share: float = AdaptiveOptions.passed_over
+) -> bool:
+    """Return whether the tension within a step outwards exceeds that at its ends, beyond noise (J/m²)."""
     way = after.separation - before.separation
     if not (before.attached and after.attached) or way <= 0:
         return False
     lowest = float(lowest_between(before.state, after.state))
-    left_out = min(before.pressure, after.pressure) - lowest
-    return left_out > max(-PASSED_OVER * lowest, noise / way)
+    return min(before.pressure, after.pressure) - lowest > max(-share * lowest, noise / way)
 
 
-def _turns_too_sharply(before: EnergyLedger, lowest: EnergyLedger, after: EnergyLedger) -> bool:
-    """Whether steps outwards on both sides of the strongest pull are too long to tell it."""
+def _turns_too_sharply(
+    before: EnergyLedger, lowest: EnergyLedger, after: EnergyLedger, share: float = AdaptiveOptions.passed_over
+) -> bool:
+    """Return whether steps outwards on both sides of the largest tension are too long to determine it."""
     if not (before.attached and lowest.attached and after.attached):
         return False
     pressures = before.pressure, after.pressure
     outwards = before.separation < lowest.separation < after.separation
     if not outwards or lowest.pressure >= min(pressures):
         return False
-    # A parabola through three points goes an eighth of what the higher ones are above the lowest below it at most.
-    return max(pressures) - lowest.pressure > -8 * PASSED_OVER * lowest.pressure
+    # The minimum of a parabola through three points is lower by at most an eighth of the height of the outer ones.
+    return max(pressures) - lowest.pressure > -8 * share * lowest.pressure

@@ -46,5 +46,5 @@ class _MovingContinuum(OverdampedContact):
         if self._case.output.stiffness:
             stiffness = self.stiffness(found.solution) if found.at_rest else np.nan
         # What was done since belongs to this state, too: a run that goes on from it does none of it.
-        solution = replace(found.solution, fft_pairs=found.solution.fft_pairs + self._work())
+        solution = replace(found.solution, fft_pairs=found.solution.fft_pairs + self._count_work())
         return interface_state(self._case, solution, self._spacing, stiffness)

@@ -8,7 +8,7 @@ import numpy as np
 
 from bem_adhesion.contacts.rough_contact import Contact, contact_between
 from bem_adhesion.solution import Solution
-from bem_adhesion.study.adaptive import EnergyLedger, account_of, follow, states_of
+from bem_adhesion.study.adaptive import EnergyLedger, adaptive_step, ledger_of, passed_states
 from bem_adhesion.study.state import interface_state
 from contact_study.physics.surfaces.surface import Surface
 from contact_study.results.state import InterfaceState, OwnSteps
@@ -39,7 +39,7 @@ def path_of_equilibria(
             found = replace(
                 found,
                 own_steps=OwnSteps(account.dissipated, account.uncertain),
-                passed=states_of(passed, case.law.equilibrium_distance),
+                passed=passed_states(passed, case.law.equilibrium_distance),
                 restart={**found.restart, "account": account.array},
             )
         _warn_of_rim(case, number, found, said)
@@ -54,11 +54,11 @@ def _next(
         solution = contact.step(state, target)
         if case.least_step is None or not solution.converged:
             return solution, None, []
-        account = account_of(solution, target, case.solid)
+        account = ledger_of(solution, target, case.solid)
         return solution, account, [account]
     assert case.least_step is not None  # who keeps books takes steps of its own
     noise = _NOISE * case.law.work_of_adhesion
-    solution, (_, *passed) = follow(contact, state, account, target, case.least_step, case.solid, noise)
+    solution, (_, *passed) = adaptive_step(contact, state, account, target, case.least_step, case.solid, noise)
     return solution, passed[-1] if passed else account, passed
 
 

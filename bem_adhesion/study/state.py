@@ -1,27 +1,27 @@
-"""A solution of the continuum as a state of the interface, as the campaign takes it."""
+"""A solution of the continuum as the campaign's state of the interface."""
+
+import numpy as np
 
 from bem_adhesion.solution import Solution
-from bem_adhesion.study.adaptive import separation_of
+from contact_study.physics.solids import Elasticity
 from contact_study.results.state import InterfaceState, Plasticity, SolverReport
 from contact_study.study.case import Case
+
+
+def separation_of(solution: Solution, solid: Elasticity) -> float:
+    """Return the distance of the mean planes, without that of the heights (m)."""
+    if solution.plane is not None and not solution.detached:
+        return solution.plane
+    # Mean gap and separation differ by the uniform compression of a layer and by the indentation.
+    separation = float(np.mean(solution.gap)) - solid.compression(float(np.mean(solution.pressure)))
+    yielded = solution.plastic_indentation
+    return separation if yielded is None else separation - float(np.mean(yielded))
 
 
 def interface_state(
     case: Case, solution: Solution, spacing: tuple[float, float], stiffness: float | None = None
 ) -> InterfaceState:
-    """The state of a case's interface.
-
-    Parameters
-    ----------
-    case : Case
-        The case.
-    solution : Solution
-        What its solver found.
-    spacing : tuple of float
-        Distance of points along y and x (m).
-    stiffness : float or None, optional
-        −dp/dū of the solution (Pa/m), where it was asked for.
-    """
+    """Return the state of a case's interface; ``spacing`` (m) along y and x, ``stiffness`` −dp/dū if known (Pa/m)."""
     gap, pressure, yielded = solution.gap, solution.pressure, solution.plastic_indentation
     separation = separation_of(solution, case.solid) - case.law.equilibrium_distance
     return InterfaceState(

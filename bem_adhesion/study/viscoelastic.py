@@ -1,4 +1,4 @@
-"""A loading path in time: from point to point evenly, in equal steps of time."""
+"""A loading path in time: at a constant rate from point to point, in equal steps of time."""
 
 import warnings
 from collections.abc import Iterator, Mapping
@@ -9,7 +9,7 @@ import numpy as np
 from bem_adhesion.contacts.viscoelastic import ViscoelasticContact
 from bem_adhesion.process_zone import TOO_COARSE
 from bem_adhesion.solution import Solution
-from bem_adhesion.study.adaptive import account_of, states_of
+from bem_adhesion.study.adaptive import ledger_of, passed_states
 from bem_adhesion.study.state import interface_state
 from contact_study.physics.solids import Viscoelastic
 from contact_study.physics.surfaces.surface import Surface
@@ -19,7 +19,7 @@ from contact_study.study.case import Case
 
 @dataclass(frozen=True)
 class TimeState:
-    """Where a path in time has come to: the load there, the time since its start (s), the energy dissipated (J/m²)."""
+    """Load on a path in time, time since its start (s), and energy dissipated so far (J/m²)."""
 
     position: float
     time: float = 0.0
@@ -27,41 +27,41 @@ class TimeState:
 
     @property
     def array(self) -> np.ndarray:
-        """To be stored between the points of a path."""
+        """Numbers to store between the points of a path."""
         return np.array([self.position, self.time, self.dissipated])
 
     @classmethod
     def of(cls, array: np.ndarray) -> "TimeState":
-        """What :attr:`array` was made of."""
+        """Restore a state from its :attr:`array`."""
         return cls(*map(float, array))
 
 
 def steps_in_time(
     contact: ViscoelasticContact, state: np.ndarray, before: TimeState, target: float, duration: float, steps: int
 ) -> Iterator[tuple[Solution, TimeState]]:
-    """Go from one point of a path to the next, the load changing evenly.
+    """Go from one point of a path to the next, the load changing at a constant rate.
 
     Parameters
     ----------
     contact : ViscoelasticContact
         The contact.
     state : numpy.ndarray
-        Where the path has come to, see :meth:`ViscoelasticContact.step`.
-    before : Moment
-        The same place in time.
+        State to start from, see :meth:`ViscoelasticContact.step`.
+    before : TimeState
+        Load and time there.
     target : float
         The next point: mean pressure (Pa) or mean gap (m).
     duration : float
-        Time until then (s).
+        Time to the next point (s).
     steps : int
-        In how many steps.
+        Number of steps.
 
     Yields
     ------
     Solution
-        After each step, with the work of all so far. One that did not converge ends them where it stands.
-    Moment
-        The same place in time.
+        State after each step, with the work of all so far; a step that does not converge is the last.
+    TimeState
+        Load and time there.
     """
     now, pairs, iterations = before, 0.0, 0
     for number in range(1, steps + 1):
@@ -79,7 +79,7 @@ def steps_in_time(
 def follow_in_time(
     contact: ViscoelasticContact, state: np.ndarray, before: TimeState, target: float, duration: float, steps: int
 ) -> tuple[Solution, TimeState]:
-    """Where :func:`steps_in_time` ends: at the target, or at a step that did not converge; parameters as there."""
+    """Return the end of :func:`steps_in_time`."""
     *_, last = steps_in_time(contact, state, before, target, duration, steps)
     return last
 
@@ -87,24 +87,10 @@ def follow_in_time(
 def path_in_time(
     case: Case, surface: Surface, solid: Viscoelastic, restart: Mapping[str, np.ndarray] | None, start: int
 ) -> Iterator[InterfaceState]:
-    """The states of a case's path from point number ``start`` on, with where they are in time.
-
-    Parameters
-    ----------
-    case : Case
-        The case.
-    surface : Surface
-        Its surface.
-    solid : Viscoelastic
-        Its solid.
-    restart : mapping or None
-        ``state`` and ``moment`` after point ``start`` − 1; None to start from rest without contact.
-    start : int
-        Number of the first point.
-    """
+    """Yield the states of a case's path with their times; parameters as for :func:`solve_path`."""
     solver, loading = case.solver, case.loading
     with warnings.catch_warnings():
-        warnings.filterwarnings("ignore", TOO_COARSE)  # the review of the study has said it for all cases
+        warnings.filterwarnings("ignore", TOO_COARSE)  # the review of the study warns for all cases
         contact = ViscoelasticContact(
             surface.sampled,
             surface.grid.size,
@@ -124,12 +110,12 @@ def path_in_time(
         passed = []
         for solution, moment in steps_in_time(contact, state, now, target, duration, loading.time_steps):
             if solution.converged:
-                passed.append(account_of(solution, moment.position, case.solid))
+                passed.append(ledger_of(solution, moment.position, case.solid))
         state, now = solution.state, moment
         found = interface_state(case, solution, surface.grid.spacing)
         yield replace(
             found,
             relaxation=Relaxation(now.time, now.dissipated),
-            passed=states_of(passed, case.law.equilibrium_distance),
+            passed=passed_states(passed, case.law.equilibrium_distance),
             restart={**found.restart, "moment": now.array},
         )

@@ -11,7 +11,14 @@ import contact_study
 from bem_adhesion import Dugdale, HardWall, LennardJones104, rough_contact
 from bem_adhesion.adhesive.contact import reach
 from bem_adhesion.solution import Outcome, Solution
-from bem_adhesion.study.adaptive import EnergyLedger, _passes_over_pull, _turns_too_sharply, account_of, follow
+from bem_adhesion.study.adaptive import (
+    AdaptiveOptions,
+    EnergyLedger,
+    _skips_pull_off,
+    _turns_too_sharply,
+    adaptive_step,
+    ledger_of,
+)
 from contact_study.physics.solids import HalfSpace
 from tests.bem_adhesion.paper_system import E_STAR, R0, study_table
 from tests.bem_adhesion.rough_surfaces import self_affine
@@ -31,18 +38,18 @@ def test_flat_surfaces_jump_in_for_their_work_of_adhesion_and_let_go_at_the_peak
     contact = rough_contact(np.zeros((8, 8)), 4e-9, SOLID, LAW)
     state, account = start(contact)
     least = 0.01 * LAW.peak_tensile_stress
-    found, (*_, account) = follow(contact, state, account, 0.1 * LAW.peak_tensile_stress, least, SOLID)
+    found, (*_, account) = adaptive_step(contact, state, account, 0.1 * LAW.peak_tensile_stress, least, SOLID)
     # Under no more than the least pressure, whose work over the reach of 3.6 r0 is what is left: Δγ + p Δs/2.
     reach = contact.separated().mean() - R0
     assert account.dissipated == pytest.approx(0.69, abs=0.51 * least * reach + 5e-3 * 0.69)
-    gone, passed = follow(contact, found.state, account, -1.2 * LAW.peak_tensile_stress, least, SOLID)
+    gone, passed = adaptive_step(contact, found.state, account, -1.2 * LAW.peak_tensile_stress, least, SOLID)
     assert gone.detached
     after = passed[-1]
     assert after.dissipated == account.dissipated, "flying apart under the load is no dissipation between contacts"
     lowest = -min(place.pressure for place in passed) / LAW.peak_tensile_stress
     assert 0.99 <= lowest <= 1
     assert not after.attached
-    _, (*_, again) = follow(contact, gone.state, after, 0.1 * LAW.peak_tensile_stress, least, SOLID)
+    _, (*_, again) = adaptive_step(contact, gone.state, after, 0.1 * LAW.peak_tensile_stress, least, SOLID)
     # As the first time; steps of another length meet the load at another pressure below the least.
     assert again.dissipated - after.dissipated == pytest.approx(account.dissipated, abs=0.51 * least * reach + 5e-3)
 
@@ -57,7 +64,9 @@ def walked(contact, targets, resolution=0.01):
     state, account = start(contact)
     accounts, pairs = [], 0.0
     for target in targets:
-        found, (*_, account) = follow(contact, state, account, target, resolution * max(map(abs, targets)), SOLID)
+        found, (*_, account) = adaptive_step(
+            contact, state, account, target, resolution * max(map(abs, targets)), SOLID
+        )
         assert found.converged
         state, pairs = found.state, pairs + found.fft_pairs
         accounts.append(account)
@@ -74,11 +83,11 @@ def test_a_loop_dissipates_what_its_load_worked():
     for target in targets[:3]:
         found = contact.step(state, target)
         state = found.state
-    work, before = 0.0, account_of(found, targets[2], SOLID)
+    work, before = 0.0, ledger_of(found, targets[2], SOLID)
     closed = before
     for target in np.concatenate([np.linspace(0.5e9, 4e9, 71)[1:], np.linspace(4e9, 0.5e9, 71)[1:]]):
         found = contact.step(state, target)
-        state, now = found.state, account_of(found, target, SOLID)
+        state, now = found.state, ledger_of(found, target, SOLID)
         work -= 0.5 * (before.pressure + now.pressure) * (now.separation - before.separation)
         before = now
     lost = work - (before.energy - closed.energy)
@@ -135,7 +144,7 @@ class Dropping(Spring):
 
 def test_a_jump_is_not_lost_in_what_the_rule_leaves_of_a_long_way():
     begin = EnergyLedger(0.0, 0.0, 0.0, 0.0, True)
-    _, passed = follow(Dropping(), np.zeros((2, 2)), begin, 1.0, 0.01, HalfSpace(1.0))
+    _, passed = adaptive_step(Dropping(), np.zeros((2, 2)), begin, 1.0, 0.01, HalfSpace(1.0))
     # The jump, and what the rule leaves of the least step it is in.
     assert passed[-1].dissipated == pytest.approx(1 / 6, abs=1e-5)
     assert passed[-1].uncertain < 0.01**2
@@ -156,13 +165,15 @@ class Passing(Spring):
         return Solution(at, at, at, np.full((2, 2), -pull), energy, 0.0, 0.0, 1, 1.0, Outcome.CONVERGED, law=HardWall())
 
 
+LOSSY = AdaptiveOptions(unaccounted=np.inf)  # unaccounted work shortens steps, too
+
+
 @pytest.mark.parametrize("begin", [0.0, 0.3, 0.5, 0.7])
-def test_the_strongest_pull_is_not_passed_over(begin, monkeypatch):
-    monkeypatch.setattr("bem_adhesion.study.adaptive.UNACCOUNTED", np.inf)  # which shortens steps, too
+def test_the_strongest_pull_is_not_passed_over(begin):
     contact = Passing()
     found = contact.step(np.zeros((2, 2)), begin)
     account = EnergyLedger(begin, float(found.pressure.mean()), begin, found.elastic_energy, True)
-    _, passed = follow(contact, found.state, account, 8.0, 1e-3, HalfSpace(1.0))
+    _, passed = adaptive_step(contact, found.state, account, 8.0, 1e-3, HalfSpace(1.0), options=LOSSY)
     # A hundredth, and what the parabola leaves.
     assert min(at.pressure for at in passed) < -0.98
     assert passed[-1].position == 8.0
@@ -173,11 +184,10 @@ def test_the_strongest_pull_is_not_passed_over(begin, monkeypatch):
 @pytest.mark.parametrize("first", [0.6, 0.9, 1.2, 1.7, 2.4])
 def test_of_two_steps_about_the_strongest_pull_the_longer_is_taken_back(first, monkeypatch):
     """Where energies say nothing of what is between, as where every step loses a little."""
-    monkeypatch.setattr("bem_adhesion.study.adaptive._passes_over_pull", lambda *_: False)
-    monkeypatch.setattr("bem_adhesion.study.adaptive.UNACCOUNTED", np.inf)
+    monkeypatch.setattr("bem_adhesion.study.adaptive._skips_pull_off", lambda *_: False)
     account = EnergyLedger(0.0, 0.0, 0.0, 0.0, True)
     contact = Passing()
-    _, passed = follow(contact, np.zeros((2, 2)), account, 4 * first, 1e-3, HalfSpace(1.0))
+    _, passed = adaptive_step(contact, np.zeros((2, 2)), account, 4 * first, 1e-3, HalfSpace(1.0), options=LOSSY)
     assert min(at.pressure for at in passed) < -0.98
     distances = [at.position for at in passed]
     assert distances == sorted(distances), "a step that was taken back is in no book"
@@ -189,11 +199,11 @@ def test_a_strongest_pull_is_told_by_energies_or_by_three_states():
     before, lowest, after = (
         EnergyLedger(x, p, x, e, True) for x, p, e in ((0, -0.5, 0), (1, -1, 0.75), (3, -0.5, 2.25))
     )
-    assert not _passes_over_pull(before, lowest, 0.0)
+    assert not _skips_pull_off(before, lowest, 0.0)
     more = replace(lowest, energy=1.0)  # stored: the pull is one on average, and one at the end
-    assert _passes_over_pull(before, more, 0.0)
-    assert not _passes_over_pull(before, more, 1.0), "noise"
-    assert not _passes_over_pull(more, before, 0.0), "inwards"
+    assert _skips_pull_off(before, more, 0.0)
+    assert not _skips_pull_off(before, more, 1.0), "noise"
+    assert not _skips_pull_off(more, before, 0.0), "inwards"
     assert _turns_too_sharply(before, lowest, after)
     assert not _turns_too_sharply(before, replace(lowest, pressure=-0.5), after)
     assert not _turns_too_sharply(before, replace(lowest, attached=False), after)
@@ -202,7 +212,7 @@ def test_a_strongest_pull_is_told_by_energies_or_by_three_states():
 
 def test_steps_that_do_not_converge_are_shortened():
     begin = EnergyLedger(0.0, 0.0, 10.0, 0.0, True)
-    found, (*_, account) = follow(Spring(0.3, np.inf), np.zeros((2, 2)), begin, 1.0, 0.01, HalfSpace(1.0))
+    found, (*_, account) = adaptive_step(Spring(0.3, np.inf), np.zeros((2, 2)), begin, 1.0, 0.01, HalfSpace(1.0))
     assert found.outcome is Outcome.CONVERGED
     assert account.position == 1.0
     assert found.state.mean() == 1.0
@@ -211,7 +221,7 @@ def test_steps_that_do_not_converge_are_shortened():
 
 def test_where_the_least_step_does_not_converge_the_path_says_so_and_keeps_the_state_before():
     begin = EnergyLedger(0.0, 0.0, 10.0, 0.0, True)
-    found, (*_, account) = follow(Spring(1.0, 0.7), np.zeros((2, 2)), begin, 1.0, 0.01, HalfSpace(1.0))
+    found, (*_, account) = adaptive_step(Spring(1.0, 0.7), np.zeros((2, 2)), begin, 1.0, 0.01, HalfSpace(1.0))
     assert found.outcome is Outcome.LEAST_STEP
     assert not found.converged
     assert "loading.resolution" in found.message
@@ -219,7 +229,7 @@ def test_where_the_least_step_does_not_converge_the_path_says_so_and_keeps_the_s
     assert 0.69 <= account.position <= 0.7
     assert found.state.mean() == account.position, "the last state that converged"
     assert found.pressure.mean() > 0.7, "and beside it what the step left"
-    back, (*_, account) = follow(Spring(1.0, 0.7), found.state, account, 0.2, 0.01, HalfSpace(1.0))
+    back, (*_, account) = adaptive_step(Spring(1.0, 0.7), found.state, account, 0.2, 0.01, HalfSpace(1.0))
     assert back.converged
     assert account.position == 0.2
 
@@ -381,9 +391,9 @@ def test_flat_surfaces_take_their_work_of_adhesion_in_steps_of_any_length():
 def test_surfaces_torn_apart_on_the_way_to_a_point_are_said_to_be():
     contact = rough(work_of_adhesion=0.69)
     state, account = start(contact)
-    found, (*_, account) = follow(contact, state, account, 1e9, 1e7, SOLID)
+    found, (*_, account) = adaptive_step(contact, state, account, 1e9, 1e7, SOLID)
     assert found.outcome is Outcome.CONVERGED
-    gone, (*_, after) = follow(contact, found.state, account, -20e9, 1e7, SOLID)
+    gone, (*_, after) = adaptive_step(contact, found.state, account, -20e9, 1e7, SOLID)
     assert gone.outcome is Outcome.DETACHED
-    still, _ = follow(contact, gone.state, after, -21e9, 1e7, SOLID)
+    still, _ = adaptive_step(contact, gone.state, after, -21e9, 1e7, SOLID)
     assert still.outcome is Outcome.APART

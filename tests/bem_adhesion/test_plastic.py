@@ -9,7 +9,7 @@ from scipy.optimize import lsq_linear
 import contact_study
 from bem_adhesion import HardWall, LennardJones104, rough_contact
 from bem_adhesion.solution import Outcome
-from bem_adhesion.study.adaptive import separation_of
+from bem_adhesion.study.state import separation_of
 from contact_study.errors import InputError
 from contact_study.numerics.grid import Grid
 from contact_study.physics.solids import HalfSpace, Layer

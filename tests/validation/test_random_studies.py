@@ -140,13 +140,13 @@ def _dissipates_too_little(patch):
 
 
 def _forgets_a_jump(patch):
-    follow = equilibrium_path.follow
+    follow = equilibrium_path.adaptive_step
 
     def cheaper(*given):
         found, passed = follow(*given)
         return found, [*passed[:-1], replace(passed[-1], dissipated=0.9 * passed[-1].dissipated)]
 
-    patch.setattr(equilibrium_path, "follow", cheaper)
+    patch.setattr(equilibrium_path, "adaptive_step", cheaper)
 
 
 def _is_too_soft_as_a_whole(patch):
