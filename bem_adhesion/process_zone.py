@@ -1,4 +1,4 @@
-"""The length over which a law bridges the edge of a contact, and what a grid does that is coarser."""
+"""The process zone of a law at the edge of a contact, and grids that do not resolve it."""
 
 import math
 
@@ -11,35 +11,35 @@ from contact_study.units import length
 TOO_COARSE = "grid too coarse"
 """First words of a warning."""
 
-# A grid that resolves the process zone E*Δγ/σ_max² by at least this many points is free of lattice trapping.
+# Points per process zone E*Δγ/σ_max² from which a grid does not trap contact edges.
 POINTS_PER_PROCESS_ZONE = 4
-# With fewer points a load in one step and in slow motion ends in two states, of which the second has up to this share
-# less contact (docs/loading_paths.md).
+# With fewer points a load in one step and in slow motion ends in two states; the second has up to this share less
+# contact (docs/loading_paths.md).
 POINTS_FOR_ONE_STATE, LESS_CONTACT = 1, 0.5
 
 
 def process_zone(contact_modulus: float, law: TractionLaw) -> float:
-    """Length E* Δγ / σ_max² over which the law bridges the edge of a contact (m), infinite without attraction."""
+    """Return the length E* Δγ / σ_max² of attraction at the edge of a contact (m), infinite without attraction."""
     if not law.attracts:
         return np.inf
     return contact_modulus * law.work_of_adhesion / law.peak_tensile_stress**2
 
 
 def resolves(spacing: float, zone: float) -> bool:
-    """Whether a grid spacing (m) resolves a process zone (m)."""
+    """Return whether a grid spacing (m) resolves a process zone (m)."""
     return spacing * POINTS_PER_PROCESS_ZONE <= zone
 
 
 def resolving_shape(size: tuple[float, float], zone: float) -> tuple[int, int]:
-    """Points along y and x that resolve a process zone (m): even, of small prime factors."""
+    """Return points along y and x that resolve a process zone (m): even, with small prime factors."""
     y, x = (2 * int(next_fast_len(math.ceil(POINTS_PER_PROCESS_ZONE * side / zone / 2), real=True)) for side in size)
     return y, x
 
 
 def resolved_length(law: TractionLaw, spacing: float, zone: float) -> float:
-    """The law's length (m) at which a grid spacing (m) resolves its process zone, at the same work of adhesion.
+    """Return the law's length (m), rounded up to two digits, at which a grid spacing (m) resolves its process zone.
 
-    The zone, now ``zone`` (m), grows with the square of that length. It is the next larger number of two digits.
+    The work of adhesion stays the same; the zone, now ``zone`` (m), grows with the square of that length.
     """
     least = law.length * math.sqrt(POINTS_PER_PROCESS_ZONE * spacing / zone)
     digits = 10 ** (math.floor(math.log10(least)) - 1)
@@ -47,7 +47,7 @@ def resolved_length(law: TractionLaw, spacing: float, zone: float) -> float:
 
 
 def too_coarse(spacing: float, zone: float, where: str = "") -> str:
-    """What a grid does that does not resolve a process zone (m), in words."""
+    """Describe the effect of a grid that does not resolve a process zone (m)."""
     head = f"{TOO_COARSE}: its spacing is {length(spacing)}"
     if spacing * POINTS_FOR_ONE_STATE > zone:
         return (

@@ -1,22 +1,22 @@
-"""A half-space under a surface of finite extent, with nothing around it: free boundaries by padded convolution.
+"""A half-space under a surface of finite extent: free boundaries by padded convolution.
 
 The displacement of a pressure that is uniform on each cell of the grid is its convolution with that of one cell,
 
     C(x, y) = (1/πE*) ∫∫ dξ dη / √((x−ξ)² + (y−η)²),
 
 in closed form (A. E. H. Love, Phil. Trans. R. Soc. A 228, 377 (1929); K. L. Johnson, Contact Mechanics, Cambridge 1985,
-sec. 3.3; the tests hold it to the integral). On a periodic grid of twice the extent, with C of the shorter way around,
-the periodic convolution of a pressure that vanishes outside the surface is the free one inside it, exactly (R. W.
-Hockney, Methods Comput. Phys. 9, 135 (1970)). All wavevectors of that C being positive, its inverse is a stiffness: the
-half-space is then one more periodic solid on the larger grid, and the law acts in its :class:`Window` only. The padding
-balances to zero pressure by itself.
+sec. 3.3; the tests compare it with the integral). On a periodic grid of twice the extent, with C by the shorter way
+around, the periodic convolution of a pressure that vanishes outside the surface is the free one inside it, exactly
+(R. W. Hockney, Methods Comput. Phys. 9, 135 (1970)). All wavevectors of this C are positive, so that its inverse is a
+stiffness: the half-space is one more periodic solid on the larger grid, and the law acts only in its :class:`Window`.
+The padding balances to zero pressure.
 
-The mean over the large grid is no freedom left to the load: C̄ = 1/K(q=0) ties it to the plane at infinity,
+The load does not determine the mean over the large grid: C̄ = 1/K(q=0) connects it with the undeformed surface,
 
     position of the undeformed surface = <displacement> − <p> / K(q=0).
 
-Held there by that stiffness the surface is under a prescribed approach; without it, and with the uniform pressure <p>
-instead, the position is where the energy is least, and the force is prescribed. Both are exact.
+With this stiffness the approach is prescribed; without it, and with the uniform pressure <p> instead, the energy is
+least at that position, and the force is prescribed. Both are exact.
 """
 
 from dataclasses import dataclass
@@ -29,7 +29,7 @@ from contact_study.physics.solids.half_space import HalfSpace
 
 @dataclass(frozen=True)
 class Window:
-    """The part of a padded grid over which there is a surface: its first rows and columns.
+    """The part of a padded grid with a surface: its first rows and columns.
 
     Parameters
     ----------
@@ -50,18 +50,18 @@ class Window:
         return Window(((self.shape[0] + 1) // 2, (self.shape[1] + 1) // 2))
 
     def inside(self, field: np.ndarray) -> np.ndarray:
-        """The surface's part of a field on the padded grid, a view."""
+        """Return the surface's part of a field on the padded grid, a view."""
         return field[self.slices]
 
     def padded(self, field: np.ndarray, grid: Grid, filling: float) -> np.ndarray:
-        """A field on the padded grid, with one value outside the surface."""
+        """Return a field on the padded grid, with one value outside the surface."""
         result = np.full(grid.shape, filling)
         result[self.slices] = field
         return result
 
 
 def padded_grid(grid: Grid) -> Grid:
-    """Twice as many points and twice the size along both axes."""
+    """Return the grid of twice as many points and twice the size along both axes."""
     return Grid((2 * grid.shape[0], 2 * grid.shape[1]), (2 * grid.size[0], 2 * grid.size[1]))
 
 
@@ -75,14 +75,14 @@ class FreeHalfSpace(HalfSpace):
         return stiffness_q
 
     def mean_stiffness_on(self, grid: Grid) -> float:
-        """Stiffness of the mean displacement of a padded grid against the plane at infinity (Pa/m)."""
+        """Return the stiffness of the mean displacement of a padded grid (Pa/m)."""
         return float(1 / np.sum(self._compliance(grid)))
 
     def _stiffness_q(self, grid: Grid) -> np.ndarray:
         return 1 / np.fft.rfft2(self._compliance(grid)).real
 
     def _compliance(self, grid: Grid) -> np.ndarray:
-        """Displacement at each point under a unit pressure on the first cell, the shorter way around (m/Pa)."""
+        """Return the displacement under a unit pressure on the first cell, by the shorter way around (m/Pa)."""
         (rows, columns), (dy, dx) = grid.shape, grid.spacing
         quarter = _cell_displacement(np.arange(rows // 2 + 1) * dy, np.arange(columns // 2 + 1) * dx, dy, dx)
         down, across = (np.minimum(np.arange(n), n - np.arange(n)) for n in (rows, columns))
@@ -90,7 +90,7 @@ class FreeHalfSpace(HalfSpace):
 
 
 def _cell_displacement(y: np.ndarray, x: np.ndarray, dy: float, dx: float) -> np.ndarray:
-    """∫∫ dξ dη / r over a cell of sides dy and dx around the origin, as seen from (y, x) (m)."""
+    """Return ∫∫ dξ dη / r over a cell of sides dy and dx around the origin, at (y, x) (m)."""
     below, above = (y - dy / 2)[:, None], (y + dy / 2)[:, None]
     left, right = (x - dx / 2)[None, :], (x + dx / 2)[None, :]
 

@@ -1,8 +1,7 @@
-"""What presses on the elastic solid: a uniform pressure and a field, or the heights that the solid is bent over.
+"""Load on the elastic solid: a uniform pressure, and a field or the heights that the solid bends over.
 
-A solver asks for ``pressing`` = K d + field alone, which follows the changes of d by K of them, and for the energy of
-the field. K h of the heights is therefore never kept: where it is the field, pressing = K (d + h), and as K is
-symmetric
+A solver needs only ``pressing`` = K d + field, which follows the changes of d, and the energy of the field. K h of the
+heights is therefore not stored: where it is the field, pressing = K (d + h), and as K is symmetric
 
     ½ <d, K d> + <d, K h> = ½ <pressing, d + h> − ½ <h, K h>.
 """
@@ -22,9 +21,9 @@ class Load(Protocol):
     Attributes
     ----------
     pressure : float
-        The pressure that is the same at all points (Pa).
+        Uniform pressure (Pa).
     energy : float
-        What of the field's energy does not change with the gap, a sum over all points (J/m²).
+        Part of the field's energy that does not depend on the gap, a sum over all points (J/m²).
     """
 
     @property
@@ -33,25 +32,25 @@ class Load(Protocol):
     def energy(self) -> float: ...
 
     def __sub__(self, pressure: float) -> Self:
-        """The same with less pressure."""
+        """Return the load with a pressure subtracted."""
 
     def press(self, gap: np.ndarray, solid: Operator) -> np.ndarray:
-        """K d + field of a gap (Pa), in the operator's field, which is returned."""
+        """Write K d + field of a gap (Pa) into the operator's field; return it."""
 
     def rest_of_energy(self, pressing: np.ndarray, gap: np.ndarray, here: slice) -> float:
-        """Σ ½ d·K d + field·d in some rows, less ½ pressing·d and less these rows' part of :attr:`energy` (J/m²)."""
+        """Return Σ ½ d·K d + field·d − ½ pressing·d in some rows, without their part of :attr:`energy` (J/m²)."""
 
 
 @dataclass(frozen=True)
 class FieldLoad:
-    """A field and a number, kept apart so that a new load is no new field.
+    """A field and a uniform pressure, separate so that a new pressure needs no new field.
 
     Parameters
     ----------
     field : numpy.ndarray, shape grid.shape
         Pressure at each point (Pa); not changed.
     pressure : float, optional
-        The same at all points (Pa).
+        Uniform pressure (Pa).
     """
 
     field: np.ndarray
@@ -62,31 +61,29 @@ class FieldLoad:
         return replace(self, pressure=self.pressure - pressure)
 
     def press(self, gap: np.ndarray, solid: Operator) -> np.ndarray:
-        """See :meth:`Load.press`."""
         solid.field[...] = gap
         pressing = solid.apply(solid.stiffness)
         pressing += self.field
         return pressing
 
     def rest_of_energy(self, pressing: np.ndarray, gap: np.ndarray, here: slice) -> float:
-        """See :meth:`Load.rest_of_energy`."""
         return 0.5 * inner_product(self.field[here], gap[here])
 
 
 @dataclass(frozen=True)
 class HeightLoad:
-    """The pressure K h that flattens heights, and a number.
+    """The pressure K h that flattens heights, and a uniform pressure.
 
     Parameters
     ----------
     height : numpy.ndarray, shape grid.shape
         Heights h, in any unit; not changed.
     unit : float
-        That unit (m).
+        Unit of the heights (m).
     energy : float
         −½ <h, K h>, the sum over all points (J/m²).
     pressure : float, optional
-        The same at all points (Pa).
+        Uniform pressure (Pa).
     """
 
     height: np.ndarray
@@ -96,7 +93,7 @@ class HeightLoad:
 
     @classmethod
     def on(cls, solid: Operator, height: np.ndarray, unit: float) -> "HeightLoad":
-        """Without pressure, on a solid."""
+        """Return the load of heights on a solid, without pressure."""
         load = cls(height, unit, 0.0)
         flattening = load.press(np.zeros(height.shape), solid)
         return replace(load, energy=-0.5 * unit * inner_product(flattening, height))
@@ -105,11 +102,9 @@ class HeightLoad:
         return replace(self, pressure=self.pressure - pressure)
 
     def press(self, gap: np.ndarray, solid: Operator) -> np.ndarray:
-        """See :meth:`Load.press`."""
         np.multiply(self.height, self.unit, out=solid.field)
         solid.field += gap
         return solid.apply(solid.stiffness)
 
     def rest_of_energy(self, pressing: np.ndarray, gap: np.ndarray, here: slice) -> float:
-        """See :meth:`Load.rest_of_energy`."""
         return 0.5 * self.unit * inner_product(pressing[here], self.height[here])

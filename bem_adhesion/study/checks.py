@@ -1,4 +1,4 @@
-"""Where the grid of a study cannot resolve its law or layer, each said in one line for the whole study."""
+"""Warnings of a study whose grid cannot resolve its law or layer, each in one line for the whole study."""
 
 import math
 from collections.abc import Sequence
@@ -21,20 +21,19 @@ from contact_study.study.study import Study
 from contact_study.study.sweep import points
 from contact_study.units import length
 
-# Grid spacing, in units of the longer of process zone and law's length, beyond which a study is refused: steps stop
-# converging from some 1e3 on where roughness and cell grow together, rubber with an atomic law works at 5e3.
+# Grid spacing, in units of the longer of process zone and law's length, beyond which a study is refused.
 _COARSEST = 1e5
 # Grid spacings along a part of the surface below which it is no longer a sample of the surface.
 _SMALLEST_PART = 30
 
 
 def review(study: Study, scales: Sequence[SurfaceScales]) -> list[str]:
-    """Say where the grid cannot resolve law or layer, each in one line for the whole study; errors as for the law."""
+    """Return a line each if the grid does not resolve the law or a layer of some cases; errors as for the law."""
     return _unresolved_law(study, scales) + _unresolved_layer(study, scales)
 
 
 def _unresolved_layer(study: Study, scales: Sequence[SurfaceScales]) -> list[str]:
-    """Below the grid spacing a layer's points hardly know of their neighbours: its edges, a depth wide, are lost."""
+    """Return a line if a layer is thinner than the grid spacing: contact edges within a thickness are not resolved."""
     pairs = zip(study.cases, scales, strict=True)
     thin = [(case, scale) for case, scale in pairs if case.solid.layer_thickness < scale.pixel]
     if not thin:
@@ -48,11 +47,10 @@ def _unresolved_layer(study: Study, scales: Sequence[SurfaceScales]) -> list[str
 
 
 def _unresolved_law(study: Study, scales: Sequence[SurfaceScales]) -> list[str]:
-    """Where the grid cannot resolve the law.
+    """Return a line if the grid does not resolve the law.
 
-    A grid coarser than a quarter of the process zone E*Δγ/σ_max² lets contact edges lock in to its points ("lattice
-    trapping"): its hysteresis is then not the continuum's. E* is the least of
-    the grid's waves: a bound, as a zone shorter than a stiff layer on a soft base feels the layer alone.
+    A grid coarser than a quarter of the process zone E*Δγ/σ_max² traps contact edges between its points: its hysteresis
+    is then not the continuum's. E* is the smallest of the grid's waves, hence a bound for layered solids.
 
     Raises
     ------
@@ -80,10 +78,10 @@ def _unresolved_law(study: Study, scales: Sequence[SurfaceScales]) -> list[str]:
 
 
 def _way_out(case: Case, scale: SurfaceScales, zone: float) -> str:
-    """The one thing to do about a process zone (m) that a grid does not resolve.
+    """Advise on a process zone (m) that the grid does not resolve.
 
-    A longer range of the same work of adhesion, if the grid resolves it and contacts stay JKR-like; else more points,
-    for the longest such range; else, where no memory holds them, what is left.
+    A longer range of the same work of adhesion, if the grid resolves it and contacts stay JKR-like; otherwise more
+    points, for the longest such range; otherwise, beyond the memory, a part of the surface or a longer range.
     """
     law, longest = case.law, _longest(case, scale)
     resolved = resolved_length(law, scale.pixel, zone)
@@ -119,7 +117,7 @@ def _way_out(case: Case, scale: SurfaceScales, zone: float) -> str:
 
 
 def _longest(case: Case, scale: SurfaceScales) -> float:
-    """The range that "auto" takes (m), zero where it takes none."""
+    """Return the range of "auto" (m); zero if it has none."""
     try:
         return longest_range(
             scale.rms_curvature, scale.rms_height, case.solid.contact_modulus, case.law.work_of_adhesion
@@ -129,7 +127,7 @@ def _longest(case: Case, scale: SurfaceScales) -> float:
 
 
 def _cost(case: Case, scale: SurfaceScales, reach: float) -> str:
-    """What another range (m) of the same work of adhesion makes of an asperity's contact."""
+    """Describe an asperity's contact with another range (m) and the same work of adhesion."""
     if not scale.rms_curvature > 0:
         return "a flat surface's pull-off falls as its inverse"
     constants = (1 / scale.rms_curvature, case.solid.contact_modulus, case.law.work_of_adhesion)
@@ -142,5 +140,5 @@ def _cost(case: Case, scale: SurfaceScales, reach: float) -> str:
 
 
 def _modulus(case: Case, scale: SurfaceScales) -> float:
-    """E* of the wave of the grid for which the solid is softest (Pa)."""
+    """Return E* of the wave of the grid for which the solid is softest (Pa)."""
     return case.solid.softest_modulus(*scale.grid_waves)

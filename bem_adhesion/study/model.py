@@ -1,4 +1,4 @@
-"""The continuum model as a campaign runs it, and its command ``bem-adhesion``."""
+"""The continuum model for a campaign, and its command ``bem-adhesion``."""
 
 from collections.abc import Iterator, Mapping, Sequence
 
@@ -6,7 +6,7 @@ import numpy as np
 
 from bem_adhesion.process_zone import process_zone
 from bem_adhesion.study.checks import review
-from bem_adhesion.study.overdamped import path_against_friction
+from bem_adhesion.study.overdamped import overdamped_motion
 from bem_adhesion.study.quasi_static import path_of_equilibria
 from bem_adhesion.study.viscoelastic import path_in_time
 from contact_study.campaign.model import Model
@@ -32,21 +32,14 @@ MODEL = Model(
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """The command ``bem-adhesion``; returns the exit status."""
+    """Run the command ``bem-adhesion``; return the exit status."""
     from contact_study.campaign.command_line import command
 
     return command.main(MODEL, arguments)
 
 
 def check(case: Case) -> None:
-    """Make sure that the way along the path is one that the solver knows; every case else is served.
-
-    Raises
-    ------
-    InputError
-        If a prescribed gap leaves none, or motion against friction is asked for under another control than pressure, or
-        with what it has no part in.
-    """
+    """Raise InputError for a gap below zero, or for overdamped motion with options that it does not support."""
     case.require_gap()
     if case.solver.path == "overdamped":
         overdamped_path.check(case, "solver.path")
@@ -59,7 +52,7 @@ def check(case: Case) -> None:
 
 
 def constants(case: Case, surface: Surface) -> dict[str, Value]:
-    """What does not change along the path."""
+    """Return the constants of a path."""
     law, modulus = case.law, case.solid.contact_modulus
     known = InterfaceConstants(
         contact_modulus=modulus,
@@ -80,7 +73,7 @@ def constants(case: Case, surface: Surface) -> dict[str, Value]:
 def solve_path(
     case: Case, surface: Surface, restart: Mapping[str, np.ndarray] | None = None, start: int = 0
 ) -> Iterator[InterfaceState | Ensemble]:
-    """The state at each path point from number ``start`` on, by the way that the case asks for.
+    """Yield the state at each path point from number ``start`` on, by the kind of path in the case.
 
     Parameters
     ----------
@@ -94,7 +87,7 @@ def solve_path(
         Number of the first point to solve.
     """
     if case.solver.path == "overdamped" and case.law.attracts:  # without attraction no state depends on the path
-        return path_against_friction(case, surface, restart, start)
+        return overdamped_motion(case, surface, restart, start)
     if isinstance(case.solid, Viscoelastic):
         return path_in_time(case, surface, case.solid, restart, start)
     return path_of_equilibria(case, surface, restart, start)

@@ -1,4 +1,4 @@
-"""A loading path of the continuum in slow motion against friction."""
+"""A loading path of the continuum in overdamped motion."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
@@ -13,17 +13,17 @@ from contact_study.results.state import Ensemble, InterfaceState
 from contact_study.study.case import Case
 
 
-def path_against_friction(
+def overdamped_motion(
     case: Case, surface: Surface, restart: Mapping[str, np.ndarray] | None, start: int
 ) -> Iterator[Ensemble]:
-    """The motion through each point of a case's path; parameters as :func:`bem_adhesion.study.model.solve_path`."""
+    """Yield the motion through each point of a case's path; parameters as for :func:`solve_path`."""
     pace = overdamped_path.pace_of(case, surface.size)
     moving = _MovingContinuum(case, surface, pace.allowed)
     yield from overdamped_path.solve_path(case, moving, pace, restart, start)
 
 
 class _MovingContinuum(OverdampedContact):
-    """The contact of a case in overdamped motion, as the campaign takes it."""
+    """The contact of a case in overdamped motion, with states for the campaign."""
 
     def __init__(self, case: Case, surface: Surface, allowed: float):
         given = case.solver
@@ -41,10 +41,10 @@ class _MovingContinuum(OverdampedContact):
         self._spacing = surface.grid.spacing
 
     def described(self, found: Moved) -> InterfaceState:
-        """A state of the contact as one of the interface."""
+        """Return a state of the contact as one of the interface."""
         stiffness = None
         if self._case.output.stiffness:
             stiffness = self.stiffness(found.solution) if found.at_rest else np.nan
-        # What was done since belongs to this state, too: a run that goes on from it does none of it.
+        # Work since then belongs to this state, too: a run that resumes from it does not repeat it.
         solution = replace(found.solution, fft_pairs=found.solution.fft_pairs + self._count_work())
         return interface_state(self._case, solution, self._spacing, stiffness)

@@ -1,4 +1,4 @@
-"""A loading path of equilibria: each point, or each step of the path's own, is the one that the last falls into."""
+"""A loading path of equilibria: each step finds the equilibrium that the last state descends to."""
 
 import warnings
 from collections.abc import Iterator, Mapping
@@ -14,52 +14,52 @@ from contact_study.physics.surfaces.surface import Surface
 from contact_study.results.state import InterfaceState, OwnSteps
 from contact_study.study.case import Case
 
-# Work on a step that is none, over the work of adhesion.
+# Unaccounted work of a step that counts as none, over the work of adhesion.
 _NOISE = 1e-6
-# Tension at the rim, over the law's peak, of which nothing is said: beyond it there is less, and grids that resolve a
-# law leave about a hundredth of a pull-off, too (docs/validation.md).
+# Tension at the rim, over the law's peak, below which no warning is given: grids that resolve a law err by about as
+# much in the pull-off (docs/validation.md).
 _RIM_TENSION = 0.01
 
 
 def path_of_equilibria(
     case: Case, surface: Surface, restart: Mapping[str, np.ndarray] | None, start: int
 ) -> Iterator[InterfaceState]:
-    """The equilibrium at each point of a case's path; parameters as :func:`bem_adhesion.study.model.solve_path`."""
+    """Yield the equilibrium at each point of a case's path; parameters as for :func:`solve_path`."""
     contact = _contact_of(case, surface)
     state = contact.separated() if restart is None else restart["state"]
-    account = _first_account(case, state) if restart is None else _kept_account(restart)
-    # A flat punch has nothing beyond its rim.
-    said = set() if np.ptp(surface.sampled) else {"contact", "tension"}
+    ledger = _first_ledger(case, state) if restart is None else _restored_ledger(restart)
+    # A flat punch has no surface beyond its rim.
+    warned = set() if np.ptp(surface.sampled) else {"contact", "tension"}
     for number, (value, _) in enumerate(case.path[start:], start):
-        solution, account, passed = _next(case, contact, state, account, value)
+        solution, ledger, passed = _next(case, contact, state, ledger, value)
         state = solution.state
         stiffness = contact.stiffness(solution) if case.output.stiffness and solution.converged else None
         found = interface_state(case, solution, surface.grid.spacing, stiffness)
-        if account is not None:
+        if ledger is not None:
             found = replace(
                 found,
-                own_steps=OwnSteps(account.dissipated, account.uncertain),
+                own_steps=OwnSteps(ledger.dissipated, ledger.uncertain),
                 passed=passed_states(passed, case.law.equilibrium_distance),
-                restart={**found.restart, "account": account.array},
+                restart={**found.restart, "account": ledger.array},
             )
-        _warn_of_rim(case, number, found, said)
+        _warn_of_rim(case, number, found, warned)
         yield found
 
 
 def _next(
-    case: Case, contact: Contact, state: np.ndarray, account: EnergyLedger | None, target: float
+    case: Case, contact: Contact, state: np.ndarray, ledger: EnergyLedger | None, target: float
 ) -> tuple[Solution, EnergyLedger | None, list[EnergyLedger]]:
-    """The next point, its place in the books of a path with steps of its own, and the states passed on the way."""
-    if account is None:
+    """Solve the next point; return its solution, its ledger on an adaptive path, and the states passed on the way."""
+    if ledger is None:
         solution = contact.step(state, target)
         if case.least_step is None or not solution.converged:
             return solution, None, []
-        account = ledger_of(solution, target, case.solid)
-        return solution, account, [account]
-    assert case.least_step is not None  # who keeps books takes steps of its own
+        ledger = ledger_of(solution, target, case.solid)
+        return solution, ledger, [ledger]
+    assert case.least_step is not None  # only adaptive paths have a ledger
     noise = _NOISE * case.law.work_of_adhesion
-    solution, (_, *passed) = adaptive_step(contact, state, account, target, case.least_step, case.solid, noise)
-    return solution, passed[-1] if passed else account, passed
+    solution, (_, *passed) = adaptive_step(contact, state, ledger, target, case.least_step, case.solid, noise)
+    return solution, passed[-1] if passed else ledger, passed
 
 
 def _contact_of(case: Case, surface: Surface) -> Contact:
@@ -78,30 +78,30 @@ def _contact_of(case: Case, surface: Surface) -> Contact:
     )
 
 
-def _first_account(case: Case, separated: np.ndarray) -> EnergyLedger | None:
-    """Where a path with steps of its own begins: without load, out of reach; under other control at its first point."""
+def _first_ledger(case: Case, separated: np.ndarray) -> EnergyLedger | None:
+    """Return the ledger of separated surfaces on an adaptive path; with another control None."""
     if case.least_step is None or case.loading.control != "pressure":
         return None
     return EnergyLedger(0.0, 0.0, float(separated.mean()), 0.0, False)
 
 
-def _kept_account(restart: Mapping[str, np.ndarray]) -> EnergyLedger | None:
+def _restored_ledger(restart: Mapping[str, np.ndarray]) -> EnergyLedger | None:
     return EnergyLedger.of(restart["account"]) if "account" in restart else None
 
 
-def _warn_of_rim(case: Case, number: int, found: InterfaceState, said: set[str]) -> None:
-    """With free boundaries, where the first or last row or column is in contact or pulled at; once a path each."""
+def _warn_of_rim(case: Case, number: int, found: InterfaceState, warned: set[str]) -> None:
+    """Warn once a path if, with free boundaries, the rim of the surface is in contact or under tension."""
     if case.elasticity.boundary != "free":
         return
     head, tail = f'elasticity.boundary = "free": at {case.point_in_words(number)} ', "a larger surface.size has it"
     if _rim(found.contact).any():
-        if "contact" not in said:
+        if "contact" not in warned:
             warnings.warn(
                 f"{head}contact reaches the rim of the surface; what would touch beyond it is missing: {tail}",
                 stacklevel=3,
             )
-        said |= {"contact", "tension"}  # of which contact is the graver
-    elif case.law.attracts and "tension" not in said:
+        warned |= {"contact", "tension"}
+    elif case.law.attracts and "tension" not in warned:
         pull = -_rim(found.pressure) / case.law.peak_tensile_stress
         if pull.max() > _RIM_TENSION:
             warnings.warn(
@@ -110,9 +110,9 @@ def _warn_of_rim(case: Case, number: int, found: InterfaceState, said: set[str])
                 f"{tail}",
                 stacklevel=3,
             )
-            said.add("tension")
+            warned.add("tension")
 
 
 def _rim(field: np.ndarray) -> np.ndarray:
-    """The points of the first and last row and column."""
+    """Return the points of the first and last row and column."""
     return np.concatenate([field[[0, -1]].ravel(), field[1:-1, [0, -1]].ravel()])
