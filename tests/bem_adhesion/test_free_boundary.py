@@ -179,20 +179,6 @@ def test_attraction_outside_a_wall_meets_every_load(law, size):
     np.testing.assert_allclose(contact.step(state, 1.0).gap, found.gap, atol=1e-6 * law.length)
 
 
-def test_the_work_of_the_force_is_the_energy_stored():
-    height, _ = sphere(32, 0.4)
-    law = LennardJones104(1e-4, 8e-3)
-    contact = rough_contact(height, 0.4, 1.0, law, boundary="free")
-    state, loads, energies, planes = contact.separated(), np.linspace(2e-3, 4e-3, 11), [], []
-    for load in loads:
-        found = contact.step(state, load)
-        state = found.state
-        energies.append(found.elastic_energy + found.interaction_energy)
-        planes.append(found.plane)
-    # The trapezoidal rule over ten steps: 2e-5 measured.
-    assert energies[-1] - energies[0] == pytest.approx(-np.trapezoid(loads, planes), rel=1e-4)
-
-
 def punch(points, rms=0.0, **options):
     """A square of sides one, flat but for so much."""
     height = 0.3 + rms * np.random.default_rng(0).standard_normal((points, points))

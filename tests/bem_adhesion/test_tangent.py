@@ -29,17 +29,6 @@ def test_it_is_the_derivative_of_the_path(law, solid):
     assert min(errors) < (2e-3 if law.has_wall else 1e-3)
 
 
-def test_controls_agree():
-    height, grid = self_affine(48)
-    for law in (EVERY_LAW["lennard_jones_10_4"], EVERY_LAW["exponential"]):
-        by_pressure, by_gap = (
-            rough_contact(height, grid.size, E_STAR, law, control, tolerance=1e-10) for control in ("pressure", "gap")
-        )
-        one = by_pressure.step(by_pressure.separated(), 2e9)
-        other = by_gap.step(one.state, one.gap.mean() - law.equilibrium_distance)
-        assert by_gap.stiffness(other) == pytest.approx(by_pressure.stiffness(one), rel=1e-4)
-
-
 @pytest.mark.parametrize("name", ["lennard_jones_10_4", "exponential", "dugdale"])
 def test_a_soft_state_is_not_lost_beside_the_spring_of_the_control(name):
     """The spring is as stiff as the shortest wave, 1e22 Pa/m; out of reach the law's tail is all that is left."""
