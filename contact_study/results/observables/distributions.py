@@ -1,12 +1,10 @@
 """Distributions of the local pressure and of the local gap."""
 
-import numpy as np
-
 from contact_study.numerics.distributions import Bins, probability_density
-from contact_study.results.state import InterfaceState, Observable, Variable
+from contact_study.results.state import InterfaceState, Observable, Value, Variable
 
 
-def _read(state: InterfaceState, bins: Bins) -> dict[str, np.ndarray]:
+def _read(state: InterfaceState, bins: Bins) -> dict[str, Value]:
     return {
         "pressure_pdf": probability_density(state.pressure, bins.pressure_edges),
         "gap_pdf": probability_density(state.gap, bins.gap_edges),
