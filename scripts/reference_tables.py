@@ -16,9 +16,8 @@ from contact_study.campaign.command_line.command import Parser, guarded
 from contact_study.report.compute import regime
 from contact_study.report.compute.regime import MEANINGS
 from contact_study.results import constants, schema
-from contact_study.results.constants import CONSTANTS
-from contact_study.results.observables import OBSERVABLES, roughness
-from contact_study.results.observables.roughness import ROUGHNESS
+from contact_study.results.constants import CONSTANTS, ROUGHNESS
+from contact_study.results.observables import OBSERVABLES
 from contact_study.results.schema import COORDINATES, OF_A_MEAN, VARIABLES
 from contact_study.study.schema.dotted_keys import SECTIONS, all_keys
 from contact_study.study.schema.keys import TaggedUnion, as_written, keys_of
@@ -134,7 +133,7 @@ def _known(name: str) -> tuple[str, str, str]:
             known = observable.variables[name]
             return known.units, known.long_name, _file(sys.modules[observable.read.__module__])
     known = {**VARIABLES, **COORDINATES}[name]
-    homes = {constants: CONSTANTS, roughness: ROUGHNESS}
+    homes = {constants: {**CONSTANTS, **ROUGHNESS}}
     return known.units, known.long_name, _file(next((home for home, own in homes.items() if name in own), schema))
 
 

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from contact_study.results.state import Variable
+from contact_study.results.state import PASSED, Variable
 
 # Share of the work and of the energy exchanged that a smooth step may leave unaccounted for.
 UNACCOUNTED = 0.02
@@ -19,18 +19,13 @@ UNACCOUNTED = 0.02
 # Of the largest energy of a path, below which what a step leaves is the solver's error and no jump.
 _NOISE = 1e-6
 
-# What is kept of each state that a path passes in steps of its own or of time.
-PASSED = ("pressure", "separation", "energy")
-
 PATH_RESULTS: dict[str, Variable] = {
-    "pull_off_pressure": Variable(
-        "Pa", "lowest mean pressure that surfaces in contact carry: of a path where it pulls them apart", ()
-    ),
-    "jump_in_pressure": Variable("Pa", "mean pressure of the last state before the first jump of an approach", ()),
-    "jump_in_separation": Variable("m", "mean separation of the last state before the first jump of an approach", ()),
+    "pull_off_pressure": Variable("Pa", "pull-off pressure: lowest mean pressure in contact", ()),
+    "jump_in_pressure": Variable("Pa", "mean pressure of the last state before the first jump-in", ()),
+    "jump_in_separation": Variable("m", "mean separation of the last state before the first jump-in", ()),
     "work_of_separation": Variable(
         "J m-2",
-        "work of the load per nominal area of the last retraction, from balance or its beginning to full separation",
+        "work of separation of the last retraction per nominal area, from zero pressure on",
         (),
     ),
 }

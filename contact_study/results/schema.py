@@ -1,16 +1,12 @@
-"""The one schema of all datasets: names, dimensions, units and meanings.
+"""Schema of all datasets: names, dimensions, units and meanings.
 
-What is read off the state of a simulation has its entry beside its formula, in
-:mod:`contact_study.results.observables`; as have the constants of a case and the results of a path; here stands the
-rest: what the campaign and the theories add.
+Observables of a simulation, constants of a case and results of a path have their entries beside their formulas; this
+file has the entries of the campaign and of the theories. Distributions are on ``gap_bin`` and ``pressure_bin``, as a
+dataset cannot hold a field and a dimension of one name.
 
-``gap`` and ``pressure`` are the fields; a dataset cannot hold a field and a dimension of one name, so the
-distributions stand on ``gap_bin`` and ``pressure_bin``.
-
-One dataset may hold several theories side by side: what they share stands on the dimension ``theory``, and the
-metastable branches that enclose them in the group ``metastable``, on the dimension ``metastable_branch``, too. A model
-says so by the name it gives a quantity: ``"gap_flow/mean_gap"``, ``"gap_flow/loading/mean_gap"``. Where theories are
-fed with several spectra, those of the first stand under their own names, others as ``"gap_flow@surface"``.
+A dataset may hold several theories: their quantities are on the dimension ``theory``, those of the metastable branches
+in the group ``metastable`` also on ``metastable_branch``. A model labels a quantity by its key, ``"gap_flow/mean_gap"``
+or ``"gap_flow/loading/mean_gap"``. A theory on another than the first spectrum of the study is ``"gap_flow@surface"``.
 """
 
 from dataclasses import replace
@@ -18,50 +14,48 @@ from functools import cache
 
 import numpy as np
 
-from contact_study.results.constants import CONSTANTS
+from contact_study.results.constants import CONSTANTS, ROUGHNESS, SPECTRUM_WAVEVECTOR
 from contact_study.results.observables import AVERAGED, ENTRIES, OBSERVABLES
 from contact_study.results.observables.atoms import ATOMS, SITES, SURROUNDINGS
-from contact_study.results.observables.roughness import ROUGHNESS, SPECTRUM_WAVEVECTOR
-from contact_study.results.observables.solver_report import FLAG
 from contact_study.results.path_results import PATH_RESULTS
-from contact_study.results.state import Observable, Variable
+from contact_study.results.state import FLAG, Observable, Variable
 
 SCHEMA_VERSION = "2.2"
 CONVENTIONS = "CF-1.11"
 
-# Between a theory and the spectrum that it is fed with, where that is not the first of the study: "edge_flow@surface".
+# Between the names of a theory and of its spectrum, if that is not the first of the study: "edge_flow@surface".
 SPECTRUM_MARK = "@"
 
-# Dimensions of the labels before a quantity's name, and the group for so many of them.
+# Dimensions of the labels in a quantity's key, and the group by the number of labels.
 LABELS = ("theory", "metastable_branch")
 LABELLED_GROUPS = ("", "", "metastable")
 
-# Group of the series in time, on the dimension of their frames; before the name of a quantity it says so.
+# Group of the time series, on the dimension of their frames; also the label of such a quantity.
 TRAJECTORY = "trajectory"
 FRAME = "frame"
 
-# After the name of a mean over thermal states.
+# Suffixes of quantities that belong to a mean over thermal states.
 STANDARD_ERROR = "_standard_error"
 AUTOCORRELATION_TIME = "_autocorrelation_time"
 AUTOCORRELATION_STATES = "_autocorrelation_states"
 
-# What each of them is, and its unit; None: that of the mean.
+# Unit (None: that of the mean) and meaning of each suffix.
 OF_A_MEAN: dict[str, tuple[str | None, str]] = {
     STANDARD_ERROR: (None, "standard error of the mean"),
     AUTOCORRELATION_TIME: (
         "s",
-        "integrated autocorrelation time of the states in motion that count; NaN where too few to tell",
+        "integrated autocorrelation time (NaN: too few states)",
     ),
     AUTOCORRELATION_STATES: (
         "1",
-        "integrated autocorrelation time of the sampled states that count, in states; NaN where too few to tell",
+        "integrated autocorrelation time in states (NaN: too few)",
     ),
 }
 
-# After the name of a theory's quantity: what half its resolution makes of it less what it is, without sign.
+# Suffix of the difference between a theory's quantity and that at half the resolution, without sign.
 RESOLUTION_ERROR = "_resolution_error"
 
-# Before the name of a constant whose key is swept: the name itself is that of the dimension, with the values asked for.
+# Prefix of a constant whose key is swept: the plain name is that of the dimension, with the prescribed values.
 REALISED = "realised_"
 
 
@@ -69,12 +63,12 @@ VARIABLES: dict[str, Variable] = {
     **ENTRIES,
     "wall_time": Variable("s", "wall-clock time of the step"),
     "predictor_field": Variable(
-        "1", "SHA-256 of the predictor's gap field that the step started from; empty: from the step before", kind="text"
+        "1", "SHA-256 of the predictor's gap field at the start of the step; empty: no field", kind="text"
     ),
     "gap": Variable("m", "local gap: height of the block's surface over the rigid one", ("step", "y", "x")),
     "pressure": Variable("Pa", "local pressure, compression positive", ("step", "y", "x")),
     "plastic_indentation": Variable(
-        "m", "what has given way for good at the hardness; the surface is its heights less this", ("step", "y", "x")
+        "m", "plastic indentation, to be subtracted from the heights of the surface", ("step", "y", "x")
     ),
     "relative_contact_area_at": Variable(
         "1", "apparent relative contact area at a magnification, Persson's theory", ("step", "wavevector")
@@ -90,12 +84,12 @@ VARIABLES: dict[str, Variable] = {
         "probability density of the interfacial pressure at a magnification, Persson's theory",
         ("step", "magnification", "pressure_bin"),
     ),
-    "contact_stress": Variable("Pa", "mean stress carried inside the contact, compression positive, Persson's theory"),
-    "edge_stress": Variable("Pa", "mean stress carried at detached edges, compression positive, Persson's theory"),
+    "contact_stress": Variable("Pa", "mean stress inside the contact, compression positive, Persson's theory"),
+    "edge_stress": Variable("Pa", "mean stress at detached edges, compression positive, Persson's theory"),
     "local_mean_pressure": Variable(
         "Pa",
-        "mean of the local pressures, compression positive, gap flow and edge flow; its difference to the mean "
-        "pressure is the edge flow's own error, the gap flow's resolution",
+        "mean of the local pressures, compression positive, gap flow and edge flow",
+        attrs={"comment": "minus mean pressure: error of the edge flow, resolution of the gap flow"},
     ),
     "stress_balance": Variable(
         "1", "mean of the stress distribution over the mean pressure, gap flow and edge flow; exact: 1"
@@ -109,16 +103,16 @@ VARIABLES: dict[str, Variable] = {
     "finest_tabor_number": Variable("1", "Tabor parameter of the whole roughness, of radius 2 / rms Laplacian", ()),
     "local_tabor_number": Variable("1", "Tabor parameter of the roughness up to a wavevector", ("wavevector",)),
     "persson_tosatti_ratio": Variable(
-        "1", "work of adhesion on the true area over the elastic energy of full contact (Persson and Tosatti)", ()
+        "1", "work of adhesion on the true area over elastic energy of full contact (Persson, Tosatti)", ()
     ),
     "pastewka_robbins_ratio": Variable(
-        "1", "work of adhesion over that at which light contact sticks (after Pastewka and Robbins), experimental", ()
+        "1", "work of adhesion over that of sticking light contact (after Pastewka, Robbins), experimental", ()
     ),
     "dmt_tension_ratio": Variable(
         "1", "tension within the range over the pressure of light contact, adhesion DMT-like", ()
     ),
     "bearing_area_ratio": Variable(
-        "1", "work of adhesion over that at which a bearing-area model pulls (after Ciavarella), experimental", ()
+        "1", "work of adhesion over that of a sticking bearing-area model (Ciavarella), experimental", ()
     ),
     "bearing_area_pull_off": Variable(
         "Pa", "lowest pressure of a bearing-area model (after Ciavarella), experimental", ()
@@ -151,12 +145,8 @@ COORDINATES: dict[str, Variable] = {
         "1", "metastable branch on either side of the equilibrium", ("metastable_branch",), kind="text"
     ),
     "applied_pressure": Variable("Pa", "prescribed mean pressure"),
-    "applied_approach": Variable(
-        "m", "prescribed approach of the undeformed surface beyond first touch, at the law's equilibrium distance"
-    ),
-    "applied_gap": Variable(
-        "m", "prescribed distance less the equilibrium distance: mean gap (atoms: mean separation)"
-    ),
+    "applied_approach": Variable("m", "prescribed approach beyond first touch at the law's equilibrium distance"),
+    "applied_gap": Variable("m", "prescribed distance minus equilibrium distance: mean gap (atoms: mean separation)"),
     "branch": Variable(
         "1",
         "branch of the loading path",
@@ -190,10 +180,10 @@ def register_observable(observable: Observable) -> None:
 
 
 def variable_of(name: str) -> Variable:
-    """The entry of a quantity or coordinate."""
+    """Return the entry of a quantity or coordinate."""
     if name.startswith(REALISED):
         known = VARIABLES[name.removeprefix(REALISED)]
-        return replace(known, long_name=f"{known.long_name}, as the model has it")
+        return replace(known, long_name=f"{known.long_name}, as realised by the model")
     for suffix, (units, words) in OF_A_MEAN.items():
         if name.endswith(suffix):
             known = VARIABLES[name.removesuffix(suffix)]
@@ -201,18 +191,18 @@ def variable_of(name: str) -> Variable:
             return replace(known, units=units or known.units, long_name=named, kind="float", attrs={})
     if name.endswith(RESOLUTION_ERROR):
         known = VARIABLES[name.removesuffix(RESOLUTION_ERROR)]
-        return replace(known, long_name=f"estimated error of the resolution: {known.long_name}")
+        return replace(known, long_name=f"resolution error: {known.long_name}")
     return COORDINATES[name] if name in COORDINATES else VARIABLES[name]
 
 
 def group_of(key: str) -> str:
-    """The group of a dataset that a quantity stands in as a model names it, "" for the root."""
+    """Name the group of a dataset for a quantity's key, "" for the root."""
     labels, _ = quantity_of(key)
     return TRAJECTORY if labels == (TRAJECTORY,) else LABELLED_GROUPS[len(labels)]
 
 
 @cache
 def quantity_of(key: str) -> tuple[tuple[str, ...], str]:
-    """Labels and name of a quantity as a model names it: ``"gap_flow/loading/mean_gap"``."""
+    """Split a quantity's key, ``"gap_flow/loading/mean_gap"``, into labels and name."""
     *labels, name = key.split("/")
     return tuple(labels), name

@@ -10,6 +10,11 @@ from contact_study.numerics.distributions import Bins
 
 Value = float | int | bool | str | np.ndarray
 
+FLAG = {"flag_values": np.array([-1, 0, 1], np.int8), "flag_meanings": "absent no yes"}
+
+# Columns of :attr:`InterfaceState.passed`.
+PASSED = ("pressure", "separation", "energy")
+
 
 class Solved(Protocol):
     """What the solutions of all solvers have."""

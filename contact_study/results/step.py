@@ -1,4 +1,4 @@
-"""What is kept of each point of a loading path."""
+"""A finished point of a loading path, as it goes to disk."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
@@ -14,19 +14,19 @@ from contact_study.results.state import InterfaceState
 
 @dataclass(frozen=True)
 class Step:
-    """One finished point of a loading path.
+    """A finished point of a loading path.
 
-    Attributes
+    Parameters
     ----------
     values : mapping
-        Quantities under the names of the schema; labels before a name, ``"label/name"``, put theories side by side. A
-        theory gives its distributions as functions, from the edges of bins, shape (n + 1,), to the means in them.
+        Quantities by the keys of the schema, ``"name"`` or ``"label/name"``. A theory gives a distribution as a
+        function of the bins' edges, shape (n + 1,), that returns the densities, shape (n,).
     fields : mapping
-        Fields over the lateral plane (y, x), and atoms, only where the study asks for them.
+        Fields over the lateral plane (y, x), and atoms, if the study keeps them.
     restart : mapping
-        All that the next step needs, nothing else.
+        State that the next step starts from.
     bins : Bins or None
-        Those of its distributions; the campaign's to set.
+        Bins of its distributions, set by the campaign.
     """
 
     values: Mapping[str, Any]
@@ -36,16 +36,16 @@ class Step:
 
 
 def recorded(point: InterfaceState | Step, bins: Bins, fields: bool = False) -> Step:
-    """What is kept of a point of the path: the observables of a state, every distribution on the bins.
+    """Evaluate the observables of a point, every distribution on the bins.
 
     Parameters
     ----------
     point : InterfaceState or Step
-        A simulation's state, or a theory's quantities.
+        State of a simulation, or quantities of theories.
     bins : Bins
-        Those of the study.
+        Bins of the study.
     fields : bool, optional
-        Whether the fields of a state are kept; its atoms are if it has them.
+        Whether to keep the fields of a state; its atoms are always kept.
     """
     if isinstance(point, InterfaceState):
         kept = {"gap": point.gap, "pressure": point.pressure} if fields else {}

@@ -6,7 +6,7 @@ import numpy as np
 
 from contact_study.campaign.dataset.assembly import assemble
 from contact_study.campaign.dataset.file import write_dataset
-from contact_study.results.observables.contact_autocorrelation import RELATIVE_DISTANCE
+from contact_study.results.observables.autocorrelation import RELATIVE_DISTANCE
 from contact_study.results.schema import SCHEMA_VERSION
 from contact_study.study.bins import bins_of
 from contact_study.study.case import realise

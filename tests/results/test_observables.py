@@ -9,7 +9,7 @@ from contact_study.numerics.distributions import Bins
 from contact_study.numerics.grid import Grid
 from contact_study.results.constants import CONSTANTS, InterfaceConstants, heights_on
 from contact_study.results.observables import ENTRIES, OBSERVABLES, observed
-from contact_study.results.observables.contact_edge import OVERCOUNT
+from contact_study.results.observables.area import OVERCOUNT
 from contact_study.results.schema import VARIABLES
 from contact_study.results.state import (
     InterfaceState,

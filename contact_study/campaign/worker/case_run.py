@@ -20,7 +20,7 @@ from contact_study.campaign.store.case_file import CaseFile, CaseWriter
 from contact_study.campaign.worker.ensemble import Averages, restart_of
 from contact_study.numerics.distributions import Bins
 from contact_study.physics.surfaces.surface import Surface
-from contact_study.results.observables.roughness import roughness_values
+from contact_study.results.constants import roughness_values
 from contact_study.results.schema import quantity_of
 from contact_study.results.state import Ensemble, InterfaceState, Value
 from contact_study.results.step import Step, recorded

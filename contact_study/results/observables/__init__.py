@@ -1,39 +1,28 @@
-"""What is read off the interface state of a simulation: a file for each subject, formula and dataset entry together."""
+"""Quantities that are read off the state of a simulation: one file per subject, with formula and dataset entry.
+
+Quantities of a whole path are in :mod:`~contact_study.results.path_results`, those of a case in
+:mod:`~contact_study.results.constants`, those of the theories in :mod:`~contact_study.results.schema`.
+"""
 
 from contact_study.numerics.distributions import Bins
-from contact_study.results.observables.contact_area import CONTACT_AREA
-from contact_study.results.observables.contact_autocorrelation import CONTACT_AUTOCORRELATION
-from contact_study.results.observables.contact_clusters import CONTACT_CLUSTERS
-from contact_study.results.observables.contact_edge import CONTACT_EDGE
-from contact_study.results.observables.contact_stiffness import CONTACT_STIFFNESS
+from contact_study.results.observables.area import AREA
+from contact_study.results.observables.autocorrelation import AUTOCORRELATION
+from contact_study.results.observables.clusters import CLUSTERS
 from contact_study.results.observables.distributions import DISTRIBUTIONS
 from contact_study.results.observables.energies import ENERGIES
-from contact_study.results.observables.jumps import JUMPS
 from contact_study.results.observables.means import MEANS
-from contact_study.results.observables.motion import MOTION, SLOW_MOTION, TIME
-from contact_study.results.observables.passed_states import PASSED_STATES
-from contact_study.results.observables.percolation import PERCOLATION
-from contact_study.results.observables.plasticity import PLASTICITY
-from contact_study.results.observables.relaxation import RELAXATION
+from contact_study.results.observables.motion import MOTION, TIME
 from contact_study.results.observables.solver_report import SOLVER_REPORT
 from contact_study.results.state import InterfaceState, Observable, Value, Variable
 
 OBSERVABLES: list[Observable] = [
     MEANS,
-    CONTACT_AREA,
+    AREA,
     ENERGIES,
     DISTRIBUTIONS,
-    CONTACT_CLUSTERS,
-    CONTACT_EDGE,
-    CONTACT_AUTOCORRELATION,
-    PERCOLATION,
-    CONTACT_STIFFNESS,
-    JUMPS,
-    PASSED_STATES,
-    PLASTICITY,
-    RELAXATION,
+    CLUSTERS,
+    AUTOCORRELATION,
     MOTION,
-    SLOW_MOTION,
     TIME,
     SOLVER_REPORT,
 ]
@@ -42,11 +31,10 @@ ENTRIES: dict[str, Variable] = {
     name: variable for observable in OBSERVABLES for name, variable in observable.variables.items()
 }
 
-
-# What an ensemble has a mean of.
+# Quantities whose value for an ensemble is the mean over its states.
 AVERAGED: set[str] = {name for observable in OBSERVABLES if observable.averaged for name in observable.variables}
 
 
 def observed(state: InterfaceState, bins: Bins) -> dict[str, Value]:
-    """Every observable of a state by its name in a dataset, distributions on the given bins."""
+    """Read every observable off a state, distributions on the given bins; returns values by name."""
     return {name: value for observable in OBSERVABLES for name, value in observable.read(state, bins).items()}

@@ -32,7 +32,7 @@ MEANS = Observable(
         "mean_separation": Variable(
             "m",
             "distance of the mean planes of block and surface minus the equilibrium distance",
-            attrs={"comment": "conjugate to the pressure; layer: plane of its undeformed surface, moving with its base"},
+            attrs={"comment": "conjugate to the pressure; layer: plane of its undeformed surface"},
         ),
         "contact_stiffness": Variable(
             "Pa m-1",

@@ -43,7 +43,7 @@ SOLVER_REPORT = Observable(
             attrs={"comment": "largest pull on the wall where surfaces touch, or pressure beyond a hardness"},
         ),
         "iterations": Variable("1", "iterations of the solver", kind="count"),
-        "fft_pairs": Variable("1", "pairs of Fourier transforms, in equivalents of the finest grid in double precision"),
+        "fft_pairs": Variable("1", "pairs of Fourier transforms, in double-precision pairs of the finest grid"),
         "force_evaluations": Variable("1", "evaluations of the interface forces", kind="count"),
         "acceptance_rate": Variable("1", "accepted fraction of the proposals of thermal sampling"),
         "message": Variable("1", "message of the solver on the step", kind="text"),

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from bem_adhesion import HardWall, rough_contact
-from contact_study.results.observables.contact_edge import CONTACT_EDGE, OVERCOUNT, edge_sides
-from tests.results.test_contact_clusters import contact_map
+from contact_study.results.observables.area import AREA, OVERCOUNT, edge_sides
+from tests.results.test_clusters import contact_map
 from tests.results.test_observables import BINS, state
 
 
@@ -39,7 +39,7 @@ def test_the_rim_of_a_free_surface_is_no_side(text, sides):
 
 def test_perimeter_and_area_of_cells_of_any_proportions():
     contact = contact_map("....... .##.... .##.... .##.... .......")
-    found = CONTACT_EDGE.read(state(contact=contact, spacing=(2.0, 0.5)), BINS)
+    found = AREA.read(state(contact=contact, spacing=(2.0, 0.5)), BINS)
     assert found["contact_perimeter"] == pytest.approx(np.pi / 4 * (2 * 3 * 2.0 + 2 * 2 * 0.5) / (35 * 2.0 * 0.5))
     assert found["corrected_contact_area"] == pytest.approx((6 - OVERCOUNT * 10) / 35)
 
@@ -47,7 +47,7 @@ def test_perimeter_and_area_of_cells_of_any_proportions():
 def test_the_pressed_area_has_an_edge_of_its_own():
     contact = contact_map(".###. .###. .....")
     pressure = np.where(contact_map(".#... ..... ....."), 1e9, -1e6)
-    found = CONTACT_EDGE.read(state(contact=contact, pressure=pressure), BINS)
+    found = AREA.read(state(contact=contact, pressure=pressure), BINS)
     assert found["corrected_contact_area"] == pytest.approx((6 - OVERCOUNT * 10) / 15)
     assert found["corrected_repulsive_area"] == pytest.approx((1 - OVERCOUNT * 4) / 15)
 
@@ -59,7 +59,7 @@ def test_the_perimeter_of_discs_is_that_of_circles():
     for _ in range(20):
         y, x = 0.5 + rng.uniform(-0.5, 0.5, 2) / 64
         contact = (axis[:, None] - y) ** 2 + (axis - x) ** 2 < 0.3**2
-        found.append(CONTACT_EDGE.read(state(contact=contact, spacing=(1 / 64, 1 / 64)), BINS)["contact_perimeter"])
+        found.append(AREA.read(state(contact=contact, spacing=(1 / 64, 1 / 64)), BINS)["contact_perimeter"])
     assert np.mean(found) == pytest.approx(2 * np.pi * 0.3, rel=5e-3)
 
 
@@ -74,7 +74,7 @@ def test_the_corrected_area_is_hertzs():
         height = -((axis[:, None] - y) ** 2 + (axis - x) ** 2) / (2 * radius)
         contact = rough_contact(height, size, 1.0, HardWall(), boundary="free")
         touching = contact.step(contact.separated(), force / size**2).pressure > 0
-        found = CONTACT_EDGE.read(state(contact=touching), BINS)
+        found = AREA.read(state(contact=touching), BINS)
         plain.append(np.mean(touching))
         corrected.append(found["corrected_contact_area"])
     expected = np.pi * contact_radius**2 / size**2

@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 
 import contact_study
-from contact_study.results.observables.contact_autocorrelation import (
+from contact_study.results.observables.area import edge_sides
+from contact_study.results.observables.autocorrelation import (
     RELATIVE_DISTANCE,
     RING_EDGES,
     RINGS,
     contact_autocorrelation,
 )
-from contact_study.results.observables.contact_edge import edge_sides
 from tests.bem_adhesion.paper_system import study_table
 
 
