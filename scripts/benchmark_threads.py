@@ -85,7 +85,7 @@ def time_step(atoms: int, threads: int) -> Callable[[], object]:
     lattice = lattice_of((atoms * _CONSTANT,) * 2, _CONSTANT)
     interface = interface_of(np.zeros, lattice, _WELL_DEPTH, _LENGTH, _CUTOFF, threads)
     step = 0.4 / fastest_wave(isotropic_element(_CONSTANT, _YOUNGS_MODULUS, _POISSONS_RATIO), _ATOM_MASS)
-    system = MolecularDynamics(block, interface, step, friction=0.01 / step)
+    system = MolecularDynamics(block, interface, step, damping=0.01 / step)
     surface = np.zeros((3, atoms, atoms))
     surface[2] = 2 * _CUTOFF * _LENGTH
     motion, generator = system.start(surface), np.random.default_rng(0)

@@ -1,4 +1,4 @@
-"""Atoms in motion: the explicit block comes down under its load by Newton's law, with friction and noise on demand."""
+"""Molecular dynamics: the explicit block approaches under its load, with Langevin damping and noise on demand."""
 
 import dataclasses
 import math
@@ -17,24 +17,19 @@ from md_reference.block.multiscale import MultiscaleBlock, NonlinearSpringBlock,
 from md_reference.interface.pairs import LennardJonesInterface
 from md_reference.statics.contact import separated
 from md_reference.study.system import Predictor, build_interface, row_threads
+from md_reference.thermal import equilibration
 from md_reference.thermal.checkpoint import Frame, TrajectoryState
-from md_reference.thermal.equilibration import (
-    Descent,
-    TemperatureStatistics,
-    load_missing,
-    not_in_equilibrium,
-    still_moving,
-)
+from md_reference.thermal.equilibration import Descent, TemperatureStatistics
 from md_reference.thermal.langevin import MolecularDynamics, Motion, fastest_wave
 
-# Displacements before and after a step, velocities, what a point goes on from, and the nodes that are kept.
+# Displacements before and after a step, velocities, a checkpoint, and the nodes that are kept.
 _BYTES_PER_NODE = 300
-_SAFE_STEP = 0.2  # of the largest stable one, where the study says none: an energy error of a hundredth
+_SAFE_STEP = 0.2  # of the largest stable one, the default: an energy error of one per cent
 _SLOW = 0.1  # of the speed of sound, above which an approach is an impact
 
 
 def need(case: Case) -> Need:
-    """The memory that the block in motion takes at least."""
+    """Return the least memory of the explicit block."""
     nodes = node_count(case.lattice.atoms, level_layers(case.lattice.atoms, case.block_layers))
     return Need(
         nodes * _BYTES_PER_NODE,
@@ -44,7 +39,7 @@ def need(case: Case) -> Need:
 
 
 def check(case: Case) -> None:
-    """Make sure that a case can be set in motion.
+    """Check a case for molecular dynamics.
 
     Raises
     ------
@@ -54,17 +49,18 @@ def check(case: Case) -> None:
     given, mass = case.dynamics, case.material.atom_mass
     if mass is None:
         raise InputError('missing key material.atom_mass: atomistic.method = "dynamics" needs the mass of an atom')
-    if case.loading.control == "gap" and given.approach_speed == 0:
-        raise InputError(
-            'loading.control = "gap": atomistic.method = "dynamics" moves the block from one gap to the next; give '
-            "dynamics.approach_speed"
-        )
-    thickness = case.block_layers * case.lattice.constant
-    if case.loading.control == "gap" and min(case.loading.path) <= -thickness:
-        raise InputError(
-            f"loading.path: a gap of {min(case.loading.path):g} m presses a block of {thickness:g} m flat; the rigid "
-            "plane above it is driven to the gap that the block would have without compression"
-        )
+    if case.loading.control == "gap":
+        if given.approach_speed == 0:
+            raise InputError(
+                'loading.control = "gap": atomistic.method = "dynamics" moves the block from one gap to the next; '
+                "give dynamics.approach_speed"
+            )
+        thickness = case.block_layers * case.lattice.constant
+        if min(case.loading.path) <= -thickness:
+            raise InputError(
+                f"loading.path: a gap of {min(case.loading.path):g} m presses a block of {thickness:g} m flat; the "
+                "rigid plane above it is driven to the gap that the block would have without compression"
+            )
     if given.time_step is not None and given.time_step >= (largest := largest_time_step(case)):
         raise InputError(
             f"dynamics.time_step = {given.time_step:g} s: velocity Verlet is unstable from {largest:.3g} s on, "
@@ -89,18 +85,18 @@ def check(case: Case) -> None:
 
 
 def lame(case: Case) -> tuple[float, float]:
-    """λ and μ of the case's block (Pa)."""
+    """Return λ and μ of the case's block (Pa)."""
     return lame_constants(case.material.youngs_modulus, case.material.poissons_ratio)
 
 
 def longitudinal_modulus(case: Case) -> float:
-    """λ + 2μ: of compression without lateral strain, and of the faster sound (Pa)."""
+    """Return λ + 2μ, of compression without lateral strain and of the faster sound (Pa)."""
     first, shear = lame(case)
     return first + 2 * shear
 
 
 def largest_time_step(case: Case) -> float:
-    """2/ω (s), ω² at most that of the lattice's fastest wave and the contact's stiffness at equilibrium over a mass."""
+    """Return the limit of stability 2/ω (s), ω² that of the lattice's fastest wave plus a stiff contact's over mass."""
     assert case.material.atom_mass is not None
     constant, material = case.lattice.constant, case.material
     element = element_matrix(case.atomistic.block, constant, material.youngs_modulus, material.poissons_ratio)
@@ -110,23 +106,17 @@ def largest_time_step(case: Case) -> float:
 
 
 def time_step(case: Case) -> float:
-    """The time step of a case (s)."""
+    """Return the time step of a case (s)."""
     return _SAFE_STEP * largest_time_step(case) if case.dynamics.time_step is None else case.dynamics.time_step
 
 
 def build_block(case: Case) -> MultiscaleBlock:
-    """The explicit block of a case."""
+    """Return the explicit block of a case."""
     assert case.material.atom_mass is not None
     atoms = case.lattice.atoms
+    layers = level_layers(atoms, case.block_layers)
     kind = NonlinearSpringBlock if case.atomistic.block == "nonlinear_springs" else MultiscaleBlock
-    return kind(
-        atoms,
-        case.lattice.constant,
-        *lame(case),
-        level_layers(atoms, case.block_layers),
-        case.material.atom_mass,
-        row_threads(case),
-    )
+    return kind(atoms, case.lattice.constant, *lame(case), layers, case.material.atom_mass, row_threads(case))
 
 
 def solve_path(
@@ -136,58 +126,49 @@ def solve_path(
     start: int = 0,
     predictor: Predictor | None = None,
 ) -> Iterator[InterfaceState | Ensemble]:
-    """The motion along the path: at each point its pressure acts for ``dynamics.duration``.
+    """Yield the motion along the path: at each point its pressure acts for ``dynamics.duration``.
 
-    The block begins just out of reach of the substrate, at the speed of approach. Under gap control its rigid plane
-    moves at that speed to each point of the path, and rests for ``dynamics.duration`` where a point repeats the one
-    before. The last state of a point is its answer; of atoms with a thermostat, or without friction, the second half of
-    its states, unless the plane is on its way.
-
-    Parameters
-    ----------
-    case, surface, restart, start
-        As :data:`md_reference.study.system.Method`.
-    predictor : callable, optional
-        Not used: the atoms come down by themselves.
+    The block starts just out of reach of the substrate, at the approach speed. Under gap control its rigid plane moves
+    at that speed to each point of the path, and rests for ``dynamics.duration`` where a point repeats the one before.
+    A point's result is its last state, or, with a thermostat or without damping, the mean of the second half of its
+    states, except while the plane moves. The predictor is not used. See :data:`md_reference.study.system.Method`.
     """
     run = _Run(case, build_interface(case, surface))
     at = run.begin(start) if restart is None else TrajectoryState.unpack(restart)
     for number in range(start, len(case.path)):
         if at.point != number:
             at.start_point(number)
+        target, before = case.path[number][0], case.path[number - 1][0] if number else None
         # A driven motion passes a value once: there is no mean of it.
-        passing = case.loading.control == "gap" and case.path[number][0] != (
-            case.path[number - 1][0] if number else None
-        )
+        passing = case.loading.control == "gap" and target != before
         comes_to_rest = case.atomistic.temperature == 0 and case.dynamics.damping > 0
         discarded = None if passing or comes_to_rest else case.dynamics.frames // 2
-        yield Ensemble(run.states(at, case.path[number][0], discarded), discarded)
+        yield Ensemble(run.states(at, target, discarded), discarded)
 
 
 class _Run:
-    """The moving block of a case, and what its states look like to the campaign."""
+    """The moving block of a case, and its states for the campaign."""
 
     def __init__(self, case: Case, interface: LennardJonesInterface):
         self._case = case
         self._interface = interface
         self._driven = case.loading.control == "gap"
         self._mean_height = float(np.mean(interface.rest_heights()))
-        step = time_step(case)
-        self._system = MolecularDynamics(
-            build_block(case), interface, step, case.dynamics.damping, case.atomistic.temperature, self._driven
-        )
+        self._area = case.lattice.constant**2
+        step, temperature = time_step(case), case.atomistic.temperature
+        block = build_block(case)
+        self._system = MolecularDynamics(block, interface, step, case.dynamics.damping, temperature, self._driven)
         self._steps = round(case.dynamics.duration / step)
 
     def begin(self, point: int, time: float = 0.0) -> TrajectoryState:
-        """A block apart, at the speed of approach."""
+        """Return a separated block at the approach speed."""
         motion = self._system.start(separated(self._interface), -self._case.dynamics.approach_speed)
         motion.time = time
-        return TrajectoryState(
-            motion, np.random.Generator(np.random.PCG64([self._case.atomistic.random_seed, point])), point
-        )
+        seed = [self._case.atomistic.random_seed, point]
+        return TrajectoryState(motion, np.random.Generator(np.random.PCG64(seed)), point)
 
     def states(self, at: TrajectoryState, target: float, discarded: int | None) -> Iterator[InterfaceState]:
-        """The states of a point from where it stands, in place; ends early where a pressure's block is torn off."""
+        """Yield the remaining states of a point, moving the block; stop early where tension tears it off."""
         system, pressure = self._system, 0.0 if self._driven else target
         if at.frame == 0:
             at.plan(self._drive(at, target) if self._driven else self._steps, self._case.dynamics.frames)
@@ -195,18 +176,16 @@ class _Run:
             self._move(at, pressure)
             within_reach = bool(system.interface_force.any())
             at.touched |= within_reach
-            # A driven plane is somewhere, and can come back.
+            # A driven plane has a definite position, and can come back.
             apart = not (self._driven or within_reach or pressure > 0 or at.motion.top_velocity < 0)
             state = self._state(at, pressure, discarded, apart)
             if apart:
                 fresh = self.begin(at.point, at.motion.time)
                 at.motion, at.touched, at.frame = fresh.motion, False, at.frames
-                yield dataclasses.replace(state, restart=at.pack())
-                return
             yield dataclasses.replace(state, restart=at.pack())
 
     def _move(self, at: TrajectoryState, pressure: float) -> None:
-        """The time steps of the next frame."""
+        """Integrate the time steps of the next frame."""
         before = at.taken
         at.frame += 1
         try:
@@ -219,10 +198,9 @@ class _Run:
             ) from None
 
     def _drive(self, at: TrajectoryState, gap: float) -> int:
-        """Set the rigid plane's velocity, to a gap at the speed of approach or for a rest; steps that it takes."""
+        """Set the rigid plane's velocity, toward a gap or for a rest; return the number of time steps."""
         way = gap + self._mean_height + self._case.law.equilibrium_distance - at.motion.top
-        # The plane arrives within rounding, which is no way to go.
-        if abs(way) < 1e-9 * self._case.law.equilibrium_distance:
+        if abs(way) < 1e-9 * self._case.law.equilibrium_distance:  # it has arrived, within rounding
             at.motion.top_velocity = 0.0
             return self._steps
         step = self._system.time_step
@@ -231,43 +209,40 @@ class _Run:
         return steps
 
     def _state(self, at: TrajectoryState, pressure: float, discarded: int | None, apart: bool) -> InterfaceState:
-        case, system = self._case, self._system
-        area = case.lattice.constant**2
-        displacement = np.ascontiguousarray(system.block.bottom_of(at.motion.displacement))
-        stress = system.interface_force[2] / area
-        mean_pressure = float(np.mean(stress))
-        nominal = area * stress.size
+        case, system, motion, law = self._case, self._system, at.motion, self._case.law
+        displacement = np.ascontiguousarray(system.block.bottom_of(motion.displacement))
+        stress = system.interface_force[2] / self._area
+        nominal = self._area * stress.size
         gap = np.full(stress.shape, np.inf) if apart else self._interface.gap(displacement)
-        held = math.isfinite(case.solid.depth)  # a layer, whose separation is that of what holds it
-        height = at.motion.top if held else float(np.mean(displacement[2]))
-        elastic = whole = system.elastic_energy(at.motion) / nominal
-        if not held:  # a half-space has no uniform compression: the block's is taken off
-            elastic -= system.block.compression_energy(at.motion.displacement)
-        interaction, kinetic = system.interaction_energy / nominal, system.kinetic_energy(at.motion) / nominal
-        lifted = pressure * (at.motion.top - self._mean_height)
-        temperature = system.temperature(at.motion)
-        whole_moves = system.temperature_of_whole(at.motion)
-        at.series.append(Frame(at.motion.time, at.motion.top, mean_pressure, temperature, whole_moves))
+        is_layer = math.isfinite(case.solid.depth)  # whose separation is that of its base
+        height = motion.top if is_layer else float(np.mean(displacement[2]))
+        elastic = whole = system.elastic_energy(motion) / nominal
+        if not is_layer:  # a half-space has no uniform compression: that of the block is subtracted
+            elastic -= system.block.compression_energy(motion.displacement)
+        interaction, kinetic = system.interaction_energy / nominal, system.kinetic_energy(motion) / nominal
+        lifted = pressure * (motion.top - self._mean_height)
+        temperature, whole_temperature = system.temperature(motion), system.temperature_of_whole(motion)
+        at.series.append(Frame(motion.time, motion.top, float(np.mean(stress)), temperature, whole_temperature))
         return InterfaceState(
             gap=gap,
             pressure=stress.copy(),
-            contact=case.law.in_contact(gap, stress, case.contact_distance),
-            equilibrium_distance=case.law.equilibrium_distance,
-            mean_separation=np.inf if apart else height - self._mean_height - case.law.equilibrium_distance,
+            contact=law.in_contact(gap, stress, case.contact_distance),
+            equilibrium_distance=law.equilibrium_distance,
+            mean_separation=np.inf if apart else height - self._mean_height - law.equilibrium_distance,
             elastic_energy=0.0 if apart else elastic,
             interaction_energy=interaction,
             report=self._report(at, pressure, discarded, apart),
             spacing=(case.lattice.constant, case.lattice.constant),
-            motion=ThermalMotion(at.motion.time, temperature, kinetic, kinetic + whole + interaction + lifted),
-            atoms=self._atoms(at.motion) if apart or at.frame == at.frames else {},
+            motion=ThermalMotion(motion.time, temperature, kinetic, kinetic + whole + interaction + lifted),
+            atoms=self._atoms(motion) if apart or at.frame == at.frames else {},
         )
 
     def _atoms(self, motion: Motion) -> dict[str, np.ndarray]:
-        """The atoms one by one, as far as the study asks for them."""
+        """Return the atoms one by one, as far as the study asks for them."""
         case, block = self._case, self._system.block
         if case.output.atoms == "none":
             return {}
-        stress = self._system.interface_force / case.lattice.constant**2
+        stress = self._system.interface_force / self._area
         found = surface_atoms(block.bottom_of(motion.displacement), stress, block.bottom_of(motion.velocity))
         if case.output.atoms == "block":
             velocity = motion.velocity.copy()
@@ -276,30 +251,26 @@ class _Run:
         return found
 
     def _report(self, at: TrajectoryState, pressure: float, discarded: int | None, apart: bool) -> SolverReport:
-        case = self._case
-        message, converged = "", True
+        modulus = self._case.material.contact_modulus
+        # Mean pressures in the states that count; before there are any, in the last one.
+        last = len(at.series) - 1
+        carried = np.array(at.series[last if discarded is None else min(discarded, last) :])[:, 2]
+        message, converged, detached = "", True, apart
         if apart:
-            what = "was torn off and" if at.touched else "has not been within reach of the substrate, and"
-            residual, message = 0.0, f"detached: the block {what} moves away"
-        elif self._driven and not np.any(self._carried(at, discarded)):
-            residual, message, apart = 0.0, "detached: no atom is within reach", True
-        elif self._driven:  # a state of the motion that was asked for; none in balance
-            residual = self._unbalanced(at) / case.material.contact_modulus
+            event = "was torn off and" if at.touched else "has not been within reach of the substrate, and"
+            residual, message = 0.0, f"detached: the block {event} moves away"
+        elif self._driven and not np.any(carried):
+            residual, message, detached = 0.0, "detached: no atom is within reach", True
+        elif self._driven:  # a state of the prescribed motion; none in balance
+            residual = self._unbalanced(at) / modulus
         elif at.frame < at.frames:  # the report of the last state is the point's
             residual = np.nan
         else:
-            descent = self._descent(at, pressure, discarded)
-            if case.atomistic.temperature > 0:
-                warmth = self._warmth(at.series[-descent.carried.size :])
-                residual, message = not_in_equilibrium(descent, warmth, case.material.contact_modulus)
-            elif case.dynamics.damping == 0:
-                residual, message = load_missing(descent, case.material.contact_modulus, swings=True)
-            else:
-                residual, message = still_moving(descent, self._unbalanced(at), case.material.contact_modulus)
+            residual, message = self._test(at, self._descent(at, pressure, carried), modulus)
             converged = not message
         return SolverReport(
             converged=converged,
-            detached=apart,
+            detached=detached,
             residual=residual,
             iterations=at.taken,
             fft_pairs=0.0,
@@ -307,40 +278,41 @@ class _Run:
             message=message,
         )
 
-    @staticmethod
-    def _carried(at: TrajectoryState, discarded: int | None) -> np.ndarray:
-        """Mean pressure of the interface in the states that count (Pa); before there are any, of the last one."""
-        last = len(at.series) - 1
-        return np.array(at.series[last if discarded is None else min(discarded, last) :])[:, 2]
+    def _test(self, at: TrajectoryState, descent: Descent, modulus: float) -> tuple[float, str]:
+        """Return the residual of a finished point, and advice if the block is not in equilibrium."""
+        case = self._case
+        if case.atomistic.temperature > 0:
+            counted = at.series[-descent.carried.size :]
+            warmth = TemperatureStatistics(
+                nodes=float(np.mean([frame.temperature for frame in counted])),
+                whole=float(np.mean([frame.whole for frame in counted])),
+                bath=case.atomistic.temperature,
+                freedoms=self._system.block.freedoms,
+                states=len(counted),
+                forgotten=case.dynamics.damping * (counted[-1].time - counted[0].time),
+            )
+            return equilibration.not_in_equilibrium(descent, warmth, modulus)
+        if case.dynamics.damping == 0:
+            return equilibration.load_missing(descent, modulus, swings=True)
+        return equilibration.still_moving(descent, self._unbalanced(at), modulus)
 
     def _unbalanced(self, at: TrajectoryState) -> float:
-        """Largest stress left on an atom of the surface (Pa)."""
-        return self._system.unbalanced(at.motion) / self._case.lattice.constant**2
+        """Return the largest stress left on an atom of the surface (Pa)."""
+        return self._system.unbalanced(at.motion) / self._area
 
-    def _descent(self, at: TrajectoryState, pressure: float, discarded: int | None) -> Descent:
-        """What the block did in the states that count, from the one before them on."""
-        case, carried = self._case, self._carried(at, discarded)
+    def _descent(self, at: TrajectoryState, pressure: float, carried: np.ndarray) -> Descent:
+        """Return the block's motion in the states that count, from the one before them on."""
+        case, block = self._case, self._system.block
         time, top, *_ = np.array(at.series[-carried.size - 1 :]).T
         assert case.material.atom_mass is not None
         density = case.material.atom_mass / case.lattice.constant**3
-        friction = self._system.block.thickness * density * case.dynamics.damping
-        speed_of_whole = self._system.momentum(at.motion) / self._system.block.total_mass
+        drag = block.thickness * density * case.dynamics.damping
+        speed_of_whole = self._system.momentum(at.motion) / block.total_mass
         return Descent(
             carried=carried,
             load=pressure,
             reached=bool(np.any(carried)),
             speed=float((top[0] - top[-1]) / (time[-1] - time[0])),
-            terminal_speed=pressure / friction if friction else math.inf,
+            terminal_speed=pressure / drag if drag else math.inf,
             impact=math.sqrt(density * longitudinal_modulus(case)) * abs(speed_of_whole),
-        )
-
-    def _warmth(self, counted: list[Frame]) -> TemperatureStatistics:
-        case = self._case
-        return TemperatureStatistics(
-            nodes=float(np.mean([frame.temperature for frame in counted])),
-            whole=float(np.mean([frame.whole for frame in counted])),
-            bath=case.atomistic.temperature,
-            freedoms=self._system.block.freedoms,
-            states=len(counted),
-            forgotten=case.dynamics.damping * (counted[-1].time - counted[0].time),
         )

@@ -59,14 +59,14 @@ _SHORTEST = 0.3
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """The command ``md-reference``; returns the exit status."""
+    """Run the command ``md-reference``; return the exit status."""
     from contact_study.campaign.command_line import command
 
     return command.main(MODEL, arguments)
 
 
 def check(case: Case) -> None:
-    """Make sure that the atomistic model can serve a case.
+    """Check that the atomistic model can compute a case.
 
     Raises
     ------
@@ -74,47 +74,75 @@ def check(case: Case) -> None:
         If the law is not that of Lennard-Jones atoms, the solid is another or its boundaries are free, an approach is
         prescribed, the block is incompressible, or the lattice does not fit the cell or the layer.
     """
-    if case.interaction.law != "lennard_jones_10_4":
-        raise InputError(
-            f'interaction.law = "{case.interaction.law}": the atomistic model has Lennard-Jones pairs; '
-            'use "lennard_jones_10_4", the law that follows from them'
-        )
-    if case.elasticity.kind not in ("half_space", "layer"):
-        raise InputError(f'elasticity.kind = "{case.elasticity.kind}": the block of atoms is a half-space or a layer')
-    if case.elasticity.boundary != "periodic":
-        raise InputError(f'elasticity.boundary = "{case.elasticity.boundary}": the block of atoms is periodic')
-    if case.loading.control == "approach":
-        raise InputError(
-            'loading.control = "approach": the block of atoms takes "pressure", or its separation as "gap"'
-        )
-    if case.material.poissons_ratio > _MOST_INCOMPRESSIBLE:
-        raise InputError(
-            f"material.poissons_ratio = {case.material.poissons_ratio:.12g}: springs cannot make a block "
-            f"incompressible; use at most {_MOST_INCOMPRESSIBLE}"
-        )
-    _check_temperature(case)
-    if case.atomistic.block == "nonlinear_springs" and case.atomistic.method != "dynamics":
-        raise InputError(
-            'atomistic.block = "nonlinear_springs": only a linear block can be condensed to its bottom layer; '
-            'use atomistic.method = "dynamics"'
-        )
-    if case.output.atoms == "block" and case.atomistic.method != "dynamics":
-        raise InputError(
-            'output.atoms = "block": the nodes of the block are explicit in atomistic.method = "dynamics" only; '
-            'use "surface"'
-        )
-    if case.atomistic.method == "dynamics":
-        dynamics.check(case)
-    else:
+    given, law, control = case.atomistic, case.interaction.law, case.loading.control
+    kind, boundary, ratio = case.elasticity.kind, case.elasticity.boundary, case.material.poissons_ratio
+    other_method = given.method != "dynamics"
+    for refused, words in (
+        (
+            law != "lennard_jones_10_4",
+            f'interaction.law = "{law}": the atomistic model has Lennard-Jones pairs; use "lennard_jones_10_4", the '
+            "law that follows from them",
+        ),
+        (
+            kind not in ("half_space", "layer"),
+            f'elasticity.kind = "{kind}": the block of atoms is a half-space or a layer',
+        ),
+        (boundary != "periodic", f'elasticity.boundary = "{boundary}": the block of atoms is periodic'),
+        (
+            control == "approach",
+            'loading.control = "approach": the block of atoms takes "pressure", or its separation as "gap"',
+        ),
+        (
+            ratio > _MOST_INCOMPRESSIBLE,
+            f"material.poissons_ratio = {ratio:.12g}: springs cannot make a block incompressible; use at most "
+            f"{_MOST_INCOMPRESSIBLE}",
+        ),
+        (
+            given.method == "quasi_static" and given.temperature > 0,
+            f'atomistic.temperature = {given.temperature:g} K: atomistic.method = "quasi_static" finds equilibria at '
+            'zero temperature; "sampling" and "dynamics" take a temperature',
+        ),
+        (
+            given.method == "overdamped" and given.temperature > 0,
+            f'atomistic.temperature = {given.temperature:g} K: atomistic.method = "overdamped" is a motion without '
+            'noise; "sampling" and "dynamics" take a temperature',
+        ),
+        (
+            given.method == "sampling" and given.temperature == 0,
+            'atomistic.method = "sampling": needs an atomistic.temperature above 0 K; at zero temperature the atoms '
+            'are at rest, use "quasi_static"',
+        ),
+        (
+            given.block == "nonlinear_springs" and other_method,
+            'atomistic.block = "nonlinear_springs": only a linear block can be condensed to its bottom layer; use '
+            'atomistic.method = "dynamics"',
+        ),
+        (
+            case.output.atoms == "block" and other_method,
+            'output.atoms = "block": the nodes of the block are explicit in atomistic.method = "dynamics" only; use '
+            '"surface"',
+        ),
+    ):
+        if refused:
+            raise InputError(words)
+    if other_method:
         case.require_gap()
-    if case.atomistic.method == "overdamped":
+    else:
+        dynamics.check(case)
+    if given.method == "overdamped":
         overdamped_path.check(case, "atomistic.method")
     _ = case.block_layers  # raises where no number of cells makes the layer
-    _check_length(case)
+    spacing = max(case.lattice.site_spacing)
+    if case.law.length < _SHORTEST * spacing:
+        raise InputError(
+            f"interaction.length = {length(case.law.length)}: atoms would fall between the substrate's sites, "
+            f"{length(spacing)} apart; use at least {length(_SHORTEST * spacing)}, or a smaller "
+            "material.lattice_constant"
+        )
 
 
 def needs(case: Case) -> Iterator[Need]:
-    """The memory that the parts of a case take at least."""
+    """Yield the least memory of the parts of a case."""
     rows, columns = case.lattice.atoms
     yield Need(
         rows * columns * _BYTES_PER_ATOM,
@@ -125,33 +153,8 @@ def needs(case: Case) -> Iterator[Need]:
         yield dynamics.need(case)
 
 
-def _check_length(case: Case) -> None:
-    spacing = max(case.lattice.site_spacing)
-    if case.law.length < _SHORTEST * spacing:
-        raise InputError(
-            f"interaction.length = {length(case.law.length)}: atoms would fall between the substrate's sites, "
-            f"{length(spacing)} apart; use at least {length(_SHORTEST * spacing)}, or a smaller "
-            "material.lattice_constant"
-        )
-
-
-def _check_temperature(case: Case) -> None:
-    given = case.atomistic
-    if given.method in ("quasi_static", "overdamped") and given.temperature > 0:
-        what = "finds equilibria at zero temperature" if given.method == "quasi_static" else "is a motion without noise"
-        raise InputError(
-            f'atomistic.temperature = {given.temperature:g} K: atomistic.method = "{given.method}" {what}; "sampling" '
-            'and "dynamics" take a temperature'
-        )
-    if given.method == "sampling" and given.temperature == 0:
-        raise InputError(
-            'atomistic.method = "sampling": needs an atomistic.temperature above 0 K; at zero temperature the atoms '
-            'stand still, use "quasi_static"'
-        )
-
-
 def review(study: Study, scales: Sequence[SurfaceScales]) -> list[str]:
-    """Say what the lattice cannot carry, in one line for the whole study.
+    """Return notes on a study: keys without effect, blocks that ring, waves that the sites cannot represent.
 
     Raises
     ------
@@ -160,7 +163,7 @@ def review(study: Study, scales: Sequence[SurfaceScales]) -> list[str]:
     """
     notes = idle_motion(study.cases)
     if any(case.solver.path == "overdamped" != case.atomistic.method for case in study.cases):
-        notes.append('solver.path = "overdamped": atoms do not read it; their way is atomistic.method')
+        notes.append('solver.path = "overdamped": atoms do not read it; their method is atomistic.method')
     ringing = [case for case in study.cases if case.atomistic.method == "dynamics" and case.dynamics.damping == 0]
     if ringing:
         notes.append(
@@ -193,7 +196,7 @@ def review(study: Study, scales: Sequence[SurfaceScales]) -> list[str]:
 
 
 def constants(case: Case, surface: Surface) -> Mapping[str, Value]:
-    """What the atoms of a case are, measured on them: moduli, adhesion; and the surface under their rest positions."""
+    """Return moduli and adhesion measured on the atoms, and the surface under their rest positions."""
     stiffness = build_stiffness(case)
     flat = FlatInterface(
         case.lattice.site_spacing,
@@ -225,7 +228,7 @@ def constants(case: Case, surface: Surface) -> Mapping[str, Value]:
 
 
 def _surroundings(case: Case, surface: Surface) -> Mapping[str, Value]:
-    """What stands about the atoms that are kept one by one."""
+    """Return substrate sites, masses and levels beside the atoms that are kept one by one."""
     if case.output.atoms == "none":
         return {}
     found = dict(substrate_sites(surface.heights(case.lattice.substrate_sites), case.lattice.size))
@@ -244,7 +247,7 @@ def solve_path(
     start: int = 0,
     predictor: Predictor | None = None,
 ) -> Iterator[InterfaceState | Ensemble]:
-    """States along the loading path by the case's method, see :data:`md_reference.study.system.Method`."""
+    """Yield states along the loading path by the case's method, see :data:`md_reference.study.system.Method`."""
     return METHODS[case.atomistic.method](case, surface, restart, start, predictor)
 
 

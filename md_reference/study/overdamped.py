@@ -1,4 +1,4 @@
-"""Slow motion against friction at zero temperature: the atoms go down the steepest descent from point to point."""
+"""Overdamped relaxation at zero temperature: the atoms follow the steepest descent from point to point."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
@@ -14,8 +14,8 @@ from md_reference.statics.overdamped import Moved, OverdampedBlock
 from md_reference.study.system import Predictor, build_contact, interface_state
 
 
-class MovingAtoms(OverdampedBlock):
-    """The atoms of a case in motion, as the campaign takes them."""
+class OverdampedAtoms(OverdampedBlock):
+    """The atoms of a case in overdamped motion, for :mod:`contact_study.campaign.worker.overdamped_path`."""
 
     def __init__(self, case: Case, contact: AtomisticContact, allowed: float):
         super().__init__(contact.energy, case.solver.tolerance, allowed)
@@ -23,12 +23,12 @@ class MovingAtoms(OverdampedBlock):
         self._contact = contact
 
     def separated(self) -> np.ndarray:
-        """Displacement of the flat block just beyond the cutoff (m)."""
+        """Return the displacement of the flat block just beyond the cutoff (m)."""
         return self._contact.separated()
 
     def described(self, found: Moved) -> InterfaceState:
-        """A state of the atoms as one of the interface."""
-        # What was done since belongs to this state, too: a run that goes on from it does none of it.
+        """Return a state of the atoms as one of the interface."""
+        # Work done since then belongs to this state: a run that resumes from it repeats none of it.
         equilibrium = replace(found.equilibrium, fft_pairs=found.equilibrium.fft_pairs + self._work())
         return interface_state(self._case, self._contact.solution(equilibrium))
 
@@ -40,15 +40,10 @@ def solve_path(
     start: int = 0,
     predictor: Predictor | None = None,
 ) -> Iterator[Ensemble]:
-    """The motion along the path; at each point its states, the last of them at rest.
+    """Yield the states of each point, the last of them at rest; the predictor is not used.
 
-    Parameters
-    ----------
-    case, surface, restart, start
-        As :data:`md_reference.study.system.Method`.
-    predictor : callable, optional
-        Not used: the atoms come down by themselves.
+    See :data:`md_reference.study.system.Method`.
     """
     pace = overdamped_path.pace_of(case, surface.size)
-    moving = MovingAtoms(case, build_contact(case, surface), pace.allowed)
+    moving = OverdampedAtoms(case, build_contact(case, surface), pace.allowed)
     return overdamped_path.solve_path(case, moving, pace, restart, start)

@@ -1,4 +1,4 @@
-"""Equilibria at zero temperature: each point of the path is the minimum that the state before it slides into."""
+"""Equilibria at zero temperature: each point of the path is the minimum reached from the state before it."""
 
 import warnings
 from collections.abc import Iterator, Mapping
@@ -19,24 +19,10 @@ def solve_path(
     start: int = 0,
     predictor: Predictor | None = None,
 ) -> Iterator[InterfaceState]:
-    """Equilibria along the loading path, each from its predictor or else from the state before it.
+    """Yield equilibria along the loading path, see :data:`md_reference.study.system.Method`.
 
-    Parameters
-    ----------
-    case, surface : Case, Surface
-        The question.
-    restart : mapping, optional
-        ``InterfaceState.restart`` of the point before ``start``; without it the path begins from separation.
-    start : int, optional
-        First point of the path to solve.
-    predictor : callable, optional
-        Point number -> gap field (y, x) of a continuum solution on any grid (m): the atoms start at their lateral
-        rest positions, at the surface's height plus that gap. Where it has none (None) a warning names the point.
-
-    Returns
-    -------
-    iterator of InterfaceState
-        For each point from ``start`` on.
+    With a predictor's gap field the atoms start at their lateral rest positions, at the surface's height plus that gap.
+    Where it returns None a warning names the point, and the atoms start from the state before.
     """
     return states(case, build_contact(case, surface), restart, start, predictor)
 
@@ -48,12 +34,12 @@ def states(
     start: int = 0,
     predictor: Predictor | None = None,
 ) -> Iterator[InterfaceState]:
-    """The same of a contact that is there already."""
+    """Yield the states of :func:`solve_path` of an existing contact."""
     state = contact.separated() if restart is None else restart["state"]
     for number in range(start, len(case.path)):
         value, branch = case.path[number]
         gap = None
-        # Blocks that are apart are not brought together by tension.
+        # Tension does not bring separated blocks together.
         if predictor is not None and not (contact.is_separated(state) and contact.control == "pressure" and value <= 0):
             gap = predictor(number)
             if gap is None:

@@ -1,4 +1,4 @@
-"""What a case is made of: the condensed block, the interface, and both as a contact under load."""
+"""Parts of a case: the condensed block, the interface, both as a contact under load, and the state for the campaign."""
 
 import math
 from collections.abc import Callable, Iterator, Mapping
@@ -16,39 +16,41 @@ from md_reference.parallel_rows import ATOMS_FOR_THREADS
 from md_reference.solution import Solution
 from md_reference.statics.contact import AtomisticContact
 
-# Point number -> gap field (y, x) on any grid over the same rectangle (m), None where there is no such state.
+# Point number -> gap field (y, x) on any grid over the same rectangle (m), None if there is no such state.
 Predictor = Callable[[int], np.ndarray | None]
 
-# Case, surface, restart, start, predictor -> one state or ensemble a point of the path, from number ``start`` on.
-# ``restart`` is ``InterfaceState.restart`` of the point before; without it the path begins from separation. That of a
-# state of an ensemble that is not over goes on with the point ``start`` itself.
 Method = Callable[
     [Case, Surface, Mapping[str, np.ndarray] | None, int, Predictor | None],
     Iterator[InterfaceState | Ensemble],
 ]
+"""Function of case, surface, restart, start and predictor that yields one state or ensemble per point of the path.
+
+``start`` is the first point. ``restart`` is ``InterfaceState.restart`` of the point before; without it the path begins
+from separation. The restart of a state within an ensemble resumes the point ``start`` itself.
+"""
 
 
 def build_stiffness(case: Case) -> SurfaceStiffness:
-    """The condensed block of a case, see :attr:`Case.block_layers`."""
+    """Return the condensed block of a case, see :attr:`Case.block_layers`."""
     lattice, material = case.lattice, case.material
     element = element_matrix(case.atomistic.block, lattice.constant, material.youngs_modulus, material.poissons_ratio)
     return surface_stiffness(element, lattice.atoms, lattice.constant, case.block_layers)
 
 
 def row_threads(case: Case) -> int:
-    """Threads that share the rows of atoms: those that the case is given, where they gain."""
+    """Return the threads that share the rows of atoms: those of the case, where they save time."""
     enough = math.prod(case.lattice.atoms) >= ATOMS_FOR_THREADS
     return max(case.solver.threads, 1) if enough else 1
 
 
 def build_interface(case: Case, surface: Surface) -> LennardJonesInterface:
-    """Lennard-Jones atoms of a case over the substrate's sites."""
+    """Return the Lennard-Jones atoms of a case over the substrate's sites."""
     length, cutoff = case.law.length, case.atomistic.cutoff
     return interface_of(surface.heights, case.lattice, case.well_depth, length, cutoff, row_threads(case))
 
 
 def build_contact(case: Case, surface: Surface) -> AtomisticContact:
-    """Block and interface of a case, to be loaded."""
+    """Return block and interface of a case, to be loaded."""
     stiffness, solver = build_stiffness(case), case.solver
     return AtomisticContact(
         stiffness,
@@ -62,7 +64,7 @@ def build_contact(case: Case, surface: Surface) -> AtomisticContact:
 
 
 def interface_state(case: Case, solution: Solution) -> InterfaceState:
-    """A solution as the campaign takes it: under the block's uniform compression, contact told."""
+    """Return a solution as the campaign's state, with the block's uniform compression added."""
     mean_pressure = float(np.mean(solution.pressure))
     stress = (*solution.shear_stress, solution.pressure)
     return InterfaceState(
@@ -70,7 +72,7 @@ def interface_state(case: Case, solution: Solution) -> InterfaceState:
         pressure=solution.pressure,
         contact=case.law.in_contact(solution.gap, solution.pressure, case.contact_distance),
         equilibrium_distance=case.law.equilibrium_distance,
-        # The solver leaves a block's uniform compression out; that of a layer of atoms is the solid's, see its element.
+        # The solver omits the uniform compression; that of a layer of atoms is the solid's, see its element.
         mean_separation=solution.mean_separation - case.solid.compression(mean_pressure),
         elastic_energy=solution.elastic_energy + case.solid.compression_energy(mean_pressure),
         interaction_energy=solution.interaction_energy,

@@ -1,20 +1,20 @@
-"""Canonical distribution of the bottom layer at a temperature, by Fourier-accelerated Hamiltonian Monte Carlo.
+"""Canonical distribution of the bottom layer at a temperature, by Fourier-accelerated hybrid Monte Carlo.
 
 The block is harmonic: its interior integrates out exactly, and the bottom layer's distribution is
 
     P(u) ∝ exp(−V(u)/k_BT),  V = ½ u·Su + E(u) + p a² Σu_z,
 
-with the same S as at zero temperature. Hamiltonian Monte Carlo (S. Duane, A. D. Kennedy, B. J. Pendleton, D. Roweth,
-Phys. Lett. B 195, 216 (1987)) draws velocities, follows Hamilton's equations by a scheme that is reversible and keeps
+with the same S as at zero temperature. Hybrid Monte Carlo (S. Duane, A. D. Kennedy, B. J. Pendleton, D. Roweth, Phys.
+Lett. B 195, 216 (1987)) draws velocities, integrates Hamilton's equations by a scheme that is reversible and preserves
 volume, and accepts the end with probability min(1, exp(−ΔH/k_BT)), which makes the distribution exact for any time
-step. The masses are free: with the stiffness that a wave meets all waves move at one pace (G. G. Batrouni et al., Phys.
-Rev. D 32, 2736 (1985)), and the steps are counted in √(mass/stiffness), without a unit; see
+step. The masses are free: with each wave's stiffness as its mass all waves oscillate at one frequency (G. G. Batrouni
+et al., Phys. Rev. D 32, 2736 (1985)), and time is counted in √(mass/stiffness), without a unit; see
 :meth:`ThermalSampler.masses`.
 
-The scheme has two stages, kicks of b, 1 − 2b and b of a step h and ways of half a step between them (the family is that
-of S. Blanes, F. Casas, J. M. Sanz-Serna, SIAM J. Sci. Comput. 36, A1556 (2014), doi:10.1137/130932740). A harmonic wave
-that is followed by it keeps ½v² + ½(1 + (b² − 3b/2 + ¼)h² + …)u². With b = (3 − √5)/4 the bracket is zero: what a
-harmonic contact gains falls as the fourth power of the step, where leapfrog's (b = ¼) falls as the second.
+The scheme has two stages, kicks of b, 1 − 2b and b of a step h and drifts of half a step between them (S. Blanes,
+F. Casas, J. M. Sanz-Serna, SIAM J. Sci. Comput. 36, A1556 (2014), doi:10.1137/130932740). On a harmonic wave it
+conserves ½v² + ½(1 + (b² − 3b/2 + ¼)h² + …)u². With b = (3 − √5)/4 the bracket vanishes: the energy error of a harmonic
+contact falls as the fourth power of the step, that of leapfrog (b = ¼) as the second.
 
 State and velocity stay in Fourier space, so that a stage takes one pair of transforms and one evaluation of the
 interface.
@@ -31,26 +31,31 @@ from md_reference.block.condensed import SurfaceStiffness
 from md_reference.block.spectral import accelerate, quadratic
 from md_reference.interface.pairs import Interaction
 
-_FIRST_TIME_STEP = 0.4
-_OUTER_KICK = (3 - 5**0.5) / 4  # b
-_TRAJECTORY = 3.2  # mean length of a trajectory in units of √(mass/stiffness): half a turn of a wave
-# Share of the proposals that the time step is set for. The cost of an independent state is flat about its optimum, 0.65
-# for errors of second order (A. Beskos et al., Bernoulli 19, 1501 (2013)) and more for those of higher ones; beyond it
-# the steepest wells soon refuse everything.
-_ACCEPTANCE = 0.85
-_GAIN = 0.7  # of ln(time step) a proposal, over the root of their number
-_RELAXING = 0.25  # of the equilibration: trajectories that bring the state to its temperature
-# ΔH over the thermal energy of all freedoms from which a step counts as unstable there.
-_UNSTABLE = 0.2
-_SMALLEST_TIME_STEP = _FIRST_TIME_STEP / 64
-_SMALLEST_SHIFT = 1e-3  # c in units of E* a, where nothing touches
-# Of c, for the longest waves: before the others have moved they meet all of c, at a pace of √(1/share).
-_SMALLEST_SHARE = 1 / 16
+
+@dataclass(frozen=True)
+class HybridMonteCarloOptions:
+    """Scheme, masses and the search for a time step; times in units of √(mass/stiffness)."""
+
+    outer_kick: float = (3 - 5**0.5) / 4  # b
+    trajectory: float = 3.2  # mean length of a trajectory: half a period of a wave
+    first_step: float = 0.4
+    smallest_step: float = 0.4 / 64
+    # Aimed share of accepted proposals. The cost of an independent state is flat about its optimum, 0.65 for errors of
+    # second order (A. Beskos et al., Bernoulli 19, 1501 (2013)) and more for those of higher ones.
+    acceptance: float = 0.85
+    gain: float = 0.7  # of ln(time step) per proposal, over the root of their number
+    relaxing: float = 0.25  # share of the equilibration that brings the state to its temperature
+    unstable: float = 0.2  # ΔH over the thermal energy of all freedoms at which a step counts as unstable there
+    smallest_shift: float = 1e-3  # c without contact, over E* a
+    smallest_share: float = 1 / 16  # of c for the longest waves: at first they meet all of c
+
+
+DEFAULTS = HybridMonteCarloOptions()
 
 
 @dataclass(frozen=True)
 class SamplerState:
-    """All that a chain goes on from.
+    """State of a Markov chain.
 
     Attributes
     ----------
@@ -61,7 +66,7 @@ class SamplerState:
     mass : numpy.ndarray, shape (3, ny, nx // 2 + 1)
         Of every wave along x, y and z (N/m).
     trajectories, accepted, evaluations : int
-        Done, accepted, and evaluations of the interface, since the chain began; those of the equilibration count in
+        Trajectories, accepted ones, and evaluations of the interface; those of the equilibration count in
         ``evaluations`` only.
     """
 
@@ -76,22 +81,8 @@ class SamplerState:
 class ThermalSampler:
     """Sampler for one block and one interface, owner of all work arrays.
 
-    Parameters
-    ----------
-    stiffness : SurfaceStiffness
-        The condensed block.
-    interaction : Interaction
-        The interface.
-    contact_modulus : float
-        E*, which the masses are made of (Pa).
-    temperature : float
-        T (K), positive.
-    pressure : float, optional
-        Mean pressure, compression positive (Pa); without meaning where the mean is fixed.
-    fixed_mean : bool, optional
-        Keep the mean of the normal component (gap control) instead of leaving it free (pressure control).
-    threads : int, optional
-        Threads of FFTW.
+    ``contact_modulus`` is E* (Pa), ``temperature`` positive (K), ``pressure`` the mean pressure (Pa); ``fixed_mean``
+    keeps the mean of the normal component (gap control) and ignores the pressure.
     """
 
     def __init__(
@@ -102,70 +93,72 @@ class ThermalSampler:
         temperature: float,
         pressure: float = 0.0,
         fixed_mean: bool = False,
-        threads: int = 1,
+        options: HybridMonteCarloOptions = DEFAULTS,
     ):
         self.interaction = interaction
         self.thermal_energy = constants.k * temperature
+        self.options = options
         grid = stiffness.grid
         self._fixed_mean = fixed_mean
         self._push = 0.0 if fixed_mean else pressure * stiffness.area_per_atom
         self._wave_stiffness = 0.5 * contact_modulus * stiffness.area_per_atom * grid.wavenumber
-        self._smallest_shift = _SMALLEST_SHIFT * contact_modulus * stiffness.lattice_constant
+        self._smallest_shift = options.smallest_shift * contact_modulus * stiffness.lattice_constant
         self._coefficients = stiffness.coefficients.copy()
         self._coefficients[2, 0, 0] = 0.0  # a load prescribes the block's uniform compression
-        self._transform = RealTransform((3, *grid.shape), np.float64, threads)
+        self._transform = RealTransform((3, *grid.shape), np.float64)
         self._multiplicity = grid.multiplicity
         self.force = np.empty((3, *grid.shape))
 
     def start(self, displacement: np.ndarray) -> SamplerState:
-        """A chain that begins at a state, best at an equilibrium at zero temperature, shape (3, ny, nx) (m)."""
+        """Begin a chain at a state, best an equilibrium at zero temperature, shape (3, ny, nx) (m)."""
         mass = self.masses(displacement)
         self._transform.field[...] = displacement
-        return SamplerState(self._transform.forward().copy(), _FIRST_TIME_STEP, mass, evaluations=1)
+        return SamplerState(self._transform.forward().copy(), self.options.first_step, mass, evaluations=1)
 
     def masses(self, displacement: np.ndarray) -> np.ndarray:
-        """Masses as large as the stiffnesses that the waves meet at a state, shape (3, ny, nx // 2 + 1) (N/m).
+        """Return the stiffness of every wave at a state as its mass, shape (3, ny, nx // 2 + 1) (N/m).
 
         m(q) = ½E*q a² + c, c the interface's mean curvature, positive values only. Along z, where only a share f of the
-        surface is held, a wave gives way between, and c is in series with ½E*q a²/(1 − f). Along x and y there is
-        little friction, and one c for all directions would slow these waves down.
+        surface is in contact, a wave bends between contacts, and c is in series with ½E*q a²/(1 − f). Along x and y
+        the interface is softer, and one c for all directions would slow these waves down.
         """
         hessian = np.empty((6, *displacement.shape[1:]))
         self.interaction.evaluate(displacement, self.force, hessian)
         shift = np.maximum(np.mean(np.maximum(hessian[:3], 0.0), axis=(1, 2)), self._smallest_shift)
-        wave = self._wave_stiffness
+        wave, share = self._wave_stiffness, self.options.smallest_share
         free = 1 - float(np.mean(hessian[2] > 0))
         in_series = wave * shift[2] / (wave + free * shift[2] + self._smallest_shift)
-        return np.stack([wave + shift[0], wave + shift[1], wave + np.maximum(in_series, _SMALLEST_SHARE * shift[2])])
+        return np.stack([wave + shift[0], wave + shift[1], wave + np.maximum(in_series, share * shift[2])])
 
     def equilibrated(self, state: SamplerState, trajectories: int, generator: np.random.Generator) -> SamplerState:
-        """Let a chain forget its start and find its time step.
+        """Equilibrate a chain and find its time step.
 
-        From a minimum every trajectory gains the energy that the scheme's own Hamiltonian differs by, and the test
-        would refuse all of them: the first ones are accepted if only their step is stable. Then the step follows each
-        proposal's probability of acceptance, ever more slowly, and the geometric mean of the later half is kept (for
-        such searches see C. Andrieu, J. Thoms, Stat. Comput. 18, 343 (2008), doi:10.1007/s11222-008-9110-y).
+        From a minimum every trajectory gains the difference between H and the scheme's own Hamiltonian, and would be
+        rejected: the first ones are accepted if their step is stable. Then the step follows each proposal's
+        acceptance probability with decreasing gain; the geometric mean of the later half is kept (C. Andrieu, J. Thoms,
+        Stat. Comput. 18, 343 (2008), doi:10.1007/s11222-008-9110-y).
         """
-        relaxing = math.ceil(_RELAXING * trajectories)
-        unstable = _UNSTABLE * 0.5 * self.thermal_energy * self.force.size
+        options = self.options
+        relaxing = math.ceil(options.relaxing * trajectories)
+        unstable = options.unstable * 0.5 * self.thermal_energy * self.force.size
         for _ in range(relaxing):
             found, error = self._trajectory(state, generator)
-            finer = replace(_with_step(state, 0.5 * state.time_step), evaluations=found.evaluations)
+            finer = replace(self._with_step(state, 0.5 * state.time_step), evaluations=found.evaluations)
             state = found if error < unstable else finer
         logarithms: list[float] = []
         for number in range(1, trajectories - relaxing + 1):
             found, error = self._trajectory(state, generator)
             probability = self._acceptance(error)
-            factor = math.exp(_GAIN / math.sqrt(number) * (probability - _ACCEPTANCE))
+            factor = math.exp(options.gain / math.sqrt(number) * (probability - options.acceptance))
             accepted = found if generator.random() < probability else state
-            state = replace(_with_step(accepted, factor * state.time_step), evaluations=found.evaluations)
+            state = replace(self._with_step(accepted, factor * state.time_step), evaluations=found.evaluations)
             logarithms.append(math.log(state.time_step))
         if logarithms:
-            state = _with_step(state, math.exp(float(np.mean(logarithms[len(logarithms) // 2 :]))))
+            state = self._with_step(state, math.exp(float(np.mean(logarithms[len(logarithms) // 2 :]))))
         return state
 
     def next(self, state: SamplerState, generator: np.random.Generator) -> SamplerState:
-        """The chain one trajectory further; the same place again where it is refused."""
+        """Return the chain after one trajectory, at the same displacement where the proposal is rejected."""
         found, error = self._trajectory(state, generator)
         accept = generator.random() < self._acceptance(error)
         return replace(
@@ -176,20 +169,20 @@ class ThermalSampler:
         )
 
     def displacement(self, state: SamplerState) -> np.ndarray:
-        """Displacement of every atom (m), shape (3, ny, nx)."""
+        """Return the displacement of every atom (m), shape (3, ny, nx)."""
         return self._real(state.displacement).copy()
 
     def elastic_energy(self, state: SamplerState) -> float:
-        """½ u·Su (J)."""
+        """Return ½ u·Su (J)."""
         return 0.5 * quadratic(state.displacement, self._coefficients, self._multiplicity) / self._transform.points
 
     def potential_energy(self, state: SamplerState) -> float:
-        """V = ½ u·Su + E + p a² Σu_z (J), infinite if an atom is inside the substrate; the forces go to ``force``."""
+        """Write the forces and return V (J), infinite if an atom is inside the substrate."""
         interaction = self._interaction_energy(state.displacement)
         return self.elastic_energy(state) + interaction + self._push * float(state.displacement[2, 0, 0].real)
 
     def velocities(self, state: SamplerState, generator: np.random.Generator) -> np.ndarray:
-        """Spectrum of velocities drawn from their distribution, exp(−½ v·Mv/k_BT) (m per unit of time)."""
+        """Return the spectrum of velocities drawn from exp(−½ v·Mv/k_BT) (m per unit of time)."""
         self._transform.field[...] = generator.standard_normal(self._transform.shape)
         drawn = self._transform.forward() * np.sqrt(self.thermal_energy / state.mass)
         if self._fixed_mean:
@@ -197,47 +190,51 @@ class ThermalSampler:
         return drawn
 
     def kinetic_energy(self, state: SamplerState, velocity: np.ndarray) -> float:
-        """½ v·Mv (J)."""
+        """Return ½ v·Mv (J)."""
         weight = self._multiplicity * state.mass
         return 0.5 * float(np.sum(weight * (velocity.real**2 + velocity.imag**2))) / self._transform.points
 
     def follow(self, state: SamplerState, velocity: np.ndarray, steps: int) -> tuple[SamplerState, np.ndarray, float]:
-        """Steps from a state and velocity: where they lead, the velocity there and the change of V (J).
+        """Integrate some steps; return state and velocity at the end and the change of V (J).
 
-        The change is infinite if an atom came to lie inside the substrate on the way.
+        The change is infinite if an atom entered the substrate on the way.
         """
         u, v = state.displacement.copy(), velocity.copy()
-        over_mass = 1 / state.mass
+        over_mass, kick = 1 / state.mass, self.options.outer_kick
         dt, stages = state.time_step, 2 * steps
         before = self.potential_energy(state)
         for stage in range(stages):
             # Of a step's middle, or of its end and the next one's beginning together.
-            inner = 1 - 2 * _OUTER_KICK if stage % 2 else 2 * _OUTER_KICK
-            self._kick(v, u, over_mass, dt * (inner if stage else _OUTER_KICK))
+            inner = 1 - 2 * kick if stage % 2 else 2 * kick
+            self._kick(v, u, over_mass, dt * (inner if stage else kick))
             u += 0.5 * dt * v
             if stage + 1 < stages and not np.isfinite(self._interaction_energy(u)):
                 return replace(state, evaluations=state.evaluations + stage + 2), v, np.inf
         found = replace(state, displacement=u, evaluations=state.evaluations + stages + 1)
         after = self.potential_energy(found)
-        self._kick(v, u, over_mass, dt * _OUTER_KICK)
+        self._kick(v, u, over_mass, dt * kick)
         return found, v, after - before
 
     def _trajectory(self, state: SamplerState, generator: np.random.Generator) -> tuple[SamplerState, float]:
-        """Where a trajectory of random length with random velocities ends, and ΔH (J)."""
+        """Return the end of a trajectory of random length with random velocities, and ΔH (J)."""
         velocity = self.velocities(state, generator)
-        steps = max(1, round(_TRAJECTORY / state.time_step * generator.uniform(0.5, 1.5)))
+        steps = max(1, round(self.options.trajectory / state.time_step * generator.uniform(0.5, 1.5)))
         found, reached, change = self.follow(state, velocity, steps)
         return found, change + self.kinetic_energy(state, reached) - self.kinetic_energy(state, velocity)
 
     def _acceptance(self, error: float) -> float:
-        """Probability of acceptance of a trajectory whose ΔH this is (J); of one into the substrate none."""
+        """Return the acceptance probability of a trajectory of ΔH = ``error`` (J)."""
         return math.exp(-max(error, 0.0) / self.thermal_energy) if math.isfinite(error) else 0.0
+
+    def _with_step(self, state: SamplerState, time_step: float) -> SamplerState:
+        """Return the state with a step of this length, or the smallest one."""
+        return replace(state, time_step=max(time_step, self.options.smallest_step))
 
     def _interaction_energy(self, spectrum: np.ndarray) -> float:
         return self.interaction.evaluate(self._real(spectrum), self.force, None)
 
     def _real(self, spectrum: np.ndarray) -> np.ndarray:
-        """The field of a spectrum, in the transform's own buffer."""
+        """Return the field of a spectrum, in the transform's own buffer."""
         np.multiply(spectrum, 1 / self._transform.points, out=self._transform.spectrum)
         return self._transform.backward()
 
@@ -249,8 +246,3 @@ class ThermalSampler:
         if self._fixed_mean:
             force[2, 0, 0] = 0.0
         accelerate(velocity, displacement, force, self._coefficients, over_mass, dt)
-
-
-def _with_step(state: SamplerState, time_step: float) -> SamplerState:
-    """The state with a step of this length, unless it is too small to arrive anywhere."""
-    return replace(state, time_step=max(time_step, _SMALLEST_TIME_STEP))

@@ -1,9 +1,9 @@
-"""Newtonian motion of the explicit block over the substrate, with or without a thermostat.
+"""Molecular dynamics of the explicit block over the substrate, with or without a thermostat.
 
-Velocity Verlet; with friction the splitting of B. Leimkuhler and C. Matthews (J. Chem. Phys. 138, 174102 (2013)): half
-a kick, half a drift, friction and noise, half a drift, half a kick, which is velocity Verlet without friction and whose
-positions err little at any. The rigid plane that closes the block above moves up and down under the pressure and the
-block's own force.
+Velocity Verlet; with Langevin damping the splitting of B. Leimkuhler and C. Matthews (J. Chem. Phys. 138, 174102
+(2013)): half a kick, half a drift, damping and noise, half a drift, half a kick, which is velocity Verlet without
+damping and whose positions err little at any. The rigid plane that closes the block above moves under the pressure and
+the block's own force.
 """
 
 from dataclasses import dataclass
@@ -15,48 +15,38 @@ from md_reference.block.multiscale import MultiscaleBlock
 from md_reference.block.verlet import Action
 from md_reference.interface.pairs import Interaction
 
-_BRILLOUIN_POINTS = 24  # along each axis, where the fastest wave of the lattice is looked for
+_BRILLOUIN_POINTS = 24  # along each axis, in the search for the fastest wave of the lattice
 
 
 @dataclass
 class Motion:
-    """Where all nodes are and how fast.
+    """Heights over the substrate, lateral displacements and velocities of all nodes, and the rigid plane."""
 
-    Attributes
-    ----------
-    displacement, velocity : numpy.ndarray, shape (block.size,)
-        Of every node, along z heights over the substrate (m, m/s).
-    top, top_velocity : float
-        Of the rigid plane (m, m/s).
-    time : float
-        Since the motion began (s).
-    """
-
-    displacement: np.ndarray
-    velocity: np.ndarray
-    top: float
-    top_velocity: float
-    time: float = 0.0
+    displacement: np.ndarray  # shape (block.size,) (m)
+    velocity: np.ndarray  # shape (block.size,) (m/s)
+    top: float  # height of the rigid plane (m)
+    top_velocity: float  # (m/s)
+    time: float = 0.0  # since the motion began (s)
 
 
 class MolecularDynamics:
-    """The block and the interface in motion, owner of the forces.
+    """Block and interface in motion.
 
     Parameters
     ----------
     block : MultiscaleBlock
         The nodes.
     interaction : Interaction
-        Of its bottom layer.
+        Forces on its bottom layer.
     time_step : float
         Of velocity Verlet (s).
-    friction : float
-        Rate at which the thermostat takes momentum (1/s); zero for none.
+    damping : float
+        Rate at which the thermostat removes momentum (1/s); zero for none.
     temperature : float
-        That the thermostat's noise gives back (K).
+        Of the thermostat (K).
     driven : bool
-        Whether the rigid plane keeps the velocity that its motion is given, whatever pulls at it. Friction then acts
-        on the motion against the plane: a bath that stays behind would drag at the whole block.
+        Whether the rigid plane keeps its prescribed velocity. Damping then acts on the motion relative to the plane: a
+        bath at rest would drag at the whole block.
 
     Attributes
     ----------
@@ -71,7 +61,7 @@ class MolecularDynamics:
         block: MultiscaleBlock,
         interaction: Interaction,
         time_step: float,
-        friction: float = 0.0,
+        damping: float = 0.0,
         temperature: float = 0.0,
         driven: bool = False,
     ):
@@ -82,20 +72,14 @@ class MolecularDynamics:
         self.interaction_energy = 0.0
         self.interface_force = np.empty((3, *block.atoms))
         self._half_kick = 0.5 * time_step
-        self._kept = float(np.exp(-friction * time_step))
+        self._kept = float(np.exp(-damping * time_step))
         self._noise = constants.k * temperature * (1 - self._kept**2)
-        # Where the nodes go in a step: neighbours need where they were.
-        self._spare = np.empty(block.size)
+        self._spare = np.empty(block.size)  # receives the next displacement: neighbours need the former one
 
     def start(self, displacement: np.ndarray, velocity: float = 0.0) -> Motion:
-        """A block whose planes all have the height of its mean surface, moving as a whole.
+        """Return a rigidly moving block, all planes at the mean height of the surface.
 
-        Parameters
-        ----------
-        displacement : numpy.ndarray, shape (3, ny, nx)
-            Of the surface's atoms (m).
-        velocity : float, optional
-            Along z (m/s).
+        ``displacement`` is that of the surface's atoms (m, shape (3, ny, nx)), ``velocity`` along z (m/s).
         """
         moving = np.zeros(self.block.size)
         nodes = np.zeros(self.block.size)
@@ -108,39 +92,37 @@ class MolecularDynamics:
         return Motion(nodes, moving, height, velocity)
 
     def move(self, motion: Motion, pressure: float, generator: np.random.Generator, steps: int = 1) -> None:
-        """Some time steps, in place, under a mean pressure (Pa), which a driven plane does not feel.
+        """Integrate some time steps, in place, under a mean pressure (Pa), which a driven plane ignores.
 
-        From the end of a step to the middle of the next is one pass over the nodes, so that many steps at once take
-        half the work of as many by themselves.
-
-        Raises
-        ------
-        FloatingPointError
-            If an atom came to lie inside the substrate.
+        The end of a step and the first half of the next are one pass over the nodes: many steps in one call take half
+        the work of single calls. FloatingPointError if an atom enters the substrate.
         """
         half = 0.5 * self.time_step
         kick = half
         for _ in range(steps):
-            self._act(motion, pressure, self._through(motion, kick, generator), generator)
+            # Damping and noise act on all nodes: fast waves of the surface do not reach the coarse levels.
+            wind = (1 - self._kept) * motion.top_velocity if self.driven else 0.0
+            key = int(generator.integers(2**63)) if self._noise else 0
+            self._act(motion, pressure, Action(kick, self._kept, wind, half, self._noise, key), generator)
             kick = self.time_step
         self._act(motion, pressure, Action(half), generator)
         motion.time += steps * self.time_step
 
     def kinetic_energy(self, motion: Motion) -> float:
-        """Of all nodes and the rigid plane (J)."""
+        """Return the kinetic energy of all nodes and the rigid plane (J)."""
         return 0.5 * (self._mass_times_square(motion.velocity) + self.block.top_mass * motion.top_velocity**2)
 
     def elastic_energy(self, motion: Motion) -> float:
-        """Of the block (J)."""
+        """Return the energy of the block (J)."""
         force = np.zeros(self.block.size)
         self.block.force(motion.displacement, force)
         return self.block.elastic_energy(motion.displacement, force)
 
     def temperature(self, motion: Motion) -> float:
-        """Kinetic temperature of the nodes, against a driven plane (K).
+        """Return the kinetic temperature of the nodes relative to a driven plane (K).
 
-        Of the velocities half a kick before and after the step's end: a thermostat gives these the mean square of
-        equilibrium at any time step, where forces are linear. Those of the step's end itself lack (ω dt)²/4 of it.
+        It uses the velocities half a kick before and after the step's end: where forces are linear, their mean square
+        is that of equilibrium at any time step. Velocities at the step's end lack (ω dt)²/4 of it.
         """
         velocity = motion.velocity
         if self.driven:
@@ -151,24 +133,28 @@ class MolecularDynamics:
         return twice / (constants.k * self.block.freedoms)
 
     def temperature_of_whole(self, motion: Motion) -> float:
-        """Square of the momentum along z over k_B and all mass (K): in equilibrium the temperature on average.
+        """Return the squared momentum along z over k_B and all mass (K), on average the temperature in equilibrium.
 
-        The slowest waves along z, in which a block rings after an impact, make nearly all of it.
+        The slowest waves along z, in which a block rings after an impact, dominate it.
         """
         return self.momentum(motion) ** 2 / (constants.k * self.block.total_mass)
 
     def momentum(self, motion: Motion) -> float:
-        """Along z, of everything that moves (kg m/s)."""
+        """Return the momentum along z of all nodes and the rigid plane (kg m/s)."""
         pairs = zip(self.block.plane_mass, self.block.levels_of(motion.velocity), strict=True)
         total = sum(np.dot(mass, v[2].sum(axis=(1, 2))) for mass, v in pairs)
         return float(total) + self.block.top_mass * motion.top_velocity
+
+    def unbalanced(self, motion: Motion) -> float:
+        """Return the largest force component on an atom of the surface (N)."""
+        return float(np.max(np.abs(self.block.bottom_of(self._forces(motion)))))
 
     def _mass_times_square(self, velocity: np.ndarray) -> float:
         pairs = zip(self.block.plane_mass, self.block.levels_of(velocity), strict=True)
         return sum(float(np.dot(mass, np.einsum("ckji,ckji->k", v, v))) for mass, v in pairs)
 
     def _square_over_mass(self, force: np.ndarray) -> float:
-        """Σ f²/m over the nodes that move on their own."""
+        """Return Σ f²/m over the nodes that move independently."""
         inside = np.s_[:, :, 1:-1, 1:-1]
         total = 0.0
         for mass, nodes in zip(self.block.plane_mass, self.block.levels_of(force), strict=True):
@@ -176,28 +162,15 @@ class MolecularDynamics:
             total += float(np.dot(1 / mass[mass > 0], np.einsum("ckji,ckji->k", own, own)))
         return total
 
-    def unbalanced(self, motion: Motion) -> float:
-        """Largest force left on an atom of the surface (N)."""
-        return float(np.max(np.abs(self.block.bottom_of(self._forces(motion)))))
-
     def _forces(self, motion: Motion) -> np.ndarray:
-        """Of block and substrate on all nodes, after a step (N)."""
+        """Return the forces of block and substrate on all nodes, after a step (N)."""
         force = np.zeros(self.block.size)
         self.block.force(motion.displacement, force)
         self.block.bottom_of(force)[...] += self.interface_force
         return force
 
-    def _through(self, motion: Motion, kick: float, generator: np.random.Generator) -> Action:
-        """From a kick to the end of the way, with friction and noise in its middle, on all nodes.
-
-        A thermostat of the coarse levels alone would not reach the surface: its fast waves do not run there.
-        """
-        wind = (1 - self._kept) * motion.top_velocity if self.driven else 0.0
-        key = int(generator.integers(2**63)) if self._noise else 0
-        return Action(kick, self._kept, wind, 0.5 * self.time_step, self._noise, key)
-
     def _act(self, motion: Motion, pressure: float, action: Action, generator: np.random.Generator) -> None:
-        """Let the forces of where all nodes are act on them and on the rigid plane."""
+        """Apply the forces to all nodes and to the rigid plane."""
         block = self.block
         block.top_of(motion.displacement)[2] = motion.top
         surface = np.ascontiguousarray(block.bottom_of(motion.displacement))
@@ -221,14 +194,9 @@ class MolecularDynamics:
 
 
 def fastest_wave(element: np.ndarray, atom_mass: float) -> float:
-    """Largest angular frequency of the unbounded lattice (1/s), from its element matrix.
+    """Return the largest angular frequency of the unbounded lattice (1/s), from its element matrix (N/m).
 
-    Parameters
-    ----------
-    element : numpy.ndarray, shape (24, 24)
-        Stiffness of a cell (N/m), see :func:`md_reference.block.condensed.isotropic_element`.
-    atom_mass : float
-        Of an atom (kg).
+    :func:`md_reference.block.condensed.isotropic_element` gives the element; ``atom_mass`` is in kg.
     """
     corners = np.array([(x, y, z) for z in (0, 1) for y in (0, 1) for x in (0, 1)])
     # Frequencies are symmetric in every component of the wavevector.

@@ -51,7 +51,7 @@ def run(system, motion, steps, pressure, generator=None):
 @pytest.fixture(scope="module")
 def shaken():
     """A block in thermal motion on the substrate."""
-    system = system_of(friction=0.05 * FASTEST, temperature=300.0)
+    system = system_of(damping=0.05 * FASTEST, temperature=300.0)
     motion = system.start(touching(system.interaction))
     return run(system, motion, 1500, 1e9, np.random.default_rng(1))
 
@@ -90,7 +90,7 @@ def test_momentum_changes_by_the_forces_from_outside_alone(shaken):
 def test_friction_acts_in_the_middle_of_the_way():
     """Half a step at the old velocity, half at what friction leaves of it; no force acts on a block that flies."""
     rate = 0.3 * FASTEST
-    system = system_of(interface=NoInterface(), friction=rate)
+    system = system_of(interface=NoInterface(), damping=rate)
     motion = run(system, system.start(np.zeros((3, *ATOMS)), -10.0), 1, 0.0)
     kept = np.exp(-rate * system.time_step)
     way = -10.0 * system.time_step * (1 + kept) / 2
@@ -113,7 +113,7 @@ def test_free_block_flies_on():
 
 def test_driven_block_goes_with_its_plane():
     """Nothing drags at it, however strong the friction, and its drift is no heat."""
-    system = system_of(interface=NoInterface(), friction=0.2 * FASTEST, driven=True)
+    system = system_of(interface=NoInterface(), damping=0.2 * FASTEST, driven=True)
     motion = run(system, system.start(np.zeros((3, *ATOMS)), 20.0), 300, 1e9)
     assert motion.top == pytest.approx(20.0 * motion.time, rel=1e-12)
     np.testing.assert_allclose(system.block.bottom_of(motion.displacement)[2], motion.top, rtol=1e-9)
@@ -126,7 +126,7 @@ def test_driven_block_goes_with_its_plane():
 
 def test_kinetic_temperature_is_the_thermostats_at_any_step():
     """Velocities at the end of steps lack (ω dt)²/4 of it: at half of the largest step some 6 % over all waves."""
-    system = system_of(1.0, NoInterface(), friction=0.1 * FASTEST, temperature=300.0)
+    system = system_of(1.0, NoInterface(), damping=0.1 * FASTEST, temperature=300.0)
     generator = np.random.default_rng(3)
     motion = run(system, system.start(np.zeros((3, *ATOMS))), 300, 0.0, generator)
     found, at_the_end = [], []
@@ -143,7 +143,7 @@ def test_kinetic_temperature_is_the_thermostats_at_any_step():
 def test_thermostat_gives_every_freedom_its_share():
     """Velocities of nodes of all masses, and the elastic energy."""
     temperature = 300.0
-    system = system_of(0.15, NoInterface(), friction=0.1 * FASTEST, temperature=temperature)
+    system = system_of(0.15, NoInterface(), damping=0.1 * FASTEST, temperature=temperature)
     generator = np.random.default_rng(2)
     motion = run(system, system.start(np.zeros((3, *ATOMS))), 1000, 0.0, generator)
     moving = system.block.mass > 0
@@ -188,7 +188,7 @@ def test_noise_has_the_moments_of_normal_numbers_and_no_memory():
 def test_levels_have_noise_of_their_own():
     """Nodes of the same place in the arrays of two levels, after one step from rest: signs agree by chance."""
     block = block_of((6, 6), (32, 32))
-    system = MolecularDynamics(block, NoInterface(), 1e-3 / FASTEST, friction=1e-3 * FASTEST, temperature=300.0)
+    system = MolecularDynamics(block, NoInterface(), 1e-3 / FASTEST, damping=1e-3 * FASTEST, temperature=300.0)
     motion = system.start(np.zeros((3, 32, 32)))
     system.move(motion, 0.0, np.random.default_rng(0))
     fine, coarse = (np.sign(nodes.reshape(3, -1)) for nodes in block.levels_of(motion.velocity))
@@ -200,7 +200,7 @@ def test_levels_have_noise_of_their_own():
 
 
 def test_friction_brings_the_block_to_rest_in_balance():
-    system = system_of(0.3, friction=0.05 * FASTEST)
+    system = system_of(0.3, damping=0.05 * FASTEST)
     motion = run(system, system.start(touching(system.interaction)), 6000, 1e9)
     stress = np.mean(system.interface_force[2]) / LATTICE_CONSTANT**2
     assert stress == pytest.approx(1e9, rel=1e-6)

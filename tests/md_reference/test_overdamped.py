@@ -15,7 +15,7 @@ from contact_study.study.case import realise
 from contact_study.study.study import make_study
 from md_reference.statics.overdamped import OverdampedBlock
 from md_reference.study.model import check, solve_path
-from md_reference.study.overdamped import MovingAtoms
+from md_reference.study.overdamped import OverdampedAtoms
 from md_reference.study.system import build_contact, build_stiffness
 from tests.md_reference.systems import CONTACT_MODULUS, LENGTH, case_of, touching
 from tests.md_reference.test_block import apply
@@ -39,7 +39,7 @@ class Motion:
     def implicit(self, step_error, rate=AT_ONCE, start=None):
         given = dataclasses.replace(self.case.overdamped, step_error=step_error, loading_rate=rate)
         pace = pace_of(dataclasses.replace(self.case, overdamped=given), realise(self.case).size)
-        moving = MovingAtoms(self.case, self.contact, pace.allowed)
+        moving = OverdampedAtoms(self.case, self.contact, pace.allowed)
         start = self.start if start is None else start
         return list(follow(moving, at_rest(start, 0.0, pace), self.load, pace))
 

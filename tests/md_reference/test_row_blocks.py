@@ -83,7 +83,7 @@ def test_any_number_of_threads_gives_the_same_bits(kind):
         options = BlockOptions(task_nodes=8192 if threads == 1 else 1)
         interface = with_threads(rough, threads)
         block = kind(ATOMS, LATTICE_CONSTANT, *lame, (4, 4), MASS, threads, options)
-        system = MolecularDynamics(block, interface, step, friction=0.01 / step, temperature=300.0)
+        system = MolecularDynamics(block, interface, step, damping=0.01 / step, temperature=300.0)
         surface = np.zeros((3, *ATOMS))
         surface[2] = interface.rest_heights().max() + interface.length
         motion, generator = system.start(surface), np.random.default_rng(0)
