@@ -7,16 +7,13 @@ from scipy.optimize import brentq
 import contact_study
 from bem_adhesion import HardWall, Layer, LennardJones104, rough_contact
 from bem_adhesion.hard_wall.contact import HardWallContact
-from contact_study.errors import InputError
 from contact_study.numerics.grid import Grid
 from contact_study.physics.solids import HalfSpace, Layered
 from contact_study.study.bins import bins_of
 from contact_study.study.study import make_study
-from md_reference.study.model import check as check_atoms
 from tests.bem_adhesion.paper_system import E_STAR, R0, SIZE, study_table
 from tests.bem_adhesion.rough_surfaces import self_affine
 from tests.laws_of_all_kinds import EVERY_LAW
-from theory.study.model import check as check_theory
 
 pytestmark = pytest.mark.filterwarnings("ignore:grid too coarse")
 
@@ -170,29 +167,6 @@ def table(**sections):
     return study_table(32, size=200e-10, **{**keys, "surface": {"rms_height": 2e-10}, **sections})
 
 
-@pytest.mark.parametrize("law", ["hard_wall", "lennard_jones_10_4"])
-def test_a_whole_study(law, tmp_path):
-    keys = {"law": law} | (
-        {"work_of_adhesion": None, "length": None, "contact_distance": None} if law == "hard_wall" else {}
-    )
-    study = table(interaction=keys)
-    whole = contact_study.run(study, "continuum")
-    (case,) = make_study(study).cases
-    assert np.all(whole.converged == 1)
-    assert not whole.detached.any()
-    applied = whole.applied_approach.values
-    peak = case.surface.realise(tmp_path).sampled.max()
-    np.testing.assert_allclose(peak - whole.mean_separation, applied, atol=1e-7 * R0)
-    assert np.argmax(whole.mean_pressure.values) == 1
-    assert whole.mean_pressure.values[1] > 0
-    output = tmp_path / "layer.nc"
-    contact_study.run(
-        table(interaction=keys, loading={"path": ["-3 nm", "1.2 nm"], "control": "approach"}), output=output
-    )
-    longer = contact_study.run(study, "continuum", output=output, resume=True)
-    np.testing.assert_array_equal(longer.mean_pressure, whole.mean_pressure)
-
-
 def test_own_steps_keep_the_books():
     """−∫p d(mean separation) is stored or dissipated, down to the jump and back."""
     loading = {"path": ["-2 nm", "2 nm", "-2 nm"], "control": "approach", "adaptive": True}
@@ -226,32 +200,8 @@ def test_the_pressures_of_a_deep_approach_fit_the_bins():
     assert 4e9 < bins_of(hard).pressure_edges[-1] < 0.2 * highest
 
 
-@pytest.mark.parametrize(
-    ("elasticity", "ratio", "words"),
-    [
-        ({"kind": "half_space"}, 0.3, '"half_space" by no finite distance.*"pressure" or "gap"'),
-        ({"kind": "layer", "thickness": "2 nm"}, 0.5, '"layer" not at all, being incompressible.*"pressure" or "gap"'),
-        (
-            {"kind": "layered", "thickness": "2 nm", "base_youngs_modulus": "1 GPa", "base_poissons_ratio": 0.3},
-            0.3,
-            '"layered" by no finite',
-        ),
-    ],
-)
-def test_solids_without_an_approach_are_named(elasticity, ratio, words):
-    with pytest.raises(InputError, match=words) as caught:
-        make_study(table(elasticity={"thickness": None, **elasticity}, material={"poissons_ratio": ratio}))
-    assert "\n" not in str(caught.value)
-
-
 @pytest.mark.parametrize("law", LAWS.values(), ids=LAWS)
 @pytest.mark.parametrize("solid", [HalfSpace(1.0), Layer(1.0, 0.5, 0.1), Layered(1.0, 0.3, 0.1, 2.0, 0.3)])
 def test_the_library_names_them(solid, law):
     with pytest.raises(ValueError, match="'approach': a uniform pressure moves this solid by no finite distance"):
         rough_contact(np.zeros((8, 8)), 1.0, solid, law, "approach")
-
-
-@pytest.mark.parametrize("check", [check_theory, check_atoms])
-def test_theories_and_atoms_refuse_it(check):
-    with pytest.raises(InputError, match=r'loading\.control = "approach"'):
-        check(make_study(table()).cases[0])

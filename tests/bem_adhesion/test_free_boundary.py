@@ -273,29 +273,6 @@ def table(**sections):
     return base | sections
 
 
-@pytest.mark.filterwarnings("ignore:.*the law pulls at the rim")  # of so small a cell
-@pytest.mark.parametrize("control", ["pressure", "approach"])
-def test_a_whole_study(control, tmp_path):
-    path = ["20 MPa", "-5 MPa"] if control == "pressure" else ["-2 nm", "0.5 nm", "-0.2 nm"]
-    study = table(loading={"path": path, "control": control})
-    whole = contact_study.run(study, "continuum")
-    assert np.all(whole.converged == 1)
-    applied = whole[f"applied_{control}"].values
-    if control == "pressure":
-        np.testing.assert_allclose(whole.mean_pressure, applied, rtol=1e-6)
-        assert whole.relative_contact_area.values[0] > whole.relative_contact_area.values[1] > 0
-    else:
-        (case,) = make_study(study).cases
-        peak = case.surface.realise(tmp_path).sampled.max()
-        np.testing.assert_allclose(peak - whole.mean_separation, applied, rtol=1e-7)
-    # A path that is gone on with gives the same numbers.
-    output = tmp_path / "sphere.nc"
-    shorter = table(loading={"path": path[:-1], "control": control})
-    contact_study.run(shorter, "continuum", output=output)
-    longer = contact_study.run(study, "continuum", output=output, resume=True)
-    np.testing.assert_array_equal(longer.mean_pressure, whole.mean_pressure)
-
-
 @pytest.mark.parametrize(("boundary", "control", "apart"), [("free", "approach", "-1 nm"), ("periodic", "gap", "9 nm")])
 def test_surfaces_held_apart_are_not_detached(boundary, control, apart):
     """Their gaps are known, unlike those of surfaces that have come apart."""
@@ -373,37 +350,6 @@ def test_tension_at_the_rim_is_said():
     # 14 of 124 points.
     words = r"at approach -1\.\d+e-09 m the law pulls at the rim .*, at 11 % of its points .* 1\.1 % of its peak"
     assert re.search(words, str(warning.message)), warning.message
-
-
-@pytest.mark.parametrize(
-    ("sections", "model", "words"),
-    [
-        (
-            {"loading": {"path": ["1 nm"], "control": "gap"}},
-            "continuum",
-            r'control = "gap": .*"pressure" or "approach"',
-        ),
-        (
-            {"loading": {"path": ["1 nm"], "control": "approach"}, "elasticity": {}},
-            "continuum",
-            r'control = "approach": .*"pressure" or "gap"',
-        ),
-        (
-            {"elasticity": {"boundary": "free", "kind": "layer", "thickness": 1e-8}},
-            "continuum",
-            r'elasticity\.boundary = "free": known of kind = "half_space" and "transversely_isotropic" only',
-        ),
-        ({}, "theory", r'elasticity\.boundary = "free"'),
-        (
-            {"interaction": {"law": "lennard_jones_10_4", "work_of_adhesion": 0.05, "length": "0.5 nm"}},
-            "atomistic",
-            r'elasticity\.boundary = "free"',
-        ),
-    ],
-)
-def test_what_free_boundaries_cannot_have_is_one_line(sections, model, words):
-    with pytest.raises(InputError, match=words):
-        contact_study.run(table(**sections), model)
 
 
 def test_the_kinds_that_may_be_free_are_those_that_the_refusal_names():

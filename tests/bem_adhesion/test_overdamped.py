@@ -8,10 +8,9 @@ import xarray as xr
 
 import contact_study
 from bem_adhesion.contacts.overdamped import OverdampedContact
-from bem_adhesion.study.model import check, solve_path
+from bem_adhesion.study.model import solve_path
 from contact_study.campaign.worker import case_run
 from contact_study.campaign.worker.overdamped_path import pace_of
-from contact_study.errors import InputError
 from contact_study.numerics.gradient_flow import Status, at_rest, follow
 from contact_study.results.schema import TRAJECTORY
 from contact_study.study.case import realise
@@ -193,19 +192,6 @@ def test_wall_without_attraction_has_one_state_by_any_path():
         for solver in ({"path": "overdamped"}, {})
     )
     assert flow.relative_contact_area.item() == still.relative_contact_area.item() > 0
-
-
-@pytest.mark.parametrize(
-    ("sections", "words"),
-    [
-        ({"loading": {"control": "gap", "path": ["1 angstrom"]}}, 'loading.control = "gap".*solver.path'),
-        ({"elasticity": {"boundary": "free"}}, 'elasticity.boundary = "free".*periodic'),
-        ({"loading": {"path": [1e9], "adaptive": True}}, "loading.adaptive = true.*overdamped"),
-    ],
-)
-def test_what_the_flow_does_not_do_is_refused(sections, words):
-    with pytest.raises(InputError, match=words):
-        check(make_study(table(solver={"path": "overdamped"}, **sections)).cases[0])
 
 
 def test_full_contact_with_a_wall_is_rest():

@@ -1,6 +1,5 @@
 """Paths with steps of their own: jumps are found, located and paid for; smooth branches cost nothing."""
 
-import contextlib
 from dataclasses import replace
 from itertools import pairwise
 
@@ -239,36 +238,6 @@ def test_the_account_is_stored_whole():
     restored = EnergyLedger.of(account.array)
     assert restored.array.tolist() == account.array.tolist()
     assert restored.attached is True
-
-
-@pytest.mark.parametrize("control", ["pressure", "gap"])
-def test_a_whole_study_and_its_continuation(control, tmp_path):
-    path = [1e9, 0.1e9, -3e9] if control == "pressure" else [4e-10, 5e-11, 3e-10]
-    loading = {"path": path, "control": control, "adaptive": True, "resolution": 0.02}
-    table = study_table(48, size=150e-10, surface={"rms_height": 4e-10}, loading=loading)
-    whole = contact_study.run(table, "continuum")
-    assert np.all(whole.converged == 1)
-    dissipated = whole.dissipated_energy.values
-    assert np.all(np.diff(dissipated) >= 0)
-    for point in whole.isel(step=whole.detached.values == 0).transpose("step", ...).step.values:
-        passed = whole.passed_separation.sel(step=point).dropna("passed").values
-        assert passed[-1] == pytest.approx(float(whole.mean_separation.sel(step=point)), rel=1e-12), "itself comes last"
-    if control == "pressure":
-        assert dissipated[0] > 0, "surfaces snap in"
-        assert whole.detached.values.tolist() == [0, 0, 1]
-        lowest, off = float(whole.pull_off_pressure), float(whole.pull_off_pressure_resolution_error)
-        assert 0 < off <= 0.02 * 3e9
-        held = contact_study.run({**table, "loading": {"path": [1e9, lowest + 1e6, lowest - 1.5 * off]}}, "continuum")
-        assert held.detached.values.tolist() == [0, 0, 1]
-    output = tmp_path / "path.nc"
-    shorter = {**table, "loading": {**loading, "path": path[:2]}}
-    contact_study.run(shorter, "continuum", output=output)
-    # Of the gaps the largest is among the first two: the least step stays. The pressure grows to the largest.
-    anew = pytest.warns(UserWarning, match=r"computed anew: the least step of loading\.adaptive follows the largest")
-    with anew if control == "pressure" else contextlib.nullcontext():
-        longer = contact_study.run(table, "continuum", output=output, resume=True)
-    np.testing.assert_array_equal(longer.dissipated_energy, dissipated)
-    np.testing.assert_array_equal(longer.mean_pressure, whole.mean_pressure)
 
 
 def test_walls_without_adhesion_take_plain_steps():

@@ -10,14 +10,12 @@ import contact_study
 from bem_adhesion import HardWall, LennardJones104, rough_contact
 from bem_adhesion.solution import Outcome
 from bem_adhesion.study.state import separation_of
-from contact_study.errors import InputError
 from contact_study.numerics.grid import Grid
 from contact_study.physics.solids import HalfSpace, Layer
 from contact_study.study.study import make_study
 from tests.bem_adhesion.paper_system import study_table
 from tests.bem_adhesion.rough_surfaces import CONTACT_MODULUS, SIZE, random_heights, self_affine
 from tests.bem_adhesion.test_hard_wall import dense_compliance
-from theory.study.model import check as check_theory
 
 TOLERANCE = 1e-10
 
@@ -250,47 +248,6 @@ def table(loading, **sections):
         "material": {"youngs_modulus": 77.2e9, "poissons_ratio": 0.42, "hardness": 4e9},
         **sections,
     }
-
-
-def test_a_study_is_gone_on_from_with_what_has_yielded(tmp_path):
-    whole = contact_study.run(
-        table({"path": [5e8, 2e9, 1e9], "unload": True}, output={"fields": True, "stiffness": True}), "continuum"
-    )
-    assert np.all(whole.converged == 1)
-    work = whole.plastic_work.values
-    assert work[0] > 0
-    assert np.all(np.diff(work) >= 0)
-    assert work[1] > 1.5 * work[0]
-    assert work[4] == pytest.approx(work[1], rel=1e-9), "up to where it was loaded nothing more yields"
-    np.testing.assert_allclose(work, 4e9 * whole.mean_plastic_indentation, rtol=1e-12)
-    np.testing.assert_allclose(whole.plastic_indentation.mean(("y", "x")), whole.mean_plastic_indentation, rtol=1e-12)
-    np.testing.assert_allclose(
-        whole.mean_gap - whole.mean_separation, whole.mean_plastic_indentation, atol=1e-12 * 1e-9
-    )
-    output = tmp_path / "plastic.nc"
-    contact_study.run(table({"path": [5e8, 2e9]}), "continuum", output=output)
-    longer = contact_study.run(table({"path": [5e8, 2e9, 1e9]}), "continuum", output=output, resume=True)
-    for name in ("relative_contact_area", "plastic_work", "relative_plastic_area"):
-        np.testing.assert_array_equal(longer[name].values, whole[name].values[:3])
-
-
-@pytest.mark.parametrize(
-    ("changes", "words"),
-    [
-        ({"loading": {"path": [1e9, 4e9]}}, "4e[+]09 Pa is not below material.hardness = 4e[+]09"),
-        ({"loading": {"path": [0.0], "control": "gap"}}, "gaps above zero"),
-        ({"interaction": {"law": "dugdale", "length": 1e-10, "work_of_adhesion": 0.1}}, "hard_wall"),
-    ],
-)
-def test_what_no_hardness_allows_is_one_clear_line(changes, words):
-    with pytest.raises(InputError, match=words) as caught:
-        make_study({**table({"path": [1e9]}), **changes})
-    assert "\n" not in str(caught.value)
-
-
-def test_theories_refuse_it():
-    with pytest.raises(InputError, match=r"material\.hardness"):
-        check_theory(make_study(table({"path": [1e9]})).cases[0])
 
 
 @pytest.mark.parametrize(

@@ -7,13 +7,9 @@ import contact_study
 from bem_adhesion import HardWall, LennardJones104, rough_contact
 from bem_adhesion.contacts.viscoelastic import ViscoelasticContact
 from bem_adhesion.study.viscoelastic import TimeState, follow_in_time
-from contact_study.errors import InputError
 from contact_study.physics.solids import Viscoelastic
-from contact_study.study.study import make_study
-from md_reference.study.model import check as check_atoms
 from tests.bem_adhesion.paper_system import study_table
 from tests.bem_adhesion.rough_surfaces import SIZE, self_affine
-from theory.study.model import check as check_theory
 
 pytestmark = pytest.mark.filterwarnings("ignore:grid too coarse")
 
@@ -187,31 +183,6 @@ def table(loading, **sections):
     }
 
 
-def test_a_study_is_gone_on_from_in_time(tmp_path):
-    loading = {"path": [1e7, 4e7, 4e7], "duration": [0.5, 0.2, 2.0], "time_steps": 3, "unload": True}
-    whole = contact_study.run(table(loading), "continuum")
-    assert np.all(whole.converged == 1)
-    np.testing.assert_allclose(whole.time, [0.5, 0.7, 2.7, 4.7, 4.9])
-    assert np.all(np.diff(whole.viscous_dissipation.values) > 0)
-    area = whole.relative_contact_area.values
-    assert area[2] > 1.1 * area[1], "contact creeps under constant load"
-    longer = {"path": [1e7, 4e7, 1e7], "duration": 0.5, "time_steps": 3}
-    straight = contact_study.run(table(longer), "continuum")
-    output = tmp_path / "creep.nc"
-    contact_study.run(table({**longer, "path": [1e7, 4e7]}), "continuum", output=output)
-    taken_up = contact_study.run(table(longer), "continuum", output=output, resume=True)
-    for name in ("relative_contact_area", "viscous_dissipation", "elastic_energy", "mean_gap", "time"):
-        np.testing.assert_array_equal(taken_up[name], straight[name])
-
-
-def test_mean_gaps_are_met_in_time():
-    loading = {"path": [2e-9, 1e-9], "control": "gap", "duration": 1.0, "time_steps": 2}
-    found = contact_study.run(table(loading), "continuum")
-    assert np.all(found.converged == 1)
-    np.testing.assert_allclose(found.mean_gap, [2e-9, 1e-9], rtol=1e-6)
-    assert np.all(found.mean_pressure > 0)
-
-
 def test_the_pull_off_of_a_path_in_time_lies_between_its_points():
     """Of the steps of time, not of the points alone: under a load the bracket, under a gap the lowest passed."""
     sticky = {"law": "lennard_jones_10_4", "work_of_adhesion": 0.05, "length": 1e-9}
@@ -231,49 +202,6 @@ def test_the_pull_off_of_a_path_in_time_lies_between_its_points():
     assert float(found.pull_off_pressure) < 3 * float(found.mean_pressure[-1]) < 0
     # Work goes into the solid as well: what the energy does not hold is no jump.
     assert not {"work_of_separation", "jump_in_pressure", "dissipated_energy"} & set(found)
-
-
-@pytest.mark.parametrize(
-    ("changes", "words"),
-    [
-        ({"loading": {"path": [1e7]}}, r"missing key loading\.duration"),
-        ({"loading": {"path": [1e7, 2e7], "duration": [1.0]}}, r"loading\.duration holds 1 times for 2 points"),
-        ({"loading": {"path": [1e7], "duration": 0.0}}, "must be positive"),
-        ({"loading": {"path": [1e7], "duration": 1.0, "adaptive": True}}, r"loading\.adaptive"),
-        ({"solver": {"path": "overdamped"}}, r"solver\.path"),
-        ({"output": {"stiffness": True}}, r"output\.stiffness"),
-        ({"material": {"youngs_modulus": 1e9, "poissons_ratio": 0.5, "hardness": 1e8}}, r"material\.hardness"),
-        ({"elasticity": {"kind": "half_space"}}, r"loading\.duration.*no time"),
-        (
-            {"elasticity": {"kind": "viscoelastic", "branch_youngs_moduli": [1e9, 1e9], "relaxation_times": [1.0]}},
-            "one of",
-        ),
-        (
-            {
-                "elasticity": {
-                    "kind": "viscoelastic",
-                    "branch_youngs_moduli": [1e9],
-                    "relaxation_times": [1.0],
-                    "boundary": "free",
-                }
-            },
-            r"elasticity\.boundary",
-        ),
-    ],
-)
-def test_what_does_not_fit_is_one_clear_line(changes, words):
-    with pytest.raises(InputError, match=words) as caught:
-        make_study({**table({"path": [1e7], "duration": 1.0}), **changes})
-    assert "\n" not in str(caught.value)
-
-
-def test_atoms_and_theories_refuse_it():
-    changed = table({"path": [1e7], "duration": 1.0})
-    with pytest.raises(InputError, match="viscoelastic"):
-        check_theory(make_study(changed).cases[0])
-    changed["interaction"] = {"law": "lennard_jones_10_4", "work_of_adhesion": 0.05, "length": 3e-10}
-    with pytest.raises(InputError, match="viscoelastic"):
-        check_atoms(make_study(changed).cases[0])
 
 
 def test_the_library_names_what_is_wrong():

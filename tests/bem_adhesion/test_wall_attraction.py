@@ -5,12 +5,8 @@ import pytest
 
 from bem_adhesion.adhesive.contact import AdhesiveContact
 from bem_adhesion.hard_wall.contact import HardWallContact
-from bem_adhesion.kernels.law import LawKernels
-from bem_adhesion.kernels.local_energy import kernels_of
-from bem_adhesion.kernels.wall import WallKernels
 from bem_adhesion.solution import Outcome
 from contact_study.numerics.grid import Grid
-from contact_study.physics.laws.dugdale import Dugdale
 from contact_study.physics.laws.exponential import Exponential
 from tests.bem_adhesion.paper_system import E_STAR
 from tests.bem_adhesion.rough_surfaces import self_affine
@@ -101,25 +97,6 @@ def test_surfaces_almost_closed_under_gap_control():
     found = contact.step(contact.separated(), 1e-13)
     assert found.converged
     assert found.gap.mean() == pytest.approx(1e-13, abs=1e-8 * RANGE)
-
-
-# What sums beside one round where a tension is the rest of it; differences of the default, over the largest stiffness.
-@pytest.mark.parametrize(
-    ("law", "rounding", "differences"),
-    [(Exponential(0.69, RANGE), 1e-12, 0.0), (Dugdale(0.69, RANGE, 0.02), 1e-11, 1e-10)],
-)
-def test_compiled_pass_equals_the_functions_of_the_law(law, rounding, differences):
-    passes = kernels_of(law)
-    assert isinstance(passes, WallKernels)
-    # On the ramp, and to where an exponential is less than the smallest number.
-    gap = RANGE * np.concatenate([[0.0], np.geomspace(1e-6, 30, 40), np.linspace(0.5, 1.5, 41), [800.0, 1e5]])
-    one, two = (np.empty((2, 1, gap.size)) for _ in range(2))
-    assert passes.evaluate(gap[None], *one) == pytest.approx(LawKernels(law).evaluate(gap[None], *two), rel=1e-13)
-    # The pass lets no exponential fall below e⁻⁷⁰⁰ = 1e-304.
-    least = 1e-303 * np.abs(two).max(axis=-1)
-    np.testing.assert_allclose(one[0], two[0], rtol=rounding, atol=least[0].item())
-    largest = np.abs(two[1]).max()
-    np.testing.assert_allclose(one[1], two[1], rtol=1e-8, atol=max(differences * largest, least[1].item()))
 
 
 def test_a_start_inside_the_wall_is_refused():

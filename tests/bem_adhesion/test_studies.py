@@ -1,0 +1,301 @@
+"""Whole studies, from the keys to the dataset and on from a shorter one: every law, solid, boundary and control."""
+
+import warnings
+
+import numpy as np
+import pytest
+
+import contact_study
+from bem_adhesion.study import model
+from contact_study.errors import InputError
+from contact_study.study.case import realise
+from contact_study.study.study import make_study
+from tests.bem_adhesion.paper_system import study_table
+from tests.laws_of_all_kinds import EVERY_LAW, KEYS
+from tests.recording import recorded_path
+from tests.study.test_elasticity import isotropic, on_half_space, through_the_thickness
+
+E, NU = 77.2e9, 0.42
+LOADS = {"pressure": [0.2e9, 2e9, 20e9], "gap": [6e-10, 2e-10, 0.3e-10]}
+Q = np.geomspace(1e8, 1e10, 41)
+SOLIDS = {
+    "layer": ({"thickness": "1 nm"}, lambda q: through_the_thickness(q * 1e-9, E / (2 * (1 + NU)), NU, 1.0) * 1e9),
+    "layered": (
+        {"thickness": "1 nm", "base_youngs_modulus": "10 GPa", "base_poissons_ratio": 0.3},
+        lambda q: on_half_space(q * 1e-9, isotropic(10.0, 0.3), isotropic(E * 1e-9, NU), 1.0) * 1e18,
+    ),
+    "transversely_isotropic": (
+        {"axial_modulus": "40 GPa", "axial_poissons_ratio": 0.2, "axial_shear_modulus": "12 GPa"},
+        None,
+    ),
+    "tabulated": (
+        {"wavenumber": Q.tolist(), "stiffness": (0.5 * Q * (5e10 + 5 * Q)).tolist()},
+        lambda q: 0.5 * q * (5e10 + 5 * q),
+    ),
+}
+HARD_WALL = {"law": "hard_wall", "work_of_adhesion": None, "length": None, "contact_distance": None}
+FREE = {
+    "surface": {"kind": "sphere", "radius": 50e-9, "size": 20e-9, "shape": [32, 32]},
+    "interaction": {"law": "exponential", "work_of_adhesion": 0.05, "length": "0.5 nm"},
+    "material": {"youngs_modulus": 1e9, "poissons_ratio": 0.3},
+    "elasticity": {"boundary": "free"},
+}
+LAYER = {
+    "material": {"poissons_ratio": 0.3},
+    "elasticity": {"kind": "layer", "thickness": "2 nm"},
+    "loading": {"path": ["-3 nm", "1.2 nm", "0.2 nm", "0.1 nm"], "control": "approach"},
+}
+TIMES = {"kind": "viscoelastic", "branch_youngs_moduli": [5e9, "3 GPa"], "relaxation_times": ["1 s", 0.1]}
+PLASTIC = {
+    "interaction": HARD_WALL,
+    "material": {"hardness": 4e9},
+    "loading": {"path": [5e8, 2e9, 1e9, 5e8, 2e9]},
+    "output": {"stiffness": True},
+}
+
+
+def on_layer(**sections):
+    return study_table(32, size=200e-10, **{**LAYER, "surface": {"rms_height": 2e-10}, **sections})
+
+
+def adaptive(control, path):
+    loading = {"path": path, "control": control, "adaptive": True, "resolution": 0.02}
+    return study_table(48, size=150e-10, surface={"rms_height": 4e-10}, loading=loading)
+
+
+STUDIES = {
+    "adhesive": study_table(32, size=500e-10, loading={"path": [0.5e9, 2e9, 0.5e9]}, output={"fields": True}),
+    "wall": study_table(32, size=500e-10, interaction=HARD_WALL, loading={"path": [0.5e9, 2e9, 0.5e9]}),
+    "approach": on_layer(),
+    "approach to a wall": on_layer(interaction=HARD_WALL),
+    "free": {**FREE, "loading": {"path": ["20 MPa", "-5 MPa"]}},
+    "free approach": {**FREE, "loading": {"path": ["-2 nm", "0.5 nm", "-0.2 nm"], "control": "approach"}},
+    "adaptive gap": adaptive("gap", [4e-10, 5e-11, 3e-10]),
+    "plastic": study_table(32, size=500e-10, **PLASTIC),
+    "in time": study_table(
+        32,
+        size=500e-10,
+        interaction=HARD_WALL,
+        material={"youngs_modulus": 1e9, "poissons_ratio": 0.5},
+        elasticity=TIMES,
+        loading={"path": [1e7, 4e7, 4e7, 1e7], "duration": 0.5, "time_steps": 3},
+    ),
+}
+
+
+def run(table, **options):
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", message=".*(process zone|thinner than the grid|pulls at the rim)")
+        return contact_study.run(table, "continuum", **options)
+
+
+def shortened(table):
+    keys = {key: value for key, value in table["loading"].items() if key != "unload"}
+    return {**table, "loading": {**keys, "path": keys["path"][:-1]}}
+
+
+@pytest.mark.parametrize("name", STUDIES)
+def test_a_study_meets_its_loads_and_is_gone_on_from_to_the_same_numbers(name, tmp_path):
+    table = STUDIES[name]
+    whole = run(table)
+    assert np.all(whole.converged == 1)
+    assert not whole.detached.any()
+    control = table["loading"].get("control", "pressure")
+    applied = whole[f"applied_{control}"].values
+    if control == "approach":
+        (case,) = make_study(table).cases
+        found = realise(case).sampled.max() - whole.mean_separation
+        np.testing.assert_allclose(found, applied, atol=1e-7 * 3.28e-10, rtol=1e-7)
+    else:
+        np.testing.assert_allclose(whole["mean_pressure" if control == "pressure" else "mean_gap"], applied, rtol=1e-6)
+    output = tmp_path / "path.nc"
+    run(shortened(table), output=output)
+    longer = run(table, output=output, resume=True)
+    assert set(longer) == set(whole)
+    for variable in set(whole) - {"wall_time"}:
+        if whole[variable].dtype.kind in "fi":
+            np.testing.assert_array_equal(longer[variable], whole[variable], err_msg=variable)
+
+
+@pytest.mark.parametrize("law", ["lennard_jones_10_4", "hard_wall"])
+def test_a_resumed_path_gives_the_same_bits(law):
+    keys = {"interaction": HARD_WALL} if law == "hard_wall" else {}
+    table = study_table(
+        64, size=500e-10, loading={"path": [0.5e9, 2e9], "unload": True}, output={"fields": True}, **keys
+    )
+    (case,) = make_study(table).cases
+    surface = realise(case)
+    whole = recorded_path(case, model.solve_path(case, surface))
+    for one, two in zip(
+        whole[1:], recorded_path(case, model.solve_path(case, surface, whole[0].restart, 1)), strict=True
+    ):
+        np.testing.assert_array_equal(one.fields["gap"], two.fields["gap"])
+        plain = ({k: v for k, v in step.values.items() if np.ndim(v) == 0} for step in (one, two))
+        assert next(plain) == next(plain)
+
+
+@pytest.mark.parametrize("control", LOADS)
+@pytest.mark.parametrize("name", [name for name in KEYS if name != "hard_wall"])
+def test_every_law(name, control):
+    table = study_table(32, size=500e-10, loading={"path": LOADS[control], "control": control, "unload": True})
+    table["interaction"] = {"law": name, **KEYS[name]}
+    dataset, law = run(table), EVERY_LAW[name]
+    assert bool(np.all(dataset.converged == 1))
+    assert dataset.work_of_adhesion.item() == pytest.approx(law.work_of_adhesion, rel=1e-12)
+    assert dataset.equilibrium_distance.item() == pytest.approx(law.equilibrium_distance, abs=0, rel=1e-12)
+    assert dataset.peak_tensile_stress.item() == pytest.approx(law.peak_tensile_stress, rel=1e-12)
+    area = dataset.relative_contact_area.values
+    order = np.argsort(dataset.mean_gap.values[:3])
+    assert np.all(np.diff(area[:3][order]) < 0), "closer surfaces touch more"
+    assert 0 < area.min() < area.max() <= 1
+
+
+@pytest.mark.parametrize("law", ["hard_wall", "lennard_jones_10_4"])
+@pytest.mark.parametrize("kind", SOLIDS)
+def test_every_solid_is_in_balance_under_the_k_of_an_integration(kind, law):
+    keys, stiffness = SOLIDS[kind]
+    table = study_table(32, size=200e-10, loading={"path": [1e9, 4e9]}, output={"fields": True})
+    table["surface"]["rms_height"] = 2e-10
+    table["interaction"] = {"law": law, **KEYS[law]}
+    table["elasticity"] = {"kind": kind, **keys}
+    dataset = run(table)
+    assert np.all(dataset.converged == 1)
+    axis = 2 * np.pi * np.fft.fftfreq(32, 200e-10 / 32)
+    q = np.hypot(axis[:, None], axis[None, : 16 + 1])
+    if kind == "transversely_isotropic":
+        modulus = dataset.contact_modulus.item()
+        assert 20e9 < modulus < E / (1 - NU**2), "softer along its normal"
+        k = 0.5 * modulus * q
+    else:
+        waves, at = np.unique(np.round(q), return_inverse=True)  # of some 1e8 / m
+        k = np.array([stiffness(wave) if wave else 0.0 for wave in waves])[at].reshape(q.shape)
+    for gap, pressure in zip(dataset.gap.values, dataset.pressure.values, strict=True):
+        elastic = np.fft.irfft2(k * np.fft.rfft2(dataset.height.values + gap), gap.shape)
+        # Interpolation of a table in ln q is good to 1e-4; otherwise the solver's tolerance.
+        scale = 1e-3 if kind == "tabulated" else 1e-6
+        np.testing.assert_allclose(elastic + pressure.mean(), pressure, atol=scale * 93.7e9)
+
+
+def test_what_has_yielded_stays():
+    found = run({**STUDIES["plastic"], "output": {"fields": True}})
+    work = found.plastic_work.values
+    assert 0 < 1.5 * work[0] < work[1]
+    np.testing.assert_allclose(work[2:], work[1], rtol=1e-9, err_msg="up to where it was loaded nothing more yields")
+    np.testing.assert_allclose(work, 4e9 * found.mean_plastic_indentation, rtol=1e-12)
+    np.testing.assert_allclose(found.plastic_indentation.mean(("y", "x")), found.mean_plastic_indentation, rtol=1e-12)
+    np.testing.assert_allclose(found.mean_gap - found.mean_separation, found.mean_plastic_indentation, atol=1e-21)
+
+
+def test_contact_creeps_in_time():
+    table = STUDIES["in time"]
+    found = run({**table, "loading": {**table["loading"], "duration": [0.5, 0.2, 2.0, 0.3]}})
+    np.testing.assert_allclose(found.time, [0.5, 0.7, 2.7, 3.0])
+    assert np.all(np.diff(found.viscous_dissipation.values) > 0)
+    area = found.relative_contact_area.values
+    assert area[2] > 1.1 * area[1], "under constant load"
+
+
+def test_adaptive_steps_dissipate_pull_off_and_keep_the_states_they_pass(tmp_path):
+    path = [1e9, 0.1e9, -3e9]
+    table = adaptive("pressure", path)
+    whole = run(table)
+    assert np.all(whole.converged == 1)
+    assert np.all(np.diff(whole.dissipated_energy.values) >= 0)
+    assert whole.dissipated_energy[0] > 0, "surfaces jump in"
+    assert whole.detached.values.tolist() == [0, 0, 1]
+    for point in whole.step.values[:2]:
+        passed = whole.passed_separation.transpose("step", ...).sel(step=point).dropna("passed").values
+        assert passed[-1] == pytest.approx(float(whole.mean_separation.sel(step=point)), rel=1e-12), "itself comes last"
+    lowest, off = float(whole.pull_off_pressure), float(whole.pull_off_pressure_resolution_error)
+    assert 0 < off <= 0.02 * 3e9
+    held = run({**table, "loading": {"path": [1e9, lowest + 1e6, lowest - 1.5 * off]}})
+    assert held.detached.values.tolist() == [0, 0, 1]
+    # The least step follows the largest pressure: a longer path computes the points before it again.
+    output = tmp_path / "path.nc"
+    run(shortened(table), output=output)
+    with pytest.warns(UserWarning, match=r"the least step of loading\.adaptive follows the largest"):
+        longer = contact_study.run(table, "continuum", output=output, resume=True)
+    np.testing.assert_array_equal(longer.dissipated_energy, whole.dissipated_energy)
+    np.testing.assert_array_equal(longer.mean_pressure, whole.mean_pressure)
+
+
+def viscoelastic(**sections):
+    table = study_table(32, size=500e-10, interaction=HARD_WALL, loading={"path": [1e7], "duration": 1.0})
+    return {**table, "material": {"youngs_modulus": 1e9, "poissons_ratio": 0.5}, "elasticity": TIMES, **sections}
+
+
+def plastic(**sections):
+    table = study_table(32, size=500e-10, interaction=HARD_WALL, loading={"path": [1e9]}, material={"hardness": 4e9})
+    return {**table, **sections}
+
+
+def free(**sections):
+    return {**FREE, "loading": {"path": ["20 MPa"]}, **sections}
+
+
+def overdamped(**sections):
+    return study_table(32, size=80e-10, **{"solver": {"path": "overdamped"}, **sections})
+
+
+def lattice(kind):
+    table = study_table(32, loading={"path": [1e9]}, material={"lattice_constant": 2.6e-10})
+    return {**table, "elasticity": {"kind": kind, **SOLIDS[kind][0]}}
+
+
+ATOMIC = {"law": "lennard_jones_10_4", "work_of_adhesion": 0.05, "length": 3e-10}
+HALF = {"material": {"poissons_ratio": 0.5}}
+REFUSED = [
+    (viscoelastic(loading={"path": [1e7]}), r"missing key loading\.duration"),
+    (viscoelastic(loading={"path": [1e7, 2e7], "duration": [1.0]}), r"loading\.duration holds 1 times for 2 points"),
+    (viscoelastic(loading={"path": [1e7], "duration": 0.0}), "must be positive"),
+    (viscoelastic(loading={"path": [1e7], "duration": 1.0, "adaptive": True}), r"loading\.adaptive"),
+    (viscoelastic(solver={"path": "overdamped"}), r"solver\.path"),
+    (viscoelastic(output={"stiffness": True}), r"output\.stiffness"),
+    (viscoelastic(material={"youngs_modulus": 1e9, "poissons_ratio": 0.5, "hardness": 1e8}), r"material\.hardness"),
+    (viscoelastic(elasticity={"kind": "half_space"}), r"loading\.duration.*no time"),
+    (viscoelastic(elasticity={**TIMES, "relaxation_times": [1.0]}), "one of"),
+    (viscoelastic(elasticity={**TIMES, "boundary": "free"}), r"elasticity\.boundary"),
+    (plastic(loading={"path": [1e9, 4e9]}), "4e[+]09 Pa is not below material.hardness = 4e[+]09"),
+    (plastic(loading={"path": [0.0], "control": "gap"}), "gaps above zero"),
+    (plastic(interaction={"law": "dugdale", "length": 1e-10, "work_of_adhesion": 0.1}), "hard_wall"),
+    (free(loading={"path": ["1 nm"], "control": "gap"}), r'control = "gap": .*"pressure" or "approach"'),
+    (free(loading={"path": ["1 nm"], "control": "approach"}, elasticity={}), r'"approach": .*"pressure" or "gap"'),
+    (
+        free(elasticity={"boundary": "free", "kind": "layer", "thickness": 1e-8}),
+        r'elasticity\.boundary = "free": known of kind = "half_space" and "transversely_isotropic" only',
+    ),
+    (on_layer(elasticity={"kind": "half_space", "thickness": None}), '"half_space" by no finite distance'),
+    (on_layer(**HALF), '"layer" not at all, being incompressible.*"pressure" or "gap"'),
+    (
+        on_layer(
+            elasticity={
+                "kind": "layered",
+                "thickness": "2 nm",
+                "base_youngs_modulus": "1 GPa",
+                "base_poissons_ratio": 0.3,
+            }
+        ),
+        '"layered" by no finite',
+    ),
+    (overdamped(loading={"control": "gap", "path": [1e-10]}), 'loading.control = "gap".*solver.path'),
+    (overdamped(elasticity={"boundary": "free"}), 'elasticity.boundary = "free".*periodic'),
+    (overdamped(loading={"path": [1e9], "adaptive": True}), "loading.adaptive = true.*overdamped"),
+    (viscoelastic(), "viscoelastic", "theory"),
+    (viscoelastic(interaction=ATOMIC), "viscoelastic", "atomistic"),
+    (plastic(), r"material\.hardness", "theory"),
+    (free(), r'elasticity\.boundary = "free"', "theory"),
+    (free(interaction={**ATOMIC, "length": "0.5 nm"}), r'elasticity\.boundary = "free"', "atomistic"),
+    (on_layer(), r'loading\.control = "approach"', "theory"),
+    (on_layer(), r'loading\.control = "approach"', "atomistic"),
+    (lattice("layered"), 'elasticity.kind = "layered"', "atomistic"),
+    (lattice("tabulated"), 'elasticity.kind = "tabulated"', "atomistic"),
+    (lattice("transversely_isotropic"), 'elasticity.kind = "transversely_isotropic"', "atomistic"),
+]
+
+
+@pytest.mark.parametrize("refused", REFUSED)
+def test_what_does_not_fit_is_one_clear_line(refused):
+    table, words, kind = (*refused, "continuum")[:3]
+    with pytest.raises(InputError, match=words) as caught:
+        contact_study.run(table, kind)
+    assert "\n" not in str(caught.value)
