@@ -1,6 +1,6 @@
-"""What is asked, how it is run and what came out: shared by the three models, with no solver in it.
+"""Studies of contact, the campaigns that run them and their datasets, shared by the three models.
 
-A study, from a file or as nested mappings, is run by :func:`run`, which gives an :class:`xarray.Dataset`.
+:func:`run` runs a study, from a file or as nested mappings, and returns an :class:`xarray.Dataset`.
 """
 
 import importlib
@@ -51,7 +51,7 @@ _MODULES = {
 
 
 def __getattr__(name: str) -> Any:
-    # Imported when asked for: the solvers import this package's numerics, and need none of its files and datasets.
+    # Imported on first use: the solvers need the numerics only, not files and datasets.
     if name not in _MODULES:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     return getattr(importlib.import_module(f"{__name__}.{_MODULES[name]}"), name)

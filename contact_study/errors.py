@@ -1,4 +1,4 @@
-"""What a user can mend: said in one line, without a traceback."""
+"""Errors that a user can mend, shown as one line without a traceback."""
 
 
 class InputError(ValueError):

@@ -1,4 +1,4 @@
-"""Where the commands begin: Ctrl-C while their libraries are read ends them as quietly as later."""
+"""Entry points of the commands: Ctrl-C while their libraries load ends them as quietly as later."""
 
 import importlib
 import sys

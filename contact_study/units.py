@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from functools import cache, lru_cache
 from typing import Any
 
-from contact_study.cache import own_cache_folder
 from contact_study.errors import InputError
+from contact_study.files import own_cache_folder
 
 # Moments take the fifth power of a wavevector: within these limits no product over- or underflows.
 SMALLEST, LARGEST = 1e-40, 1e40
@@ -56,7 +56,7 @@ def _registry() -> Any:
 
 
 def quantity(value: Any, unit: str, name: str) -> float:
-    """A number in SI, or a string with a unit, as an SI float.
+    """Convert a number in SI, or a string with a unit, to an SI float.
 
     Parameters
     ----------
@@ -89,7 +89,7 @@ def quantity(value: Any, unit: str, name: str) -> float:
 
 
 def unit_of(text: str) -> str:
-    """The unit that a string such as ``"0.1 GPa"`` carries, as it is written."""
+    """Return the unit of a string such as ``"0.1 GPa"`` as it is written."""
     return _split(text)[1]
 
 
@@ -104,7 +104,7 @@ def refuse_decimal_comma(text: str, name: str) -> None:
 
 
 def is_a(value: Any, unit: str) -> bool:
-    """Whether a value is a string with a unit of the same kind as another unit."""
+    """Test whether a value is a string with a unit of the same kind as another unit."""
     if not isinstance(value, str):
         return False
     match = _QUANTITY.fullmatch(value[:_LONGEST])
@@ -127,12 +127,12 @@ _STRESSES = ((1e9, "GPa"), (1e6, "MPa"), (1e3, "kPa"), (1.0, "Pa"))
 
 
 def length(*metres: float) -> str:
-    """Lengths in the unit that suits the largest, to four digits: ``1.024 x 2 µm``."""
+    """Write lengths in the unit that suits the largest, to four digits: ``1.024 x 2 µm``."""
     return _suited(metres, _LENGTHS, 4)
 
 
 def stress(pascals: float) -> str:
-    """A stress in the unit that suits it, to three digits."""
+    """Write a stress in the unit that suits it, to three digits."""
     return _suited((pascals,), _STRESSES, 3)
 
 

@@ -1,4 +1,4 @@
-"""Checks of what a person hands to the solvers from Python: the name of what is wrong, and what it should be."""
+"""Checks of arguments that a person gives the solvers from Python; each message names the argument."""
 
 import math
 from collections.abc import Sequence
@@ -11,20 +11,14 @@ from contact_study.numerics.grid import Grid
 
 
 def finite(name: str, value: object, unit: str) -> float:
-    """A finite number.
-
-    Raises
-    ------
-    ValueError
-        If it is none; text with a unit is for study files.
-    """
+    """Return a finite number; raise ValueError otherwise. Text with a unit is for study files."""
     if isinstance(value, Real) and not isinstance(value, bool) and math.isfinite(value):
         return float(value)
     raise ValueError(f"{name} = {value!r}: must be a finite number, in {unit}")
 
 
 def positive(name: str, value: object, unit: str) -> float:
-    """A positive finite number; raises ValueError otherwise."""
+    """Return a positive finite number; raise ValueError otherwise."""
     number = finite(name, value, unit)
     if number <= 0:
         raise ValueError(f"{name} = {value!r}: must be a positive finite number, in {unit}")
@@ -34,7 +28,7 @@ def positive(name: str, value: object, unit: str) -> float:
 def check_control(
     control: str, tolerance: float, max_iterations: int, controls: Sequence[str] = ("pressure", "gap")
 ) -> None:
-    """Make sure that a solver knows what it is to hold and when to stop; raises ValueError otherwise."""
+    """Raise ValueError unless these can be the control and the limits of a solver."""
     if control not in controls:
         raise ValueError(f"control = {control!r}: must be {' or '.join(map(repr, controls))}")
     positive("tolerance", tolerance, "units of the scale that the solver names")
@@ -42,18 +36,7 @@ def check_control(
 
 
 def step_arguments(control: str, target: float, state: Any, shape: tuple[int, ...]) -> tuple[np.ndarray, float]:
-    """The state and the target of a load step, checked.
-
-    Parameters
-    ----------
-    control : {"pressure", "gap", "approach"}
-        What the target is.
-    target : float
-        In Pa or m.
-    state : numpy.ndarray or solution
-        A solution stands for its ``state``.
-    shape : tuple of int
-        Shape that the state must have.
+    """Check the state, an array of a shape or a solution, and the target of a load step, in Pa or m; return both.
 
     Raises
     ------
@@ -79,7 +62,7 @@ def step_arguments(control: str, target: float, state: Any, shape: tuple[int, ..
 
 
 def field(name: str, values: object) -> np.ndarray:
-    """A copy of a field (y, x) of finite numbers; raises ValueError otherwise."""
+    """Copy a field (y, x) of finite numbers; raise ValueError otherwise."""
     try:
         array = np.array(values, dtype=float)
     except (TypeError, ValueError):
@@ -93,14 +76,7 @@ def field(name: str, values: object) -> np.ndarray:
 
 
 def grid_of(height: np.ndarray, size: float | Sequence[float]) -> Grid:
-    """The periodic grid of a height array.
-
-    Parameters
-    ----------
-    height : numpy.ndarray, shape (y, x)
-        Heights, one a point.
-    size : float or pair of float
-        Periods along y and x; one number is both (m).
+    """Make the periodic grid of a height array; ``size`` is one period or two, along y and x (m).
 
     Raises
     ------

@@ -1,35 +1,34 @@
-"""When a contact under a mean pressure is in balance, by one definition for the continuum and the atoms.
+"""Force balance of a contact under a mean pressure, by one definition for the continuum and the atoms.
 
-The tolerance of a residual is a share of the contact modulus. A stress that is small beside the modulus need not be
-small beside a light load: the whole of a pressure of a nanonewton on a large cell may be. So the tolerance shrinks with
-the load and with the largest stress of the interface where these are small, down to what rounding leaves.
+The tolerance of a residual is a fraction of the contact modulus. It shrinks with the load and with the largest stress
+of the interface where these are small, down to rounding: a light load may be as small as a residual.
 """
 
 from typing import NamedTuple
 
 import numpy as np
 
-# Of mean pressures below the first and of largest stresses below the second number the tolerance is the same share that
-# it is of these numbers. No more than LARGEST_SHARE of the load is ever missing. All in units of the contact modulus.
+# In units of the contact modulus: the tolerance is proportional to mean pressures below LIGHT and to largest stresses
+# below WEAK. At most LARGEST_SHARE of the load may be missing.
 LIGHT, WEAK, LARGEST_SHARE = 1e-3, 1e-4, 1e-2
-# Roundings of the largest displacement: what they bend the stiffest wave by cannot be balanced.
+# Rounding of the largest displacement, whose stress in the stiffest wave no iteration can balance.
 ROUNDING = 4 * np.finfo(float).eps
 
 
 class Excess(NamedTuple):
-    """What is out of balance at single points, and what is missing of the mean pressure, over what may be."""
+    """Residual stress at single points and missing mean pressure, each over its tolerance."""
 
     residual: float
     load: float
 
     @property
     def balanced(self) -> bool:
-        """Whether neither is more than it may be."""
+        """Both are within their tolerance."""
         return max(self) <= 1
 
     @property
     def to_balance(self) -> float:
-        """Factor on what is out of balance by which it is no more than it may be."""
+        """Factor on the residual that brings both within their tolerance."""
         return 1 / max(*self, np.finfo(float).tiny)
 
 
@@ -42,7 +41,7 @@ def excess(
     rounding: float = 0.0,
     points: int = 1,
 ) -> Excess:
-    """How far a state is from balance; all stresses in units of the contact modulus.
+    """Compare a state with force balance; all stresses in units of the contact modulus.
 
     Parameters
     ----------
@@ -51,15 +50,15 @@ def excess(
     residual : float
         Largest stress out of balance at a point.
     missing : float, optional
-        Mean pressure that is applied and not carried.
+        Applied mean pressure that is not carried.
     load : float, optional
-        Mean pressure that is applied; none, and only the residual counts.
+        Applied mean pressure; without one only the residual counts.
     stress : float, optional
         Largest stress of the interface.
     rounding : float, optional
-        Residual that rounding leaves at a point.
+        Residual of rounding at a point.
     points : int, optional
-        Over which the mean is taken.
+        Number of points of the mean.
     """
     rounding = min(rounding, tolerance)
     if not load:

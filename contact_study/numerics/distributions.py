@@ -1,4 +1,4 @@
-"""Distributions over bins, the same way for every model."""
+"""Distributions over bins, the same for every model."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -7,7 +7,7 @@ import numpy as np
 
 
 def probability_density(values: np.ndarray, edges: np.ndarray) -> np.ndarray:
-    """Histogram of all values as a density: its integral is the fraction of values inside the edges.
+    """Count values into a density whose integral is the fraction of values inside the edges.
 
     Parameters
     ----------
@@ -26,9 +26,9 @@ def probability_density(values: np.ndarray, edges: np.ndarray) -> np.ndarray:
 
 
 def redistributed(density: np.ndarray, edges: np.ndarray, new_edges: np.ndarray) -> np.ndarray:
-    """A density on other bins, taken as constant within each of the old ones.
+    """Transfer a density to other bins, taken as constant within each of the old ones.
 
-    The integral over any range between edges that both sets have is kept; elsewhere the error is what lies in one bin.
+    The integral between edges of both sets is exact; elsewhere its error is the content of one bin.
 
     Parameters
     ----------
@@ -47,7 +47,7 @@ def redistributed(density: np.ndarray, edges: np.ndarray, new_edges: np.ndarray)
     return np.diff(on_new, axis=-1) / np.diff(new_edges)
 
 
-# Relative difference of widths and edges that rounding makes.
+# Relative rounding of widths and edges.
 _SAME = 1e-9
 
 
@@ -78,7 +78,7 @@ class Bins:
 
     @property
     def edges_of(self) -> dict[str, np.ndarray]:
-        """Edges by the name of the distribution that is counted in them."""
+        """Edges by the name of their distribution."""
         return {
             "pressure_pdf": self.pressure_edges,
             "pressure_pdf_at": self.pressure_edges,
@@ -92,18 +92,18 @@ class Bins:
 
     @classmethod
     def evenly(cls, pressure: Sequence[float], gap: Sequence[float]) -> "Bins":
-        """Bins between two edges each, of a number."""
+        """Make evenly spaced bins from spans, see :attr:`spans`."""
         return cls(*(np.linspace(low, high, int(count) + 1) for low, high, count in (pressure, gap)))
 
     def equal(self, other: "Bins") -> bool:
-        """Whether the edges are the same but for rounding."""
+        """Compare edges up to rounding."""
         return all(
             one.size == two.size and np.allclose(one, two, rtol=0, atol=_SAME * (one[1] - one[0]))
             for one, two in self._pairs(other)
         )
 
     def hold(self, other: "Bins") -> bool:
-        """Whether distributions on the other bins can be had from these: no bin of theirs is finer."""
+        """Tell whether the other bins are no finer, so that their distributions follow from these."""
         return all((two[1] - two[0]) >= (1 - _SAME) * (one[1] - one[0]) for one, two in self._pairs(other))
 
     def _pairs(self, other: "Bins") -> list[tuple[np.ndarray, np.ndarray]]:

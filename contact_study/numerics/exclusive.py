@@ -1,4 +1,4 @@
-"""Objects whose work arrays one solve uses at a time."""
+"""Locks of objects whose work arrays serve one solve at a time."""
 
 from collections.abc import Callable
 from functools import wraps
@@ -7,13 +7,7 @@ from typing import Concatenate, ParamSpec, Protocol, TypeVar
 
 
 class Shared(Protocol):
-    """What threads may share.
-
-    Attributes
-    ----------
-    turn : threading.RLock
-        Held by the thread that is at work.
-    """
+    """An object with a lock, held by the thread that works with it."""
 
     turn: RLock
 
@@ -26,7 +20,7 @@ _Result = TypeVar("_Result")
 def in_turn(
     method: Callable[Concatenate[_Owner, _Arguments], _Result],
 ) -> Callable[Concatenate[_Owner, _Arguments], _Result]:
-    """A method that threads take turns in: two at a time would write into the same arrays."""
+    """Make threads take turns in a method: two at a time would write into the same arrays."""
 
     @wraps(method)
     def taken(self: _Owner, /, *arguments: _Arguments.args, **options: _Arguments.kwargs) -> _Result:

@@ -1,7 +1,7 @@
-"""One owner of FFTW plans and buffers: real transforms of periodic fields, and what is built on them.
+"""Real transforms of periodic fields by FFTW, and interpolation with them.
 
-Plans are measured once per machine and shape and kept as FFTW "wisdom" in the user's cache directory. Every process
-of one machine therefore runs the same plan, and a resumed run repeats the arithmetic of an uninterrupted one.
+Plans are measured once per machine and shape and kept as FFTW "wisdom" in the user's cache directory. All processes of
+one machine run the same plan, and a resumed run repeats the arithmetic of an uninterrupted one.
 """
 
 import hashlib
@@ -15,16 +15,16 @@ from typing import Any
 
 import numpy as np
 
-from contact_study.cache import cache_folder, has_locks
+from contact_study.files import cache_folder, has_locks
 from contact_study.numerics.memory import Memory, Scratch
 
 # OpenMP's threads spin while they wait for one another. Where another process holds a core they then wait for the
 # scheduler at every barrier, and two threads take up to a hundred times as long as one. FFTW reads it when loaded.
 os.environ.setdefault("OMP_WAIT_POLICY", "passive")
 
-# Below it a second thread of FFTW gains little or nothing, and costs much when the other core is busy.
+# A second thread of FFTW gains little below this size, and costs much when the other core is busy.
 POINTS_FOR_THREADS = 1024**2
-# Above it a transform for occasional use is planned anew each time, from the wisdom, rather than held.
+# Larger transforms for occasional use hold no memory: they are planned each time, from the wisdom.
 POINTS_TO_HOLD = 512**2
 
 
@@ -46,7 +46,7 @@ def _wisdom_file() -> Path:
 
 
 def _load_wisdom(path: Path) -> None:
-    """Take up what is there, if it is whole: FFTW may end the process over wisdom that is not."""
+    """Import wisdom if it is whole: FFTW may abort the process over damaged wisdom."""
     try:
         checksum, _, content = path.read_text("ascii").partition("\n")
         if checksum != _checksum(content):
@@ -55,7 +55,7 @@ def _load_wisdom(path: Path) -> None:
         if isinstance(wisdom, list) and len(wisdom) == 3 and all(isinstance(one, str) for one in wisdom):
             _fftw().import_wisdom([one.encode() for one in wisdom])  # of double, single and long double precision
     except (OSError, ValueError):
-        return  # none yet, or a damaged file: measured anew
+        return  # none yet, or a damaged file: measure again
 
 
 def _save_wisdom(path: Path) -> None:
@@ -75,8 +75,8 @@ _planned: set[tuple[tuple[int, ...], np.dtype, int]] = set()  # what this proces
 class RealTransform:
     """A planned pair of real transforms over the last two axes, with its own aligned buffers.
 
-    Write into :attr:`field`, call :meth:`forward`, multiply :attr:`spectrum`, call :meth:`backward`.
-    Neither direction is normalised: fold ``1 / points`` into the kernel. :meth:`backward` destroys the spectrum.
+    Write into :attr:`field`, call :meth:`forward`, multiply :attr:`spectrum`, call :meth:`backward`. Neither direction
+    is normalised: fold ``1 / points`` into the kernel. :meth:`backward` destroys the spectrum.
 
     Parameters
     ----------
@@ -87,9 +87,9 @@ class RealTransform:
     threads : int, optional
         Threads of FFTW.
     scratch : Scratch, optional
-        Where the spectrum lies, which then holds from a :meth:`forward` to the next use of any of its transforms.
+        Memory of the spectrum, which the next use of any of its transforms overwrites.
     memory : Memory, optional
-        Where the field lies.
+        Memory of the field.
 
     Attributes
     ----------
@@ -170,25 +170,13 @@ class RealTransform:
         return self.field
 
     def interpolate(self, coarser: "RealTransform") -> np.ndarray:
-        """Write the field of a transform of fewer points, interpolated, into :attr:`field`, which is returned.
-
-        Parameters
-        ----------
-        coarser : RealTransform
-            That of a coarser grid of the same periods.
-        """
+        """Interpolate the field of a transform on a coarser grid of the same periods into :attr:`field`."""
         coefficients = coarser.forward() / coarser.points  # a copy: the spectra may lie in one memory
         resize_spectrum(coefficients, coarser.shape, self.shape, self.spectrum)
         return self.backward()
 
     def filter(self, kernel: np.ndarray) -> np.ndarray:
-        """Multiply the spectrum of :attr:`field` by ``kernel``, in place; returns :attr:`field`.
-
-        Parameters
-        ----------
-        kernel : numpy.ndarray
-            Real array that broadcasts to :attr:`spectrum`, with ``1 / points`` folded in.
-        """
+        """Multiply the spectrum of :attr:`field` by a real kernel that contains ``1 / points``; return the field."""
         self.forward()
         np.multiply(self.spectrum, kernel, out=self.spectrum)
         return self.backward()
@@ -202,7 +190,7 @@ def _is_held(shape: tuple[int, ...]) -> bool:
 
 
 def _occasional(shape: tuple[int, ...]) -> RealTransform:
-    """A single-threaded transform of that shape, its buffers overwritten; a large one holds no memory afterwards."""
+    """A single-threaded transform of a shape, shared with other calls unless it is large."""
     return _held(shape) if _is_held(shape) else RealTransform(shape)
 
 
@@ -221,7 +209,7 @@ def synthesise(coefficients: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
 
 
 def _kept(plan: RealTransform, field: np.ndarray) -> np.ndarray:
-    """The field of an occasional transform, for good."""
+    """The field of an occasional transform, safe from the next one."""
     return field.copy() if _is_held(plan.shape) else field
 
 

@@ -17,15 +17,9 @@ from typing import Generic, Protocol, TypeVar
 
 import numpy as np
 
-# A step whose error was e of what is allowed is followed (or replaced) by one 0.9 e^(−1/2) times as long, within these.
-_SAFETY, _LARGEST_GROWTH, _SMALLEST_GROWTH = 0.9, 3.0, 0.2
-_NOT_FOUND = 0.3  # the same, where the step could not be solved for
-# A step shorter than this share of the first one says that rounding is all that is left; longer ones feel no friction.
-_SHORTEST, _LONGEST = 1e-12, 1e15
-
 
 class Status(Enum):
-    """How a motion stands."""
+    """State of a motion."""
 
     MOVING = "moving"
     AT_REST = "at rest"
@@ -35,17 +29,7 @@ class Status(Enum):
 
 
 class Advance(Protocol):
-    """What a step leads to.
-
-    Attributes
-    ----------
-    state : numpy.ndarray
-        u_{n+1}.
-    at_rest : bool
-        Whether it is in balance without friction.
-    apart : bool
-        Whether nothing acts any more that would bring the surfaces to rest.
-    """
+    """Result of a step: u_{n+1}, whether it balances without friction, and whether no force can stop it any more."""
 
     @property
     def state(self) -> np.ndarray: ...
@@ -60,37 +44,33 @@ FoundByStep = TypeVar("FoundByStep", bound=Advance, covariant=True)
 
 
 class Overdamped(Protocol[FoundByStep]):
-    """What moves."""
+    """A system in overdamped motion."""
 
     def advance(self, state: np.ndarray, load: float, drag: float) -> FoundByStep | None:
-        """The minimum of E(u) + drag |u − state|²/2 next to ``state``; None if it was not found."""
+        """Find the minimum of E(u) + drag |u − state|²/2 next to ``state``; None without success."""
 
     def beside_saddle(self, state: np.ndarray, load: float) -> np.ndarray | None:
-        """A state of lower energy next to one at rest that is no minimum; None if it is one."""
+        """Find a state of lower energy next to one at rest that is no minimum; None for a minimum."""
 
 
 @dataclass(frozen=True)
 class Instant(Generic[Found]):
-    """Where a motion has come to.
+    """A motion at one time.
 
     Attributes
     ----------
-    state : numpy.ndarray
-        u.
-    load : float
-        That acts.
-    move : numpy.ndarray or float
-        Of the last step.
-    duration, wanted : float
-        τ of the last step, and that to try next.
-    steps : int
-        Done so far.
-    time : float
+    state, load : numpy.ndarray, float
+        u and the load that acts.
+    move, duration : numpy.ndarray or float, float
+        Change of u in the last step, and its τ.
+    wanted : float
+        τ to try next.
+    steps, time : int, float
         Since the motion began.
-    fate : Fate
-        How it stands.
+    fate : Status
+        State of the motion.
     found : Advance or None
-        What the last step led to.
+        Result of the last step.
     """
 
     state: np.ndarray
@@ -104,14 +84,11 @@ class Instant(Generic[Found]):
     found: Found | None = None
 
 
-def at_rest(state: np.ndarray, load: float, pace: "StepControl", time: float = 0.0) -> Instant[Found]:
-    """Where a motion begins, or goes on from a rest."""
-    return Instant(state, load, 0.0, pace.first, pace.first, time=time)
-
-
 @dataclass(frozen=True)
 class StepControl:
-    """How fast and how exactly a motion is followed.
+    """Speed and accuracy of a motion.
+
+    A step whose error was e of what is allowed is followed, or replaced, by one ``safety`` e^(−1/2) times as long.
 
     Attributes
     ----------
@@ -122,34 +99,34 @@ class StepControl:
     allowed : float
         Largest local error of a step, in the unit of the state.
     most : int
-        Steps until a motion is given up.
+        Largest number of steps.
+    safety, largest_growth, smallest_growth : float
+        Factor on the next step and its limits.
+    not_found : float
+        Factor on a step without solution.
+    shortest, longest : float
+        Limits of τ over the first one: rounding dominates shorter steps, longer ones feel no friction.
     """
 
     rate: float
     first: float
     allowed: float
     most: int
+    safety: float = 0.9
+    largest_growth: float = 3.0
+    smallest_growth: float = 0.2
+    not_found: float = 0.3
+    shortest: float = 1e-12
+    longest: float = 1e15
+
+
+def at_rest(state: np.ndarray, load: float, pace: StepControl, time: float = 0.0) -> Instant[Found]:
+    """Begin a motion at rest."""
+    return Instant(state, load, 0.0, pace.first, pace.first, time=time)
 
 
 def follow(system: Overdamped[Found], at: Instant[Found], target: float, pace: StepControl) -> Iterator[Instant[Found]]:
-    """Bring the load to its target, and wait for rest.
-
-    Parameters
-    ----------
-    system : Overdamped
-        What moves.
-    at : Instant
-        From where.
-    target : float
-        Of the load.
-    pace : Pace
-        How fast, how exactly.
-
-    Yields
-    ------
-    Instant
-        After every step; the last one's fate is not ``MOVING``.
-    """
+    """Bring the load to its target and wait for rest; yield every step, the last with a fate other than ``MOVING``."""
     while True:
         moved = _stepped(system, at, target, pace)
         if moved is None or moved.found is None:
@@ -169,22 +146,22 @@ def follow(system: Overdamped[Found], at: Instant[Found], target: float, pace: S
 
 
 def _stepped(system: Overdamped[Found], at: Instant[Found], target: float, pace: StepControl) -> Instant[Found] | None:
-    """The next instant; None where steps of no length find any."""
+    """The next instant; None where no length of a step has a solution."""
     tau = at.wanted
-    while tau > _SHORTEST * pace.first:
+    while tau > pace.shortest * pace.first:
         change = target - at.load
         load = target if abs(change) <= pace.rate * tau else at.load + float(np.copysign(pace.rate * tau, change))
         found = system.advance(at.state, load, 1 / tau)
         if found is None:
-            tau *= _NOT_FOUND
+            tau *= pace.not_found
             continue
         move = found.state - at.state
         ratio = tau / at.duration
         error = float(np.max(np.abs(move - ratio * at.move))) * ratio / (1 + ratio)
-        growth = _LARGEST_GROWTH if error == 0 else _SAFETY * (pace.allowed / error) ** 0.5
-        growth = min(max(growth, _SMALLEST_GROWTH), _LARGEST_GROWTH)
+        growth = pace.largest_growth if error == 0 else pace.safety * (pace.allowed / error) ** 0.5
+        growth = min(max(growth, pace.smallest_growth), pace.largest_growth)
         if error <= pace.allowed:
-            wanted = min(growth * tau, _LONGEST * pace.first)
+            wanted = min(growth * tau, pace.longest * pace.first)
             return Instant(found.state, load, move, tau, wanted, at.steps + 1, at.time + tau, found=found)
         tau *= growth
     return None

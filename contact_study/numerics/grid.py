@@ -54,13 +54,13 @@ class Grid:
 
     @property
     def wavenumber(self) -> np.ndarray:
-        """|q| in the layout of ``rfft2``, shape ``spectrum_shape`` (1/m); made anew, a grid holds no field."""
+        """|q| in the layout of ``rfft2``, shape ``spectrum_shape`` (1/m); a grid stores no field."""
         q_y, q_x = self.wavevectors
         return np.hypot(q_y, q_x)
 
     @cached_property
     def multiplicity(self) -> np.ndarray:
-        """How often each entry of a half spectrum stands in the full one, shape (1, nx // 2 + 1).
+        """Number of entries of the full spectrum for each of a half spectrum, shape (1, nx // 2 + 1).
 
         One for the columns q_x = 0 and, on an even grid, the Nyquist column; two elsewhere (the conjugate).
         """

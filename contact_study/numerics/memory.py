@@ -1,15 +1,15 @@
-"""Memory that is given out array by array: where arrays that are never needed at the same time lie."""
+"""Memory shared by arrays that are never needed at the same time."""
 
 import math
 
 import numpy as np
 
-# What FFTW's vector instructions need, and a line of the cache.
+# Bytes: the vector instructions of FFTW, and a line of the cache.
 ALIGNMENT = 64
 
 
 def aligned(size: int) -> np.ndarray:
-    """So many bytes, of no defined content, that begin at a multiple of :data:`ALIGNMENT`."""
+    """Allocate bytes of undefined content that begin at a multiple of :data:`ALIGNMENT`."""
     memory = np.empty(size + ALIGNMENT, np.uint8)
     first = -memory.ctypes.data % ALIGNMENT
     return memory[first : first + size]
@@ -22,7 +22,7 @@ class Scratch:
         self._memory = aligned(0)
 
     def array(self, shape: tuple[int, ...], dtype: np.dtype) -> np.ndarray:
-        """An array in the memory, of no defined content; more is taken where there is too little."""
+        """Return an array of undefined content in the memory, which grows where it is too small."""
         size = math.prod(shape) * dtype.itemsize
         if size > self._memory.size:
             self._memory = aligned(size)
@@ -35,15 +35,14 @@ class Memory:
     Parameters
     ----------
     lent : numpy.ndarray of uint8, optional
-        Memory whose owner does without its content while these arrays are in use. What finds no place in it, and all
-        without it, is taken anew.
+        Memory whose owner does not need its content while these arrays are in use. Arrays beyond it are allocated.
     """
 
     def __init__(self, lent: np.ndarray | None = None):
         self._left = aligned(0) if lent is None else lent
 
     def array(self, shape: tuple[int, ...], dtype: type) -> np.ndarray:
-        """The next array, of no defined content."""
+        """Return the next array, of undefined content."""
         size = math.prod(shape) * np.dtype(dtype).itemsize
         taken = -(-size // ALIGNMENT) * ALIGNMENT
         if size > self._left.size:

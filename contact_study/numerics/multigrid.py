@@ -1,7 +1,7 @@
-"""Between a periodic grid and one of half its resolution: bilinear interpolation P, the mean Pᵀ/4, and inverses.
+"""A periodic grid and one of half its resolution: bilinear interpolation P, the mean Pᵀ/4, and an inverse.
 
-Of a solid's stiffness K on a bed of springs c only waves longer than a few points need K. :class:`HalvedInverse` takes
-those to a grid of half the resolution and answers the rest by one stiffness for each component,
+The inverse of a solid's stiffness K beside springs c needs K for waves longer than a few points only.
+:class:`HalvedInverse` solves those on a grid of half the resolution and the rest by one stiffness for each component,
 
     P (K + c)⁻¹ Pᵀ / 4 + ω / K_max,
 
@@ -14,16 +14,14 @@ from typing import Generic, Protocol, TypeVar
 import numpy as np
 from numba import njit
 
-# ω. Pairs of the paper's path at 512² points, ε0, two surfaces: 371 with 1.5, 394 with 2, 405 with 2.5. Below 1 the
-# iterations grow. Of 200² atoms at 8 ε0 under 0.1, 1 and 10 GPa: 306, 84, 74 with 1; 303, 66, 71 with 1.5; 319, 70, 91
-# with 2.5; 467, 138, 125 with the transforms of all atoms.
+# ω; below 1 the iterations grow, between 1 and 2.5 their number changes by a few per cent.
 SHORT_WAVES = 1.5
-# Grids are halved so often, and down to so many points along an axis.
+# Most halvings of a grid, and fewest points along an axis.
 HALVINGS, FEWEST_POINTS = 2, 32
 
 
 class Inverse(Protocol):
-    """Where on a grid an inverse acts: on the buffer ``field``, in place."""
+    """An inverse that acts on its buffer ``field`` in place."""
 
     field: np.ndarray
 
@@ -69,7 +67,7 @@ class HalvedInverse(Generic[_Coarser]):
 
 
 def can_be_halved(shape: tuple[int, int]) -> bool:
-    """Whether a grid of that shape has a coarser one, and points enough to save work by it."""
+    """Tell whether a grid of a shape has a coarser one that saves work."""
     return shape[0] % 2 == 0 and shape[1] % 2 == 0 and min(shape) >= 2 * FEWEST_POINTS
 
 
@@ -101,7 +99,7 @@ def restrict(fine, coarse):
 
 @njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "arcp", "nsz"})
 def prolong(coarse, weight, fine):
-    """Write weight·fine + P coarse; returns weight·Σ fine² of what was there.
+    """Write weight·fine + P coarse; return weight·Σ fine² of the old values.
 
     Parameters
     ----------

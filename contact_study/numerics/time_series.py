@@ -1,10 +1,9 @@
-"""Means of correlated series: how long a series remembers, and the error that its mean has for that.
+"""Means of correlated series and their errors.
 
-The error of a mean over n values that remember for τ is that of n/(2τ) independent ones. τ is the integrated
-autocorrelation time, ½ + Σ ρ(t), summed up to a window of five times itself, where what is left is below e⁻⁵ of the sum
-for an exponential memory and noise would only add (A. D. Sokal, in "Functional Integration: Basics and Applications",
-1997). The standard error of τ is √(2(2W + 1)/n) τ, W the window (ibid.): without memory, W = 3, half of τ at n = 56. No
-series tells a memory much longer than itself.
+The error of a mean over n values of autocorrelation time τ is that of n/(2τ) independent ones. τ = ½ + Σ ρ(t) is
+summed up to a window W of five times itself. Beyond it less than e⁻⁵ of the sum is left for an exponential memory, and
+noise would add more (A. D. Sokal, in "Functional Integration: Basics and Applications", 1997). The standard error of τ
+is √(2(2W + 1)/n) τ (ibid.): half of τ at n = 56 without memory, W = 3.
 """
 
 from dataclasses import dataclass
@@ -13,13 +12,13 @@ import numpy as np
 
 _WINDOW = 5.0
 
-# Values below which no τ is believed: even of the shortest window, three, its standard error is more than half of it.
+# With fewer values the standard error of τ exceeds half of τ even for the shortest window.
 LEAST_STATES = 50
 
 
 @dataclass(frozen=True)
 class SeriesStatistics:
-    """What a series of values says of their mean.
+    """Mean, error and memory of a series of values.
 
     Attributes
     ----------
@@ -28,9 +27,8 @@ class SeriesStatistics:
     autocorrelation_time : numpy.ndarray, shape (...)
         τ in steps of the series; ½ where the values are independent, or all equal.
     resolved : numpy.ndarray of bool, shape (...)
-        Whether there are ``LEAST_STATES`` values, and τ is larger than its own standard error, which takes a series of
-        twenty τ; a shorter one shows no τ, and its error is a guess. Values that are all equal have no error, and need
-        be two.
+        True for ``LEAST_STATES`` values whose τ exceeds its standard error, which takes a series of twenty τ; the error
+        of a shorter one is a guess. Two values suffice where all are equal.
     """
 
     mean: np.ndarray
@@ -40,13 +38,7 @@ class SeriesStatistics:
 
 
 def autocovariance(series: np.ndarray) -> np.ndarray:
-    """Γ(t) = 1/(n − t) Σ δ_i δ_{i+t} of every column, δ the deviation from the column's mean, for t = 0 … n − 1.
-
-    Parameters
-    ----------
-    series : numpy.ndarray, shape (n, ...)
-        Values one after the other.
-    """
+    """Calculate Γ(t) = 1/(n − t) Σ δ_i δ_{i+t}, t = 0 … n − 1, δ the deviation from a column's mean."""
     count = series.shape[0]
     deviation = series - np.mean(series, axis=0)
     spectrum = np.fft.rfft(deviation, 2 * count, axis=0)  # twice the length: the ends do not meet
@@ -55,15 +47,9 @@ def autocovariance(series: np.ndarray) -> np.ndarray:
 
 
 def statistics_of(series: np.ndarray) -> SeriesStatistics:
-    """Mean, its standard error and the memory of every column of a series.
+    """Calculate mean, standard error and memory of every column of a series, shape (n, ...), n >= 1.
 
-    A column with a value that is not finite has the mean that NumPy says, and nothing is known of its error: NaN. So it
-    is of one value.
-
-    Parameters
-    ----------
-    series : numpy.ndarray, shape (n, ...)
-        Values one after the other, at least one.
+    The error of a single value, or of a column with a value that is not finite, is NaN.
     """
     series = np.asarray(series, dtype=float)
     count = series.shape[0]

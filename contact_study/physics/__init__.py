@@ -1,1 +1,4 @@
-"""What is in contact: adhesive laws, elastic solids, rough surfaces. Formulas, and nothing of a solver."""
+"""Physics of contact: adhesive laws, elastic solids, rough surfaces and their spectra, height maps.
+
+No study files and no solvers: classes here are made from numbers in SI.
+"""

@@ -1,8 +1,8 @@
-"""How long an attraction may reach before a contact is no longer that of Johnson, Kendall and Roberts.
+"""The longest range of an attraction whose contacts are those of Johnson, Kendall and Roberts.
 
-A soft or large body feels adhesion as work, not as a range: below a range that it sets itself, nothing changes but the
-number of grid points. The Tabor parameter μ = (R Δγ² / E*² r₀³)^(1/3) compares how far the surface is pulled up at the
-edge of a contact with the range r₀ of the law; D. Tabor, J. Colloid Interface Sci. 58, 2 (1977).
+Shorter ranges change nothing for a soft or large body but the number of grid points. The Tabor parameter
+μ = (R Δγ² / E*² r₀³)^(1/3) compares how far the surface is pulled up at the edge of a contact with the range r₀ of the
+law; D. Tabor, J. Colloid Interface Sci. 58, 2 (1977).
 """
 
 import numpy as np

@@ -164,10 +164,22 @@ def register_observable(observable: Observable) -> None:
     observable : Observable
         Its variables, and the function that reads them off a state.
 
+    Returns
+    -------
+    None
+
     Raises
     ------
     ValueError
         If a dataset has a variable of one of its names.
+
+    Examples
+    --------
+    >>> import contact_study
+    >>> from contact_study.results.state import Observable, Variable
+    >>> largest = Variable("m", "largest local gap")
+    >>> read = lambda state, bins: {"largest_gap": float(state.gap.max())}
+    >>> contact_study.register_observable(Observable({"largest_gap": largest}, read))  # doctest: +SKIP
     """
     if observable in OBSERVABLES:
         return

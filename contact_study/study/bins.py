@@ -47,10 +47,10 @@ def _ranges(case: Case, scales: SurfaceScales) -> tuple[float, float, float]:
     # Full contact has a Gaussian stress; six deviations leave 1e-9 of it outside.
     fluctuation = 6 * scales.full_contact_stress(case.solid)
     applied = _applied(case)
-    # A flat hard wall under a prescribed gap carries nothing: any range will do.
+    # Any range suits a flat hard wall under a prescribed gap, which carries nothing.
     compression = (fluctuation + applied + peak) or modulus
-    # The 10-4 law's peak stress is exceeded nowhere in tension; a quarter more shows that it is not. Persson's theory
-    # knows no peak, but no tension beyond that of its cracks or of full contact.
+    # No tension exceeds the law's peak; a quarter more shows that. Persson's theory has no peak, but its tension is at
+    # most that of its cracks or of full contact.
     cracks = min(_detachment_stress(case, scales), fluctuation + applied)
     tension = max(1.25 * peak, 0.05 * compression, cracks)
     # At the lightest contact the block rests on the highest peaks, far above the deepest valley; under tension it

@@ -19,8 +19,8 @@ from contact_study.study.schema.interaction import InteractionSection
 from contact_study.study.schema.surface import SurfaceSection
 from contact_study.units import stress
 
-# Lengths of the law that the least step of a path through distances is the resolution's share of: with the default a
-# twentieth of one. Pressures follow a distance over that length; what the rule leaves of a step is its square over 12.
+# The least step of a gap or approach is the resolution times so many lengths of the law, by default a twentieth of one.
+# Pressures vary over that length, and the error of the trapezoidal rule is the square of a step over 12.
 _LENGTHS = 5
 
 
@@ -84,7 +84,7 @@ class Case:
             )
 
     def require_gap(self) -> None:
-        """Raise InputError if a prescribed mean gap is none; that of a driven block is another distance."""
+        """Raise InputError if a prescribed mean gap is not positive; that of a driven block is another distance."""
         lowest = min(self.loading.path) + self.law.equilibrium_distance
         # Only a wall can be met everywhere, at a mean gap of zero.
         if self.loading.control == "gap" and (lowest < 0 or (lowest == 0 and not self.law.has_wall)):
@@ -105,7 +105,7 @@ class Case:
         if control == "pressure" and max(self.loading.path) >= hardness:
             raise InputError(
                 f"loading.path: a mean pressure of {max(self.loading.path):g} Pa is not below {given}: no state can "
-                "carry it, all of the surface would give way"
+                "carry it, all of the surface would yield"
             )
         if control == "gap" and min(self.loading.path) <= 0:
             raise InputError(f"loading.path: with {given} surfaces close at no one pressure; give gaps above zero")
@@ -115,7 +115,7 @@ class Case:
         if not isinstance(self.solid, Viscoelastic):
             if duration is not None:
                 raise InputError(
-                    f'loading.duration: elasticity.kind = "{self.elasticity.kind}" knows of no time; it belongs to '
+                    f'loading.duration: elasticity.kind = "{self.elasticity.kind}" has no time; it belongs to '
                     '"viscoelastic"'
                 )
             return
@@ -150,7 +150,7 @@ class Case:
 
     @property
     def label(self) -> str:
-        """Coordinates in words, for progress and messages."""
+        """Coordinates for progress and messages."""
         return ", ".join(f"{name} = {value}" for name, value in self.coordinates.items())
 
     @cached_property
@@ -175,7 +175,7 @@ class Case:
 
     @property
     def block_layers(self) -> int:
-        """Cells of the block of atoms from its surface to the plane that holds it; on a half-space as many as across.
+        """Cells of the block of atoms from its surface to the plane that holds it; for a half-space as many as across.
 
         Raises
         ------
@@ -220,9 +220,9 @@ class Case:
 
     @property
     def least_step(self) -> float | None:
-        """Least step of a path that takes steps of its own between its points, in its unit; None where it takes none.
+        """Least step of an adaptive path, in its unit; None for other paths.
 
-        Through distances it is so short that the trapezoidal rule is exact along a branch.
+        The trapezoidal rule is exact along a branch for the shorter steps of a gap or an approach.
         """
         if not (self.loading.adaptive and self.law.attracts):
             return None
@@ -232,7 +232,7 @@ class Case:
         return self.loading.resolution * largest
 
     def point_in_words(self, number: int) -> str:
-        """A point of the path in the unit that the study is written in."""
+        """Write a point of the path in the unit of the study."""
         name, size = self.loading.unit
         what = "" if self.loading.control == "pressure" else f"{self.loading.control} "
         return f"{what}{self.path[number][0] / size:.6g} {name}"
@@ -268,9 +268,23 @@ class Case:
 def realise(case: Case) -> Surface:
     """Make the surface of a case; equal cases give equal surfaces, for every model.
 
+    Parameters
+    ----------
+    case : Case
+        One point of a study's sweep.
+
+    Returns
+    -------
+    Surface
+
     Raises
     ------
     InputError
         If a height map cannot be read or used.
+
+    Examples
+    --------
+    >>> import contact_study
+    >>> heights = contact_study.realise(contact_study.read_study("study.toml").cases[0]).sampled  # doctest: +SKIP
     """
     return case.surface.realise(case.directory)

@@ -15,8 +15,8 @@ import tomli_w
 
 from contact_study import plugins
 from contact_study.errors import InputError
+from contact_study.files import refuse_endless
 from contact_study.physics.surfaces.scales import SurfaceScales
-from contact_study.regular_files import refuse_endless
 from contact_study.study.case import Case
 from contact_study.study.reading import automatic
 from contact_study.study.reading.bare_numbers import bare_numbers
@@ -102,10 +102,19 @@ def read_study(path: Path | str, overrides: Mapping[str, Any] | None = None) -> 
         Dotted keys ("section.key") and their values, in place of the file's. A swept key takes a value or a list; a
         list for a key that takes one value sweeps it.
 
+    Returns
+    -------
+    Study
+
     Raises
     ------
     InputError
         If the file cannot be read or any key is unknown, missing or impossible.
+
+    Examples
+    --------
+    >>> import contact_study
+    >>> study = contact_study.read_study("study.toml", {"surface.seed": 2})  # doctest: +SKIP
     """
     plugins.load()
     path = Path(path)
@@ -124,7 +133,31 @@ def read_study(path: Path | str, overrides: Mapping[str, Any] | None = None) -> 
 
 
 def make_study(table: dict[str, Any], directory: Path | str = ".") -> Study:
-    """Check a table as TOML would hold it and expand its sweep; errors as :func:`read_study`."""
+    """Check a study and expand its sweep; errors as :func:`read_study`.
+
+    Parameters
+    ----------
+    table : dict
+        The study as TOML would hold it.
+    directory : path-like, optional
+        Start of relative paths.
+
+    Returns
+    -------
+    Study
+
+    Examples
+    --------
+    >>> import contact_study
+    >>> study = contact_study.make_study({
+    ...     "surface": {"kind": "wavy", "size": "1 um", "shape": [16, 16], "amplitude": "1 nm"},
+    ...     "material": {"youngs_modulus": "1 GPa", "poissons_ratio": 0.3},
+    ...     "interaction": {"law": "hard_wall"},
+    ...     "loading": {"path": ["1 MPa"]},
+    ... })
+    >>> len(study.cases)
+    1
+    """
     plugins.load()
     _check_structure(table)
     table = _with_files(table, Path(directory))

@@ -82,7 +82,7 @@ def _apply(table: dict[str, Any], point: dict[str, Any], exceptions: list[dict[s
 
 
 def sections_at(table: dict[str, Any], points: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
-    """The sections of a study's table as each point has them: swept, with its exceptions and of its own kinds only."""
+    """The sections of a study's table at each point: with swept values and exceptions, without keys of other kinds."""
     exceptions = table.get("override", [])
     return _of_own_kind([_apply(table, point, exceptions) for point in points])
 
@@ -97,7 +97,7 @@ def without_effect(table: dict[str, Any], merged: Sequence[dict[str, Any]]) -> t
 
 
 def _of_own_kind(merged: list[dict[str, Any]]) -> list[dict[str, Any]]:
-    """The points of a sweep, each with the keys of its own kinds only."""
+    """Remove from each point the keys of kinds that it does not have."""
     for section, declared in SECTIONS.items():
         if isinstance(declared, TaggedUnion):
             own = declared.without_others([one[section] for one in merged])
@@ -106,7 +106,7 @@ def _of_own_kind(merged: list[dict[str, Any]]) -> list[dict[str, Any]]:
 
 
 def _matches(merged: dict[str, Any], when: dict[str, Any]) -> bool:
-    """Whether a point has these values, however they are written: 8, 8.0; "1 nm", "10 angstrom"."""
+    """Test whether a point has these values, however they are written: 8, 8.0; "1 nm", "10 angstrom"."""
     for dotted, wanted in when.items():
         section, name = split(dotted, "override")
         given = merged[section]

@@ -23,7 +23,7 @@ from contact_study.campaign.model import Model
 from contact_study.campaign.progress import Progress
 from contact_study.campaign.store.files import check_inputs_kept, named_file, writable_output
 from contact_study.errors import InputError
-from contact_study.regular_files import require_file
+from contact_study.files import require_file
 from contact_study.start import INTERRUPTED
 from contact_study.study.schema.dotted_keys import all_keys
 from contact_study.study.schema.keys import as_written, replacement, suggestion

@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from contact_study.errors import InputError
-from contact_study.regular_files import what_is_at
+from contact_study.files import what_is_at
 
 _STORE = (".zgroup", "zarr.json")  # what a folder of Zarr has, of format 2 and 3
 

@@ -1,4 +1,4 @@
-"""Files of height maps, one reader a format: each gives what the file holds and says, and nothing more."""
+"""Files of height maps: one reader for each format, which adds nothing to the file's numbers and units."""
 
 import gzip
 import logging
@@ -27,14 +27,7 @@ _NO_HEIGHTS = re.compile("phase|error|amplitude|deflection|friction|lateral|curr
 
 
 def read_map(path: Path, channel: Channel) -> RawMap:
-    """Read a file by its suffix, or else by its content.
-
-    Parameters
-    ----------
-    path : pathlib.Path
-        A file that exists.
-    channel : str, int or None
-        Name or number, from 0, of the map in a file that holds several.
+    """Read an existing file by its suffix, or else by its content; ``channel`` is the name or number of a map in it.
 
     Raises
     ------
@@ -59,12 +52,12 @@ def read_map(path: Path, channel: Channel) -> RawMap:
 def chosen(
     path: Path, names: Sequence[str], channel: Channel, usual: str = "", others: Collection[str] = frozenset()
 ) -> str:
-    """The channel that is meant, of those that a file holds; ``others`` of them are no heights.
+    """Choose one of the channels of a file, of which ``others`` are no heights.
 
     Raises
     ------
     InputError
-        If there is none, it is not clear which, or it is no map of heights.
+        If there is none, several are possible, or the one asked for is no map of heights.
     """
     heights = [name for name in names if name not in others]
     kinds = {name: " (not a height)" if name in others else " (height)" if others else "" for name in names}
@@ -141,7 +134,7 @@ def _xyz(path: Path, channel: Channel) -> RawMap:
 
 
 def _gzip(path: Path, channel: Channel) -> RawMap:
-    """What a compressed file holds, as if it stood there by itself."""
+    """Read the content of a compressed file."""
     with tempfile.TemporaryDirectory(prefix="height_map") as folder:
         content = Path(folder) / path.stem
         with gzip.open(path) as packed, content.open("wb") as out:
@@ -192,7 +185,7 @@ def _instrument(path: Path, channel: Channel, reason: str) -> RawMap:
 
 @contextmanager
 def _silent() -> Iterator[None]:
-    """What libraries remark of the formats that a file is not of is of no use to a reader."""
+    """Silence remarks of libraries on formats that a file does not have."""
     before = logging.root.manager.disable
     logging.disable(logging.CRITICAL)
     try:

@@ -14,18 +14,12 @@ _SPARSEST = 4
 
 
 def line_scan(path: Path, points: int) -> InputError:
-    """What is said of a file that holds a line."""
+    """Make the error for a file that holds a line."""
     return InputError(f"surface.path: {path} holds a line scan ({points} points); a map (rows x columns) is needed")
 
 
 def step_of(path: Path, name: str, values: np.ndarray) -> float:
-    """Distance of neighbouring points on an even grid, negative where the coordinate decreases.
-
-    Raises
-    ------
-    InputError
-        If a coordinate is a hundredth of a step off its place, or they are all equal.
-    """
+    """Find the step of evenly spaced coordinates, negative where they decrease; raise InputError for others."""
     step = (values[-1] - values[0]) / (values.size - 1)
     even = values[0] + step * np.arange(values.size)
     if not np.all(np.abs(values - even) <= _UNEVEN * abs(step)) or step == 0:
@@ -38,26 +32,18 @@ def step_of(path: Path, name: str, values: np.ndarray) -> float:
 
 
 def gridded(path: Path, points: np.ndarray) -> tuple[np.ndarray, tuple[float, float]]:
-    """Points in any order as an array on their grid.
-
-    Parameters
-    ----------
-    path : pathlib.Path
-        Where they come from, for messages.
-    points : numpy.ndarray, shape (n, 3)
-        x, y and height of each.
+    """Arrange points (x, y, height) in any order on their grid, NaN where there is none.
 
     Returns
     -------
     heights : numpy.ndarray, shape (ny, nx)
-        NaN where there is no point.
     size : tuple of float
         Periods along y and x, points times spacing.
 
     Raises
     ------
     InputError
-        If they are not on an even grid, or a place is given twice.
+        If the points are not on an even grid, or a place is given twice.
     """
     if len(points) < 4 or not np.all(np.isfinite(points[:, :2])):
         raise InputError(f"surface.path: {path} holds {len(points)} points; expected a grid with finite x and y")

@@ -1,4 +1,4 @@
-"""A height map in metres: what its file says, together with what the study says of it."""
+"""A height map in metres, from the numbers of its file and the units and size of file and study."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -7,9 +7,9 @@ import numpy as np
 
 from contact_study import units
 from contact_study.errors import InputError
+from contact_study.files import require_file
 from contact_study.physics.height_maps.formats import Channel, RawMap, read_map
 from contact_study.physics.height_maps.grid import line_scan
-from contact_study.regular_files import require_file
 from contact_study.units import length
 
 # A cell wider than this (m) was written in another unit: no instrument that resolves roughness reaches as far.
@@ -56,18 +56,9 @@ def read_height_map(
     channel: Channel = None,
     lateral_unit: str | None = None,
 ) -> HeightMap:
-    """Read a height map.
+    """Read a height map of one of the formats of :mod:`contact_study.physics.height_maps.formats`.
 
-    Parameters
-    ----------
-    path : pathlib.Path
-        A file of one of the formats of :mod:`contact_study.physics.height_maps.formats`.
-    height_unit, lateral_unit : str, optional
-        Units of the file's numbers, where it does not say; else metres. A unit that contradicts the file is refused.
-    size : tuple of float, optional
-        Lateral periods along y and x (m), where the file does not say.
-    channel : str or int, optional
-        Which of the maps that the file holds.
+    Units, size (y, x; m) and channel are those of a study; units default to metres.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""A measured map made fit for a periodic calculation: arrays of heights in, arrays of heights out.
+"""Preparation of a measured map for a periodic calculation: arrays of heights in, arrays of heights out.
 
 Heights are (y, x) with rows and columns evenly spaced; NaN stands where nothing was measured.
 """
@@ -10,14 +10,9 @@ from contact_study.numerics.grid import Grid
 
 
 def detrended(heights: np.ndarray, degree: int) -> np.ndarray:
-    """Heights less the polynomial of least squares through those that are there.
+    """Subtract the least-squares polynomial of a total degree from heights, NaN where missing.
 
-    Parameters
-    ----------
-    heights : numpy.ndarray, shape (ny, nx)
-        Heights, NaN where missing.
-    degree : int
-        Total degree: 0 takes the mean, 1 the mean plane, 2 a surface of second order (tilt, twist and curvature).
+    Degree 0 is the mean, 1 the mean plane, 2 a surface of second order (tilt, twist and curvature).
     """
     present = np.isfinite(heights)
     known = np.where(present, heights, 0.0)
@@ -35,17 +30,10 @@ def detrended(heights: np.ndarray, degree: int) -> np.ndarray:
 
 
 def filled(heights: np.ndarray, spacing: tuple[float, float]) -> np.ndarray:
-    """Missing heights by the harmonic function that continues those around them.
+    """Fill missing heights (NaN) by the harmonic function that continues those around them.
 
     Each missing height is the mean of its four neighbours, weighted by 1/spacing² (the five-point Laplacian, exact for
-    harmonic polynomials of second degree); beyond an edge of the map there is no neighbour, and no slope.
-
-    Parameters
-    ----------
-    heights : numpy.ndarray, shape (ny, nx)
-        Heights, NaN where missing; at least one is not.
-    spacing : tuple of float
-        Distance of neighbouring points along y and x.
+    harmonic polynomials of second degree); the slope across an edge of the map is zero.
     """
     missing = ~np.isfinite(heights)
     count = int(missing.sum())
@@ -77,23 +65,16 @@ def filled(heights: np.ndarray, spacing: tuple[float, float]) -> np.ndarray:
 
 
 def mirrored(heights: np.ndarray) -> np.ndarray:
-    """The map and its mirror images beyond the far edges, shape (2 ny, 2 nx): periodic without a jump."""
+    """Join a map to its mirror images beyond the far edges, shape (2 ny, 2 nx): periodic without a jump."""
     rows = np.concatenate([heights, heights[::-1]])
     return np.concatenate([rows, rows[:, ::-1]], axis=1)
 
 
 def windowed(heights: np.ndarray, share: float) -> np.ndarray:
-    """Heights that fade to their mean at the edges, by a tapered cosine (Tukey) window along each axis.
+    """Fade heights to their mean at the edges, by a tapered cosine (Tukey) window along each axis.
 
-    F. J. Harris, On the use of windows for harmonic analysis with the discrete Fourier transform, Proc. IEEE 66, 51
-    (1978).
-
-    Parameters
-    ----------
-    heights : numpy.ndarray, shape (ny, nx)
-        Heights.
-    share : float
-        Share of each side over which they fade, both ends together.
+    ``share`` is the fraction of each side over which they fade, both ends together. F. J. Harris, On the use of windows
+    for harmonic analysis with the discrete Fourier transform, Proc. IEEE 66, 51 (1978).
     """
     from scipy.signal.windows import tukey  # slow to import
 
@@ -103,7 +84,7 @@ def windowed(heights: np.ndarray, share: float) -> np.ndarray:
 
 
 def lowpassed(heights: np.ndarray, grid: Grid, shortest: float) -> np.ndarray:
-    """Heights without the waves that are shorter than a wavelength (m), all others as they are."""
+    """Remove the waves that are shorter than a wavelength (m)."""
     # A wave on the limit stays, whatever the rounding of 2π.
     keep = grid.wavenumber <= 2 * np.pi / shortest * (1 + 1e-9)
     return fourier.synthesise(fourier.transform(heights) * keep, heights.shape)

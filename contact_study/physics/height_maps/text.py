@@ -176,7 +176,7 @@ def _numbers(path: Path, lines: Sequence[str]) -> np.ndarray:
             table = np.loadtxt(lines, ndmin=2, delimiter=separator)
         except ValueError as error:
             words = next((line for line in lines if line.strip()[:1] not in ("", "#") and not _NUMBER.match(line)), "")
-            # After a semicolon NumPy names arguments of its own.
+            # NumPy's own arguments follow a semicolon.
             reason = str(error).partition(";")[0]
             raise ValueError(f"it has the line {words.strip()[:_SHOWN]!r}" if words else reason) from None
     if not table.size:
@@ -210,7 +210,7 @@ def _separation(path: Path, lines: Sequence[str]) -> tuple[str | None, str]:
 
 
 def _may_be_decimal(rows: Sequence[Sequence[str]]) -> bool:
-    """Whether every second of these cells may be the digits behind a decimal comma.
+    """Test whether every second cell may be the digits behind a decimal comma.
 
     Many unsigned integers are taken for what they are where both halves have the same lengths and none begins with 0.
     """

@@ -45,7 +45,7 @@ LAWS: dict[str, type[TractionLaw]] = {
 
 
 def make_law(name: str, work_of_adhesion: float, length: float, **own: float) -> TractionLaw:
-    """The law called ``name`` in a study file, with Δγ (J/m²), its length (m) and fields of its own.
+    """Make the law called ``name`` in a study file from Δγ (J/m²), its length (m) and its further fields.
 
     A hard wall has none of these, a soft repulsion no Δγ; a tabulated law is made by :meth:`TabulatedLaw.through`.
 

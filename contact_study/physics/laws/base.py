@@ -1,4 +1,4 @@
-"""What every traction-separation law says of itself."""
+"""The traction-separation law: its energy, and all that follows from it by derivatives and search."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable
@@ -10,14 +10,14 @@ import numpy as np
 
 from contact_study.numerics.arguments import positive
 
-# Steps of the numerical derivatives, in units of the law's length: along the imaginary axis nothing cancels; along the
-# real one truncation (of fourth order) and rounding stay below 1e-9 of the curvature.
+# Steps of the numerical derivatives, in units of the law's length: nothing cancels along the imaginary axis; along the
+# real one truncation (fourth order) and rounding stay below 1e-9 of the curvature.
 _IMAGINARY_STEP, _REAL_STEP = 1e-30, 3e-4
-# Gaps, in units of the law's length, among which its characteristic points are looked for.
+# Gaps, in units of the law's length, that bracket its characteristic points.
 _SAMPLES = np.geomspace(1e-2, 1e2, 4001)
-# Halvings and Newton steps that find a gap from its traction; half of them would do for a power law.
+# Halvings and Newton steps that find a gap from its traction; a power law needs half of them.
 _INVERSE_STEPS = 100
-# Lengths of a law beyond which, or shares of one below which, no gap is looked for.
+# Largest gap that is searched over the law's length, and inverse of the smallest.
 _FARTHEST = 1e100
 # Gap below which points count as contact unless a study says otherwise, in units of the law's length.
 CONTACT_DISTANCE = 2 ** (1 / 6)
@@ -61,6 +61,12 @@ class TractionLaw(ABC):
     ------
     ValueError
         If work of adhesion or length is not a positive finite number.
+
+    Examples
+    --------
+    >>> from bem_adhesion import Morse, TractionLaw
+    >>> issubclass(Morse, TractionLaw)
+    True
     """
 
     has_wall: ClassVar[bool] = False
@@ -195,7 +201,7 @@ class TractionLaw(ABC):
     def scaled(self, length: float, stress: float) -> "TractionLaw":
         """The same law in other units: lengths divided by ``length`` (m), stresses by ``stress`` (Pa).
 
-        A law with lengths of its own names them in ``own_lengths``.
+        Further lengths of a law are scaled by their names in ``own_lengths``.
         """
         lengths = {name: getattr(self, name) / length for name in ("length", *self.own_lengths)}
         return replace(self, work_of_adhesion=self.work_of_adhesion / (length * stress), **lengths)

@@ -31,6 +31,12 @@ class Dugdale(TractionLaw):
         Reach h of the tension (m).
     ramp : float, optional
         Width w of the end of the tension over its reach.
+
+    Examples
+    --------
+    >>> from bem_adhesion import Dugdale
+    >>> f"{Dugdale(0.05, 1e-9).peak_tensile_stress:.3g}"
+    '5e+07'
     """
 
     has_wall = True
@@ -92,6 +98,12 @@ class DugdaleCore(CoredLaw):
         Equilibrium distance, reach of the tension and decay length of the repulsion (m).
     ramp : float, optional
         Width of the end of the tension over its reach.
+
+    Examples
+    --------
+    >>> from bem_adhesion import DugdaleCore
+    >>> DugdaleCore(0.05, 3e-10, 1e-9, 3e-11).equilibrium_distance
+    3e-10
     """
 
     title = "Dugdale with a core"

@@ -20,6 +20,12 @@ class Exponential(TractionLaw):
         Δγ (J/m²).
     length : float
         Range ρ (m).
+
+    Examples
+    --------
+    >>> from bem_adhesion import Exponential
+    >>> f"{Exponential(0.05, 1e-9).peak_tensile_stress:.3g}"
+    '5e+07'
     """
 
     has_wall = True
@@ -43,6 +49,12 @@ class ExponentialCore(CoredLaw):
         Δγ (J/m²).
     length, range, core : float
         Equilibrium distance d0, range ρ of the attraction and decay length c < ρ of the repulsion (m).
+
+    Examples
+    --------
+    >>> from bem_adhesion import ExponentialCore
+    >>> ExponentialCore(0.05, 3e-10, 1e-9, 3e-10).equilibrium_distance
+    3e-10
     """
 
     title = "exponential with a core"

@@ -21,6 +21,12 @@ class LennardJones(TractionLaw):
     ----------
     exponent : int
         m, three to five: with which power of the distance the attraction falls.
+
+    Examples
+    --------
+    >>> from bem_adhesion import LennardJones, LennardJones93
+    >>> issubclass(LennardJones93, LennardJones)
+    True
     """
 
     exponent: ClassVar[int]
@@ -99,6 +105,12 @@ class LennardJones104(LennardJones):
         Δγ (J/m²).
     length : float
         Equilibrium distance r0, the zero of the pair potential (m).
+
+    Examples
+    --------
+    >>> from bem_adhesion import LennardJones104
+    >>> LennardJones104(0.05, 3e-10).equilibrium_distance
+    3e-10
     """
 
     title = "10-4"
@@ -120,6 +132,12 @@ class LennardJones93(LennardJones):
         Δγ (J/m²).
     length : float
         Equilibrium distance z0 (m).
+
+    Examples
+    --------
+    >>> from bem_adhesion import LennardJones93
+    >>> LennardJones93(0.05, 3e-10).equilibrium_distance
+    3e-10
     """
 
     title = "9-3"

@@ -20,6 +20,12 @@ class Morse(TractionLaw):
         Δγ (J/m²).
     length, range : float
         Equilibrium distance d0 and range w of the attraction (m).
+
+    Examples
+    --------
+    >>> from bem_adhesion import Morse
+    >>> f"{Morse(0.05, 3e-10, 1e-10).peak_tensile_stress:.3g}"
+    '2.5e+08'
     """
 
     title = "Morse"

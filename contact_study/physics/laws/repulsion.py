@@ -20,6 +20,12 @@ class HardWall(TractionLaw):
     ----------
     work_of_adhesion, length : float, optional
         Zero.
+
+    Examples
+    --------
+    >>> from bem_adhesion import HardWall
+    >>> HardWall().attracts
+    False
     """
 
     has_wall = True
@@ -71,6 +77,12 @@ class Repulsive(TractionLaw):
         Gap z0 at which the repulsion begins (m).
     repulsion : float
         U, the work of adhesion of the 9-3 law (J/m²).
+
+    Examples
+    --------
+    >>> from bem_adhesion import Repulsive
+    >>> Repulsive(0.0, 3e-10, 0.05).contact_distance
+    3e-10
     """
 
     attracts = False

@@ -36,6 +36,14 @@ class TabulatedLaw(TractionLaw):
     ----------
     gaps, tractions : numpy.ndarray, shape (points,)
         The table (m, Pa).
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from bem_adhesion import LennardJones104, TabulatedLaw
+    >>> gap, law = np.geomspace(2e-10, 3e-9, 200), LennardJones104(0.05, 3e-10)
+    >>> f"{TabulatedLaw.through(gap, law.traction(gap)).work_of_adhesion:.3f}"
+    '0.050'
     """
 
     title = "tabulated"
@@ -95,7 +103,7 @@ class TabulatedLaw(TractionLaw):
     def _end(self) -> tuple[float, float, float]:
         """Last gap, its tension, and the length over which that fades.
 
-        No longer than from the peak to there: tensions that hardly fall between the last points, or are rounded to one
+        At most the distance from the peak: tensions that hardly fall between the last points, or are rounded to one
         number, would fade over any length.
         """
         gap, tension = float(self.gaps[-1]), float(self.tractions[-1])
@@ -190,7 +198,7 @@ class TabulatedLaw(TractionLaw):
 
 
 def _check(gap: np.ndarray, traction: np.ndarray) -> None:
-    """Whether a table is a law; each fault in one line."""
+    """Raise ValueError, in one line, for a table that is no law."""
     if gap.ndim != 1 or gap.shape != traction.shape or gap.size < _FEWEST_POINTS:
         raise ValueError(f"needs at least {_FEWEST_POINTS} gaps, and as many tractions as gaps")
     if not (np.all(np.isfinite(gap)) and np.all(np.isfinite(traction))):
@@ -217,7 +225,7 @@ def _check(gap: np.ndarray, traction: np.ndarray) -> None:
             f"repels again at a gap of {at:g} m: there may be one distance of zero stress, no more; smooth the "
             "measurement there, or end the table before"
         )
-    # Solvers take surfaces pulled past the peak to part for good, and to be out of reach where the tension is gone.
+    # Solvers take surfaces pulled past the peak to detach, and to be out of reach where the tension is gone.
     peak = int(np.argmax(traction))
     rises = np.diff(traction) > 0
     strays = np.flatnonzero(np.concatenate([np.diff(traction[first : peak + 1]) < 0, rises[peak:]]))

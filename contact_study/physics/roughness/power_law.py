@@ -13,8 +13,8 @@ _HURST = np.linspace(-1.0, 2.0, 301)
 _TAIL_POWERS = np.linspace(0.0, 8.0, 33)
 # A self-affine range is nothing below an octave.
 _SHORTEST_RANGE = BANDS_PER_OCTAVE
-# How far C of a real surface departs from any law, of its own size. Without it the thousands of waves of the shortest
-# bands, known to a per cent, would decide alone.
+# Relative departure of C of a real surface from any law. Without it the thousands of waves of the shortest bands,
+# known to a per cent, would decide alone.
 _DEPARTURE = 0.1
 
 
@@ -75,7 +75,7 @@ def self_affine_fit(spectrum: PowerSpectrum, limits: tuple[float, float] | None 
     """The self-affine law of a spectrum by likelihood, each wave's power being exponentially distributed about C.
 
     That is the distribution of |h_q|² on a Gaussian surface (Whittle's likelihood of a spectrum); a band counts as
-    no more waves than its C is known by, see ``_DEPARTURE``. Beyond the cutoff C is a power law of its own: next to
+    no more waves than its C is known by, see ``_DEPARTURE``. Beyond the cutoff C is another power law: next to
     nothing, the flat floor of a measurement, or what edges leave. Roll-off and cutoff are those of the largest
     likelihood, and taken for real only where they raise it by more than their number asks for (Schwarz' criterion).
     H is the mean over all limits by their likelihood and its uncertainty the standard deviation, so that limits which
@@ -101,7 +101,7 @@ def self_affine_fit(spectrum: PowerSpectrum, limits: tuple[float, float] | None 
     waves = _weights(spectrum)
     # What rounding of a transform leaves of nothing.
     power = np.maximum(spectrum.density / spectrum.density.max(), 1e-30)
-    own = waves * (np.log(power) + 1)  # cost of bands that have a C of their own
+    own = waves * (np.log(power) + 1)  # cost of bands that no law covers
     number, tail = np.cumsum(waves), _tails(q, waves, power)
     penalty = 0.5 * np.log(number[-1])
     tried, costs = [], []
@@ -111,7 +111,7 @@ def self_affine_fit(spectrum: PowerSpectrum, limits: tuple[float, float] | None 
         level, curve = np.cumsum(waves * power / shape, axis=1), np.cumsum(waves * np.log(shape), axis=1)
         for end in range(q.size - 1 if known else start + _SHORTEST_RANGE, q.size):
             cost = curve[:, end] + number[end] * (np.log(level[:, end] / number[end]) + 1) + penalty * (start > 0)
-            if end + 1 < q.size:  # the band that the cutoff divides has a C of its own
+            if end + 1 < q.size:  # the cutoff divides a band, which no law covers
                 cost = cost + own[end + 1] + 2 * penalty
             if end + 2 < q.size:
                 cost = cost + tail[end + 2] + 2 * penalty

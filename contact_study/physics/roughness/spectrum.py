@@ -20,7 +20,14 @@ _PIECES = 200
 
 
 class RoughnessSpectrum(ABC):
-    """What the theories ask of a spectrum, continuous or discrete."""
+    """A roughness spectrum, continuous or discrete, by its moments.
+
+    Examples
+    --------
+    >>> from theory import RoughnessSpectrum, SelfAffineSpectrum
+    >>> issubclass(SelfAffineSpectrum, RoughnessSpectrum)
+    True
+    """
 
     @property
     @abstractmethod
@@ -124,6 +131,12 @@ class SelfAffineSpectrum(RoughnessSpectrum):
     ------
     ValueError
         If the wavevectors are out of order, the height is not positive or the exponent is not from 0 to 1.
+
+    Examples
+    --------
+    >>> from theory import SelfAffineSpectrum
+    >>> f"{SelfAffineSpectrum(0.8, 1e-9, 1e6, 1e6, 1e9).rms_slope:.3f}"
+    '0.008'
     """
 
     hurst_exponent: float
@@ -219,6 +232,13 @@ class RadialSpectrum(RoughnessSpectrum):
     ------
     ValueError
         If there is no shell, the wavevectors do not increase from above zero or a variance is negative or no number.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from theory import RadialSpectrum
+    >>> f"{RadialSpectrum(np.array([1e6, 2e6]), np.array([1e-18, 1e-18])).rms_height:.3g}"
+    '1.41e-09'
     """
 
     wavevectors: np.ndarray
@@ -303,7 +323,7 @@ def radial_spectrum(heights: np.ndarray, grid: Grid) -> RadialSpectrum:
 
 
 def spectrum_of(height: np.ndarray, size: float | Sequence[float]) -> RadialSpectrum:
-    """Spectrum of a height array.
+    """Calculate the spectrum of a height array.
 
     Parameters
     ----------
@@ -312,10 +332,22 @@ def spectrum_of(height: np.ndarray, size: float | Sequence[float]) -> RadialSpec
     size : float or pair of float
         Periods along y and x; one number is both (m).
 
+    Returns
+    -------
+    RadialSpectrum
+
     Raises
     ------
     ValueError
         If the heights are no array of finite numbers, or flat, or a period is not a positive number.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from theory import spectrum_of
+    >>> wave = np.cos(2 * np.pi * np.arange(8) / 8)
+    >>> spectrum_of(np.tile(1e-9 * wave, (8, 1)), 1e-6).wavevectors.size
+    1
     """
     heights = field("height", height)
     if np.ptp(heights) == 0:

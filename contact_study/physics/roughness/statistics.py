@@ -1,4 +1,4 @@
-"""What a surface is like: its moments, its power spectrum and the self-affine law that fits it best."""
+"""Description of a surface: its moments, its power spectrum and the self-affine law that fits it best."""
 
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -60,10 +60,10 @@ class Roughness:
 
     @property
     def noise(self) -> tuple[float, float]:
-        """Of the waves shorter than four points: the power of q in C, and their share in the mean square slope.
+        """Power of q in C for waves shorter than four points, and their fraction of the mean square slope.
 
-        Noise of single pixels is white, power 0; a self-affine surface has −2 to −4. Of less than four octaves, in
-        which short waves may be all that there is, nothing is said: −∞ and 0.
+        Noise of single pixels is white, power 0; a self-affine surface has −2 to −4. The result is −∞ and 0 below four
+        octaves, where short waves may be all of the surface.
         """
         q, density, waves = self.spectrum.wavevectors, self.spectrum.density, self.spectrum.waves
         slopes = q**2 * density * waves
@@ -94,7 +94,7 @@ def roughness_of(heights: np.ndarray, grid: Grid, made_by: tuple[float, float] |
         first, last = np.take(heights, [0, -1], axis=axis).swapaxes(0, axis)
         jumps.append(float(np.sqrt(np.mean((first - last) ** 2))))
         inside.append(float(np.sqrt(np.mean(np.diff(heights, axis=axis) ** 2))))
-    # Along an axis without any height of its own rounding is no jump.
+    # Rounding along an axis without height is no jump.
     negligible = 1e-9 * float(np.ptp(heights))
     pairs = zip(jumps, inside, strict=True)
     ratios = [jump / max(step, negligible) if jump > negligible else 0.0 for jump, step in pairs]

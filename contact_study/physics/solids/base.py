@@ -1,4 +1,4 @@
-"""What every elastic solid offers to the solvers and theories: the stiffness K(q) of a wave of its surface."""
+"""The elastic solid, as solvers and theories see it: the stiffness K(q) of a wave of its surface."""
 
 import math
 from abc import ABC, abstractmethod
@@ -15,8 +15,8 @@ from contact_study.numerics.grid import Grid
 class Elasticity(ABC):
     """Linear response of a block's flat surface to a frictionless normal pressure, wave by wave.
 
-    A pressure p of wavenumber q displaces the surface by p/K(q), along the pressure. Solvers and theories know a block
-    by this function alone. A subclass gives :meth:`stiffness`; what further lengths it has follow in :meth:`scaled`.
+    A pressure p of wavenumber q displaces the surface by p/K(q), along the pressure. A subclass gives
+    :meth:`stiffness`, and scales its further lengths in :meth:`scaled`.
 
     Parameters
     ----------
@@ -32,6 +32,12 @@ class Elasticity(ABC):
     ----------
     on_any_grid : bool
         Whether K is known at the waves of any grid, of part of a surface for one.
+
+    Examples
+    --------
+    >>> from contact_study.physics.solids import Elasticity, HalfSpace
+    >>> isinstance(HalfSpace(1e9), Elasticity)
+    True
     """
 
     on_any_grid: ClassVar[bool] = True
@@ -71,7 +77,7 @@ class Elasticity(ABC):
         return self.mean_compliance * mean_pressure if self.mean_compliance else 0.0
 
     def compression_energy(self, mean_pressure: float) -> float:
-        """What that movement stores, per area (J/m²)."""
+        """Energy of that movement per area (J/m²)."""
         return 0.5 * self.compression(mean_pressure) * mean_pressure if self.mean_compliance else 0.0
 
     def stiffness_on(self, grid: Grid) -> np.ndarray:

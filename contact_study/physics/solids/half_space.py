@@ -19,6 +19,12 @@ class HalfSpace(Elasticity):
     ----------
     contact_modulus : float
         E* = E/(1 − ν²) (Pa).
+
+    Examples
+    --------
+    >>> from contact_study.physics.solids import HalfSpace
+    >>> f"{float(HalfSpace(1e9).stiffness(1e7)):.3g}"
+    '5e+15'
     """
 
     def stiffness(self, wavenumber: np.ndarray | float) -> np.ndarray:
@@ -50,6 +56,12 @@ class Viscoelastic(HalfSpace):
     ------
     ValueError
         If a number is not positive, or there are not as many times as moduli.
+
+    Examples
+    --------
+    >>> from contact_study.physics.solids import Viscoelastic
+    >>> f"{float(Viscoelastic(1e9, (9e9,), (1.0,)).stiffness(1e7)):.3g}"
+    '5e+15'
     """
 
     branch_moduli: tuple[float, ...]

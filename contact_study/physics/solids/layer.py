@@ -20,8 +20,8 @@ def check_poissons_ratio(name: str, value: float) -> None:
 class Layer(Elasticity):
     """A homogeneous isotropic layer bonded to a rigid base.
 
-    A layer 0 < z < d whose lower face is held, and whose upper face feels a normal pressure p of wavenumber q and no
-    shear, is displaced there by 2p/(E* q) times
+    A normal pressure p of wavenumber q, without shear, displaces the upper face of a layer 0 < z < d, whose lower face
+    is held, by 2p/(E* q) times
 
         S = [(3−4ν) sinh 2qd − 2qd] / [(3−4ν) cosh 2qd + 2(qd)² + 5 − 12ν + 8ν²]:
 
@@ -42,6 +42,12 @@ class Layer(Elasticity):
     ------
     ValueError
         If a number is not possible.
+
+    Examples
+    --------
+    >>> from contact_study.physics.solids import Layer
+    >>> f"{float(Layer(1e9, 0.4, 1e-6).stiffness(1e7)):.3g}"
+    '5e+15'
     """
 
     poissons_ratio: float
@@ -89,8 +95,8 @@ def _sinh_less_argument(y: np.ndarray) -> np.ndarray:
 class Layered(Elasticity):
     """A homogeneous isotropic layer bonded to a half-space of another material: coatings, oxides, skins.
 
-    A layer 0 < z < d of shear modulus μ and Poisson's ratio ν on a half-space of μ_b, ν_b, whose upper face feels a
-    normal pressure p of wavenumber q and no shear, is displaced there by 2p/(E* q) times
+    A normal pressure p of wavenumber q, without shear, displaces the upper face of a layer 0 < z < d (shear modulus μ,
+    Poisson's ratio ν) on a half-space (μ_b, ν_b) by 2p/(E* q) times
 
         S = [1 + 4 m qd e^(−2qd) − m n e^(−4qd)] / [1 − (m + n + 4 m (qd)²) e^(−2qd) + m n e^(−4qd)],
 
@@ -116,6 +122,12 @@ class Layered(Elasticity):
     ------
     ValueError
         If a number is not possible.
+
+    Examples
+    --------
+    >>> from contact_study.physics.solids import Layered
+    >>> f"{float(Layered(1e9, 0.4, 1e-6, 1e11, 0.3).stiffness(1e7)):.3g}"
+    '5e+15'
     """
 
     poissons_ratio: float

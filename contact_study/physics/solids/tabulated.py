@@ -33,6 +33,12 @@ class Measured(Elasticity):
     ------
     ValueError
         If the table is no stiffness.
+
+    Examples
+    --------
+    >>> from contact_study.physics.solids import Measured
+    >>> f"{float(Measured(1e9, [1e6, 1e8], [5e14, 5e16]).stiffness(1e7)):.3g}"
+    '5e+15'
     """
 
     wavenumbers: Sequence[float] | np.ndarray
@@ -84,6 +90,15 @@ class Tabulated(Elasticity):
     ------
     ValueError
         If the table does not fit the grid or holds what is no stiffness.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from contact_study.numerics.grid import Grid
+    >>> from contact_study.physics.solids import Tabulated
+    >>> grid = Grid((4, 4), (1e-6, 1e-6))
+    >>> Tabulated(1e9, grid, np.ones(grid.spectrum_shape)).stiffness_on(grid).shape
+    (4, 3)
     """
 
     on_any_grid = False

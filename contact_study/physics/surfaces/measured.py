@@ -33,7 +33,7 @@ class MeasuredMap:
     unit : str
         Unit that the heights were taken to be in, and who says so.
     sample : Roughness
-        What it is like by itself, before its edges were joined or faded.
+        Description of the map before its edges were joined or faded.
     """
 
     heights: np.ndarray
@@ -44,7 +44,7 @@ class MeasuredMap:
 
     @cached_property
     def roughness(self) -> Roughness:
-        """What it is like, repeated."""
+        """Description of the map repeated periodically."""
         return roughness_of(self.heights, self.grid)
 
 
@@ -165,7 +165,7 @@ class MapPreparation:
 
 
 def measured_surface(found: MeasuredMap, shape: tuple[int, int] | None) -> MeasuredSurface:
-    """Make the trigonometric polynomial through a map, on a continuum grid of its own or another shape."""
+    """Make the trigonometric polynomial through a map, on the map's continuum grid or one of another shape."""
     native = found.grid.shape
     return MeasuredSurface(found.grid.size, shape or native, None, fourier.transform(found.heights), native, found)
 

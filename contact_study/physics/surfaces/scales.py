@@ -1,7 +1,6 @@
-"""What a study alone says of a surface's heights and slopes, before any surface is made.
+"""Scales of a surface that follow from the study alone, before a surface is made.
 
-Every realisation of a random surface gets the same numbers, so that what is chosen from them, such as the bins of the
-distributions, is equal for all seeds.
+They are the same for all realisations of a random surface, and so are the bins of distributions that depend on them.
 """
 
 from dataclasses import dataclass, field
@@ -37,9 +36,9 @@ class SurfaceScales:
     lost : tuple of float or None
         Height and slope of a map, as above, on a ``shape`` that cannot carry all of its waves.
     measured, sample : Roughness or None
-        What a map from a file is like, repeated and by itself.
+        Description of a map from a file, repeated and alone.
     unit : str
-        Unit that the heights of a map were taken to be in, and who says so.
+        Unit of the heights of a map, and its source.
     filled : float
         Fraction of its points that were missing and filled.
     apex_curvature : float or None

@@ -62,13 +62,13 @@ class Surface(ABC):
 
     @cached_property
     def roughness(self) -> Roughness:
-        """What this surface is like: of a measured one its map, of all others the continuum grid."""
+        """Description of this surface on the continuum grid, of a measured one on the grid of its map."""
         target = self.spectrum
         return roughness_of(self.sampled, self.grid, None if target is None else (target.roll_off, target.cutoff))
 
     @property
     def sample(self) -> Roughness:
-        """The same but for what the edges of a measured map make of it."""
+        """Description without the effect of the edges of a measured map."""
         return self.roughness
 
     @property

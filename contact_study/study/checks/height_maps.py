@@ -1,6 +1,6 @@
-"""What a study takes a surface to be, in words, and what of a measured map should not be so.
+"""Description of the surface of a study, and warnings of a measured map.
 
-Criteria, each a ratio or a size that no surface of use has:
+Criteria of the warnings, each a ratio or a size that no useful surface has:
 
 - **edges**: heights differ across an edge of the cell :data:`JUMP` times as much as from line to line inside. A
   periodic surface has 1, for scatter rarely more than 2; a map cut from a larger surface tens.
@@ -29,14 +29,9 @@ NOISE_POWER, NOISE_SHARE = -1.0, 0.1
 
 
 def described(roughness: Roughness, sample: Roughness, filled: float = 0.0) -> list[str]:
-    """What a surface was taken to be, a few lines.
+    """Describe a surface, repeated and alone (without the edges of a map), in a few lines.
 
-    Parameters
-    ----------
-    roughness, sample : Roughness
-        What it is like repeated, and by itself: without what the edges of a map add.
-    filled : float, optional
-        Share of the points of a map that were missing.
+    ``filled`` is the fraction of the points of a map that were missing.
     """
     grid, fit = roughness.grid, sample.fit
     lines = [
@@ -55,7 +50,7 @@ def described(roughness: Roughness, sample: Roughness, filled: float = 0.0) -> l
 
 
 def law_in_words(fit: SelfAffineFit) -> str:
-    """Hurst exponent of a law with its uncertainty, or what it is in place of self-affine."""
+    """Write the Hurst exponent of a law with its uncertainty, or the power of q of one that is not self-affine."""
     hurst, error = fit.hurst_exponent, fit.uncertainty
     if hurst + error >= 0 and hurst - error <= 1:
         return f"Hurst exponent {hurst:.2f} ± {error:.2f}"
@@ -64,7 +59,7 @@ def law_in_words(fit: SelfAffineFit) -> str:
 
 
 def map_warnings(path: str, scales: SurfaceScales) -> list[str]:
-    """What of a measured map looks wrong; each line says what to do."""
+    """Warn of a measured map that looks wrong; each line says what to do."""
     found, sample, notes = scales.measured, scales.sample, []
     if found is None or sample is None:
         return []

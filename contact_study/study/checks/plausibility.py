@@ -1,8 +1,8 @@
-"""Whether a study can mean what it says: numbers that do not fit each other, named before any work starts.
+"""Plausibility of a study: numbers that do not fit each other, named before any work starts.
 
-Every criterion is a ratio of the study's own scales, so that no unit, material or size is favoured:
+Every criterion is a ratio of the study's scales, so that no unit, material or size is favoured:
 
-- **slope** √<|∇h|²>. Linear elasticity of a half-space is an expansion in it. Above 1 the study goes on with a
+- **slope** √<|∇h|²>. Linear elasticity of a half-space is an expansion in it. Above 1 the study runs with a
   warning, above 100 (a surface steeper than 89°) heights and lateral size cannot belong together.
 - **squeeze**: the distance at which the law's repulsion carries the stress of the contact, over the law's length. That
   stress is the deviation in full contact, of a half-space half of E* times the slope, or the applied pressure if that
@@ -42,7 +42,7 @@ SAME_MODULUS = 2.0
 
 
 def review(study: Study) -> list[str]:
-    """Warnings for the user, each once for the whole study.
+    """Check a study; return warnings for the user, each once.
 
     Raises
     ------
@@ -92,7 +92,7 @@ def _slopes(pairs: list[tuple[Case, SurfaceScales]]) -> list[str]:
 
 
 def _loads(cases: Sequence[Case]) -> list[str]:
-    """Pressures above the contact modulus, which no elastic solid carries by small strains."""
+    """Warn of pressures above the contact modulus, which no elastic solid carries at small strains."""
     pressed = [case for case in cases if case.loading.control == "pressure"]
     heavy = [case for case in pressed if max(case.loading.path) > case.solid.contact_modulus]
     if not heavy:
@@ -149,7 +149,7 @@ def _waves(scale: SurfaceScales) -> tuple[float, float]:
 
 
 def _missing_waves(pairs: list[tuple[Case, SurfaceScales]]) -> list[str]:
-    """Where a table of the stiffness leaves out waves of the grid."""
+    """Warn of a table of the stiffness that leaves out waves of the grid."""
     found = []
     for case, scale in pairs:
         if isinstance(case.solid, Measured):
@@ -168,7 +168,7 @@ def _missing_waves(pairs: list[tuple[Case, SurfaceScales]]) -> list[str]:
 
 
 def _other_moduli(pairs: list[tuple[Case, SurfaceScales]]) -> list[str]:
-    """Where a table of the stiffness is, at the grid's shortest wave, that of another solid than the material."""
+    """Warn of a table of the stiffness that differs from the material at the grid's shortest wave."""
     found = []
     for case, scale in pairs:
         if isinstance(case.solid, Measured):
@@ -189,7 +189,7 @@ def _other_moduli(pairs: list[tuple[Case, SurfaceScales]]) -> list[str]:
 
 
 def _maps(pairs: list[tuple[Case, SurfaceScales]]) -> list[str]:
-    """One line for each map that the continuum's grid cannot carry."""
+    """Warn of each map that the continuum's grid cannot carry."""
     notes = {}
     for case, scale in pairs:
         height, slope = scale.lost or (scale.rms_height, scale.rms_slope)

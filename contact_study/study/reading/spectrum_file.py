@@ -10,8 +10,8 @@ import numpy as np
 
 from contact_study import units
 from contact_study.errors import InputError
+from contact_study.files import refuse_endless
 from contact_study.physics.roughness.tabulated_spectrum import TabulatedSpectrum
-from contact_study.regular_files import refuse_endless
 from contact_study.study.reading.tables import numbers_of, text_of
 
 if TYPE_CHECKING:
@@ -36,7 +36,7 @@ _ROUNDING = 1e-20
 def read_spectrum(
     path: Path | str, wavevector_unit: str | None = None, density_unit: str | None = None
 ) -> TabulatedSpectrum:
-    """A spectrum from a file.
+    """Read a roughness spectrum from a file.
 
     Parameters
     ----------
@@ -48,10 +48,19 @@ def read_spectrum(
     wavevector_unit, density_unit : str, optional
         Units where the file is silent.
 
+    Returns
+    -------
+    TabulatedSpectrum
+
     Raises
     ------
     InputError
         If there is no such file, a unit is missing, unknown or not that of the quantity, or there is no spectrum in it.
+
+    Examples
+    --------
+    >>> from theory import read_spectrum
+    >>> spectrum = read_spectrum("psd.csv", "nm^-1", "nm^4")  # doctest: +SKIP
     """
     return TabulatedSpectrum(*_columns(Path(path), "path", (wavevector_unit, density_unit)))
 
@@ -156,7 +165,7 @@ def _is_number(line: str) -> bool:
 
 
 def _units_in(header: str) -> list[str]:
-    """What stands in brackets."""
+    """Texts in brackets."""
     return re.findall(r"[(\[]\s*([^()\[\]]+?)\s*[)\]]", header)
 
 

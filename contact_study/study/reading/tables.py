@@ -9,7 +9,7 @@ import numpy as np
 
 from contact_study import units
 from contact_study.errors import InputError
-from contact_study.regular_files import refuse_endless
+from contact_study.files import refuse_endless
 
 # Letters of a line that a message shows.
 _SHOWN = 40
@@ -86,7 +86,7 @@ def numbers_of(rows: Sequence[tuple[int, str]], where: str, separator: str) -> n
 
 
 def _size(key: str, unit: str, si: str) -> float:
-    """What a unit, given by a key, is in SI."""
+    """Size in SI of a unit that a key names."""
     try:
         return units.quantity(f"1 {unit}", si, key)
     except InputError:

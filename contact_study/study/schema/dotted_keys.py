@@ -63,10 +63,10 @@ def read(dotted: str, value: Any, where: str = "") -> Any:
 
 
 def is_sweep(dotted: str, value: Any, several: Any) -> bool:
-    """Whether a value is none of its key, but the list that it stands for one of such values."""
+    """Test whether a value is a list of values for a key that takes one."""
     if not isinstance(several, list) or not several:
         return False
-    if _reads(dotted, value) or _reads(dotted, several[:1]):  # a key of lists is told what is wrong with this one
+    if _reads(dotted, value) or _reads(dotted, several[:1]):  # a list for a key of lists has its own message
         return False
     return all(_reads(dotted, one) for one in several)
 
@@ -79,7 +79,7 @@ def _reads(dotted: str, value: Any) -> bool:
 
 
 def same(one: Any, other: Any) -> bool:
-    """Whether two values of a key are equal but for the rounding of a unit's conversion."""
+    """Compare two values of a key up to the rounding of a unit's conversion."""
     if isinstance(one, float) and isinstance(other, float):
         return math.isclose(one, other, rel_tol=1e-12)
     if isinstance(one, tuple) and isinstance(other, tuple):

@@ -22,7 +22,7 @@ class ElasticitySection(ABC):
     words : str
         The solid in a sentence, before its constants; a name in braces is replaced by the values of that key.
     may_be_free : bool
-        Whether its surface may go on beyond the rigid one instead of being repeated with it.
+        Whether its surface may extend beyond the rigid one instead of being repeated with it.
     makes : type or None
         Class whose objects a Python study may give in place of these keys.
     """
@@ -34,7 +34,7 @@ class ElasticitySection(ABC):
     kind: str = key(text(), "what solid the block is", "half_space")
     boundary: str = key(
         choice("periodic", "free"),
-        "whether surface and block are repeated, or the surface ends with its cell and the block goes on (continuum)",
+        "surface and block repeated periodically, or the surface of one cell on a half-space",
         "periodic",
     )
 
@@ -252,9 +252,18 @@ def register_solid(kind: str, section: type[ElasticitySection]) -> None:
     section : type
         Frozen dataclass of its keys, whose method ``solid`` makes the solid of a material.
 
+    Returns
+    -------
+    None
+
     Raises
     ------
     ValueError
         If there is another solid of that name, or a key is taken for another unit.
+
+    Examples
+    --------
+    >>> import contact_study
+    >>> contact_study.register_solid("stiff", StiffSection)  # doctest: +SKIP
     """
     ELASTICITIES.register(kind, section)

@@ -16,7 +16,7 @@ LENGTH, AUTO = "interaction.length", "auto"
 
 @dataclass(frozen=True, kw_only=True)
 class InteractionSection:
-    """The keys that every law shares; a law with keys of its own, or other checks, has a subclass."""
+    """The keys that every law shares; a law with further keys or checks has a subclass."""
 
     law: str = key(text(), "traction-separation law of the continuum", "lennard_jones_10_4")
     well_depth: float | None = key(
@@ -26,8 +26,7 @@ class InteractionSection:
     well_depth_ratio: float = key(quantity("1", positive=True), "multiplies well_depth or work_of_adhesion", 1.0)
     length: float | None = key(
         or_word(quantity("m", positive=True), AUTO),
-        "the law's length: distance of zero stress (laws with a core; 10-4: r0 of the pairs, 9-3: z0), range "
-        "(exponential wall), reach (Dugdale); auto: the longest that leaves contacts JKR-like",
+        "equilibrium distance, range or reach of the law; auto: longest of JKR-like contacts",
         None,
     )
     contact_distance: float | None = key(
@@ -98,7 +97,7 @@ class PlainSmooth(PlainAdhesion, SmoothInteraction):
 
 @dataclass(frozen=True, kw_only=True)
 class HardWallInteraction(InteractionSection):
-    """A hard wall has no number of its own."""
+    """A hard wall has no numbers."""
 
     def make_law(self, work_of_adhesion: float) -> HardWall:
         return HardWall()
@@ -266,6 +265,10 @@ def register_law(name: str, law: type[TractionLaw], section: type[InteractionSec
         A frozen dataclass; its fields beyond Δγ and length are keys of the section.
     section : type, optional
         Frozen dataclass of its keys. Without one it has ``work_of_adhesion``, ``length`` and ``contact_distance``.
+
+    Returns
+    -------
+    None
 
     Raises
     ------

@@ -136,7 +136,7 @@ def name_or_number() -> Reader:
 
 
 def or_word(reader: Reader, word: str) -> Reader:
-    """What another reader reads, or one word in its place, which is left as it is."""
+    """A value of another reader, or one word in its place."""
     read_other, kind = reader
     return lambda value, name: value if value == word else read_other(value, name), kind
 
@@ -277,7 +277,7 @@ class TaggedUnion:
         ]
 
     def has(self, table: Mapping[str, Any], name: str) -> bool:
-        """Whether the kind that a table names has a key."""
+        """Test whether the kind that a table names has a key."""
         section = self.section_of(table)
         return section is None or name in keys_of(section)
 

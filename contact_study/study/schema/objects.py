@@ -36,7 +36,7 @@ def with_keys(study: Mapping[str, Any]) -> dict[str, Any]:
     if solid is not None:
         material = found.get("material", {})
         if "youngs_modulus" in material:
-            raise InputError("material.youngs_modulus: elasticity is an object with a modulus of its own; leave it out")
+            raise InputError("material.youngs_modulus: elasticity is an object with its modulus; leave it out")
         for name in _CONSTANTS:
             if f"material.{name}" in found.get("sweep", {}):
                 raise InputError(f"sweep.material.{name}: elasticity is an object of one material")

@@ -23,7 +23,7 @@ from contact_study.units import is_a, unit_of
 
 @dataclass(frozen=True)
 class StudySection:
-    """What the study is called."""
+    """Title of the study."""
 
     title: str = key(text(), "title of the study, written into every dataset", "untitled study")
 
@@ -44,7 +44,7 @@ class MaterialSection:
     )
     hardness: float | None = key(
         quantity("Pa", positive=True),
-        "largest pressure; points that reach it give way for good (continuum, hard wall)",
+        "largest pressure; points that reach it yield plastically (continuum, hard wall)",
         None,
     )
 
@@ -60,27 +60,24 @@ class LoadingSection:
 
     path: tuple[float, ...] = key(
         sequence((lambda value, name: value, "pressures or gaps")),
-        "pressures (control = pressure, Pa) or forces on the whole cell (with a unit, N), mean gaps above equilibrium "
-        "(control = gap, m) or approaches beyond first touch (control = approach, m; free boundaries or a compressible "
-        "layer), in any order",
+        "pressures (Pa), forces (with unit, N), mean gaps above equilibrium or approaches (m)",
     )
     control: str = key(choice("pressure", "gap", "approach"), "what is prescribed", "pressure")
     unload: bool = key(flag(), "go back through the path after its last point", False)
     adaptive: bool = key(
         flag(),
-        "steps of their own between the points, shortened where the state jumps (continuum, with adhesion)",
+        "adaptive load steps: refine where the contact is unstable (continuum, adhesion)",
         False,
     )
     resolution: float = key(
         quantity("1", positive=True, maximum=1.0),
-        "least step of adaptive, to which jumps and pull-off are located, over the largest value of the path; of a gap "
-        "or approach over five lengths of the law where those are less",
+        "least adaptive step over the largest value of the path, or over 5 lengths of the law",
         0.01,
     )
 
     duration: float | tuple[float, ...] | None = key(
         one_or_several(quantity("s", positive=True)),
-        "time to each point of the path from the one before it, or a list of one for each point (viscoelastic)",
+        "time to each point of the path from the previous one, or a list (viscoelastic)",
         None,
     )
     time_steps: int = key(
@@ -102,7 +99,7 @@ class LoadingSection:
 
     @property
     def has_forces(self) -> bool:
-        """Whether the path is one of forces (N) still, not of pressures."""
+        """True for a path of forces (N), before :meth:`spread`."""
         return self.__dict__["_forces"]
 
     def spread(self, area: float) -> "LoadingSection":
@@ -135,8 +132,7 @@ class SolverSection:
     )
     path: str = key(
         choice("quasi_static", "overdamped"),
-        "how the continuum comes along the path: equilibria, each from the one before it, or slow motion against "
-        "friction",
+        "path of the continuum: successive equilibria, or slow motion against friction",
         "quasi_static",
     )
 
@@ -147,13 +143,12 @@ class AtomisticSection:
 
     block: str = key(
         choice("isotropic", "nonlinear_springs"),
-        "springs of the block: linear and elastically isotropic, or the same turning with their atoms (dynamics)",
+        "springs of the block: linear and isotropic, or turning with their atoms (dynamics)",
         "isotropic",
     )
     method: str = key(
         choice("quasi_static", "overdamped", "sampling", "dynamics"),
-        "how the atoms come along the path: equilibria at zero temperature, each from the one before it, slow motion "
-        "against friction, thermal averages about equilibria, or the explicit block in motion",
+        "path of the atoms: equilibria at 0 K, slow motion, thermal averages or dynamics",
         "quasi_static",
     )
     temperature: float = key(quantity("K", minimum=0.0), "temperature of the atoms, for sampling and dynamics", 0.0)
@@ -177,7 +172,7 @@ class OverdampedSection:
 
     loading_rate: float = key(
         quantity("1", positive=True),
-        "change of the mean pressure, over the contact modulus, while the longest wave of the surface relaxes",
+        "change of mean pressure over contact modulus while the longest wave relaxes",
         1e-3,
     )
     step_error: float = key(
@@ -224,8 +219,7 @@ class TheorySection:
     )
     spectrum: str | tuple[str, ...] | None = key(
         choices("analytic", "surface", "table", "file"),
-        "roughness spectrum: the target, that of the very surface, the table below or that of a file, or several side "
-        "by side, the first under the theories' own names; default that of the surface, then its target if it has one",
+        "roughness spectrum of the theories, or several; default the surface's and its target",
         None,
     )
     wavevectors: tuple[float, ...] | None = key(
@@ -259,8 +253,7 @@ class TheorySection:
     )
     accuracy: float | None = key(
         quantity("1", positive=True),
-        "error that the resolution may make, of the area over the area, of the mean gap over the rms height; with it "
-        "every state is compared with one of half the nodes, which takes 40 % longer",
+        "relative error of area and mean gap that warns, by states of half the resolution",
         None,
     )
 
@@ -294,7 +287,7 @@ class TheorySection:
             raise InputError(f"theory.{error}") from None
 
     def has(self, flow: str) -> bool:
-        """Whether a theory stands beside Persson's."""
+        """Test whether a theory is solved beside Persson's."""
         return flow in _each(self.flows)
 
     @property
@@ -305,7 +298,7 @@ class TheorySection:
 
 @dataclass(frozen=True)
 class OutputSection:
-    """What is kept."""
+    """Output that is kept."""
 
     fields: bool = key(flag(), "keep gap and pressure fields of every step", False)
     field_steps: tuple[int, ...] | None = key(
@@ -316,15 +309,13 @@ class OutputSection:
     )
     atoms: str = key(
         choice("none", "surface", "block"),
-        "of the atoms one by one keep, at every step, nothing; positions, stresses and velocities of the bottom layer; "
-        "or the nodes of the explicit block (dynamics), too",
+        "atoms kept at every step: none, the bottom layer, or the explicit block (dynamics), too",
         "none",
     )
     stiffness: bool = key(flag(), "contact_stiffness of every step of the continuum, by one linear solve more", False)
     restart: bool = key(
         flag(),
-        "keep each case's last state (8 bytes a point, 24 an atom), so that --resume can lengthen its path; without it "
-        "a longer path is computed from its beginning",
+        "keep the last state of each case, from which --resume lengthens its path",
         True,
     )
     pressure_range: tuple[float, float] | None = key(

@@ -78,7 +78,7 @@ class SurfaceSection(ABC):
 
     @abstractmethod
     def scales(self, directory: Path) -> SurfaceScales:
-        """What the study alone says of heights and slopes; parameters and errors as :meth:`realise`."""
+        """Scales of heights and slopes by the study alone; parameters and errors as :meth:`realise`."""
 
     @property
     def stated_cell(self) -> tuple[float, float] | None:
@@ -133,7 +133,7 @@ class SelfAffine(CellSection):
     seed: int = key(integer(minimum=0), "random realisation", 1)
     normalisation: str = key(
         choice("spectrum", "realised"),
-        "rms_height is that of the ensemble (spectrum) or of each sample exactly (realised)",
+        "rms_height of the ensemble (spectrum) or exactly of each sample (realised)",
         "spectrum",
     )
 
@@ -192,8 +192,7 @@ class MapFile(SurfaceSection):
 
     path: str = key(
         text(),
-        "height map: NetCDF, npy, npz, text, xyz, ESRI or WSxM ASCII, or an instrument's (extra instruments), relative "
-        "to the study file",
+        "height map, relative to the study file: NetCDF, npy, npz, text or an instrument's",
     )
     channel: str | int | None = key(
         name_or_number(), "name or number, from 0, of the map in a file that holds several", None
@@ -207,13 +206,13 @@ class MapFile(SurfaceSection):
     )
     detrend: str = key(
         choice("mean", "tilt", "curvature"),
-        "what is subtracted by least squares: the mean, the mean plane, or a surface of second order",
+        "least-squares surface that is subtracted: mean, plane or second order",
         "mean",
     )
     fill: str = key(choice("none", "harmonic"), "missing heights: refused, or continued from around them", "none")
     edges: str = key(
         choice("periodic", "mirror", "window"),
-        "edges that do not meet: left as they are, joined to mirror images (twice the sides), or faded to the mean",
+        "edges: as they are, joined to mirror images (twice the sides) or faded to the mean",
         "periodic",
     )
     window_share: float = key(
@@ -334,7 +333,7 @@ class SpectrumOnly(Surface):
 
 @dataclass(frozen=True, kw_only=True)
 class AbsentSurface(SurfaceSection):
-    """What a study without ``[surface]`` has, whose theories take the spectrum of ``[theory]``."""
+    """The surface of a study without ``[surface]``, whose theories take the spectrum of ``[theory]``."""
 
     words = "no surface: a roughness spectrum"
     height_key = "theory.density"
@@ -378,9 +377,18 @@ def register_surface(kind: str, section: type[SurfaceSection]) -> None:
     section : type
         Frozen dataclass of its keys, whose methods ``realise`` and ``scales`` give the heights and their scales.
 
+    Returns
+    -------
+    None
+
     Raises
     ------
     ValueError
         If there is another surface of that name, or a key is taken for another unit.
+
+    Examples
+    --------
+    >>> import contact_study
+    >>> contact_study.register_surface("ridge", RidgeSection)  # doctest: +SKIP
     """
     SURFACES.register(kind, section)
