@@ -91,9 +91,7 @@ VARIABLES: dict[str, Variable] = {
         "mean of the local pressures, compression positive, gap flow and edge flow",
         attrs={"comment": "minus mean pressure: error of the edge flow, resolution of the gap flow"},
     ),
-    "stress_balance": Variable(
-        "1", "mean of the stress distribution over the mean pressure, gap flow and edge flow; exact: 1"
-    ),
+    "stress_balance": Variable("1", "carried stress over applied pressure"),
     "resolved": Variable(
         "1", "whether the estimated errors of the resolution are within theory.accuracy", kind="flag", attrs=FLAG
     ),
