@@ -18,9 +18,10 @@ from contact_study.numerics.arguments import positive
 from contact_study.physics.laws import TractionLaw
 from contact_study.physics.roughness.spectrum import RoughnessSpectrum
 from contact_study.physics.solids import Elasticity, elasticity_of
+from theory.datasets import dataset_of
 from theory.non_adhesive.closed_forms import low_pressure_asymptote
 from theory.non_adhesive.gap_distribution import attracted_at_light_load
-from theory.persson.theory import true_area_factor
+from theory.persson.interface import true_area_factor
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -255,8 +256,6 @@ class StickinessCriteria:
 
     def to_dataset(self) -> "xr.Dataset":
         """The numbers in the schema of ``theory.nc``, as :func:`contact_study.plots.criteria_map` takes them."""
-        from theory.datasets import dataset_of  # xarray is slow to import, and only needed here
-
         return dataset_of((), self.quantities(), {}, {})
 
 

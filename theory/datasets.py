@@ -1,14 +1,16 @@
 """A state of a theory as a dataset of the schema that ``theory.nc`` has, for those who work without study files."""
 
 from collections.abc import Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import xarray as xr
 
 from contact_study.results.schema import COORDINATES, LABELS, variable_of
 
-# Bins of a distribution where none are asked for.
+if TYPE_CHECKING:
+    import xarray as xr
+
+# Default number of bins of a distribution.
 _BINS = 400
 
 
@@ -18,7 +20,7 @@ def dataset_of(
     edges: Mapping[str, np.ndarray | None],
     ranges: Mapping[str, tuple[float, float]],
     further: Mapping[str, np.ndarray] | None = None,
-) -> xr.Dataset:
+) -> "xr.Dataset":
     """The dataset of one state.
 
     Parameters
@@ -34,6 +36,8 @@ def dataset_of(
     further : mapping, optional
         Coordinates of dimensions that are not bins, such as ``wavevector`` (1/m).
     """
+    import xarray as xr  # slow to import
+
     coordinates: dict[str, Any] = dict(zip(LABELS, labels, strict=False))
     content = {}
     coordinates |= further or {}

@@ -11,10 +11,13 @@ from scipy.special import erf
 
 from contact_study.physics.roughness.spectrum import RadialSpectrum, SelfAffineSpectrum
 from theory.non_adhesive import closed_forms
-from theory.persson import solver as persson_solver
+from theory.persson import theory as persson
+from theory.persson.interface import PerssonOptions, energy_weight, mean_cosine, true_area_factor
+from theory.persson.iteration import IterationOptions
 from theory.persson.separation import separation_curve
-from theory.persson.theory import PerssonTheory, energy_weight, mean_cosine, solve, true_area_factor
+from theory.persson.theory import PerssonTheory
 
+solve = PerssonTheory.at_pressure
 PRESSURES = (0.1, 0.2, 0.5, 1, 2, 5, 10)  # GPa
 # Relative contact area, two independent schemes within 0.2 % of each other (q₁ = 12 q_L, β = 0.4, α = 1).
 AREAS = {
@@ -100,13 +103,13 @@ def test_energy_of_light_contact_is_that_of_the_closed_form(hurst, share):
 
 
 def test_state_whose_stresses_do_not_balance_is_not_converged(paper, monkeypatch):
-    theory, diffuse = paper.theory(2.76), persson_solver.diffuse
+    theory, diffuse = paper.theory(2.76), persson.diffuse
 
     def losing(*arguments):
         found = diffuse(*arguments)
         return replace(found, edge_stress=1.1 * found.edge_stress)
 
-    monkeypatch.setattr(persson_solver, "diffuse", losing)
+    monkeypatch.setattr(persson, "diffuse", losing)
     contact = solve(theory, 1e8)
     assert contact.residual < 1e-7
     assert not contact.converged
@@ -206,11 +209,10 @@ def test_converges_near_the_sticking_threshold(paper, work_of_adhesion, pressure
 
 @pytest.mark.parametrize("work_of_adhesion", [0.69, 2.76, 5.52])
 @pytest.mark.parametrize("pressure", [1e8, 1e9, 1e10])
-def test_accelerated_iteration_finds_the_state_of_the_damped_one(paper, monkeypatch, work_of_adhesion, pressure):
+def test_accelerated_iteration_finds_the_state_of_the_damped_one(paper, work_of_adhesion, pressure):
+    damped = PerssonOptions(iteration=IterationOptions(accelerated=0))
     theory = paper.theory(work_of_adhesion, nodes=80, cells=150)
-    fast = solve(theory, pressure)
-    monkeypatch.setattr(persson_solver, "_ACCELERATED", 0)
-    slow = solve(theory, pressure)
+    fast, slow = (solve(each, pressure) for each in (theory, replace(theory, options=damped)))
     assert fast.converged
     assert slow.converged
     assert fast.iterations < slow.iterations

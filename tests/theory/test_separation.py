@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from theory.non_adhesive import closed_forms
-from theory.persson import separation
 from theory.persson.separation import (
     NegativeSeparation,
     NotConverged,
@@ -16,7 +15,7 @@ from theory.persson.separation import (
     pull_off_pressure,
     separation_curve,
 )
-from theory.persson.theory import solve
+from theory.persson.theory import PerssonTheory
 from theory.study.persson_paths import _first
 
 LOG_PRESSURES = np.arange(-8.0, -1.0)  # ln(p/E*)
@@ -107,13 +106,15 @@ def test_pull_off_of_a_smooth_surface(paper, monkeypatch, rms_height):
     """A contact that is whole lets go where a crack of the cell's size runs, whatever the stress of its roughness."""
     tried = []
 
+    solve = PerssonTheory.at_pressure
+
     def counted(theory, pressure, *others):
         tried.append(pressure)
         # Steps that double from 5 % of the stress of the roughness to its 1.6e10-fold, then halve to 0.1 % of that.
         assert len(tried) <= 38 + 2 * 10
         return solve(theory, pressure, *others)
 
-    monkeypatch.setattr(separation, "solve", counted)
+    monkeypatch.setattr(PerssonTheory, "at_pressure", counted)
     smooth = dataclasses.replace(paper, rms_height=rms_height)
     expected = -np.sqrt(smooth.contact_modulus * smooth.spectrum.low * 0.69)
     # The search's own accuracy; the energy of the roughness lowers Δγ by 1e-5 at most.

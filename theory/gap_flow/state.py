@@ -8,6 +8,7 @@ import numpy as np
 from scipy.interpolate import PchipInterpolator, PPoly
 
 from contact_study.physics.laws.base import TractionLaw
+from theory.datasets import dataset_of
 from theory.gap_flow.gap_grid import GapNodes
 
 if TYPE_CHECKING:
@@ -190,8 +191,6 @@ class GapState:
         ValueError
             If edges do not rise.
         """
-        from theory.datasets import dataset_of  # xarray is slow to import, and only needed here
-
         held = np.flatnonzero(self.weights > _SEEN)
         low, high = (float(self.nodes.edges[end]) for end in (held[0], held[-1] + 1))
         stress = -self.law.traction(np.linspace(low, high, 4 * self.gaps.size)) * self.contact_modulus

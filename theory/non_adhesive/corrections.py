@@ -32,6 +32,7 @@ from scipy.special import erf, roots_legendre
 from contact_study.numerics.arguments import positive
 from contact_study.physics.roughness.spectrum import RoughnessSpectrum
 from contact_study.physics.solids import Elasticity, elasticity_of
+from theory.datasets import dataset_of
 from theory.non_adhesive import closed_forms
 
 if TYPE_CHECKING:
@@ -166,8 +167,6 @@ class NonAdhesiveContact:
 
     def to_dataset(self, pressure_edges: np.ndarray | None = None) -> "xr.Dataset":
         """The state in the schema of ``theory.nc``; bins of P(σ) as in :meth:`theory.PerssonContact.to_dataset`."""
-        from theory.datasets import dataset_of  # xarray is slow to import, and only needed here
-
         deviation = float(np.sqrt(self.stress_variance_at()))
 
         def density(edges: np.ndarray) -> np.ndarray:

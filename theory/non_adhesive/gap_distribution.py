@@ -23,6 +23,7 @@ from contact_study.numerics.arguments import positive
 from contact_study.physics.laws import TractionLaw
 from contact_study.physics.roughness.spectrum import RoughnessSpectrum
 from contact_study.physics.solids import Elasticity, elasticity_of
+from theory.datasets import dataset_of
 from theory.non_adhesive.closed_forms import relative_contact_area, separation, shared_points
 
 if TYPE_CHECKING:
@@ -98,7 +99,6 @@ class GapDistribution:
         ValueError
             If edges do not rise.
         """
-        from theory.datasets import dataset_of  # xarray is slow to import, and only needed here
 
         def with_contact(edges: np.ndarray) -> np.ndarray:
             below = np.where(edges > 0, self.fraction_below(edges), 0.0)

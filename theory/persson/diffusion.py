@@ -24,20 +24,39 @@ from theory.numerics.tridiagonal import solve
 # Alexander's stiffly accurate SDIRK method of order two.
 _GAMMA = 1 - 1 / np.sqrt(2)
 
-# Standard deviations outside which 1e-12 of a Gaussian lies.
-_REACH = 7.0
 
-# Standard deviations of its stress that a contact may be away from detaching anywhere before none is lost: beyond ten
-# lies 1e-23 of a Gaussian.
-_SAFE_DISTANCE = 10.0
+@dataclass(frozen=True)
+class DiffusionOptions:
+    """Constants of the cells, in standard deviations of the last stress unless stated otherwise.
 
-# Stress up to which cells are nearly equal: this many times the distance of the boundary at the start, between two
-# bounds. The lower one is also this many deviations of stress at the first node: much narrower cells would see a first
-# step of s that is so long that SDIRK2 leaves negative masses.
-_SHARE_OF_START, _COARSEST, _FINEST, _LEAST_OF_FIRST_STEP = 3.0, 0.3, 1e-5, 250.0
+    Attributes
+    ----------
+    reach : float
+        Deviations outside which 1e-12 of a Gaussian lies.
+    safe_distance : float
+        Deviations of its current stress that a contact keeps from detaching where none of it is lost; 1e-23 of a
+        Gaussian lies beyond ten.
+    coarsest, finest : float
+        Bounds of the stress up to which cells are nearly equal.
+    share_of_start : float
+        That stress over the distance of the boundary at the start, between the bounds.
+    first_deviations : float
+        Lower bound of that stress, too, in deviations at the first node. In narrower cells the first step in s is so
+        long that SDIRK2 leaves negative masses.
+    first_distance : float
+        Distance at the start, over that stress, beyond which the boundary is moved closer.
+    """
 
-# Distance of the boundary at the start, over that stress, beyond which the boundary is moved closer.
-_FIRST_DISTANCE = 3.0
+    reach: float = 7.0
+    safe_distance: float = 10.0
+    coarsest: float = 0.3
+    finest: float = 1e-5
+    share_of_start: float = 3.0
+    first_deviations: float = 250.0
+    first_distance: float = 3.0
+
+
+_DEFAULT = DiffusionOptions()
 
 
 @dataclass(frozen=True)
@@ -74,9 +93,13 @@ class StressDistribution:
 
 
 def diffuse(
-    pressure: float, variance: np.ndarray, detachment_stress: np.ndarray, cells: int = 500
+    pressure: float,
+    variance: np.ndarray,
+    detachment_stress: np.ndarray,
+    cells: int = 500,
+    options: DiffusionOptions = _DEFAULT,
 ) -> StressDistribution:
-    """Stress distribution of a contact pressed by ``pressure``, in units where the last variance is about one.
+    """Stress distribution of a contact under a pressure, in units where the last variance is about one.
 
     A contact that never comes near the boundary stays whole, and its distribution is the Gaussian of full contact.
 
@@ -90,14 +113,19 @@ def diffuse(
         σ_a >= 0 at the nodes, linear between them.
     cells : int, optional
         Number of stress cells.
+    options : DiffusionOptions, optional
+        Constants.
     """
-    if np.min(pressure + detachment_stress - _SAFE_DISTANCE * np.sqrt(variance)) > 0:
-        return _full_contact(pressure, variance, cells)
-    finest = max(_FINEST, _LEAST_OF_FIRST_STEP * np.sqrt(variance[1]))
-    scale = float(np.clip(_SHARE_OF_START * (pressure + detachment_stress[0]), finest, _COARSEST))
-    boundary = _close_boundary(pressure, variance, detachment_stress, _FIRST_DISTANCE * scale)
+    if np.min(pressure + detachment_stress - options.safe_distance * np.sqrt(variance)) > 0:
+        return _full_contact(pressure, variance, cells, options.reach)
+    finest = max(options.finest, options.first_deviations * np.sqrt(variance[1]))
+    scale = float(np.clip(options.share_of_start * (pressure + detachment_stress[0]), finest, options.coarsest))
+    # A contact cannot lose anything to a boundary farther away than its own deviations reach. There the boundary is
+    # moved closer: no more than a billionth is lost, and the cells stay as narrow as the distribution.
+    distance = options.reach * np.sqrt(variance + (options.first_distance * scale / options.reach) ** 2)
+    boundary = np.minimum(detachment_stress, np.maximum(distance - pressure, 0.0))
     start = pressure + boundary[0]
-    faces = graded(max(pressure + boundary.max(), 0.0) + _REACH * np.sqrt(variance[-1]), cells, scale)
+    faces = graded(max(pressure + boundary.max(), 0.0) + options.reach * np.sqrt(variance[-1]), cells, scale)
     mass, contact = np.zeros(cells), np.zeros(variance.size)
     edge_stress = min(pressure, 0.0)
     if start > 0:
@@ -106,20 +134,9 @@ def diffuse(
     return StressDistribution(contact, faces - boundary[-1], mass / np.diff(faces), edge_stress)
 
 
-def _close_boundary(
-    pressure: float, variance: np.ndarray, detachment_stress: np.ndarray, first_distance: float
-) -> np.ndarray:
-    """σ_a, reduced where the contact is farther from detaching than its own deviations of stress reach.
-
-    Only a billionth of the contact gets there, and the cells stay as narrow as the distribution wherever σ_a lies.
-    """
-    distance = _REACH * np.sqrt(variance + (first_distance / _REACH) ** 2)
-    return np.minimum(detachment_stress, np.maximum(distance - pressure, 0.0))
-
-
-def _full_contact(pressure: float, variance: np.ndarray, cells: int) -> StressDistribution:
+def _full_contact(pressure: float, variance: np.ndarray, cells: int, reach: float) -> StressDistribution:
     """The Gaussian of full contact in equal cells."""
-    deviations = np.linspace(-_REACH, _REACH, cells + 1)
+    deviations = np.linspace(-reach, reach, cells + 1)
     mass = np.diff(ndtr(deviations))
     mass /= mass.sum()
     edges = pressure + np.sqrt(variance[-1]) * deviations

@@ -14,12 +14,11 @@ from functools import cached_property
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from theory.persson.contact import PerssonContact
-from theory.persson.solver import MAX_ITERATIONS, TOLERANCE, solve
-from theory.persson.theory import PerssonTheory
+from theory.persson.gap_integral import GapIntegral
+from theory.persson.iteration import IterationOptions
+from theory.persson.theory import PerssonContact, PerssonTheory, gap_integral
 
-# Pressure beyond which contact is full to 1e-12, in standard deviations of the full-contact stress.
-_FULL_CONTACT = 7.0
+TOLERANCE, MAX_ITERATIONS = IterationOptions.tolerance, IterationOptions.max_iterations
 
 
 class NegativeSeparation(UserWarning):
@@ -71,7 +70,7 @@ class SeparationCurve:
         p = np.asarray(pressure, dtype=float)
         swept = (p > 0) & (p >= self.pressure[0] * (1 - 1e-12))
         x = np.log(np.where(swept, np.minimum(p, self.pressure[-1]), self.pressure[-1]))
-        gap = np.where(swept, self._remaining(x), np.nan)
+        gap = np.where(swept, self._integral.gap(x), np.nan)
         if np.any(gap < 0):
             warnings.warn(
                 f"mean separation down to {np.nanmin(gap):.3g} m: strong adhesion, U(p) is not monotonic",
@@ -81,9 +80,8 @@ class SeparationCurve:
         return gap
 
     @cached_property
-    def _spline(self) -> CubicSpline:
-        """U over x = ln p."""
-        return CubicSpline(np.log(self.pressure), self.energy)
+    def _integral(self) -> GapIntegral:
+        return gap_integral(self.contacts)
 
     def detachment_stress_at(self, pressure: float) -> np.ndarray:
         """σ_a at a pressure of the sweep, between its states by a spline of γ_eff: an estimate to start from (Pa).
@@ -98,27 +96,6 @@ class SeparationCurve:
         """γ_eff at all magnifications over x = ln p."""
         works = [contact.effective_work_of_adhesion for contact in self.contacts]
         return CubicSpline(np.log(self.pressure), works)
-
-    def _integral(self, start: np.ndarray, end: np.ndarray) -> np.ndarray:
-        """∫ (dU/dx) e^(−x) dx between points of one interval of the spline, by Gauss's rule."""
-        points, weights = np.polynomial.legendre.leggauss(6)
-        half = 0.5 * (end - start)
-        inside = start[..., None] + half[..., None] * (1 + points)
-        return half * np.sum(weights * self._spline(inside, 1) * np.exp(-inside), axis=-1)
-
-    @cached_property
-    def _above(self) -> np.ndarray:
-        """ū at the pressures of the sweep; beyond its end the rest of U is gained at that pressure."""
-        parts = self._integral(self._spline.x[:-1], self._spline.x[1:])
-        end = self.contacts[-1]
-        rest = (end.theory.full_contact_energy - end.energy) / self.pressure[-1]
-        return np.concatenate([np.cumsum(parts[::-1])[::-1], [0.0]]) + rest
-
-    def _remaining(self, x: np.ndarray) -> np.ndarray:
-        """ū at x = ln p within the sweep."""
-        nodes = self._spline.x
-        interval = np.clip(np.searchsorted(nodes, x, side="right") - 1, 0, nodes.size - 2)
-        return self._above[interval + 1] + self._integral(x, nodes[interval + 1])
 
 
 def separation_curve(
@@ -139,7 +116,7 @@ def separation_curve(
     per_decade : int, optional
         Pressures per decade.
     tolerance, max_iterations : optional
-        Of each state, see :func:`theory.persson.solver.solve`.
+        Of each state, see :meth:`PerssonTheory.at_pressure`.
 
     Raises
     ------
@@ -151,27 +128,10 @@ def separation_curve(
     NotConverged
         If states of the sweep did not converge.
     """
-    highest = _FULL_CONTACT * theory.stress_scale
-    if not 0 < lowest < highest:
-        raise ValueError(f"lowest = {lowest:g} Pa: must lie between 0 and full contact at {highest:g} Pa")
-    count = max(8, int(np.ceil(per_decade * np.log10(highest / lowest))))
-    pressure = np.geomspace(highest, lowest, count + 1)
-    contacts: list[PerssonContact] = []
-    for p in pressure:
-        contacts.append(solve(theory, float(p), _extrapolated(contacts[-3:]), tolerance, max_iterations))
-    curve = SeparationCurve(pressure[::-1], tuple(reversed(contacts)))
+    contacts = theory.sweep(lowest, per_decade, tolerance, max_iterations)
+    curve = SeparationCurve(np.array([contact.pressure for contact in contacts]), contacts)
     _warn_of_unconverged("mean gap", contacts)
     return curve
-
-
-def _extrapolated(contacts: Sequence[PerssonContact]) -> np.ndarray | str:
-    """First σ_a of the next state of a sweep, from up to three before: γ_eff as a polynomial of ln p."""
-    if not contacts:
-        return "adhered"
-    coefficients = {1: (1,), 2: (-1, 2), 3: (1, -3, 3)}[len(contacts)]
-    works = [contact.effective_work_of_adhesion for contact in contacts]
-    work = sum(share * each for share, each in zip(coefficients, works, strict=True))
-    return contacts[-1].theory.detachment_stress(np.asarray(work))
 
 
 def _warn_of_unconverged(quantity: str, contacts: Sequence[PerssonContact]) -> None:
@@ -193,21 +153,21 @@ def energy_defect(theory: PerssonTheory, tolerance: float = TOLERANCE, max_itera
     theory : PerssonTheory
         Interface and choices.
     tolerance, max_iterations : optional
-        Of each state, see :func:`theory.persson.solver.solve`.
+        Of each state, see :meth:`PerssonTheory.at_pressure`.
 
     Warns
     -----
     NotConverged
         If a state that it is taken from did not converge.
     """
-    at_rest = solve(theory, 0.0, "adhered", tolerance, max_iterations)
+    at_rest = theory.at_pressure(0.0, "adhered", tolerance, max_iterations)
     if at_rest.detached:
         _warn_of_unconverged("energy defect", [at_rest])
         return 0.0
     # Central difference: its error is of second order in a step that the iteration's tolerance still allows.
     step = 1e-3 * theory.stress_scale
-    pressed = solve(theory, step, at_rest.detachment_stress, tolerance, max_iterations)
-    pulled = solve(theory, -step, at_rest.detachment_stress, tolerance, max_iterations)
+    pressed = theory.at_pressure(step, at_rest.detachment_stress, tolerance, max_iterations)
+    pulled = theory.at_pressure(-step, at_rest.detachment_stress, tolerance, max_iterations)
     _warn_of_unconverged("energy defect", [at_rest, pressed, pulled])
     if pulled.detached:
         return (pressed.energy - at_rest.energy) / step
@@ -232,18 +192,18 @@ def pull_off_pressure(
     accuracy : float, optional
         Accuracy over the stress scale, or over the pull-off pressure where that is larger.
     tolerance, max_iterations : optional
-        Of each state, see :func:`theory.persson.solver.solve`. A state that does not converge counts as lost.
+        Of each state, see :meth:`PerssonTheory.at_pressure`. A state that does not converge counts as lost.
 
     Warns
     -----
     NotConverged
         If a state of the search did not converge.
     """
-    contact = solve(theory, 0.0, "adhered", tolerance, max_iterations)
+    contact = theory.at_pressure(0.0, "adhered", tolerance, max_iterations)
     tried = [contact]
     step, growth, held = 0.05 * theory.stress_scale, 2.0, 0.0
     while not contact.detached and step > accuracy * max(theory.stress_scale, -held):
-        trial = solve(theory, held - step, contact.detachment_stress, tolerance, max_iterations)
+        trial = theory.at_pressure(held - step, contact.detachment_stress, tolerance, max_iterations)
         tried.append(trial)
         if trial.detached or not trial.converged:
             step, growth = step / 2, 1.0

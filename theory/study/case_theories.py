@@ -17,8 +17,7 @@ from theory.edge_flow.flow import EDGE_FLOW_GAPS, EDGE_FLOW_SCALES, EdgeFlow, ed
 from theory.gap_flow.flow import BRANCHES, GAP_FLOW_GAPS, GAP_FLOW_SCALES, GapFlow, gap_flow
 from theory.gap_flow.state import GapState
 from theory.numerics.background import BackgroundExecutor, BackgroundTask
-from theory.persson.separation import NotConverged
-from theory.persson.solver import TOLERANCE
+from theory.persson.separation import TOLERANCE, NotConverged
 from theory.persson.theory import PerssonTheory
 
 # Change of the detachment stress, in units of the full-contact stress, that rounding still lets the iteration reach.

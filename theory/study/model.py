@@ -24,13 +24,12 @@ from contact_study.study.case import Case
 from contact_study.study.study import Study
 from contact_study.study.sweep import points
 from theory.criteria import local_tabor_number, range_of, stickiness
-from theory.persson.magnification import magnifications
 from theory.persson.separation import energy_defect, pull_off_pressure
 from theory.persson.theory import PerssonTheory
 from theory.study import accuracy as resolution
 from theory.study.case_theories import CaseTheories, case_theories
 from theory.study.gap_paths import edge_flow_paths, flow_name, gap_flow_paths
-from theory.study.persson_paths import PERSSONS_OWN, persson_path, stored_wavevectors
+from theory.study.persson_paths import PERSSONS_OWN, magnifications, persson_path, stored_wavevectors
 
 MODEL = Model(
     command="persson-theory",

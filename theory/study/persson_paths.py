@@ -1,17 +1,14 @@
 """What Persson's theory says of each point of a loading path."""
 
 import warnings
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import numpy as np
 from scipy.optimize import brentq
 
-from theory.persson.contact import PerssonContact
-from theory.persson.magnification import magnifications, stress_densities
 from theory.persson.separation import NegativeSeparation, SeparationCurve, separation_curve
-from theory.persson.solver import solve
-from theory.persson.theory import PerssonTheory
+from theory.persson.theory import PerssonContact, PerssonTheory
 from theory.study.case_theories import CaseTheories
 from theory.study.gap_paths import DETACHED, nowhere
 
@@ -51,16 +48,16 @@ def persson_path(
             values = _unreachable(case.path[number][0])
         else:
             before = pressures[number - 1] if number else np.nan
-            contact = solve(
-                theory, pressures[number], _first(curve, pressures[number], before, stress), *theories.effort
-            )
+            first = _first(curve, pressures[number], before, stress)
+            contact = theory.at_pressure(pressures[number], first, *theories.effort)
             stress = contact.detachment_stress
             values = _persson_values(contact) | {"mean_gap": float(gaps[number])}
             if np.isfinite(gaps[number]) and not curve.converged_above(pressures[number]):
                 values |= {"converged": False, "message": _UNSOUND_GAP}
         if asked:
-            known = None if np.isnan(pressures[number]) else contact
-            values["pressure_pdf_at"] = stress_densities(known, magnifications(theory, asked))
+            zetas = magnifications(theory, asked)
+            known = not np.isnan(pressures[number])
+            values["pressure_pdf_at"] = contact.stress_densities(zetas) if known else _undefined((asked,))
         yield values, stress
 
 
@@ -115,6 +112,12 @@ def _pressure_at(curve: SeparationCurve, gap: float) -> float:
     return float(np.exp(brentq(lambda x: float(_quiet_gap(curve, np.exp(x))) - gap, low, high, xtol=1e-10)))
 
 
+def magnifications(theory: PerssonTheory, count: int) -> np.ndarray:
+    """``count`` magnifications ζ > 1, evenly in ln ζ up to the highest; at ζ = 1 all stress is the mean pressure."""
+    last = theory.wavevectors[-1] / theory.wavevectors[0]
+    return np.geomspace(1.0, last, count + 1)[1:]
+
+
 def stored_wavevectors(theory: PerssonTheory) -> np.ndarray:
     """Wavevectors at which the magnification-resolved quantities are stored (1/m)."""
     return np.geomspace(theory.wavevectors[0], theory.wavevectors[-1], _STORED_WAVEVECTORS)
@@ -150,10 +153,15 @@ def _unreachable(gap: float) -> dict[str, Any]:
     lost: dict[str, Any] = dict.fromkeys((*names, "edge_stress", "stress_balance", "residual"), float("nan"))
     return lost | {
         **{name: np.full(_STORED_WAVEVECTORS, np.nan) for name in _RESOLVED},
-        "pressure_pdf": lambda edges: np.full(edges.size - 1, np.nan),
+        "pressure_pdf": _undefined(),
         "mean_gap": gap,
         "converged": False,
         "detached": False,
         "message": "the theory has no pressure for this mean gap",
         "iterations": 0,
     }
+
+
+def _undefined(shape: tuple[int, ...] = ()) -> Callable[[np.ndarray], np.ndarray]:
+    """A distribution without values, as a function of the edges of bins."""
+    return lambda edges: np.full((*shape, edges.size - 1), np.nan)
