@@ -21,7 +21,7 @@ env: .venv/.ready
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --upgrade pip
 	@# The build backend warns of every editable install that packages lie beside other folders.
 	PYTHONWARNINGS=ignore $(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[dev]'
-	@# python scripts/NAME.py finds its neighbours, as python -m scripts.NAME does.
+	@# python scripts/NAME.py finds its neighbours, too.
 	@$(BIN)/python -c 'import pathlib, sysconfig; pathlib.Path(sysconfig.get_path("purelib"), "project-folder.pth").write_text("$(CURDIR)\n")'
 	@touch $@
 

@@ -15,7 +15,7 @@ TOO_COARSE = "grid too coarse"
 POINTS_PER_PROCESS_ZONE = 4
 # With fewer points a load in one step and in slow motion ends in two states; the second has up to this share less
 # contact (docs/loading_paths.md).
-POINTS_FOR_ONE_STATE, LESS_CONTACT = 1, 0.5
+POINTS_FOR_ONE_STATE, LESS_CONTACT = 1, 0.51
 
 
 def process_zone(contact_modulus: float, law: TractionLaw) -> float:

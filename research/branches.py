@@ -10,6 +10,7 @@ the file has already are not computed again, so that ways, sizes and surfaces ca
 """
 
 import argparse
+import itertools
 import sys
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -18,10 +19,10 @@ from typing import Any
 import pandas as pd
 
 import contact_study
-from contact_study.campaign.command_line.command import Parser, guarded
 from contact_study.errors import InputError
 from contact_study.study.study import Study, read_study
 from contact_study.units import quantity
+from scripts.harness import STUDY, Option, head, minus, program, read_rows, row, shrunk, write_rows
 
 PRESSURES = ("0.1 GPa", "0.2 GPa", "0.5 GPa", "1 GPa", "2 GPa", "5 GPa", "10 GPa")
 _SMALL = 5  # small steps from one pressure to the next
@@ -49,42 +50,14 @@ KEYS = [*POINT, "way"]
 NAMES = {"atomistic": "atoms", "continuum": "continuum"}
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
-    return guarded("branches", lambda: _main(arguments), interrupted="finished runs are kept")
-
-
-def parser() -> Parser:
-    made = Parser(
-        description=__doc__.splitlines()[0], formatter_class=argparse.ArgumentDefaultsHelpFormatter, allow_abbrev=False
-    )
-    made.add_argument("study", type=Path, nargs="?", default=Path("data/yang2008.toml"), help="study file")
-    made.add_argument("--models", nargs="+", choices=("atomistic", "continuum"), default=["atomistic", "continuum"])
-    made.add_argument("--ways", nargs="+", choices=tuple(SECTIONS), default=["steps", "small steps", "flow 1e-3"])
-    made.add_argument("--atoms", type=int, default=200, help="atoms a side: the study's slopes in a smaller cell")
-    made.add_argument("--seeds", type=int, nargs="+", default=[1], help="surfaces")
-    made.add_argument("--ratios", type=float, nargs="+", default=[1.0, 4.0, 8.0], help="multiples of the well depth")
-    made.add_argument(
-        "--pressures", nargs="+", default=list(PRESSURES), help="the loading path; what is shown of a CSV"
-    )
-    made.add_argument("-o", "--output", type=Path, help="CSV to add to")
-    made.add_argument("--from", type=Path, dest="source", help="CSV to print, in place of a run")
-    return made
-
-
-def _main(arguments: Sequence[str] | None) -> int:
-    given = parser().parse_args(arguments)
+def run(given: argparse.Namespace) -> None:
     if given.source is not None:
         table = pd.read_csv(given.source)
     else:
-        table = pd.read_csv(given.output) if given.output and given.output.exists() else pd.DataFrame(columns=KEYS)
-        study = read_study(given.study)
-        for model in given.models:
-            for ratio in given.ratios:
-                for seed in given.seeds:
-                    for way in given.ways:
-                        table = _with(table, study, given, model, ratio, seed, way)
+        table, study = read_rows(given.output, KEYS), read_study(given.study)
+        for one in itertools.product(given.models, given.ratios, given.seeds, given.ways):
+            table = _with(table, study, given, *one)
     print("\n".join(lines(table, [quantity(text, "Pa", "--pressures") / 1e9 for text in given.pressures])))
-    return 0
 
 
 def _with(
@@ -102,8 +75,7 @@ def _with(
         return table
     found = pd.DataFrame(walked(study, model, given.atoms, ratio, seed, way, pressures))
     table = pd.concat([table, found], ignore_index=True).drop_duplicates(KEYS, keep="last").sort_values(KEYS)
-    if given.output:
-        table.to_csv(given.output, index=False, float_format="%.6g")
+    write_rows(table, given.output)
     return table
 
 
@@ -125,15 +97,9 @@ def walked(
     study: Study, model: str, atoms: int, ratio: float, seed: int, way: str, pressures: Sequence[float]
 ) -> Iterator[dict[str, Any]]:
     """The states at the pressures (Pa), by one way."""
-    surface = study.cases[0].surface
-    share = atoms / study.cases[0].lattice.atoms[1]
-    table = {name: dict(keys) for name, keys in study.table.items() if name not in ("sweep", "override")}
-    table["surface"] |= {
-        "size": [share * length for length in surface.size],
-        "shape": [round(share * points) for points in surface.shape],
-        "rms_height": share * surface.rms_height,
-        "seed": seed,
-    }
+    scaled = shrunk(study, atoms / study.cases[0].lattice.atoms[1])
+    table = {name: dict(keys) for name, keys in scaled.items() if name not in ("sweep", "override")}
+    table["surface"]["seed"] = seed
     table["interaction"]["well_depth_ratio"] = ratio
     path = _path(way, pressures)
     table["loading"] = {"path": path}
@@ -166,8 +132,7 @@ def lines(table: pd.DataFrame, pressures: Sequence[float]) -> Iterator[str]:
     if table.empty:
         raise InputError("nothing to print: no run has been made")
     ways = [way for way in SECTIONS if way != "steps" and way in set(table.way)]
-    yield "| | atoms (surfaces) | ε/ε₀ | p (GPa) | steps: A; ū (Å) | " + " | ".join(ways) + " |"
-    yield "|---" * (5 + len(ways)) + "|"
+    yield head("", "atoms (surfaces)", "ε/ε₀", "p (GPa)", "steps: A; ū (Å)", *ways)
     steps = table[table.way == "steps"].set_index(POINT)
     own = steps.rename(columns={"area": "by_steps", "mean_gap_A": "gap_by_steps"})[["by_steps", "gap_by_steps"]]
     others = table[table.way != "steps"].join(own, on=POINT)
@@ -180,10 +145,9 @@ def lines(table: pd.DataFrame, pressures: Sequence[float]) -> Iterator[str]:
         known = others.set_index(["model", "atoms", "ratio", "pressure_GPa"]).sort_index()
         own = known.loc[[group]] if group in known.index else known.iloc[:0]
         cells = [_largest(own[own.way == way]) for way in ways]
-        yield (
-            f"| {NAMES[str(model)]} | {atoms}² ({state.seed.nunique()}) | {ratio:g} | {pressure:g} | "
-            f"{_signed(f'{state.area.mean():.4f}; {state.mean_gap_A.mean():.3f}')} | {' | '.join(cells)} |"
-        )
+        by_steps = minus(f"{state.area.mean():.4f}; {state.mean_gap_A.mean():.3f}")
+        surfaces = f"{atoms}² ({state.seed.nunique()})"
+        yield row(NAMES[str(model)], surfaces, f"{ratio:g}", f"{pressure:g}", by_steps, *cells)
     yield ""
     for way in ways:
         one = others[others.way == way]
@@ -192,7 +156,7 @@ def lines(table: pd.DataFrame, pressures: Sequence[float]) -> Iterator[str]:
         if not alike.all():
             worst = one.iloc[one.d_area.abs().argmax()]
             sentence += (
-                f"; the area differs by {_signed(f'{worst.d_area:+.4f}')} at most ({NAMES[worst.model]}, "
+                f"; the area differs by {minus(f'{worst.d_area:+.4f}')} at most ({NAMES[worst.model]}, "
                 f"{worst.atoms}², surface {worst.seed}, {worst.ratio:g} ε₀, {worst.pressure_GPa:g} GPa), the mean "
                 f"gap by {one.d_gap.abs().max():.3f} Å"
             )
@@ -205,12 +169,22 @@ def _largest(own: pd.DataFrame) -> str:
         return ""
     area, gap = (own[name].iloc[own[name].abs().argmax()] for name in ("d_area", "d_gap"))
     same = abs(area) < _SAME_AREA and abs(gap) < _SAME_GAP
-    return ("=" if same else _signed(f"{area:+.4f}; {gap:+.3f}")) + ("" if own.converged.all() else " (moving)")
+    return ("=" if same else minus(f"{area:+.4f}; {gap:+.3f}")) + ("" if own.converged.all() else " (moving)")
 
 
-def _signed(text: str) -> str:
-    return text.replace("-", "−")
-
+main = program(
+    run,
+    STUDY,
+    Option("--models", ["atomistic", "continuum"], "", choices=("atomistic", "continuum")),
+    Option("--ways", ["steps", "small steps", "flow 1e-3"], "", choices=tuple(SECTIONS)),
+    Option("--atoms", 200, "atoms a side: the study's slopes in a smaller cell"),
+    Option("--seeds", [1], "surfaces"),
+    Option("--ratios", [1.0, 4.0, 8.0], "multiples of the well depth"),
+    Option("--pressures", list(PRESSURES), "the loading path; what is shown of a CSV"),
+    Option("-o, --output", Path, "CSV to add to"),
+    Option("--from", Path, "CSV to print, in place of a run"),
+    interrupted="finished runs are kept",
+)
 
 if __name__ == "__main__":
     sys.exit(main())

@@ -16,7 +16,6 @@ smaller cell has the same shortest waves, and so nearly the same error, on fewer
 
 import argparse
 import itertools
-import resource
 import sys
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -25,20 +24,18 @@ import numpy as np
 import pandas as pd
 
 from bem_adhesion import rough_contact
-from bem_adhesion.process_zone import LESS_CONTACT, POINTS_FOR_ONE_STATE, process_zone
+from bem_adhesion.process_zone import POINTS_FOR_ONE_STATE, process_zone
 from bem_adhesion.solution import Solution
-from contact_study.campaign.command_line.command import Parser, guarded
 from contact_study.campaign.memory import require_memory
 from contact_study.errors import InputError
 from contact_study.numerics.grid import Grid
 from contact_study.physics.laws import Exponential, HardWall
 from contact_study.physics.surfaces.surface import Surface
-from contact_study.study.case import realise
-from contact_study.study.study import make_study
 from contact_study.units import quantity
+from scripts.harness import ROOT, Option, head, peak_memory, program, rough_surface, row, walk
 from theory.non_adhesive.closed_forms import relative_contact_area
 
-CELL, ROLL_OFF, CUTOFF, HURST = 100e-6, 20e-6, 0.1e-6, 0.8
+CELL, ROLL_OFF, CUTOFF = 100e-6, 20e-6, 0.1e-6
 MODULUS, WORK, RANGE = 25e6, 0.05, 2.071e-9
 PRESSURES = (50e3, 250e3, 1e6, 4e6)
 # Stresses above which the tail is counted, in units of the deviation in full contact, E*/2 at a slope of 1.
@@ -46,34 +43,10 @@ TAILS = (1.0, 2.0, 3.0)
 # Of convergence, that three grids can show; outside they are too coarse to tell, and first order is taken.
 _ORDERS = (0.5, 2.1)
 _BYTES_PER_POINT = 200
-# What a study needs besides its surface.
-_REST: dict[str, dict[str, object]] = {
-    "material": {"youngs_modulus": MODULUS, "poissons_ratio": 0.0},
-    "interaction": {"law": "hard_wall"},
-    "loading": {"path": [1.0]},
-}
+TRAPPED_EDGES = ROOT / "data" / "trapped_edges.csv"
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
-    return guarded("contact_challenge", lambda: _main(arguments), interrupted="nothing is written")
-
-
-def parser() -> Parser:
-    made = Parser(
-        description=__doc__.splitlines()[0], formatter_class=argparse.ArgumentDefaultsHelpFormatter, allow_abbrev=False
-    )
-    made.add_argument("--points", type=int, nargs="+", default=[2048], help="points along each side, increasing")
-    made.add_argument("--size", default="100 um", help="side of the cell")
-    made.add_argument("--pressures", nargs="+", default=[f"{p / 1e3:g} kPa" for p in PRESSURES], help="in this order")
-    made.add_argument("--seed", type=int, default=1, help="sample of the recipe")
-    made.add_argument("--no-adhesion", action="store_true", help="the hard wall alone")
-    made.add_argument("--threads", type=int, default=1, help="threads of the transforms")
-    made.add_argument("--table", type=Path, help="CSV of results: grids it has are not solved again, others are added")
-    return made
-
-
-def _main(arguments: Sequence[str] | None) -> int:
-    given = parser().parse_args(arguments)
+def run(given: argparse.Namespace) -> int:
     size = quantity(given.size, "m", "--size")
     pressures = [quantity(p, "Pa", "--pressures") for p in given.pressures]
     grids = given.points
@@ -93,9 +66,9 @@ def _main(arguments: Sequence[str] | None) -> int:
             solved = path(sample, points, law, pressures, given.threads)
             rows = [numbers(pressure, solution) for pressure, solution in zip(pressures, solved, strict=True)]
             if given.table:
-                _add(given.table, [question | row for row in rows])
+                _add(given.table, [question | each for each in rows])
         found.append(rows)
-        print(f"{points}²: {sum(row['pairs'] for row in rows):.0f} pairs", file=sys.stderr)
+        print(f"{points}²: {sum(each['pairs'] for each in rows):.0f} pairs", file=sys.stderr)
     kind = "no adhesion" if given.no_adhesion else "with adhesion"
     print(
         f"Cell {size * 1e6:g} µm, seed {given.seed}, {kind}: rms height {sample.rms_height * 1e6:.3f} µm, rms slope "
@@ -109,7 +82,7 @@ def _main(arguments: Sequence[str] | None) -> int:
         "stress": "mean stress in contact (MPa)",
         **{f"tail {k:g}": f"A/A₀ with σ > {k:g}·E*/2" for k in TAILS},
     }
-    print(f"| p (kPa) | | {' | '.join(heads)} |\n|{'---|' * (2 + len(heads))}")
+    print(head("p (kPa)", "", *heads))
     for number, pressure in enumerate(pressures):
         for name, title in names.items():
             values = [rows[number][name] for rows in found]
@@ -117,24 +90,24 @@ def _main(arguments: Sequence[str] | None) -> int:
             if len(grids) > 1:
                 limit = extrapolated(values, spacing)
                 cells += [f"{limit:.4g}", error_of(values[-1], limit)]
-            print(f"| {pressure / 1e3:g} | {title} | {' | '.join(cells)} |")
+            print(row(f"{pressure / 1e3:g}", title, *cells))
         theory = float(relative_contact_area(pressure, (MODULUS * sample.rms_slope / 2) ** 2))
         print(
             f"| {pressure / 1e3:g} | A/A₀, Persson's theory of the hard wall | {theory:.4g} |{' |' * (len(heads) - 1)}"
         )
     pairs = ", ".join(
-        f"{sum(row['pairs'] for row in rows):.0f} on {points}²" for points, rows in zip(grids, found, strict=True)
+        f"{sum(each['pairs'] for each in rows):.0f} on {points}²" for points, rows in zip(grids, found, strict=True)
     )
-    memory = max(row["peak_memory"] for rows in found for row in rows)
+    memory = max(each["peak_memory"] for rows in found for each in rows)
     print(f"\nPairs of transforms: {pairs}. Peak memory {memory:.1f} GB.")
     share = process_zone(MODULUS, law) / spacing[-1]
     if share < POINTS_FOR_ONE_STATE:
         print(
             f"\nThe process zone has {share:.2g} of the finest spacing: states depend on how they are loaded. "
-            f"These are of one step; slow loading ends with up to {100 * LESS_CONTACT:.0f} % less contact. "
+            f"These are of one step; slow loading ends with less contact, {slow_loading(share)}. "
             "The last two columns say what the grid changes in that one way."
         )
-    failed = sum(not row["converged"] for rows in found for row in rows)
+    failed = sum(not each["converged"] for rows in found for each in rows)
     if failed:
         print(f"\n{failed} states did not converge.")
     return 2 if failed else 0
@@ -149,11 +122,20 @@ def _known(table: Path | None, question: dict[str, float], pressures: Sequence[f
         rows = rows[np.isclose(rows[name].astype(float), value, rtol=1e-12, atol=0)]
     if len(rows) != len(pressures) or not np.allclose(rows["pressure"], pressures, rtol=1e-12, atol=0):
         return None
-    return [{str(name): value for name, value in row.items()} for row in rows.to_dict("records")]
+    return [{str(name): value for name, value in each.items()} for each in rows.to_dict("records")]
 
 
 def _add(table: Path, rows: list[dict[str, float]]) -> None:
     pd.DataFrame(rows).to_csv(table, mode="a", header=not table.exists(), index=False)
+
+
+def slow_loading(zone: float) -> str:
+    """How much less contact slow loading had at the process zone over spacing next to this one, in words."""
+    table = pd.read_csv(TRAPPED_EDGES)
+    table = table[table.law == "exponential"].assign(less=lambda rows: 100 * (1 - rows.flow / rows.steps))
+    nearest = min(table.ratio, key=lambda ratio: abs(np.log(ratio / zone)))
+    means = table[table.ratio == nearest].groupby("points").less.mean()
+    return f"at {nearest:g} of a spacing " + " and ".join(f"{less:.0f} % on {n}² points" for n, less in means.items())
 
 
 def error_of(value: float, limit: float) -> str:
@@ -166,21 +148,9 @@ def error_of(value: float, limit: float) -> str:
 
 def surface(size: float, points: int, seed: int) -> Surface:
     """A sample of the challenge's recipe on a cell (m), its rms slope 1."""
-
-    def sample(rms_height: float) -> Surface:
-        keys = {
-            "kind": "self_affine",
-            "size": size,
-            "shape": [points, points],
-            "hurst_exponent": HURST,
-            "rms_height": rms_height,
-            "roll_off_mode": max(1.0, size / ROLL_OFF),
-            "cutoff_mode": size / CUTOFF,
-            "seed": seed,
-        }
-        return realise(make_study({"surface": keys, **_REST}).cases[0])
-
-    return sample(1e-6 / sample(1e-6).rms_slope)
+    keys = {"roll_off_mode": max(1.0, size / ROLL_OFF), "cutoff_mode": size / CUTOFF, "seed": seed}
+    unscaled = rough_surface(size, points, 1e-6, **keys)
+    return rough_surface(size, points, 1e-6 / unscaled.rms_slope, **keys)
 
 
 def path(
@@ -189,11 +159,7 @@ def path(
     """The states of a loading path on one grid, one at a time."""
     grid = Grid((points, points), sample.size)
     contact = rough_contact(sample.heights(grid.shape), grid.size, MODULUS, law, threads=threads)
-    state = contact.separated()
-    for pressure in pressures:
-        found = contact.step(state, pressure)
-        state = found.state
-        yield found
+    return walk(contact, pressures)
 
 
 def numbers(pressure: float, solution: Solution) -> dict[str, float]:
@@ -208,7 +174,7 @@ def numbers(pressure: float, solution: Solution) -> dict[str, float]:
         **{f"tail {k:g}": float(np.mean(stress > k * MODULUS / 2)) for k in TAILS},
         "pairs": solution.fft_pairs,
         "converged": solution.converged,
-        "peak_memory": 1024 * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e9,
+        "peak_memory": peak_memory() / 1e9,
     }
 
 
@@ -231,5 +197,16 @@ def extrapolated(values: Sequence[float], spacing: Sequence[float]) -> float:
     return values[-1] - last / (ratio**order - 1)
 
 
+main = program(
+    run,
+    Option("--points", [2048], "points along each side, increasing"),
+    Option("--size", "100 um", "side of the cell"),
+    Option("--pressures", [f"{p / 1e3:g} kPa" for p in PRESSURES], "in this order"),
+    Option("--seed", 1, "sample of the recipe"),
+    Option("--no-adhesion", False, "the hard wall alone"),
+    Option("--threads", 1, "threads of the transforms"),
+    Option("--table", Path, "CSV of results: grids it has are not solved again, others are added"),
+)
+
 if __name__ == "__main__":
-    raise SystemExit(main())
+    sys.exit(main())

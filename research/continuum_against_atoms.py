@@ -23,7 +23,6 @@ import md_reference.study.model
 from bem_adhesion.adhesive.contact import AdhesiveContact
 from bem_adhesion.solution import Outcome as ContinuumOutcome
 from bem_adhesion.solution import Solution
-from contact_study.campaign.command_line.command import Parser, guarded
 from contact_study.campaign.store import files
 from contact_study.errors import InputError
 from contact_study.numerics import fourier
@@ -32,7 +31,6 @@ from contact_study.physics.laws.base import TractionLaw
 from contact_study.physics.solids import Elasticity, HalfSpace, Tabulated
 from contact_study.physics.surfaces.surface import Surface
 from contact_study.study.case import Case, realise
-from contact_study.study.study import read_study
 from contact_study.units import quantity
 from md_reference.block.condensed import SurfaceStiffness, without_lateral_freedom
 from md_reference.interface.pairs import AtomwiseInteraction
@@ -41,6 +39,8 @@ from md_reference.solution import Outcome as AtomisticOutcome
 from md_reference.statics.contact import predicted
 from md_reference.statics.newton import EquilibriumSolver
 from md_reference.study.system import build_interface, build_stiffness
+from research.two_starts import case_of
+from scripts.harness import STUDY, Option, head, program, row
 
 # Each model, and what sets it apart from the one before.
 MODELS = {
@@ -151,28 +151,11 @@ class OnRails:
         return outside
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
-    return guarded("continuum_against_atoms", lambda: _main(arguments), interrupted="nothing is written")
-
-
-def parser() -> Parser:
-    made = Parser(
-        description=__doc__.splitlines()[0], formatter_class=argparse.ArgumentDefaultsHelpFormatter, allow_abbrev=False
-    )
-    made.add_argument("study", type=Path, nargs="?", default=Path("data/yang2008.toml"), help="study file")
-    made.add_argument("--ratios", type=float, nargs="+", default=[1, 4, 8], help="multiples of the well depth")
-    made.add_argument("--pressures", nargs="+", default=["1 GPa"], help="loading path, from separation")
-    made.add_argument("--seed", type=int, help="surface, in place of the study's")
-    made.add_argument("-o", "--output", type=Path, default=Path("results/continuum_against_atoms.nc"))
-    return made
-
-
-def _main(arguments: Sequence[str] | None) -> int:
-    given = parser().parse_args(arguments)
+def run(given: argparse.Namespace) -> None:
     pressures = [quantity(text, "Pa", "--pressures") for text in given.pressures]
     given.output.parent.mkdir(parents=True, exist_ok=True)
     files.writable_output(given.output)
-    cases = [_case(given, ratio, pressures) for ratio in given.ratios]
+    cases = [case_of(given, ratio, pressures) for ratio in given.ratios]
     surface = realise(cases[0])
     measured = [constants(case, surface) for case in cases]
     states = [solve(case, surface, values) for case, values in zip(cases, measured, strict=True)]
@@ -184,7 +167,6 @@ def _main(arguments: Sequence[str] | None) -> int:
     print(constants_in_words(dataset))
     files.write_aside(given.output, dataset.to_netcdf)
     print(given.output, file=sys.stderr)
-    return 0
 
 
 def cosine_of_tilt(heights: np.ndarray, grid: Grid) -> np.ndarray:
@@ -308,38 +290,38 @@ def _dataset(
 def table(at: xr.Dataset) -> str:
     """Markdown tables of area and mean gap at one pressure: a model a row, its increment in brackets."""
     ratios = at["well_depth_ratio"].values
-    head = " | ".join(f"{ratio:g} ε₀" for ratio in ratios)
-    lines = [f"{float(at['pressure']) / 1e9:g} GPa", "", f"| change | A: {head} | ū (Å): {head} |"]
-    lines.append("|---" * (1 + 2 * ratios.size) + "|")
+    names = [f"{ratio:g} ε₀" for ratio in ratios]
+    heads = head("change", f"A: {names[0]}", *names[1:], f"ū (Å): {names[0]}", *names[1:])
+    lines = [f"{float(at['pressure']) / 1e9:g} GPa", "", heads]
     for model, change in MODELS.items():
-        row = at.sel(model=model)
+        here = at.sel(model=model)
         cells = []
         for area, step, first in zip(
-            row["relative_contact_area"].values,
-            row["relative_contact_area_increment"].values,
+            here["relative_contact_area"].values,
+            here["relative_contact_area_increment"].values,
             at["relative_contact_area"].sel(model="continuum").values,
             strict=True,
         ):
             cells.append(f"{area:.4f}" + ("" if model == "continuum" else f" ({100 * step / first:+.2f} %)"))
-        for gap, step in zip(row["mean_gap"].values, row["mean_gap_increment"].values, strict=True):
+        for gap, step in zip(here["mean_gap"].values, here["mean_gap_increment"].values, strict=True):
             cells.append(f"{1e10 * gap:.3f}" + ("" if model == "continuum" else f" ({1e10 * step:+.3f})"))
-        flag = "" if bool(row["converged"].all()) else " (not converged)"
-        lines.append(f"| {change}{flag} | " + " | ".join(cells) + " |")
+        flag = "" if bool(here["converged"].all()) else " (not converged)"
+        lines.append(row(change + flag, *cells))
     area = at["relative_contact_area"]
     total = (area.sel(model="atoms") / area.sel(model="continuum") - 1).values
     shift = (at["mean_gap"].sel(model="atoms") - at["mean_gap"].sel(model="continuum")).values
     sums = [f"{100 * value:+.2f} %" for value in total] + [f"{1e10 * value:+.3f}" for value in shift]
-    return "\n".join([*lines, "| **atoms against continuum** | " + " | ".join(sums) + " |", ""])
+    return "\n".join([*lines, row("**atoms against continuum**", *sums), ""])
 
 
 def ranges(dataset: xr.Dataset) -> str:
     """Markdown: smallest and largest increment of every change over all states, areas over the continuum's."""
     first = dataset.sel(model="continuum")
-    lines = ["All states", "", "| change | ΔA | Δū (Å) |", "|---|---|---|"]
-    rows = {MODELS[name]: dataset.sel(model=name) for name in list(MODELS)[1:]}
+    lines = ["All states", "", head("change", "ΔA", "Δū (Å)")]
+    every = {MODELS[name]: dataset.sel(model=name) for name in list(MODELS)[1:]}
     steps = {
-        change: (row["relative_contact_area_increment"] / first["relative_contact_area"], row["mean_gap_increment"])
-        for change, row in rows.items()
+        change: (one["relative_contact_area_increment"] / first["relative_contact_area"], one["mean_gap_increment"])
+        for change, one in every.items()
     }
     last = dataset.sel(model="atoms")
     steps["**all together**"] = (
@@ -348,7 +330,7 @@ def ranges(dataset: xr.Dataset) -> str:
     )
     for change, (area, gap) in steps.items():
         areas = f"{100 * float(area.min()):+.2f} to {100 * float(area.max()):+.2f} %"
-        lines.append(f"| {change} | {areas} | {1e10 * float(gap.min()):+.3f} to {1e10 * float(gap.max()):+.3f} |")
+        lines.append(row(change, areas, f"{1e10 * float(gap.min()):+.3f} to {1e10 * float(gap.max()):+.3f}"))
     return "\n".join([*lines, ""])
 
 
@@ -364,18 +346,14 @@ def constants_in_words(dataset: xr.Dataset) -> str:
     )
 
 
-def _case(given: argparse.Namespace, ratio: float, pressures: Sequence[float]) -> Case:
-    overrides = {"interaction.well_depth_ratio": ratio}
-    if given.seed is not None:
-        overrides["surface.seed"] = given.seed
-    cases = read_study(given.study, overrides).cases
-    if len(cases) != 1:
-        raise InputError(f"{given.study}: sweeps more than the well depth; give a study of one surface")
-    loading = dataclasses.replace(cases[0].loading, control="pressure", path=tuple(pressures), unload=False)
-    case = dataclasses.replace(cases[0], loading=loading)
-    md_reference.study.model.check(case)
-    return case
-
+main = program(
+    run,
+    STUDY,
+    Option("--ratios", [1.0, 4.0, 8.0], "multiples of the well depth"),
+    Option("--pressures", ["1 GPa"], "loading path, from separation"),
+    Option("--seed", int, "surface, in place of the study's"),
+    Option("-o, --output", Path("results/continuum_against_atoms.nc"), ""),
+)
 
 if __name__ == "__main__":
     sys.exit(main())

@@ -8,11 +8,11 @@ python -m research.dmt_limit data/yang2008.toml
 
 import argparse
 import sys
-from collections.abc import Iterator, Sequence
-from pathlib import Path
+from collections.abc import Iterator
 
 from contact_study.study.case import Case
 from contact_study.study.study import read_study
+from scripts.harness import STUDY, head, minus, program, row
 from theory import dmt_limit, edge_flow, gap_distribution, stickiness
 
 BARE_PRESSURES = (0.2, 0.5, 1.0, 2.0, 5.0)  # GPa
@@ -31,20 +31,20 @@ def rows(case: Case) -> Iterator[str]:
         limit = dmt_limit(bare, case.law)
         whole = flow.pressure_at(bare.mean_gap + zero)
         cells = (f"{case.work_of_adhesion:.3g}", f"{tabor:.2f}", f"{pressure:g}", f"{1e9 * bare.mean_gap:.3f}")
-        yield f"| {' | '.join(cells)} | {limit / 1e9:.3f} | {whole / 1e9:.3f} |".replace("-", "−")
+        yield minus(row(*cells, f"{limit / 1e9:.3f}", f"{whole / 1e9:.3f}"))
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
-    made = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    made.add_argument("study", type=Path, help="study file")
-    given = made.parse_args(arguments)
-    print("| Δγ (J/m²) | Tabor parameter | p of the bare contact (GPa) | ū (nm) | p, DMT-like limit | p, edge flow |")
-    print("|---|---|---|---|---|---|")
+def run(given: argparse.Namespace) -> None:
+    print(
+        head(
+            "Δγ (J/m²)", "Tabor parameter", "p of the bare contact (GPa)", "ū (nm)", "p, DMT-like limit", "p, edge flow"
+        )
+    )
     for case in read_study(given.study).cases:
-        for row in rows(case):
-            print(row)
-    return 0
+        print("\n".join(rows(case)))
 
+
+main = program(run, STUDY)
 
 if __name__ == "__main__":
     sys.exit(main())

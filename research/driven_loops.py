@@ -9,9 +9,9 @@ already are not run again. `docs/temperature.md` shows figure and table.
 """
 
 import argparse
+import itertools
 import sys
 import tempfile
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -22,11 +22,11 @@ from matplotlib.figure import Figure
 from scipy.integrate import trapezoid
 
 import contact_study
-from contact_study.campaign.command_line.command import Parser, guarded
 from contact_study.campaign.store.files import writable_output
 from contact_study.errors import InputError
-from contact_study.plots.style import COLOURS, DOUBLE, RESOLUTION, styled
+from contact_study.plots.style import COLOURS, DOUBLE, styled
 from contact_study.study.study import read_study
+from scripts.harness import PAPER, Option, program, save, show, shrunk, write_rows
 
 DAMPING = "0.3 ps^-1"  # of motion against the plane; near the critical one of the block's slowest wave
 FRAMES = 5  # of each step of the path
@@ -67,56 +67,25 @@ class Loop:
         return float(self.distance[side][touching[0 if down else -1]])
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
-    return guarded("driven_loops", lambda: _main(arguments), interrupted="nothing is written")
-
-
-def parser() -> Parser:
-    made = Parser(
-        description=__doc__.splitlines()[0], formatter_class=argparse.ArgumentDefaultsHelpFormatter, allow_abbrev=False
-    )
-    made.add_argument(
-        "study",
-        type=Path,
-        nargs="?",
-        default=Path("data/yang2008.toml"),
-        help="study with lattice constant and atom mass, over well_depth_ratio",
-    )
-    made.add_argument("-o", "--output", type=Path, help="figure to write")
-    made.add_argument("--table", type=Path, help="CSV to add the motions to")
-    made.add_argument("--from", type=Path, dest="source", help="CSV to print, in place of runs")
-    made.add_argument("--fraction", type=float, default=1.0, help="of the study's lengths: its cell and rms height")
-    made.add_argument("--speed", default="20 m/s", help="of the driven plane")
-    made.add_argument("--time-step", help="of the motion; a fifth of the largest stable one by default")
-    made.add_argument("--temperatures", nargs="+", default=["0 K", "300 K"], help="of the atoms")
-    made.add_argument("--ratios", type=float, nargs="+", help="multiples of the well depth; the study's by default")
-    made.add_argument("--highest", type=float, default=18.0, help="separation that the way up ends at (Å)")
-    made.add_argument("--lowest", type=float, default=-3.0, help="separation at which the plane turns (Å)")
-    made.add_argument("--step", type=float, default=1.0, help="between points of the path (Å)")
-    return made
-
-
-def _main(arguments: Sequence[str] | None) -> int:
-    given = parser().parse_args(arguments)
+def run(given: argparse.Namespace) -> None:
     if given.output is not None:
         writable_output(given.output)
     loops = read(given.source) if given.source is not None else moved(given)
     names = sorted({loop.ratio: loop.words for of in loops.values() for loop in of}.items())
-    print(f"| | T | {' | '.join(words for _, words in names)} |")
-    print("|---" * (2 + len(names)) + "|")
-    for words, value in (
+    quantities = (
         ("attracted from (Å)", lambda loop: f"{loop.contact(True) / ANGSTROM:.1f}"),
         ("held up to (Å)", lambda loop: f"{loop.contact(False) / ANGSTROM:.1f}"),
         ("pull-off stress (GPa)", lambda loop: f"{loop.pull_off / 1e9:.2f}"),
         ("work left behind (J/m²)", lambda loop: f"{loop.dissipated:.3f}"),
         ("time steps", lambda loop: f"{loop.steps}"),
-    ):
-        for temperature, of in loops.items():
-            cells = {loop.ratio: value(loop) for loop in of}
-            print(f"| {words} | {temperature} | " + " | ".join(cells.get(ratio, "") for ratio, _ in names) + " |")
+    )
+    rows = []
+    for (words, value), (temperature, of) in itertools.product(quantities, loops.items()):
+        cells = {loop.ratio: value(loop) for loop in of}
+        rows.append((words, temperature, *(cells.get(ratio, "") for ratio, _ in names)))
+    show(("", "T", *(words for _, words in names)), rows)
     if given.output is not None:
-        picture(loops).savefig(given.output, dpi=RESOLUTION)
-    return 0
+        save(picture(loops), given.output)
 
 
 def moved(given: argparse.Namespace) -> dict[str, list[Loop]]:
@@ -158,7 +127,7 @@ def write(loops: dict[str, list[Loop]], path: Path) -> None:
         for temperature, of in loops.items()
         for loop in of
     ]
-    pd.concat(rows).to_csv(path, index=False, float_format="%.6g")
+    write_rows(pd.concat(rows), path)
 
 
 def read(path: Path) -> dict[str, list[Loop]]:
@@ -174,26 +143,17 @@ def read(path: Path) -> dict[str, list[Loop]]:
 def driven(given: argparse.Namespace) -> dict:
     """The study with its lengths at a fraction, driven down and up again."""
     whole = read_study(given.study)
-    surface = whole.cases[0].surface
-    if surface.kind != "self_affine":
-        raise InputError(f'surface.kind = "{surface.kind}": --fraction is for self-affine surfaces')
     if "interaction.well_depth_ratio" not in whole.table.get("sweep", {}):
         raise InputError(f"{given.study}: sweeps no interaction.well_depth_ratio")
     if not given.lowest < given.highest or given.step <= 0:
         raise InputError("--lowest must be below --highest, and --step positive")
-    scaled = {
-        "size": [given.fraction * length for length in surface.size],
-        "shape": [round(given.fraction * points) for points in surface.shape],
-        "rms_height": given.fraction * surface.rms_height,
-    }
-    table = {name: content for name, content in whole.table.items() if name != "override"}
+    table = {name: content for name, content in shrunk(whole, given.fraction).items() if name != "override"}
     if given.ratios is not None:
         table["sweep"] = {"interaction.well_depth_ratio": given.ratios}
     count = round((given.highest - given.lowest) / given.step) + 1
     points = np.linspace(given.highest, given.lowest, max(count, 2)) * ANGSTROM
     return {
         **table,
-        "surface": {**table["surface"], **scaled},
         "loading": {"control": "gap", "path": points.tolist(), "unload": True},
         "atomistic": {**table.get("atomistic", {}), "method": "dynamics"},
         "dynamics": {
@@ -249,6 +209,22 @@ def picture(loops: dict[str, list[Loop]]) -> Figure:
     max(panels, key=lambda axes: len(axes.lines)).legend()
     return figure
 
+
+main = program(
+    run,
+    Option("study", PAPER, "study with lattice constant and atom mass, over well_depth_ratio"),
+    Option("-o, --output", Path, "figure to write"),
+    Option("--table", Path, "CSV to add the motions to"),
+    Option("--from", Path, "CSV to print, in place of runs"),
+    Option("--fraction", 1.0, "of the study's lengths: its cell and rms height"),
+    Option("--speed", "20 m/s", "of the driven plane"),
+    Option("--time-step", str, "of the motion; a fifth of the largest stable one by default"),
+    Option("--temperatures", ["0 K", "300 K"], "of the atoms"),
+    Option("--ratios", float, "multiples of the well depth; the study's by default", nargs="+"),
+    Option("--highest", 18.0, "separation that the way up ends at (Å)"),
+    Option("--lowest", -3.0, "separation at which the plane turns (Å)"),
+    Option("--step", 1.0, "between points of the path (Å)"),
+)
 
 if __name__ == "__main__":
     sys.exit(main())

@@ -17,25 +17,18 @@ import numpy as np
 
 from contact_study.study.case import realise
 from contact_study.study.study import read_study
+from scripts.harness import STUDY, Option, head, program, row
 from theory import edge_flow
 
 PRESSURE = 1e9
 COARSEST = 120
-
-
-def parser() -> argparse.ArgumentParser:
-    made = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    made.add_argument("study", type=Path, help="study file with a spectrum")
-    made.add_argument("--finest", type=int, default=960, help="largest number of nodes; a third of it are scales")
-    return made
+COLUMNS = ("case", "nodes × scales", "A", "ū (nm)", "local / mean pressure", "mean gaps", "sweeps", "lost")
+COLUMNS += ("order of A", "of ū", "curve (s)")
 
 
 def rows(study: Path, finest: int) -> Iterator[str]:
     """The table's lines."""
-    head = ("case", "nodes × scales", "A", "ū (nm)", "local / mean pressure", "mean gaps", "sweeps", "lost")
-    head += ("order of A", "of ū", "curve (s)")
-    yield f"| {' | '.join(head)} |"
-    yield "|---" * len(head) + "|"
+    yield head(*COLUMNS)
     seen = set()
     for case in read_study(study).cases:
         surface = realise(case)
@@ -67,7 +60,7 @@ def rows(study: Path, finest: int) -> Iterator[str]:
                 order(gaps),
                 f"{seconds:.1f}",
             )
-            yield f"| {' | '.join(cells)} |"
+            yield row(*cells)
             nodes *= 2
 
 
@@ -79,12 +72,16 @@ def order(values: Sequence[float]) -> str:
     return f"{np.log2(first / second):.1f}" if first > 0 and second > 0 else "–"
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
-    given = parser().parse_args(arguments)
-    for row in rows(given.study, given.finest):
-        print(row, flush=True)
-    return 0
+def run(given: argparse.Namespace) -> None:
+    for line in rows(given.study, given.finest):
+        print(line, flush=True)
 
+
+main = program(
+    run,
+    STUDY,
+    Option("--finest", 960, "largest number of nodes; a third of it are scales"),
+)
 
 if __name__ == "__main__":
     sys.exit(main())

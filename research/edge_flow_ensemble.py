@@ -16,7 +16,6 @@ import argparse
 import itertools
 import sys
 from collections.abc import Iterator, Sequence
-from pathlib import Path
 from typing import Any
 
 import pandas as pd
@@ -24,8 +23,8 @@ import xarray as xr
 
 import contact_study
 from contact_study.study.study import read_study
+from scripts.harness import PAPER, Option, head, row, tabulated
 
-PAPER = Path(__file__).resolve().parent.parent / "data" / "yang2008.toml"
 PRESSURES = (0.1, 0.2, 0.5, 1.0, 2.0, 5.0)  # GPa
 WEAK = 2.0  # well depths, in units of ε0, that stand in the first rows
 THEORIES = ("gap_flow", "edge_flow")
@@ -49,19 +48,6 @@ SETTINGS: dict[str, tuple[dict[str, dict[str, Any]], list[float]]] = {
         [1.0, 4.0, 8.0],
     ),
 }
-
-
-def parser() -> argparse.ArgumentParser:
-    made = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    made.add_argument("--surfaces", type=int, default=6, help="number of surfaces")
-    made.add_argument("--points", type=int, default=128, help="grid points along each side")
-    made.add_argument("--ratios", type=float, nargs="+", default=[1.0, 4.0, 8.0], help="well depths in units of ε0")
-    made.add_argument(
-        "--settings", nargs="*", choices=list(SETTINGS), metavar="NAME", help="other spectra and laws, by default all"
-    )
-    made.add_argument("--table", type=Path, help="CSV to write the ensemble's means to")
-    made.add_argument("--from", type=Path, dest="source", help="CSV to read them from, in place of a run")
-    return made
 
 
 def study(surfaces: int, points: int, ratios: Sequence[float], setting: str | None = None) -> dict[str, Any]:
@@ -110,72 +96,60 @@ def summary(truth: xr.Dataset, theory: xr.Dataset, ratios: Sequence[float]) -> p
     return pd.DataFrame(found, columns=columns)
 
 
-def ensemble(surfaces: int, points: int, ratios: Sequence[float]) -> pd.DataFrame:
-    """The means at the paper's spectrum and law."""
-    return means(surfaces, points, ratios).assign(points=points)
+def ensemble(given: argparse.Namespace) -> pd.DataFrame:
+    """The means at the paper's spectrum and law, or in other settings."""
+    if given.settings is None:
+        return means(given.surfaces, given.points, given.ratios).assign(points=given.points)
+    found = {
+        name: means(given.surfaces, given.points, SETTINGS[name][1], name) for name in given.settings or list(SETTINGS)
+    }
+    return pd.concat(found, names=["setting"]).reset_index(level="setting").reset_index(drop=True)
 
 
-def settings_ensemble(surfaces: int, points: int, settings: Sequence[str]) -> pd.DataFrame:
-    """The means in the settings."""
-    every = {setting: means(surfaces, points, SETTINGS[setting][1], setting) for setting in settings}
-    return pd.concat(every, names=["setting"]).reset_index(level="setting").reset_index(drop=True)
+def errors(part: pd.DataFrame, keys: list[str]) -> list[str]:
+    """Cells of a quantity: mean and worst error of each theory, the truth's own error, the number of surfaces."""
+    wide = part.pivot_table(index=keys, columns="model", values="mean")
+    apart = [100 * (wide[theory] / wide["continuum"] - 1).abs() for theory in THEORIES]
+    truth = part[part["model"] == "continuum"]
+    own = 100 * (truth["standard_error"] / truth["mean"]).mean()
+    cells = [f"{error.mean():.1f} ({error.max():.1f}) %" for error in apart]
+    return [*cells, f"{own:.1f} %", f"{truth['surfaces'].min()}"]
 
 
 def settings_rows(table: pd.DataFrame) -> Iterator[str]:
     """The table's lines: mean and worst error in per cent from 0.2 GPa on, one setting, law and branch a line."""
-    yield "| setting | well depth | branch | quantity | gap flow | edge flow | standard error | surfaces |"
-    yield "|---|---|---|---|---|---|---|---|"
+    yield head("setting", "well depth", "branch", "quantity", "gap flow", "edge flow", "standard error", "surfaces")
     table = table[table["pressure_GPa"] >= 0.2]
     for (setting, ratio, branch), part in table.groupby(["setting", "ratio", "branch"], sort=False):
         for name, symbol in SHOWN.items():
-            own = part[part["quantity"] == name]
-            wide = own.pivot_table(index="pressure_GPa", columns="model", values="mean")
-            errors = [100 * (wide[theory] / wide["continuum"] - 1).abs() for theory in THEORIES]
-            truth = own[own["model"] == "continuum"]
-            scatter = 100 * (truth["standard_error"] / truth["mean"]).mean()
-            cells = " | ".join(f"{error.mean():.1f} ({error.max():.1f}) %" for error in errors)
-            head = f"| {setting} | {ratio:g} ε0 | {branch} | {symbol} |"
-            yield f"{head} {cells} | {scatter:.1f} % | {truth['surfaces'].min()} |"
+            cells = errors(part[part["quantity"] == name], ["pressure_GPa"])
+            yield row(setting, f"{ratio:g} ε0", branch, symbol, *cells)
 
 
 def rows(table: pd.DataFrame) -> Iterator[str]:
     """The table's lines: mean and worst error in per cent, the truth's own error beside it."""
-    yield "| well depth | branch | p (GPa) | quantity | gap flow | edge flow | standard error | surfaces |"
-    yield "|---|---|---|---|---|---|---|---|"
+    if "setting" in table:
+        yield from settings_rows(table)
+        return
+    yield head("well depth", "branch", "p (GPa)", "quantity", "gap flow", "edge flow", "standard error", "surfaces")
     strengths = ((f"≤ {WEAK:g} ε0", table["ratio"] <= WEAK), (f"> {WEAK:g} ε0", table["ratio"] > WEAK))
     for (branch, pressures), (words, chosen) in itertools.product(SHARES, strengths):
         within = f"{min(pressures):g}" + (f" to {max(pressures):g}" if len(pressures) > 1 else "")
         for name, symbol in SHOWN.items():
             part = table[chosen & (table["branch"] == branch) & (table["quantity"] == name)]
             part = part[part["pressure_GPa"].isin(pressures)]
-            if part.empty:
-                continue
-            wide = part.pivot_table(index=["ratio", "pressure_GPa"], columns="model", values="mean")
-            truth = part[part["model"] == "continuum"]
-            cells = []
-            for theory in THEORIES:
-                error = 100 * (wide[theory] / wide["continuum"] - 1).abs()
-                cells.append(f"{error.mean():.1f} ({error.max():.1f}) %")
-            own = 100 * (truth["standard_error"] / truth["mean"]).mean()
-            head = f"| {words} | {branch} | {within} | {symbol} |"
-            yield f"{head} {' | '.join(cells)} | {own:.1f} % | {truth['surfaces'].min()} |"
+            if not part.empty:
+                yield row(words, branch, within, symbol, *errors(part, ["ratio", "pressure_GPa"]))
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
-    given = parser().parse_args(arguments)
-    read = given.source is not None
-    if read:
-        table = pd.read_csv(given.source)
-    elif given.settings is not None:
-        table = settings_ensemble(given.surfaces, given.points, given.settings or list(SETTINGS))
-    else:
-        table = ensemble(given.surfaces, given.points, given.ratios)
-    if given.table:
-        table.to_csv(given.table, index=False, float_format="%.6g")
-    for row in settings_rows(table) if given.settings is not None else rows(table):
-        print(row)
-    return 0
-
+main = tabulated(
+    ensemble,
+    rows,
+    Option("--surfaces", 6, "number of surfaces"),
+    Option("--points", 128, "grid points along each side"),
+    Option("--ratios", [1.0, 4.0, 8.0], "well depths in units of ε0"),
+    Option("--settings", str, "other spectra and laws; none: all", nargs="*", choices=list(SETTINGS), metavar="NAME"),
+)
 
 if __name__ == "__main__":
     sys.exit(main())

@@ -12,7 +12,7 @@ python -m research.edge_flow_kernels --from data/edge_flow_kernels.csv
 
 import argparse
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -22,6 +22,7 @@ from scipy.optimize import brentq, least_squares
 from contact_study.study.case import Case, realise
 from contact_study.study.study import make_study
 from research.edge_flow_ensemble import PRESSURES, study
+from scripts.harness import Option, head, row, tabulated
 from theory import EdgeFlow, edge_flow
 from theory.edge_flow.equilibrium import KERNEL
 
@@ -29,14 +30,6 @@ SIMULATIONS = Path(__file__).resolve().parent.parent / "data" / "edge_flow_trial
 SHOWN = (0.5, 1.0, 2.0, 4.0, 8.0)  # p/q at which κ is printed
 PRESSURE = 1.0  # GPa, of the ratio of both pressures
 Kernel = tuple[float, float, float]
-
-
-def parser() -> argparse.ArgumentParser:
-    made = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    made.add_argument("--surfaces", type=int, default=12, help="number of surfaces, the first of the simulations' ones")
-    made.add_argument("--table", type=Path, help="CSV to write the ensemble's means to")
-    made.add_argument("--from", type=Path, dest="source", help="CSV to read them from, in place of a run")
-    return made
 
 
 def exact(wavenumber: np.ndarray | float, curvature: float) -> np.ndarray:
@@ -72,8 +65,9 @@ def kernels() -> dict[str, Kernel]:
     return found
 
 
-def ensemble(surfaces: int) -> pd.DataFrame:
+def ensemble(given: argparse.Namespace) -> pd.DataFrame:
     """Means over the surfaces: a kernel, a law and a pressure a row."""
+    surfaces = given.surfaces
     simulated = pd.read_csv(SIMULATIONS)
     ratios, points = sorted(simulated["ratio"].unique()), int(simulated["points"].max())
     cases = make_study(study(surfaces, points, ratios)).cases
@@ -111,9 +105,8 @@ def state_at(flow: EdgeFlow, case: Case, pressure: float) -> tuple[float, float,
 
 def rows(table: pd.DataFrame) -> Iterator[str]:
     """The table's lines: mean and worst error in per cent from 0.2 GPa on, a kernel and a well depth a line."""
-    head = ("kernel", "κ at p/q = " + ", ".join(f"{p:g}" for p in SHOWN), "well depth", "A", "ū")
-    yield f"| {' | '.join((*head, 'local / mean pressure', 'surfaces'))} |"
-    yield "|---" * (len(head) + 2) + "|"
+    at = "κ at p/q = " + ", ".join(f"{p:g}" for p in SHOWN)
+    yield head("kernel", at, "well depth", "A", "ū", "local / mean pressure", "surfaces")
     simulated = pd.read_csv(SIMULATIONS)
     simulated = simulated[(simulated["model"] == "continuum") & (simulated["branch"] == "loading")]
     simulated = simulated[simulated["pressure_GPa"] >= 0.2]
@@ -129,18 +122,10 @@ def rows(table: pd.DataFrame) -> Iterator[str]:
                 cells.append(f"{error.mean():.1f} ({error.max():.1f}) %" if error.notna().any() else "–")
             balance = float(means["pressures"].loc[(ratio, PRESSURE)])
             cells += [f"{balance:.2f}" if np.isfinite(balance) else "–", f"{part['surfaces'].min():.0f}"]
-            yield f"| {words} | {values} | {ratio:g} ε0 | {' | '.join(cells)} |"
+            yield row(words, values, f"{ratio:g} ε0", *cells)
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
-    given = parser().parse_args(arguments)
-    table = pd.read_csv(given.source) if given.source is not None else ensemble(given.surfaces)
-    if given.table:
-        table.to_csv(given.table, index=False, float_format="%.6g")
-    for row in rows(table):
-        print(row)
-    return 0
-
+main = tabulated(ensemble, rows, Option("--surfaces", 12, "number of surfaces, the first of the simulations' ones"))
 
 if __name__ == "__main__":
     sys.exit(main())

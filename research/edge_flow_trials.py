@@ -20,9 +20,8 @@ python -m research.edge_flow_trials --from data/edge_flow_trials.csv
 
 import argparse
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -34,6 +33,7 @@ from contact_study.study.case import realise
 from contact_study.study.study import make_study
 from research.edge_flow_ensemble import BRANCHES, PRESSURES, SHOWN, study
 from research.edge_flow_kernels import PRESSURE, SIMULATIONS, kernels, spectrum_stress
+from scripts.harness import Option, head, minus, row, tabulated
 from theory import EdgeFlow, edge_flow
 from theory.edge_flow.equilibrium import KERNEL, Equilibrium, Problem
 from theory.edge_flow.kernels import differences
@@ -52,14 +52,6 @@ _BOUNDS = np.log(1e-3), np.log(20.0)
 _SWEEPS = 80
 _CONVERGED = 1e-3  # largest change of a state that counts
 _UNSEEN = 1e-9  # weight below which a node responds by its own curvature
-
-
-def parser() -> argparse.ArgumentParser:
-    made = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    made.add_argument("--surfaces", type=int, default=12, help="number of surfaces, the first of the simulations' ones")
-    made.add_argument("--table", type=Path, help="CSV to write the numbers to")
-    made.add_argument("--from", type=Path, dest="source", help="CSV to read them from, in place of a run")
-    return made
 
 
 @dataclass(frozen=True)
@@ -293,8 +285,9 @@ def curve(flow: EdgeFlow, trial: Trial, contact_distance: float) -> Curve:
     return Curve(pressure * unit, (gaps - flow.law.equilibrium_distance) * flow.length, np.array(areas), balance * unit)
 
 
-def table_of(surfaces: int) -> pd.DataFrame:
+def table_of(given: argparse.Namespace) -> pd.DataFrame:
     """A trial, a law and a pressure a row."""
+    surfaces = given.surfaces
     cases = make_study(study(surfaces, POINTS, RATIOS)).cases
     found = []
     for number, ratio in enumerate(RATIOS):
@@ -316,8 +309,7 @@ def rows(table: pd.DataFrame) -> Iterator[str]:
     simulated = pd.read_csv(SIMULATIONS)
     simulated = simulated[simulated["model"] == "continuum"]
     heads = [f"{symbol}, {branch}" for symbol in SHOWN.values() for branch in BRANCHES]
-    yield f"| changed | well depth | {' | '.join(heads)} | local / mean pressure |"
-    yield "|---" * (len(heads) + 3) + "|"
+    yield head("changed", "well depth", *heads, "local / mean pressure")
     table = table[table["pressure_GPa"] >= LEAST]
     for (words, ratio), part in table.groupby(["model", "ratio"], sort=False):
         own, cells = part.set_index("pressure_GPa"), []
@@ -328,20 +320,12 @@ def rows(table: pd.DataFrame) -> Iterator[str]:
                 )
                 truth = simulated[chosen].set_index("pressure_GPa")["mean"].reindex(own.index)
                 error = 100 * (own[name] / truth - 1)
-                cells.append(f"{error.mean():+.1f} %".replace("-", "−") if error.notna().all() else "–")
+                cells.append(minus(f"{error.mean():+.1f} %") if error.notna().all() else "–")
         balance = float(own["pressures"].loc[PRESSURE])
-        yield f"| {words} | {ratio:g} ε0 | {' | '.join(cells)} | {f'{balance:.2f}' if np.isfinite(balance) else '–'} |"
+        yield row(words, f"{ratio:g} ε0", *cells, f"{balance:.2f}" if np.isfinite(balance) else "–")
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
-    given = parser().parse_args(arguments)
-    table = pd.read_csv(given.source) if given.source is not None else table_of(given.surfaces)
-    if given.table:
-        table.to_csv(given.table, index=False, float_format="%.6g")
-    for row in rows(table):
-        print(row)
-    return 0
-
+main = tabulated(table_of, rows, Option("--surfaces", 12, "number of surfaces, the first of the simulations' ones"))
 
 if __name__ == "__main__":
     sys.exit(main())

@@ -7,18 +7,17 @@ The paper's surface on a hard wall with a hardness; `docs/hardness.md` explains 
 
 import argparse
 import sys
-from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 from matplotlib.figure import Figure
 
-from bem_adhesion import Contact, HardWall, Solution, rough_contact
-from contact_study.campaign.command_line.command import Parser, guarded
+from bem_adhesion import Contact, HardWall, rough_contact
 from contact_study.physics.surfaces.surface import Surface
-from contact_study.plots.style import COLOURS, DOUBLE, RESOLUTION, readable_decades, styled
+from contact_study.plots.style import COLOURS, DOUBLE, readable_decades, styled
 from contact_study.study.case import realise
 from contact_study.study.study import read_study
+from scripts.harness import STUDY, Option, program, save, show, walk
 
 MODULUS = 1.0
 HARDNESSES = (np.inf, 0.2, 0.1, 0.05, 0.02, 0.01)  # over E*
@@ -26,43 +25,25 @@ SHARES = (0.1, 0.3, 0.6, 0.9, 0.99)  # of the hardness
 LOADS = (0.001, 0.003, 0.005, 0.008)  # over E*
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
-    return guarded("hardness", lambda: _main(arguments), interrupted="nothing is written")
-
-
-def parser() -> Parser:
-    made = Parser(
-        description=__doc__.splitlines()[0], formatter_class=argparse.ArgumentDefaultsHelpFormatter, allow_abbrev=False
-    )
-    made.add_argument("study", type=Path, nargs="?", default=Path("data/yang2008.toml"), help="study of the surface")
-    made.add_argument("--points", type=int, nargs="+", default=[128, 256, 512], help="points along each side")
-    made.add_argument("--figure", type=Path, help="draw loading and unloading, too")
-    return made
-
-
-def _main(arguments: Sequence[str] | None) -> int:
-    given = parser().parse_args(arguments)
+def run(given: argparse.Namespace) -> None:
     surface = realise(read_study(given.study).cases[0])
     middle = sorted(given.points)[len(given.points) // 2]
-    print("| H/E* | " + " | ".join(f"A at {load:g} E*" for load in LOADS) + f" | yielded at {LOADS[-1]:g} E* |")
-    print("|---" * (2 + len(LOADS)) + "|")
+    rows = []
     for hardness in HARDNESSES:
-        path = loaded(contact_of(surface, middle, hardness), LOADS)
-        cells = [f"{np.mean(found.pressure > 0):.4f}" for found in path]
+        path = list(walk(contact_of(surface, middle, hardness), LOADS))
         yielded = path[-1].plastic_indentation
-        cells.append("" if yielded is None else f"{np.mean(yielded > 0):.4f}")
-        print(f"| {'elastic' if np.isinf(hardness) else f'{hardness:g}'} | " + " | ".join(cells) + " |")
-    print("\n| points | " + " | ".join(f"p = {share:g} H" for share in SHARES) + " |\n" + "|---" * 6 + "|")
+        last = "" if yielded is None else f"{np.mean(yielded > 0):.4f}"
+        areas = (f"{np.mean(found.pressure > 0):.4f}" for found in path)
+        rows.append(("elastic" if np.isinf(hardness) else f"{hardness:g}", *areas, last))
+    show(("H/E*", *(f"A at {load:g} E*" for load in LOADS), f"yielded at {LOADS[-1]:g} E*"), rows)
+    rows = []
     for points in given.points:
-        cells = []
-        for share in SHARES:
-            [found] = loaded(contact_of(surface, points, 0.05), [0.05 * share])
-            cells.append(f"{found.fft_pairs:.0f}" if found.converged else found.outcome.name)
-        print(f"| {points}² | " + " | ".join(cells) + " |")
+        states = [next(walk(contact_of(surface, points, 0.05), [0.05 * share])) for share in SHARES]
+        rows.append((f"{points}²", *(f"{s.fft_pairs:.0f}" if s.converged else s.outcome.name for s in states)))
+    print()
+    show(("points", *(f"p = {share:g} H" for share in SHARES)), rows)
     if given.figure is not None:
-        _draw(given.figure, surface, middle)
-        print(given.figure, file=sys.stderr)
-    return 0
+        save(drawn(surface, middle), given.figure)
 
 
 def contact_of(surface: Surface, points: int, hardness: float) -> Contact:
@@ -71,23 +52,15 @@ def contact_of(surface: Surface, points: int, hardness: float) -> Contact:
     return rough_contact(surface.heights((points, points)), surface.size, MODULUS, HardWall(), hardness=limit)
 
 
-def loaded(contact: Contact, path: Sequence[float]) -> list[Solution]:
-    """The states along a path."""
-    state, found = contact.separated(), []
-    for pressure in path:
-        found.append(contact.step(state, pressure))
-        state = found[-1].state
-    return found
-
-
 @styled
-def _draw(path: Path, surface: Surface, points: int) -> None:
+def drawn(surface: Surface, points: int) -> Figure:
+    """Area and mean gap on the way in and out."""
     figure = Figure(figsize=(DOUBLE, 2.8), layout="constrained")
     left, right = figure.subplots(1, 2)
     up = np.linspace(0.0005, 0.008, 16)
     for number, hardness in enumerate((np.inf, 0.1, 0.05, 0.02)):
         name = "elastic" if np.isinf(hardness) else f"H = {hardness:g} E*"
-        there = loaded(contact_of(surface, points, hardness), [*up, *up[-2::-1]])
+        there = list(walk(contact_of(surface, points, hardness), [*up, *up[-2::-1]]))
         areas = [np.mean(found.pressure > 0) for found in there]
         gaps = [np.mean(found.gap) / surface.rms_height for found in there]
         for panel, values in ((left, areas), (right, gaps)):
@@ -97,8 +70,15 @@ def _draw(path: Path, surface: Surface, points: int) -> None:
     right.set(xlabel="p/E*", ylabel="mean gap over rms height", yscale="log")
     readable_decades(right.yaxis)
     left.legend(title="dashed: unloading", loc="upper left", ncols=2)
-    figure.savefig(path, dpi=RESOLUTION)
+    return figure
 
+
+main = program(
+    run,
+    STUDY,
+    Option("--points", [128, 256, 512], "points along each side"),
+    Option("--figure", Path, "draw loading and unloading, too"),
+)
 
 if __name__ == "__main__":
     sys.exit(main())

@@ -7,7 +7,6 @@ The paper's surface on a hard wall, and a sphere on the thinnest layers; `docs/e
 
 import argparse
 import sys
-from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -15,12 +14,12 @@ from matplotlib.figure import Figure
 
 from bem_adhesion.hard_wall.contact import HardWallContact
 from bem_adhesion.solution import Solution
-from contact_study.campaign.command_line.command import Parser, guarded
 from contact_study.numerics.grid import Grid
 from contact_study.physics.solids import Elasticity, HalfSpace, Layer
-from contact_study.plots.style import COLOURS, DOUBLE, RESOLUTION, styled
+from contact_study.plots.style import COLOURS, DOUBLE, styled
 from contact_study.study.case import realise
 from contact_study.study.study import read_study
+from scripts.harness import STUDY, Option, program, save, show
 from theory.non_adhesive.closed_forms import relative_contact_area
 
 THICKNESSES = (1.0, 0.5, 0.25, 0.1, 0.03, 0.01)  # over the cell
@@ -28,22 +27,7 @@ RATIOS = (0.3, 0.5)
 PRESSURE = 0.01  # over E*
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
-    return guarded("layer_limits", lambda: _main(arguments), interrupted="nothing is written")
-
-
-def parser() -> Parser:
-    made = Parser(
-        description=__doc__.splitlines()[0], formatter_class=argparse.ArgumentDefaultsHelpFormatter, allow_abbrev=False
-    )
-    made.add_argument("study", type=Path, nargs="?", default=Path("data/yang2008.toml"), help="study of the surface")
-    made.add_argument("--points", type=int, default=256, help="points along each side")
-    made.add_argument("--figure", type=Path, help="draw area and K(q), too")
-    return made
-
-
-def _main(arguments: Sequence[str] | None) -> int:
-    given = parser().parse_args(arguments)
+def run(given: argparse.Namespace) -> int:
     surface = realise(read_study(given.study).cases[0])
     grid = Grid((given.points, given.points), surface.size)
     heights, spectrum = surface.heights(grid.shape), surface.measured_spectrum()
@@ -57,18 +41,19 @@ def _main(arguments: Sequence[str] | None) -> int:
     rows = {"half-space": [areas(HalfSpace(1.0))] * len(RATIOS)}
     for thickness in THICKNESSES:
         rows[f"{thickness:g}"] = [areas(Layer(1.0, ratio, thickness * max(grid.size))) for ratio in RATIOS]
-    head = " | ".join(f"A, ν = {ratio:g} | Persson" for ratio in RATIOS)
-    print(f"| d/L | {head} |\n" + "|---" * (1 + 2 * len(RATIOS)) + "|")
-    for name, row in rows.items():
-        print(f"| {name} | " + " | ".join(f"{area:.4f} | {theory:.4f}" for area, theory in row) + " |")
-    print("\n| d/a | peak, ν = 0.2 | radius | peak, ν = 0.5 | radius |\n|---|---|---|---|---|")
-    for thickness in (0.02, 0.01, 0.005):
-        cells = [f"{100 * error:+.2f} %" for ratio in (0.2, 0.5) for error in sphere(thickness, ratio, given.points)]
-        print(f"| {thickness / 0.25:g} | " + " | ".join(cells) + " |")
+    names = (name for ratio in RATIOS for name in (f"A, ν = {ratio:g}", "Persson"))
+    show(("d/L", *names), ((name, *(f"{area:.4f}" for pair in pairs for area in pair)) for name, pairs in rows.items()))
+    print()
+    spheres = (
+        (
+            f"{thickness / 0.25:g}",
+            *(f"{100 * error:+.2f} %" for r in (0.2, 0.5) for error in sphere(thickness, r, given.points)),
+        )
+        for thickness in (0.02, 0.01, 0.005)
+    )
+    show(("d/a", "peak, ν = 0.2", "radius", "peak, ν = 0.5", "radius"), spheres)
     if given.figure is not None:
-        _draw(given.figure, rows)
-        print(given.figure, file=sys.stderr)
-    return 0
+        save(drawn(rows), given.figure)
 
 
 def pressed(heights: np.ndarray, grid: Grid, solid: Elasticity, pressure: float) -> Solution:
@@ -95,7 +80,8 @@ def sphere(thickness: float, ratio: float, points: int) -> tuple[float, float]:
 
 
 @styled
-def _draw(path: Path, rows: dict[str, list[tuple[float, float]]]) -> None:
+def drawn(rows: dict[str, list[tuple[float, float]]]) -> Figure:
+    """K(q) of layers beside its limits, and the areas."""
     figure = Figure(figsize=(DOUBLE, 2.8), layout="constrained")
     left, right = figure.subplots(1, 2)
     x = np.geomspace(0.03, 20, 200)
@@ -113,8 +99,15 @@ def _draw(path: Path, rows: dict[str, list[tuple[float, float]]]) -> None:
     right.set(xlabel="d/L", ylabel=f"relative contact area, p = {PRESSURE:g} E*")
     left.legend(loc="upper right")
     right.legend()
-    figure.savefig(path, dpi=RESOLUTION)
+    return figure
 
+
+main = program(
+    run,
+    STUDY,
+    Option("--points", 256, "points along each side"),
+    Option("--figure", Path, "draw area and K(q), too"),
+)
 
 if __name__ == "__main__":
     sys.exit(main())

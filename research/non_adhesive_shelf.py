@@ -12,9 +12,7 @@ python -m research.non_adhesive_shelf --from data/non_adhesive_shelf.csv
 
 import argparse
 import sys
-import tempfile
-from collections.abc import Iterator, Sequence
-from pathlib import Path
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -27,11 +25,11 @@ from contact_study.physics.roughness.spectrum import RoughnessSpectrum
 from contact_study.physics.solids import Elasticity
 from contact_study.study.case import realise
 from contact_study.study.study import make_study, read_study
+from scripts.harness import PAPER, Option, head, minus, per_cent, row, tabulated
 from theory import NonAdhesiveTheory, PerssonTheory
 from theory.non_adhesive import closed_forms
 from theory.non_adhesive.corrections import CORRECTIONS
 
-PAPER = Path(__file__).resolve().parent.parent / "data" / "yang2008.toml"
 PRESSURES = (0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0)  # GPa
 THEORIES = (*CORRECTIONS, "paper")
 # Symbol, unit and its size of what is shown. The stress that would press a surface flat has the deviation s.
@@ -43,15 +41,6 @@ SHOWN = {
     "elastic_energy": ("U", " J/m²", 1.0),
 }
 STEP = 1e-3  # of the pressure, by which the stiffness of the paper's mean gap is found
-
-
-def parser() -> argparse.ArgumentParser:
-    made = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    made.add_argument("--surfaces", type=int, default=12, help="number of surfaces")
-    made.add_argument("--points", type=int, default=256, help="points along each side of the finer grid")
-    made.add_argument("--table", type=Path, help="CSV to write the ensemble's means to")
-    made.add_argument("--from", type=Path, dest="source", help="CSV to read them from, in place of a run")
-    return made
 
 
 def study(surfaces: int, points: int) -> dict[str, Any]:
@@ -67,9 +56,10 @@ def study(surfaces: int, points: int) -> dict[str, Any]:
     }
 
 
-def ensemble(surfaces: int, points: int) -> pd.DataFrame:
+def ensemble(given: argparse.Namespace) -> pd.DataFrame:
     """Mean and standard error of every quantity: a model and a pressure a row."""
-    cases = make_study(study(surfaces, points), Path(tempfile.gettempdir())).cases
+    surfaces, points = given.surfaces, given.points
+    cases = make_study(study(surfaces, points)).cases
     spectra, solid = [realise(case).measured_spectrum() for case in cases], cases[0].solid
     deviations = [float(np.sqrt(spectrum.full_contact_stress_variance(solid.stiffness))) for spectrum in spectra]
     found = simulated(surfaces, points, deviations)
@@ -142,30 +132,24 @@ def above(stress: float, pressure: float, variance: float) -> float:
 
 def rows(table: pd.DataFrame) -> Iterator[str]:
     """The table's lines: the error at each pressure in per cent, the truth and its own error first."""
-    yield f"| p (GPa) | quantity | continuum | standard error | {' | '.join(f'`{name}`' for name in THEORIES)} |"
-    yield "|---" * (4 + len(THEORIES)) + "|"
+    yield head("p (GPa)", "quantity", "continuum", "standard error", *(f"`{name}`" for name in THEORIES))
     truth = table[table["model"] == "continuum"]
     for name, (symbol, unit, size) in SHOWN.items():
         for _, own in truth[truth["quantity"] == name].iterrows():
             here = table[(table["quantity"] == name) & (table["pressure_GPa"] == own["pressure_GPa"])]
             means = here.set_index("model")["mean"]
-            errors = [f"{100 * (means[theory] / own['mean'] - 1):+.1f} %" for theory in THEORIES]
+            errors = [minus(per_cent(means[theory], own["mean"])) for theory in THEORIES]
             error = 100 * own["standard_error"] / own["mean"]
-            yield (
-                f"| {own['pressure_GPa']:g} | {symbol} | {own['mean'] * size:.4g}{unit} | {error:.1f} % | "
-                f"{' | '.join(errors).replace('-', '−')} |"
-            )
+            shown = f"{own['mean'] * size:.4g}{unit}", f"{error:.1f} %"
+            yield row(f"{own['pressure_GPa']:g}", symbol, *shown, *errors)
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
-    given = parser().parse_args(arguments)
-    table = pd.read_csv(given.source) if given.source is not None else ensemble(given.surfaces, given.points)
-    if given.table:
-        table.to_csv(given.table, index=False, float_format="%.6g")
-    for row in rows(table):
-        print(row)
-    return 0
-
+main = tabulated(
+    ensemble,
+    rows,
+    Option("--surfaces", 12, "number of surfaces"),
+    Option("--points", 256, "points along each side of the finer grid"),
+)
 
 if __name__ == "__main__":
     sys.exit(main())

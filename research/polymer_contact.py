@@ -13,16 +13,14 @@ python -m research.polymer_contact --figure polymer_contact.png
 
 import argparse
 import sys
-from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from contact_study.campaign.store.files import write_aside
 from contact_study.plots.style import styled
+from scripts.harness import FIGURE, head, program, row, save
 from theory import PerssonTheory, SelfAffineSpectrum, criteria
 
 ASSUMED_PRESSURE = 2e-4  # p/E*
@@ -72,24 +70,20 @@ def _energies(theory: PerssonTheory, pressure: float) -> tuple[float, float]:
     return (above - below) / (steps[2] - steps[0]), here / pressure
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
-    made = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    made.add_argument("--figure", type=Path, help="map to write")
-    given = made.parse_args(arguments)
+def run(given: argparse.Namespace) -> None:
     print(f"Assumed: p/E* = {ASSUMED_PRESSURE:g}, q₁/q₀ = {ASSUMED_CUTOFF:g}, and the shapes in the columns.\n")
     heads = [f"H = {s.hurst_exponent:g}, q₀/q_L = {s.flat_part:g}, slope {s.rms_slope:g}" for s in SHAPES]
-    print(f"| θ | {' | '.join(heads)} | first, sphere |\n{'|---' * (len(heads) + 2)}|")
+    print(head("θ", *heads, "first, sphere"))
     for theta in ASSUMED_THETA:
         ratios = [slope_ratios(shape.spectrum(), theta) for shape in SHAPES]
-        print(f"| {theta:g} | {' | '.join(f'{flat:.3f}' for flat, _ in ratios)} | {ratios[0][1]:.3f} |")
+        print(row(f"{theta:g}", *(f"{flat:.3f}" for flat, _ in ratios), f"{ratios[0][1]:.3f}"))
     if given.figure:
-        figure = _drawn()
-        write_aside(given.figure, lambda partial: figure.savefig(partial, dpi=150, format=given.figure.suffix[1:]))
-    return 0
+        save(drawn(), given.figure)
 
 
 @styled
-def _drawn() -> Figure:
+def drawn() -> Figure:
+    """The ratio over θ, and over modulus and work of adhesion of one surface."""
     figure = Figure(figsize=(7.0, 2.9), layout="constrained")
     left, right = figure.subplots(1, 2)
     _draw_curves(left)
@@ -134,6 +128,8 @@ def _draw_map(figure: Figure, axes: Axes) -> None:
     axes.grid(False)
     figure.colorbar(mesh, ax=axes, label="ratio", extend="max")
 
+
+main = program(run, FIGURE)
 
 if __name__ == "__main__":
     sys.exit(main())

@@ -6,15 +6,13 @@ Both on the study's grid, and the automatic range on one of half the points, for
 """
 
 import argparse
-from collections.abc import Sequence
+import sys
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 
 from bem_adhesion import rough_contact
 from bem_adhesion.process_zone import POINTS_PER_PROCESS_ZONE, process_zone
-from contact_study.campaign.command_line.command import Parser, guarded
 from contact_study.errors import InputError
 from contact_study.numerics.grid import Grid
 from contact_study.physics.laws import make_law
@@ -23,17 +21,11 @@ from contact_study.study.case import Case, realise
 from contact_study.study.schema.interaction import AUTO, LENGTH
 from contact_study.study.study import read_study
 from contact_study.units import length
+from scripts.harness import STUDY, per_cent, program, show, walk
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
-    return guarded("range_of_adhesion", lambda: _main(arguments), interrupted="nothing is written")
-
-
-def _main(arguments: Sequence[str] | None) -> int:
-    parser = Parser(description=__doc__.splitlines()[0], allow_abbrev=False)
-    parser.formatter_class = argparse.RawDescriptionHelpFormatter
-    parser.add_argument("study", type=Path, help="study file of one case")
-    study = read_study(parser.parse_args(arguments).study)
+def run(given: argparse.Namespace) -> None:
+    study = read_study(given.study)
     if len(study.cases) != 1 or not study.choices:
         raise InputError(f'{study.title}: expected one case with {LENGTH} = "{AUTO}"')
     case = study.cases[0]
@@ -48,11 +40,14 @@ def _main(arguments: Sequence[str] | None) -> int:
     )
     runs = [areas(case, long, shape), areas(case, short, shape), areas(case, long, half)]
     heads = [f"A/A₀, {length(long)}", f"{length(short)}", "change", f"{length(long)}, {half[0]}²", "change"]
-    print(f"| p (kPa) | branch | {' | '.join(heads)} |\n|{'---|' * (2 + len(heads))}")
-    for (pressure, branch), whole, shorter, coarse in zip(case.path, *runs, strict=True):
-        cells = [f"{whole:.4f}", f"{shorter:.4f}", change(shorter, whole), f"{coarse:.4f}", change(coarse, whole)]
-        print(f"| {pressure / 1e3:g} | {branch} | {' | '.join(cells)} |")
-    return 0
+    rows = zip(case.path, *runs, strict=True)
+    show(
+        ("p (kPa)", "branch", *heads),
+        (
+            (f"{p / 1e3:g}", branch, f"{whole:.4f}", *compared(shorter, whole), *compared(coarse, whole))
+            for (p, branch), whole, shorter, coarse in rows
+        ),
+    )
 
 
 def areas(case: Case, reach: float, shape: tuple[int, int]) -> list[float]:
@@ -60,19 +55,19 @@ def areas(case: Case, reach: float, shape: tuple[int, int]) -> list[float]:
     sample = realise(case)
     law = make_law(case.interaction.law, case.work_of_adhesion, reach)
     contact = rough_contact(sample.heights(shape), Grid(shape, sample.size).size, case.solid, law)
-    state, found = contact.separated(), []
-    for pressure, _ in case.path:
-        solution = contact.step(state, pressure)
-        state = solution.state
+    found = []
+    for solution in walk(contact, (pressure for pressure, _ in case.path)):
         touching = law.in_contact(solution.gap, solution.pressure, law.contact_distance)
         found.append(float(np.mean(touching)) if solution.converged else float("nan"))
     return found
 
 
-def change(one: float, other: float) -> str:
-    """Relative difference in per cent."""
-    return f"{100 * (one / other - 1):+.1f} %"
+def compared(one: float, other: float) -> tuple[str, str]:
+    """An area, and by how much it differs from another."""
+    return f"{one:.4f}", per_cent(one, other)
 
+
+main = program(run, STUDY)
 
 if __name__ == "__main__":
-    raise SystemExit(main())
+    sys.exit(main())

@@ -20,32 +20,15 @@ from typing import Any
 import tomli_w
 import xarray as xr
 
-from contact_study.campaign.command_line.command import Parser, guarded
-from contact_study.errors import InputError
 from contact_study.study.study import Study, make_study, read_study
 from md_reference.study.dynamics import build_block, time_step
+from scripts.harness import Option, program, show, shrunk
 
 _LONG = 10**5  # time steps of a long run
 _OF_THE_RUN = ("wall_time",)  # differs from run to run, as nothing else may
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
-    return guarded("stopped_motion", lambda: _main(arguments), interrupted="nothing is written")
-
-
-def parser() -> Parser:
-    made = Parser(
-        description=__doc__.splitlines()[0], formatter_class=argparse.ArgumentDefaultsHelpFormatter, allow_abbrev=False
-    )
-    made.add_argument("study", type=Path, help="study of a self-affine surface with lattice constant and atom mass")
-    made.add_argument("--atoms", type=int, default=400, help="of the block along each side, at the study's slopes")
-    made.add_argument("--frames", type=int, default=20, help="states that are looked at")
-    made.add_argument("--steps", type=int, default=10, help="time steps from one to the next")
-    return made
-
-
-def _main(arguments: Sequence[str] | None) -> int:
-    given = parser().parse_args(arguments)
+def run(given: argparse.Namespace) -> int:
     table = motion_of(read_study(given.study), given.atoms)
     case = make_study(table).cases[0]
     table["dynamics"] |= {"frames": given.frames, "duration": 1.001 * given.frames * given.steps * time_step(case)}
@@ -55,18 +38,36 @@ def _main(arguments: Sequence[str] | None) -> int:
         study = folder / "study.toml"
         study.write_text(tomli_w.dumps(table), encoding="utf-8")
         command = [sys.executable, "-m", "md_reference.study.model", str(study), "-o"]
-        run([*command, str(folder / "whole.nc")])
+        run_quietly([*command, str(folder / "whole.nc")])
         used = resource.getrusage(resource.RUSAGE_CHILDREN)
         done = stopped([*command, str(folder / "stopped.nc")], folder)
-        run([*command, str(folder / "stopped.nc"), "--resume"])
+        run_quietly([*command, str(folder / "stopped.nc"), "--resume"])
         same = identical(folder / "whole.nc", folder / "stopped.nc")
     steps, memory = given.frames * given.steps, 1024 * used.ru_maxrss / (block.freedoms / 3)
     hours = used.ru_utime / steps * _LONG / 3600
-    head = "atoms | nodes that move | steps | s a step | hours for 10⁵ | bytes a node, of the whole process"
-    print(f"| {head} | stopped | resumed |\n{'|---' * 8}|")
-    print(
-        f"| {given.atoms}² | {block.freedoms // 3} | {steps} | {used.ru_utime / steps:.2f} | {hours:.1f} | "
-        f"{memory:.0f} | {done} | {'the same bits' if same else 'other bits'} |"
+    show(
+        (
+            "atoms",
+            "nodes that move",
+            "steps",
+            "s a step",
+            "hours for 10⁵",
+            "bytes a node, of the whole process",
+            "stopped",
+            "resumed",
+        ),
+        [
+            (
+                f"{given.atoms}²",
+                block.freedoms // 3,
+                steps,
+                f"{used.ru_utime / steps:.2f}",
+                f"{hours:.1f}",
+                f"{memory:.0f}",
+                done,
+                "the same bits" if same else "other bits",
+            )
+        ],
     )
     return 0 if same else 1
 
@@ -74,12 +75,10 @@ def _main(arguments: Sequence[str] | None) -> int:
 def motion_of(whole: Study, atoms: int) -> dict[str, Any]:
     """The study's first case with so many atoms a side, in motion."""
     case = whole.cases[0]
-    surface, constant = case.surface, case.material.lattice_constant
-    if surface.kind != "self_affine":
-        raise InputError(f'surface.kind = "{surface.kind}": --atoms is for self-affine surfaces')
-    fraction = atoms * constant / surface.size[0]
-    table = {name: dict(content) for name, content in whole.table.items() if name not in ("override", "sweep")}
-    table["surface"] |= {"size": atoms * constant, "shape": [atoms, atoms], "rms_height": fraction * surface.rms_height}
+    constant = case.material.lattice_constant
+    table = shrunk(whole, atoms * constant / case.surface.size[0])
+    table = {name: content for name, content in table.items() if name not in ("override", "sweep")}
+    table["surface"] |= {"size": atoms * constant, "shape": [atoms, atoms]}
     return {
         **table,
         "loading": {"path": ["1 GPa"]},
@@ -89,7 +88,7 @@ def motion_of(whole: Study, atoms: int) -> dict[str, Any]:
     }
 
 
-def run(command: Sequence[str]) -> None:
+def run_quietly(command: Sequence[str]) -> None:
     """Run a command of the project quietly; a step that is still moving is no failure."""
     status = subprocess.run(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, check=False)
     if status.returncode not in (0, 2):
@@ -123,6 +122,14 @@ def _same(one: Mapping[str, xr.DataArray], other: Mapping[str, xr.DataArray]) ->
     names = [name for name in one.variables if name not in _OF_THE_RUN]
     return set(one.variables) == set(other.variables) and all(one[name].identical(other[name]) for name in names)
 
+
+main = program(
+    run,
+    Option("study", Path, "study of a self-affine surface with lattice constant and atom mass"),
+    Option("--atoms", 400, "of the block along each side, at the study's slopes"),
+    Option("--frames", 20, "states that are looked at"),
+    Option("--steps", 10, "time steps from one to the next"),
+)
 
 if __name__ == "__main__":
     sys.exit(main())

@@ -20,9 +20,10 @@ import numpy as np
 import xarray as xr
 
 import contact_study
-from contact_study.campaign.command_line.command import Parser, guarded
 from contact_study.errors import InputError
-from contact_study.study.study import Study, make_study, read_study
+from contact_study.study.study import make_study, read_study
+from scripts.harness import Option, head, program, shrunk
+from scripts.harness import row as markdown_row
 
 # Of atoms that come to rest: what the residual at the end of a point needs to be below 10⁻³ E* at the sizes in use.
 AT_REST = {"duration": "50 ps", "damping": "0.3 ps^-1", "approach_speed": "300 m/s", "frames": 4}
@@ -30,28 +31,7 @@ AT_REST = {"duration": "50 ps", "damping": "0.3 ps^-1", "approach_speed": "300 m
 OBSERVABLES = {"relative_contact_area": ("A", 1.0), "mean_gap": ("ū (Å)", 1e-10)}
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
-    return guarded("temperature", lambda: _main(arguments), interrupted="nothing is written")
-
-
-def parser() -> Parser:
-    made = Parser(
-        description=__doc__.splitlines()[0], formatter_class=argparse.ArgumentDefaultsHelpFormatter, allow_abbrev=False
-    )
-    made.add_argument("study", type=Path, nargs="?", help="study with a lattice constant, over its well_depth_ratio")
-    made.add_argument("--pressures", nargs="+", default=["1 GPa"], help="points of the path, from separation")
-    made.add_argument("--temperature", default="300 K", help="of the atoms that move")
-    made.add_argument("--trajectories", type=int, default=150, help="thermal states of each point")
-    made.add_argument("--fraction", type=float, default=1.0, help="of the study's lengths: its cell and rms height")
-    made.add_argument(
-        "--from", nargs=2, type=Path, dest="source", metavar=("COLD", "WARM"), help="datasets to print, without a run"
-    )
-    made.add_argument("--turning", action="store_true", help="compare blocks, at zero temperature")
-    return made
-
-
-def _main(arguments: Sequence[str] | None) -> int:
-    given = parser().parse_args(arguments)
+def run(given: argparse.Namespace) -> None:
     if given.source is None:
         if given.study is None:
             raise InputError("STUDY: missing; give a study, or two datasets by --from")
@@ -64,7 +44,7 @@ def _main(arguments: Sequence[str] | None) -> int:
         variants = {"0 K": cold, _temperature(warm): warm}
     before, after = variants.values()
     ratios = [f"{ratio:g} ε₀" for ratio in before.well_depth_ratio.values]
-    print("| p (GPa) | | " + " | ".join(ratios) + " |\n" + "|---" * (2 + len(ratios)) + "|")
+    print(head("p (GPa)", "", *ratios))
     for step, pressure in enumerate(before.applied_pressure.values):
         rows = []
         for name, (symbol, unit) in OBSERVABLES.items():
@@ -76,8 +56,7 @@ def _main(arguments: Sequence[str] | None) -> int:
             worst = np.maximum(*(dataset.residual.isel(step=step).values for dataset in variants.values()))
             rows.append(("force left over a²E*", [f"{residual:.0e}" for residual in worst]))
         for words, row in rows:
-            print(f"| {pressure / 1e9:g} | {words} | " + " | ".join(row) + " |")
-    return 0
+            print(markdown_row(f"{pressure / 1e9:g}", words, *row))
 
 
 def _temperature(dataset: xr.Dataset) -> str:
@@ -113,21 +92,6 @@ def largest_move(states: xr.Dataset) -> np.ndarray:
     return np.sqrt(squares.max(["y", "x"])).values
 
 
-def shrunk(study: Study, fraction: float) -> dict[str, Any]:
-    """The study with its cell, its grid and its roughness at a fraction of their lengths: its slopes stay."""
-    case, table = study.cases[0], copy.deepcopy(dict(study.table))
-    if fraction != 1.0:
-        surface = case.surface
-        if surface.kind != "self_affine":
-            raise InputError(f'surface.kind = "{surface.kind}": --fraction is for self-affine surfaces')
-        table["surface"] |= {
-            "size": [fraction * length for length in surface.size],
-            "shape": [round(fraction * points) for points in surface.shape],
-            "rms_height": fraction * surface.rms_height,
-        }
-    return table
-
-
 def at_rest(table: Mapping[str, Any], pressures: Sequence[str]) -> dict[str, Any]:
     """The study at these pressures, without exceptions and fields."""
     changed = copy.deepcopy({section: content for section, content in table.items() if section != "override"})
@@ -158,6 +122,17 @@ def changes(cold: xr.Dataset, warm: xr.Dataset, name: str, unit: float, step: in
         return [f"{change:+.1f} %" for change in 100 * (after / before - 1)]
     return [f"{change:+.3f}" for change in (np.asarray(after) - before) / unit]
 
+
+main = program(
+    run,
+    Option("study", Path, "study with a lattice constant, over its well_depth_ratio", nargs="?"),
+    Option("--pressures", ["1 GPa"], "points of the path, from separation"),
+    Option("--temperature", "300 K", "of the atoms that move"),
+    Option("--trajectories", 150, "thermal states of each point"),
+    Option("--fraction", 1.0, "of the study's lengths: its cell and rms height"),
+    Option("--from", Path, "datasets to print, without a run", nargs=2, metavar=("COLD", "WARM")),
+    Option("--turning", False, "compare blocks, at zero temperature"),
+)
 
 if __name__ == "__main__":
     sys.exit(main())

@@ -9,7 +9,6 @@ its standard error. A velocity is known at the end of a time step and, half a ki
 
 import argparse
 import sys
-from collections.abc import Sequence
 from pathlib import Path
 
 import xarray as xr
@@ -18,18 +17,14 @@ from scipy import constants
 import contact_study
 from contact_study.study.study import make_study, read_study
 from md_reference.study.dynamics import build_block, largest_time_step
-from research.temperature import at_rest, shrunk
+from research.temperature import at_rest
+from scripts.harness import Option, head, program, row, shrunk
 
 TEMPERATURE = 300.0
 MOTION = {"duration": "200 ps", "damping": "0.3 ps^-1", "approach_speed": "300 m/s", "frames": 1200}
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("study", type=Path, help="study with a lattice constant and the mass of its atoms")
-    parser.add_argument("--fraction", type=float, default=0.08, help="of the study's lengths")
-    parser.add_argument("--steps", type=float, nargs="+", default=[0.1, 0.2, 0.4], help="over the largest stable one")
-    given = parser.parse_args(arguments)
+def run(given: argparse.Namespace) -> None:
     table = at_rest(shrunk(read_study(given.study), given.fraction), ["1 GPa"])
     table["atomistic"] = {"method": "dynamics", "temperature": TEMPERATURE}
     table["sweep"] = {}
@@ -37,8 +32,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     case = make_study(table).cases[0]
     # The rigid plane's freedom is in the kinetic energy, too.
     per_kelvin = 0.5 * constants.k * (build_block(case).freedoms + 1) / (case.surface.size[0] * case.surface.size[1])
-    print("| step over the largest | fs | T (K) | T of velocities at the end (K) | A | ū (Å) |")
-    print("|---" * 6 + "|")
+    print(head("step over the largest", "fs", "T (K)", "T of velocities at the end (K)", "A", "ū (Å)"))
     for share in given.steps:
         step = share * largest_time_step(case)
         found = contact_study.run({**table, "dynamics": {**MOTION, "time_step": step}}, "atomistic").squeeze()
@@ -48,14 +42,20 @@ def main(arguments: Sequence[str] | None = None) -> int:
             _cell(found, "relative_contact_area", 1.0, 4),
             _cell(found, "mean_gap", 1e-10, 3),
         ]
-        print(f"| {share:g} | {1e15 * step:.1f} | {' | '.join(cells)} |", flush=True)
-    return 0
+        print(row(f"{share:g}", f"{1e15 * step:.1f}", *cells), flush=True)
 
 
 def _cell(dataset: xr.Dataset, name: str, unit: float, digits: int) -> str:
     value, error = (float(dataset[key]) / unit for key in (name, f"{name}_standard_error"))
     return f"{value:.{digits}f} ± {error:.{digits}f}"
 
+
+main = program(
+    run,
+    Option("study", Path, "study with a lattice constant and the mass of its atoms"),
+    Option("--fraction", 0.08, "of the study's lengths"),
+    Option("--steps", [0.1, 0.2, 0.4], "over the largest stable one"),
+)
 
 if __name__ == "__main__":
     sys.exit(main())

@@ -9,9 +9,10 @@ zone E*Δγ/σ_max² over the fixed grid spacing. Rows that the file has already
 """
 
 import argparse
+import itertools
 import sys
 import warnings
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -20,10 +21,10 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 import contact_study
-from contact_study.campaign.command_line.command import Parser, guarded
 from contact_study.errors import InputError
 from contact_study.physics.laws import make_law
-from contact_study.plots.style import COLOURS, RESOLUTION, SINGLE, styled
+from contact_study.plots.style import COLOURS, SINGLE, styled
+from scripts.harness import Option, head, program, read_rows, row, save, write_rows
 
 MODULUS, WORK, SPACING, PRESSURE = 25e6, 0.05, 48.8e-9, 250e3
 RMS_HEIGHT = 0.04  # over the cell; an rms slope of about one
@@ -33,44 +34,18 @@ WAYS = {"steps": "quasi_static", "flow": "overdamped"}
 KEYS = ["law", "points", "ratio", "seed"]
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
-    return guarded("trapped_edges", lambda: _main(arguments), interrupted="finished rows are kept")
-
-
-def parser() -> Parser:
-    made = Parser(
-        description=__doc__.splitlines()[0], formatter_class=argparse.ArgumentDefaultsHelpFormatter, allow_abbrev=False
-    )
-    made.add_argument("--laws", nargs="+", choices=tuple(NAMES), default=list(NAMES), help="interactions")
-    made.add_argument("--points", type=int, default=64, help="points along each side")
-    made.add_argument("--ratios", type=float, nargs="+", default=list(RATIOS), help="process zones over grid spacing")
-    made.add_argument("--seeds", type=int, nargs="+", default=[1, 2, 3], help="surfaces")
-    made.add_argument("-o", "--output", type=Path, help="CSV to add to")
-    made.add_argument("--from", type=Path, dest="source", help="CSV to print, in place of a run")
-    made.add_argument("--figure", type=Path, help="draw the loss of contact, too")
-    return made
-
-
-def _main(arguments: Sequence[str] | None) -> int:
-    given = parser().parse_args(arguments)
-    source = given.source or given.output
-    known = pd.read_csv(source) if source and source.exists() else pd.DataFrame(columns=KEYS)
-    if given.source is None:
-        for law in given.laws:
-            for ratio in given.ratios:
-                for seed in given.seeds:
-                    if (known[KEYS] == [law, given.points, ratio, seed]).all(axis=1).any():
-                        continue
-                    known = pd.concat([known, pd.DataFrame([loaded(law, given.points, ratio, seed)])])
-                    if given.output:
-                        known.to_csv(given.output, index=False, float_format="%.6g")
+def run(given: argparse.Namespace) -> None:
+    known = read_rows(given.source or given.output, KEYS)
+    wanted = itertools.product(given.laws, [given.points], given.ratios, given.seeds) if given.source is None else ()
+    for one in wanted:
+        if not (known[KEYS] == list(one)).all(axis=1).any():
+            known = pd.concat([known, pd.DataFrame([loaded(*one)])])
+            write_rows(known, given.output)
     if known.empty:
         raise InputError("nothing to print: no run has been made")
     print("\n".join(lines(known)))
     if given.figure is not None:
-        draw(given.figure, known)
-        print(given.figure, file=sys.stderr)
-    return 0
+        save(drawn(known), given.figure)
 
 
 def study(law: str, points: int, ratio: float, seed: int) -> dict[str, Any]:
@@ -98,27 +73,26 @@ def study(law: str, points: int, ratio: float, seed: int) -> dict[str, Any]:
 def loaded(law: str, points: int, ratio: float, seed: int) -> dict[str, Any]:
     """The contact area by each way."""
     table = study(law, points, ratio, seed)
-    row: dict[str, Any] = {"law": law, "points": points, "ratio": ratio, "seed": seed}
+    found: dict[str, Any] = {"law": law, "points": points, "ratio": ratio, "seed": seed}
     for way, path in WAYS.items():
         with warnings.catch_warnings():
             warnings.filterwarnings("ignore", message="grid too coarse")  # that is what is looked at
-            found = contact_study.run(table | {"solver": {"path": path, "max_iterations": 20000}}).isel(step=0)
-        row[way] = found.relative_contact_area.item()
-        row[f"{way}_converged"] = found.converged.item()
-    return row
+            state = contact_study.run(table | {"solver": {"path": path, "max_iterations": 20000}}).isel(step=0)
+        found[way] = state.relative_contact_area.item()
+        found[f"{way}_converged"] = state.converged.item()
+    return found
 
 
 def lines(table: pd.DataFrame) -> Iterator[str]:
     """The table as Markdown: mean areas, how much less the flow has, and from which ratio on no surface has."""
-    head = "law | points | process zone / spacing | A, one step | A, slow flow | less by (mean, most)"
-    yield f"| {head} |"
-    yield "|---" * 6 + "|"
+    areas = "A, one step", "A, slow flow"
+    yield head("law", "points", "process zone / spacing", *areas, "less by (mean, most)")
     table = table.assign(less=less(table)).sort_values(KEYS)
     for (law, points, ratio), rows in table.groupby(["law", "points", "ratio"]):
         lost = "=" if same(rows).all() else f"{100 * rows.less.mean():.1f} %, {100 * rows.less.max():.1f} %"
         moving = "" if (rows.steps_converged * rows.flow_converged == 1).all() else " (moving)"
-        areas = f"{rows.steps.mean():.4f} | {rows.flow.mean():.4f}"
-        yield f"| {NAMES[law]} | {points}² | {ratio:g} | {areas} | {lost}{moving} |"
+        areas = f"{rows.steps.mean():.4f}", f"{rows.flow.mean():.4f}"
+        yield row(NAMES[law], f"{points}²", f"{ratio:g}", *areas, lost + moving)
     yield ""
     for (law, points), rows in table.groupby(["law", "points"]):
         parted = rows.ratio[~same(rows)]
@@ -138,7 +112,8 @@ def same(table: pd.DataFrame) -> pd.Series:
 
 
 @styled
-def draw(path: Path, table: pd.DataFrame) -> None:
+def drawn(table: pd.DataFrame) -> Figure:
+    """How much less contact slow motion leaves."""
     figure = Figure(figsize=(SINGLE, 2.6), layout="constrained")
     axes = figure.subplots()
     for number, ((law, points), rows) in enumerate(table.assign(less=100 * less(table)).groupby(["law", "points"])):
@@ -149,8 +124,20 @@ def draw(path: Path, table: pd.DataFrame) -> None:
     axes.axvline(1, color="k", linestyle=":")
     axes.set(xlabel="process zone / grid spacing", ylabel="less contact by slow flow (%)")
     axes.legend()
-    figure.savefig(path, dpi=RESOLUTION)
+    return figure
 
+
+main = program(
+    run,
+    Option("--laws", list(NAMES), "interactions", choices=tuple(NAMES)),
+    Option("--points", 64, "points along each side"),
+    Option("--ratios", list(RATIOS), "process zones over grid spacing"),
+    Option("--seeds", [1, 2, 3], "surfaces"),
+    Option("-o, --output", Path, "CSV to add to"),
+    Option("--from", Path, "CSV to print, in place of a run"),
+    Option("--figure", Path, "draw the loss of contact, too"),
+    interrupted="finished rows are kept",
+)
 
 if __name__ == "__main__":
     sys.exit(main())

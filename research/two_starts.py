@@ -18,13 +18,13 @@ import xarray as xr
 
 import bem_adhesion.study.model
 import md_reference.study.model
-from contact_study.campaign.command_line.command import Parser, guarded
 from contact_study.campaign.store import files
 from contact_study.errors import InputError
 from contact_study.results.state import InterfaceState
 from contact_study.study.case import Case, realise
 from contact_study.study.study import read_study
 from contact_study.units import quantity
+from scripts.harness import STUDY, Option, head, per_cent, program, row
 
 # Name: units and meaning.
 VARIABLES = {
@@ -54,41 +54,23 @@ COLUMNS = [
 ]
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
-    return guarded("two_starts", lambda: _main(arguments), interrupted="nothing is written")
-
-
-def parser() -> Parser:
-    made = Parser(
-        description=__doc__.splitlines()[0], formatter_class=argparse.ArgumentDefaultsHelpFormatter, allow_abbrev=False
-    )
-    made.add_argument("study", type=Path, nargs="?", default=Path("data/yang2008.toml"), help="study file")
-    made.add_argument("--ratios", type=float, nargs="+", default=[1, 4, 8], help="multiples of the well depth")
-    made.add_argument("--pressures", nargs="+", default=["0.1 GPa", "1 GPa", "10 GPa"], help="the loading path")
-    made.add_argument("--seed", type=int, help="surface, in place of the study's")
-    made.add_argument("-o", "--output", type=Path, default=Path("results/two_starts.nc"))
-    return made
-
-
-def _main(arguments: Sequence[str] | None) -> int:
-    given = parser().parse_args(arguments)
+def run(given: argparse.Namespace) -> None:
     pressures = [quantity(text, "Pa", "--pressures") for text in given.pressures]
     given.output.parent.mkdir(parents=True, exist_ok=True)
     files.writable_output(given.output)
     rows = []
-    print("| " + " | ".join(COLUMNS) + " |")
-    print("|---" * len(COLUMNS) + "|")
+    print(head(*COLUMNS))
     for ratio in given.ratios:
-        for pressure, row in zip(pressures, compare(_case(given, ratio, pressures)), strict=True):
-            rows.append(row)
-            print(_line(ratio, pressure, row), flush=True)
+        for pressure, state in zip(pressures, compare(case_of(given, ratio, pressures)), strict=True):
+            rows.append(state)
+            print(_line(ratio, pressure, state), flush=True)
     print(f"\n{conclusion(rows)}")
     shape = (len(given.ratios), len(pressures))
     dataset = xr.Dataset(
         {
             name: (
                 ("well_depth_ratio", "pressure"),
-                np.reshape([row[name] for row in rows], shape),
+                np.reshape([state[name] for state in rows], shape),
                 {"units": units, "long_name": meaning},
             )
             for name, (units, meaning) in VARIABLES.items()
@@ -101,7 +83,6 @@ def _main(arguments: Sequence[str] | None) -> int:
     )
     files.write_aside(given.output, dataset.to_netcdf)
     print(given.output, file=sys.stderr)
-    return 0
 
 
 def compare(case: Case) -> Iterator[dict[str, float]]:
@@ -148,7 +129,8 @@ def _energy(state: InterfaceState, pressure: float) -> float:
     return state.elastic_energy + state.interaction_energy + pressure * state.mean_separation
 
 
-def _case(given: argparse.Namespace, ratio: float, pressures: Sequence[float]) -> Case:
+def case_of(given: argparse.Namespace, ratio: float, pressures: Sequence[float]) -> Case:
+    """The one surface of a study at one adhesion, under these pressures (Pa)."""
     overrides = {"interaction.well_depth_ratio": ratio}
     if given.seed is not None:
         overrides["surface.seed"] = given.seed
@@ -166,15 +148,30 @@ def _beyond_rounding(difference: float) -> str:
     return f"{difference:.2f}" if difference >= 0.005 else "0"
 
 
-def _line(ratio: float, pressure: float, row: dict[str, float]) -> str:
-    area, shift = row["area_own"], row["mean_gap_predicted"] - row["mean_gap_own"]
-    return (
-        f"| {ratio:g} | {pressure / 1e9:g} | {area:.4f} | {row['area_predicted']:.4f} "
-        f"| {100 * (row['area_predicted'] / area - 1):+.2f} % | {1e10 * shift:+.4f} "
-        f"| {_beyond_rounding(1e10 * row['largest_gap_difference'])} | {100 * row['changed_atoms']:.2f} % "
-        f"| {1e3 * row['energy_difference']:+.3f} | {row['evaluations_own']}, {row['evaluations_predicted']} |"
+def _line(ratio: float, pressure: float, state: dict[str, float]) -> str:
+    area, shift = state["area_own"], state["mean_gap_predicted"] - state["mean_gap_own"]
+    return row(
+        f"{ratio:g}",
+        f"{pressure / 1e9:g}",
+        f"{area:.4f}",
+        f"{state['area_predicted']:.4f}",
+        per_cent(state["area_predicted"], area, 2),
+        f"{1e10 * shift:+.4f}",
+        _beyond_rounding(1e10 * state["largest_gap_difference"]),
+        f"{100 * state['changed_atoms']:.2f} %",
+        f"{1e3 * state['energy_difference']:+.3f}",
+        f"{state['evaluations_own']}, {state['evaluations_predicted']}",
     )
 
+
+main = program(
+    run,
+    STUDY,
+    Option("--ratios", [1.0, 4.0, 8.0], "multiples of the well depth"),
+    Option("--pressures", ["0.1 GPa", "1 GPa", "10 GPa"], "the loading path"),
+    Option("--seed", int, "surface, in place of the study's"),
+    Option("-o, --output", Path("results/two_starts.nc"), ""),
+)
 
 if __name__ == "__main__":
     sys.exit(main())

@@ -13,16 +13,14 @@ hard wall the state begins as that of the same load without adhesion.
 
 import argparse
 import sys
-from collections.abc import Sequence
 
 import numpy as np
 
 from bem_adhesion import Exponential, HardWall, rough_contact
-from contact_study.study.case import realise
-from contact_study.study.study import make_study
+from scripts.harness import Option, head, program, rough_surface, row
 
 CELL, RADIUS, MODULUS, WORK, TABOR = 4e-6, 60e-9, 25e6, 5e-3, 3.0
-LONGEST, SHORTEST, HURST = 4, 40, 0.8  # waves to the cell
+LONGEST, SHORTEST = 4, 40  # waves to the cell
 PRESSURE = 0.075 * MODULUS
 # Opening of the hard wall's gaps where it begins, over ρ: none may be shut but those that touch.
 OPENING = 1e-3
@@ -30,23 +28,8 @@ OPENING = 1e-3
 
 def surface(points: int, seed: int) -> np.ndarray:
     """Heights (m) whose curvature, half the Laplacian, is 1/RADIUS in the mean square."""
-    keys = {
-        "kind": "self_affine",
-        "size": CELL,
-        "shape": [points, points],
-        "hurst_exponent": HURST,
-        "rms_height": 50e-9,
-        "roll_off_mode": LONGEST,
-        "low_mode": LONGEST,
-        "cutoff_mode": SHORTEST,
-        "seed": seed,
-    }
-    rest: dict[str, dict[str, object]] = {
-        "material": {"youngs_modulus": MODULUS, "poissons_ratio": 0.0},
-        "interaction": {"law": "hard_wall"},
-        "loading": {"path": [1.0]},
-    }
-    height = realise(make_study({"surface": keys, **rest}).cases[0]).sampled
+    waves = {"roll_off_mode": LONGEST, "low_mode": LONGEST, "cutoff_mode": SHORTEST}
+    height = rough_surface(CELL, points, 50e-9, seed=seed, **waves).sampled
     return height / (rms_curvature(height) * RADIUS)
 
 
@@ -57,15 +40,10 @@ def rms_curvature(height: np.ndarray) -> float:
     return float(np.std(np.fft.irfft2(q**2 * np.fft.rfft2(height), s=height.shape))) / 2
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--points", type=int, nargs="+", default=[512], help="points along each side")
-    parser.add_argument("--seed", type=int, default=1, help="sample of the recipe")
-    given = parser.parse_args(arguments)
+def run(given: argparse.Namespace) -> int:
     length = (RADIUS * (WORK / MODULUS) ** 2) ** (1 / 3) / TABOR
     law = Exponential(WORK, length)
-    print("| points | per zone | start | A/A₀ | without adhesion | energy (mJ/m²) | residual | pairs |")
-    print("|---" * 8 + "|")
+    print(head("points", "per zone", "start", "A/A₀", "without adhesion", "energy (mJ/m²)", "residual", "pairs"))
     failed = 0
     for points in given.points:
         height = surface(points, given.seed)
@@ -79,13 +57,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
             failed += not found.converged
             energy = found.elastic_energy + found.interaction_energy + PRESSURE * float(np.mean(found.gap))
             area, bare_area = np.mean(found.gap == 0), np.mean(bare.pressure > 0)
-            print(
-                f"| {points}² | {zone:.2g} | {start} | {area:.4f} | {bare_area:.4f} | {1e3 * energy:.4f} "
-                f"| {found.residual:.0e} | {found.fft_pairs:.0f} |",
-                flush=True,
-            )
+            cells = f"{area:.4f}", f"{bare_area:.4f}", f"{1e3 * energy:.4f}", f"{found.residual:.0e}"
+            print(row(f"{points}²", f"{zone:.2g}", start, *cells, f"{found.fft_pairs:.0f}"), flush=True)
     return 2 if failed else 0
 
+
+main = program(run, Option("--points", [512], "points along each side"), Option("--seed", 1, "sample of the recipe"))
 
 if __name__ == "__main__":
     sys.exit(main())

@@ -8,7 +8,6 @@ the order of the steps of time. `docs/viscoelasticity.md` explains the columns.
 
 import argparse
 import sys
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -17,11 +16,11 @@ from matplotlib.figure import Figure
 
 from bem_adhesion import LennardJones93, Viscoelastic, ViscoelasticContact, rough_contact
 from bem_adhesion.study.viscoelastic import TimeState, follow_in_time
-from contact_study.campaign.command_line.command import Parser, guarded
 from contact_study.physics.surfaces.surface import Surface
-from contact_study.plots.style import COLOURS, DOUBLE, RESOLUTION, styled
+from contact_study.plots.style import COLOURS, DOUBLE, styled
 from contact_study.study.case import realise
 from contact_study.study.study import read_study
+from scripts.harness import STUDY, Option, per_cent, program, save, show, walk
 
 RELAXED, BRANCH, TIME = 1e9, 9e9, 1.0
 LAW = LennardJones93(work_of_adhesion=0.02, length=1e-9)
@@ -44,41 +43,26 @@ class Loop:
         return float(-np.sum(0.5 * (self.pressures[1:] + self.pressures[:-1]) * np.diff(self.gaps)))
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
-    return guarded("viscoelastic_loop", lambda: _main(arguments), interrupted="nothing is written")
-
-
-def parser() -> Parser:
-    made = Parser(
-        description=__doc__.splitlines()[0], formatter_class=argparse.ArgumentDefaultsHelpFormatter, allow_abbrev=False
-    )
-    made.add_argument("study", type=Path, nargs="?", default=Path("data/yang2008.toml"), help="study of the surface")
-    made.add_argument("--points", type=int, default=32, help="points along each side")
-    made.add_argument("--steps", type=int, default=32, help="steps of time on each way")
-    made.add_argument("--figure", type=Path, help="draw dissipation and loops, too")
-    return made
-
-
-def _main(arguments: Sequence[str] | None) -> int:
-    given = parser().parse_args(arguments)
+def run(given: argparse.Namespace) -> None:
     surface = realise(read_study(given.study).cases[0])
     heights = surface.heights((given.points, given.points))
     loops = {f"{duration:g}": loop(heights, surface, duration, given.steps) for duration in DURATIONS}
     limits = {name: elastic(heights, surface, modulus, given.steps) for name, modulus in (("E0", 1e10), ("E∞", 1e9))}
-    print("| T/τ | dissipated | −∮ p du | most pressed | most pulled |\n|---|---|---|---|---|")
+    rows = []
     for name, found in {"elastic, E0": limits["E0"], **loops, "elastic, E∞": limits["E∞"]}.items():
         lost = "" if name.startswith("elastic") else f"{1e3 * found.dissipated:.3f}"
-        extremes = f"{found.pressures.max() / 1e6:.1f} | {found.pressures.min() / 1e6:.2f}"
-        print(f"| {name} | {lost} | {1e3 * found.work:.3f} | {extremes} |")
-    print("\n| steps on each way | dissipated | difference |\n|---|---|---|")
+        extremes = f"{found.pressures.max() / 1e6:.1f}", f"{found.pressures.min() / 1e6:.2f}"
+        rows.append((name, lost, f"{1e3 * found.work:.3f}", *extremes))
+    show(("T/τ", "dissipated", "−∮ p du", "most pressed", "most pulled"), rows)
     finest = loop(heights, surface, TIME, 8 * given.steps).dissipated
+    rows = []
     for steps in (given.steps // 4, given.steps // 2, given.steps, 2 * given.steps):
         found = loop(heights, surface, TIME, steps).dissipated
-        print(f"| {steps} | {1e3 * found:.4f} | {100 * (found / finest - 1):+.2f} % |")
+        rows.append((steps, f"{1e3 * found:.4f}", per_cent(found, finest, 2)))
+    print()
+    show(("steps on each way", "dissipated", "difference"), rows)
     if given.figure is not None:
-        _draw(given.figure, loops, limits)
-        print(given.figure, file=sys.stderr)
-    return 0
+        save(drawn(loops, limits), given.figure)
 
 
 def way(steps: int) -> np.ndarray:
@@ -107,16 +91,13 @@ def loop(heights: np.ndarray, surface: Surface, duration: float, steps: int) -> 
 def elastic(heights: np.ndarray, surface: Surface, modulus: float, steps: int) -> Loop:
     """The same path on an elastic half-space."""
     contact = rough_contact(heights, surface.size, modulus, LAW, control="gap")
-    solution = contact.step(contact.separated(), OUT)
-    pressures = [float(solution.pressure.mean())]
-    for gap in way(steps):
-        solution = contact.step(solution.state, gap)
-        pressures.append(float(solution.pressure.mean()))
+    pressures = [float(solution.pressure.mean()) for solution in walk(contact, [OUT, *way(steps)])]
     return Loop(np.concatenate([[OUT], way(steps)]), np.array(pressures), 0.0)
 
 
 @styled
-def _draw(path: Path, loops: dict[str, Loop], limits: dict[str, Loop]) -> None:
+def drawn(loops: dict[str, Loop], limits: dict[str, Loop]) -> Figure:
+    """Dissipation against duration, and loops between those of the elastic limits."""
     figure = Figure(figsize=(DOUBLE, 2.8), layout="constrained")
     left, right = figure.subplots(1, 2)
     times = [float(name) for name in loops]
@@ -128,8 +109,16 @@ def _draw(path: Path, loops: dict[str, Loop], limits: dict[str, Loop]) -> None:
         right.plot(1e9 * loops[name].gaps, loops[name].pressures / 1e6, color=colour, label=f"T = {name} τ")
     right.set(xlabel="mean gap (nm)", ylabel="mean pressure (MPa)", ylim=(-12, 60))
     right.legend()
-    figure.savefig(path, dpi=RESOLUTION)
+    return figure
 
+
+main = program(
+    run,
+    STUDY,
+    Option("--points", 32, "points along each side"),
+    Option("--steps", 32, "steps of time on each way"),
+    Option("--figure", Path, "draw dissipation and loops, too"),
+)
 
 if __name__ == "__main__":
     sys.exit(main())

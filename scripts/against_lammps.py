@@ -13,7 +13,6 @@ fourth power. Everything is at a Poisson's ratio of ¼, where the block has no e
 import argparse
 import statistics
 import sys
-import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
@@ -21,7 +20,6 @@ from typing import Any
 import numpy as np
 from scipy import constants
 
-from contact_study.campaign.command_line.command import Parser, guarded
 from contact_study.numerics import fourier
 from contact_study.physics.lattice import lattice_of
 from md_reference.block.condensed import isotropic_element, lame_constants
@@ -29,6 +27,7 @@ from md_reference.block.multiscale import MultiscaleBlock, NonlinearSpringBlock
 from md_reference.interface.pairs import LennardJonesInterface, interface_of
 from md_reference.lammps import LammpsSystem, lammps_interface, lammps_slab, load_lammps
 from md_reference.thermal.langevin import MolecularDynamics, fastest_wave
+from scripts.harness import Option, processor_time, program, show
 
 ANGSTROM = 1e-10
 
@@ -46,23 +45,7 @@ STRAIN = 1e-4
 FAR = 1e3  # times that, for springs that turn
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
-    return guarded("against_lammps", lambda: _main(arguments), interrupted="nothing is written")
-
-
-def parser() -> Parser:
-    made = Parser(
-        description=__doc__.splitlines()[0], formatter_class=argparse.ArgumentDefaultsHelpFormatter, allow_abbrev=False
-    )
-    made.add_argument("--atoms", type=int, default=100, help="of the interface along each side")
-    made.add_argument("--nodes", type=int, default=40, help="of the block along each side")
-    made.add_argument("--repeats", type=int, default=5, help="of each timing, both programs in turn; 0: no timing")
-    made.add_argument("--store", type=Path, help="write LAMMPS' forces of a small case, for the test that needs none")
-    return made
-
-
-def _main(arguments: Sequence[str] | None) -> int:
-    given = parser().parse_args(arguments)
+def run(given: argparse.Namespace) -> int:
     lammps = load_lammps()
     if given.store is not None:
         np.savez_compressed(given.store, **small_case(lammps))
@@ -71,17 +54,18 @@ def _main(arguments: Sequence[str] | None) -> int:
     interface, displacement = rough_interface(given.atoms)
     own = interface_forces(interface, displacement)
     witness = lammps_interface(lammps, interface, displacement)
-    print("| forces | atoms | largest difference over largest force |\n|---|---|---|")
-    print(f"| interface | {given.atoms**2} | {difference(own, witness.forces()):.1e} |")
     nodes = random_nodes((given.nodes,) * 3)
     springs = slab_witness(lammps, nodes.shape[1:])
-    print(f"| linear block | {given.nodes**3} | {difference(block_forces(nodes), linear_part(springs, nodes)):.1e} |")
     turned = difference(block_forces(FAR * nodes, NonlinearSpringBlock), springs.forces(springs.rest + FAR * nodes))
-    print(f"| block of turning springs | {given.nodes**3} | {turned:.1e} |")
+    rows = (
+        ("interface", given.atoms**2, difference(own, witness.forces())),
+        ("linear block", given.nodes**3, difference(block_forces(nodes), linear_part(springs, nodes))),
+        ("block of turning springs", given.nodes**3, turned),
+    )
+    show(("forces", "atoms", "largest difference over largest force"), ((*cells, f"{d:.1e}") for *cells, d in rows))
     if given.repeats:
         cut = lammps_interface(lammps, interface, displacement, "lj/cut")
         timings(interface, displacement, [witness, cut], springs, given.nodes, given.repeats)
-    return 0
 
 
 def difference(one: np.ndarray, other: np.ndarray) -> float:
@@ -190,26 +174,27 @@ def timings(
 
     linear, turning = (mover(springs_block((nodes,) * 3, kind)) for kind in (MultiscaleBlock, NonlinearSpringBlock))
 
-    print("\n| 10⁶ atom-steps per second | LAMMPS | here | ratio | of the best runs |\n|---|---|---|---|---|")
-    for name, atoms, steps, theirs, ours in (
+    works = (
         ("interface, against the same pairs as an expression", displacement[0].size, 10, witnesses[0].run, evaluate),
         ("interface, against lj/cut without a switch", displacement[0].size, 10, witnesses[1].run, evaluate),
         ("linear block: velocity Verlet", nodes**3, 40, springs.run, linear),
         ("block of turning springs: velocity Verlet", nodes**3, 40, springs.run, turning),
-    ):
+    )
+    rows = []
+    for name, atoms, steps, theirs, ours in works:
         rates = [[atoms * steps / seconds(run, steps) / 1e6 for run in (theirs, ours)] for _ in range(repeats)]
         one, other = (statistics.median(rate) for rate in zip(*rates, strict=True))
+        best = [max(rate) for rate in zip(*rates, strict=True)]
         ratio = statistics.median(b / a for a, b in rates)
-        theirs_best, ours_best = (max(rate) for rate in zip(*rates, strict=True))
-        print(f"| {name} | {one:.2f} | {other:.1f} | {ratio:.1f} | {ours_best / theirs_best:.1f} |")
+        rows.append((name, f"{one:.2f}", f"{other:.1f}", f"{ratio:.1f}", f"{best[1] / best[0]:.1f}"))
+    print()
+    show(("10⁶ atom-steps per second", "LAMMPS", "here", "ratio", "of the best runs"), rows)
 
 
 def seconds(run: Callable[[int], None], steps: int) -> float:
     """Processor time of a run; a first step is not counted."""
     run(1)
-    began = time.process_time()
-    run(steps)
-    return time.process_time() - began
+    return processor_time(lambda: run(steps))
 
 
 class _Nothing:
@@ -224,6 +209,14 @@ class _Nothing:
     def gap(self, displacement: np.ndarray) -> np.ndarray:
         return displacement[2]
 
+
+main = program(
+    run,
+    Option("--atoms", 100, "of the interface along each side"),
+    Option("--nodes", 40, "of the block along each side"),
+    Option("--repeats", 5, "of each timing, both programs in turn; 0: no timing"),
+    Option("--store", Path, "write LAMMPS' forces of a small case, for the test that needs none"),
+)
 
 if __name__ == "__main__":
     sys.exit(main())

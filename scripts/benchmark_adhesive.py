@@ -22,36 +22,18 @@ from pathlib import Path
 
 import numpy as np
 
-import bem_adhesion.operators.fourier
 from bem_adhesion.adhesive.contact import AdhesiveContact
-from contact_study.numerics.fourier import RealTransform
+from contact_study.errors import InputError
 from contact_study.study.case import Case, realise
 from contact_study.study.study import read_study
+from scripts.benchmark_hard_wall import PhaseTimes
+from scripts.harness import STUDY, Option, head, program, row, walk
 
 PRESSURES = np.array([0.1, 0.2, 0.5, 1, 2, 5, 10]) * 1e9
 # Gaps that differ by less, in units of the law's length, are those of one state: residuals over the softest stiffness.
 SAME = 1e-3
-HEAD_ANEW = (
-    "| points (seeds) | adhesion | steps | pairs a path | anew | dearer than anew | by (median, most) | other state |"
-)
-
-
-class TimedTransform(RealTransform):
-    """A transform that adds up its time over all instances (s)."""
-
-    seconds = 0.0
-
-    def forward(self):
-        began = time.perf_counter()
-        result = super().forward()
-        TimedTransform.seconds += time.perf_counter() - began
-        return result
-
-    def backward(self):
-        began = time.perf_counter()
-        result = super().backward()
-        TimedTransform.seconds += time.perf_counter() - began
-        return result
+HEAD_ANEW = ("points (seeds)", "adhesion", "steps", "pairs a path", "anew", "dearer than anew", "by (median, most)")
+HEAD_ANEW += ("other state",)
 
 
 @dataclass(frozen=True)
@@ -64,24 +46,20 @@ class PathCost:
     transform_seconds: float
 
 
-def contact_of(case: Case) -> AdhesiveContact:
+def contact_of(case: Case, trace: PhaseTimes | None = None) -> AdhesiveContact:
     """The contact that a case is about."""
     surface = realise(case)
-    return AdhesiveContact(surface.sampled, surface.grid, case.material.contact_modulus, case.law)
+    return AdhesiveContact(surface.sampled, surface.grid, case.material.contact_modulus, case.law, trace=trace)
 
 
 def cost_of_path(case: Case, pressures: np.ndarray) -> PathCost:
     """Load one case from separation through the pressures (Pa)."""
-    contact = contact_of(case)
-    state = contact.step(contact.separated(), pressures[0]).displacement  # compiles
-    state, pairs, converged = contact.separated(), [], True
-    TimedTransform.seconds, began = 0.0, time.perf_counter()
-    for pressure in pressures:
-        solution = contact.step(state, pressure)
-        state = solution.displacement
-        pairs.append(solution.fft_pairs)
-        converged &= solution.converged
-    return PathCost(np.array(pairs), converged, time.perf_counter() - began, TimedTransform.seconds)
+    contact_of(case).step(contact_of(case).separated(), pressures[0])  # compiles
+    times = PhaseTimes()
+    contact, began = contact_of(case, times), time.perf_counter()
+    steps = list(walk(contact, pressures))
+    pairs, converged = [step.fft_pairs for step in steps], all(step.converged for step in steps)
+    return PathCost(np.array(pairs), converged, time.perf_counter() - began, times.seconds["transform"])
 
 
 @dataclass(frozen=True)
@@ -111,75 +89,43 @@ def line_beside_anew(points: int, surfaces: int, ratio: float, paths: Sequence[B
     """One grid's and one adhesion's row of the other table."""
     pairs, anew, differs = (np.concatenate(parts) for parts in zip(*map(astuple, paths), strict=True))
     dearer = (pairs - anew)[pairs > anew]
-    cells = [
+    return row(
         f"{points}² ({_seeds(surfaces)})",
         f"{ratio:g} ε₀",
-        f"{pairs.size}",
+        pairs.size,
         f"{pairs.sum() / len(paths):.0f}",
         f"{anew.sum() / len(paths):.0f}",
-        f"{dearer.size}",
+        dearer.size,
         f"{np.median(dearer):.0f}, {dearer.max():.0f}" if dearer.size else "–",
-        f"{np.count_nonzero(differs)}",
-    ]
-    return f"| {' | '.join(cells)} |"
+        np.count_nonzero(differs),
+    )
 
 
 def _seeds(surfaces: int) -> str:
     return f"1{f'–{surfaces}' if surfaces > 1 else ''}"
 
 
-def parser() -> argparse.ArgumentParser:
-    made = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    made.add_argument("study", type=Path, nargs="?", default=Path("data/yang2008.toml"), help="study file")
-    made.add_argument("--points", type=int, nargs="+", default=[256, 400, 512], help="points along each side")
-    made.add_argument(
-        "--surfaces",
-        type=int,
-        nargs="+",
-        default=[3],
-        help="how many for each grid, or one number for all; seeds from 1",
-    )
-    made.add_argument("--ratios", type=float, nargs="+", default=[1, 4, 8], help="multiples of the well depth")
-    made.add_argument("--times", action="store_true", help="add columns that depend on the machine")
-    made.add_argument("--anew", action="store_true", help="every step beside one from separation, in another table")
-    return made
-
-
-def main(arguments: Sequence[str] | None = None) -> int:
-    given = parser().parse_args(arguments)
+def run(given: argparse.Namespace) -> None:
     counts = given.surfaces * len(given.points) if len(given.surfaces) == 1 else given.surfaces
     if len(counts) != len(given.points):
-        parser().error(f"--surfaces: {len(counts)} numbers for {len(given.points)} grids; give one, or one for each")
-    if given.anew:
-        print_beside_anew(given, counts)
-        return 0
-    head = " | ".join(f"{ratio:g} ε₀ | worst" for ratio in given.ratios)
-    print(f"| points (seeds) | {head} |" + (" transforms | s a step |" if given.times else ""))
-    print("|---" * (1 + 2 * len(given.ratios) + (2 if given.times else 0)) + "|")
-    bem_adhesion.operators.fourier.RealTransform = TimedTransform  # type: ignore[misc]
-    try:
-        for points, surfaces in zip(given.points, counts, strict=True):
-            seeds = range(1, surfaces + 1)
-            costs = {ratio: [cost(given.study, points, seed, ratio) for seed in seeds] for ratio in given.ratios}
-            print(line(points, surfaces, costs, given.times), flush=True)
-    finally:
-        bem_adhesion.operators.fourier.RealTransform = RealTransform  # type: ignore[misc]
-    return 0
-
-
-def print_beside_anew(given: argparse.Namespace, counts: Sequence[int]) -> None:
-    """The table of steps beside ones from separation."""
-    print(HEAD_ANEW + "\n" + "|---" * 8 + "|")
+        raise InputError(f"--surfaces: {len(counts)} numbers for {len(given.points)} grids; give one, or one for each")
+    costs = (f"{ratio:g} ε₀ | worst" for ratio in given.ratios)
+    heads = (
+        HEAD_ANEW if given.anew else ("points (seeds)", *costs, *(("transforms", "s a step") if given.times else ()))
+    )
+    print(head(*" | ".join(heads).split(" | ")), flush=True)
     for points, surfaces in zip(given.points, counts, strict=True):
-        for ratio in given.ratios:
-            cases = [one_case(given.study, points, seed, ratio) for seed in range(1, surfaces + 1)]
-            paths = [beside_anew(case, PRESSURES) for case in cases]
-            print(line_beside_anew(points, surfaces, ratio, paths), flush=True)
-
-
-def cost(study: Path, points: int, seed: int, ratio: float) -> PathCost:
-    """Cost of the path on one surface of a study, at one adhesion."""
-    return cost_of_path(one_case(study, points, seed, ratio), PRESSURES)
+        cases = {
+            ratio: [one_case(given.study, points, seed, ratio) for seed in range(1, surfaces + 1)]
+            for ratio in given.ratios
+        }
+        if given.anew:
+            for ratio, each in cases.items():
+                paths = [beside_anew(case, PRESSURES) for case in each]
+                print(line_beside_anew(points, surfaces, ratio, paths), flush=True)
+        else:
+            found = {ratio: [cost_of_path(case, PRESSURES) for case in each] for ratio, each in cases.items()}
+            print(line(points, surfaces, found, given.times), flush=True)
 
 
 def one_case(study: Path, points: int, seed: int, ratio: float) -> Case:
@@ -201,8 +147,18 @@ def line(points: int, surfaces: int, costs: dict[float, list[PathCost]], times: 
         seconds = sum(path.seconds for path in every)
         share = sum(path.transform_seconds for path in every) / seconds
         cells += [f"{100 * share:.0f} %", f"{seconds / sum(path.pairs.size for path in every):.3f}"]
-    return f"| {' | '.join(cells)} |"
+    return row(*cells)
 
+
+main = program(
+    run,
+    STUDY,
+    Option("--points", [256, 400, 512], "points along each side"),
+    Option("--surfaces", [3], "how many for each grid, or one number for all; seeds from 1"),
+    Option("--ratios", [1.0, 4.0, 8.0], "multiples of the well depth"),
+    Option("--times", False, "add columns that depend on the machine"),
+    Option("--anew", False, "every step beside one from separation, in another table"),
+)
 
 if __name__ == "__main__":
     sys.exit(main())

@@ -10,7 +10,6 @@ the bytes an atom at the peak: give layers in rising order.
 """
 
 import argparse
-import resource
 import sys
 import time
 from collections.abc import Sequence
@@ -23,6 +22,7 @@ from contact_study.study.case import Case, realise
 from contact_study.study.study import read_study
 from contact_study.units import quantity
 from md_reference.study.system import build_contact
+from scripts.harness import STUDY, Option, head, peak_memory, program, row
 
 
 @dataclass(frozen=True)
@@ -62,11 +62,6 @@ def cost_of_path(case: Case, pressures: Sequence[float]) -> PathCost:
     )
 
 
-def _peak() -> float:
-    """Largest memory of this process so far (bytes)."""
-    return 1024.0 * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-
-
 def case_of(study: Path, atoms: int, ratio: float) -> Case:
     """The study's first case on a square layer of so many atoms a side, at one adhesion."""
     (whole, *_) = read_study(study).cases
@@ -80,30 +75,17 @@ def case_of(study: Path, atoms: int, ratio: float) -> Case:
     return read_study(study, overrides).cases[0]
 
 
-def parser() -> argparse.ArgumentParser:
-    made = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    made.add_argument("study", type=Path, nargs="?", default=Path("data/yang2008.toml"), help="study file")
-    made.add_argument("--atoms", type=int, nargs="+", default=[200, 400], help="atoms along each side")
-    made.add_argument("--ratios", type=float, nargs="+", default=[1, 4, 8], help="multiples of the well depth")
-    made.add_argument("--pressures", nargs="+", default=["0.1 GPa", "1 GPa", "10 GPa"], help="the loading path")
-    made.add_argument("--times", action="store_true", help="add columns that depend on the machine")
-    return made
-
-
-def main(arguments: Sequence[str] | None = None) -> int:
-    given = parser().parse_args(arguments)
+def run(given: argparse.Namespace) -> None:
     pressures = [quantity(text, "Pa", "--pressures") for text in given.pressures]
-    head = "| atoms | ε/ε₀ | evaluations | pairs |"
-    print(head + (" µs an atom: evaluation | pair | bytes an atom |" if given.times else ""))
-    print("|---" * (7 if given.times else 4) + "|")
+    heads = ("atoms", "ε/ε₀", "evaluations", "pairs")
+    print(head(*heads, *(("µs an atom: evaluation", "pair", "bytes an atom") if given.times else ())))
     if given.times:
         cost_of_path(case_of(given.study, 48, 1.0), pressures)  # compiles
-    before = _peak()
+    before = peak_memory()
     for atoms in given.atoms:
         for ratio in given.ratios:
             cost = cost_of_path(case_of(given.study, atoms, ratio), pressures)
-            print(line(atoms, ratio, cost, (_peak() - before) / atoms**2 if given.times else None), flush=True)
-    return 0
+            print(line(atoms, ratio, cost, (peak_memory() - before) / atoms**2 if given.times else None), flush=True)
 
 
 def line(atoms: int, ratio: float, cost: PathCost, memory: float | None) -> str:
@@ -114,8 +96,17 @@ def line(atoms: int, ratio: float, cost: PathCost, memory: float | None) -> str:
         rest = cost.seconds - cost.interface_seconds
         cells.append(f"{1e6 * cost.interface_seconds / sum(cost.evaluations) / atoms**2:.2f}")
         cells += [f"{1e6 * rest / sum(cost.pairs) / atoms**2:.2f}", f"{memory:.0f}"]
-    return f"| {' | '.join(cells)} |"
+    return row(*cells)
 
+
+main = program(
+    run,
+    STUDY,
+    Option("--atoms", [200, 400], "atoms along each side"),
+    Option("--ratios", [1.0, 4.0, 8.0], "multiples of the well depth"),
+    Option("--pressures", ["0.1 GPa", "1 GPa", "10 GPa"], "the loading path"),
+    Option("--times", False, "add columns that depend on the machine"),
+)
 
 if __name__ == "__main__":
     sys.exit(main())

@@ -14,12 +14,12 @@ in it. Each line is a process of its own.
 """
 
 import argparse
+import itertools
 import multiprocessing
-import resource
 import sys
 import tempfile
 import time
-from collections.abc import Sequence
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -29,8 +29,9 @@ from bem_adhesion import HardWall, rough_contact
 from contact_study.campaign.memory import require_memory
 from contact_study.study.case import Case, realise
 from contact_study.study.study import read_study
+from scripts.harness import PAPER, Option, head, peak_memory, tabulated
+from scripts.harness import row as markdown_row
 
-STUDY = Path(__file__).resolve().parent.parent / "data" / "yang2008.toml"
 PRESSURES = (0.5e9, 1e9)
 POINTS_PER_WAVE = 8  # the shortest of the broadband surface
 KINDS = ("hard wall, smooth", "hard wall, broadband", "adhesion, smooth")
@@ -43,7 +44,7 @@ def case_of(kind: str, points: int) -> Case:
     changes: dict[str, object] = {"surface.shape": [points, points]}
     if kind.endswith("broadband"):
         changes["surface.cutoff_mode"] = points // POINTS_PER_WAVE
-    (whole, *_) = read_study(STUDY, changes).cases
+    (whole, *_) = read_study(PAPER, changes).cases
     return whole
 
 
@@ -56,7 +57,7 @@ def cost(kind: str, points: int, heights: Path) -> dict[str, str | float]:
     every = points // SMALL
     small = rough_contact(np.ascontiguousarray(height[::every, ::every]), *given)
     small.step(small.separated(), PRESSURES[0])  # compiles
-    held = _peak()
+    held = peak_memory()
     contact = rough_contact(height, *given)
     began, state, found = time.process_time(), contact.separated(), []
     for pressure in PRESSURES:
@@ -65,7 +66,7 @@ def cost(kind: str, points: int, heights: Path) -> dict[str, str | float]:
         state, area = solution.state, float(np.mean(touching))
         found.append((solution.fft_pairs, solution.converged))
         del solution, touching  # a path goes on from the state alone
-    seconds, held = time.process_time() - began, _peak() - held
+    seconds, held = time.process_time() - began, peak_memory() - held
     del state
     anew = contact.step(contact.separated(), PRESSURES[-1])
     return {
@@ -81,64 +82,36 @@ def cost(kind: str, points: int, heights: Path) -> dict[str, str | float]:
     }
 
 
-def _peak() -> float:
-    """Largest memory of this process so far (bytes).
-
-    Of ``getrusage`` it would be at least what the parent held when this process was made.
-    """
-    status = Path("/proc/self/status")
-    if not status.exists():  # not Linux
-        return 1024.0 * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-    (line,) = [line for line in status.read_text().splitlines() if line.startswith("VmHWM:")]
-    return 1024.0 * float(line.split()[1])
-
-
-def rows(table: pd.DataFrame) -> list[str]:
+def rows(table: pd.DataFrame) -> Iterator[str]:
     """The table's lines."""
-    lines = ["| | points | A/A₀ at 1 GPa | first | second | second anew | bytes a point | s |", "|---" * 8 + "|"]
+    yield head("", "points", "A/A₀ at 1 GPa", "first", "second", "second anew", "bytes a point", "s")
     for row in table.itertuples():
         flag = "" if row.converged else " (not converged)"
-        lines.append(
-            f"| {row.kind} | {row.points}² | {row.area:.5f} | {row.first:.0f} | {row.second:.0f}{flag} "
-            f"| {row.anew:.0f} | {row.bytes:.0f} | {row.seconds:.3g} |"
+        work = f"{row.first:.0f}", f"{row.second:.0f}{flag}", f"{row.anew:.0f}"
+        yield markdown_row(
+            row.kind, f"{row.points}²", f"{row.area:.5f}", *work, f"{row.bytes:.0f}", f"{row.seconds:.3g}"
         )
-    return lines
 
 
-def parser() -> argparse.ArgumentParser:
-    made = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    made.add_argument("--points", type=int, nargs="+", default=[256, 512, 1024], help="points along each side")
-    made.add_argument("--only", default="", metavar="WORDS", help="kinds that have these words")
-    made.add_argument("--table", type=Path, help="CSV to write the rows to")
-    made.add_argument("--from", type=Path, dest="source", help="CSV to read them from, in place of a run")
-    return made
-
-
-def main(arguments: Sequence[str] | None = None) -> int:
-    given = parser().parse_args(arguments)
-    found = pd.read_csv(given.source) if given.source is not None else run(given)
-    print("\n".join(rows(found)))
-    return 0
-
-
-def run(given: argparse.Namespace) -> pd.DataFrame:
-    """Every kind on every grid; the file is written after each."""
+def measured(given: argparse.Namespace) -> Iterator[dict[str, str | float]]:
+    """Every kind on every grid."""
     require_memory(max(given.points) ** 2 * BYTES_PER_POINT, f"--points {max(given.points)}", "fewer points")
-    found = []
     with tempfile.TemporaryDirectory() as folder:
         heights = Path(folder) / "heights.npy"
-        for kind in KINDS:
-            for points in given.points:
-                if given.only not in kind:
-                    continue
+        for kind, points in itertools.product(KINDS, given.points):
+            if given.only in kind:
                 np.save(heights, realise(case_of(kind, points)).sampled)
                 # A process that is new has held nothing yet.
                 with multiprocessing.get_context("spawn").Pool(1) as pool:
-                    found.append(pool.apply(cost, (kind, points, heights)))
-                print(found[-1], file=sys.stderr, flush=True)
-                if given.table is not None:
-                    pd.DataFrame(found).to_csv(given.table, index=False, float_format="%.6g")
-    return pd.DataFrame(found)
+                    yield pool.apply(cost, (kind, points, heights))
+
+
+main = tabulated(
+    measured,
+    rows,
+    Option("--points", [256, 512, 1024], "points along each side"),
+    Option("--only", "", "kinds that have these words", metavar="WORDS"),
+)
 
 
 if __name__ == "__main__":

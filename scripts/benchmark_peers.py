@@ -26,20 +26,18 @@ height.
 import argparse
 import importlib.util
 import os
-import subprocess
 import sys
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import redirect_stdout
 from dataclasses import dataclass, replace
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
 
 from bem_adhesion import Dugdale, Exponential, HardWall, LennardJones, TractionLaw, rough_contact
-from contact_study.study.case import realise
-from contact_study.study.study import make_study
+from contact_study.errors import InputError
+from scripts.harness import Option, head, rough_surface, row, tabulated
 
 MEAN_PRESSURE, ROLL_OFF, SEED = 0.05, 4, 1
 WEAK, STRONG = (1e-4, 5e-3), (4e-4, 2e-3)  # work and range: a twelfth and half more contact
@@ -87,24 +85,7 @@ class Measured:
 
 def surface(points: int, cutoff_mode: int) -> np.ndarray:
     """Heights of rms slope 1 on a cell of 1: H = 0.8, roll-off at a quarter of the cell."""
-    study = make_study(
-        {
-            "surface": {
-                "kind": "self_affine",
-                "size": 1.0,
-                "shape": [points, points],
-                "hurst_exponent": 0.8,
-                "rms_height": 0.02,
-                "roll_off_mode": ROLL_OFF,
-                "cutoff_mode": cutoff_mode,
-                "seed": SEED,
-            },
-            "material": {"youngs_modulus": 1.0, "poissons_ratio": 0.0},
-            "interaction": {"law": "hard_wall"},
-            "loading": {"path": [1e-3]},
-        }
-    )
-    made = realise(study.cases[0])
+    made = rough_surface(1.0, points, 0.02, roll_off_mode=ROLL_OFF, cutoff_mode=cutoff_mode, seed=SEED)
     return made.sampled / made.rms_slope
 
 
@@ -323,60 +304,39 @@ def compared(
     }
 
 
-def rows(table: pd.DataFrame) -> list[str]:
+def rows(table: pd.DataFrame) -> Iterator[str]:
     """The table's lines."""
-    head = "error: ours | theirs | A/A₀: ours | theirs | energies differ by | pairs | s: ours | theirs | ratio"
-    lines = [f"| problem | points | code | {head} |", "|---" * 12 + "|"]
-    for row in table.itertuples():
-        lines.append(
-            f"| {row.problem} | {row.points}² | {row.code} | {row.error:.0e} | {row.their_error:.0e} | {row.area:.5f} "
-            f"| {row.their_area:.5f} | {row.energy_difference:.0e} | {row.fft_pairs:.0f} | {row.seconds:.3g} "
-            f"| {row.their_seconds:.3g} | {row.ratio:.0f} |"
-        )
-    return lines
+    results = "error: ours", "theirs", "A/A₀: ours", "theirs", "energies differ by"
+    yield head("problem", "points", "code", *results, "pairs", "s: ours", "theirs", "ratio")
+    for each in table.itertuples():
+        cells = f"{each.error:.0e}", f"{each.their_error:.0e}", f"{each.area:.5f}", f"{each.their_area:.5f}"
+        costs = f"{each.energy_difference:.0e}", f"{each.fft_pairs:.0f}", f"{each.seconds:.3g}"
+        times = f"{each.their_seconds:.3g}", f"{each.ratio:.0f}"
+        yield row(each.problem, f"{each.points}²", each.code, *cells, *costs, *times)
 
 
-def parser() -> argparse.ArgumentParser:
-    made = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    made.add_argument("--only", default="", metavar="WORDS", help="problems whose name has these words")
-    made.add_argument("--coarser", type=int, default=1, help="factor by which every grid is coarser, for a first look")
-    made.add_argument("--repeat", type=int, default=3, help="runs of each solve; one of long ones")
-    made.add_argument("--table", type=Path, help="CSV to write the rows to")
-    made.add_argument("--from", type=Path, dest="source", help="CSV to read them from, in place of a run")
-    return made
-
-
-def main(arguments: Sequence[str] | None = None) -> int:
-    given = parser().parse_args(arguments)
+def run(given: argparse.Namespace) -> Iterator[dict[str, str | float]]:
+    """Every row whose words hold those given."""
     missing = [name for name in ("tamaas", "ContactMechanics", "Adhesion") if importlib.util.find_spec(name) is None]
-    if given.source is None and missing:
-        print(f"not installed: {', '.join(missing)}; pip install '.[peers]'", file=sys.stderr)
-        return 2
-    if given.source is None and os.environ.get("OMP_NUM_THREADS") != "1":
-        # Libraries read it as they are imported.
-        words = sys.argv[1:] if arguments is None else list(arguments)
-        environment = os.environ | {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
-        return subprocess.run([sys.executable, __file__, *words], env=environment).returncode
-    found = pd.read_csv(given.source) if given.source is not None else run(given)
-    print("\n".join(rows(found)))
-    return 0
+    if missing:
+        raise InputError(f"not installed: {', '.join(missing)}; pip install '.[peers]'")
+    if os.environ.get("OMP_NUM_THREADS") != "1":  # libraries read it as they are imported
+        os.execve(sys.executable, sys.orig_argv, os.environ | {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"})
+    for asked in problems():
+        if given.only in asked.words:
+            points = asked.points // given.coarser
+            problem = Problem(surface(points, max(asked.cutoff_mode // given.coarser, ROLL_OFF)), asked.law)
+            for code, theirs in asked.codes.items():
+                yield {"problem": asked.words, "points": points} | compared(problem, code, theirs, given.repeat)
 
 
-def run(given: argparse.Namespace) -> pd.DataFrame:
-    """Every row whose words hold those given; the file is written after each."""
-    found: list[dict[str, str | float]] = []
-    for row in problems():
-        if given.only not in row.words:
-            continue
-        points = row.points // given.coarser
-        problem = Problem(surface(points, max(row.cutoff_mode // given.coarser, ROLL_OFF)), row.law)
-        for code, theirs in row.codes.items():
-            measures = compared(problem, code, theirs, given.repeat)
-            found.append({"problem": row.words, "points": points} | measures)
-            print(found[-1], file=sys.stderr, flush=True)
-            if given.table is not None:
-                pd.DataFrame(found).to_csv(given.table, index=False, float_format="%.6g")
-    return pd.DataFrame(found)
+main = tabulated(
+    run,
+    rows,
+    Option("--only", "", "problems whose name has these words", metavar="WORDS"),
+    Option("--coarser", 1, "factor by which every grid is coarser, for a first look"),
+    Option("--repeat", 3, "runs of each solve; one of long ones"),
+)
 
 
 if __name__ == "__main__":

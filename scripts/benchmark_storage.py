@@ -9,12 +9,10 @@ and its share of the processor time. Shares compare between machines, times do n
 """
 
 import argparse
-import os
 import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -25,25 +23,20 @@ from contact_study.campaign.store.case_file import CaseWriter
 from contact_study.results.step import Step
 from contact_study.study.bins import bins_of
 from contact_study.study.study import Study, make_study, read_study
+from scripts.harness import STUDY, Option, children_time, processor_time, program
 
 RATIOS, PRESSURES = (1, 4, 8), np.geomspace(1e8, 1e10, 60)
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("study", type=Path)
-    parser.add_argument("--workers", type=int, default=1, help="processes of the command")
-    parser.add_argument("--flows", default="gap_flow, edge_flow", help="theory.flows of the study")
-    given = parser.parse_args(arguments)
+def run(given: argparse.Namespace) -> None:
     study = many_points(given.study)
     with tempfile.TemporaryDirectory() as folder:
-        wall, processor, dataset = run(study, Path(folder), given.workers, given.flows)
+        wall, processor, dataset = run_theory(study, Path(folder), given.workers, given.flows)
         written, read, count = write_and_read(study, dataset, Path(folder) / "all.case")
     print(f"persson-theory, {count} steps, {given.workers} processes: {wall:.1f} s, of processors {processor:.1f} s")
     for words, seconds in (("write", written), ("read", read)):
         share = 100 * seconds / processor
         print(f"{words} a step: {1e3 * seconds / count:.2f} ms, all {share:.1f} % of processors")
-    return 0
 
 
 def many_points(path: Path) -> Study:
@@ -56,17 +49,15 @@ def many_points(path: Path) -> Study:
     return make_study(table, path.parent)
 
 
-def run(study: Study, folder: Path, workers: int, flows: str) -> tuple[float, float, Path]:
+def run_theory(study: Study, folder: Path, workers: int, flows: str) -> tuple[float, float, Path]:
     """Wall-clock and processor time of the command (s), its children included; and its dataset."""
     (folder / "study.toml").write_text(tomli_w.dumps(study.table))
     output = folder / "theory.nc"
     command = [sys.executable, "-m", "theory.study.model", str(folder / "study.toml"), "-o", str(output)]
-    before, began = os.times(), time.perf_counter()
+    before, began = children_time(), time.perf_counter()
     command += ["--workers", str(workers), "--theory.flows", flows]
     subprocess.run(command, check=True, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
-    wall, after = time.perf_counter() - began, os.times()
-    children = after.children_user + after.children_system - before.children_user - before.children_system
-    return wall, children, output
+    return time.perf_counter() - began, children_time() - before, output
 
 
 def write_and_read(study: Study, dataset: Path, path: Path) -> tuple[float, float, int]:
@@ -75,16 +66,17 @@ def write_and_read(study: Study, dataset: Path, path: Path) -> tuple[float, floa
     with DatasetReader(dataset, study) as earlier:
         values = [earlier.step(i, number) for i, case in enumerate(study.cases) for number in range(len(case.path))]
     with CaseWriter(path, len(values), last_state=False) as file:
-        written = timed(lambda: [file.save_step(i, Step(one, bins=bins)) for i, one in enumerate(values)])
-    read = timed(lambda: [file.step(i) for i in range(len(values))])
+        written = processor_time(lambda: [file.save_step(i, Step(one, bins=bins)) for i, one in enumerate(values)])
+    read = processor_time(lambda: [file.step(i) for i in range(len(values))])
     return written, read, len(values)
 
 
-def timed(work: Callable[[], object]) -> float:
-    began = time.process_time()
-    work()
-    return time.process_time() - began
-
+main = program(
+    run,
+    STUDY,
+    Option("--workers", 1, "processes of the command"),
+    Option("--flows", "gap_flow, edge_flow", "theory.flows of the study"),
+)
 
 if __name__ == "__main__":
-    raise SystemExit(main())
+    sys.exit(main())

@@ -16,7 +16,6 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable, Sequence
-from pathlib import Path
 
 import numpy as np
 
@@ -29,12 +28,13 @@ from md_reference.block.condensed import isotropic_element, lame_constants
 from md_reference.block.multiscale import MultiscaleBlock, level_layers
 from md_reference.interface.pairs import interface_of
 from md_reference.thermal.langevin import MolecularDynamics, fastest_wave
+from scripts.harness import PAPER, Option, program, show
 
 # Of the paper's system, at any scale of the lengths.
 _CONSTANT, _LENGTH, _WELL_DEPTH, _CUTOFF = 2.6e-10, 3.28e-10, 2.98e-21, 4.0
 _STEPS = 5  # of the block in one go
 _YOUNGS_MODULUS, _POISSONS_RATIO, _ATOM_MASS = 77.2e9, 0.42, 3.27e-25
-_STUDY, _PRESSURE = Path(__file__).resolve().parent.parent / "data" / "yang2008.toml", 1e9
+_PRESSURE = 1e9
 
 
 def transform_pair(points: int, threads: int) -> Callable[[], object]:
@@ -59,7 +59,7 @@ def adhesive(points: int, threads: int) -> Callable[[], object]:
 
 
 def _solve(points: int, threads: int, adheres: bool) -> Callable[[], object]:
-    case = read_study(_STUDY).cases[0]
+    case = read_study(PAPER).cases[0]
     surface = realise(case)
     heights = surface.heights((points, points))
     law = case.law if adheres else HardWall()
@@ -118,7 +118,16 @@ def measured(policy: str, busy: bool, of: str, points: Sequence[int], repetition
     """Ratios of all sizes, for each piece of work, in a process of its own, whose OpenMP has that policy."""
     spinning = [subprocess.Popen([sys.executable, "-c", "while True: pass"]) for _ in range(busy * (_cores() - 1))]
     try:
-        command = [sys.executable, __file__, "--here", "--of", of, "--repetitions", str(repetitions)]
+        command = [
+            sys.executable,
+            "-m",
+            "scripts.benchmark_threads",
+            "--here",
+            "--of",
+            of,
+            "--repetitions",
+            str(repetitions),
+        ]
         command += ["--points", *map(str, points)]
         environment = os.environ | {"OMP_WAIT_POLICY": policy}
         out = subprocess.run(command, env=environment, capture_output=True, text=True, check=True).stdout
@@ -133,30 +142,30 @@ def _cores() -> int:
     return os.cpu_count() or 1
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
-    """Print the table."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--of", choices=tuple(WORK), default="transforms", help="what is done")
-    parser.add_argument("--points", type=int, nargs="+", default=[512, 1024, 2048], help="points or atoms a side")
-    parser.add_argument("--repetitions", type=int, default=15, help="runs of each size and number of threads")
-    parser.add_argument("--here", action="store_true", help=argparse.SUPPRESS)
-    options = parser.parse_args(arguments)
+def run(options: argparse.Namespace) -> int:
     if options.here:
         for make in WORK[options.of]:
             print(*(ratio(make, points, options.repetitions) for points in options.points))
         return 0
     transforms = options.of == "transforms"
-    head = "threads that wait" if transforms else "of"
-    print(f"| {head} | other cores | " + " | ".join(f"{points}²" for points in options.points) + " |")
-    print("|---|---|" + "---|" * len(options.points))
+    rows = []
     for policy, word in (("passive", "sleep"), ("active", "spin"))[: 2 if transforms else 1]:
         for busy, cores in ((False, "idle"), (True, "busy")):
             found = measured(policy, busy, options.of, options.points, options.repetitions)
             for make, ratios in zip(WORK[options.of], found, strict=True):
-                cells = [WORDS.get(make.__name__, word), cores, *(f"{value:.2f}" for value in ratios)]
-                print(f"| {' | '.join(cells)} |")
+                rows.append((WORDS.get(make.__name__, word), cores, *(f"{value:.2f}" for value in ratios)))
+    what = "threads that wait" if transforms else "of"
+    show((what, "other cores", *(f"{points}²" for points in options.points)), rows)
     return 0
 
 
+main = program(
+    run,
+    Option("--of", "transforms", "what is done", choices=tuple(WORK)),
+    Option("--points", [512, 1024, 2048], "points or atoms a side"),
+    Option("--repetitions", 15, "runs of each size and number of threads"),
+    Option("--here", False, argparse.SUPPRESS),
+)
+
 if __name__ == "__main__":
-    raise SystemExit(main())
+    sys.exit(main())

@@ -9,7 +9,6 @@ Options of the command follow the study.
 """
 
 import argparse
-import resource
 import statistics
 import subprocess
 import sys
@@ -18,6 +17,8 @@ import time
 from collections.abc import Sequence
 from pathlib import Path
 
+from scripts.harness import Option, children_time, program, show
+
 COMMANDS = {
     "continuum": "bem_adhesion.study.model",
     "atoms": "md_reference.study.model",
@@ -25,21 +26,13 @@ COMMANDS = {
 }
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
-    """Print the table."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--model", choices=tuple(COMMANDS), default="continuum")
-    parser.add_argument("--repeats", type=int, default=3, help="runs of each (default 3)")
-    parser.add_argument("study", type=Path, help="a study of several cases")
-    parser.add_argument("keys", nargs=argparse.REMAINDER, metavar="--section.key VALUE", help="options of the command")
-    options = parser.parse_args(arguments)
+def run(options: argparse.Namespace) -> None:
     command = [sys.executable, "-m", COMMANDS[options.model], str(options.study), *options.keys]
     (alone, of_one), (together, of_two) = measured(
         [*command, "--output.fields", "false", "--solver.threads", "1"], options.repeats
     )
-    print("| | one worker | time of one over that of two | processor time of two over that of one |")
-    print(f"|---|---|---|---|\n| {options.model} | {alone:.0f} s | {alone / together:.2f} | {of_two / of_one:.2f} |")
-    return 0
+    heads = ("", "one worker", "time of one over that of two", "processor time of two over that of one")
+    show(heads, [(options.model, f"{alone:.0f} s", f"{alone / together:.2f}", f"{of_two / of_one:.2f}")])
 
 
 def measured(command: Sequence[str], repeats: int) -> list[tuple[float, float]]:
@@ -49,17 +42,19 @@ def measured(command: Sequence[str], repeats: int) -> list[tuple[float, float]]:
         for _ in range(repeats + 1):
             for workers, times in found.items():
                 output = ["-o", str(Path(folder) / "out.nc"), "--overwrite", "--workers", str(workers)]
-                before, began = _processor_time(), time.perf_counter()
+                before, began = children_time(), time.perf_counter()
                 subprocess.run([*command, *output], capture_output=True, check=True)
-                times.append((time.perf_counter() - began, _processor_time() - before))
+                times.append((time.perf_counter() - began, children_time() - before))
     return [(statistics.median(t for t, _ in of[1:]), statistics.median(c for _, c in of[1:])) for of in found.values()]
 
 
-def _processor_time() -> float:
-    """Of all processes that have been waited for (s)."""
-    used = resource.getrusage(resource.RUSAGE_CHILDREN)
-    return used.ru_utime + used.ru_stime
-
+main = program(
+    run,
+    Option("--model", "continuum", "", choices=tuple(COMMANDS)),
+    Option("--repeats", 3, "runs of each (default 3)"),
+    Option("study", Path, "a study of several cases"),
+    Option("keys", str, "options of the command", nargs=argparse.REMAINDER, metavar="--section.key VALUE"),
+)
 
 if __name__ == "__main__":
-    raise SystemExit(main())
+    sys.exit(main())

@@ -4,8 +4,8 @@ The rules are those of the style guide in CONTRIBUTING: no banned words, sentenc
 line of a docstring and 40 elsewhere, ``long_name`` and help texts of at most 90 characters, and numpydoc sections with
 an example for every public function and class.
 
-    python scripts/check_language.py            # every finding, exit status 1 if there is one
-    python scripts/check_language.py --count    # findings by rule and package
+    python -m scripts.check_language            # every finding, exit status 1 if there is one
+    python -m scripts.check_language --count    # findings by rule and package
 """
 
 import argparse

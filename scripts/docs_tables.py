@@ -21,11 +21,12 @@ import re
 import shlex
 import subprocess
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parent.parent
+from scripts.harness import ROOT, Option, program
+
 _BLOCK = re.compile(
     r"<!-- (?P<checked>checked )?table(?: within (?P<margin>[\d.]+) %)?: (?P<command>[^\n]*?) -->\n"
     r"(?P<content>.*?)<!-- end -->",
@@ -124,22 +125,14 @@ def _allowed(number: str, margin: float) -> float:
     return 1.0001 * 10.0 ** (int(exponent or 0) - decimals)
 
 
-def run(command: str) -> str:
+def output_of(command: str) -> str:
     """What a command prints; ``python`` is this interpreter."""
     words = shlex.split(command)
     program = sys.executable if words[0] == "python" else words[0]
     return subprocess.run([program, *words[1:]], cwd=ROOT, check=True, stdout=subprocess.PIPE, text=True).stdout
 
 
-def parser() -> argparse.ArgumentParser:
-    made = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    made.add_argument("--check", action="store_true", help="compare the cheap ones, write nothing")
-    made.add_argument("--only", default="", metavar="WORD", help="commands that hold this word")
-    return made
-
-
-def main(arguments: Sequence[str] | None = None) -> int:
-    given = parser().parse_args(arguments)
+def run(given: argparse.Namespace) -> int:
     wrong = 0
     for path in documents():
         for block in blocks(path.read_text(encoding="utf-8")):
@@ -147,7 +140,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
                 continue
             print(f"{path.name}: {block.command}", file=sys.stderr, flush=True)
             try:
-                printed = run(block.command)
+                printed = output_of(block.command)
             except subprocess.CalledProcessError as error:
                 print(f"{path.name}: {block.command}: ended with status {error.returncode}", file=sys.stderr)
                 return 1
@@ -161,6 +154,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print(f"{wrong} tables differ from what their commands print; rewrite them with make docs-tables")
     return 1 if wrong else 0
 
+
+main = program(
+    run,
+    Option("--check", False, "compare the cheap ones, write nothing"),
+    Option("--only", "", "commands that hold this word", metavar="WORD"),
+)
 
 if __name__ == "__main__":
     sys.exit(main())

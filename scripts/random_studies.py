@@ -18,43 +18,23 @@ A state that is none of that is wrong; one that is flagged is counted, and no fa
 
 import argparse
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from itertools import count, islice
 
 import numpy as np
 
-from contact_study.campaign.command_line.command import Parser, guarded
 from contact_study.errors import InputError
 from contact_study.physics.solids import Viscoelastic
 from contact_study.study.case import realise
 from contact_study.study.study import make_study
+from scripts.harness import Option, program, show
 from scripts.state_checks import own_steps, plain_steps, relaxing, yielding
 from scripts.state_checks.drawing import SUBJECTS, drawn
 from scripts.state_checks.equilibrium import Surfaces
 from scripts.state_checks.verdict import Tally, Verdict
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
-    return guarded("random_studies", lambda: _main(arguments), interrupted="nothing is written")
-
-
-def parser() -> Parser:
-    made = Parser(
-        description=__doc__.splitlines()[0], formatter_class=argparse.ArgumentDefaultsHelpFormatter, allow_abbrev=False
-    )
-    made.add_argument("--studies", type=int, default=500, help="how many")
-    made.add_argument("--first", type=int, default=0, help="number of the first: each study follows from its number")
-    made.add_argument("--subject", choices=SUBJECTS, help="leave out those that are not about it")
-    made.add_argument(
-        "--extreme",
-        action="store_true",
-        help="thinner layers, bases of more different moduli, transversely isotropic half-spaces with free boundaries",
-    )
-    return made
-
-
-def _main(arguments: Sequence[str] | None) -> int:
-    given = parser().parse_args(arguments)
+def run(given: argparse.Namespace) -> int:
     laws: dict[str, Tally] = {}
     subjects: dict[str, Tally] = {}
     total = Tally()
@@ -66,10 +46,19 @@ def _main(arguments: Sequence[str] | None) -> int:
         for subject in verdict.subjects:
             subjects.setdefault(subject, Tally()).add(verdict)
         total.add(verdict)
-    print("| studies of | studies | states | detached | flagged | narrow | wrong | worst balance | worst return |")
-    print("|---|---|---|---|---|---|---|---|---|")
-    for name, tally in [*sorted(laws.items()), ("all", total), *sorted(subjects.items())]:
-        print(tally.row(name))
+    names = (
+        "studies of",
+        "studies",
+        "states",
+        "detached",
+        "flagged",
+        "narrow",
+        "wrong",
+        "worst balance",
+        "worst return",
+    )
+    every = [*sorted(laws.items()), ("all", total), *sorted(subjects.items())]
+    show(names, ((name, *tally.cells()) for name, tally in every))
     return 1 if total.wrong else 0
 
 
@@ -104,6 +93,18 @@ def checked(number: int, extreme: bool = False) -> Verdict:
         plain_steps.follow(case, surfaces, rng, verdict)
     return verdict
 
+
+main = program(
+    run,
+    Option("--studies", 500, "how many"),
+    Option("--first", 0, "number of the first: each study follows from its number"),
+    Option("--subject", str, "leave out those that are not about it", choices=SUBJECTS),
+    Option(
+        "--extreme",
+        False,
+        "thinner layers, bases of more different moduli, transversely isotropic half-spaces with free boundaries",
+    ),
+)
 
 if __name__ == "__main__":
     sys.exit(main())

@@ -8,11 +8,10 @@ python -m scripts.reference_tables symbols
 import argparse
 import dataclasses
 import sys
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from pathlib import Path
 from types import ModuleType
 
-from contact_study.campaign.command_line.command import Parser, guarded
 from contact_study.report.compute import regime
 from contact_study.report.compute.regime import MEANINGS
 from contact_study.results import constants, schema
@@ -21,29 +20,15 @@ from contact_study.results.observables import OBSERVABLES
 from contact_study.results.schema import COORDINATES, OF_A_MEAN, VARIABLES
 from contact_study.study.schema.dotted_keys import SECTIONS, all_keys
 from contact_study.study.schema.keys import TaggedUnion, as_written, keys_of
-
-ROOT = Path(__file__).resolve().parent.parent
-
-
-def main(arguments: Sequence[str] | None = None) -> int:
-    return guarded("reference_tables", lambda: _main(arguments), interrupted="nothing is written")
+from scripts.harness import ROOT, Option, head, program
 
 
-def parser() -> Parser:
-    made = Parser(
-        description=__doc__.splitlines()[0], formatter_class=argparse.RawDescriptionHelpFormatter, allow_abbrev=False
-    )
-    made.add_argument("table", choices=TABLES, help="which one")
-    return made
-
-
-def _main(arguments: Sequence[str] | None) -> int:
-    print("\n".join(TABLES[parser().parse_args(arguments).table]()))
-    return 0
+def run(given: argparse.Namespace) -> None:
+    print("\n".join(TABLES[given.table]()))
 
 
 def _variables() -> Iterable[str]:
-    yield from ("| variable | dimensions | unit | meaning |", "|---|---|---|---|")
+    yield head("variable", "dimensions", "unit", "meaning")
     for known in (CONSTANTS, {name: it for name, it in VARIABLES.items() if name not in CONSTANTS}, COORDINATES):
         for name, it in known.items():
             units = "" if it.units == "1" else it.units
@@ -58,7 +43,7 @@ def _keys() -> Iterable[str]:
     for own, name, declaration, default in all_keys():
         if own != section:
             section = own
-            yield from ("", f"**`[{section}]`**", "", "| key | kind | default | meaning |", "|---|---|---|---|")
+            yield from ("", f"**`[{section}]`**", "", head("key", "kind", "default", "meaning"))
         given = default not in (None, dataclasses.MISSING)
         shown = f"`{as_written(default)}`" if given else ""
         yield f"| `{name}` | {_cell(declaration.kind)} | {shown} | {_cell(declaration.description)} |"
@@ -113,7 +98,7 @@ SYMBOLS = (
 
 
 def _symbols() -> Iterable[str]:
-    yield from ("| symbol | name | unit | meaning | where |", "|---|---|---|---|---|")
+    yield head("symbol", "name", "unit", "meaning", "where")
     for symbol, name in SYMBOLS:
         units, meaning, where = _known(name)
         yield f"| {_cell(symbol)} | `{name}` | {'' if units == '1' else units} | {_cell(meaning)} | `{where}` |"
@@ -158,6 +143,8 @@ TABLES = {"variables": _variables, "keys": _keys, "symbols": _symbols}
 def _cell(words: str) -> str:
     return words.replace("|", "\\|")
 
+
+main = program(run, Option("table", str, "which one", choices=TABLES))
 
 if __name__ == "__main__":
     sys.exit(main())

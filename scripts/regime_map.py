@@ -8,22 +8,21 @@ python -m scripts.regime_map --figure docs/images/regime_map.png
 
 import argparse
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 from importlib.resources import files
-from pathlib import Path
 
 import numpy as np
 from matplotlib.figure import Figure
 
-from contact_study.campaign.command_line.command import Parser, guarded
 from contact_study.physics.tabor import DMT_LIKE, JKR_LIKE, tabor_parameter
-from contact_study.plots.style import COLOURS, DOUBLE, RESOLUTION, styled
+from contact_study.plots.style import COLOURS, DOUBLE, styled
 from contact_study.report.compute.regime import roughness
 from contact_study.report.labels import coordinate_label
 from contact_study.report.wording import number
 from contact_study.study.case import Case, realise
 from contact_study.study.study import Study, read_study
+from scripts.harness import FIGURE, head, program, row, save
 
 STUDIES = ("first", "yang2008_quick", "yang2008", "rubber")
 X_LIMITS, Y_LIMITS = (0.008, 20.0), (0.003, 30.0)
@@ -46,29 +45,15 @@ class Place:
     pixel: float
 
 
-def parser() -> Parser:
-    made = Parser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter, allow_abbrev=False)
-    made.add_argument("--figure", type=Path, metavar="MAP.png", help="figure to draw")
-    return made
-
-
-def main(arguments: Sequence[str] | None = None) -> int:
-    return guarded("regime_map", lambda: _main(arguments), interrupted="nothing is written")
-
-
-def _main(arguments: Sequence[str] | None) -> int:
-    given = parser().parse_args(arguments)
+def run(given: argparse.Namespace) -> None:
     folder = files("contact_study").joinpath("example_studies")
     found = {name: list(places(read_study(str(folder.joinpath(f"{name}.toml"))))) for name in STUDIES}
-    print("| study | | Tabor parameter μ | adhesion over elastic energy θ | grid spacing over process zone |")
-    print("|---|---|---|---|---|")
+    print(head("study", "", "Tabor parameter μ", "adhesion over elastic energy θ", "grid spacing over process zone"))
     for name, several in found.items():
         for place in several:
-            numbers = (place.tabor, place.adhesion, place.pixel)
-            print(f"| `{name}` | {place.label} | {' | '.join(number(value, 3) for value in numbers)} |")
+            print(row(f"`{name}`", place.label, *(number(x, 3) for x in (place.tabor, place.adhesion, place.pixel))))
     if given.figure:
-        draw(found).savefig(given.figure, dpi=RESOLUTION, metadata={"Software": None})
-    return 0
+        save(draw(found), given.figure)
 
 
 def places(study: Study) -> Iterator[Place]:
@@ -111,6 +96,8 @@ def draw(found: dict[str, list[Place]]) -> Figure:
     figure.legend(loc="outside upper center", ncols=len(found))
     return figure
 
+
+main = program(run, FIGURE)
 
 if __name__ == "__main__":
     sys.exit(main())

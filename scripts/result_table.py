@@ -19,18 +19,10 @@ from contact_study.report.read.files import models_in
 from contact_study.report.text.result_tables import results_tables
 from contact_study.report.wording import number
 from contact_study.units import quantity
+from scripts.harness import Option, head, program, row
 
 
-def parser() -> argparse.ArgumentParser:
-    made = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    made.add_argument("comparison", type=Path, help="dataset that contact-compare wrote")
-    made.add_argument("--pressures", nargs="+", required=True, help="pressures of the path to show")
-    made.add_argument("--brief", action="store_true", help="below the table only the order of the models")
-    return made
-
-
-def main(arguments: Sequence[str] | None = None) -> int:
-    given = parser().parse_args(arguments)
+def run(given: argparse.Namespace) -> None:
     pressures = [quantity(text, "Pa", "--pressures") for text in given.pressures]
     with xr.open_datatree(given.comparison, decode_timedelta=False) as tree:
         there = {node.path.strip("/") for node in tree.subtree}
@@ -47,7 +39,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
     from_surfaces = scatter.pop("deviations", None)
     findings = find(models, deviations.sel(pair=pairs), regime, scatter, from_surfaces)
     print("\n".join(f"- {sentence}" for sentence in findings.sentences(given.brief)))
-    return 0
 
 
 def table(models: Mapping[str, xr.Dataset], pressures: Sequence[float]) -> str:
@@ -55,17 +46,23 @@ def table(models: Mapping[str, xr.Dataset], pressures: Sequence[float]) -> str:
     names = [entry_of(name).words.removeprefix("the ") for name in models]
     found = results_tables(models, "pressure")
     unit = found[0].header[0]
-    lines = [f"| | {unit} | {' | '.join(names)} |", "|---" * (2 + len(names)) + "|"]
+    lines = [head("", unit, *names)]
     sizes = {"GPa": 1e9, "MPa": 1e6, "kPa": 1e3, "Pa": 1.0}
     wanted = [number(pressure / sizes[unit[3:-1]], 5) for pressure in pressures]
     for point in found:
-        for row in point.rows:
-            if row[0] in wanted:
-                areas, gaps = row[2 : 2 + len(names)], row[2 + len(names) :]
-                cells = [f"{area}; {gap}" for area, gap in zip(areas, gaps, strict=True)]
-                lines.append(f"| {point.title} | {row[0]} | {' | '.join(cells)} |")
+        for cells in point.rows:
+            if cells[0] in wanted:
+                states = zip(cells[2 : 2 + len(names)], cells[2 + len(names) :], strict=True)
+                lines.append(row(point.title, cells[0], *(f"{area}; {gap}" for area, gap in states)))
     return "\n".join(lines)
 
+
+main = program(
+    run,
+    Option("comparison", Path, "dataset that contact-compare wrote"),
+    Option("--pressures", str, "pressures of the path to show", nargs="+", required=True),
+    Option("--brief", False, "of the sentences below the table only the first"),
+)
 
 if __name__ == "__main__":
     sys.exit(main())

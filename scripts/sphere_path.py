@@ -7,8 +7,6 @@
 
 import argparse
 import sys
-from collections.abc import Sequence
-from pathlib import Path
 
 import numpy as np
 import xarray as xr
@@ -17,8 +15,7 @@ import contact_study
 from bem_adhesion import Dugdale
 from bem_adhesion.adhesive.contact import reach
 from contact_study import plots
-from contact_study.campaign.command_line.command import Parser, guarded
-from contact_study.plots.style import RESOLUTION
+from scripts.harness import FIGURE, Option, program, save, show
 from theory.references import maugis_dugdale_contact, maugis_dugdale_pull_off
 
 # E* (Pa), reach (m) and work of adhesion (J/m²) of Dugdale's tension: scales, without consequence.
@@ -29,22 +26,7 @@ APPROACHES = (-1.5, 8.0, -4.0)
 CELL = 3.4
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
-    return guarded("sphere_path", lambda: _main(arguments), interrupted="nothing is written")
-
-
-def parser() -> Parser:
-    made = Parser(
-        description=__doc__.splitlines()[0], formatter_class=argparse.ArgumentDefaultsHelpFormatter, allow_abbrev=False
-    )
-    made.add_argument("--points", type=int, default=64, help="points along each side")
-    made.add_argument("--resolution", type=float, default=0.005, help="loading.resolution")
-    made.add_argument("--figure", type=Path, help="draw the loop, too")
-    return made
-
-
-def _main(arguments: Sequence[str] | None) -> int:
-    given = parser().parse_args(arguments)
+def run(given: argparse.Namespace) -> None:
     radius = TABOR**3 * MODULUS**2 * REACH**3 / WORK**2
     length = (3 * np.pi * WORK * radius**2 / (4 * MODULUS)) ** (1 / 3)
     size = CELL * 2 * length
@@ -56,16 +38,16 @@ def _main(arguments: Sequence[str] | None) -> int:
     tip = size**2 / (12 * radius)  # over the heights' mean
     work = float(found["work_of_separation"]) * size**2
     scale = (WORK**5 * radius**4 / MODULUS**2) ** (1 / 3)
-    print("| | path | Maugis |\n|---|---|---|")
-    print(f"| pull-off force / πwR | {held - off:.3f} to {held:.3f} | {-maugis_dugdale_pull_off(parameter):.3f} |")
-    print(f"| work of separation / (w⁵R⁴/E*²)^(1/3) | {work / scale:.2f} | {maugis_work(parameter):.2f} |")
     ends = f"1 to {reach(Dugdale(WORK, REACH)) / REACH:.2f}"
-    print(f"| tip at jump-in / reach | {(at - step - tip) / REACH:.2f} to {(at - tip) / REACH:.2f} | {ends} |")
-    print(f"| force at jump-in / πwR | {float(found['jump_in_pressure']) / unit:.3f} | 0 |")
+    rows = (
+        ("pull-off force / πwR", f"{held - off:.3f} to {held:.3f}", f"{-maugis_dugdale_pull_off(parameter):.3f}"),
+        ("work of separation / (w⁵R⁴/E*²)^(1/3)", f"{work / scale:.2f}", f"{maugis_work(parameter):.2f}"),
+        ("tip at jump-in / reach", f"{(at - step - tip) / REACH:.2f} to {(at - tip) / REACH:.2f}", ends),
+        ("force at jump-in / πwR", f"{float(found['jump_in_pressure']) / unit:.3f}", "0"),
+    )
+    show(("", "path", "Maugis"), rows)
     if given.figure:
-        plots.hysteresis_loop(found).figure.savefig(given.figure, dpi=RESOLUTION)
-        print(given.figure, file=sys.stderr)
-    return 0
+        save(plots.hysteresis_loop(found).figure, given.figure)
 
 
 def path(radius: float, size: float, points: int, resolution: float) -> xr.Dataset:
@@ -99,6 +81,13 @@ def maugis_work(parameter: float) -> float:
     # Forces in πwR, approaches in (3πw/4E*)^(2/3) R^(1/3).
     return float(np.trapezoid(-force[pulled], -approach[pulled])) * np.pi * (3 * np.pi / 4) ** (2 / 3)
 
+
+main = program(
+    run,
+    Option("--points", 64, "points along each side"),
+    Option("--resolution", 0.005, "loading.resolution"),
+    FIGURE,
+)
 
 if __name__ == "__main__":
     sys.exit(main())

@@ -14,32 +14,33 @@ the largest force component over a²E*. `docs/temperature.md` shows the tables.
 import argparse
 import sys
 import tempfile
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
-from scipy import constants
 
-from contact_study.campaign.command_line.command import Parser, guarded
 from contact_study.numerics import fourier
 from contact_study.numerics.time_series import SeriesStatistics, statistics_of
 from contact_study.physics.lattice import lattice_of
-from md_reference.block.condensed import isotropic_element, lame_constants, surface_stiffness
+from md_reference.block.condensed import isotropic_element, surface_stiffness
 from md_reference.block.multiscale import NonlinearSpringBlock
 from md_reference.interface.pairs import interface_of
 from md_reference.lammps import LammpsSystem, lammps_contact, load_lammps
 from md_reference.statics.contact import AtomisticContact
 from md_reference.thermal.langevin import MolecularDynamics, Motion, fastest_wave
+from scripts.against_lammps import (
+    ATOM_MASS,
+    CUTOFF,
+    LATTICE_CONSTANT,
+    LENGTH,
+    SHEAR_MODULUS,
+    SPRINGS_ALONE,
+    WELL_DEPTH,
+    YOUNGS_MODULUS,
+)
+from scripts.harness import Option, program, show
 
-LATTICE_CONSTANT = 2.6e-10
-LENGTH = 3.28e-10
-WELL_DEPTH = 18.6e-3 * constants.e
-YOUNGS_MODULUS = 77.2e9
-SPRINGS_ALONE = 0.25  # Poisson's ratio without an energy of the volume: λ = μ
-SHEAR_MODULUS = lame_constants(YOUNGS_MODULUS, SPRINGS_ALONE)[1]
 CONTACT_MODULUS = YOUNGS_MODULUS / (1 - SPRINGS_ALONE**2)
-ATOM_MASS = 197 * constants.atomic_mass
-CUTOFF = 4.0
 RMS_HEIGHT = 1e-10
 PRESSURE = 2e9
 CONTACT_DISTANCE = 3.68e-10
@@ -49,25 +50,7 @@ MOST_EVALUATIONS = 20_000
 SMALL = (8, 4)
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
-    return guarded("states_against_lammps", lambda: _main(arguments), interrupted="nothing is written")
-
-
-def parser() -> Parser:
-    made = Parser(
-        description=__doc__.splitlines()[0], formatter_class=argparse.ArgumentDefaultsHelpFormatter, allow_abbrev=False
-    )
-    made.add_argument("--atoms", type=int, default=32, help="of the block at rest along each side, and its layers")
-    made.add_argument("--residual", type=float, default=1e-8, help="largest force left over a²E*")
-    made.add_argument("--warm-atoms", type=int, default=16, help="of the warm block along each side; half the layers")
-    made.add_argument("--temperature", type=float, default=300.0, help="in K")
-    made.add_argument("--steps", type=int, default=20_000, help="of thermal motion, the first tenth discarded")
-    made.add_argument("--store", type=Path, help="write LAMMPS' state of a small case, for the test that needs none")
-    return made
-
-
-def _main(arguments: Sequence[str] | None) -> int:
-    given = parser().parse_args(arguments)
+def run(given: argparse.Namespace) -> int:
     lammps = load_lammps()
     with tempfile.TemporaryDirectory() as folder:
         log = Path(folder) / "log.lammps"
@@ -78,7 +61,6 @@ def _main(arguments: Sequence[str] | None) -> int:
         at_rest(System(given.atoms, given.atoms), lammps, log, given.residual)
         print()
         in_motion(System(given.warm_atoms, given.warm_atoms // 2), lammps, log, given.temperature, given.steps)
-    return 0
 
 
 class System:
@@ -189,12 +171,12 @@ def at_rest(here: System, lammps: object, log: Path, residual: float) -> None:
     contact = AtomisticContact(stiffness, here.interface, CONTACT_MODULUS, tolerance=residual)
     linear = contact.step(here.start(), PRESSURE)
     rows.append(("linear block here, minimiser", linear.force_evaluations, linear.residual, linear.displacement, None))
-    print("| at rest | evaluations | residual | A | ū (Å) | largest distance of an atom (Å) |")
-    print("|---|---|---|---|---|---|")
+    cells = []
     for words, spent, left, bottom, nodes in rows:
         contact_area, gap = here.observed(bottom)
         distance = np.max(np.abs(bottom - found[:, 0] if nodes is None else nodes - found)) / 1e-10
-        print(f"| {words} | {spent} | {left:.0e} | {contact_area:.4f} | {gap / 1e-10:.6f} | {distance:.1e} |")
+        cells.append((words, spent, f"{left:.0e}", f"{contact_area:.4f}", f"{gap / 1e-10:.6f}", f"{distance:.1e}"))
+    show(("at rest", "evaluations", "residual", "A", "ū (Å)", "largest distance of an atom (Å)"), cells)
 
 
 def in_motion(here: System, lammps: object, log: Path, temperature: float, steps: int) -> None:
@@ -215,12 +197,12 @@ def in_motion(here: System, lammps: object, log: Path, temperature: float, steps
         return witness.displacement((here.period,) * 2)[:, 0]
 
     ours, theirs = averages(here, move, steps), averages(here, move_theirs, steps)
-    print(f"| {temperature:g} K | LAMMPS | here | difference over its standard error |")
-    print("|---|---|---|---|")
+    rows = []
     for name, unit, one, other in zip(("A", "ū (Å)"), (1.0, 1e-10), theirs, ours, strict=True):
         error = np.hypot(one.standard_error, other.standard_error)
         cells = [f"{each.mean / unit:.4f} ± {each.standard_error / unit:.4f}" for each in (one, other)]
-        print(f"| {name} | {' | '.join(cells)} | {abs(one.mean - other.mean) / error:.1f} |")
+        rows.append((name, *cells, f"{abs(one.mean - other.mean) / error:.1f}"))
+    show((f"{temperature:g} K", "LAMMPS", "here", "difference over its standard error"), rows)
 
 
 def averages(here: System, move: Callable[[int], np.ndarray], steps: int) -> list[SeriesStatistics]:
@@ -229,6 +211,16 @@ def averages(here: System, move: Callable[[int], np.ndarray], steps: int) -> lis
     seen = np.array([here.observed(move(20)) for _ in range(steps * 9 // 10 // 20)])
     return [statistics_of(column) for column in seen.T]
 
+
+main = program(
+    run,
+    Option("--atoms", 32, "of the block at rest along each side, and its layers"),
+    Option("--residual", 1e-8, "largest force left over a²E*"),
+    Option("--warm-atoms", 16, "of the warm block along each side; half the layers"),
+    Option("--temperature", 300.0, "in K"),
+    Option("--steps", 20_000, "of thermal motion, the first tenth discarded"),
+    Option("--store", Path, "write LAMMPS' state of a small case, for the test that needs none"),
+)
 
 if __name__ == "__main__":
     sys.exit(main())

@@ -7,28 +7,17 @@
 
 import argparse
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 
 import numpy as np
 
 from bem_adhesion import Exponential, HalfSpace, HardWall, Layer, LennardJones104, rough_contact
 from bem_adhesion.study.state import separation_of
-from contact_study.campaign.command_line.command import Parser, guarded
 from contact_study.physics.laws.base import TractionLaw
 from contact_study.physics.solids import Elasticity
-from contact_study.study.case import realise
-from contact_study.study.study import make_study
+from scripts.harness import Option, program, rough_surface, show, walk
 
 MODULUS, WORK, RANGE = 93.7e9, 0.69, 3.28e-10
-SURFACE = {
-    "kind": "self_affine",
-    "size": 5e-8,
-    "hurst_exponent": 0.8,
-    "rms_height": 1e-9,
-    "roll_off_mode": 3,
-    "cutoff_mode": 12,
-    "seed": 1,
-}
 LOADS = (1e9, 2e9)
 STEPS = (4, 8, 16, 32, 64)
 # Of a name, law and solid.
@@ -40,54 +29,33 @@ CONTACTS: Mapping[str, tuple[TractionLaw, Elasticity]] = {
 }
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
-    return guarded("validate_energies", lambda: _main(arguments), interrupted="nothing is written")
-
-
-def parser() -> Parser:
-    made = Parser(
-        description=__doc__.splitlines()[0], formatter_class=argparse.ArgumentDefaultsHelpFormatter, allow_abbrev=False
-    )
-    made.add_argument("--points", type=int, default=64, help="points along each side")
-    made.add_argument("--steps", type=int, nargs="+", default=list(STEPS), help="of the branch, each twice the last")
-    return made
-
-
-def _main(arguments: Sequence[str] | None) -> int:
-    given = parser().parse_args(arguments)
-    print(f"| steps | {' | '.join(CONTACTS)} |\n{'|---' * (1 + len(CONTACTS))}|")
+def run(given: argparse.Namespace) -> None:
     errors = {name: [error(*chosen, given.points, steps) for steps in given.steps] for name, chosen in CONTACTS.items()}
-    for row, steps in enumerate(given.steps):
-        print(f"| {steps} | {' | '.join(f'{abs(found[row]):.1e}' for found in errors.values())} |")
     orders = [np.log2(abs(found[0] / found[-1])) / (len(given.steps) - 1) for found in errors.values()]
-    print(f"| order | {' | '.join(f'{order:.1f}' for order in orders)} |")
-    return 0
+    rows = [(steps, *(f"{abs(found[i]):.1e}" for found in errors.values())) for i, steps in enumerate(given.steps)]
+    show(("steps", *CONTACTS), [*rows, ("order", *(f"{order:.1f}" for order in orders))])
 
 
 def error(law: TractionLaw, solid: Elasticity, points: int, steps: int) -> float:
     """Work of the load between two pressures less the energy stored, over the work."""
-    surface = realise(
-        make_study(
-            {
-                "surface": {**SURFACE, "shape": [points, points]},
-                "material": {"youngs_modulus": MODULUS, "poissons_ratio": 0.0},
-                "interaction": {"law": "hard_wall"},
-                "loading": {"path": list(LOADS)},
-            }
-        ).cases[0]
-    )
+    surface = rough_surface(5e-8, points, 1e-9, roll_off_mode=3, cutoff_mode=12)
     contact = rough_contact(surface.sampled, surface.grid.size, solid, law, tolerance=1e-11)
-    state = contact.separated()
-    pressure, separation, energy = [], [], []
-    for load in np.linspace(*LOADS, steps + 1):
-        found = contact.step(state, load)
-        state = found.state
-        pressure.append(float(np.mean(found.pressure)))
-        separation.append(separation_of(found, solid))
-        energy.append(found.elastic_energy + found.interaction_energy)
+    states = list(walk(contact, np.linspace(*LOADS, steps + 1)))
+    pressure, separation, energy = np.array(
+        [
+            (found.pressure.mean(), separation_of(found, solid), found.elastic_energy + found.interaction_energy)
+            for found in states
+        ]
+    ).T
     work = -float(np.trapezoid(pressure, separation))
     return (work - (energy[-1] - energy[0])) / work
 
+
+main = program(
+    run,
+    Option("--points", 64, "points along each side"),
+    Option("--steps", list(STEPS), "of the branch, each twice the last"),
+)
 
 if __name__ == "__main__":
     sys.exit(main())

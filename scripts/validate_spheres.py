@@ -22,8 +22,8 @@ from scipy.optimize import brentq, minimize_scalar
 
 from bem_adhesion import Dugdale, HardWall, rough_contact
 from bem_adhesion.solution import Solution
-from contact_study.campaign.command_line.command import Parser, guarded
-from contact_study.plots.style import COLOURS, DOUBLE, RESOLUTION, styled
+from contact_study.plots.style import COLOURS, DOUBLE, styled
+from scripts.harness import Option, head, per_cent, program, row, save, show
 from theory.references import maugis_dugdale_contact
 
 TABOR_PARAMETERS = (0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 3.0, 5.0)
@@ -44,47 +44,28 @@ HERTZ_FORCE = 4 * CONTACT_RADIUS**3 / (3 * SPHERE_RADIUS)
 HERTZ_PEAK = 2 * CONTACT_RADIUS / (np.pi * SPHERE_RADIUS)
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
-    return guarded("validate_spheres", lambda: _main(arguments), interrupted="nothing is written")
-
-
-def parser() -> Parser:
-    made = Parser(
-        description=__doc__.splitlines()[0], formatter_class=argparse.ArgumentDefaultsHelpFormatter, allow_abbrev=False
-    )
-    made.add_argument("what", choices=("hertz", "maugis", "ramp"), help="table to print")
-    made.add_argument("--tabor", type=float, nargs="+", default=list(TABOR_PARAMETERS), help="Tabor parameters")
-    made.add_argument("--most-points", type=int, default=MOST_POINTS, help="most points along each side")
-    made.add_argument(
-        "--points-per-zone", type=float, default=POINTS_PER_ZONE, help="points to the process zone, as far as these go"
-    )
-    made.add_argument("--ramp", type=float, default=RAMP, help="width of the tension's end, over its reach (maugis)")
-    made.add_argument("--table", type=Path, help="CSV to add the spheres' states to (maugis)")
-    made.add_argument("--from", type=Path, dest="source", help="CSV to read them from, in place of a run (maugis)")
-    made.add_argument("--figure", type=Path, help="draw pressures and errors (hertz), or pull-off and radius, too")
-    return made
-
-
-def _main(arguments: Sequence[str] | None) -> int:
-    given = parser().parse_args(arguments)
+def run(given: argparse.Namespace) -> None:
+    figure = None
     if given.what == "hertz":
         errors = np.array([hertz_errors(points) for points in HERTZ_POINTS])
         print_hertz(errors)
-        if given.figure:
-            hertz_figure(errors).savefig(given.figure, dpi=RESOLUTION)
+        figure = hertz_figure
     elif given.what == "maugis":
-        print_maugis_head()
         spheres = []
+        compared = (name for force in FORCES for name in (f"a at {force:g}", f"δ at {force:g}"))
+        print(head("μ", "λ", "ramp", "points", "per zone", "pull-off", "Maugis", "difference", *compared), flush=True)
         for each in read(given.source) if given.source else solved_spheres(given):
             spheres.append(each)
-            print_maugis(each)
+            print(maugis_row(each), flush=True)
         if given.source:
             print(f"\nCPU time: {', '.join(f'{each.seconds:.2g}' for each in spheres)} s.")
-        if given.figure:
-            draw(spheres, given.figure)
+        figure, errors = maugis_figure, spheres
     else:
-        print_ramps()
-    return 0
+        rows = ((f"{ramp:g}", solved(0.5, ramp)) for ramp in RAMPS)
+        cells = ((ramp, *pull_off_cells(found), f"{found.pairs:.0f}") for ramp, found in rows)
+        show(("ramp", "pull-off", "Maugis", "difference", "pairs"), cells)
+    if given.figure and figure:
+        save(figure(errors), given.figure)
 
 
 def sphere(points: int, size: float, radius: float) -> tuple[np.ndarray, np.ndarray]:
@@ -146,13 +127,9 @@ def hertz_figure(errors: np.ndarray) -> Figure:
 
 
 def print_hertz(errors: np.ndarray) -> None:
-    print(f"| points over 4 radii | {' | '.join(HERTZ_ERRORS)} |")
-    print("|---|---|---|---|---|---|")
-    for points, row in zip(HERTZ_POINTS, errors, strict=True):
-        print(f"| {points} | {' | '.join(f'{100 * error:+.3f} %' for error in row)} |")
-    steps = np.log2(HERTZ_POINTS[-1] / HERTZ_POINTS[0])
-    rates = np.log2(np.abs(errors[0] / errors[-1])) / steps
-    print(f"| order | {' | '.join(f'{rate:.1f}' for rate in rates)} |")
+    rates = np.log2(np.abs(errors[0] / errors[-1])) / np.log2(HERTZ_POINTS[-1] / HERTZ_POINTS[0])
+    rows = [(n, *(f"{100 * error:+.3f} %" for error in each)) for n, each in zip(HERTZ_POINTS, errors, strict=True)]
+    show(("points over 4 radii", *HERTZ_ERRORS), [*rows, ("order", *(f"{rate:.1f}" for rate in rates))])
 
 
 @dataclass(frozen=True)
@@ -280,41 +257,24 @@ def read(path: Path) -> list[Sphere]:
     return spheres
 
 
-def print_maugis_head() -> None:
-    compared = " | ".join(f"a at {force:g} | δ at {force:g}" for force in FORCES)
-    print(f"| μ | λ | ramp | points | per zone | pull-off | Maugis | difference | {compared} |")
-    print("|---" * (8 + 2 * len(FORCES)) + "|")
-
-
-def print_maugis(found: Sphere) -> None:
+def pull_off_cells(found: Sphere) -> tuple[str, str, str]:
+    """Pull-off force of the solver, of Maugis, and their difference."""
     expected = found.theory.pull_off
+    return f"{found.pull_off:.3f}", f"{expected:.3f}", per_cent(found.pull_off, expected)
+
+
+def maugis_row(found: Sphere) -> str:
+    """A sphere's line of the table."""
     cells = []
     for force, radius, approach in found.states[: len(FORCES)]:
         own_radius, own_approach = found.theory.at_force(force)
-        cells += [f"{100 * (radius / own_radius - 1):+.1f} %", f"{approach - own_approach:+.3f}"]
-    print(
-        f"| {found.tabor:g} | {found.theory.parameter:.3g} | {found.ramp:g} | {found.points:.0f}² | "
-        f"{found.points_per_zone:.2g} | "
-        f"{found.pull_off:.3f} | {expected:.3f} | {100 * (found.pull_off / expected - 1):+.1f} % | "
-        f"{' | '.join(cells)} |",
-        flush=True,
-    )
-
-
-def print_ramps() -> None:
-    print("| ramp | pull-off | Maugis | difference | pairs |\n|---|---|---|---|---|")
-    for ramp in RAMPS:
-        found = solved(0.5, ramp)
-        expected = found.theory.pull_off
-        print(
-            f"| {ramp:g} | {found.pull_off:.3f} | {expected:.3f} | {100 * (found.pull_off / expected - 1):+.1f} % | "
-            f"{found.pairs:.0f} |",
-            flush=True,
-        )
+        cells += [per_cent(radius, own_radius), f"{approach - own_approach:+.3f}"]
+    first = f"{found.tabor:g}", f"{found.theory.parameter:.3g}", f"{found.ramp:g}", f"{found.points:.0f}²"
+    return row(*first, f"{found.points_per_zone:.2g}", *pull_off_cells(found), *cells)
 
 
 @styled
-def draw(spheres: Sequence[Sphere], path: Path) -> None:
+def maugis_figure(spheres: Sequence[Sphere]) -> Figure:
     """Pull-off over the Tabor parameter, and contact radius over the force, of solver (finest grids) and Maugis."""
     spheres = list({each.tabor: each for each in sorted(spheres, key=lambda each: (each.tabor, each.points))}.values())
     figure = Figure(figsize=(DOUBLE, 2.8), layout="constrained")
@@ -337,8 +297,20 @@ def draw(spheres: Sequence[Sphere], path: Path) -> None:
         right.plot(*points.T, "o", color=colour, ms=3.2, label=f"μ = {each.tabor:g}")
     right.set(xlabel="force / πwR", ylabel="contact radius / (3πwR²/4E*)$^{1/3}$")
     right.legend()
-    figure.savefig(path, dpi=RESOLUTION)
+    return figure
 
+
+main = program(
+    run,
+    Option("what", str, "table to print", choices=("hertz", "maugis", "ramp")),
+    Option("--tabor", list(TABOR_PARAMETERS), "Tabor parameters"),
+    Option("--most-points", MOST_POINTS, "most points along each side"),
+    Option("--points-per-zone", POINTS_PER_ZONE, "points to the process zone, as far as these go"),
+    Option("--ramp", RAMP, "width of the tension's end, over its reach (maugis)"),
+    Option("--table", Path, "CSV to add the spheres' states to (maugis)"),
+    Option("--from", Path, "CSV to read them from, in place of a run (maugis)"),
+    Option("--figure", Path, "draw pressures and errors (hertz), or pull-off and radius, too"),
+)
 
 if __name__ == "__main__":
     sys.exit(main())

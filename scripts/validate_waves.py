@@ -23,7 +23,8 @@ from scipy.optimize import brentq
 
 from bem_adhesion import Exponential, HardWall, TractionLaw, rough_contact
 from bem_adhesion.solution import Solution
-from contact_study.plots.style import COLOURS, DOUBLE, RESOLUTION, styled
+from contact_study.plots.style import COLOURS, DOUBLE, styled
+from scripts.harness import Option, program, save, show, walk
 from theory import references as reference
 
 AMPLITUDE = 0.01  # of wavelength and modulus 1
@@ -55,12 +56,9 @@ def path(height: np.ndarray, law: TractionLaw, pressures: Sequence[float]) -> It
     """The states of a path from separation."""
     points = height.shape[1]
     contact = rough_contact(height, (len(height) / points, 1.0), 1.0, law)
-    state = contact.separated()
-    for pressure in pressures:
-        found = contact.step(state, pressure)
+    for pressure, found in zip(pressures, walk(contact, pressures), strict=True):
         if not found.converged or found.detached:
             raise RuntimeError(f"{points} points, pressure {pressure:g}: {found.message}")
-        state = found.state
         yield found
 
 
@@ -169,10 +167,9 @@ def order(sizes: Sequence[float], errors: Sequence[float]) -> float:
 
 def print_table(head: str, sizes: Sequence[float], words: Sequence[str], errors: np.ndarray) -> None:
     """A size a line, the order below."""
-    print(f"| {head} | area | mean gap / amplitude |\n|---|---|---|")
-    for word, (area, gap) in zip(words, errors, strict=True):
-        print(f"| {word} | {area:.1e} | {gap:.1e} |")
-    print(f"| order | {' | '.join(f'{order(sizes, column):.1f}' for column in errors.T)} |\n")
+    rows = [(word, f"{area:.1e}", f"{gap:.1e}") for word, (area, gap) in zip(words, errors, strict=True)]
+    show((head, "area", "mean gap / amplitude"), [*rows, ("order", *(f"{order(sizes, e):.1f}" for e in errors.T))])
+    print()
 
 
 @styled
@@ -205,11 +202,7 @@ def wave_figure(errors: np.ndarray, adhesive_errors: np.ndarray) -> Figure:
     return figure
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("what", choices=("one", "two"), help="waves along one axis or crossed")
-    parser.add_argument("--figure", type=Path, help="draw areas and errors, too (one)")
-    given = parser.parse_args(arguments)
+def run(given: argparse.Namespace) -> int:
     spacings = [1 / points for points in POINTS]
     zones = [f"1/{round(1 / zone)}" for zone in ZONES]
     if given.what == "one":
@@ -218,8 +211,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         adhesive = np.array([root_mean_square(adhesive_wave_errors(zone)) for zone in ZONES])
         print_table("process zone / wavelength", ZONES, zones, adhesive)
         if given.figure is not None:
-            wave_figure(errors, adhesive).savefig(given.figure, dpi=RESOLUTION)
-            print(given.figure, file=sys.stderr)
+            save(wave_figure(errors, adhesive), given.figure)
         return 0
     errors = crossed_errors(POINTS, 2 * POINTS[-1])
     print_table("points, no adhesion", spacings, [f"{points}²" for points in POINTS], errors)
@@ -232,8 +224,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
         f"Full contact opens at {expected:.3f} of its pressure without adhesion; found closed at {closed:.3f},", end=" "
     )
     print(f"open at {opened:.3f}.")
-    return 0
 
+
+main = program(
+    run,
+    Option("what", str, "waves along one axis or crossed", choices=("one", "two")),
+    Option("--figure", Path, "draw areas and errors, too (one)"),
+)
 
 if __name__ == "__main__":
     sys.exit(main())

@@ -7,7 +7,7 @@ import pytest
 from contact_study import run
 from contact_study.study.case import realise
 from contact_study.study.study import make_study
-from scripts import persson_choices
+from research import persson_choices
 from theory import PerssonTheory
 
 

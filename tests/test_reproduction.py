@@ -263,5 +263,5 @@ def test_branches_compares_every_way_with_steps(tmp_path, capsys):
     shuffled = table.set_axis([0] * len(table))  # as rows of several runs come
     assert list(branches.lines(shuffled, [1.0]))[-1] == flow
     table.loc[wrong, "converged"] = 0
-    assert "(moving) |" in list(branches.lines(table, [1.0]))[2]
+    assert "(moving) |" in list(branches.lines(table, [1.0]))[1]
     assert flow.startswith("- flow 1e-2: the same in 3 of 4 states; the area differs by −0.0123 at most (atoms, 28²")

@@ -53,9 +53,7 @@ class Tally:
         self.balance = max(self.balance, verdict.balance)
         self.return_error = max(self.return_error, verdict.return_error)
 
-    def row(self, name: str) -> str:
+    def cells(self) -> tuple[object, ...]:
         """A line of the table."""
-        return (
-            f"| {name} | {self.studies} | {self.states} | {self.detached} | {self.flagged} | {self.narrow} | "
-            f"{self.wrong} | {self.balance:.0e} | {self.return_error:.0e} |"
-        )
+        counts = self.studies, self.states, self.detached, self.flagged, self.narrow, self.wrong
+        return *counts, f"{self.balance:.0e}", f"{self.return_error:.0e}"

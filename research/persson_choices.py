@@ -4,7 +4,7 @@ The scan covers α of the crack condition, β of the energy weight, the area on 
 and a detachment stress limited to the law's largest tensile stress. A cell of the table is the mean magnitude of the
 relative deviation of the contact area over the loading states, least and largest over β and the cap.
 
-python scripts/persson_choices.py results/yang2008-paper/bem.nc
+python -m research.persson_choices results/yang2008-paper/bem.nc
 """
 
 import argparse
@@ -12,7 +12,6 @@ import itertools
 import sys
 import tomllib
 import warnings
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -22,6 +21,7 @@ import xarray as xr
 from contact_study.report.wording import listed, percent_of
 from contact_study.study.case import Case, realise
 from contact_study.study.study import make_study
+from scripts.harness import Option, head, program, row
 from theory import PerssonTheory
 
 ALPHAS = (0.5, 1.0, 2.0, 4.0)
@@ -40,14 +40,10 @@ class Choice:
     deviation: float
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("continuum", type=Path, help="dataset of bem-adhesion over adhesion, one surface")
-    given = parser.parse_args(arguments)
+def run(given: argparse.Namespace) -> None:
     with xr.open_dataset(given.continuum, decode_timedelta=False) as dataset:
         found = scan(dataset, given.continuum.parent)
     print(table(found))
-    return 0
 
 
 def scan(dataset: xr.Dataset, folder: Path = Path()) -> dict[float, list[Choice]]:
@@ -89,7 +85,7 @@ def deviation(
 def table(found: dict[float, list[Choice]]) -> str:
     """Markdown: α and the area that adheres down, adhesion across; below it the best choice of each."""
     ratios = list(found)
-    lines = [f"| α | area | {' | '.join(f'{ratio:g} ε₀' for ratio in ratios)} |", "|---" * (2 + len(ratios)) + "|"]
+    lines = [head("α", "area", *(f"{ratio:g} ε₀" for ratio in ratios))]
     for alpha, area in itertools.product(ALPHAS, AREAS):
         cells = []
         for ratio in ratios:
@@ -97,7 +93,7 @@ def table(found: dict[float, list[Choice]]) -> str:
             known = [value for value in own if np.isfinite(value)]
             ends = dict.fromkeys(percent_of(value) for value in (min(known), max(known))) if known else {"–": None}
             cells.append(" to ".join(ends) + (" *" if len(known) < len(own) else ""))
-        lines.append(f"| {alpha:g} | {area} | {' | '.join(cells)} |")
+        lines.append(row(f"{alpha:g}", area, *cells))
     best = {ratio: min(found[ratio], key=lambda each: np.nan_to_num(each.deviation, nan=np.inf)) for ratio in ratios}
     words = listed(
         f"{percent_of(one.deviation)} at {ratio:g} ε₀ (α = {one.alpha:g}, β = {one.beta:g}, area "
@@ -108,6 +104,8 @@ def table(found: dict[float, list[Choice]]) -> str:
     note = " Cells with a star leave out choices without a converged state at some pressure." if missing else ""
     return "\n".join([*lines, "", f"The least deviation of all {len(found[ratios[0]])} choices is {words}.{note}"])
 
+
+main = program(run, Option("continuum", Path, "dataset of bem-adhesion over adhesion, one surface"))
 
 if __name__ == "__main__":
     sys.exit(main())
