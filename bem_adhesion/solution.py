@@ -141,21 +141,7 @@ class Solution:
 
 @dataclass(frozen=True)
 class NewtonResult:
-    """State at the end of a Newton solve.
-
-    Parameters
-    ----------
-    gap : numpy.ndarray
-        The gap d; positive where the repulsion diverges, not negative outside a wall.
-    reaction : numpy.ndarray or float
-        Pressure of the wall where the gap is zero; zero for a law without one.
-    residual : float
-        max|K d + φ'(d) + load|; where surfaces touch a wall, only the tension it would carry.
-    iterations : int
-        Newton iterations.
-    outcome : Outcome
-        End of the solve.
-    """
+    """State at the end of a Newton solve."""
 
     gap: np.ndarray
     reaction: np.ndarray | float

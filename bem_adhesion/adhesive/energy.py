@@ -25,27 +25,7 @@ CHANGE_ROUNDING, SHARE_OF_RESIDUAL = 3e-7, 0.1
 class ContactEnergy:
     """The discretised contact on one grid, evaluated at one gap after another.
 
-    Parameters
-    ----------
-    grid : Grid
-        The periodic grid.
-    make_operator : MakeOperator
-        The elastic solid; its mean stiffness is that of the spring on the mean gap, zero under pressure control.
-    law : TractionLaw
-        The law of interaction.
-    window : Window, optional
-        Part of the grid with a surface; the whole grid by default.
-    memory : Memory, optional
-        Memory of its arrays.
-
-    Attributes
-    ----------
-    solid : Operator
-        The elastic solid; its field holds K d and the load's field at the last gap.
-    local : LocalEnergy
-        Energy of the law and of anchor springs.
-    curvature : numpy.ndarray of float32, shape grid.shape
-        φ'' at the last gap that was evaluated.
+    At the last gap the field of ``solid`` is K d with the load's field, and ``curvature`` is φ''.
     """
 
     def __init__(
@@ -82,7 +62,7 @@ class ContactEnergy:
         """Make the load whose field and K d of a gap add up to ``pressing``; a solve may continue from them."""
         self._rounded = 0.0
         self.solid.field[...] = gap
-        load = FieldLoad(pressing - self.solid.apply(self.solid.stiffness), pressure)
+        load = FieldLoad(pressing - self.solid.apply(self.solid.stiffness), pressure=pressure)
         self.solid.field[...] = pressing
         return load
 

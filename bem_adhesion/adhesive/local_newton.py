@@ -25,17 +25,7 @@ from contact_study.physics.laws.base import TractionLaw
 
 
 class LocalNewton:
-    """A corrector of :class:`NewtonSolver` that relaxes subdomains of its grid.
-
-    Parameters
-    ----------
-    grid : Grid
-        The grid of the whole contact.
-    make_operator, law, shift, memory, newton
-        As for :class:`NewtonSolver`.
-    options : SubdomainOptions, optional
-        Constants of the subdomains.
-    """
+    """A corrector of :class:`NewtonSolver` that relaxes subdomains of its grid."""
 
     def __init__(
         self,
@@ -113,21 +103,8 @@ def _raise_to_largest(field, rows, columns, largest):
 def find_subdomains(largest: np.ndarray, close: float, options: SubdomainOptions) -> list[tuple[int, int]] | None:
     """Find subdomains within whose rims all tiles out of balance lie; None if there are none or too many.
 
+    Each is given by its first tile. ``largest`` is the residual of each tile; below ``close`` it is in balance.
     The worst tile is in the subdomain that contains most others, or is in the middle of it.
-
-    Parameters
-    ----------
-    largest : numpy.ndarray
-        Largest residual of each tile.
-    close : float
-        Residual below which a tile is in balance.
-    options : SubdomainOptions
-        Constants.
-
-    Returns
-    -------
-    list of (int, int) or None
-        First tile of each subdomain.
     """
     inside = np.arange(1, options.tiles_of_subdomain - 1)
     from_middle = np.abs(inside - inside.mean())

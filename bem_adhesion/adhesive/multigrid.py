@@ -50,15 +50,6 @@ class MultigridSolver:
     """A :class:`NewtonSolver` whose load steps are predicted on coarser grids that resolve the law.
 
     The coarser grids use memory that the finest does not need meanwhile.
-
-    Parameters
-    ----------
-    grid, make_operator, law, shift, window, memory
-        As for :class:`NewtonSolver`.
-    subdomains : bool, optional
-        Whether the solid is known on parts of the grid.
-    options : AdhesiveOptions, optional
-        Constants of the solver.
     """
 
     def __init__(

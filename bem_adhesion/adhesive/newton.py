@@ -37,19 +37,7 @@ class Corrector(Protocol):
     def correct(
         self, gap: np.ndarray, pressing: np.ndarray, load: Load, right_side: np.ndarray, out: np.ndarray
     ) -> bool:
-        """Write a gap closer to balance into ``out``; return whether there is one.
-
-        Parameters
-        ----------
-        gap, pressing : numpy.ndarray
-            The state, and K d with the load's field.
-        load : Load
-            The load.
-        right_side : numpy.ndarray
-            Negative gradient.
-        out : numpy.ndarray
-            The new gap.
-        """
+        """Write a gap closer to balance into ``out``; return whether there is one."""
 
     def equivalent_pairs(self, grid: Grid) -> float:
         """Return the transform pairs so far, as float64 pairs on ``grid``."""
@@ -63,23 +51,9 @@ class _Step(NamedTuple):
 
 
 class NewtonSolver(ContactEnergy):
-    """A :class:`ContactEnergy` with its Newton descent.
+    """A :class:`ContactEnergy` with its Newton descent; ``shift`` is that of :class:`LinearisedContact`.
 
-    Parameters
-    ----------
-    grid, make_operator, law, window, memory
-        As for :class:`ContactEnergy`.
-    shift : float
-        Stiffness of the preconditioner, see :class:`LinearisedContact`.
-    options : NewtonOptions, optional
-        Constants of the descent; by default those of the law.
-
-    Attributes
-    ----------
-    corrector : Corrector or None
-        Correction between Newton steps.
-    idle : numpy.ndarray of uint8
-        Memory that another solver may use between two linear solves.
+    Its ``idle`` memory is free for another solver between two linear solves.
     """
 
     def __init__(
@@ -313,14 +287,7 @@ class NewtonSolver(ContactEnergy):
         """Return whether conjugate gradients find a direction of negative curvature of K + D⁺ + softening·D⁻.
 
         The direction is kept for :meth:`leave_saddle`. The right side is random (the same each time) and lies where the
-        law softens, as every unstable mode does.
-
-        Parameters
-        ----------
-        curvature : numpy.ndarray of float32, shape grid.shape
-            D = φ''.
-        softening : float, optional
-            Factor on the negative part of D.
+        law softens, as every unstable mode does. ``softening`` is a factor on the negative part of D = φ''.
         """
         random = np.random.default_rng(0).standard_normal(curvature.shape, dtype=np.float32)
         np.multiply(1 + random, np.maximum(-curvature, 0), out=self._right_side)

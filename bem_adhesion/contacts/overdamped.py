@@ -17,18 +17,10 @@ from contact_study.numerics.balance import excess
 
 @dataclass(frozen=True)
 class OverdampedOptions:
-    """Constants of a time step.
-
-    Parameters
-    ----------
-    newton_steps : int
-        Largest number of Newton steps.
-    accuracy, reduction : float
-        Allowed residual of a time step, over its allowed error times the springs' stiffness, and over the force at its
-        beginning; the smaller one applies.
-    """
+    """Constants of a time step."""
 
     newton_steps: int = 8
+    # Allowed residual over the allowed error times the springs' stiffness, and over the force at the beginning.
     accuracy: float = 0.05
     reduction: float = 0.1
 
@@ -51,16 +43,8 @@ class Moved:
 class OverdampedContact(AdhesiveContact):
     """A contact under pressure control in overdamped motion.
 
-    Its states in motion are gaps (m); drag is a stiffness (Pa/m), load the mean pressure (Pa).
-
-    Parameters
-    ----------
-    *arguments, **options
-        As for :class:`AdhesiveContact`.
-    allowed : float
-        Local error of a time step (m).
-    motion : OverdampedOptions, optional
-        Constants of a time step.
+    Its states in motion are gaps (m); drag is a stiffness (Pa/m), load the mean pressure (Pa), ``allowed`` the local
+    error of a time step (m). Other arguments as for :class:`AdhesiveContact`.
     """
 
     def __init__(self, *arguments: Any, allowed: float, motion: OverdampedOptions | None = None, **options: Any):

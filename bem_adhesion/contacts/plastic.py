@@ -25,13 +25,7 @@ MakeWall = Callable[..., HardWallContact | FreeBoundaryContact]
 class PlasticContact:
     """One rough surface against an elastic solid with a hardness, for loading and unloading.
 
-    Parameters
-    ----------
-    height : numpy.ndarray, shape (y, x)
-        Heights of the undeformed rigid surface, toward the solid (m).
-    make_wall : callable
-        Makes the hard wall of given heights, with the hardness as its bound; accepts the keyword ``unit`` of
-        :class:`HardWallContact`.
+    ``make_wall`` makes the hard wall of given heights (m), with the hardness as its bound and the given ``unit``.
     """
 
     def __init__(self, height: np.ndarray, make_wall: MakeWall):

@@ -28,17 +28,7 @@ class ContactLevel:
     """The contact problem on one grid and, below it, on every second point of that grid.
 
     Units: rms height for heights and gaps, longest period along the surface, E* rms height / period for pressures.
-
-    Parameters
-    ----------
-    heights : numpy.ndarray, shape grid.shape
-        Heights; minus infinity marks points without a surface.
-    grid : Grid
-        The grid.
-    make_operator : MakeOperator
-        The solid.
-    options : ActiveSetOptions, optional
-        Constants of the iteration.
+    Heights of minus infinity are points without a surface.
     """
 
     def __init__(

@@ -34,25 +34,7 @@ def find_pressure(
 ) -> Solution:
     """Find the state at the pressure at which an excess distance, which falls with the pressure, vanishes.
 
-    Parameters
-    ----------
-    press : callable
-        Solves from a state at a mean pressure (Pa).
-    state : numpy.ndarray
-        State to start from.
-    excess : callable
-        Excess distance of the surfaces of a solution (m).
-    tolerance : float
-        Excess that counts as zero (m).
-    first, most : float
-        First and largest pressure (Pa); the largest may be infinite.
-    stride : float, optional
-        Step in the logarithm of the pressure, until the root is between two pressures.
-
-    Returns
-    -------
-    Solution
-        The state; that at the largest pressure if the excess is positive even there.
+    Within ``tolerance`` (m) it is zero. Where it is positive even at the largest pressure (Pa) the state is that one.
     """
     start = state
     latest: tuple[float, Solution] | None = None
@@ -228,16 +210,7 @@ class HardWallContact(PressureControlledWall):
     def _correct_position(self, found: Solution, excess: float, unit: float, moving: float = 1.0) -> Solution:
         """Return the solution, or the state between two where surfaces approach at the same pressure.
 
-        Parameters
-        ----------
-        found : Solution
-            Solution at the pressure that was found.
-        excess : float
-            Excess distance of its surfaces (m).
-        unit : float
-            Unit of the tolerance (m).
-        moving : float, optional
-            Change of the excess per movement of the solid.
+        ``excess`` is their distance beyond the target (m), ``moving`` its change per movement of the solid.
         """
         # Two solves of one pressure differ by their tolerance each.
         if not found.converged or abs(excess) <= 3 * self.tolerance * unit:

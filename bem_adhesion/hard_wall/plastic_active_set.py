@@ -27,15 +27,7 @@ from contact_study.numerics.grid import Grid
 
 
 class BoundedLevel(ContactLevel):
-    """A :class:`ContactLevel` with an upper bound to the pressure; without a point at the bound it is the same.
-
-    Parameters
-    ----------
-    bound : float
-        The largest pressure, above all mean pressures to solve for.
-    heights, grid, make_operator, options
-        As for :class:`ContactLevel`.
-    """
+    """A :class:`ContactLevel` with an upper bound to the pressure; without a point at the bound it is the same."""
 
     def __init__(
         self,

@@ -61,18 +61,7 @@ def free_gradient(
 
 
 class LawKernels:
-    """Kernels of any law.
-
-    Parameters
-    ----------
-    law : TractionLaw
-        The law.
-
-    Attributes
-    ----------
-    margin : float
-        Length added to a gap where a relative change of it is limited (m).
-    """
+    """Kernels of any law."""
 
     margin = 0.0
 
@@ -113,15 +102,6 @@ class LawKernels:
         :meth:`TractionLaw.repulsive_gap`; another moves in its gap. A point that enters repulsion does so along the
         tangent at equilibrium, down to a pressure of LANDING times the law's peak. Otherwise one point deep in
         repulsion would shorten the step of all.
-
-        Parameters
-        ----------
-        gap, step : numpy.ndarray
-            Present gap and Newton step (m).
-        limit : float
-            Largest relative change of an attracted gap, below one.
-        out : numpy.ndarray
-            The new gap (m).
         """
         for here in blocks(gap):
             _advance(self.law, gap[here], step[here], limit, out[here])

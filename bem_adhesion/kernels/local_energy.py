@@ -40,23 +40,8 @@ def kernels_of(law: TractionLaw, largest: float = 1.0) -> LawKernels:
 class LocalEnergy:
     """Energy of all points of an interface, its derivatives, and Newton steps in it.
 
-    Outside the window no law acts and no step is limited.
-
-    Parameters
-    ----------
-    law : TractionLaw
-        The law of interaction.
-    largest : float, optional
-        Largest stiffness of the elastic solid (Pa/m).
-    window : Window, optional
-        Part of the grid with a surface; the whole grid by default.
-
-    Attributes
-    ----------
-    margin : float
-        Length added to a gap where a relative change of it is limited (m).
-    anchored : bool
-        Whether springs hold points to anchors.
+    Outside the window no law acts and no step is limited. A wall needs the largest stiffness of the solid (Pa/m).
+    ``margin`` is added to a gap where a relative change of it is limited (m).
     """
 
     def __init__(self, law: TractionLaw, largest: float = 1.0, window: Window | None = None):

@@ -56,15 +56,7 @@ def _advance(gap, step, limit, margin, out):
 
 
 class WallKernels(LawKernels):
-    """Kernels of any law outside a wall.
-
-    Parameters
-    ----------
-    law : TractionLaw
-        The law.
-    largest : float
-        Largest stiffness of the elastic solid (Pa/m).
-    """
+    """Kernels of any law outside a wall."""
 
     def __init__(self, law: TractionLaw, largest: float):
         super().__init__(law)

@@ -111,29 +111,10 @@ class LinearResult:
 
 
 class LinearisedContact:
-    """Workspace of the linear solver on one grid.
+    """Workspace of the linear solver on one grid, for an elastic solid in float32 and the shift c (Pa/m).
 
-    Parameters
-    ----------
-    operator : Operator
-        The elastic solid, in float32.
-    shift : float
-        Stiffness c above which a point belongs to the core; the preconditioner adds it to K in the tail (Pa/m).
-    preconditioner : Preconditioner, optional
-        (K + c)⁻¹ in the operator's buffer; by default by the operator's transforms.
-    memory : Memory, optional
-        Memory of its arrays.
-
-    Attributes
-    ----------
-    operator : Operator
-        The elastic solid.
-    solution : numpy.ndarray
-        The step x (m).
-    direction : numpy.ndarray
-        The last search direction (m): one of negative curvature if the solver stopped on it.
-    idle : numpy.ndarray of uint8
-        The memory of its arrays, free between two solves once ``solution`` and ``direction`` are used.
+    ``solution`` is the step x (m), ``direction`` the last search direction: one of negative curvature if the solver
+    stopped on it. Both are in the ``idle`` memory, which is free between two solves once they are used.
     """
 
     def __init__(

@@ -25,21 +25,8 @@ def mean_stiffness(
 ) -> float:
     """Return −dp/dū, mean pressure over mean displacement (Pa/m): negative where tension falls with the gap.
 
-    Parameters
-    ----------
-    linearised : LinearisedContact
-        The linear solver.
-    curvature : numpy.ndarray of float32
-        φ'' (Pa/m); a very large value where a wall holds points.
-    held : numpy.ndarray of bool
-        Points that a wall holds.
-    reduction, iterations : float and int, optional
-        Limits of the linear solve.
-
-    Returns
-    -------
-    float
-        Zero where no force acts, infinite where a wall holds all points, NaN at a fold or without convergence.
+    Zero where no force acts, infinite where a wall holds all points, NaN at a fold or without convergence.
+    ``curvature`` is φ'' (Pa/m), and very large where points are ``held``.
     """
     if held.all():
         return np.inf

@@ -50,15 +50,7 @@ class FourierPreconditioner:
 
 
 class TwoLevelPreconditioner(HalvedInverse[Preconditioner]):
-    """The inverse with long waves on a grid of half the resolution.
-
-    Parameters
-    ----------
-    field, coarser, largest, short_waves
-        As for :class:`HalvedInverse`.
-    operator : Operator
-        The solid on half the resolution, which owns the buffer of ``coarser``.
-    """
+    """The inverse with long waves on a grid of half the resolution."""
 
     def __init__(
         self, field: np.ndarray, coarser: Preconditioner, operator: Operator, largest: float, short_waves: float

@@ -126,30 +126,7 @@ def _multiply_and_sum(spectrum, factors, has_nyquist_column):
 
 
 class PeriodicOperator:
-    """A solid repeated with the period of the grid: its maps are factors in Fourier space, one transform pair each.
-
-    Parameters
-    ----------
-    grid : Grid
-        The periodic grid.
-    elasticity : Elasticity
-        The solid, by its K(q).
-    dtype : type, optional
-        ``numpy.float64`` or ``numpy.float32``.
-    mean_stiffness : float, optional
-        K at q = 0 (Pa/m): zero leaves the mean displacement to the load, a positive value adds a spring.
-    threads : int, optional
-        Threads of the transforms.
-    scratch, memory : optional
-        Shared memory of the spectrum, and memory of the field.
-    reporter : Reporter, optional
-        Receiver of marks.
-
-    Attributes
-    ----------
-    field : numpy.ndarray, shape grid.shape
-        Input and output of every map.
-    """
+    """A solid repeated with the period of the grid: its maps are factors in Fourier space, one transform pair each."""
 
     def __init__(
         self,

@@ -29,13 +29,7 @@ from contact_study.physics.solids.half_space import HalfSpace
 
 @dataclass(frozen=True)
 class Window:
-    """The part of a padded grid with a surface: its first rows and columns.
-
-    Parameters
-    ----------
-    shape : tuple of int
-        Points along y and x.
-    """
+    """The part of a padded grid with a surface: its first rows and columns."""
 
     shape: tuple[int, int]
 

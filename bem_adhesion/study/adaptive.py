@@ -26,47 +26,21 @@ from contact_study.results.path_results import UNACCOUNTED, lowest_between, unac
 
 @dataclass(frozen=True)
 class AdaptiveOptions:
-    """Constants of adaptive steps.
+    """Constants of adaptive steps."""
 
-    Parameters
-    ----------
-    first_step : float
-        First step, as a share of the way between two points: a step of the whole way could hide a jump in the error of
-        the trapezoidal rule.
-    unaccounted : float
-        Share of the exchanged work that a step without a jump may leave unaccounted for.
-    passed_over : float
-        Relative excess of the tension between two states over that at both.
-    """
-
+    # First step over the way between two points: the error of the trapezoidal rule could hide a jump in all of it.
     first_step: float = 0.25
-    unaccounted: float = UNACCOUNTED
-    passed_over: float = 0.01
+    unaccounted: float = UNACCOUNTED  # share of the exchanged work that a step without a jump may leave
+    passed_over: float = 0.01  # relative excess of the tension between two states over that at both
 
 
 @dataclass(frozen=True)
 class EnergyLedger:
-    """A state on a path, and the energy dissipated so far.
+    """A state on a path, and the energy dissipated in jumps so far with its uncertainty; energies per area (J/m²)."""
 
-    Parameters
-    ----------
-    position : float
-        Prescribed mean pressure (Pa), mean gap or approach (m).
-    pressure : float
-        Mean pressure (Pa).
-    separation : float
-        Separation of the mean planes, from any origin (m).
-    energy : float
-        Elastic and interaction energy, per area (J/m²).
-    attached : bool
-        Whether the law acts between the surfaces.
-    dissipated, uncertain : float
-        Energy dissipated in jumps so far, and its uncertainty, per area (J/m²).
-    """
-
-    position: float
+    position: float  # prescribed mean pressure (Pa), mean gap or approach (m)
     pressure: float
-    separation: float
+    separation: float  # of the mean planes, from any origin (m)
     energy: float
     attached: bool
     dissipated: float = 0.0

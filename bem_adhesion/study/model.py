@@ -75,16 +75,7 @@ def solve_path(
 ) -> Iterator[InterfaceState | Ensemble]:
     """Yield the state at each path point from number ``start`` on, by the kind of path in the case.
 
-    Parameters
-    ----------
-    case : Case
-        The case.
-    surface : Surface
-        Its surface.
-    restart : mapping, optional
-        ``InterfaceState.restart`` of point ``start`` − 1; None to start from separation.
-    start : int, optional
-        Number of the first point to solve.
+    ``restart`` is that of the state at point ``start`` − 1; None starts from separation.
     """
     if case.solver.path == "overdamped" and case.law.attracts:  # without attraction no state depends on the path
         return overdamped_motion(case, surface, restart, start)

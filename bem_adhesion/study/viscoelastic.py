@@ -39,30 +39,7 @@ class TimeState:
 def steps_in_time(
     contact: ViscoelasticContact, state: np.ndarray, before: TimeState, target: float, duration: float, steps: int
 ) -> Iterator[tuple[Solution, TimeState]]:
-    """Go from one point of a path to the next, the load changing at a constant rate.
-
-    Parameters
-    ----------
-    contact : ViscoelasticContact
-        The contact.
-    state : numpy.ndarray
-        State to start from, see :meth:`ViscoelasticContact.step`.
-    before : TimeState
-        Load and time there.
-    target : float
-        The next point: mean pressure (Pa) or mean gap (m).
-    duration : float
-        Time to the next point (s).
-    steps : int
-        Number of steps.
-
-    Yields
-    ------
-    Solution
-        State after each step, with the work of all so far; a step that does not converge is the last.
-    TimeState
-        Load and time there.
-    """
+    """Yield states from one point of a path to the next, with the work so far; the load changes at a constant rate."""
     now, pairs, iterations = before, 0.0, 0
     for number in range(1, steps + 1):
         share = number / steps

@@ -52,7 +52,7 @@ def test_gradient_is_that_of_the_energy_to_second_order():
 
     assert np.log2(error(2e-3) / error(1e-3)) == pytest.approx(2.0, abs=0.1)
     solver = NewtonSolver(grid, periodic(UNIT), the_law, 0.01)
-    state = solver._evaluate(gap, FieldLoad(load - 0.01, 0.01))  # a field and a number
+    state = solver._evaluate(gap, FieldLoad(load - 0.01, pressure=0.01))  # a field and a number
     assert state.energy == pytest.approx(energy_and_gradient(gap, load, stiffness_q, the_law)[0], rel=1e-13)
     assert state.largest == pytest.approx(np.abs(gradient).max(), rel=1e-12)
     assert state.square == pytest.approx(np.sum(gradient**2), rel=1e-12)

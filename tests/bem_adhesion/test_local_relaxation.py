@@ -68,7 +68,7 @@ def test_springs_that_hold_the_rim_leave_negative_curvature_to_the_descent():
     the_law = law().scaled(law().length, E_STAR)
     contact = NewtonSolver(Grid((32, 32), (16.0, 16.0)), periodic(UNIT), the_law, 0.05)
     start = np.full(contact.grid.shape, 1.3)  # beyond the peak: balanced, but for a push, and unstable
-    load = FieldLoad(-the_law.traction(start), 1e-4)
+    load = FieldLoad(-the_law.traction(start), pressure=1e-4)
     for stalls, outcome in [(True, Outcome.STALLED), (False, Outcome.CONVERGED)]:
         contact.set_anchor_springs(np.full(contact.grid.shape, 1e-3), start, stalls)
         assert contact.solve(start, load, 1e-8, 100).outcome is outcome
