@@ -1,9 +1,8 @@
-"""When a rough surface sticks: criteria of the field, each as the work of adhesion over the one that it asks for.
+"""Criteria of stickiness, each as the work of adhesion over the one at which a rough surface begins to stick.
 
-Above one a surface sticks by that criterion, below one it does not. They know the surface by its spectrum and the law
-by its work of adhesion Δγ, its largest tension σ_max and its range, Δr = Δγ/σ_max, and were made for opposite limits,
-which the local Tabor parameter tells apart: they need not agree, and where they do not, the gap flow and the edge flow,
-which know the whole law, are the ones to ask.
+A surface sticks by a criterion whose ratio is above one. The criteria use the spectrum of the surface, and of the law
+its work of adhesion Δγ, cohesive strength σ_max and range Δr = Δγ/σ_max. They were made for opposite limits of the
+local Tabor parameter and may disagree; the gap flow and the edge flow use the whole law.
 """
 
 from collections.abc import Callable
@@ -26,20 +25,20 @@ from theory.persson.interface import true_area_factor
 if TYPE_CHECKING:
     import xarray as xr
 
-# Area, modulus and slope of light contact without adhesion, A = κ F/(E* h'): its value in simulations.
+# κ of light contact without adhesion, A = κ F/(E* h'), in simulations.
 _KAPPA = 2.0
 
-# Deviations of the height up to which the bearing area is looked at: beyond lies 1e-23 of it.
+# Largest height of the bearing area in deviations: 1e-23 of the area lies beyond.
 _HIGHEST = 10.0
 
 
 def persson_tosatti_ratio(
     spectrum: RoughnessSpectrum, elasticity: Elasticity | float, work_of_adhesion: float, true_area: bool = True
 ) -> float:
-    """Δγ S over the elastic energy of full contact, π ∫ K C q dq: above one full contact gains energy.
+    """Ratio Δγ S over the elastic energy of full contact, π ∫ K C q dq: above one full contact gains energy.
 
     B. N. J. Persson, E. Tosatti, J. Chem. Phys. 115, 5597 (2001): Δγ A − U_el is the effective work of adhesion of a
-    block that fills all roughness. For attraction of no range, at large Tabor parameters; partial contact may stick
+    solid in full contact. It holds for attraction of no range, at large Tabor parameters; partial contact may stick
     below.
 
     Parameters
@@ -51,7 +50,7 @@ def persson_tosatti_ratio(
     work_of_adhesion : float
         Δγ (J/m²).
     true_area : bool, optional
-        Whether the true area S of the surface adheres, or its projection.
+        Count the true area S of the surface, not its projection.
     """
     factor = float(true_area_factor(np.array(spectrum.rms_slope))) if true_area else 1.0
     return work_of_adhesion * factor / float(spectrum.full_contact_energy(elasticity_of(elasticity).stiffness))
@@ -60,12 +59,12 @@ def persson_tosatti_ratio(
 def pastewka_robbins_ratio(
     spectrum: RoughnessSpectrum, elasticity: Elasticity | float, work_of_adhesion: float, attraction_range: float
 ) -> float:
-    """π (3/16)^(2/3) over (h'Δr E*/κΔγ) (h'd/4Δr)^(2/3): above one the edges of light contact pull more than it pushes.
+    """Ratio of the tension at the edges of light contact to its load, π (3/16)^(2/3) κΔγ/(h'Δr E*) (4Δr/h'd)^(2/3).
 
     After L. Pastewka, M. O. Robbins, PNAS 111, 3298 (2014). Experimental: not compared with their equation. It follows
     from the gap x^(3/2) outside a patch whose edge has the slope h', with κ = 2 and the diameter d = 4h'/h'' of a
-    contact patch, h'' the rms mean curvature. For weak attraction (small Tabor parameters) of a range that is short
-    against h'd, at contact of few per cent.
+    contact patch, h'' the rms mean curvature. It holds for weak attraction (small Tabor parameters) of a range that is
+    short against h'd, at contact of few per cent.
 
     Parameters
     ----------
@@ -86,13 +85,14 @@ def pastewka_robbins_ratio(
 def dmt_tension_ratio(
     spectrum: RoughnessSpectrum, elasticity: Elasticity | float, work_of_adhesion: float, attraction_range: float
 ) -> float:
-    """Tension of the area within the range over the pressure of light contact, both of Persson's theory.
+    """Ratio of the tension on the area within the range to the pressure of light contact, both of Persson's theory.
 
-    This project's own criterion. Adhesion does not deform the contact, as in the DMT limit: its tension is Δγ/Δr on all
-    that is out of contact and within Δr. P(u) is :func:`theory.non_adhesive.gap_distribution.attracted_at_light_load`,
-    and the load vanishes. For hard solids, at small Tabor parameters. Waves whose height is below the range hardly
-    change it. G. Violano, L. Afferrante, A. Papangelo, M. Ciavarella, J. Adhesion (2019),
-    doi:10.1080/00218464.2019.1685384, start from the same picture; their equation is another one.
+    This project's own criterion. Adhesion does not deform the contact, as in the DMT limit: its tension is Δγ/Δr on the
+    area out of contact and within Δr. That area is
+    :func:`theory.non_adhesive.gap_distribution.attracted_at_light_load`. It holds for hard solids, at small Tabor
+    parameters. Waves whose height is below the range hardly change it. G. Violano, L. Afferrante, A. Papangelo,
+    M. Ciavarella, J. Adhesion (2019), doi:10.1080/00218464.2019.1685384, start from the same
+    picture; their equation is another one.
 
     Parameters
     ----------
@@ -104,7 +104,7 @@ def dmt_tension_ratio(
 
 
 def attracted_area(mean_gap: np.ndarray | float, rms_height: float, attraction_range: float) -> np.ndarray:
-    """Share of a Gaussian surface whose gap to a plane is between zero and the range: bearing area less bearing area.
+    """Share of a Gaussian surface with a gap to a plane between zero and the range, a difference of bearing areas.
 
     Parameters
     ----------
@@ -124,12 +124,12 @@ def bearing_area_pressure(
     work_of_adhesion: float,
     attraction_range: float,
 ) -> np.ndarray:
-    """p(ū) of the bearing-area model (Pa): Persson's repulsion of light contact, less σ_max on the attracted area.
+    """p(ū) of the bearing-area model (Pa): Persson's repulsion of light contact minus σ_max on the attracted area.
 
-    The bearing-area model of M. Ciavarella, Meccanica (2017), doi:10.1007/s11012-017-0701-6, with a repulsion of this
-    project's own. Experimental: not compared with the paper's numbers. Attraction does not deform the surface, and the
-    repulsion is the light-load limit p₀ e^(−ū/u₀) of :func:`theory.non_adhesive.closed_forms.low_pressure_asymptote`,
-    of the very spectrum: for hard solids, at small Tabor parameters, and for gaps above some half of the rms height.
+    The bearing-area model of M. Ciavarella, Meccanica (2017), doi:10.1007/s11012-017-0701-6, with another repulsion:
+    the light-load limit p₀ e^(−ū/u₀) of :func:`theory.non_adhesive.closed_forms.low_pressure_asymptote`. Experimental:
+    not compared with the paper's numbers. Attraction does not deform the surface. It holds for hard solids, at small
+    Tabor parameters, and for gaps above half of the rms height.
 
     Parameters
     ----------
@@ -153,7 +153,7 @@ def bearing_area_pull_off(
 def _bearing_area_curve(
     spectrum: RoughnessSpectrum, elasticity: Elasticity | float, work_of_adhesion: float, attraction_range: float
 ) -> Callable[[np.ndarray], np.ndarray]:
-    """:func:`bearing_area_pressure` of mean gaps, with the asymptote found once for all of them."""
+    """:func:`bearing_area_pressure` as a function of mean gaps, which share the asymptote."""
     decay, prefactor = low_pressure_asymptote(spectrum, elasticity)
     height = float(np.sqrt(spectrum.mean_square_height))
 
@@ -173,14 +173,14 @@ def bearing_area_ratio(
     reach = positive("attraction_range", attraction_range, "m")
 
     def logarithm(gap: np.ndarray) -> np.ndarray:
-        """Of the work of adhesion that balances the repulsion at a gap."""
+        """Logarithm of the work of adhesion that balances the repulsion at a gap."""
         return np.log(prefactor * reach) - gap / decay - np.log(attracted_area(gap, height, reach))
 
     return float(work_of_adhesion / np.exp(_lowest(logarithm, height)))
 
 
 def _lowest(function: Callable[[np.ndarray], np.ndarray], height: float) -> float:
-    """The least value at mean gaps from zero to where no height reaches."""
+    """The least value at mean gaps from zero to beyond all heights."""
     gaps = height * np.linspace(0.0, _HIGHEST, 401)
     at = int(np.argmin(function(gaps)))
     # The grid's lowest lies between its neighbours.
@@ -224,16 +224,23 @@ def local_tabor_number(
 
 @dataclass(frozen=True)
 class StickinessCriteria:
-    """A surface under a law, by every criterion here.
+    """Hold every criterion for a surface under a law, as :func:`stickiness` returns them.
 
     Attributes
     ----------
     tabor_number : float
-        At the finest scale.
+        Tabor parameter at the finest scale.
     persson_tosatti, pastewka_robbins, dmt_tension, bearing_area : float
-        Δγ over what the criterion asks for.
+        Δγ over the one at which the criterion begins to hold.
     bearing_area_pull_off : float
         Lowest pressure of the bearing-area model (Pa).
+
+    Examples
+    --------
+    >>> from theory import LennardJones104, SelfAffineSpectrum, stickiness
+    >>> found = stickiness(SelfAffineSpectrum(0.8, 1e-9, 6e7, 1.8e8, 7.2e8), 93.7e9, LennardJones104(0.1, 3.28e-10))
+    >>> bool(found.bearing_area_pull_off <= 0 < found.tabor_number)
+    True
     """
 
     tabor_number: float
@@ -255,12 +262,12 @@ class StickinessCriteria:
         }
 
     def to_dataset(self) -> "xr.Dataset":
-        """The numbers in the schema of ``theory.nc``, as :func:`contact_study.plots.criteria_map` takes them."""
+        """Give the numbers in the schema of ``theory.nc``, as for :func:`contact_study.plots.criteria_map`."""
         return dataset_of((), self.quantities(), {}, {})
 
 
 def stickiness(spectrum: RoughnessSpectrum, elasticity: Elasticity | float, law: TractionLaw) -> StickinessCriteria:
-    """Every criterion for a spectrum under a law.
+    """Calculate every criterion for a spectrum under a law.
 
     Parameters
     ----------
@@ -269,7 +276,12 @@ def stickiness(spectrum: RoughnessSpectrum, elasticity: Elasticity | float, law:
     elasticity : Elasticity or float
         The solid; a number is the contact modulus E* of a half-space (Pa).
     law : TractionLaw
-        The law, which attracts.
+        An adhesive law.
+
+    Returns
+    -------
+    StickinessCriteria
+        The ratios, and the Tabor parameter.
 
     Raises
     ------

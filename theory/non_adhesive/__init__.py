@@ -1,1 +1,4 @@
-"""Persson's theory without adhesion: closed forms, corrections, distribution of the gap."""
+"""Persson's theory without adhesion: closed forms, corrections of its diffusion, distribution of the gap.
+
+Adhesion is in :mod:`theory.persson`.
+"""

@@ -54,9 +54,10 @@ def mean_gap(
 ) -> np.ndarray:
     """Mean separation with the weight W = A[β + (1−β)A²] of the elastic energy (m).
 
-    ū = (2/√π) ∫ dU w ∫_p^∞ (dp'/p') [β + 3(1−β) erf²(wp')] e^(−(wp')²), w = (2s)^(−½), with the energy dU = π K q C dq
-    of full contact and its stress variance s(q) = 2π ∫_{q_L}^q K² q' C dq'. On a half-space, K = E* q/2, that is the
-    paper's √π ∫ dq q²C (E*w) … with E*w = (π ∫ q'³C dq')^(−½).
+        ū = (2/√π) ∫ dU w ∫_p^∞ (dp'/p') [β + 3(1−β) erf²(wp')] e^(−(wp')²),     w = (2s)^(−½)
+
+    with the energy dU = π K q C dq of full contact. Its stress variance is s(q) = 2π ∫_{q_L}^q K² q' C dq'. A
+    half-space, K = E* q/2, gives the paper's √π ∫ dq q²C (E*w) … with E*w = (π ∫ q'³C dq')^(−½).
 
     Parameters
     ----------

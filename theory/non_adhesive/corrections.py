@@ -42,13 +42,10 @@ CORRECTIONS = ("persson", "yang_persson", "wang_mueser", "xu")
 
 _GAMMA = 0.42
 
-# Nodes of t: below the first the contact is whole to 1e-22, beyond the last A is below 1e-6 and all is a power.
-_NODES, _FIRST, _LAST = 3000, 1e-2, 1e12
-
 
 @dataclass(frozen=True)
 class NonAdhesiveTheory:
-    """Contact without adhesion of a surface of which the spectrum is known.
+    """Describe contact without adhesion of a surface with a known spectrum.
 
     Parameters
     ----------
@@ -102,7 +99,7 @@ class NonAdhesiveTheory:
         return stress / np.sqrt(2), energy
 
     def at_pressure(self, pressure: float) -> "NonAdhesiveContact":
-        """The contact at a mean pressure p > 0 (Pa).
+        """Find the contact at a mean pressure p > 0 (Pa).
 
         Raises
         ------
@@ -124,12 +121,12 @@ class NonAdhesiveTheory:
 
 @dataclass(frozen=True)
 class NonAdhesiveContact:
-    """The state of contact at one pressure.
+    """Hold the state of contact at one pressure, which :meth:`NonAdhesiveTheory.at_pressure` returns.
 
     Attributes
     ----------
     theory : NonAdhesiveTheory
-        What was solved.
+        The interface.
     pressure : float
         p (Pa).
     elastic_energy : float
@@ -137,7 +134,14 @@ class NonAdhesiveContact:
     mean_gap : float
         ū (m).
     stiffness : float
-        −dp/dū = p/(dU/dp) (Pa/m); infinite where contact is whole.
+        −dp/dū = p/(dU/dp) (Pa/m); infinite in full contact.
+
+    Examples
+    --------
+    >>> from theory import NonAdhesiveTheory, SelfAffineSpectrum
+    >>> contact = NonAdhesiveTheory(SelfAffineSpectrum(0.8, 1e-9, 6e7, 1.8e8, 7.2e8), 93.7e9).at_pressure(1e9)
+    >>> bool(contact.mean_gap > 0 and contact.stiffness > 0)
+    True
     """
 
     theory: NonAdhesiveTheory
@@ -166,7 +170,7 @@ class NonAdhesiveContact:
         return closed_forms.stress_density(stress, self.pressure, float(self.stress_variance_at()))
 
     def to_dataset(self, pressure_edges: np.ndarray | None = None) -> "xr.Dataset":
-        """The state in the schema of ``theory.nc``; bins of P(σ) as in :meth:`theory.PerssonContact.to_dataset`."""
+        """Give the state in the schema of ``theory.nc``; bins as in :meth:`theory.PerssonContact.to_dataset`."""
         deviation = float(np.sqrt(self.stress_variance_at()))
 
         def density(edges: np.ndarray) -> np.ndarray:
@@ -193,10 +197,13 @@ class NonAdhesiveContact:
 
 
 class _Curves:
-    """The functions of one correction that all contacts share."""
+    """The functions of one correction that all contacts share.
 
-    def __init__(self, correction: str, gamma: float):
-        t = np.geomspace(_FIRST, _LAST, _NODES)
+    Below the first node of t contact is full to 1e-22; beyond the last A is below 1e-6 and a power of t.
+    """
+
+    def __init__(self, correction: str, gamma: float, first: float = 1e-2, last: float = 1e12, count: int = 3000):
+        t = np.geomspace(first, last, count)
         share = _share_of_variance(correction, gamma)
         area = erf(1 / np.sqrt(2 * t))
         if correction == "xu":

@@ -1,15 +1,15 @@
 """P(u) of contact without adhesion by Persson's theory, and the DMT-like limit of adhesion that it makes possible.
 
-A. Almqvist, C. Campañá, N. Prodanov, B. N. J. Persson, J. Mech. Phys. Solids 59, 2355 (2011), arXiv:1102.5412. What is
-in contact at the magnification ζ and no longer at ζ + dζ has the mean gap u₁(ζ) = d(Aū)/dA there, with ū(ζ) the mean
-separation of the surfaces that touch at ζ, under their own pressure p/A(ζ) and with the roughness beyond ζ alone. Of
-this gap the roughness beyond ζ, of rms height h(ζ), makes a Gaussian, folded at u = 0:
+A. Almqvist, C. Campañá, N. Prodanov, B. N. J. Persson, J. Mech. Phys. Solids 59, 2355 (2011), arXiv:1102.5412. The area
+that is in contact at the magnification ζ and out of it at ζ + dζ has the mean gap u₁(ζ) = d(Aū)/dA there. Here ū(ζ) is
+the mean separation of the surfaces in contact at ζ, under the pressure p/A(ζ) and with the roughness beyond ζ alone.
+That roughness, of rms height h(ζ), spreads the gap as a Gaussian, folded at u = 0:
 
     P(u) = ∫ dζ (−A'(ζ)) [g(u − u₁; h) + g(u + u₁; h)],     u > 0.
 
 ``regularised`` narrows the Gaussian where it would reach far below zero, h⁻² → h⁻² + u₁⁻². Experimental: the equations
 were not compared with those in print, but with the gaps of the continuum (docs/theories.md). The mean gap is that of
-the u₁, which is ū exactly; a folded Gaussian's own mean is larger.
+the u₁, which is ū exactly; a folded Gaussian has a larger mean.
 """
 
 from collections.abc import Callable
@@ -29,38 +29,59 @@ from theory.non_adhesive.closed_forms import relative_contact_area, separation, 
 if TYPE_CHECKING:
     import xarray as xr
 
-# Bands of the spectrum, and parts that come off one after the other, as many of equal area and of equal ratios: where
-# next to nothing comes off, as at the longest waves under heavy load, u₁ of a point of ζ has no bound.
-_BANDS, _PARTS = 100, 50
 
-# Share of the stress variance, or of the spectrum's width, with which the finest division begins. Under light load what
-# comes off at less, e⁵ and more areas of contact, lies too far away to count for any but the longest ranges.
-_FIRST = 1e-12
+@dataclass(frozen=True)
+class GapDistributionOptions:
+    """Constants of the sums over the spectrum.
 
-# What lies deeper than this under contact has a gap of zero, but a number as its deviation (m).
+    Attributes
+    ----------
+    bands, parts : int
+        Bands of the spectrum, and parts of the area that leave contact one after the other: as many of equal area and
+        of equal ratios. Where little area leaves contact u₁ of a single ζ has no bound.
+    first : float
+        Smallest share of the stress variance, or of the spectrum's width, that is resolved. Under light load what
+        leaves contact earlier lies too far away to matter.
+    reach : float
+        Deviations of a part's Gaussian that hold all but a billionth of it.
+    bins : int
+        Bins of the gap in the sum over a law's traction.
+    """
+
+    bands: int = 100
+    parts: int = 50
+    first: float = 1e-12
+    reach: float = 6.0
+    bins: int = 4000
+
+
+_OPTIONS = GapDistributionOptions()
+
+# Deviation of a part that lies deep under contact and has a gap of zero (m).
 _LEAST = 1e-100
-
-# Deviations of a part's Gaussian within which all but a billionth of it lies.
-_REACH = 6.0
-
-# Bins of the gap in which a law's traction is summed, graded from a ten-thousandth of the law's length.
-_BINS = 4000
 
 
 @dataclass(frozen=True)
 class GapDistribution:
-    """P(u) under one pressure, a sum of folded Gaussians.
+    """Hold P(u) under one pressure, a sum of folded Gaussians.
 
     Attributes
     ----------
     pressure : float
         p (Pa).
     relative_contact_area : float
-        A(q₁)/A₀: what has a gap of zero.
+        A(q₁)/A₀, the share with a gap of zero.
     shares : numpy.ndarray, shape (n,)
         Area of each part out of contact over the nominal one.
     centres, widths : numpy.ndarray, shape (n,)
         u₁ and the deviation of its Gaussian (m).
+
+    Examples
+    --------
+    >>> from theory import SelfAffineSpectrum, gap_distribution
+    >>> found = gap_distribution(SelfAffineSpectrum(0.8, 1e-9, 6e7, 1.8e8, 7.2e8), 93.7e9, 1e9)
+    >>> bool(0 < found.mean_gap < 2e-9)
+    True
     """
 
     pressure: float
@@ -85,9 +106,7 @@ class GapDistribution:
         return np.diff(self.fraction_below(edges)) / np.diff(edges)
 
     def to_dataset(self, gap_edges: np.ndarray | None = None) -> "xr.Dataset":
-        """The state in the schema of ``theory.nc``.
-
-        As in a simulation, P(u) has the contact in the bin that begins at zero.
+        """Give the state in the schema of ``theory.nc``, with the contact in the bin of P(u) that begins at zero.
 
         Parameters
         ----------
@@ -113,7 +132,7 @@ class GapDistribution:
                 "gap_pdf": with_contact,
             },
             {"gap_pdf": gap_edges},
-            {"gap_pdf": (0.0, float(np.max(self.centres + _REACH * self.widths)))},
+            {"gap_pdf": (0.0, float(np.max(self.centres + _OPTIONS.reach * self.widths)))},
         )
 
 
@@ -124,7 +143,7 @@ def gap_distribution(
     regularised: bool = True,
     beta: float = 0.4,
 ) -> GapDistribution:
-    """P(u) without adhesion.
+    """Find P(u) without adhesion.
 
     Parameters
     ----------
@@ -135,14 +154,19 @@ def gap_distribution(
     pressure : float
         p > 0 (Pa).
     regularised : bool, optional
-        Whether the Gaussians are narrowed, see the head of this file.
+        Narrow the Gaussians near zero, h⁻² → h⁻² + u₁⁻².
     beta : float, optional
         β of the energy's weight in ū.
+
+    Returns
+    -------
+    GapDistribution
+        Shares of the area with the Gaussians of their gaps.
 
     Raises
     ------
     ValueError
-        If the pressure is none, or leaves no gap.
+        If the pressure is not positive, or leaves no gap.
 
     Examples
     --------
@@ -160,10 +184,10 @@ def gap_distribution(
 
     q, stress = _stress(spectrum, solid)
     left = contact(stress)
-    whole = int(np.flatnonzero(left == left[0])[-1])  # area is lost from the last wavevector on that leaves it whole
+    whole = int(np.flatnonzero(left == left[0])[-1])  # the last wavevector that leaves the area whole
     if whole == q.size - 1:
         raise ValueError(f"pressure = {pressure:g} Pa: presses the roughness flat, and leaves no gap to distribute")
-    steps = np.linspace(0.0, 1.0, _PARTS + 1)[1:-1]
+    steps = np.linspace(0.0, 1.0, _OPTIONS.parts + 1)[1:-1]
     # Under light load all of the area that matters is in the last of the equal parts: as many in equal ratios.
     wanted = np.concatenate([left[0] + steps * (left[-1] - left[0]), left[0] * (left[-1] / left[0]) ** steps])
     ends = np.interp(-np.unique(wanted)[::-1], -left[whole:], q[whole:])
@@ -179,10 +203,10 @@ def attracted_at_light_load(
     regularised: bool = True,
     beta: float = 0.4,
 ) -> float:
-    """Area out of contact whose gap is within a range, over the pressure, as that vanishes (1/Pa).
+    """Area out of contact with a gap within a range, over the pressure, as the pressure vanishes (1/Pa).
 
     At a magnification that carries the stress variance s the area in contact is √(2/πs) for every unit of pressure,
-    under √(πs/2): both no longer know the pressure. The sum is that of :func:`gap_distribution`, for an endless
+    under √(πs/2): neither depends on the pressure. The sum is that of :func:`gap_distribution`, for an infinite
     surface.
 
     Parameters
@@ -195,8 +219,10 @@ def attracted_at_light_load(
     reach = positive("attraction_range", attraction_range, "m")
     solid = elasticity_of(elasticity)
     q, stress = _stress(spectrum, solid)
-    rough = stress > _FIRST * stress[-1]
-    shares = np.concatenate([np.geomspace(_FIRST, 0.5, _PARTS + 1), 1 - np.geomspace(0.5, 1e-3, _PARTS)[1:]])
+    rough = stress > _OPTIONS.first * stress[-1]
+    shares = np.concatenate(
+        [np.geomspace(_OPTIONS.first, 0.5, _OPTIONS.parts + 1), 1 - np.geomspace(0.5, 1e-3, _OPTIONS.parts)[1:]]
+    )
     ends = np.exp(np.interp(np.log(shares * stress[-1]), np.log(stress[rough]), np.log(q[rough])))
     areas, centres, widths = _parts(
         spectrum,
@@ -211,7 +237,7 @@ def attracted_at_light_load(
 
 
 def dmt_limit(distribution: GapDistribution, law: TractionLaw) -> float:
-    """Mean pressure of the same contact with an adhesion that does not deform it, p − ∫ σ(d_eq + u) P(u) du (Pa).
+    """Subtract from the pressure an adhesion that does not deform the contact, p − ∫ σ(d_eq + u) P(u) du.
 
     The DMT-like limit for hard solids and weak or long-ranged attraction, at local Tabor parameters well below one (see
     :mod:`theory.criteria`), which B. N. J. Persson, M. Scaraggi, J. Chem. Phys. 141, 124701 (2014) treat. Experimental,
@@ -222,10 +248,22 @@ def dmt_limit(distribution: GapDistribution, law: TractionLaw) -> float:
     distribution : GapDistribution
         Without adhesion, at the pressure p that the contact itself carries.
     law : TractionLaw
-        The law.
+        The adhesive law.
+
+    Returns
+    -------
+    float
+        Mean pressure on the same contact with adhesion (Pa).
+
+    Examples
+    --------
+    >>> from theory import LennardJones104, SelfAffineSpectrum, dmt_limit, gap_distribution
+    >>> bare = gap_distribution(SelfAffineSpectrum(0.8, 1e-9, 6e7, 1.8e8, 7.2e8), 93.7e9, 1e9)
+    >>> dmt_limit(bare, LennardJones104(0.1, 3.28e-10)) < 1e9
+    True
     """
     reach = float(np.max(np.abs(distribution.centres) + 9 * distribution.widths)) / law.length
-    edges = law.length * np.concatenate([[0.0], np.geomspace(1e-4, max(reach, 1.0), _BINS)])
+    edges = law.length * np.concatenate([[0.0], np.geomspace(1e-4, max(reach, 1.0), _OPTIONS.bins)])
     mass = np.diff(distribution.fraction_below(edges))
     middle = 0.5 * (edges[1:] + edges[:-1])
     return distribution.pressure - float(mass @ law.traction(law.equilibrium_distance + middle))
@@ -233,9 +271,9 @@ def dmt_limit(distribution: GapDistribution, law: TractionLaw) -> float:
 
 def _stress(spectrum: RoughnessSpectrum, solid: Elasticity) -> tuple[np.ndarray, np.ndarray]:
     """Wavevectors that divide the spectrum finely, above all at its beginning (1/m), and the stress variance there."""
-    edges = spectrum.band_edges(_BANDS)
-    first = edges[0] + (edges[-1] - edges[0]) * np.geomspace(_FIRST, 1e-2, 20 * _BANDS)
-    q = np.unique(np.concatenate([edges, first, np.geomspace(edges[0], edges[-1], 100 * _BANDS)]))
+    edges = spectrum.band_edges(_OPTIONS.bands)
+    first = edges[0] + (edges[-1] - edges[0]) * np.geomspace(_OPTIONS.first, 1e-2, 20 * _OPTIONS.bands)
+    q = np.unique(np.concatenate([edges, first, np.geomspace(edges[0], edges[-1], 100 * _OPTIONS.bands)]))
     return q, spectrum.full_contact_stress_variance(solid.stiffness, q)
 
 
@@ -248,12 +286,12 @@ def _parts(
     regularised: bool,
     beta: float,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Area, u₁ and deviation of what comes off between wavevectors (1/m).
+    """Area, u₁ and deviation of the parts that leave contact between wavevectors (1/m).
 
-    ``contact`` is the area in contact at stress variances, ``local`` the pressure on such an area.
+    ``contact`` gives the area in contact at stress variances, ``local`` the pressure on such an area.
     """
     ends = np.unique(ends)
-    q = np.unique(np.concatenate([spectrum.band_edges(_BANDS), ends]))
+    q = np.unique(np.concatenate([spectrum.band_edges(_OPTIONS.bands), ends]))
     variance = spectrum.full_contact_stress_variance(solid.stiffness, q)
     energy = spectrum.full_contact_energy(solid.stiffness, q)
     first = np.searchsorted(q, ends)

@@ -2,8 +2,8 @@
 
 Yang, Persson, Israelachvili and Rosenberg, EPL 84, 46004 (2008), eq. (6): the work of the pressure is the energy that
 the interface stores. The integral runs along the adhered branch, from full contact at high pressure downward, and
-never through p = 0: without sticking ū diverges there as −ln p; with it dU/dp does not vanish and the integral
-diverges too, so ū stands for p > 0 only and the derivative at zero is given for itself.
+never through p = 0. Without sticking ū diverges there as −ln p. With it dU/dp does not vanish at zero and the integral
+diverges, too: ū exists for p > 0 only, and :func:`energy_defect` gives that derivative.
 """
 
 import warnings
@@ -26,12 +26,12 @@ class NegativeSeparation(UserWarning):
 
 
 class NotConverged(UserWarning):
-    """States of a sweep, on which a mean gap or a limit of adhesion rests, did not converge."""
+    """States of a sweep, which determine a mean gap or a limit of adhesion, did not converge."""
 
 
 @dataclass(frozen=True)
 class SeparationCurve:
-    """Mean separation over pressure on the adhered branch.
+    """Hold the mean separation over pressure on the adhered branch.
 
     Attributes
     ----------
@@ -39,6 +39,14 @@ class SeparationCurve:
         Increasing pressures > 0 of the sweep (Pa).
     contacts : tuple of PerssonContact
         The state at each.
+
+    Examples
+    --------
+    >>> from theory import PerssonTheory, SelfAffineSpectrum, separation_curve
+    >>> theory = PerssonTheory(SelfAffineSpectrum(0.8, 1e-9, 6e7, 1.8e8, 7.2e8), 93.7e9, 0.1)
+    >>> gaps = separation_curve(theory, lowest=1e8).mean_gap([1e8, 1e9])
+    >>> bool(gaps[0] > gaps[1] > 0)
+    True
     """
 
     pressure: np.ndarray
@@ -55,7 +63,7 @@ class SeparationCurve:
         return self.pressure[[not contact.converged for contact in self.contacts]]
 
     def converged_above(self, pressure: float) -> bool:
-        """Whether all states converged that the mean gap at a pressure is integrated from."""
+        """True if all states converged that contribute to the mean gap at a pressure."""
         first = max(int(np.searchsorted(self.pressure, pressure, side="right")) - 1, 0)
         return all(contact.converged for contact in self.contacts[first:])
 
@@ -79,21 +87,17 @@ class SeparationCurve:
             )
         return gap
 
-    @cached_property
-    def _integral(self) -> GapIntegral:
-        return gap_integral(self.contacts)
-
     def detachment_stress_at(self, pressure: float) -> np.ndarray:
-        """σ_a at a pressure of the sweep, between its states by a spline of γ_eff: an estimate to start from (Pa).
-
-        Beyond the sweep it is that of the nearest end.
-        """
+        """Estimate of σ_a at a pressure of the sweep, by a spline of γ_eff; beyond the sweep that of its end (Pa)."""
         x = np.log(np.clip(pressure, *self.pressure[[0, -1]]))
         return self.contacts[0].theory.detachment_stress(self._effective_work(x))
 
     @cached_property
+    def _integral(self) -> GapIntegral:
+        return gap_integral(self.contacts)
+
+    @cached_property
     def _effective_work(self) -> CubicSpline:
-        """γ_eff at all magnifications over x = ln p."""
         works = [contact.effective_work_of_adhesion for contact in self.contacts]
         return CubicSpline(np.log(self.pressure), works)
 
@@ -105,18 +109,23 @@ def separation_curve(
     tolerance: float = TOLERANCE,
     max_iterations: int = MAX_ITERATIONS,
 ) -> SeparationCurve:
-    """Sweep the pressure from full contact down to ``lowest`` > 0, each state started from the one before.
+    """Sweep the pressure from full contact down to ``lowest`` > 0, each state started from those before.
 
     Parameters
     ----------
     theory : PerssonTheory
-        Interface and choices.
+        The interface.
     lowest : float
         Smallest pressure of interest (Pa).
     per_decade : int, optional
         Pressures per decade.
     tolerance, max_iterations : optional
-        Of each state, see :meth:`PerssonTheory.at_pressure`.
+        Limits of the iteration of each state, see :meth:`PerssonTheory.at_pressure`.
+
+    Returns
+    -------
+    SeparationCurve
+        The states and the mean gap over pressure; see there for an example.
 
     Raises
     ------
@@ -127,11 +136,17 @@ def separation_curve(
     -----
     NotConverged
         If states of the sweep did not converge.
+
+    Examples
+    --------
+    >>> from theory import PerssonTheory, SelfAffineSpectrum, separation_curve
+    >>> theory = PerssonTheory(SelfAffineSpectrum(0.8, 1e-9, 6e7, 1.8e8, 7.2e8), 93.7e9, 0.1)
+    >>> separation_curve(theory, lowest=1e9).unconverged.size
+    0
     """
     contacts = theory.sweep(lowest, per_decade, tolerance, max_iterations)
-    curve = SeparationCurve(np.array([contact.pressure for contact in contacts]), contacts)
     _warn_of_unconverged("mean gap", contacts)
-    return curve
+    return SeparationCurve(np.array([contact.pressure for contact in contacts]), contacts)
 
 
 def _warn_of_unconverged(quantity: str, contacts: Sequence[PerssonContact]) -> None:
@@ -146,19 +161,31 @@ def _warn_of_unconverged(quantity: str, contacts: Sequence[PerssonContact]) -> N
 
 
 def energy_defect(theory: PerssonTheory, tolerance: float = TOLERANCE, max_iterations: int = MAX_ITERATIONS) -> float:
-    """dU/dp at p = 0 on the adhered branch (m): zero without sticking, else what makes ū diverge there.
+    """Differentiate the energy at p = 0 on the adhered branch.
 
     Parameters
     ----------
     theory : PerssonTheory
-        Interface and choices.
+        The interface.
     tolerance, max_iterations : optional
-        Of each state, see :meth:`PerssonTheory.at_pressure`.
+        Limits of the iteration of each state, see :meth:`PerssonTheory.at_pressure`.
+
+    Returns
+    -------
+    float
+        dU/dp (m): zero without sticking; otherwise it makes ū diverge as p falls.
 
     Warns
     -----
     NotConverged
-        If a state that it is taken from did not converge.
+        If one of the three states did not converge.
+
+    Examples
+    --------
+    >>> from theory import PerssonTheory, SelfAffineSpectrum, energy_defect
+    >>> spectrum = SelfAffineSpectrum(0.8, 1e-9, 6e7, 1.8e8, 7.2e8)
+    >>> [energy_defect(PerssonTheory(spectrum, 93.7e9, work)) > 0 for work in (0.1, 5.5)]
+    [False, True]
     """
     at_rest = theory.at_pressure(0.0, "adhered", tolerance, max_iterations)
     if at_rest.detached:
@@ -180,24 +207,36 @@ def pull_off_pressure(
     tolerance: float = TOLERANCE,
     max_iterations: int = MAX_ITERATIONS,
 ) -> float:
-    """Pressure <= 0 at which the adhered branch ends (Pa); zero where nothing sticks.
+    """Find the pressure at which the adhered branch ends.
 
-    Steps double until one fails and halve from there: smooth surfaces, whose pull-off is many times the stress of their
+    Steps double until one fails, then halve. Smooth surfaces, whose pull-off is many times the stress of their
     roughness, take some thirty states.
 
     Parameters
     ----------
     theory : PerssonTheory
-        Interface and choices.
+        The interface.
     accuracy : float, optional
         Accuracy over the stress scale, or over the pull-off pressure where that is larger.
     tolerance, max_iterations : optional
-        Of each state, see :meth:`PerssonTheory.at_pressure`. A state that does not converge counts as lost.
+        Limits of the iteration of each state. A state that does not converge counts as detached.
+
+    Returns
+    -------
+    float
+        Pressure <= 0 (Pa); zero where nothing sticks.
 
     Warns
     -----
     NotConverged
         If a state of the search did not converge.
+
+    Examples
+    --------
+    >>> from theory import PerssonTheory, SelfAffineSpectrum, pull_off_pressure
+    >>> spectrum = SelfAffineSpectrum(0.8, 1e-9, 6e7, 1.8e8, 7.2e8)
+    >>> [pull_off_pressure(PerssonTheory(spectrum, 93.7e9, work)) < 0 for work in (0.1, 5.5)]
+    [False, True]
     """
     contact = theory.at_pressure(0.0, "adhered", tolerance, max_iterations)
     tried = [contact]

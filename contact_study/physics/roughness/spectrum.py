@@ -323,7 +323,10 @@ def radial_spectrum(heights: np.ndarray, grid: Grid) -> RadialSpectrum:
 
 
 def spectrum_of(height: np.ndarray, size: float | Sequence[float]) -> RadialSpectrum:
-    """Calculate the spectrum of a height array.
+    """Calculate the isotropic power spectral density of a height array.
+
+    The convention is Persson's two-dimensional one, C(q) = (2π)⁻² ∫ <h(x)h(0)> e^(−iq·x) d²x in m⁴, so that
+    <h²> = 2π ∫ q C dq. Without the factor (2π)⁻², as in other conventions, C is 4π² = 39.5 times as large.
 
     Parameters
     ----------
@@ -335,6 +338,7 @@ def spectrum_of(height: np.ndarray, size: float | Sequence[float]) -> RadialSpec
     Returns
     -------
     RadialSpectrum
+        Wavevectors of equal magnitude in shells, and the height variance 2π ∫ q C dq of each (m²).
 
     Raises
     ------
@@ -346,8 +350,9 @@ def spectrum_of(height: np.ndarray, size: float | Sequence[float]) -> RadialSpec
     >>> import numpy as np
     >>> from theory import spectrum_of
     >>> wave = np.cos(2 * np.pi * np.arange(8) / 8)
-    >>> spectrum_of(np.tile(1e-9 * wave, (8, 1)), 1e-6).wavevectors.size
-    1
+    >>> found = spectrum_of(np.tile(1e-9 * wave, (8, 1)), 1e-6)
+    >>> found.wavevectors.size, round(1e18 * found.mean_square_height, 9)
+    (1, 0.5)
     """
     heights = field("height", height)
     if np.ptp(heights) == 0:
