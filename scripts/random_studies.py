@@ -25,13 +25,12 @@ import numpy as np
 
 from contact_study.errors import InputError
 from contact_study.physics.solids import Viscoelastic
-from contact_study.study.case import realise
+from contact_study.study.case import Case, realise
 from contact_study.study.study import make_study
 from scripts.harness import Option, program, show
-from scripts.state_checks import own_steps, plain_steps, relaxing, yielding
-from scripts.state_checks.drawing import SUBJECTS, drawn
-from scripts.state_checks.equilibrium import Surfaces
-from scripts.state_checks.verdict import Tally, Verdict
+from scripts.state_checks import equilibrium, own_steps, relaxing, yielding
+from scripts.state_checks.drawing import SUBJECTS, Drawn, drawn
+from scripts.state_checks.state import Study, Surfaces, Tally, Verdict
 
 
 def run(given: argparse.Namespace) -> int:
@@ -69,29 +68,33 @@ def _numbers(first: int, subject: str | None) -> Iterator[int]:
 
 def checked(number: int, extreme: bool = False) -> Verdict:
     """Solve and check one study."""
-    study = drawn(number, extreme)
-    verdict = Verdict(number, study.table["interaction"]["law"], study.subjects)
+    drawing = drawn(number, extreme)
+    verdict = Verdict(number, drawing.table["interaction"]["law"], drawing.subjects)
     try:
-        case = make_study(study.table).cases[0]
+        case = make_study(drawing.table).cases[0]
     except InputError as error:
         # Constants that fit no solid or path: an answer, in one line.
         verdict.flagged.append(str(error))
         return verdict
+    study = study_of(number, case, drawing, verdict)
+    if isinstance(case.solid, Viscoelastic):
+        relaxing.follow(study)
+    elif case.material.hardness is not None:
+        yielding.follow(study)
+    elif case.loading.adaptive:
+        own_steps.follow(study)
+    else:
+        equilibrium.follow(study)
+    return verdict
+
+
+def study_of(number: int, case: Case, drawing: Drawn, verdict: Verdict) -> Study:
+    """A case as the checks take it; a tabulated stiffness is checked against the solid that was tabulated."""
     surface = realise(case)
-    # A tabulated stiffness is checked against the solid that was tabulated.
-    solid = case.solid if study.closed_form is None else make_study(study.closed_form).cases[0].solid
+    solid = case.solid if drawing.closed_form is None else make_study(drawing.closed_form).cases[0].solid
     free = case.elasticity.boundary == "free"
     surfaces = Surfaces(case.law, solid, surface.sampled, surface.grid, case.loading.control, free)
-    rng = np.random.default_rng([21, number])
-    if isinstance(case.solid, Viscoelastic):
-        relaxing.follow(case, surface, surfaces, rng, verdict)
-    elif case.material.hardness is not None:
-        yielding.follow(case, surfaces, rng, verdict)
-    elif case.loading.adaptive:
-        own_steps.follow(case, surface, surfaces, rng, verdict)
-    else:
-        plain_steps.follow(case, surfaces, rng, verdict)
-    return verdict
+    return Study(case, surface, surfaces, np.random.default_rng([21, number]), verdict)
 
 
 main = program(

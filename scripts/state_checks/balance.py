@@ -4,6 +4,8 @@ Of the periodic solids from K(q) by NumPy's transforms, with free boundaries fro
 by direct convolution; no operator, kernel or pass of the solvers.
 """
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 from scipy.fft import dctn, idctn
 from scipy.signal import fftconvolve
@@ -11,7 +13,9 @@ from scipy.signal import fftconvolve
 from contact_study.numerics.grid import Grid
 from contact_study.physics.laws import TractionLaw
 from contact_study.physics.solids import Elasticity, HalfSpace
-from scripts.state_checks.point import Point
+
+if TYPE_CHECKING:
+    from scripts.state_checks.state import Point
 
 
 class PeriodicSurface:
@@ -32,11 +36,11 @@ class PeriodicSurface:
         """The pressure that a displacement takes, but for its mean (Pa)."""
         return np.fft.ifft2(self._stiffness * np.fft.fft2(displacement)).real
 
-    def imbalance(self, displacement: np.ndarray, found: Point) -> np.ndarray:
+    def imbalance(self, displacement: np.ndarray, found: "Point") -> np.ndarray:
         """Pressure of the interface that nothing elastic holds (Pa)."""
         return self.elastic(displacement) + found.pressure.mean() - found.pressure
 
-    def energy(self, law: TractionLaw, heights: np.ndarray, found: Point, gap: np.ndarray, control: str) -> float:
+    def energy(self, law: TractionLaw, heights: np.ndarray, found: "Point", gap: np.ndarray, control: str) -> float:
         """Elastic energy, interaction and load at a gap, per area (J/m²)."""
         displacement = heights + gap
         load = 0.0
@@ -46,7 +50,7 @@ class PeriodicSurface:
             load = 0.5 * self._uniform * (displacement.mean() - self.plane(heights, found)) ** 2
         return float(self._energy_of(displacement) + np.mean(law.potential(gap)) + load)
 
-    def plane(self, heights: np.ndarray, found: Point) -> float:
+    def plane(self, heights: np.ndarray, found: "Point") -> float:
         """Where the surface would be undeformed (m)."""
         return float(np.mean(heights + found.gap) - found.pressure.mean() / self._uniform)
 
@@ -55,7 +59,7 @@ class PeriodicSurface:
         """Stiffness of the mean (Pa/m): that of a wave a million times as long as the layer is thick."""
         return float(self._solid.stiffness(np.array([1e-6 / self._solid.depth]))[0])
 
-    def stored(self, heights: np.ndarray, found: Point) -> float:
+    def stored(self, heights: np.ndarray, found: "Point") -> float:
         """Elastic energy of a state but for its uniform compression, per area (J/m²)."""
         return self._energy_of(heights + found.gap)
 
@@ -88,7 +92,7 @@ class FreeSurface:
     def _displaced(self, pressure: np.ndarray) -> np.ndarray:
         return fftconvolve(pressure, self._kernel, "same")
 
-    def imbalance(self, displacement: np.ndarray, found: Point) -> np.ndarray:
+    def imbalance(self, displacement: np.ndarray, found: "Point") -> np.ndarray:
         """How far the surface is from where its pressures put it, as the stress that would move it there (Pa).
 
         Of the patch's own cosine waves, each with its stiffness in the half-space: the scale of that stress, which a
@@ -97,7 +101,7 @@ class FreeSurface:
         away = found.plane + self._displaced(found.pressure) - displacement
         return idctn(self._stiffness * dctn(away, norm="ortho"), norm="ortho")
 
-    def energy(self, law: TractionLaw, heights: np.ndarray, found: Point, gap: np.ndarray, control: str) -> float:
+    def energy(self, law: TractionLaw, heights: np.ndarray, found: "Point", gap: np.ndarray, control: str) -> float:
         """Energy at a gap near the one found, to second order (J/m²).
 
         The compliance is known, its inverse is not: the pressures of the changed surface are bounded from below by
@@ -107,12 +111,12 @@ class FreeSurface:
         first = np.mean(found.pressure * change)
         return float(first + np.mean(law.potential(gap)) + 0.5 * self._least_stiffness(change))
 
-    def plane(self, heights: np.ndarray, found: Point) -> float:
+    def plane(self, heights: np.ndarray, found: "Point") -> float:
         """Where the surface would be undeformed (m), as is said: the balance holds it to that."""
         assert found.plane is not None
         return found.plane
 
-    def stored(self, heights: np.ndarray, found: Point) -> float:
+    def stored(self, heights: np.ndarray, found: "Point") -> float:
         """Elastic energy of a state, per area of the surface (J/m²)."""
         return 0.5 * float(np.mean(found.pressure * self._displaced(found.pressure)))
 

@@ -19,17 +19,7 @@ SAME = 1e-9
 
 @dataclass(frozen=True)
 class Drawn:
-    """A random study.
-
-    Parameters
-    ----------
-    table : dict
-        As :func:`~contact_study.study.study.make_study` takes it.
-    subjects : tuple of str
-        Those of :data:`SUBJECTS` that it is about.
-    closed_form : dict or None
-        Of a tabulated stiffness the same study with the solid that was tabulated.
-    """
+    """A random study, what of :data:`SUBJECTS` it is about, and it with the solid that was tabulated, if one was."""
 
     table: dict[str, Any]
     subjects: tuple[str, ...] = ()

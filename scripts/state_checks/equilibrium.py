@@ -1,24 +1,12 @@
 """Whether a state is a stable equilibrium: balance, load, energies, changes that cost energy, a second start."""
 
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
-from functools import cached_property
+from collections.abc import Iterator
 
 import numpy as np
 
-from bem_adhesion import Contact, Solution, rough_contact
 from contact_study.numerics.grid import Grid
-from contact_study.physics.laws import TractionLaw
-from contact_study.physics.solids import Elasticity
-from contact_study.study.case import Case
-from scripts.state_checks.balance import FreeSurface, PeriodicSurface
-from scripts.state_checks.point import Point
-from scripts.state_checks.verdict import Verdict
+from scripts.state_checks.state import ALLOWED, Point, Start, Study, Surfaces
 
-# Largest stress out of balance over E*: twice the solver's tolerance.
-ALLOWED = 2e-8
-# Share of the largest stresses that a balance formed in another order may miss, beside the solver's tolerance.
-ROUNDING = 1e-9
 CHANGES = (0, 2, 6)  # widths, in points, of the random changes
 CHANGE = 1e-3  # their size over the law's length
 # Next to a fold the minimum is narrower than that: from so much less of a change the solver must come back.
@@ -26,117 +14,54 @@ NARROW = 1e-2
 RETURNED = 1e-3  # gaps over the law's length that are those of one state
 
 
-@dataclass(frozen=True)
-class Surfaces:
-    """A rigid surface, an elastic solid and how they interact: what a state has to fit.
-
-    Parameters
-    ----------
-    law : TractionLaw
-        The law.
-    solid : Elasticity
-        The solid, by its closed form.
-    heights : numpy.ndarray
-        Of the rigid surface (m).
-    grid : Grid
-        Its points.
-    control : str
-        What is prescribed.
-    free : bool
-        Whether boundaries are free.
-    """
-
-    law: TractionLaw
-    solid: Elasticity
-    heights: np.ndarray
-    grid: Grid
-    control: str
-    free: bool
-
-    @cached_property
-    def elastic(self) -> PeriodicSurface | FreeSurface:
-        """The solid's response."""
-        return (FreeSurface if self.free else PeriodicSurface)(self.solid, self.grid)
-
-    @property
-    def bare(self) -> bool:
-        """Whether there is a wall and nothing else."""
-        return self.law.has_wall and not self.law.attracts
-
-    @property
-    def length(self) -> float:
-        """What changes of a gap are measured by (m)."""
-        return self.law.length or float(self.heights.std())
-
-    def margin(self, found: Point) -> float:
-        """Stress that may be out of balance (Pa)."""
-        # A wall alone bounds gaps, 1e-10 of the rms height, which stiff short waves turn into stress.
-        wall = 1e-8 * float(self.heights.std()) / max(self.grid.size) if self.bare else 0.0
-        return (ALLOWED + wall) * self.solid.contact_modulus + ROUNDING * float(np.abs(found.pressure).max())
-
-
-def contact_of(case: Case, surfaces: Surfaces) -> Contact:
-    """The solver of a case, as exact as the library's own: a study asks less of a wall."""
-    return rough_contact(
-        surfaces.heights,
-        surfaces.grid.size,
-        case.solid,
-        case.law,
-        case.loading.control,
-        boundary=case.elasticity.boundary,
-        hardness=case.material.hardness,
-    )
+def follow(study: Study) -> None:
+    """Solve a case's path in plain steps and check its states."""
+    contact = study.contact()
+    state, verdict = contact.separated(), study.verdict
+    for target, _ in study.case.path:
+        found = contact.step(state, target)
+        state = found.state
+        verdict.states += 1
+        if found.detached:
+            verdict.detached += 1
+        elif not found.converged:
+            verdict.flagged.append(found.message)
+        else:
+            check_with_energies(study, Point.of(found), target, lambda start, at=target: contact.step(start, at))
 
 
 def check_with_energies(
-    case: Case,
-    surfaces: Surfaces,
-    found: Point,
-    target: float,
-    again: Callable[[np.ndarray], Solution],
-    rng: np.random.Generator,
-    verdict: Verdict,
+    study: Study, found: Point, target: float, again: Start, surfaces: Surfaces | None = None
 ) -> None:
-    """:func:`check`, and the energies of a case's solid; the other parameters as there."""
-    check(surfaces, found, target, again, rng, verdict)
-    check_energies(surfaces, found, target, case.solid.compression_energy(float(found.pressure.mean())), verdict)
+    """:func:`check`, and the energies of a case's solid."""
+    surfaces = surfaces or study.surfaces
+    check(study, found, target, again, surfaces)
+    where = f"{study.verdict.law}, {surfaces.control} {target:.4g}"
+    displacement = surfaces.heights + found.gap
+    compression = study.case.solid.compression_energy(float(found.pressure.mean()))
+    elastic = surfaces.elastic.stored(surfaces.heights, found) + compression
+    # What is out of balance works along the displacement; sums of it round by its size.
+    rounding = 1e-12 * float(np.abs(found.pressure).mean() * np.abs(displacement - displacement.mean()).max())
+    margin = surfaces.margin(found) * float(displacement.std() if found.plane is None else np.ptp(displacement))
+    study.differs(where, "elastic energy", found.elastic_energy, elastic, margin + rounding + 1e-9 * elastic)
+    interaction = float(np.mean(surfaces.law.potential(found.gap)))
+    margin = 1e-9 * abs(surfaces.law.work_of_adhesion) + 1e-9 * abs(interaction)
+    study.differs(where, "interaction energy", found.interaction_energy, interaction, margin)
 
 
-def check(
-    surfaces: Surfaces,
-    found: Point,
-    target: float,
-    again: Callable[[np.ndarray], Solution],
-    rng: np.random.Generator,
-    verdict: Verdict,
-) -> None:
-    """Check a state that calls itself converged and in contact.
-
-    Parameters
-    ----------
-    surfaces : Surfaces
-        What it is a state of.
-    found : Point
-        The state.
-    target : float
-        What was prescribed.
-    again : callable
-        A start beside the state (see :func:`disturbed`) -> where the solver ends from there.
-    rng : numpy.random.Generator
-        Of the changes.
-    verdict : Verdict
-        What is found is added there.
-    """
+def check(study: Study, found: Point, target: float, again: Start, surfaces: Surfaces | None = None) -> None:
+    """Check a state that calls itself converged and in contact under what was prescribed."""
+    surfaces, verdict = surfaces or study.surfaces, study.verdict
     where = f"{verdict.law}, {surfaces.control} {target:.4g}"
     modulus = surfaces.solid.contact_modulus
     rest = imbalance(surfaces, found)
     verdict.balance = max(verdict.balance, rest / modulus)
     if rest > surfaces.margin(found):
-        verdict.faults.append(f"{where}: out of balance by {rest / modulus:.1e} E*")
-    _check_load(surfaces, found, target, where, verdict)
-    _check_changes(surfaces, found, rng, where, verdict)
+        study.fault(where, f"out of balance by {rest / modulus:.1e} E*")
+    _check_load(study, surfaces, found, target, where)
+    _check_changes(study, surfaces, found, where)
     for share in (1.0, NARROW):
-        second = again(disturbed(surfaces, found, rng, share))
+        second = again(disturbed(surfaces, found, study.rng, share))
         held = second.converged and not second.detached
         error = float(np.abs(second.gap - found.gap).max()) / surfaces.length if held else np.inf
         if error <= RETURNED:
@@ -144,30 +69,7 @@ def check(
             verdict.narrow += share < 1
             return
     ends = f"ends {error:.1e} lengths away" if np.isfinite(error) else second.message
-    verdict.faults.append(f"{where}: a second start: {ends}")
-
-
-def check_energies(surfaces: Surfaces, found: Point, target: float, compression: float, verdict: Verdict) -> None:
-    """Hold the energies that a state reports to their definitions.
-
-    Parameters
-    ----------
-    compression : float
-        What the uniform compression of the solid that was solved for stores (J/m²); the others as of :func:`check`.
-    """
-    where = f"{verdict.law}, {surfaces.control} {target:.4g}"
-    displacement = surfaces.heights + found.gap
-    elastic = surfaces.elastic.stored(surfaces.heights, found) + compression
-    # What is out of balance works along the displacement; sums of it round by its size.
-    rounding = 1e-12 * float(np.abs(found.pressure).mean() * np.abs(displacement - displacement.mean()).max())
-    margin = surfaces.margin(found) * float(displacement.std() if found.plane is None else np.ptp(displacement))
-    if abs(elastic - found.elastic_energy) > margin + rounding + 1e-9 * elastic:
-        verdict.faults.append(f"{where}: elastic energy {found.elastic_energy:.8g}, not {elastic:.8g}")
-    interaction = float(np.mean(surfaces.law.potential(found.gap)))
-    if abs(interaction - found.interaction_energy) > 1e-9 * abs(surfaces.law.work_of_adhesion) + 1e-9 * abs(
-        interaction
-    ):
-        verdict.faults.append(f"{where}: interaction energy {found.interaction_energy:.8g}, not {interaction:.8g}")
+    study.fault(where, f"a second start: {ends}")
 
 
 def imbalance(surfaces: Surfaces, found: Point) -> float:
@@ -201,7 +103,7 @@ def changes(grid: Grid, rng: np.random.Generator) -> Iterator[np.ndarray]:
         yield change / np.abs(change).max()
 
 
-def _check_load(surfaces: Surfaces, found: Point, target: float, where: str, verdict: Verdict) -> None:
+def _check_load(study: Study, surfaces: Surfaces, found: Point, target: float, where: str) -> None:
     distance = surfaces.law.equilibrium_distance
     if surfaces.control == "approach":
         held = surfaces.heights.max() + distance - surfaces.elastic.plane(surfaces.heights, found)
@@ -210,15 +112,15 @@ def _check_load(surfaces: Surfaces, found: Point, target: float, where: str, ver
     under_load = surfaces.control == "pressure"
     margin = ALLOWED * surfaces.solid.contact_modulus if under_load else 2e-8 * surfaces.length
     if abs(held - target) > margin + 1e-8 * abs(target):
-        verdict.faults.append(f"{where}: {surfaces.control} is {held:.8g}")
+        study.fault(where, f"{surfaces.control} is {held:.8g}")
 
 
-def _check_changes(surfaces: Surfaces, found: Point, rng: np.random.Generator, where: str, verdict: Verdict) -> None:
+def _check_changes(study: Study, surfaces: Surfaces, found: Point, where: str) -> None:
     def energy(gap: np.ndarray) -> float:
         return surfaces.elastic.energy(surfaces.law, surfaces.heights, found, gap, surfaces.control)
 
     lowest = energy(found.gap)
-    for change in changes(surfaces.grid, rng):
+    for change in changes(surfaces.grid, study.rng):
         moved = found.gap + CHANGE * surfaces.length * change
         if surfaces.law.has_wall:
             moved = np.maximum(moved, 0)
@@ -227,4 +129,4 @@ def _check_changes(surfaces: Surfaces, found: Point, rng: np.random.Generator, w
             if moved.min() < 0:
                 continue
         if energy(moved) < lowest - 1e-10 * abs(lowest):
-            verdict.faults.append(f"{where}: a change lowers the energy")
+            study.fault(where, "a change lowers the energy")

@@ -23,15 +23,7 @@ SHORTEST = 0.5
 
 @dataclass
 class History:
-    """The way of a surface.
-
-    Parameters
-    ----------
-    solid : Viscoelastic
-        The solid.
-    grid : Grid
-        The points of its surface.
-    """
+    """The way of a surface on a viscoelastic half-space."""
 
     solid: Viscoelastic
     grid: Grid

@@ -6,13 +6,10 @@ import numpy as np
 
 from bem_adhesion import Contact, Solution
 from bem_adhesion.study.model import solve_path
-from contact_study.physics.surfaces.surface import Surface
 from contact_study.results.state import InterfaceState
 from contact_study.study.case import Case
 from scripts.state_checks import equilibrium
-from scripts.state_checks.equilibrium import Surfaces
-from scripts.state_checks.point import Point
-from scripts.state_checks.verdict import Verdict
+from scripts.state_checks.state import Point, Study
 
 SMALL_STEPS = 24
 # Share of what was exchanged by which the losses of two ways through the same states may differ.
@@ -25,13 +22,7 @@ SHARE, NOISE = 0.02, 1e-6
 
 @dataclass
 class Books:
-    """Pressures, separations and energies of the states of a path, one after the other.
-
-    Parameters
-    ----------
-    states : numpy.ndarray, shape (n, 3)
-        Pa, m, J/m².
-    """
+    """Pressures (Pa), separations (m) and energies (J/m²) of the states of a path, shape (n, 3)."""
 
     states: np.ndarray
 
@@ -63,11 +54,12 @@ class Books:
         return np.abs(self.lost) > np.maximum(SHARE * self.exchanged, noise)
 
 
-def follow(case: Case, surface: Surface, surfaces: Surfaces, rng: np.random.Generator, verdict: Verdict) -> None:
-    """Solve a case's path and check its points; parameters as of :func:`scripts.state_checks.relaxing.follow`."""
-    contact = equilibrium.contact_of(case, surfaces)
+def follow(study: Study) -> None:
+    """Solve a case's path and check its points."""
+    case, surfaces, verdict = study.case, study.surfaces, study.verdict
+    contact = study.contact()
     points: list[InterfaceState] = []
-    for written, (target, _) in zip(solve_path(case, surface), case.path, strict=True):
+    for written, (target, _) in zip(solve_path(case, study.surface), case.path, strict=True):
         verdict.states += 1
         points.append(written)
         if not written.report.converged:
@@ -77,19 +69,15 @@ def follow(case: Case, surface: Surface, surfaces: Surfaces, rng: np.random.Gene
             verdict.detached += 1
             continue
         point = Point.on_path(written, surfaces.free)
-
-        def again(start: np.ndarray, target: float = target) -> Solution:
-            return contact.step(start, target)
-
-        equilibrium.check_with_energies(case, surfaces, point, target, again, rng, verdict)
-    _check_books(case, points, verdict)
-    number = int(rng.integers(1, len(points)))
-    _check_small_steps(case, contact, surfaces, points[number - 1], points[number], number, verdict)
+        equilibrium.check_with_energies(study, point, target, lambda start, at=target: contact.step(start, at))
+    _check_books(study, points)
+    number = int(study.rng.integers(1, len(points)))
+    _check_small_steps(study, contact, points[number - 1], points[number], number)
 
 
-def _check_books(case: Case, points: list[InterfaceState], verdict: Verdict) -> None:
+def _check_books(study: Study, points: list[InterfaceState]) -> None:
     """Each written energy is a state's; the jumps' losses add up to what is said to be dissipated."""
-    noise = NOISE * case.law.work_of_adhesion
+    noise = NOISE * study.case.law.work_of_adhesion
     previous = None
     for number, point in enumerate(points):
         where = f"adaptive, point {number}"
@@ -97,7 +85,7 @@ def _check_books(case: Case, points: list[InterfaceState], verdict: Verdict) -> 
         assert own is not None
         assert passed is not None
         if not point.report.detached and not np.allclose(passed[-1], _last(point), rtol=1e-9, atol=0):
-            verdict.faults.append(f"{where}: the last state passed is not the point's")
+            study.fault(where, "the last state passed is not the point's")
         before = points[number - 1].own_steps if number else None
         if previous is not None and before is not None and np.isfinite(previous).all() and len(passed):
             books = Books(np.vstack([previous, passed]))
@@ -105,20 +93,15 @@ def _check_books(case: Case, points: list[InterfaceState], verdict: Verdict) -> 
                 booked = float(np.maximum(books.lost, 0)[books.jumps(noise)].sum())
                 added = own.dissipated - before.dissipated
                 if abs(added - booked) > 1e-6 * booked + noise:
-                    verdict.faults.append(f"{where}: dissipated {added:.6g}, its jumps lost {booked:.6g} J/m²")
+                    study.fault(where, f"dissipated {added:.6g}, its jumps lost {booked:.6g} J/m²")
         previous = passed[-1] if len(passed) else previous
 
 
 def _check_small_steps(
-    case: Case,
-    contact: Contact,
-    surfaces: Surfaces,
-    before: InterfaceState,
-    after: InterfaceState,
-    number: int,
-    verdict: Verdict,
+    study: Study, contact: Contact, before: InterfaceState, after: InterfaceState, number: int
 ) -> None:
     """From one point to the next in many even steps: to the same state, unless one of the two ways jumps."""
+    case, surfaces = study.case, study.surfaces
     begin, end = case.path[number - 1][0], case.path[number][0]
     where = f"adaptive, {surfaces.control} {begin:.4g} to {end:.4g}"
     if before.report.detached:
@@ -138,7 +121,7 @@ def _check_small_steps(
     own = Books(np.vstack([_last(before), after.passed]))
     if found.detached or after.report.detached:
         if found.detached != after.report.detached:
-            verdict.faults.append(f"{where}: apart in the one way only")
+            study.fault(where, "apart in the one way only")
         return
     away = float(np.abs(found.gap - after.gap).max()) / surfaces.length
     # Behind a jump two ways may go on along other branches, and lose what those do.
@@ -146,11 +129,11 @@ def _check_small_steps(
         return
     apart = abs(own.lost.sum() - small.lost.sum())
     if apart > SHARE * own.exchanged.sum() + own.undecided + small.undecided:
-        verdict.faults.append(f"{where}: lost {own.lost.sum():.4g}, in small steps {small.lost.sum():.4g} J/m²")
+        study.fault(where, f"lost {own.lost.sum():.4g}, in small steps {small.lost.sum():.4g} J/m²")
     # Where points move further in one small step than in the others they jump, and cheaper than a step has to see.
     smooth = max(moves) <= JUMP * np.median(moves) and apart <= SAME * own.exchanged.sum()
     if smooth and away > 1e-3:
-        verdict.faults.append(f"{where}: small steps end {away:.1e} lengths away without a jump")
+        study.fault(where, f"small steps end {away:.1e} lengths away without a jump")
 
 
 def _books_of(case: Case, found: Solution) -> np.ndarray:

@@ -6,21 +6,19 @@ import numpy as np
 
 from bem_adhesion import Solution
 from contact_study.physics.solids import HalfSpace
-from contact_study.study.case import Case
 from scripts.state_checks import equilibrium
-from scripts.state_checks.equilibrium import CHANGE, Surfaces, changes
-from scripts.state_checks.point import Point
-from scripts.state_checks.verdict import Verdict
+from scripts.state_checks.equilibrium import CHANGE, changes
+from scripts.state_checks.state import Point, Study
 
 # Share of the hardness by which a pressure that is at it may be off in float64.
 ROUNDED = 1e-14
 
 
-def follow(case: Case, surfaces: Surfaces, rng: np.random.Generator, verdict: Verdict) -> None:
-    """Solve a case's path and check its states; parameters as of :func:`scripts.state_checks.plain_steps.follow`."""
-    hardness = case.material.hardness
+def follow(study: Study) -> None:
+    """Solve a case's path and check its states."""
+    case, surfaces, verdict, hardness = study.case, study.surfaces, study.verdict, study.case.material.hardness
     assert hardness is not None
-    contact = equilibrium.contact_of(case, surfaces)
+    contact = study.contact()
     state, before = contact.separated(), np.zeros(surfaces.grid.shape)
     earlier: dict[float, Solution] = {}
     for target, _ in case.path:
@@ -33,43 +31,35 @@ def follow(case: Case, surfaces: Surfaces, rng: np.random.Generator, verdict: Ve
         yielded = found.plastic_indentation
         assert yielded is not None
         if found.pressure.max() > hardness * (1 + ROUNDED) or found.pressure.min() < 0:
-            verdict.faults.append(f"{where}: pressures from {found.pressure.min():g} to {found.pressure.max():g} Pa")
+            study.fault(where, f"pressures from {found.pressure.min():g} to {found.pressure.max():g} Pa")
         if np.any(yielded < before) or np.any((yielded > before) & (found.pressure < hardness * (1 - ROUNDED))):
-            verdict.faults.append(f"{where}: yields where it may not, or back")
+            study.fault(where, "yields where it may not, or back")
         if np.any(found.gap[found.pressure > 0]):
-            verdict.faults.append(f"{where}: a gap under pressure")
+            study.fault(where, "a gap under pressure")
         # With what has yielded taken off, it is an elastic contact like any other; which start it has been found from
         # decides nothing, what had yielded before it everything.
         worn = replace(surfaces, heights=surfaces.heights - yielded)
         point = replace(Point.of(found), state=found.state[0])
-        kept = state[1]
 
-        def again(start: np.ndarray, kept: np.ndarray = kept, target: float = target) -> Solution:
+        def again(start: np.ndarray, kept: np.ndarray = state[1], target: float = target) -> Solution:
             return contact.step(np.stack([start, kept]), target)
 
         # An approach counts from where the surface was highest before it yielded.
         lost = surfaces.heights.max() - worn.heights.max() if surfaces.control == "approach" else 0.0
-        equilibrium.check_with_energies(case, worn, point, target - lost, again, rng, verdict)
-        _check_work(surfaces, found, before, hardness, where, rng, verdict)
-        _check_unloading(case, found, target, earlier, where, verdict)
+        equilibrium.check_with_energies(study, point, target - lost, again, worn)
+        _check_work(study, found, before, hardness, where)
+        _check_unloading(study, found, target, earlier, where)
         earlier[target] = found
         state, before = found.state, yielded
 
 
-def _check_work(
-    surfaces: Surfaces,
-    found: Solution,
-    before: np.ndarray,
-    hardness: float,
-    where: str,
-    rng: np.random.Generator,
-    verdict: Verdict,
-) -> None:
+def _check_work(study: Study, found: Solution, before: np.ndarray, hardness: float, where: str) -> None:
     """No other way to yield, of no less than had yielded before, takes less energy under the mean pressure found.
 
     Work at the hardness and that of the load are part of it; under a prescribed gap, too, for that is one of surfaces
     as they are after yielding and bounds no way to yield.
     """
+    surfaces = study.surfaces
     if surfaces.free:  # only bounds of the energy beside a state are known there
         return
     yielded, length = found.plastic_indentation, float(surfaces.heights.std())
@@ -82,20 +72,19 @@ def _check_work(
         return elastic + (hardness - float(found.pressure.mean())) * float(indentation.mean())
 
     lowest = energy(found.gap, yielded)
-    for less, other in zip(changes(surfaces.grid, rng), changes(surfaces.grid, rng), strict=True):
+    for less, other in zip(changes(surfaces.grid, study.rng), changes(surfaces.grid, study.rng), strict=True):
         indentation = np.maximum(yielded + CHANGE * length * less, before)
         gap = np.maximum(found.gap + CHANGE * length * other, 0)
         if energy(gap, indentation) < lowest - 1e-10 * abs(lowest):
-            verdict.faults.append(f"{where}: another way to yield takes less energy")
+            study.fault(where, "another way to yield takes less energy")
 
 
-def _check_unloading(
-    case: Case, found: Solution, target: float, earlier: dict[float, Solution], where: str, verdict: Verdict
-) -> None:
+def _check_unloading(study: Study, found: Solution, target: float, earlier: dict[float, Solution], where: str) -> None:
     """Below a load that it has carried nothing yields, and at that load it is as it was; of half-spaces.
 
     Of a layer that resists flow a pressure may rise somewhere as the load falls.
     """
+    case = study.case
     if not isinstance(case.solid, HalfSpace) or not earlier:
         return
     sign = -1 if case.loading.control == "gap" else 1
@@ -107,8 +96,8 @@ def _check_unloading(
     assert most.plastic_indentation is not None
     length = float(found.plastic_indentation.max())
     if np.abs(found.plastic_indentation - most.plastic_indentation).max() > 1e-9 * length:
-        verdict.faults.append(f"{where}: unloading yields")
+        study.fault(where, "unloading yields")
     if target in earlier and sign * target == carried:
         away = float(np.abs(found.pressure - most.pressure).max())
         if away > 1e-6 * case.solid.contact_modulus:
-            verdict.faults.append(f"{where}: loaded again pressures differ by {away:.1e} Pa")
+            study.fault(where, f"loaded again pressures differ by {away:.1e} Pa")

@@ -10,14 +10,11 @@ from bem_adhesion.contacts.viscoelastic import ViscoelasticContact
 from bem_adhesion.study import quasi_static as equilibrium_path
 from contact_study.physics.laws import LAWS
 from contact_study.physics.solids import Layer, Measured
-from contact_study.study.case import realise
 from contact_study.study.study import make_study
-from scripts.random_studies import checked
+from scripts.random_studies import checked, study_of
 from scripts.state_checks import equilibrium
 from scripts.state_checks.drawing import SUBJECTS, drawn
-from scripts.state_checks.equilibrium import Surfaces
-from scripts.state_checks.point import Point
-from scripts.state_checks.verdict import Verdict
+from scripts.state_checks.state import Point, Verdict
 
 # Numbers of studies of the five subjects.
 HARD, RELAXING, STEPPING, APPROACHED, TABULATED = 29, 26, 47, 8, 12
@@ -62,22 +59,16 @@ def test_extreme_studies_differ_in_the_solid_alone():
 @pytest.mark.parametrize("number", [0, 1, 6, 9])
 def test_faults_are_found(number):
     """A state that is stretched, sheared off its load, lifted or of another energy is not taken for one."""
-    study = drawn(number)
-    case = make_study(study.table).cases[0]
-    surface, free = realise(case), case.elasticity.boundary == "free"
-    solid = case.solid if study.closed_form is None else make_study(study.closed_form).cases[0].solid
-    surfaces = Surfaces(case.law, solid, surface.sampled, surface.grid, case.loading.control, free)
-    contact = equilibrium.contact_of(case, surfaces)
-    target = case.path[1][0]
+    drawing = drawn(number)
+    case = make_study(drawing.table).cases[0]
+    study = study_of(number, case, drawing, Verdict(number, case.interaction.law))
+    contact, target = study.contact(), case.path[1][0]
     found = contact.step(contact.separated(), target)
 
     def faults(state, wanted=target):
-        verdict = Verdict(number, case.interaction.law)
-        point, rng = Point.of(state), np.random.default_rng(0)
-        equilibrium.check_with_energies(
-            case, surfaces, point, wanted, lambda start: contact.step(start, wanted), rng, verdict
-        )
-        return " ".join(verdict.faults)
+        fresh = replace(study, verdict=Verdict(number, case.interaction.law), rng=np.random.default_rng(0))
+        equilibrium.check_with_energies(fresh, Point.of(state), wanted, lambda start: contact.step(start, wanted))
+        return " ".join(fresh.verdict.faults)
 
     assert faults(found) == ""
     assert "out of balance" in faults(replace(found, pressure=found.pressure * 1.001))
@@ -85,7 +76,7 @@ def test_faults_are_found(number):
     lifted = np.maximum(lifted, 0)
     state = found.state.copy()
     if case.interaction.law != "hard_wall":
-        state[: lifted.shape[0], : lifted.shape[1]] = surface.sampled + lifted
+        state[: lifted.shape[0], : lifted.shape[1]] = study.surface.sampled + lifted
     assert "out of balance" in faults(replace(found, gap=lifted, state=state))
     assert f"{case.loading.control} is" in faults(found, 1.01 * target)
     assert "elastic energy" in faults(replace(found, elastic_energy=1.001 * found.elastic_energy))
