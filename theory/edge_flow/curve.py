@@ -1,7 +1,8 @@
-"""The states of the edge flow along its curve: approached from far away, and from contact outward where that fails.
+"""The states of the edge flow along its curve: approached from far away, and from elsewhere where that fails.
 
-Under adhesion that dwarfs the stress of the roughness long waves are unstable at mean gaps between far and contact, and
-the iteration finds no state there. Contact itself is next to whole then, and found from its own side.
+Under strong adhesion the first asperities that touch make long waves unstable, and the iteration finds no state at
+mean gaps where a billionth of the area touches. Nearer states are reached by adhesion that grows at one mean gap; those
+of next to whole contact also from contact outward.
 """
 
 from collections.abc import Callable
@@ -14,15 +15,22 @@ from theory.edge_flow.equilibrium import Equilibrium, Problem
 _RATIO = 0.85
 
 # Halvings of the step between two mean gaps where the iteration does not find the next, and states that are not found
-# in a row before the approach ends.
+# in a row before the curve ends.
 _HALVINGS, _LOST = 3, 3
 
-# States of a curve followed from contact outward, fewer of which make none.
+# States in a row, fewer of which make no piece of the curve.
 _FEWEST = 4
 
+# Parts of the distance at which the approach ended where adhesion is grown instead.
+_STARTS = (0.7, 0.45, 0.25, 0.1, 0.04)
 
-def curve(problem: Problem, far: float, near: float, highest: float) -> tuple[tuple[Equilibrium, ...], int, int]:
-    """States along falling mean gaps, how many of the last ones were followed outward, and how many others are lost.
+Piece = tuple[Equilibrium, ...]
+
+
+def curve(problem: Problem, far: float, near: float, highest: float, thorough: bool) -> tuple[tuple[Piece, ...], int]:
+    """Pieces of the curve, from far to contact with falling mean gaps in each, and how many states were lost.
+
+    The first piece is the approach, with states that are not converged if it is the only one.
 
     Parameters
     ----------
@@ -32,44 +40,76 @@ def curve(problem: Problem, far: float, near: float, highest: float) -> tuple[tu
         Mean gap to begin at, and the one to reach.
     highest : float
         Pressure to reach.
+    thorough : bool
+        Whether states are sought elsewhere where the approach ends early.
     """
 
     def passed(state: Equilibrium) -> bool:
         return bool(state.gap <= near and -(state.weights @ problem.traction) >= highest)
 
     x = problem.gaps
-    approached, ended = _follow(problem, min(int(np.searchsorted(x, far)), x.size - 2), -1, passed, _LOST)
-    if not ended or len(approached) < _LOST + _FEWEST:
-        return tuple(approached), 0, 0
-    approached = approached[:-_LOST]  # the energies of lost states would stand in the pressures beside them
-    # The flat block's own pressure is passed, and two nodes more.
-    beyond = np.flatnonzero((x <= near) & (-problem.traction >= highest))
-    first = max(int(beyond[-1]) - 2, 1) if beyond.size else 1
-    last = approached[-1].gap
-    outward, _ = _follow(problem, first, 1, lambda state: state.gap >= last, 1)
-    sound = [state for state in outward if state.change <= problem.tolerance and state.gap < last]
-    if len(sound) < _FEWEST:
-        sound = []
-    return (*approached, *reversed(sound)), len(sound), _LOST
+    first = min(int(np.searchsorted(x, far)), x.size - 2)
+    approached, ended = _follow(problem, problem.solve(float(x[first]), problem.local()), -1, passed, _LOST)
+    if not (ended and thorough):
+        return (tuple(approached),), 0
+    sound = _sound(problem, approached)
+    pieces, lost = [sound] if len(sound) >= _FEWEST else [], sum(s.change > problem.tolerance for s in approached)
+    last = sound[-1].gap if sound else float(x[first])
+    for part in _STARTS:
+        node = max(int(np.searchsorted(x, x[0] + part * (last - x[0]))), 1)
+        start = problem.grown(float(x[node]))
+        if start.change > problem.tolerance:
+            lost += 1
+            continue
+        above = last
+        farther, _ = _follow(problem, start, 1, lambda state: state.gap >= above, 1)  # noqa: B023
+        nearer, ended = _follow(problem, start, -1, passed, _LOST)
+        both = [*reversed(_sound(problem, farther)[1:]), *_sound(problem, nearer)]
+        both = [state for state in both if state.gap < above]
+        lost += ended * _LOST
+        if len(both) >= _FEWEST:
+            pieces.append(both)
+            last = both[-1].gap
+        if not ended:
+            break
+    if ended:
+        # The flat block's own pressure is passed, and two nodes more.
+        beyond = np.flatnonzero((x <= near) & (-problem.traction >= highest))
+        node = max(int(beyond[-1]) - 2, 1) if beyond.size else 1
+        outward, _ = _follow(
+            problem, problem.solve(float(x[node]), problem.local()), 1, lambda state: state.gap >= last, 1
+        )
+        both = [state for state in reversed(_sound(problem, outward)) if state.gap < last]
+        if len(both) >= _FEWEST:
+            pieces.append(both)
+    if not pieces:
+        return (tuple(approached),), 0
+    return tuple(map(tuple, pieces)), lost
+
+
+def _sound(problem: Problem, states: list[Equilibrium]) -> list[Equilibrium]:
+    return [state for state in states if state.change <= problem.tolerance]
 
 
 def _follow(
-    problem: Problem, node: int, way: int, passed: Callable[[Equilibrium], bool], patience: int
+    problem: Problem, start: Equilibrium, way: int, passed: Callable[[Equilibrium], bool], patience: int
 ) -> tuple[list[Equilibrium], bool]:
-    """States from a node on towards contact (way −1) or away from it (1), and whether the last ones were lost.
+    """States from one on towards contact (way −1) or away from it (1), and whether the last ones were lost.
 
     They are followed until two have passed, one more than asked for: a spline is at its best between its points. They
     lie on nodes: a mean gap between nodes begins as a little scatter about it, whose energy depends on where
     between and would stand in the pressure as a ripple. As many lost in a row as the patience end it.
     """
     x = problem.gaps
-    found = [problem.solve(float(x[node]), problem.local())]
+    node = int(np.argmin(np.abs(x - start.gap)))
+    found = [start]
     sound = found.copy()
     beyond = lost = 0
     while beyond < 2 and lost < patience and 1 < node + (way > 0) < x.size - 1:
         before = node
         aim = int(np.searchsorted(x, x[0] + _RATIO**-way * (x[before] - x[0])))
         node = before + way * max(way * (aim - before), 1)
+        node = min(max(node, 1), x.size - 2)
         state = _next(problem, sound, float(x[node]))
         for _ in range(_HALVINGS):
             if state.change <= problem.tolerance or abs(node - before) == 1:

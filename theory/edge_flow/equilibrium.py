@@ -8,14 +8,15 @@ circle under strong adhesion), which Anderson's acceleration deals with; ln f is
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 
 from contact_study.physics.roughness.spectrum import RoughnessSpectrum
 from contact_study.physics.solids import Elasticity
-from theory.edge_flow.kernels import compare, differences, local_response, sweep
+from theory.edge_flow.kernels import bounded_area, compare, differences, local_response, sweep
 from theory.numerics.fixed_point import accelerated
 
 # Slope s, level t and pole b of the cost κ(X) = s X + t + (1 − t) b/(X + b) of a modulation on a half-space.
@@ -33,8 +34,17 @@ _UNSEEN = 1e-9
 # Largest change of ln f by which a start is extrapolated.
 _FARTHEST = 0.2
 
+# Part of the law from which it is grown at one mean gap, and its growth from one state to the next, at first and least.
+_WEAKEST, _GROWTH, _LEAST_GROWTH = 0.05, 1.5, 1.1
+
 # Bands in which the variance is tabulated, to be cut into scales.
 _BANDS = 20000
+
+# A step is no longer than the variance of all finer ones and this one, in squares of the law's length, nor in ln q.
+_FINEST, _WIDEST = 0.01, 0.25
+
+# Largest change of ln f in an iteration, and halvings of one that leads to no numbers.
+_STEP, _RESTARTS = 1.0, 3
 
 # Wavenumber of the modulation, in units of the wave's, at which its cost on a solid is compared with the half-space's.
 _MODULATION = 2.0
@@ -82,7 +92,7 @@ def scales_of(spectrum: RoughnessSpectrum, solid: Elasticity, length: float, cou
     below = 2 * np.pi * spectrum.moment(1, upper=bands)
     rising = np.concatenate([[True], np.diff(below) > 0])
     shares = 0.5 * (1 + np.cos(np.pi * np.arange(count + 1) / count))  # of the variance that is coarser
-    edges = np.interp(shares * below[-1], below[rising], bands[rising])
+    edges = _shortened(np.interp(shares * below[-1], below[rising], bands[rising]), bands, below[-1] - below, length)
     variance = -2 * np.pi * np.diff(spectrum.moment(1, upper=edges))
     # Differences of sums over all waves may be off by their rounding, where steps are as small.
     square = -2 * np.pi * np.diff(spectrum.moment(3, upper=edges)) / variance
@@ -96,6 +106,22 @@ def scales_of(spectrum: RoughnessSpectrum, solid: Elasticity, length: float, cou
         square * length**2,
         variance / length**2,
     )
+
+
+def _shortened(edges: np.ndarray, bands: np.ndarray, finer: np.ndarray, length: float) -> np.ndarray:
+    """Ends of steps, wavevectors falling, with those cut that are long in ln q or beside the finer variance.
+
+    The stress is in the short waves, of which a wide band has most of its decades in a small share of the variance.
+    """
+    doublings, octaves = np.log2(1 + finer / (_FINEST * length**2)), np.log(bands[-1] / bands) / _WIDEST
+    pieces = np.ones(edges.size - 1)
+    for measure in (doublings, octaves):
+        pieces = np.maximum(pieces, np.diff(np.interp(edges, bands, measure)) - 1e-6)
+    both = np.interp(edges, bands, doublings + octaves)
+    ends = [np.linspace(*pair, int(np.ceil(n)), endpoint=False) for pair, n in zip(pairwise(both), pieces, strict=True)]
+    cut = np.interp(-np.concatenate([*ends, both[-1:]]), -(doublings + octaves), bands)
+    cut[np.cumsum([0, *map(len, ends)])] = edges  # as they were, to the last digit
+    return cut
 
 
 def modulation_cost(solid: Elasticity, wavenumber: np.ndarray) -> np.ndarray:
@@ -140,6 +166,8 @@ class Equilibrium:
         Sweeps that it took.
     response : numpy.ndarray, shape (k, n)
         f of each scale.
+    bounded : float
+        Largest area of a scale whose step is too long for the growth of the gradients.
     """
 
     gap: float
@@ -148,6 +176,7 @@ class Equilibrium:
     change: float
     sweeps: int
     response: np.ndarray
+    bounded: float = 0.0
 
     @cached_property
     def logarithm(self) -> np.ndarray:
@@ -207,6 +236,23 @@ class Problem:
             logarithm = last + np.clip(logarithm - last, -_FARTHEST, _FARTHEST)
         return np.clip(np.exp(logarithm), _LEAST, _LARGEST)
 
+    def grown(self, gap: float) -> Equilibrium:
+        """The state at a mean gap, followed from a weaker law of the same range to the law itself."""
+        weaker = replace(self, traction=_WEAKEST * self.traction)
+        states, strength, growth = [weaker.solve(gap, weaker.local())], _WEAKEST, _GROWTH
+        while strength < 1 and growth > _LEAST_GROWTH and states[-1].change <= self.tolerance:
+            stronger = min(growth * strength, 1.0)
+            start = states[-1].response
+            if len(states) > 1:
+                further = np.clip(states[-1].logarithm - states[-2].logarithm, -_FARTHEST, _FARTHEST)
+                start = np.exp(np.clip(states[-1].logarithm + further, np.log(_LEAST), np.log(_LARGEST)))
+            state = replace(self, traction=stronger * self.traction).solve(gap, start)
+            if state.change <= self.tolerance:
+                states, strength = [states[-1], state], stronger
+            else:
+                growth = np.sqrt(growth)
+        return states[-1] if strength == 1 else replace(states[-1], change=np.inf)
+
     def solve(self, gap: float, response: np.ndarray) -> Equilibrium:
         """The state at a mean gap, from a first response."""
         x, scales = self.gaps, self.scales
@@ -251,5 +297,9 @@ class Problem:
             (np.log(_LEAST), np.log(_LARGEST)),
             self.tolerance,
             self.iterations,
+            largest_step=_STEP,
+            restarts=_RESTARTS,
         )
-        return Equilibrium(gap, weights[0].copy(), elastic, change, count, np.exp(logarithm))
+        found = np.exp(logarithm)
+        bounded = float(bounded_area(self._geometry, scales.steps, _SHARP, found, weights))
+        return Equilibrium(gap, weights[0].copy(), elastic, change, count, found, bounded)

@@ -36,10 +36,9 @@ from contact_study.numerics.arguments import finite
 from contact_study.physics.laws.base import TractionLaw
 from contact_study.physics.roughness.spectrum import RoughnessSpectrum
 from contact_study.physics.solids import Elasticity, elasticity_of
-from theory.edge_flow.curve import curve
+from theory.edge_flow.curve import Piece, curve
 from theory.edge_flow.equilibrium import KERNEL, Equilibrium, Problem, scales_of
-from theory.gap_flow.flow import gap_nodes
-from theory.gap_flow.gap_grid import GapNodes
+from theory.gap_flow.gap_grid import GapNodes, nodes_even_in_stress
 from theory.gap_flow.pressure_curve import PressureCurve, core_of, positions
 from theory.gap_flow.state import GapState
 
@@ -59,6 +58,14 @@ _NEIGHBOURS = 4
 _WHOLE_CONTACT = 4.0
 
 
+# Area of a scale in which the growth of the gradients may be bounded, and by how much more scales follow where it is not
+# so small or states are lost.
+_BOUNDED, _MORE_SCALES = 0.1, 3
+
+# Where a curve ends early.
+REMEDY = "use a lower pressure, weaker adhesion or Persson's theory"
+
+
 @dataclass(frozen=True)
 class EdgeFlow(PressureCurve):
     """The curve of mean pressure over mean gap, and the states along it.
@@ -69,22 +76,28 @@ class EdgeFlow(PressureCurve):
         The law in units of ``length`` and ``contact_modulus``.
     length, contact_modulus : float
         The units (m, Pa).
-    equilibria : tuple of Equilibrium
-        The states that make the curve, mean gaps falling, in these units.
-    outward : int
-        How many of them, the last ones, were followed from contact outward because the approach ended before; between
-        these and the others the curve has no state.
+    pieces : tuple of tuple of Equilibrium
+        The states that make the curve, from far to contact, mean gaps falling, in these units; more than one piece
+        where the iteration finds no state between.
     lost : int
-        Mean gaps where the approach ended because it found no state.
+        Other mean gaps where it found none.
+    limit : str
+        How strong adhesion is, in words for where the curve ends early.
     """
 
     law: TractionLaw
     length: float
     contact_modulus: float
-    equilibria: tuple[Equilibrium, ...]
-    outward: int
+    pieces: tuple[Piece, ...]
     lost: int
+    limit: str
     _problem: Problem
+    _nodes: GapNodes
+
+    @property
+    def equilibria(self) -> Piece:
+        """All states, mean gaps falling."""
+        return tuple(state for piece in self.pieces for state in piece)
 
     @property
     def converged(self) -> bool:
@@ -102,21 +115,15 @@ class EdgeFlow(PressureCurve):
         return sum(found.sweeps for found in self.equilibria)
 
     @cached_property
-    def _nodes(self) -> GapNodes:
-        return GapNodes(self.law, self._problem.gaps)
-
-    @cached_property
-    def _pieces(self) -> tuple[tuple[Equilibrium, ...], ...]:
+    def _rising(self) -> tuple[Piece, ...]:
         """The states of each piece of the curve, mean gaps rising, from contact on."""
-        approached = len(self.equilibria) - self.outward
-        ends = self.equilibria[:approached][::-1], self.equilibria[approached:][::-1]
-        return tuple(piece for piece in reversed(ends) if piece)
+        return tuple(piece[::-1] for piece in reversed(self.pieces))
 
     @cached_property
     def _places(self) -> tuple[np.ndarray, ...]:
         """Mean gaps, in the units of the flow, at which each piece has its pressures."""
         pieces = np.arange(_POINTS) / _POINTS
-        ends = [np.array([found.gap for found in piece]) for piece in self._pieces]
+        ends = [np.array([found.gap for found in piece]) for piece in self._rising]
         return tuple(np.append((each[:-1, None] + np.diff(each)[:, None] * pieces).ravel(), each[-1]) for each in ends)
 
     @cached_property
@@ -135,7 +142,7 @@ class EdgeFlow(PressureCurve):
         """E of each piece over the mean gap, in the units of the flow."""
         potential = self.law.potential(self._problem.gaps)
         found = []
-        for rising in self._pieces:
+        for rising in self._rising:
             energies = [float(state.weights @ potential) + state.elastic for state in rising]
             order = _ORDER if len(rising) >= _MANY else min(3, len(rising) - 1)  # of few states a high order swings
             found.append(make_interp_spline([state.gap for state in rising], energies, k=order))
@@ -148,8 +155,8 @@ class EdgeFlow(PressureCurve):
         NaN where the curve does not reach as far as that: its lowest pressure is at the end of a piece.
         """
         lowest = int(np.argmin(self.pressure))
-        first = len(self._places[0])  # of the second piece
-        return float("nan") if lowest in (0, first - 1, first) else float(self.pressure[lowest])
+        ends = np.cumsum([len(places) for places in self._places])
+        return float("nan") if lowest == 0 or lowest in ends or lowest in ends - 1 else float(self.pressure[lowest])
 
     def pressure_at(self, mean_gap: float) -> float:
         """Pressure at a mean gap within the curve (Pa); NaN between its pieces."""
@@ -171,7 +178,7 @@ class EdgeFlow(PressureCurve):
 
     def _state(self, mean_gap: float) -> GapState:
         gap = float(np.clip(mean_gap / self.length, self.equilibria[-1].gap, self.equilibria[0].gap))
-        piece = next(piece for piece in self._pieces if gap <= piece[-1].gap)  # between pieces the farther one
+        piece = next(piece for piece in self._rising if gap <= piece[-1].gap)  # between pieces the farther one
         falling = piece[::-1]
         gaps = np.array([found.gap for found in falling])
         after = int(np.clip(np.searchsorted(-gaps, -gap), 1, gaps.size - 1))
@@ -195,7 +202,7 @@ class EdgeFlow(PressureCurve):
         )
 
     def _solved(self, found: Equilibrium) -> bool:
-        return found.change <= self._problem.tolerance
+        return found.change <= self._problem.tolerance and found.bounded <= _BOUNDED
 
 
 def edge_flow(
@@ -261,7 +268,8 @@ def edge_flow(
     solid = elasticity_of(elasticity)
     modulus = solid.contact_modulus
     reduced = law.scaled(length, modulus)
-    x = gap_nodes(spectrum, solid, reduced, length, largest_gap, gaps)
+    nodes = nodes_even_in_stress(spectrum, solid, reduced, length, largest_gap, gaps)
+    x = nodes.gaps
     traction = np.array(reduced.traction(x), dtype=float)
     deviation = float(np.sqrt(spectrum.full_contact_stress_variance(solid.stiffness))) / modulus
     if highest_pressure is None:
@@ -276,5 +284,15 @@ def edge_flow(
     near = far if smallest_gap is None else finite("smallest_gap", smallest_gap, "m") / length
     if near <= x[0]:
         raise ValueError(f"smallest_gap = {smallest_gap:g} m: the nodes begin at {x[0] * length:.6g} m")
-    problem = Problem(x, traction, scales_of(spectrum, solid, length, scales), tolerance, iterations, kernel)
-    return EdgeFlow(reduced, length, modulus, *curve(problem, far, near, highest), problem)
+    share = law.work_of_adhesion / float(spectrum.full_contact_energy(solid.stiffness))
+    for count in (scales, _MORE_SCALES * scales):
+        problem = Problem(x, traction, scales_of(spectrum, solid, length, count), tolerance, iterations, kernel)
+        softening = reduced.strongest_softening / float(problem.scales.stiffness[0])
+        limit = (
+            f"{share:.2g} of the energy of full contact, softening {softening:.2g} times the finest wave's stiffness"
+        )
+        pieces, lost = curve(problem, far, near, highest, count > scales)
+        flow = EdgeFlow(reduced, length, modulus, pieces, lost, limit, problem, nodes)
+        if flow.converged:
+            break
+    return flow

@@ -20,6 +20,10 @@ _EMPTY = 1e-12
 _STABLE = 0.8
 
 
+# Largest growth of the gradients in a stage of a step: its implicit equations have no sense where it reaches 1.
+_FASTEST = 0.5
+
+
 def differences(x: np.ndarray) -> np.ndarray:
     """Coefficients of the differences on nodes, shape (5, n); the first four are zero at the ends.
 
@@ -141,6 +145,21 @@ def compare(weights, response, answer, least, largest, unseen, importance):
             answer[k, i] = bounded
         if change > worst or change != change:  # no number is no convergence, and stays
             worst = change
+    return worst
+
+
+@njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract", "arcp", "nsz"})
+def bounded_area(geometry, steps, sharp, response, weights):
+    """Largest area of a scale where the growth of the gradients is bounded: its step is too long for the response."""
+    worst = 0.0
+    for k in range(steps.size):
+        weight = steps[k] if steps.size - 1 - k < sharp else _GAMMA * steps[k]
+        area = 0.0
+        for i in range(1, response.shape[1] - 1):
+            before, here, behind = response[k, i - 1], response[k, i], response[k, i + 1]
+            if weight * (geometry[0, i] * (here - before) ** 2 + geometry[1, i] * (behind - here) ** 2) > _FASTEST:
+                area += 0.5 * (weights[k, i] + weights[k + 1, i])
+        worst = max(worst, area)
     return worst
 
 
@@ -302,7 +321,8 @@ def _gradient_flow(geometry, response, weight, factors):
         before, here, behind = response[i - 1], response[i], response[i + 1]
         lower[i] = -left * before**2
         upper[i] = -right * behind**2
-        diagonal[i] = 1.0 - lower[i] - upper[i] - left * (here - before) ** 2 - right * (behind - here) ** 2
+        growth = left * (here - before) ** 2 + right * (behind - here) ** 2
+        diagonal[i] = 1.0 - lower[i] - upper[i] - min(growth, _FASTEST)
     factorise(lower, diagonal, upper, factors[0], factors[1], factors[2])
 
 

@@ -27,7 +27,7 @@ import numpy as np
 from contact_study.physics.laws.base import TractionLaw
 from contact_study.physics.roughness.spectrum import RoughnessSpectrum
 from contact_study.physics.solids import Elasticity, elasticity_of
-from theory.gap_flow.gap_grid import GapNodes
+from theory.gap_flow.gap_grid import GapNodes, gap_nodes
 from theory.gap_flow.kernels import BRANCHES, flow_through_scales, trace_back
 from theory.gap_flow.pressure_curve import PressureCurve, core_of, positions
 from theory.gap_flow.state import GapState, cumulatives
@@ -202,20 +202,6 @@ def gap_flow(
     hull = np.empty((steps.size, x.size), dtype=np.int32)
     lost = int(flow_through_scales(x, stiffness, steps, BRANCHES.index(branch), iterations, energy, compliances, hull))
     return GapFlow(reduced, length, contact_modulus, branch, x, energy, lost, stiffness, steps, compliances, hull)
-
-
-def gap_nodes(
-    spectrum: RoughnessSpectrum, solid: Elasticity, law: TractionLaw, length: float, largest_gap: float, count: int
-) -> np.ndarray:
-    """Nodes from deep in the repulsion to far above the roughness, finest where the law varies."""
-    # No patch is pressed by twenty deviations of the stress in full contact. Mean pressures up to the modulus itself
-    # are far more than linear elasticity can make sense of.
-    deviation = float(np.sqrt(spectrum.full_contact_stress_variance(solid.stiffness))) / solid.contact_modulus
-    highest = max(20 * deviation, 1.0) + 5 * law.peak_tensile_stress
-    lowest = float(law.repulsive_gap(np.array(-highest)))
-    roughness = np.sqrt(spectrum.mean_square_height) / length
-    reach = max(5.0 + 11 * roughness, largest_gap / length + 7 * roughness)
-    return lowest + 0.8 * np.sinh(np.linspace(0, np.arcsinh((reach - lowest) / 0.8), count))
 
 
 def _scales(spectrum: RoughnessSpectrum, solid: Elasticity, length: float, count: int) -> tuple[np.ndarray, np.ndarray]:

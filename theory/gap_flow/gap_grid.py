@@ -7,9 +7,21 @@ import numpy as np
 from numba import njit
 
 from contact_study.physics.laws.base import TractionLaw
+from contact_study.physics.roughness.spectrum import RoughnessSpectrum
+from contact_study.physics.solids import Elasticity
 
 # Pieces of a node's interval over which the distribution of stress is summed.
 _PIECES = 32
+
+# Distance from the lowest node, in the law's lengths, over which nodes are spaced evenly before they widen.
+_FINE = 0.8
+
+# Nodes for one deviation of the stress of full contact, deviations up to which that holds, the part of it for tension,
+# the peak tension in deviations from which on it counts for these, and the range of the gap that is usual.
+_NODES_PER_DEVIATION, _EVEN, _OF_TENSION, _STRONGEST, _USUAL_STEPS = 4.0, 4.0, 0.5, 10.0, 4.6
+
+# Points between which the coordinate of the nodes is interpolated.
+_TABLE = 40001
 
 
 @dataclass(frozen=True, eq=False)
@@ -22,16 +34,24 @@ class GapNodes:
         The law, in units of its length and the contact modulus.
     gaps : numpy.ndarray, shape (n,)
         Rising nodes of the local gap in units of that length.
+    between : numpy.ndarray, shape (n - 1,), optional
+        Where the interval of one node ends and that of the next begins; by default halfway.
     """
 
     law: TractionLaw
     gaps: np.ndarray
+    between: np.ndarray | None = None
 
     @cached_property
     def edges(self) -> np.ndarray:
         """Ends of the intervals over which the nodes' weights are spread, shape (n + 1,)."""
-        middle = 0.5 * (self.gaps[1:] + self.gaps[:-1])
+        middle = 0.5 * (self.gaps[1:] + self.gaps[:-1]) if self.between is None else self.between
         return np.concatenate([self.gaps[:1], middle, self.gaps[-1:]])
+
+    def mean_stress(self, cubics: np.ndarray) -> float:
+        """Mean of the distribution that :meth:`stress_masses` sorts into bins, in units of the modulus."""
+        stress = self._stress
+        return float(self._shares(cubics) @ (0.5 * (stress[1:] + stress[:-1])))
 
     def stress_masses(self, cubics: np.ndarray, bins: np.ndarray) -> np.ndarray:
         """Area in each bin of the stress σ = −φ'(u), shape (m,) for m + 1 rising ends in units of the modulus.
@@ -47,18 +67,73 @@ class GapNodes:
         bins : numpy.ndarray, shape (m + 1,)
             Ends of the bins.
         """
+        masses = np.zeros(bins.size - 1)
+        _spread(self._stress, self._shares(cubics), bins, masses)
+        return masses
+
+    def _shares(self, cubics: np.ndarray) -> np.ndarray:
+        """Area in each piece."""
         ends = np.arange(_PIECES + 1) / _PIECES
         powers = np.diff(ends ** np.array([[3], [2], [1]]))
-        shares = (cubics[:3] * np.diff(self.edges) ** np.array([[3], [2], [1]])).T @ powers
-        masses = np.zeros(bins.size - 1)
-        _spread(self._stress, shares.ravel(), bins, masses)
-        return masses
+        return ((cubics[:3] * np.diff(self.edges) ** np.array([[3], [2], [1]])).T @ powers).ravel()
 
     @cached_property
     def _stress(self) -> np.ndarray:
         """σ at the ends of all pieces."""
         count = self.gaps.size
         return -self.law.traction(np.interp(np.arange(_PIECES * count + 1) / _PIECES, np.arange(count + 1), self.edges))
+
+
+def gap_nodes(
+    spectrum: RoughnessSpectrum, solid: Elasticity, law: TractionLaw, length: float, largest_gap: float, count: int
+) -> np.ndarray:
+    """Nodes from deep in the repulsion to far above the roughness, finest where the law varies."""
+    lowest, steps = _reach(spectrum, solid, law, length, largest_gap)
+    return lowest + _FINE * np.sinh(np.linspace(0, steps, count))
+
+
+def nodes_even_in_stress(
+    spectrum: RoughnessSpectrum, solid: Elasticity, law: TractionLaw, length: float, largest_gap: float, count: int
+) -> GapNodes:
+    """Nodes as those of :func:`gap_nodes`, and more where the stress of the law varies.
+
+    The repulsion is so steep that nodes of the gap alone leave few to stresses which decide the mean. These nodes are
+    spaced evenly in a sum of the two coordinates, and so are the ends of their intervals.
+
+    Parameters
+    ----------
+    spectrum, solid, law, length, largest_gap
+        As for :func:`gap_nodes`.
+    count : int
+        Nodes for roughness of the law's own size; wider ranges have more, as many for each factor of e.
+    """
+    lowest, steps = _reach(spectrum, solid, law, length, largest_gap)
+    count = int(np.ceil(count * max(steps / _USUAL_STEPS, 1)))
+    fine = np.linspace(0, steps, _TABLE)
+    gaps = lowest + _FINE * np.sinh(fine)
+    deviation = float(np.sqrt(spectrum.full_contact_stress_variance(solid.stiffness))) / solid.contact_modulus
+    stress = -law.traction(gaps) / max(deviation, law.peak_tensile_stress / _STRONGEST)
+    # Even up to some deviations of the stress of full contact, logarithmic beyond; the tension by half as many.
+    change = np.abs(np.diff(np.where(stress > 0, _EVEN * np.arcsinh(stress / _EVEN), _OF_TENSION * stress)))
+    law_nodes = _NODES_PER_DEVIATION * np.concatenate([[0.0], np.cumsum(change)])
+    law_nodes *= min(1.0, 0.5 * (count - 1) / law_nodes[-1])
+    number = law_nodes + (count - 1 - law_nodes[-1]) * fine / steps
+    places = np.interp(np.arange(2 * count - 1) / 2, number, gaps)
+    return GapNodes(law, places[::2], places[1::2])
+
+
+def _reach(
+    spectrum: RoughnessSpectrum, solid: Elasticity, law: TractionLaw, length: float, largest_gap: float
+) -> tuple[float, float]:
+    """The lowest node, and how far the highest is in the inverse hyperbolic sine of the distance from it."""
+    # No patch is pressed by twenty deviations of the stress in full contact. Mean pressures up to the modulus itself
+    # are far more than linear elasticity can make sense of.
+    deviation = float(np.sqrt(spectrum.full_contact_stress_variance(solid.stiffness))) / solid.contact_modulus
+    highest = max(20 * deviation, 1.0) + 5 * law.peak_tensile_stress
+    lowest = float(law.repulsive_gap(np.array(-highest)))
+    roughness = np.sqrt(spectrum.mean_square_height) / length
+    reach = max(5.0 + 11 * roughness, largest_gap / length + 7 * roughness)
+    return lowest, float(np.arcsinh((reach - lowest) / _FINE))
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

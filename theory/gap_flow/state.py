@@ -120,6 +120,12 @@ class GapState:
         """−<φ'>, which balances :attr:`pressure` up to the resolution of gaps and scales (Pa)."""
         return -float(self.weights @ self.law.traction(self.gaps)) * self.contact_modulus
 
+    @property
+    def stress_balance(self) -> float:
+        """∫σP(σ) dσ / p: 1 but for the resolution and, in the edge flow, the trial field; NaN at p = 0."""
+        mean = self.nodes.mean_stress(self._cumulative.c) * self.contact_modulus
+        return mean / self.pressure if self.pressure else float("nan")
+
     @cached_property
     def _cumulative(self) -> PPoly:
         return self.cumulative or cumulatives(self.nodes, self.weights[None, :])[0]
@@ -164,6 +170,7 @@ class GapState:
             "elastic_energy": self.elastic_energy,
             "interaction_energy": self.interaction_energy,
             "local_mean_pressure": self.mean_traction,
+            "stress_balance": self.stress_balance,
             "pressure_pdf": self.pressure_density,
             "gap_pdf": self.gap_density,
             "converged": self.converged and self.complete,

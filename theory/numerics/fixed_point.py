@@ -20,6 +20,8 @@ def accelerated(
     iterations: int,
     mixing: float = 0.5,
     memory: int = 10,
+    largest_step: float = np.inf,
+    restarts: int = 0,
 ) -> tuple[np.ndarray, float, int]:
     """Iterate until the change that ``update`` reports is within the tolerance.
 
@@ -40,6 +42,10 @@ def accelerated(
         Share of the residual that a step takes in directions which are not remembered.
     memory : int, optional
         States that are remembered.
+    largest_step : float, optional
+        Largest change of a value in a step.
+    restarts : int, optional
+        How often in a row a step that leads to no numbers is halved and the remembered states are dropped.
 
     Returns
     -------
@@ -51,11 +57,11 @@ def accelerated(
         Updates made.
     """
     residual, weight, change = update(values)
-    count = 1
+    count, held, oldest = 1, 0, 0
     moves, turns = np.empty((2, memory, values.size))
     products = np.empty((memory + 2, memory + 2))
+    halvings = 0
     while tolerance < change < np.inf and count < iterations:
-        held = min(count - 1, memory)
         shares: np.ndarray = np.zeros(held)
         if held:
             _weighted_products(turns[:held], weight.ravel(), residual.ravel(), products)
@@ -64,16 +70,25 @@ def accelerated(
             shares = np.linalg.solve(own, products[held, :held])
         step = np.empty_like(values)
         _step(shares, mixing, moves[:held], residual.ravel(), step.ravel())
+        if np.isfinite(largest_step):
+            step = 0.5**halvings * np.clip(step, -largest_step, largest_step)
         before, moved = residual, np.clip(values + step, *bounds)
         residual, weight, change = update(moved)
+        count += 1
         if not np.isfinite(change):  # what the caller keeps of the last update is to be numbers
-            update(values)
-            return values, np.inf, count + 2
-        oldest = (count - 1) % memory
+            residual, weight, change = update(values)
+            count += 1
+            if halvings == restarts:
+                return values, np.inf, count
+            halvings += 1
+            held = oldest = 0
+            continue
+        halvings = max(halvings - 1, 0)
         np.subtract(residual, before, out=turns[oldest].reshape(values.shape))
         _remember(moved.ravel(), values.ravel(), mixing, turns[oldest], moves[oldest])
+        oldest = (oldest + 1) % memory
+        held = min(held + 1, memory)
         values = moved
-        count += 1
     return values, change, count
 
 

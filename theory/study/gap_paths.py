@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from contact_study.study.case import Case
-from theory.edge_flow.flow import EdgeFlow
+from theory.edge_flow.flow import REMEDY, EdgeFlow
 from theory.gap_flow.flow import GapFlow
 from theory.gap_flow.state import GapState
 from theory.numerics.background import BackgroundExecutor, BackgroundTask
@@ -73,7 +73,7 @@ def _edge_flow_values(case: Case, flow: EdgeFlow, ahead: BackgroundExecutor, sta
     if not flow.converged:
         warnings.warn(
             f"edge flow: {flow.unconverged_states} of {len(flow.equilibria) + flow.lost} mean gaps did not converge"
-            + (", between separation and contact; states of either that it gives are sound" if flow.outward else ""),
+            + (", between pieces of the curve; states of these are sound" if len(flow.pieces) > 1 else ""),
             NotConverged,
             stacklevel=2,
         )
@@ -87,7 +87,7 @@ def _edge_flow_values(case: Case, flow: EdgeFlow, ahead: BackgroundExecutor, sta
     def values(number: int) -> dict[str, Any]:
         asked, gap = case.path[number][0], gaps[number]
         if gap is None:
-            found = _not_found(asked if case.loading.control == "gap" else np.nan)
+            found = _not_found(asked if case.loading.control == "gap" else np.nan, flow.limit)
         elif np.isnan(gap):
             found = _come_off(flow.converged)
         else:
@@ -114,21 +114,24 @@ def _come_off(converged: bool) -> dict[str, Any]:
         "converged": converged,
         "relative_repulsive_area": 0.0,
         "local_mean_pressure": 0.0,
+        "stress_balance": float("nan"),
         "pressure_pdf": nowhere,
         "gap_pdf": nowhere,
     }
 
 
-def _not_found(gap: float) -> dict[str, Any]:
+def _not_found(gap: float, limit: str) -> dict[str, Any]:
     """Quantities of a state that the iteration did not find: NaN, and flagged."""
     unknown: Callable[[np.ndarray], np.ndarray] = lambda edges: np.full(edges.size - 1, np.nan)  # noqa: E731
     names = ("mean_pressure", "relative_contact_area", "relative_repulsive_area", "elastic_energy")
     return {
-        **dict.fromkeys((*names, "interaction_energy", "local_mean_pressure", "residual"), float("nan")),
+        **dict.fromkeys(
+            (*names, "interaction_energy", "local_mean_pressure", "stress_balance", "residual"), float("nan")
+        ),
         "mean_gap": gap,
         "pressure_pdf": unknown,
         "gap_pdf": unknown,
         "converged": False,
         "detached": False,
-        "message": "the edge flow found no state here: its curve of mean gaps ends before",
+        "message": f"adhesion is too strong for the edge flow ({limit}); {REMEDY}",
     }
