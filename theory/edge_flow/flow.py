@@ -58,8 +58,8 @@ _NEIGHBOURS = 4
 _WHOLE_CONTACT = 4.0
 
 
-# Area of a scale in which the growth of the gradients may be bounded, and by how much more scales follow where it is not
-# so small or states are lost.
+# Area of a scale in which the growth of the gradients may be bounded, and how many times as many scales follow where it
+# is larger or states are lost.
 _BOUNDED, _MORE_SCALES = 0.1, 3
 
 # Where a curve ends early.
