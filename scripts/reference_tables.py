@@ -12,8 +12,8 @@ from collections.abc import Iterable
 from pathlib import Path
 from types import ModuleType
 
-from contact_study.report.compute import regime
-from contact_study.report.compute.regime import MEANINGS
+from contact_study.report.align import regime
+from contact_study.report.align.regime import MEANINGS
 from contact_study.results import constants, schema
 from contact_study.results.constants import CONSTANTS, ROUGHNESS
 from contact_study.results.observables import OBSERVABLES

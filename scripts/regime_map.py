@@ -17,9 +17,8 @@ from matplotlib.figure import Figure
 
 from contact_study.physics.tabor import DMT_LIKE, JKR_LIKE, tabor_parameter
 from contact_study.plots.style import COLOURS, DOUBLE, styled
-from contact_study.report.compute.regime import roughness
-from contact_study.report.labels import coordinate_label
-from contact_study.report.wording import number
+from contact_study.report.align.regime import roughness
+from contact_study.report.wording import coordinate_label, number
 from contact_study.study.case import Case, realise
 from contact_study.study.study import Study, read_study
 from scripts.harness import FIGURE, head, program, row, save

@@ -12,11 +12,11 @@ from pathlib import Path
 
 import xarray as xr
 
-from contact_study.report.compute.deviations import split_pair
+from contact_study.report.align.deviations import split_pair
 from contact_study.report.facts.findings import find
 from contact_study.report.models import entry_of, file_kinds, spectrum_of
 from contact_study.report.read.files import models_in
-from contact_study.report.text.result_tables import results_tables
+from contact_study.report.tables.results import results_tables
 from contact_study.report.wording import number
 from contact_study.units import quantity
 from scripts.harness import Option, head, program, row

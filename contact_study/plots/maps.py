@@ -1,5 +1,6 @@
 """Maps of a surface and of one state: height, gap, pressure, contact."""
 
+from collections.abc import Sequence
 from typing import Any
 
 import matplotlib
@@ -39,7 +40,9 @@ def height_map(dataset: xr.Dataset, axes: Axes | None = None) -> Axes:
 
 
 @styled
-def gap_map(dataset: xr.Dataset, axes: Axes | None = None) -> Axes:
+def gap_map(
+    dataset: xr.Dataset, axes: Axes | None = None, top: float | None = None, bar: Sequence[Axes] | None = ()
+) -> Axes:
     """Local gap of one state, contact in black.
 
     Parameters
@@ -48,6 +51,10 @@ def gap_map(dataset: xr.Dataset, axes: Axes | None = None) -> Axes:
         One state of a simulation with its fields, such as ``dataset.sel(step=3)``.
     axes : matplotlib.axes.Axes, optional
         Where to draw.
+    top : float, optional
+        Gap at the end of the colours (m), by default the largest of the state.
+    bar : sequence of matplotlib.axes.Axes, optional
+        Maps with the same colours that share the bar of colours, these axes by default; None for no bar.
 
     Raises
     ------
@@ -56,10 +63,17 @@ def gap_map(dataset: xr.Dataset, axes: Axes | None = None) -> Axes:
     """
     state = one_state(dataset, "gap", "contact_distance")
     gap = np.ma.masked_array(state["gap"].values, touching(state))
-    unit = length_unit(float(gap.max()) if gap.count() else float(state["contact_distance"]))
-    colours = matplotlib.colormaps["cividis"].with_extremes(bad="black")
+    bottom = float(state["contact_distance"])
+    top = float(gap.max()) if top is None and gap.count() else top or bottom
+    unit = length_unit(top)
+    colours = matplotlib.colormaps["cividis"].with_extremes(bad="black", under="black")
+    limits: dict[str, Any] = {
+        "vmin": bottom / unit.size,
+        "vmax": (top if top > bottom else bottom + unit.size) / unit.size,
+    }
     words = f"gap ({unit.name})" + (", contact black" if gap.mask.any() else "")
-    return _map(state, gap / unit.size, axes, words, cmap=colours, vmin=float(state["contact_distance"]) / unit.size)
+    below = "min" if gap.mask.any() else "neither"
+    return _map(state, gap / unit.size, axes, words, below, bar, cmap=colours, **limits)
 
 
 @styled
@@ -132,6 +146,7 @@ def _map(
     axes: Axes | None,
     words: str | None,
     extend: str = "neither",
+    bar: Sequence[Axes] | None = (),
     **options: Any,
 ) -> Axes:
     """A field (y, x) at the true proportions of the cell; no words, no bar of colours."""
@@ -147,6 +162,6 @@ def _map(
     )
     axes.set(xlabel=rf"$x$ ({unit.name})", ylabel=rf"$y$ ({unit.name})")
     axes.grid(False)
-    if words:
-        axes.figure.colorbar(image, ax=axes, label=words, extend=extend)
+    if words and bar is not None:
+        axes.figure.colorbar(image, ax=bar or axes, label=words, extend=extend, aspect=25 if bar else 20)
     return axes

@@ -14,17 +14,17 @@ from contact_study.campaign.command_line.command import DONE, NOT_CONVERGED, Par
 from contact_study.campaign.dataset.provenance import git_commit
 from contact_study.campaign.store.files import named_file, real, writable_output, writing
 from contact_study.errors import InputError
-from contact_study.report.compute.deviations import MISSING, compute_deviations, pairs_of
-from contact_study.report.compute.ensemble import ensemble_statistics
-from contact_study.report.compute.regime import compute_regime
-from contact_study.report.draw.style import FORMATS
+from contact_study.report.align.deviations import MISSING, compute_deviations, pairs_of
+from contact_study.report.align.ensemble import ensemble_statistics
+from contact_study.report.align.regime import compute_regime
+from contact_study.report.align.tree import comparison_tree
 from contact_study.report.facts.findings import find, surface_deviations
-from contact_study.report.illustrations import draw
+from contact_study.report.figures.illustrations import Figures, draw
+from contact_study.report.models import FORMATS
+from contact_study.report.page import FIGURE_TITLES, collected_warnings, render_report
 from contact_study.report.read.datasets import Inputs, read_inputs
 from contact_study.report.read.scatter import read_scatter
-from contact_study.report.text.report import FIGURE_TITLES, Figures, collected_warnings, render_report
-from contact_study.report.text.setting_tables import unconverged_steps
-from contact_study.report.tree import comparison_tree
+from contact_study.report.tables.settings import unconverged_steps
 from contact_study.results.schema import CONVENTIONS, SCHEMA_VERSION
 
 COMMAND = "contact-compare"
@@ -69,7 +69,7 @@ def _main(arguments: Sequence[str]) -> int:
     of_surfaces = ensemble_statistics({scatter.model: scatter.dataset}) if scatter else {}
     shown = inputs.with_first_spectra.models
     from_surfaces = surface_deviations(inputs.models, scatter.model, scatter.dataset) if scatter else None
-    drawn = draw(inputs, wanted, formats, scatter) if given.figures or report else Figures({}, {})
+    drawn = draw(inputs, wanted, formats, scatter) if given.figures or report else Figures()
     tree = comparison_tree(inputs, deviations, regime, attrs, of_surfaces, from_surfaces)
     outputs: dict[Path, Callable[[Path], Any]] = {
         output: lambda path: tree.to_netcdf(path, engine="netcdf4", write_inherited_coords=True)

@@ -4,12 +4,10 @@ To show another model is to add its entry. A name here is the ``model`` attribut
 dimension ``theory``.
 """
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
-from contact_study.report import model_settings as choices
 from contact_study.results.schema import SPECTRUM_MARK
-from contact_study.study.case import Case
 
 _PRESSED = "the surfaces are pressed closer than this distance on average"
 
@@ -17,6 +15,9 @@ _OWN = "this project's own, unpublished"
 
 # Between the name of a model and the file that tells one of its datasets from another: "continuum:coarse".
 _OF = ":"
+
+FORMATS = ("png", "pdf", "svg")
+"""Formats of figures."""
 
 TARGET = "analytic"  # the spectrum that surfaces are made from
 
@@ -66,8 +67,8 @@ class ShownModel:
     densities, area, negative_gap : str
         What is to be known of its distributions, of its contact area, and of a mean gap below zero; without the first
         two it counts as the simulations do.
-    choices : callable or None
-        Its own choices in words, from the cases of its study.
+    settings : str
+        Macro of ``templates/settings.j2`` that puts its settings into words.
     """
 
     name: str
@@ -94,13 +95,13 @@ class ShownModel:
     densities: str = ""
     area: str = ""
     negative_gap: str = _PRESSED
-    choices: Callable[[Sequence[Case]], str] | None = None
+    settings: str = ""
 
 
 MODELS = (
     ShownModel(
         name="atomistic",
-        choices=choices.atoms,
+        settings="atoms",
         file="atomistic",
         label="atoms",
         words="the atoms",
@@ -123,7 +124,7 @@ MODELS = (
     ),
     ShownModel(
         name="continuum",
-        choices=choices.continuum,
+        settings="continuum",
         file="continuum",
         label="continuum",
         words="the continuum",
@@ -144,7 +145,7 @@ MODELS = (
     ),
     ShownModel(
         name="persson",
-        choices=choices.theories,
+        settings="theories",
         file="theory",
         label="Persson's theory",
         words="Persson's theory",
@@ -165,7 +166,7 @@ MODELS = (
     ),
     ShownModel(
         name="gap_flow",
-        choices=choices.theories,
+        settings="theories",
         file="theory",
         label="gap-flow theory",
         words="the gap-flow theory",
@@ -182,7 +183,7 @@ MODELS = (
     ),
     ShownModel(
         name="edge_flow",
-        choices=choices.theories,
+        settings="theories",
         file="theory",
         label="edge flow",
         words="the edge flow",

@@ -8,6 +8,7 @@ from markupsafe import Markup, escape
 
 from contact_study.report import wording
 from contact_study.report.models import entry_of
+from contact_study.units import quantity
 
 # Symbols whose subscripts are set as such; study text is full of underscores that are none.
 _SUBSCRIPTS = re.compile(r"\b(h|U|σ|d|q)_(rms|full|max|eq|L|a)\b")
@@ -20,14 +21,14 @@ def render(template: str, **values: Any) -> str:
 
 
 def paragraphs(template: str, **values: Any) -> list[str]:
-    """Fill in a template of plain text and return its paragraphs, which blank lines separate.
+    """Fill in a template of plain text and return its paragraphs, which lines of three hyphens separate.
 
     A template may break its lines anywhere: line breaks and spaces inside a paragraph become single spaces, and none
-    remains before a punctuation mark.
+    remains inside brackets or before a punctuation mark.
     """
     text = _environment(autoescape=False).get_template(template).render(**values)
-    joined = (re.sub(r"[ \t\n]+", " ", paragraph).strip() for paragraph in re.split(r"\n[ \t]*\n", text))
-    tidy = (re.sub(r" (?=[,;:.)](\s|$|[,;:.)]))", "", re.sub(r"\( ", "(", paragraph)) for paragraph in joined)
+    joined = (re.sub(r"[ \t\n]+", " ", paragraph).strip() for paragraph in re.split(r"\n *---(?=\n|$)", text))
+    tidy = (re.sub(r"(?<=\() | (?=[,;:.)](?:[\s,;:.)]|$))", "", paragraph) for paragraph in joined)
     return [paragraph for paragraph in tidy if paragraph]
 
 
@@ -40,15 +41,16 @@ def _environment(autoescape: bool) -> jinja2.Environment:
     environment = jinja2.Environment(
         loader=jinja2.PackageLoader("contact_study.report", "templates"),
         autoescape=autoescape,
-        trim_blocks=True,
-        lstrip_blocks=True,
+        trim_blocks=autoescape,  # of HTML alone: in paragraphs a line break is a space
+        lstrip_blocks=autoescape,
         undefined=jinja2.StrictUndefined,
     )
-    names = ("number", "fixed", "percent", "percent_of", "listed", "listed_points")
+    names = ("number", "fixed", "percent", "percent_of", "listed", "listed_points", "varied", "modulus")
     environment.filters |= {name: getattr(wording, name) for name in names}
     environment.filters |= {"symbols": _symbols, "sentence": capitalised, "error": wording.with_error}
     environment.filters |= {"words": lambda name: entry_of(name).words, "label": lambda name: entry_of(name).label}
-    environment.filters["entry"] = entry_of
+    environment.filters |= {"metres": wording.length, "lookup": lambda key, table: table[key]}
+    environment.globals["meV"] = quantity("1 meV", "J", "well_depth")
     return environment
 
 

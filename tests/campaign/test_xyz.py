@@ -13,8 +13,8 @@ from contact_study import plots
 from contact_study.campaign.dataset.xyz import to_xyz
 from contact_study.plots.atoms import NEEDED
 from contact_study.report import command
-from contact_study.report.compute.atom_state import read_atoms
-from contact_study.report.compute.shown_states import panel_points
+from contact_study.report.facts.shown_states import panel_points
+from contact_study.report.figures.atom_state import read_atoms
 from contact_study.report.read.datasets import read_inputs
 from contact_study.study.study import make_study
 from md_reference.study.dynamics import build_block

@@ -5,7 +5,7 @@ import io
 import pytest
 from matplotlib.figure import Figure
 
-from contact_study.report import illustrations
+from contact_study.report.figures import illustrations
 
 
 @pytest.fixture

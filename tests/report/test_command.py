@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from contact_study.report import illustrations
+from contact_study.report.align.deviations import compute_deviations
 from contact_study.report.command import main
-from contact_study.report.compute.deviations import compute_deviations
-from contact_study.report.compute.gap_maps import read_gap_maps
-from contact_study.report.compute.shown_states import panel_points
+from contact_study.report.facts.shown_states import panel_points
+from contact_study.report.figures import illustrations
+from contact_study.report.figures.gap_maps import read_gap_maps
 from contact_study.report.read.datasets import read_inputs
 from contact_study.report.read.files import field_at
 from contact_study.report.wording import percent

@@ -9,7 +9,7 @@ import pytest
 import xarray as xr
 
 from contact_study.errors import InputError
-from contact_study.report.compute.cases import sweep_points
+from contact_study.report.align.cases import sweep_points
 from contact_study.report.read.datasets import read_inputs
 from contact_study.report.read.differences import ONE_CONTACT, check_studies
 from contact_study.report.read.files import field_at

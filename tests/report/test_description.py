@@ -5,8 +5,8 @@ import tomllib
 import pytest
 import xarray as xr
 
+from contact_study.report.facts.question import sample_notes, study_paragraphs
 from contact_study.report.read.datasets import Inputs, read_inputs
-from contact_study.report.text.description import sample_notes, study_paragraphs
 from contact_study.study.study import make_study
 from tests.report.synthetic import STUDY, write
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from contact_study.report.compute.deviations import (
+from contact_study.report.align.deviations import (
     COMPARED,
     DETACHED,
     MISSING,

@@ -10,10 +10,12 @@ from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from matplotlib.legend import Legend
 
-from contact_study.report import illustrations
-from contact_study.report.compute import bands, plotted
-from contact_study.report.compute.cases import sweep_points
-from contact_study.report.compute.curves import (
+from contact_study.report.align.cases import sweep_points
+from contact_study.report.align.scales import scales
+from contact_study.report.facts.shown_states import common_label, panel_points
+from contact_study.report.figures import bands, illustrations, plotted
+from contact_study.report.figures import panels as figures
+from contact_study.report.figures.curves import (
     Curve,
     in_compression,
     logarithmic,
@@ -21,12 +23,9 @@ from contact_study.report.compute.curves import (
     path_segments,
     window,
 )
-from contact_study.report.compute.gap_maps import GapMaps, read_gap_maps
-from contact_study.report.compute.scales import scales
-from contact_study.report.compute.shown_states import common_label, panel_points
-from contact_study.report.draw import figures
-from contact_study.report.draw.gap_map import gap_map_figure
-from contact_study.report.draw.legends import band_label
+from contact_study.report.figures.draw_gap_map import gap_map_figure
+from contact_study.report.figures.gap_maps import GapMaps, read_gap_maps
+from contact_study.report.figures.legends import band_label
 from contact_study.report.read.datasets import read_inputs
 from tests.report.synthetic import GAP_STUDY, STUDY, write, write_all
 

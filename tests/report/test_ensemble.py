@@ -6,13 +6,13 @@ import xarray as xr
 from matplotlib.collections import PolyCollection
 
 from contact_study.errors import InputError
+from contact_study.report.align.deviations import compute_deviations
+from contact_study.report.align.ensemble import ensemble_statistics
 from contact_study.report.command import main
-from contact_study.report.compute import plotted
-from contact_study.report.compute.curves import Curve, error_band
-from contact_study.report.compute.deviations import compute_deviations
-from contact_study.report.compute.ensemble import ensemble_statistics
-from contact_study.report.compute.shown_states import panel_points
-from contact_study.report.draw import figures
+from contact_study.report.facts.shown_states import panel_points
+from contact_study.report.figures import panels as figures
+from contact_study.report.figures import plotted
+from contact_study.report.figures.curves import Curve, error_band
 from contact_study.report.read.datasets import read_inputs
 from tests.report.synthetic import STUDY, area, write
 

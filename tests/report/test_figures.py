@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 
-from contact_study.report.compute import bands, plotted
-from contact_study.report.compute.cases import sweep_points
-from contact_study.report.compute.curves import smallest_resolved
-from contact_study.report.compute.scales import scales
-from contact_study.report.compute.shown_states import panel_points
-from contact_study.report.draw import figures
-from contact_study.report.draw.style import png
+from contact_study.report.align.cases import sweep_points
+from contact_study.report.align.scales import scales
+from contact_study.report.facts.shown_states import panel_points
+from contact_study.report.figures import bands, plotted
+from contact_study.report.figures import panels as figures
+from contact_study.report.figures.curves import smallest_resolved
+from contact_study.report.figures.style import png
 from contact_study.report.read.datasets import read_inputs
 from contact_study.study.bins import bins_of
 from tests.report.synthetic import (

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from contact_study.report.compute.deviations import compute_deviations
-from contact_study.report.compute.ensemble import ensemble_statistics
-from contact_study.report.compute.regime import compute_regime
+from contact_study.report.align.deviations import compute_deviations
+from contact_study.report.align.ensemble import ensemble_statistics
+from contact_study.report.align.regime import compute_regime
 from contact_study.report.facts.findings import find, surface_deviations
 from contact_study.report.facts.ranking import DIVIDED, EQUAL, NEARER, rank_models
 from contact_study.report.models import MODELS

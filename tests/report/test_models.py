@@ -11,12 +11,12 @@ import xarray as xr
 
 import contact_study.report
 from contact_study.report import models
+from contact_study.report.align.deviations import pairs_of
 from contact_study.report.command import main
-from contact_study.report.compute.deviations import pairs_of
-from contact_study.report.compute.plotted import contact_area_data
-from contact_study.report.draw.figures import contact_area_figure
+from contact_study.report.figures.panels import contact_area_figure
+from contact_study.report.figures.plotted import contact_area_data
 from contact_study.report.read.datasets import read_inputs
-from contact_study.report.text.result_tables import results_tables
+from contact_study.report.tables.results import results_tables
 from tests.report.synthetic import AREA_FACTOR, area, write_all
 
 MADE_UP = dataclasses.replace(
@@ -29,7 +29,7 @@ MADE_UP = dataclasses.replace(
     line="-.",
     about="It is of no use.",
     start="The made-up theory starts nowhere.",
-    choices=None,
+    settings="",
 )
 
 

@@ -8,16 +8,16 @@ import pytest
 import xarray as xr
 
 from contact_study.errors import InputError
+from contact_study.report.align.cases import sweep_points
+from contact_study.report.align.deviations import pairs_of
+from contact_study.report.align.scales import scales
 from contact_study.report.command import main
-from contact_study.report.compute.cases import sweep_points
-from contact_study.report.compute.curves import Curve
-from contact_study.report.compute.deviations import pairs_of
-from contact_study.report.compute.magnification import read_magnification
-from contact_study.report.compute.scales import scales
-from contact_study.report.compute.shown_states import panel_points
-from contact_study.report.draw.figures import contact_area_figure
-from contact_study.report.draw.magnification import magnification_figure
-from contact_study.report.draw.style import look_of
+from contact_study.report.facts.shown_states import panel_points
+from contact_study.report.figures.curves import Curve
+from contact_study.report.figures.draw_magnification import magnification_figure
+from contact_study.report.figures.magnification import read_magnification
+from contact_study.report.figures.panels import contact_area_figure
+from contact_study.report.figures.style import look_of
 from contact_study.report.read.datasets import read_inputs
 from tests.report.synthetic import AREA_FACTOR, STUDY, area, gap, write
 

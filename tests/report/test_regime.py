@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from contact_study.physics.solids import HalfSpace, Layer
-from contact_study.report.compute.regime import compute_regime, roughness
+from contact_study.report.align.regime import compute_regime, roughness
 from contact_study.report.read.datasets import read_inputs
 from contact_study.study.case import realise
 from tests.report.synthetic import STUDY, study, write

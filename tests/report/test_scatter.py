@@ -7,11 +7,11 @@ from matplotlib.collections import PolyCollection
 
 from contact_study.errors import InputError
 from contact_study.report.command import main
-from contact_study.report.compute.curves import Curve
-from contact_study.report.compute.plotted import path_curves
-from contact_study.report.compute.scatter import scatter_strips
-from contact_study.report.draw import figures
-from contact_study.report.draw.style import SWEEP_COLOURS
+from contact_study.report.figures import panels as figures
+from contact_study.report.figures.curves import Curve
+from contact_study.report.figures.plotted import path_curves
+from contact_study.report.figures.strips import scatter_strips
+from contact_study.report.figures.style import SWEEP_COLOURS
 from contact_study.report.read.datasets import read_inputs
 from contact_study.report.read.scatter import read_scatter
 from tests.report.synthetic import STUDY, area, gap, write, write_all

@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-from contact_study.report.compute.cases import Series, series
-from contact_study.report.compute.deviations import compute_deviations
-from contact_study.report.compute.regime import compute_regime
+from contact_study.report.align.cases import Series, series
+from contact_study.report.align.deviations import compute_deviations
+from contact_study.report.align.regime import compute_regime
 from contact_study.report.read.datasets import read_inputs
-from contact_study.report.text.result_tables import deviation_tables, results_tables, summary_table
-from contact_study.report.text.setting_tables import constants_table, effort_table, regime_table, unconverged_steps
+from contact_study.report.tables.results import deviation_tables, results_tables, summary_table
+from contact_study.report.tables.settings import constants_table, effort_table, regime_table, unconverged_steps
 from tests.report import synthetic
 from tests.report.synthetic import AREA_FACTOR, GAP_SHIFT, area, gap, write, write_all
 

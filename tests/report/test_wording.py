@@ -3,7 +3,7 @@
 import pytest
 
 from contact_study.report import wording
-from contact_study.report.labels import coordinate_label
+from contact_study.report.wording import coordinate_label
 
 
 @pytest.mark.parametrize(

@@ -7,9 +7,9 @@ import numpy as np
 import xarray as xr
 
 from contact_study.plots.units import length_unit, pressure_unit
-from contact_study.report.compute.cases import SweepPoint, case_points, select, sweep_points
-from contact_study.report.compute.deviations import COMPARED, compute_deviations, split_pair
-from contact_study.report.compute.scales import scales
+from contact_study.report.align.cases import SweepPoint, case_points, select, sweep_points
+from contact_study.report.align.deviations import COMPARED, compute_deviations, split_pair
+from contact_study.report.align.scales import scales
 from contact_study.report.facts.ranking import AREA, GAP, Ranking, rank_models
 from contact_study.report.models import TARGET, entry_of, kind_of, spectrum_of
 from contact_study.report.read.load_steps import averaged, on_common_path, samples_in, usable

@@ -13,9 +13,9 @@ import numpy as np
 import xarray as xr
 from scipy.special import stdtrit
 
-from contact_study.report.compute.cases import SweepPoint, select, sweep_points
-from contact_study.report.compute.deviations import COMPARED, split_pair
-from contact_study.report.compute.scales import scales
+from contact_study.report.align.cases import SweepPoint, select, sweep_points
+from contact_study.report.align.deviations import COMPARED, split_pair
+from contact_study.report.align.scales import scales
 from contact_study.report.read.load_steps import samples_in
 
 AREA, GAP = "relative_contact_area_relative_deviation", "mean_gap_deviation"

@@ -1,1 +1,4 @@
-"""The datasets of the models: opened, held against their studies and told apart."""
+"""Datasets of the models as they stand in their files, with the studies that they carry.
+
+What several datasets have in common is found in ``align``.
+"""

@@ -1,0 +1,269 @@
+"""Curves along a loading path: their lines, markers and strips of errors, and the window of their axes."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection, PolyCollection
+
+ERROR = 0.25  # opacity of a strip of standard errors
+_DOT = 2e-3  # of an axis: what is less than a dot of the figure is not seen
+
+
+@dataclass(frozen=True)
+class Look:
+    """Line and marker of a curve.
+
+    Attributes
+    ----------
+    line : object
+        As matplotlib knows it, ``"none"`` for markers alone.
+    marker : str
+        Empty for a line alone.
+    marker_size, line_width : float
+        In points.
+    hollow : bool
+        Whether markers are not filled.
+    faint_return : bool
+        Whether lines of unloading are fainter, and all is drawn behind others.
+    """
+
+    line: Any = "-"
+    marker: str = "o"
+    marker_size: float = 3.2
+    line_width: float = 0.9
+    hollow: bool = False
+    faint_return: bool = False
+
+
+@dataclass(frozen=True)
+class Curve:
+    """One curve over the states of a path.
+
+    Attributes
+    ----------
+    model : str
+        Model that it is of.
+    label : str
+        What its colour stands for.
+    colour : int
+        Number of the colour.
+    x, y : numpy.ndarray
+        What is plotted, NaN where nothing is.
+    x_error, y_error : numpy.ndarray or None
+        Standard errors of the plotted quantities.
+    fit : numpy.ndarray of bool or None
+        False where the state did not converge or has detached.
+    unloading : numpy.ndarray of bool or None
+        Whether a point is on unloading.
+    simulated : bool
+        Whether it is of a simulation; theories reach beyond any sampling.
+    """
+
+    model: str
+    label: str
+    colour: int
+    x: np.ndarray
+    y: np.ndarray
+    x_error: np.ndarray | None = None
+    y_error: np.ndarray | None = None
+    fit: np.ndarray | None = None
+    unloading: np.ndarray | None = None
+    simulated: bool = True
+
+    @property
+    def fits(self) -> np.ndarray:
+        """Whether each state converged in contact."""
+        return np.ones(self.x.shape, bool) if self.fit is None else self.fit
+
+    @property
+    def back(self) -> np.ndarray:
+        """Whether each state is on unloading."""
+        return np.zeros(self.x.shape, bool) if self.unloading is None else self.unloading
+
+    @property
+    def finite(self) -> np.ndarray:
+        """Whether each state can be shown."""
+        return np.isfinite(self.x) & np.isfinite(self.y)
+
+
+def of_compression(curve: Curve) -> Curve:
+    """A curve of contact area over pressure, for logarithmic axes."""
+    return replace(curve, x=np.where((curve.x > 0) & (curve.y > 0), curve.x, np.nan))
+
+
+def logarithmic(curve: Curve) -> Curve:
+    """A curve of contact area over pressure in powers of ten, on both axes."""
+    shown = of_compression(curve)
+    positive = np.isfinite(shown.x)
+    x, y = (np.log10(np.where(positive, values, 1.0)) for values in (shown.x, shown.y))
+    return replace(shown, x=np.where(positive, x, np.nan), y=np.where(positive, y, np.nan))
+
+
+def window(curves: Sequence[Curve], ended: int | None) -> np.ndarray:
+    """Limits of x and y (two rows) that hold every state, or end below where the simulations end along one axis.
+
+    Theories give numbers at any distance: on logarithmic axes they would press all else into a corner.
+
+    Parameters
+    ----------
+    curves : sequence of Curve
+        Some of it finite.
+    ended : int or None
+        0: x is ended, 1: y is, None: neither.
+    """
+    finite = [np.stack([curve.x, curve.y])[:, curve.finite] for curve in curves]
+    every = np.concatenate(finite, axis=1)
+    if ended is not None:
+        simulated = (found for curve, found in zip(curves, finite, strict=True) if found.size and curve.simulated)
+        every = every[:, every[ended] >= min((found[ended].min() for found in simulated), default=-np.inf)]
+    low, high = every.min(axis=1), every.max(axis=1)
+    margin = np.where(high > low, 0.04 * (high - low), 0.5)
+    return np.stack([low - margin, high + margin], axis=1)
+
+
+def smallest_resolved(curves: Sequence[Curve]) -> float:
+    """The smallest log₁₀ density that a simulation shows; theories reach below any sampling."""
+    shown = [curve.y for curve in curves if curve.simulated] or [curve.y for curve in curves]
+    values = np.concatenate([np.empty(0), *shown])
+    values = values[np.isfinite(values)]
+    return float(max(values.min(), values.max() - 8)) if values.size else 0.0
+
+
+def path_segments(curve: Curve) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Lines that join the states of a curve in the order of the path, each once: two of them retraced hide dashes.
+
+    States that the axes do not show, being not finite, are passed over; one that is not ``fit`` ends the line.
+
+    Returns
+    -------
+    numpy.ndarray, shape (number, 2, 2)
+        Two ends (x, y) of every segment.
+    numpy.ndarray of bool, shape (number,)
+        Whether it leads to a state on unloading.
+    numpy.ndarray of bool, shape (states,)
+        Whether a line passes through a state.
+    """
+    ends: list[np.ndarray] = []
+    unloading: list[bool] = []
+    joined = np.zeros(curve.x.shape, bool)
+    for last, here in _followed(curve):
+        joined[[last, here]] = True
+        segment = np.array([[curve.x[last], curve.y[last]], [curve.x[here], curve.y[here]]])
+        if not any(_retraces(segment, other) for other in ends):
+            ends.append(segment)
+            unloading.append(bool(curve.back[here]))
+    return np.array(ends).reshape(-1, 2, 2), np.array(unloading, bool), joined
+
+
+def error_band(curve: Curve) -> np.ndarray:
+    """The strip of one standard error to either side of a curve, between the states that its lines join.
+
+    Visible errors along both axes make no strip, and none has a state whose error is not known.
+
+    Returns
+    -------
+    numpy.ndarray, shape (number, 4, 2)
+        Corners (x, y) of the strip's part along every segment.
+    """
+    x_error, y_error = _visible(curve.x_error, curve.x), _visible(curve.y_error, curve.y)
+    if (x_error is None) == (y_error is None):
+        return np.empty((0, 4, 2))
+    none = np.zeros(curve.x.shape)
+    across = np.stack([none if x_error is None else x_error, none if y_error is None else y_error], axis=1)
+    points = np.stack([curve.x, curve.y], axis=1)
+    low, high = points - across, points + across
+    strips = [[low[last], low[here], high[here], high[last]] for last, here in _followed(curve)]
+    found = np.array(strips).reshape(-1, 4, 2)
+    return found[np.isfinite(found).all(axis=(1, 2))]
+
+
+def draw_path(axes: Axes, curve: Curve, look: Look, colour: Any, label: str = "") -> None:
+    """Draw the states along a path: filled on loading, hollow on unloading, crossed where not converged."""
+    order = 2 if look.faint_return else 3
+    segments, back, joined = path_segments(curve)
+    if look.line != "none" and len(strip := error_band(curve)):
+        draw_strip(axes, strip, colour, ERROR, 1)
+        if joined[curve.fits].all():
+            curve = replace(curve, x_error=None, y_error=None)
+    for side, alpha in ((~back, 1.0), (back, 0.55 if look.faint_return else 1.0)):
+        if side.any() and look.line != "none":
+            options: dict[str, Any] = {
+                "linestyles": [look.line],
+                "linewidths": look.line_width,
+                "alpha": alpha,
+                "zorder": order,
+            }
+            axes.add_collection(LineCollection(_chains(segments[side]), colors=colour, **options))
+    for side, fill in ((~curve.back, "none" if look.hollow else colour), (curve.back, "white")):
+        here = curve.fits & side & curve.finite
+        if not look.marker:  # a line needs two states; one that stands alone is a dot
+            here &= ~joined
+        if here.any():
+            axes.errorbar(
+                curve.x[here],
+                curve.y[here],
+                xerr=_at(curve.x_error, here),
+                yerr=_at(curve.y_error, here),
+                color=colour,
+                linestyle="none",
+                marker=look.marker or ".",
+                ms=look.marker_size,
+                mfc=fill,
+                mew=0.9,
+                elinewidth=0.7,
+                capsize=1.5,
+                zorder=order,
+                label=label or None,
+            )
+            label = ""
+    left = ~curve.fits & curve.finite
+    axes.plot(curve.x[left], curve.y[left], "x", color=colour, ms=5, mew=1.2, zorder=4)
+
+
+def draw_strip(axes: Axes, strip: np.ndarray, colour: Any, opacity: float, order: float) -> None:
+    """Shade what :func:`error_band` gives."""
+    axes.add_collection(PolyCollection(list(strip), facecolors=[colour], alpha=opacity, linewidths=0, zorder=order))
+
+
+def _visible(error: np.ndarray | None, values: np.ndarray) -> np.ndarray | None:
+    """Errors, unless all are less than a dot: what is prescribed is met to the solver's tolerance."""
+    finite = values[np.isfinite(values)]
+    if error is None or not finite.size or np.nanmax(error, initial=0.0) <= _DOT * np.ptp(finite):
+        return None
+    return error
+
+
+def _followed(curve: Curve) -> list[tuple[int, int]]:
+    """Numbers of the states that lines join, in the order of the path."""
+    pairs, last = [], None
+    for here in range(curve.x.size):
+        if not curve.fits[here]:
+            last = None
+        elif curve.finite[here]:
+            if last is not None:
+                pairs.append((last, here))
+            last = here
+    return pairs
+
+
+def _retraces(one: np.ndarray, other: np.ndarray) -> bool:
+    """Whether two segments are the same, in either direction, to a dot of the figures."""
+    return any(np.allclose(one, ends, rtol=_DOT, atol=0.0) for ends in (other, other[::-1]))
+
+
+def _chains(segments: np.ndarray) -> list[np.ndarray]:
+    """Lines of as many segments as follow one another: dashes continue over their corners."""
+    chains: list[list[np.ndarray]] = []
+    for first, second in segments:
+        if chains and np.array_equal(chains[-1][-1], first):
+            chains[-1].append(second)
+        else:
+            chains.append([first, second])
+    return [np.array(chain) for chain in chains]
+
+
+def _at(error: np.ndarray | None, here: np.ndarray) -> np.ndarray | None:
+    return None if error is None else np.nan_to_num(error[here])

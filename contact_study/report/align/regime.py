@@ -1,0 +1,184 @@
+"""Numbers that tell which physics rules a contact, from its roughness, its modulus and its adhesion."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+import xarray as xr
+
+from contact_study.errors import InputError
+from contact_study.numerics import fourier
+from contact_study.numerics.grid import Grid
+from contact_study.physics.solids import Elasticity
+from contact_study.report.align.cases import SweepPoint, constant, first_constant, select, sweep_points
+from contact_study.report.models import entry_of
+from contact_study.report.read.datasets import Inputs
+from contact_study.report.read.load_steps import averaged
+from contact_study.study.case import realise
+
+
+@dataclass(frozen=True)
+class Roughness:
+    """Moments of one surface.
+
+    Attributes
+    ----------
+    rms_height : float
+        (m)
+    rms_slope : float
+        √<|∇h|²>.
+    rms_laplacian : float
+        √<(∇²h)²> (1/m).
+    area_factor : float
+        True over projected area, <√(1 + |∇h|²)>.
+    conformal_energy : float
+        Elastic energy of full contact over the contact modulus, ½ Σ K |h_q|²/E* per area (m).
+    conformal_stress : float
+        Deviation of the stress of full contact over the contact modulus, √(Σ K² |h_q|²)/E*.
+    """
+
+    rms_height: float
+    rms_slope: float
+    rms_laplacian: float
+    area_factor: float
+    conformal_energy: float
+    conformal_stress: float
+
+
+def roughness(heights: np.ndarray, size: tuple[float, float], solid: Elasticity) -> Roughness:
+    """Moments of a periodic surface from its Fourier series.
+
+    Parameters
+    ----------
+    heights : numpy.ndarray, shape (ny, nx)
+        (m)
+    size : tuple of float
+        Periods along y and x (m).
+    solid : Elasticity
+        What full contact deforms.
+    """
+    grid = Grid(heights.shape, size)
+    stiffness_q = solid.stiffness_on(grid) / solid.contact_modulus
+    spectrum_q = fourier.transform(heights - heights.mean())
+    power_q = grid.variances(spectrum_q)
+    q = grid.wavenumber
+    slope_y, slope_x = (fourier.synthesise(1j * axis * spectrum_q, heights.shape) for axis in grid.wavevectors)
+    return Roughness(
+        rms_height=float(np.sqrt(np.sum(power_q))),
+        rms_slope=float(np.sqrt(np.sum(q**2 * power_q))),
+        rms_laplacian=float(np.sqrt(np.sum(q**4 * power_q))),
+        area_factor=float(np.mean(np.sqrt(1 + slope_y**2 + slope_x**2))),
+        conformal_energy=float(0.5 * np.sum(stiffness_q * power_q)),
+        conformal_stress=float(np.sqrt(np.sum(stiffness_q**2 * power_q))),
+    )
+
+
+def compute_regime(inputs: Inputs) -> xr.Dataset:
+    """Regime numbers at each point of the sweep, on its swept dimensions without the seed.
+
+    Where seeds are swept, what depends on the surface is that of the first seed, and its ``long_name`` says so.
+
+    With R = 2/√<(∇²h)²>, the radius of the root-mean-square mean curvature, the Tabor parameter at the scale of the
+    roughness is μ = (R Δγ²/E*² r₀³)^(1/3); θ = Δγ S/U_full compares what full contact gains with what it costs
+    (Persson and Tosatti, J. Chem. Phys. 115, 5597 (2001)).
+    """
+    models = inputs.models
+    points = sweep_points(models)
+    numbers = [_regime(models, point, _roughness_of(inputs, point), _range(inputs, point)) for point in points]
+    dims = list(points[0].selection)
+    attrs = {d: next(dataset[d].attrs for dataset in models.values() if d in dataset.dims) for d in dims}
+    averages = {averaged(dataset) for dataset in models.values() if dataset.sizes.get(averaged(dataset), 1) > 1}
+    data = {}
+    for name, (units, long_name) in MEANINGS.items():
+        column = xr.DataArray([row[name] for row in numbers], dims="case")
+        if dims:
+            values = [list(dict.fromkeys(point.selection[dim] for point in points)) for dim in dims]
+            array = column.values.reshape([len(v) for v in values])
+            column = xr.DataArray(
+                array, dims=dims, coords={d: (d, v, attrs[d]) for d, v in zip(dims, values, strict=True)}
+            )
+        else:
+            column = column[0]
+        whose = f", surface of the first {next(iter(averages))}" if averages and name in _OF_THE_SURFACE else ""
+        data[name] = column.assign_attrs(units=units, long_name=long_name + whose)
+    return xr.Dataset(data)
+
+
+MEANINGS = {
+    "tabor_parameter": ("1", "Tabor parameter at the scale of the roughness, R = 2 / rms Laplacian"),
+    "process_zone": ("m", "length of the process zone of a crack, E* Δγ / σ_max²"),
+    "pixel_over_process_zone": ("1", "grid spacing of the continuum over the process zone"),
+    "adhesion_over_elastic_energy": (
+        "1",
+        "θ = Δγ S / U_full, adhesion gained over elastic energy paid in full contact",
+    ),
+    "full_contact_stress_over_peak": (
+        "1",
+        "rms stress of full contact, on a half-space E* rms slope / 2, over the largest tensile stress",
+    ),
+    "full_contact_energy": ("J m-2", "elastic energy of full contact per nominal area"),
+    "area_factor": ("1", "true over projected area of the surface"),
+    "rms_slope": ("1", "root-mean-square slope of the surface"),
+    "rms_laplacian": ("m-1", "root-mean-square Laplacian of the surface"),
+}
+_OF_THE_SURFACE = set(MEANINGS) - {"process_zone", "pixel_over_process_zone"}
+
+
+def _regime(
+    models: Mapping[str, xr.Dataset], point: SweepPoint, surface: Roughness | None, reach: float
+) -> dict[str, float]:
+    modulus, work, peak = (
+        first_constant(models, point, name) for name in ("contact_modulus", "work_of_adhesion", "peak_tensile_stress")
+    )
+    zone = modulus * work / peak**2 if peak > 0 else np.nan
+    parts = [select(models[name], point) for name in models if entry_of(name).feels_law]
+    pixels = [constant(part, "pixel") for part in parts if part is not None and "pixel" in part]
+    pixel = max(pixels, default=np.nan)
+    numbers = dict.fromkeys(MEANINGS, float("nan"))
+    numbers |= {"process_zone": zone, "pixel_over_process_zone": pixel / zone if zone else np.nan}
+    if surface is None or surface.rms_slope == 0:
+        return numbers
+    energy = modulus * surface.conformal_energy
+    radius = 2 / surface.rms_laplacian
+    tabor = np.cbrt(radius * work**2 / (modulus**2 * reach**3)) if reach > 0 else np.nan
+    return numbers | {
+        "tabor_parameter": float(tabor),
+        "adhesion_over_elastic_energy": work * surface.area_factor / energy,
+        "full_contact_stress_over_peak": modulus * surface.conformal_stress / peak if peak > 0 else np.nan,
+        "full_contact_energy": energy,
+        "area_factor": surface.area_factor,
+        "rms_slope": surface.rms_slope,
+        "rms_laplacian": surface.rms_laplacian,
+    }
+
+
+def _range(inputs: Inputs, point: SweepPoint) -> float:
+    """Length r₀ of the Tabor parameter (m): the equilibrium distance or, outside a wall, the law's range."""
+    distance = first_constant(inputs.models, point, "equilibrium_distance")
+    case = next(iter(inputs.cases_at(point.selection)), None)
+    return case.law.length if case is not None and case.law.has_wall else distance
+
+
+def _roughness_of(inputs: Inputs, point: SweepPoint) -> Roughness | None:
+    """Moments of the surface of a point of the sweep, of its first seed.
+
+    None for what is no periodic roughness, and for a point that only the sweeps together would hold.
+    """
+    case = next(iter(inputs.cases_at(point.selection)), None)
+    if case is None or not case.surface.periodic:
+        return None
+    try:
+        surface = realise(case)
+    except InputError:  # a height map that is no longer where the study names it
+        return _from_dataset(inputs.models, point, case.solid)
+    return roughness(surface.sampled, surface.size, case.solid)
+
+
+def _from_dataset(models: Mapping[str, xr.Dataset], point: SweepPoint, solid: Elasticity) -> Roughness | None:
+    for dataset in models.values():
+        part = select(dataset, point)
+        if part is not None and "height" in part and part["height"].ndim == 2:
+            y, x = (part[axis].values[np.isfinite(part[axis].values)] for axis in ("y", "x"))
+            heights = part["height"].values[: y.size, : x.size]
+            return roughness(heights, (y.size * (y[1] - y[0]), x.size * (x[1] - x[0])), solid)
+    return None

@@ -1,1 +1,0 @@
-"""Figures from curves, bands and maps."""

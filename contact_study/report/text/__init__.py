@@ -1,1 +1,0 @@
-"""Sentences, captions, tables and the report that holds them."""
