@@ -8,6 +8,7 @@ import numpy as np
 import xarray as xr
 
 from contact_study.results.observables.atoms import ATOMS, SURROUNDINGS
+from contact_study.results.state import usable
 
 LOADING, UNLOADING = 0, 1
 
@@ -115,12 +116,10 @@ def label(coordinate: xr.DataArray, value: object) -> str:
 
 
 def fit_states(part: xr.Dataset) -> np.ndarray:
-    """Which points of the path have converged in contact, as its pressures stand."""
-    fit = np.isfinite(part["mean_pressure"].values)
-    for name, wanted in (("converged", 1), ("detached", 0)):
-        if name in part:
-            fit &= part[name].broadcast_like(part["mean_pressure"]).values == wanted
-    return fit
+    """Which points of the path have converged in contact, in the shape of its pressures."""
+    flags = {name: part[name] for name in ("relative_contact_area", "converged", "detached") if name in part}
+    fit = xr.ones_like(part["mean_pressure"], bool) & usable(flags)
+    return np.isfinite(part["mean_pressure"].values) & fit.transpose(*part["mean_pressure"].dims).values
 
 
 def largest(dataset: xr.Dataset, name: str) -> float:

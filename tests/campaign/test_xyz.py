@@ -13,8 +13,8 @@ from contact_study import plots
 from contact_study.campaign.dataset.xyz import to_xyz
 from contact_study.plots.atoms import NEEDED
 from contact_study.report import command
+from contact_study.report.align.states import read_atoms
 from contact_study.report.facts.shown_states import panel_points
-from contact_study.report.figures.atom_state import read_atoms
 from contact_study.report.read.datasets import read_inputs
 from contact_study.study.study import make_study
 from md_reference.study.dynamics import build_block
@@ -196,11 +196,12 @@ def test_picture_shows_the_row_under_the_largest_tension(dataset):
 def test_comparison_reads_the_atoms_of_its_state(dataset):
     inputs = read_inputs([pathlib.Path(dataset.encoding["source"])])
     assert "normal_stress" not in inputs.models["atomistic"]  # fields stay in the file
-    found = read_atoms(inputs, panel_points(inputs.models, inputs.control, 0.5e9), None)
+    held, torn = (panel_points(inputs.models, inputs.control, pressure) for pressure in (0.5e9, -3.5e9))
+    found = read_atoms(inputs, held.case, held.common, None)
     assert set(NEEDED) <= set(found.variables)
     for name in NEEDED:
         np.testing.assert_array_equal(found[name], dataset[name].isel(step=1, missing_dims="ignore"))
-    assert read_atoms(inputs, panel_points(inputs.models, inputs.control, -3.5e9), None) is None  # torn off
+    assert read_atoms(inputs, torn.case, torn.common, None) is None  # torn off
 
 
 @pytest.mark.validation

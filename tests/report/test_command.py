@@ -9,15 +9,17 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from contact_study.plots.selection import extent, touching
 from contact_study.report.align.deviations import compute_deviations
+from contact_study.report.align.states import read_gaps
 from contact_study.report.command import main
 from contact_study.report.facts.shown_states import panel_points
 from contact_study.report.figures import illustrations
-from contact_study.report.figures.gap_maps import read_gap_maps
 from contact_study.report.read.datasets import read_inputs
 from contact_study.report.read.files import field_at
 from contact_study.report.wording import percent
 from contact_study.study.case import realise
+from tests.report.panels import at
 from tests.report.synthetic import GAP_STUDY, STUDY, study, write, write_all
 
 
@@ -138,7 +140,7 @@ def test_report_of_seeds_and_of_unconverged_steps(special):
     assert status == 2
     assert "2 realisations (seed 1, 2)" in page
     assert "states of the same surfaces" in page
-    assert "the mean over those that converged in contact" in page
+    assert "means over the seeds that converged in contact" in page
     assert "surface of the first seed (1)" in page
     assert "Persson" not in page
     assert " ± " in page
@@ -167,11 +169,11 @@ def test_contact_of_a_hard_wall_is_shown(tmp_path):
     )
     paths = [write(tmp_path / f"{kind}.nc", kind, text) for kind in ("continuum", "atomistic")]
     inputs = read_inputs(paths)
-    maps = read_gap_maps(inputs, panel_points(inputs.models, "pressure"), None)
+    state = read_gaps(inputs, *at(panel_points(inputs.models, "pressure")))["continuum"]
     pressed = field_at(paths[0], "pressure", {}, 0) > 0
     assert pressed.any()
-    np.testing.assert_array_equal(np.ma.getmaskarray(maps.gaps["continuum"]), pressed)
-    assert maps.size == pytest.approx((416e-10, 416e-10), rel=1e-12)
+    np.testing.assert_array_equal(touching(state), pressed)
+    assert extent(state) == pytest.approx((416e-10, 416e-10), rel=1e-12)
     report = tmp_path / "r.html"
     assert run(*paths, "-o", tmp_path / "out.nc", "--report", report) == 0
     page = report.read_text(encoding="utf-8")
@@ -297,9 +299,8 @@ def test_figures_in_other_formats(files, tmp_path, monkeypatch):
 
     Of two figures: what is written where does not depend on their number.
     """
-    monkeypatch.setattr(illustrations.plotted, "stress_distribution_data", lambda *_: ())
-    monkeypatch.setattr(illustrations.plotted, "gap_distribution_data", lambda *_: ())
-    monkeypatch.setattr(illustrations, "read_gap_maps", lambda *_: None)
+    monkeypatch.setattr(illustrations, "distributions", lambda *_: ())
+    monkeypatch.setattr(illustrations, "read_gaps", lambda *_: {})
     monkeypatch.setattr(illustrations, "read_magnification", lambda *_: None)
     monkeypatch.setattr(illustrations, "read_atoms", lambda *_: None)
     folder, report = tmp_path / "figures", tmp_path / "report.html"

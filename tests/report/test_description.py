@@ -54,7 +54,12 @@ def described(*texts, **options):
         ("theory.alpha", "[1, 2]", "Models", "α = 1 and 2"),
         ("theory.energy_weight", '["paper", "area"]', "Models", "“paper” and “area”"),
         ("theory.true_area", '["none", "persson"]', "Models", "“none” and “persson”"),
-        ("theory.spectrum", '["analytic", "surface"]', "Models", "the target spectrum and the spectrum of the very"),
+        (
+            "theory.spectrum",
+            '["analytic", "surface"]',
+            "Models",
+            "the target spectrum and the spectrum of the surface",
+        ),
         ("theory.cap_detachment_stress", "[false, true]", "Models", "no limit to σ_a and σ_a limited to σ_max"),
     ],
 )

@@ -10,23 +10,26 @@ from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from matplotlib.legend import Legend
 
-from contact_study.report.align.cases import sweep_points
-from contact_study.report.align.scales import scales
-from contact_study.report.facts.shown_states import common_label, panel_points
-from contact_study.report.figures import bands, illustrations, plotted
-from contact_study.report.figures import panels as figures
-from contact_study.report.figures.curves import (
+from contact_study.plots.paths import (
     Curve,
-    in_compression,
     logarithmic,
     of_compression,
     path_segments,
     window,
 )
-from contact_study.report.figures.draw_gap_map import gap_map_figure
-from contact_study.report.figures.gap_maps import GapMaps, read_gap_maps
+from contact_study.plots.selection import extent
+from contact_study.report.align.cases import sweep_points
+from contact_study.report.align.curves import path_bands, path_curves
+from contact_study.report.align.scales import scales
+from contact_study.report.align.states import read_gaps
+from contact_study.report.facts.shown_states import common_label, panel_points
+from contact_study.report.figures import illustrations
+from contact_study.report.figures import panels as figures
 from contact_study.report.figures.legends import band_label
+from contact_study.report.figures.states import gap_map_figure
+from contact_study.report.figures.style import SWEEP_COLOURS, palette
 from contact_study.report.read.datasets import read_inputs
+from tests.report.panels import areas, at
 from tests.report.synthetic import GAP_STUDY, STUDY, write, write_all
 
 SINGLE = STUDY[: STUDY.index("[sweep]")]
@@ -64,10 +67,10 @@ def check_page(name, figure):
     for (one, first), (other, second) in itertools.combinations(placed, 2):
         # A pixel of an anti-aliased edge is no overlap.
         assert not first.padded(-1).overlaps(second.padded(-1)), (name, one, other)
-    for artist, extent in placed:
+    for artist, box in placed:
         inside = page.padded(1)
-        assert inside.containsx(extent.x0) and inside.containsx(extent.x1), (name, artist)  # noqa: PT018
-        assert inside.containsy(extent.y0) and inside.containsy(extent.y1), (name, artist)  # noqa: PT018
+        assert inside.containsx(box.x0) and inside.containsx(box.x1), (name, artist)  # noqa: PT018
+        assert inside.containsy(box.y0) and inside.containsy(box.y1), (name, artist)  # noqa: PT018
 
 
 @pytest.mark.parametrize(
@@ -85,11 +88,17 @@ def test_nothing_is_printed_over_anything_or_cut(monkeypatch, tmp_path, text, ki
         check_page(name, figure)
 
 
+def cell(gap, size=(1e-8, 1e-8)):
+    """A state on a cell, in contact below 3.68 Å."""
+    y, x = (np.arange(count) * period / count for count, period in zip(gap.shape, size, strict=True))
+    return xr.Dataset({"gap": (("y", "x"), gap), "contact_distance": 3.68e-10}, {"y": y, "x": x})
+
+
 @pytest.mark.parametrize("size", [(1e-8, 4e-8), (4e-8, 1e-8), (1e-8, 1e-7), (1e-8, 1e-8)])
 @pytest.mark.parametrize("models", [("atomistic", "continuum"), ("continuum",)])
 def test_maps_of_any_cell_fit_their_page(size, models):
-    gaps = {model: np.ma.masked_less(np.linspace(3e-10, 1e-9, 64).reshape(8, 8), 3.68e-10) for model in models}
-    figure = gap_map_figure(GapMaps(gaps, size, 3.68e-10), "ε = 8 ε₀, p/E* = 0.00832")
+    gap = np.linspace(3e-10, 1e-9, 64).reshape(8, 8)
+    figure = gap_map_figure(dict.fromkeys(models, cell(gap, size)), "ε = 8 ε₀, p/E* = 0.00832")
     check_page(size, figure)
     figure.canvas.draw()
     for axes in figure.axes[: len(models)]:
@@ -152,7 +161,7 @@ def test_the_band_is_the_gap_flow_theorys(monkeypatch, tmp_path):
         {"gap_flow": dict.fromkeys(("loading", "unloading"), inputs.models["gap_flow"])},
         inputs.studies,
     )
-    assert bands.contact_area_bands(without.branches, sweep_points(inputs.models), 1e9) == [], "branches that are one"
+    assert path_bands(without.branches, inputs.models, 1e9).areas == [], "branches that are one"
     shown, captions = drawn(monkeypatch, without)
     for name in ("contact_area", "mean_gap"):
         assert band_label("gap_flow") not in words_of(shown[name])
@@ -161,7 +170,7 @@ def test_the_band_is_the_gap_flow_theorys(monkeypatch, tmp_path):
 
 def test_a_legend_is_read_along_its_rows():
     points = [Curve("continuum", f"H = 0.{number:02d}", number, np.ones(1), np.ones(1)) for number in range(31)]
-    figure = figures.contact_area_figure(points)
+    figure = figures.contact_area_figure(areas(points))
     figure.canvas.draw()
     legend = figure.legends[0]
     places = [text.get_window_extent() for text in legend.get_texts()]
@@ -172,9 +181,9 @@ def test_a_legend_is_read_along_its_rows():
 
 
 def test_more_colours_than_a_palette_are_all_different():
-    found = {tuple(np.atleast_1d(colour)) for colour in figures.palette(figures.SWEEP_COLOURS, 12)}
-    assert len(found) == 12
-    assert figures.palette(figures.SWEEP_COLOURS, 6) == list(figures.SWEEP_COLOURS)
+    twelve, six = ([Curve("continuum", "", number, *np.ones((2, 1))) for number in range(n)] for n in (12, 6))
+    assert len({tuple(np.atleast_1d(colour)) for colour in palette(SWEEP_COLOURS, twelve)}) == 12
+    assert palette(SWEEP_COLOURS, six) == list(SWEEP_COLOURS)
 
 
 def marks_zero(axes):
@@ -202,7 +211,7 @@ def test_tension_and_gaps_below_zero_are_shown(monkeypatch, tmp_path):
         assert marks_zero(axes)
     words = captions["mean_gap"]
     assert words.startswith("(a) Natural logarithm")
-    assert "(b) Mean pressure in units of E*, tension negative" in words
+    assert "(b) mean pressure in units of E*, tension negative" in words
     assert "Where ū < 0 (the atoms and the continuum; ε = ε₀ and ε = 8 ε₀), the surfaces are pressed closer" in words
     assert "Where ū < 0 (Persson's theory; ε = ε₀ and ε = 8 ε₀), its energy U(p) somewhere falls" in words
 
@@ -230,19 +239,19 @@ def test_rounding_has_no_sign(tmp_path, text, name, noise):
     control = inputs.control
     for dataset in inputs.models.values():
         dataset["mean_pressure"][..., 0] = noise
-    areas, gaps = plotted.contact_area_data(inputs.models, control), plotted.mean_gap_data(inputs.models, control)
-    assert all(curve.x[0] == 0 for curve in areas)
-    assert all(np.isnan(curve.y[0]) for curve in gaps)
-    axes = figures.contact_area_figure(areas).axes[1]
+    curves = path_curves(inputs.models, control)
+    assert all(curve.x[0] == 0 for curve in curves.areas)
+    assert all(np.isnan(curve.y[0]) for curve in curves.gaps)
+    axes = figures.contact_area_figure(curves).axes[1]
     assert axes.get_xlim()[0] > 1e-3
     for dataset in inputs.models.values():
         dataset["mean_pressure"][..., 0] = 1e7
     if control == "gap":
-        assert plotted.contact_area_data(inputs.models, control)[0].x[0] > 0, "ten times the residual counts"
+        assert path_curves(inputs.models, control).areas[0].x[0] > 0, "ten times the residual counts"
 
 
 def curve(x, y, model="persson", **options):
-    return Curve(model, "", 0, np.array(x, float), np.array(y, float), **options)
+    return Curve(model, "", 0, np.array(x, float), np.array(y, float), simulated=model != "persson", **options)
 
 
 def test_logarithmic_axes_end_where_the_simulations_do():
@@ -263,12 +272,12 @@ def test_no_contact_is_on_no_logarithmic_axis():
     exponents = logarithmic(found)
     np.testing.assert_allclose([exponents.x[1], exponents.y[1]], np.log10([2, 0.5]), rtol=1e-12)
     assert np.isnan(exponents.y[[0, 2]]).all()
-    assert not in_compression([curve([1, -1], [0, 0.5])])
+    assert not areas([curve([1, -1], [0, 0.5])]).in_compression
 
 
 def test_bars_are_the_errors_along_their_axes():
     shown = curve([1, 2], [0.1, 0.2], "continuum", x_error=np.array([0.5, np.nan]), y_error=np.array([0.01, 0.02]))
-    axes = figures.contact_area_figure([shown]).axes[0]
+    axes = figures.contact_area_figure(areas([shown])).axes[0]
     bars = [lines.get_segments() for lines in axes.collections if isinstance(lines, LineCollection)][1:]
     across, along = (np.array(segments) for segments in bars)
     np.testing.assert_allclose(np.ptp(across[:, :, 0], axis=1), [1.0, 0.0], rtol=1e-12)
@@ -293,7 +302,7 @@ def test_lines_follow_the_path_once():
 
 def test_a_lone_state_of_a_theory_is_a_dot():
     fit = np.array([True, False, True, True])
-    figure = figures.contact_area_figure([curve([1, 2, 3, 4], [0.1, 0.2, 0.3, 0.4], fit=fit)])
+    figure = figures.contact_area_figure(areas([curve([1, 2, 3, 4], [0.1, 0.2, 0.3, 0.4], fit=fit)]))
     dots = [line.get_xydata() for line in figure.axes[0].lines if line.get_marker() == "."]
     np.testing.assert_array_equal(np.concatenate(dots), [[1, 0.1]])
     (line,) = [found for found in figure.axes[0].collections if isinstance(found, LineCollection)]
@@ -304,7 +313,7 @@ def test_markers_are_the_states(tmp_path):
     """x is the pressure and y the area; hollow markers on the way back."""
     text = SINGLE.replace("[output]", "unload = true\n[output]")
     models = read_inputs([write(tmp_path / f"{kind}.nc", kind, text) for kind in ("continuum", "atomistic")]).models
-    axes = figures.contact_area_figure(plotted.contact_area_data(models, "pressure")).axes[0]
+    axes = figures.contact_area_figure(path_curves(models, "pressure")).axes[0]
     found = {}
     for line in axes.lines:
         if line.get_marker() == "o":
@@ -323,12 +332,11 @@ def wide(tmp_path):
 
 
 def test_gap_maps_lie_as_the_surface_does(wide):
-    maps = read_gap_maps(wide, panel_points(wide.models, "pressure"), None)
-    assert maps.size == pytest.approx((208e-10, 832e-10), rel=1e-12)
+    maps = read_gaps(wide, *at(panel_points(wide.models, "pressure")))
+    assert extent(maps["continuum"]) == pytest.approx((208e-10, 832e-10), rel=1e-12)
     with xr.open_dataset(wide.paths["continuum"]) as dataset:
         stored = dataset["gap"].isel(step=1).values
-    np.testing.assert_array_equal(maps.gaps["continuum"].data, stored)
-    np.testing.assert_array_equal(np.ma.getmaskarray(maps.gaps["continuum"]), stored < 3.68e-10)
+    np.testing.assert_array_equal(maps["continuum"]["gap"], stored)
     figure = gap_map_figure(maps)
     panels = [axes for axes in figure.axes if axes.images]
     assert [axes.get_title() for axes in panels] == ["atoms", "continuum"]
@@ -355,34 +363,33 @@ def test_a_smaller_cell_of_a_sweep_is_shown_without_its_padding(tmp_path):
     inputs = read_inputs(paths)
     shown = panel_points(inputs.models, "pressure")
     assert shown.case.label == "size = 416 Å"
-    maps = read_gap_maps(inputs, shown, None)
-    assert maps.size == pytest.approx((416e-10, 416e-10), rel=1e-12)
-    assert maps.gaps["continuum"].shape == (24, 24)
-    assert np.isfinite(maps.gaps["continuum"].data).all()
+    state = read_gaps(inputs, *at(shown))["continuum"]
+    assert extent(state) == pytest.approx((416e-10, 416e-10), rel=1e-12)
+    assert state["gap"].shape == (24, 24)
+    assert np.isfinite(state["gap"]).all()
 
 
 def test_gap_maps_are_not_clipped(wide):
-    maps = read_gap_maps(wide, panel_points(wide.models, "pressure"), None)
-    maps.gaps["atomistic"] *= 1.5
+    maps = read_gaps(wide, *at(panel_points(wide.models, "pressure")))
+    maps["atomistic"]["gap"] *= 1.5
     figure = gap_map_figure(maps)
     images = [axes.images[0] for axes in figure.axes if axes.images]
     image = images[-1]
-    largest = max(gap.data.max() for gap in maps.gaps.values())
+    largest = max(float(state["gap"].max()) for state in maps.values())
     assert image.norm.vmax == pytest.approx(largest / 1e-10, rel=1e-12)
     assert image.norm.vmin == pytest.approx(3.68, rel=1e-12)
     assert images[0].get_clim() == image.get_clim(), "one bar for both"
     assert image.colorbar.extend == "min", "contact"
     assert "contact black" in " ".join(words_of(figure))
-    apart = GapMaps({"continuum": np.ma.masked_array(np.full((4, 4), 9e-10), False)}, (1e-8, 1e-8), 3.68e-10)
-    figure = gap_map_figure(apart)
+    figure = gap_map_figure({"continuum": cell(np.full((4, 4), 9e-10))})
     image = next(axes for axes in figure.axes if axes.images).images[0]
     assert image.colorbar.extend == "neither"
     assert "contact black" not in " ".join(words_of(figure))
 
 
 def test_full_contact_is_a_black_map():
-    touching = GapMaps({"continuum": np.ma.masked_array(np.full((4, 4), 3e-10), True)}, (1e-8, 1e-8), 3.68e-10)
-    image = next(axes for axes in gap_map_figure(touching).axes if axes.images).images[0]
+    figure = gap_map_figure({"continuum": cell(np.full((4, 4), 3e-10))})
+    image = next(axes for axes in figure.axes if axes.images).images[0]
     assert image.norm.vmin < image.norm.vmax
 
 

@@ -6,14 +6,15 @@ import xarray as xr
 from matplotlib.collections import PolyCollection
 
 from contact_study.errors import InputError
+from contact_study.plots.paths import ERROR, Curve, error_band
+from contact_study.report.align.curves import path_curves
 from contact_study.report.align.deviations import compute_deviations
 from contact_study.report.align.ensemble import ensemble_statistics
 from contact_study.report.command import main
 from contact_study.report.facts.shown_states import panel_points
 from contact_study.report.figures import panels as figures
-from contact_study.report.figures import plotted
-from contact_study.report.figures.curves import Curve, error_band
 from contact_study.report.read.datasets import read_inputs
+from tests.report.panels import areas, density_panels
 from tests.report.synthetic import STUDY, area, write
 
 SEEDED = STUDY.replace("[sweep]\n", '[sweep]\n"surface.seed" = [1, 2, 3]\n')
@@ -64,7 +65,7 @@ def test_comparison_holds_them(seeded, tmp_path):
         # The figures' curves are these numbers.
         (curve,) = (
             curve
-            for curve in plotted.contact_area_data(read_inputs(seeded).models, "pressure")
+            for curve in path_curves(read_inputs(seeded).models, "pressure").areas
             if (curve.model, curve.colour) == ("continuum", 1)
         )
         np.testing.assert_allclose(curve.y, found.relative_contact_area.sel(well_depth_ratio=8), rtol=1e-12)
@@ -97,7 +98,7 @@ def test_differences_are_paired(seeded):
 def test_any_swept_key_may_be_averaged_over(tmp_path):
     paths = [write(tmp_path / f"{kind}.nc", kind, HEIGHTS) for kind in ("continuum", "atomistic")]
     models = read_inputs(paths, "rms_height").models
-    labels = {curve.label for curve in plotted.contact_area_data(models, "pressure")}
+    labels = {curve.label for curve in path_curves(models, "pressure").areas}
     assert len(labels) == 2, "one colour for each ratio"
     assert all("h_rms" not in label for label in labels)
     assert ensemble_statistics(models)["continuum"].relative_contact_area.dims == ("well_depth_ratio", "step")
@@ -110,7 +111,7 @@ def test_any_swept_key_may_be_averaged_over(tmp_path):
     assert "standard errors over the values of rms height" in page
     assert "first rms height" in page
     # Without being asked the heights are points of the sweep.
-    assert len({curve.label for curve in plotted.contact_area_data(read_inputs(paths).models, "pressure")}) == 6
+    assert len({curve.label for curve in path_curves(read_inputs(paths).models, "pressure").areas}) == 6
 
 
 def test_seeds_are_points_of_the_sweep_where_another_key_is_averaged_over(tmp_path):
@@ -119,7 +120,7 @@ def test_seeds_are_points_of_the_sweep_where_another_key_is_averaged_over(tmp_pa
         read_inputs([path], "well_depth_ratio")
     even = SEEDED[: SEEDED.index("[[override]]")]
     inputs = read_inputs([write(tmp_path / "even.nc", "continuum", even)], "well_depth_ratio")
-    labels = [curve.label for curve in plotted.contact_area_data(inputs.models, "pressure")]
+    labels = [curve.label for curve in path_curves(inputs.models, "pressure").areas]
     assert labels == ["seed = 1", "seed = 2", "seed = 3"]
 
 
@@ -135,7 +136,7 @@ def test_unknown_key_is_refused(seeded):
 
 def test_densities_carry_the_error_of_their_logarithm(seeded):
     models = read_inputs(seeded).models
-    panel, _ = plotted.stress_distribution_data(models, "pressure", panel_points(models, "pressure"))
+    panel, _ = density_panels("pressure", models, "pressure", panel_points(models, "pressure"))
     curve = next(curve for curve in panel if curve.model == "continuum" and curve.colour == 1)
     named = panel_points(models, "pressure").common
     step = [0.1e9, -0.4987e9, 0.7799e9, 5.8725e9].index(float(named[0]))
@@ -144,7 +145,7 @@ def test_densities_carry_the_error_of_their_logarithm(seeded):
     shown = mean > error
     np.testing.assert_allclose(curve.y_error[shown], (error / mean)[shown] / np.log(10), rtol=1e-9)
     figure = figures.stress_distribution_figure(panel, [])
-    assert len([found for found in figure.axes[0].collections if found.get_alpha() == figures._ERROR]) == len(panel)
+    assert len([found for found in figure.axes[0].collections if found.get_alpha() == ERROR]) == len(panel)
 
 
 def test_band_is_one_standard_error_to_either_side():
@@ -161,8 +162,8 @@ def test_band_is_one_standard_error_to_either_side():
 
 
 def test_lines_have_bands_and_markers_have_bars(seeded):
-    curves = plotted.contact_area_data(read_inputs(seeded).models, "pressure")
-    figure = figures.contact_area_figure(curves)
+    curves = path_curves(read_inputs(seeded).models, "pressure").areas
+    figure = figures.contact_area_figure(areas(curves))
     bands = [found for found in figure.axes[0].collections if isinstance(found, PolyCollection)]
     assert len(bands) == 2, "the continuum's, at each ratio; the atoms have no line"
     corners = np.concatenate([path.vertices for band in bands for path in band.get_paths()])

@@ -11,12 +11,13 @@ import xarray as xr
 
 import contact_study.report
 from contact_study.report import models
+from contact_study.report.align.curves import path_curves
 from contact_study.report.align.deviations import pairs_of
 from contact_study.report.command import main
 from contact_study.report.figures.panels import contact_area_figure
-from contact_study.report.figures.plotted import contact_area_data
 from contact_study.report.read.datasets import read_inputs
 from contact_study.report.tables.results import results_tables
+from tests.report.panels import areas
 from tests.report.synthetic import AREA_FACTOR, area, write_all
 
 MADE_UP = dataclasses.replace(
@@ -91,10 +92,10 @@ def test_an_entry_is_all_it_takes(paths, tmp_path, monkeypatch):
     monkeypatch.setattr(models, "MODELS", (*models.MODELS, MADE_UP))
     inputs = read_inputs(paths)
     assert list(inputs.models)[-1] == "made_up"
-    curves = contact_area_data(inputs.models, "pressure")
+    curves = path_curves(inputs.models, "pressure").areas
     (curve,) = [curve for curve in curves if curve.model == "made_up" and curve.colour == 0]
     np.testing.assert_allclose(curve.y[:3], 2 * AREA_FACTOR["persson"] * area(1, np.array([0.1e9, 0.7799e9, 5.8725e9])))
-    (legend,) = contact_area_figure(curves).legends[-1:]
+    (legend,) = contact_area_figure(areas(curves)).legends[-1:]
     assert "made-up theory" in [text.get_text() for text in legend.get_texts()]
     assert "-." in [handle.get_linestyle() for handle in legend.legend_handles if hasattr(handle, "get_linestyle")]
     assert results_tables(inputs.models, "pressure")[0].header.count("made up") == 2
@@ -120,7 +121,7 @@ def test_no_other_file_spells_a_model():
     spelt = re.compile("|".join(re.escape(name) for name in dict.fromkeys(names) if name not in ("atoms", "continuum")))
     apart = {
         "models.py",
-        "model_settings.py",
+        "settings.j2",
         "style.py",
     }  # settings of each model; colours of the sweep
     for path in [*folder.rglob("*.py"), *folder.rglob("*.j2")]:

@@ -8,17 +8,18 @@ import pytest
 import xarray as xr
 
 from contact_study.errors import InputError
+from contact_study.plots.paths import Curve
 from contact_study.report.align.cases import sweep_points
 from contact_study.report.align.deviations import pairs_of
 from contact_study.report.align.scales import scales
+from contact_study.report.align.states import read_magnification
 from contact_study.report.command import main
 from contact_study.report.facts.shown_states import panel_points
-from contact_study.report.figures.curves import Curve
-from contact_study.report.figures.draw_magnification import magnification_figure
-from contact_study.report.figures.magnification import read_magnification
 from contact_study.report.figures.panels import contact_area_figure
+from contact_study.report.figures.states import magnification_figure
 from contact_study.report.figures.style import look_of
 from contact_study.report.read.datasets import read_inputs
+from tests.report.panels import areas, at
 from tests.report.synthetic import AREA_FACTOR, STUDY, area, gap, write
 
 FINER = STUDY.replace("shape = [24, 24]", "shape = [48, 48]")
@@ -86,7 +87,7 @@ def test_the_theories_alone_are_shown_against_magnification(tmp_path):
         tree.to_netcdf(tmp_path / f"{file}.nc")
         inputs = read_inputs([tmp_path / f"{file}.nc"])
         shown = panel_points(inputs.models, inputs.control)
-        joined, mapped = read_magnification(inputs, shown, None)
+        joined, mapped = read_magnification(inputs, *at(shown))
         # p/E* = 0.00832 is the second point of the one path and the third of the other.
         assert list(joined["detachment_stress"].values[:, 0]) == [101, 208]
         figure = magnification_figure(joined, mapped, "at p", "one")
@@ -98,7 +99,7 @@ def test_the_theories_alone_are_shown_against_magnification(tmp_path):
         assert ("(d) distribution of the stress at ε = 8 ε₀" in text) == (file == "map")
     continuum = write(tmp_path / "c.nc", "continuum")
     both = read_inputs([continuum, tmp_path / "map.nc"])
-    assert read_magnification(both, panel_points(both.models, both.control), None) is None
+    assert read_magnification(both, *at(panel_points(both.models, both.control))) is None
 
 
 @pytest.mark.usefixtures("unrendered")
@@ -192,7 +193,7 @@ def test_datasets_of_one_model_look_different():
 def test_colours_tell_the_models_where_nothing_is_swept():
     def colours(label):
         curves = [Curve(name, label, 0, np.ones(2), np.arange(1.0, 3)) for name in ("continuum", "gap_flow")]
-        axes = contact_area_figure(curves).axes[0]
+        axes = contact_area_figure(areas(curves)).axes[0]
         return {tuple(collection.get_color()[0]) for collection in axes.collections if len(collection.get_color())}
 
     assert len(colours("")) == 2

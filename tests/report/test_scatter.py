@@ -6,14 +6,14 @@ import xarray as xr
 from matplotlib.collections import PolyCollection
 
 from contact_study.errors import InputError
+from contact_study.plots.paths import Curve
+from contact_study.report.align.curves import path_curves, scatter_strips
 from contact_study.report.command import main
 from contact_study.report.figures import panels as figures
-from contact_study.report.figures.curves import Curve
-from contact_study.report.figures.plotted import path_curves
-from contact_study.report.figures.strips import scatter_strips
 from contact_study.report.figures.style import SWEEP_COLOURS
 from contact_study.report.read.datasets import read_inputs
 from contact_study.report.read.scatter import read_scatter
+from tests.report.panels import areas as areas_alone
 from tests.report.synthetic import STUDY, area, gap, write, write_all
 
 SEEDS = np.array([1, 2, 4])
@@ -59,8 +59,8 @@ def test_they_are_drawn_behind_in_their_colours(files):
     inputs = read_inputs(files[0])
     strips = scatter_strips(inputs.models, read_scatter(files[1], inputs), "pressure")
     curves = path_curves(inputs.models, "pressure")
-    drawn = figures.contact_area_figure(curves.areas, "GPa", (), strips)
-    beside = figures.mean_gap_figure(curves.gaps, curves.linear_gaps, strips=strips)
+    drawn = figures.contact_area_figure(curves, "GPa", strips=strips)
+    beside = figures.mean_gap_figure(curves, strips=strips)
     for axes in (*drawn.axes, *beside.axes):
         found = [each for each in axes.collections if isinstance(each, PolyCollection)]
         assert len(found) == 2
@@ -80,7 +80,7 @@ def test_they_are_drawn_behind_in_their_colours(files):
 def test_pressures_of_a_decade_are_plain_numbers(pressures, plain):
     x = np.array(pressures)
     curve = Curve("continuum", "", 0, x, x / 20)
-    axes = figures.contact_area_figure([curve]).axes[1]
+    axes = figures.contact_area_figure(areas_alone([curve])).axes[1]
     axes.figure.draw_without_rendering()
     low, high = axes.get_xlim()
     ticks = zip(axes.get_xticks(), axes.xaxis.get_majorticklabels(), strict=True)

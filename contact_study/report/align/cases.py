@@ -13,7 +13,10 @@ from contact_study.report.models import entry_of
 from contact_study.report.read.load_steps import averaged, samples_in, swept_dims
 from contact_study.report.wording import coordinate_label
 from contact_study.results.schema import REALISED
+from contact_study.results.state import usable
 from contact_study.study.load_steps import PathPoint, path_points
+
+_AREA = "relative_contact_area"
 
 
 @dataclass(frozen=True)
@@ -88,12 +91,9 @@ class Series:
 def series(part: xr.Dataset, name: str) -> Series:
     """A quantity on ``step`` of a part that :func:`select` gave."""
     steps = part.sizes["step"]
-    data, area, converged, detached = (
-        _by_seed(part, wanted, steps) for wanted in (name, "relative_contact_area", "converged", "detached")
-    )
-    values: np.ndarray = np.where(detached == 1, np.nan, data)
-    # The rule of usable(), on arrays; what has detached has no value.
-    good = ~np.isnan(area) & ((converged == 1) | np.isnan(converged)) & ~np.isnan(values)
+    flags = {name: _by_seed(part, name, steps) for name in (_AREA, "converged", "detached") if name in part}
+    values: np.ndarray = np.where(flags.get("detached", 0) == 1, np.nan, _by_seed(part, name, steps))
+    good = usable(flags) & ~np.isnan(values)
     samples: np.ndarray = good.sum(axis=0)
     if not samples_in(part[name]):
         return Series(values[0], np.full(steps, np.nan), good[0], samples)
@@ -110,9 +110,7 @@ def series(part: xr.Dataset, name: str) -> Series:
 
 
 def _by_seed(part: xr.Dataset, name: str, steps: int) -> np.ndarray:
-    """A variable on seed and step, NaN where the part has none; a variable without seeds is one for all."""
-    if name not in part:
-        return np.full((1, steps), np.nan)
+    """A variable on seed and step; a variable without seeds is one for all."""
     return part[name].transpose(*samples_in(part[name]), "step").values.astype(float).reshape(-1, steps)
 
 

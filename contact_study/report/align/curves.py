@@ -11,8 +11,9 @@ from contact_study.report.align.cases import Series, SweepPoint, case_points, se
 from contact_study.report.align.ensemble import standard_error
 from contact_study.report.align.scales import Scales, mean_pressure_unit, scales
 from contact_study.report.models import entry_of
-from contact_study.report.read.load_steps import samples_in, usable
+from contact_study.report.read.load_steps import samples_in
 from contact_study.report.read.scatter import Scatter
+from contact_study.results.state import usable
 from contact_study.study.load_steps import PathPoint
 
 _VISIBLE = 2e-3  # of a quantity: a dot of the figures

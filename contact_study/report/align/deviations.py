@@ -7,8 +7,9 @@ import xarray as xr
 
 from contact_study.report.align.ensemble import standard_error
 from contact_study.report.models import entry_of, kind_of
-from contact_study.report.read.load_steps import averaged, on_common_path, swept_dims, usable
+from contact_study.report.read.load_steps import averaged, on_common_path, swept_dims
 from contact_study.results.schema import COORDINATES, VARIABLES
+from contact_study.results.state import usable
 
 QUANTITIES = ("relative_contact_area", "mean_gap", "elastic_energy")
 

@@ -5,8 +5,9 @@ from collections.abc import Hashable, Iterable, Mapping
 import numpy as np
 import xarray as xr
 
-from contact_study.report.read.load_steps import averaged, usable
+from contact_study.report.read.load_steps import averaged
 from contact_study.results.schema import VARIABLES
+from contact_study.results.state import usable
 
 # What says how a step was found, not what came out.
 _OF_THE_WORK = ("residual", "complementarity_residual", "wall_time", "fft_pairs", "iterations", "force_evaluations")

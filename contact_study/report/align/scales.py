@@ -1,5 +1,6 @@
 """Units of the figures' and tables' axes at each point of the sweep."""
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -8,7 +9,6 @@ import xarray as xr
 
 from contact_study.plots.units import Unit, pressure_unit
 from contact_study.report.align.cases import SweepPoint, first_constant, sweep_points
-from contact_study.report.read.differences import same
 
 
 @dataclass(frozen=True)
@@ -44,8 +44,8 @@ def common_scales(models: Mapping[str, xr.Dataset]) -> tuple[bool, bool]:
     """Whether E*, and whether h_rms, is the same at every point of the sweep."""
     every = [scales(models, point) for point in sweep_points(models)]
     return (
-        all(same(one.contact_modulus, every[0].contact_modulus) for one in every),
-        all(same(one.rms_height, every[0].rms_height) for one in every),
+        all(math.isclose(one.contact_modulus, every[0].contact_modulus) for one in every),
+        all(math.isclose(one.rms_height, every[0].rms_height) for one in every),
     )
 
 

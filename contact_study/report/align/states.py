@@ -10,8 +10,8 @@ from contact_study.report.align.cases import SweepPoint, case_points, select, sw
 from contact_study.report.models import entry_of
 from contact_study.report.read.datasets import Inputs
 from contact_study.report.read.files import field_at
-from contact_study.report.read.load_steps import usable
 from contact_study.results.schema import variable_of
+from contact_study.results.state import usable
 from contact_study.study.load_steps import PathPoint
 
 _CURVES = ("relative_contact_area_at", "detachment_stress", "effective_work_of_adhesion")
@@ -43,7 +43,7 @@ def read_interface(inputs: Inputs, point: SweepPoint, named: PathPoint, sample: 
     if len(inputs.models) > 1 or not inputs.simulations:
         return None
     state = _with_fields(inputs, inputs.simulations[0], point, named, sample, ("gap", "pressure"))
-    if state is None or not {"gap", "pressure", "height"} <= {*state}:
+    if state is None or not all(need in state for need in ("gap", "pressure", "height")):
         return None
     kept = [state[name].values for name in ("gap", "pressure")]
     return state if all(not np.isinf(field).any() and np.isfinite(field).any() for field in kept) else None
@@ -53,7 +53,7 @@ def read_atoms(inputs: Inputs, point: SweepPoint, named: PathPoint, sample: Any)
     """The atoms of one state; None unless a simulation kept them and is in contact there."""
     for name in inputs.simulations:
         state = _with_fields(inputs, name, point, named, sample, NEEDED)
-        if state is not None and {*NEEDED} <= {*state} and np.any(state["normal_stress"]):
+        if state is not None and all(need in state for need in NEEDED) and np.any(state["normal_stress"]):
             return state[list(NEEDED)]
     return None
 
@@ -110,9 +110,14 @@ def _with_fields(
     if inputs.average in part.dims:
         selection[inputs.average] = sample
     step = case_points(part, inputs.control).index(named)
+    # Smaller cells of a sweep are padded to the points of the largest.
+    y, x = (state[axis].values for axis in ("y", "x"))
+    cell = {axis: np.flatnonzero(np.isfinite(values)) for axis, values in (("y", y), ("x", x))}
+    numbered = {f"{axis}_index": axis for axis in ("y", "x") if f"{axis}_index" in state.dims}
+    state = state.drop_vars(["y", "x"]).rename(numbered)
     for name in names:
         values = field_at(inputs.paths[entry_of(model).file], name, selection, step)
         if values is not None:
             state = state.assign({name: (variable_of(name).dims[-values.ndim :], values)})
-    # Smaller cells of a sweep are padded to the points of the largest.
-    return state.isel({axis: np.flatnonzero(np.isfinite(state[axis].values)) for axis in ("y", "x")})
+    there = {axis: places for axis, places in cell.items() if axis in state.dims}
+    return state.isel(there).assign_coords(y=y[cell["y"]], x=x[cell["x"]])

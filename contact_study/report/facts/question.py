@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from contact_study.errors import InputError
 from contact_study.report.models import TARGET, entry_of, spectrum_of
 from contact_study.report.read.datasets import Inputs
 from contact_study.report.rendering import paragraphs
@@ -135,7 +136,15 @@ class Question:
     def settings(self) -> list[tuple[str, str, Sequence[Case]]]:
         """Of each file the part of its path that distinguishes it, the macro for its models' settings, its cases."""
         found = dict.fromkeys((entry.file, entry.settings) for entry in self.entries if entry.settings)
-        return [(file.partition(":")[2], macro, self.inputs.studies[file].cases) for file, macro in found]
+        cases = {file: self.inputs.studies[file].cases for file, _ in found}
+        return [
+            (
+                file.partition(":")[2],
+                macro if macro != "atoms" or _is_settled(cases[file]) else "unsettled",
+                cases[file],
+            )
+            for file, macro in found
+        ]
 
     def _seeds(self, cases: Sequence[Case]) -> str:
         """The realisations of a kind of surface, and models that have only some of them."""
@@ -147,6 +156,14 @@ class Question:
         return words + "".join(
             f", {entry_of(n).words} on seed {', '.join(map(str, s))} only" for n, s in partly.items()
         )
+
+
+def _is_settled(cases: Sequence[Case]) -> bool:
+    """Whether the studies state the lattice of the atoms; of datasets put together by hand they may not."""
+    try:
+        return all(case.lattice is not None and case.block_layers > 0 for case in cases)
+    except InputError:
+        return False
 
 
 def _grouped(cases: Sequence[Case], key: Callable[[Case], Any]) -> Mapping[Any, list[Case]]:

@@ -11,11 +11,11 @@ import xarray as xr
 from contact_study.errors import InputError
 from contact_study.physics.laws import TractionLaw
 from contact_study.report.models import entry_of, file_kinds, in_order, kind_of, of_file, spectrum_of
-from contact_study.report.read.carried_study import carried_study
-from contact_study.report.read.differences import check_height_maps, check_studies, same
 from contact_study.report.read.files import branches_in, models_in, open_groups, unknown_theories
 from contact_study.report.read.load_steps import SEED, swept_dims, with_average
+from contact_study.report.read.studies import carried_study, check_height_maps, check_studies
 from contact_study.study.case import Case
+from contact_study.study.schema.dotted_keys import same
 from contact_study.study.study import Study
 
 # Attributes by which two datasets of one model may differ; what else they hold follows from these.
@@ -151,9 +151,7 @@ def read_inputs(paths: Sequence[Path], average: str | None = None) -> Inputs:
             f"{path}: holds the theory {label}, which is not shown" for label in unknown_theories(contents[name][""])
         ]
     notes += check_studies(list(files), files, studies)
-    check_height_maps(
-        list(files), files, {name: str(groups[""].attrs.get("height_maps", "")) for name, groups in contents.items()}
-    )
+    check_height_maps(files, {name: groups[""].attrs for name, groups in contents.items()})
     contents = {
         name: {group: with_average(dataset, average or SEED) for group, dataset in groups.items()}
         for name, groups in _one_spelling(contents).items()

@@ -6,9 +6,9 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from contact_study.report.read.differences import same
 from contact_study.results.schema import COORDINATES
 from contact_study.study.load_steps import PathPoint, path_points
+from contact_study.study.schema.dotted_keys import same
 
 SEED = "seed"
 
@@ -56,16 +56,6 @@ def positions(dims: Mapping[str, np.ndarray], coordinates: Mapping[str, Any]) ->
                 raise KeyError(f"{dim} = {value}")
             found[dim] = index
     return found
-
-
-def usable(dataset: xr.Dataset) -> xr.DataArray:
-    """Where a state converged and is in contact, so that its numbers may be compared."""
-    there = dataset["relative_contact_area"].notnull()
-    if "converged" in dataset:
-        there = there & (dataset["converged"] == 1)
-    if "detached" in dataset:
-        there = there & (dataset["detached"] != 1)
-    return there
 
 
 def on_common_path(models: Mapping[str, xr.Dataset], control: str) -> dict[str, xr.Dataset]:

@@ -7,11 +7,10 @@ import xarray as xr
 
 from contact_study.errors import InputError
 from contact_study.report.models import is_simulated
-from contact_study.report.read.carried_study import carried_study
 from contact_study.report.read.datasets import Inputs
-from contact_study.report.read.differences import check_studies
 from contact_study.report.read.files import open_groups
 from contact_study.report.read.load_steps import SEED, with_average
+from contact_study.report.read.studies import carried_study, check_studies
 from contact_study.study.schema.dotted_keys import SECTIONS
 from contact_study.study.schema.keys import keys_of
 
