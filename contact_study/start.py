@@ -1,40 +1,47 @@
-"""Entry points of the commands: Ctrl-C while their libraries load ends them as quietly as later."""
+"""Entry points of the commands; Ctrl-C during imports ends them with one line, too."""
 
 import importlib
 import sys
+from typing import Any
 
 from contact_study import plugins
+from contact_study.campaign.model import MODELS
 from contact_study.errors import InputError
 
 INTERRUPTED, WRONG_INPUT = 130, 1  # exit statuses
 
 
 def bem_adhesion() -> int:
-    """The continuum."""
-    return _command("bem-adhesion", "bem_adhesion.study.model")
+    """Run the continuum model."""
+    return _model("continuum")
 
 
 def md_reference() -> int:
-    """The atoms."""
-    return _command("md-reference", "md_reference.study.model")
+    """Run the atomistic model."""
+    return _model("atomistic")
 
 
 def persson_theory() -> int:
-    """The theories."""
-    return _command("persson-theory", "theory.study.model")
+    """Run the theories."""
+    return _model("theory")
 
 
 def contact_compare() -> int:
-    """The comparison."""
+    """Compare datasets."""
     return _command("contact-compare", "contact_study.report.command")
 
 
 def contact_merge() -> int:
-    """The parts of a campaign in one."""
+    """Merge datasets."""
     return _command("contact-merge", "contact_study.campaign.merge.command")
 
 
-def _command(name: str, module: str) -> int:
+def _model(kind: str) -> int:
+    model = MODELS[kind]
+    return _command(model.command, "contact_study.campaign.command_line.command", model)
+
+
+def _command(name: str, module: str, *arguments: Any) -> int:
     try:
         plugins.load()
         main = importlib.import_module(module).main
@@ -44,4 +51,4 @@ def _command(name: str, module: str) -> int:
     except InputError as error:  # of a plug-in
         print(f"{name}: error: {error}", file=sys.stderr)
         return WRONG_INPUT
-    return int(main())
+    return int(main(*arguments))

@@ -9,7 +9,7 @@ from bem_adhesion.study.checks import review
 from bem_adhesion.study.overdamped import overdamped_motion
 from bem_adhesion.study.quasi_static import path_of_equilibria
 from bem_adhesion.study.viscoelastic import path_in_time
-from contact_study.campaign.model import Model
+from contact_study.campaign.model import MODELS
 from contact_study.campaign.worker import overdamped_path
 from contact_study.errors import InputError
 from contact_study.physics.solids import Viscoelastic
@@ -20,15 +20,7 @@ from contact_study.study.case import Case
 
 __all__ = ["MODEL", "check", "constants", "main", "review", "solve_path"]
 
-MODEL = Model(
-    command="bem-adhesion",
-    kind="continuum",
-    module="bem_adhesion.study.model",
-    description="boundary elements: elastic half-space on a rigid rough surface, hard wall or adhesive",
-    references="C. Yang, B. N. J. Persson, J. Israelachvili, K. Rosenberg, EPL 84, 46004 (2008)",
-    ignores=("atomistic", "sampling", "dynamics", "theory"),
-    own_steps=True,
-)
+MODEL = MODELS["continuum"]
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -1,4 +1,4 @@
-"""Studies from Python: a table or a file in, a dataset out."""
+"""Studies from Python: run a table or a file, return the dataset."""
 
 import re
 import tempfile
@@ -12,7 +12,7 @@ import xarray as xr
 
 from contact_study.campaign.dataset.provenance import unconverged
 from contact_study.campaign.engines import CampaignError
-from contact_study.campaign.model import MODULES, Model, model_of
+from contact_study.campaign.model import MODELS
 from contact_study.campaign.progress import Progress, Warnings
 from contact_study.campaign.run import RunOptions, run_campaign
 from contact_study.campaign.store.files import check_inputs_kept, named_file
@@ -42,35 +42,33 @@ def run(
     Parameters
     ----------
     study : mapping or path-like
-        The content of a study file as nested mappings, ``{"surface": {"kind": "self_affine", ...}, ...}``, with
-        numbers in SI, strings with a unit or pint quantities, and relative paths from the working directory; or the
-        path of a file. A surface of one's own is ``{"surface": {"heights": array, "size": ...}}``, heights (y, x) in
-        m. A law such as :class:`bem_adhesion.LennardJones104` may stand as ``interaction`` or its ``law``, a solid such
-        as :class:`bem_adhesion.Layer` as ``elasticity`` or its ``kind``; Poisson's ratio, where the solid has none, is
-        ``material.poissons_ratio``.
+        Path of a study file, or its content as nested mappings, ``{"surface": {"kind": "self_affine", ...}, ...}``:
+        numbers in SI, strings with a unit or pint quantities; paths relative to the working directory. An own surface
+        is ``{"surface": {"heights": array, "size": ...}}``, heights (y, x) in m. ``interaction`` or its ``law`` may be
+        a law such as :class:`bem_adhesion.LennardJones104`, ``elasticity`` or its ``kind`` a solid such as
+        :class:`bem_adhesion.Layer`; a solid without Poisson's ratio takes ``material.poissons_ratio``.
     model : str, optional
         ``"continuum"``, ``"atomistic"`` or ``"theory"``.
     output : path-like, optional
-        Dataset to write, as the model's command would; without one nothing is left on disk.
+        Dataset to write, as the model's command does; default: no file is left on disk.
     resume, overwrite : bool, optional
-        Continue, or replace, what stands at ``output``.
+        Whether to continue, or to replace, a run at ``output``.
     predictor : path-like, optional
         Dataset of the continuum whose gap fields the atomistic model starts from.
     workers : int, optional
-        Processes over which the points of a sweep are spread. With more than one the caller's script is read again by
-        each process: call this below ``if __name__ == "__main__":``.
+        Number of processes for the points of a sweep. Each further process imports the caller's script, so call this
+        below ``if __name__ == "__main__":``.
     engine : str, optional
-        Where cases run, ``"serial"``, ``"processes"`` or ``"dask"``; by default what ``workers`` asks for.
+        ``"serial"``, ``"processes"`` or ``"dask"``; default: by ``workers``.
     scheduler : str, optional
         Address, or file, of the scheduler of a Dask cluster.
     progress : bool, optional
-        Show every finished step on stderr.
+        Whether to show every finished step on stderr.
 
     Returns
     -------
     xarray.Dataset
-        What ``xarray.open_dataset`` reads of the dataset's file, loaded. Metastable branches of theories, a group of
-        their own, are in a file that is written only.
+        Root group of the dataset, loaded. Metastable branches of theories are another group, in the file only.
 
     Raises
     ------
@@ -80,14 +78,16 @@ def run(
     Warns
     -----
     UserWarning
-        Of what the command would warn of, and of steps that did not converge: see the variable ``converged``.
+        For every warning of the command, and if steps did not converge: see the variable ``converged``.
 
     Examples
     --------
     >>> dataset = contact_study.run("data/yang2008_quick.toml", "theory")  # doctest: +SKIP
     >>> dataset.relative_contact_area.plot.line(x="step", hue="theory")  # doctest: +SKIP
     """
-    chosen = _model(model)
+    if model not in MODELS:
+        raise InputError(f"model = {model!r}: expected one of {', '.join(MODELS)}")
+    chosen = MODELS[model]
     if resume and overwrite:
         raise InputError("resume and overwrite exclude each other")
     if isinstance(workers, bool) or not isinstance(workers, int) or workers < 1:
@@ -95,7 +95,7 @@ def run(
     if predictor is not None and not chosen.takes_predictor:
         raise InputError(f"predictor: the model {model!r} takes none")
     if output is None and resume:
-        raise InputError("resume: needs an output to go on from")
+        raise InputError("resume: needs an output to continue")
     start = None if predictor is None else Path(predictor)
     shown = Progress(chosen.command, _in_python) if progress else Warnings(_in_python)
     words = f"contact_study.run(..., {model!r})"
@@ -105,20 +105,14 @@ def run(
             path = Path(folder) / "dataset.nc" if output is None else named_file(output)
             given = Path(study) if isinstance(study, str | Path) else None
             check_inputs_kept(path, [given, start, *(case.height_map for case in asked.cases)])
-            how = RunOptions(resume, overwrite, workers, engine, scheduler)
-            groups = run_campaign(chosen, asked, path, shown, words, start, how)
+            options = RunOptions(resume, overwrite, workers, engine, scheduler)
+            groups = run_campaign(chosen, asked, path, shown, words, start, options)
         except (InputError, CampaignError) as error:
             raise type(error)(_in_python(str(error))) from None
         dataset = xr.load_dataset(path)
     for line in unconverged(groups):
         warnings.warn(line, UserWarning, stacklevel=2)
     return dataset
-
-
-def _model(name: str) -> Model:
-    if name not in MODULES:
-        raise InputError(f"model = {name!r}: expected one of {', '.join(MODULES)}")
-    return model_of(name)
 
 
 def _study(study: Mapping[str, Any] | str | Path, folder: Path) -> Study:
@@ -134,13 +128,13 @@ def _study(study: Mapping[str, Any] | str | Path, folder: Path) -> Study:
 
 
 def _in_python(message: str) -> str:
-    """A message of the commands with arguments of :func:`run` in place of their options."""
+    """Replace the commands' options in a message by arguments of :func:`run`."""
     flags = re.sub(r"(?<![\w./-])--(resume|overwrite)\b", r"\1=True", message)
     return re.sub(r"(?<![\w./-])--(?=[a-z])", "", flags)
 
 
 def _as_map(surface: Mapping[str, Any], folder: Path) -> dict[str, Any]:
-    """The section of a height array: that of a height map, which holds it."""
+    """Write a height array to a file; return the section of this height map."""
     for key in ("path", "height_unit"):
         if key in surface:
             raise InputError(f"surface.{key}: does not go with surface.heights, an array in m")
@@ -158,7 +152,7 @@ def _as_map(surface: Mapping[str, Any], folder: Path) -> dict[str, Any]:
 
 
 def _plain(value: Any) -> Any:
-    """A value as a TOML file would hold it."""
+    """Convert a value to one that a TOML file can hold."""
     if isinstance(value, Mapping):
         return {str(name): _plain(content) for name, content in value.items()}
     if _is_quantity(value):
@@ -171,12 +165,12 @@ def _plain(value: Any) -> Any:
 
 
 def _is_quantity(value: Any) -> bool:
-    """Whether a value is a quantity of pint, of whatever registry."""
+    """Whether a value is a quantity of pint, of any registry."""
     return hasattr(value, "magnitude") and hasattr(value, "unit_items")
 
 
 def _with_unit(quantity: Any) -> str | float:
-    """A quantity of pint as a study file writes it: "1.5 joule meter^-2"."""
+    """Write a quantity of pint as in a study file: "1.5 joule meter^-2"."""
     unit = " ".join(name if power == 1 else f"{name}^{power:g}" for name, power in quantity.unit_items())
     number = float(quantity.magnitude)
     return f"{number!r} {unit}" if unit else number

@@ -1,4 +1,4 @@
-"""Whether a case fits the memory that it will have, said before anything is allocated."""
+"""Check, before anything is allocated, that a case fits the memory it will have."""
 
 import os
 import socket
@@ -10,27 +10,27 @@ from pathlib import Path
 from contact_study.errors import InputError
 from contact_study.study.case import Case
 
-# Height, gap, pressure, displacement, its spectrum, the kernel and a few of the solver's own: a dozen doubles.
+# A dozen doubles: height, gap, pressure, displacement, its spectrum, the kernel and arrays of the solver.
 _BYTES_PER_POINT = 100
 
 _GROUPS = Path("/sys/fs/cgroup")
 _OWN_GROUPS = Path("/proc/self/cgroup")
 
-_share = float("inf")  # bytes that this process may use, where whoever has started it says so
+_share = float("inf")  # bytes that this process may use, set by its starter
 
 
 @dataclass(frozen=True)
 class Need:
-    """Memory that something takes at least.
+    """Least memory of a part of a case.
 
     Attributes
     ----------
     size : float
         Bytes.
     culprit : str
-        What takes them, as a message names it.
+        Its name in a message.
     advice : str
-        What takes less.
+        What to use in order to need less.
     """
 
     size: float
@@ -38,8 +38,8 @@ class Need:
     advice: str
 
 
-def grid_of(case: Case) -> Need:
-    """What a simulation on the grid of a case takes."""
+def grid_need(case: Case) -> Need:
+    """Memory of a simulation on the grid of a case."""
     shape = case.surface.shape or (0, 0)
     return Need(_on_grid(shape), f"surface.shape = {list(shape)}", "fewer points")
 
@@ -49,30 +49,30 @@ def _on_grid(shape: tuple[int, int]) -> float:
 
 
 def grid_fits(shape: tuple[int, int]) -> bool:
-    """Whether the machine's memory holds a simulation on so many points."""
+    """Whether the machine's memory holds a simulation on a grid of this shape."""
     return _on_grid(shape) <= _memory()
 
 
 def most_points() -> float:
-    """Points of the largest grid that the machine's memory holds."""
+    """Number of points of the largest grid that the machine's memory holds."""
     return _memory() / _BYTES_PER_POINT
 
 
 def memory_in_words(shape: tuple[int, int]) -> str:
-    """What a simulation on so many points needs, such as ``1.2 GB``."""
+    """Memory of a simulation on a grid of this shape, such as ``1.2 GB``."""
     needed = _on_grid(shape)
     return f"{needed / 1e9:.2g} GB" if needed >= 1e8 else f"{needed / 1e6:.2g} MB"
 
 
 def require(need: Need) -> None:
-    """Raise InputError, as :func:`require_memory`, over what a case needs."""
+    """Raise InputError if a need exceeds the memory that this process may use."""
     require_memory(need.size, need.culprit, need.advice)
 
 
 def require_memory(needed: float, culprit: str, advice: str) -> None:
-    """Raise InputError, naming the culprit, if ``needed`` bytes are more than this process may ever use.
+    """Raise InputError if ``needed`` bytes exceed the memory that this process may use.
 
-    The system would otherwise kill the run without a word.
+    The system would otherwise kill the run without a message. ``culprit`` and ``advice`` as of :class:`Need`.
     """
     available = _memory()
     if needed > available:
@@ -84,24 +84,24 @@ def require_memory(needed: float, culprit: str, advice: str) -> None:
 
 
 def require_memory_at_once(needs: Sequence[Need], workers: int | None) -> int:
-    """Make sure that memory holds cases, the largest of them side by side.
+    """Make sure that memory holds cases that run at once.
 
     Parameters
     ----------
     needs : sequence of Need
-        What they take.
+        Memory of each case.
     workers : int or None
-        How many are asked for at once; None: as many as fit.
+        Number of cases at once; None: as many as fit.
 
     Returns
     -------
     int
-        How many fit.
+        Number of cases that fit.
 
     Raises
     ------
     InputError
-        If one alone, or as many as are asked for, need more.
+        If one case, or this number of cases, does not fit.
     """
     largest = max(needs, key=lambda need: need.size)
     require(largest)
@@ -112,18 +112,18 @@ def require_memory_at_once(needs: Sequence[Need], workers: int | None) -> int:
 
 
 def set_share(size: float | None) -> None:
-    """Say how many bytes this process may use of its machine's memory, beside others there; None: it is not known."""
+    """Set the bytes of its machine's memory that this process may use; None: unknown."""
     global _share
     _share = float("inf") if size is None else float(size)
 
 
 def _memory() -> float:
-    """Bytes that this process may use: the machine's, or less inside a job's limit or a container."""
+    """Bytes that this process may use: the machine's memory, or the limit of a job or container."""
     return min((size for size, _ in _limits()), default=float("inf"))
 
 
 def _limits() -> Iterator[tuple[float, str]]:
-    """Limits (bytes), each with whose it is, to be followed by the name of the machine."""
+    """Limits (bytes), each with the words that precede the machine's name in a message."""
     yield _share, "a Dask worker on "
     with suppress(AttributeError, ValueError, OSError):  # not on every system
         yield float(os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")), ""
@@ -133,7 +133,7 @@ def _limits() -> Iterator[tuple[float, str]]:
 
 
 def _limit_files() -> Iterator[Path]:
-    """Where the groups that this process is in may have a limit: a batch job, a container, a session."""
+    """Files that may hold the limits of this process's control groups: batch job, container, session."""
     yield _GROUPS / "memory.max"
     try:
         lines = _OWN_GROUPS.read_text().splitlines()
@@ -143,7 +143,7 @@ def _limit_files() -> Iterator[Path]:
         _, kinds, group = line.split(":", 2)
         if kinds and "memory" not in kinds.split(","):
             continue
-        # Of version 2, for which no kinds are named, and of version 1.
+        # Version 2 names no kinds, version 1 does.
         root, name = (_GROUPS / "memory", "memory.limit_in_bytes") if kinds else (_GROUPS, "memory.max")
         own = Path(group.lstrip("/"))
         for parent in (own, *own.parents):

@@ -1,43 +1,33 @@
-"""What the campaign must know of a model: its name and where its two functions are."""
+"""The three models as the campaign runs them: their declarations, and calls into their modules.
+
+A model's package is imported by its first call, not by its declaration: ``--help`` needs no solver.
+"""
 
 import importlib
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
-from contact_study.campaign.memory import Need, grid_of
 from contact_study.errors import InputError
-from contact_study.numerics.distributions import Bins
-from contact_study.numerics.fourier import POINTS_FOR_THREADS
-from contact_study.physics.surfaces.scales import SurfaceScales
-from contact_study.physics.surfaces.surface import Surface
-from contact_study.results.state import Ensemble, InterfaceState, Value
-from contact_study.results.step import Step
-from contact_study.study.bins import bins_of
-from contact_study.study.case import Case
-from contact_study.study.checks import plausibility
-from contact_study.study.study import Study
 
-# Where each model declares itself as MODEL, by what it is; imported when asked for, for models know of no other.
-MODULES = {
-    "continuum": "bem_adhesion.study.model",
-    "atomistic": "md_reference.study.model",
-    "theory": "theory.study.model",
-}
+if TYPE_CHECKING:
+    import numpy as np
 
-Predictor = Callable[[int], np.ndarray | None]
+    from contact_study.campaign.memory import Need
+    from contact_study.numerics.distributions import Bins
+    from contact_study.physics.surfaces.scales import SurfaceScales
+    from contact_study.physics.surfaces.surface import Surface
+    from contact_study.results.state import Ensemble, InterfaceState, Value
+    from contact_study.results.step import Step
+    from contact_study.study.case import Case
+    from contact_study.study.study import Study
 
-
-def model_of(kind: str) -> "Model":
-    """The model of a kind, a key of :data:`MODULES`."""
-    return importlib.import_module(MODULES[kind]).MODEL
+Predictor = Callable[[int], "np.ndarray | None"]
 
 
 @dataclass(frozen=True)
 class Model:
-    """One of the three models.
+    """A model.
 
     Parameters
     ----------
@@ -46,27 +36,26 @@ class Model:
     kind : str
         ``"continuum"``, ``"atomistic"`` or ``"theory"``: the dataset's ``model`` attribute.
     module : str
-        Module that has ``check(case)``, which raises InputError where the model cannot serve a case, ``review(study,
-        scales)``, ``constants(case, surface)`` and ``solve_path(case, surface, restart, start, predictor)``; where
-        cases take more memory than their grids ``needs(case)``, too, which yields each :class:`.memory.Need`.
+        Module with the functions ``check(case)``, which raises InputError if the model cannot run a case,
+        ``review(study, scales)``, ``constants(case, surface)`` and ``solve_path(case, surface, restart, start,
+        predictor)``. It may have ``needs(case)``, which yields each :class:`.memory.Need` beside the grid's, and
+        ``POINTS_FOR_THREADS``, the points of a surface from which on one case gains from several threads.
     description : str
         One sentence for ``--help`` and the dataset's ``source``.
     references : str
         Literature of the method, for the dataset.
     takes_predictor : bool
-        Whether each step may start from the gap field of another dataset.
+        Whether a step may start from the gap field of another dataset.
     ignores : tuple of str
         Sections of the study file that the model does not read.
     keeps : tuple of str
-        Keys of [output] that say what a step keeps beyond its numbers.
+        Keys of [output] that select optional content of a step.
     whole_path : bool
-        Whether the numbers of a step follow from the whole path, not only from its points so far.
+        Whether the numbers of a step depend on the whole path, not only on its points so far.
     own_steps : bool
         Whether it takes the steps of ``loading.adaptive`` between the points of a path.
-    points_for_threads : int
-        Of a surface, from which on one case gains from more threads than one.
     threads : int
-        That a case of any surface keeps busy: where a study has few cases, each process has as many cores.
+        Number of cores that a case of any surface keeps busy.
     """
 
     command: str
@@ -79,43 +68,90 @@ class Model:
     keeps: tuple[str, ...] = ("fields",)
     whole_path: bool = False
     own_steps: bool = False
-    points_for_threads: int = POINTS_FOR_THREADS
     threads: int = 1
 
-    def check(self, case: Case) -> None:
-        """Raise InputError if the model cannot serve the case."""
+    @property
+    def points_for_threads(self) -> int:
+        """Points of a surface from which on one case gains from several threads."""
+        from contact_study.numerics.fourier import POINTS_FOR_THREADS
+
+        return getattr(importlib.import_module(self.module), "POINTS_FOR_THREADS", POINTS_FOR_THREADS)
+
+    def check(self, case: "Case") -> None:
+        """Raise InputError if the model cannot run the case."""
         importlib.import_module(self.module).check(case)
 
-    def needs(self, case: Case) -> Need:
-        """The memory that a case takes at least; errors as :meth:`check`."""
-        own = getattr(importlib.import_module(self.module), "needs", None)
-        return max([grid_of(case), *(own(case) if own else ())], key=lambda need: need.size)
+    def needs(self, case: "Case") -> "Need":
+        """Return the largest memory that a case needs; raises InputError as :meth:`check`."""
+        from contact_study.campaign.memory import grid_need
 
-    def review(self, study: Study, scales: Sequence[SurfaceScales]) -> list[str]:
-        """Warnings, once for the whole study; InputError where the model's grids cannot hold the scales of a case."""
+        own = getattr(importlib.import_module(self.module), "needs", None)
+        return max([grid_need(case), *(own(case) if own else ())], key=lambda need: need.size)
+
+    def review(self, study: "Study", scales: "Sequence[SurfaceScales]") -> list[str]:
+        """Warn of a study as a whole; raises InputError if the model's grids cannot hold the scales of a case."""
         return importlib.import_module(self.module).review(study, scales)
 
-    def constants(self, case: Case, surface: Surface) -> Mapping[str, Value]:
-        """What does not change along the path."""
+    def constants(self, case: "Case", surface: "Surface") -> "Mapping[str, Value]":
+        """Return the quantities that do not change along the path."""
         return importlib.import_module(self.module).constants(case, surface)
 
     def solve_path(
         self,
-        case: Case,
-        surface: Surface,
-        restart: Mapping[str, np.ndarray] | None,
+        case: "Case",
+        surface: "Surface",
+        restart: "Mapping[str, np.ndarray] | None",
         start: int,
         predictor: Predictor | None,
-    ) -> Iterator[InterfaceState | Ensemble | Step]:
-        """Points of the path from number ``start`` on.
+    ) -> "Iterator[InterfaceState | Ensemble | Step]":
+        """Yield the points of the path from number ``start`` on.
 
-        ``restart`` is that of the point before, or of a state of the ensemble ``start`` to go on with.
+        ``restart`` is the state after the point before, or a state of the ensemble ``start`` to continue from.
         """
         extra: dict[str, Any] = {"predictor": predictor} if self.takes_predictor else {}
         return importlib.import_module(self.module).solve_path(case, surface, restart=restart, start=start, **extra)
 
 
-def check_study(model: Model, study: Study) -> tuple[Bins, list[str]]:
+_YANG = "C. Yang, B. N. J. Persson, J. Israelachvili, K. Rosenberg, EPL 84, 46004 (2008)"
+
+MODELS: dict[str, Model] = {
+    "continuum": Model(
+        command="bem-adhesion",
+        kind="continuum",
+        module="bem_adhesion.study.model",
+        description="boundary elements: elastic half-space on a rigid rough surface, hard wall or adhesive",
+        references=_YANG,
+        ignores=("atomistic", "sampling", "dynamics", "theory"),
+        own_steps=True,
+    ),
+    "atomistic": Model(
+        command="md-reference",
+        kind="atomistic",
+        module="md_reference.study.model",
+        description="Atomistic reference: a harmonic block of atoms, condensed exactly to its bottom layer, in "
+        "equilibrium at zero or another temperature on a rigid rough layer of Lennard-Jones sites",
+        references=_YANG,
+        takes_predictor=True,
+        ignores=("theory",),
+        keeps=("fields", "atoms"),
+    ),
+    "theory": Model(
+        command="persson-theory",
+        kind="theory",
+        module="theory.study.model",
+        description="Persson's theory of rough contact with adhesion, and beside it the gap-flow theory and the edge "
+        "flow",
+        references=f"{_YANG}; "
+        "B. N. J. Persson, J. Chem. Phys. 115, 3840 (2001); akin to the gap flow: J. Joe, Traction Between Rough "
+        "Surfaces, PhD thesis, University of Michigan (2021), https://hdl.handle.net/2027.42/169927",
+        ignores=("atomistic", "overdamped", "sampling", "dynamics"),
+        whole_path=True,  # the separation curve and the gap flow's grid extend as far as the path asks
+        threads=2,  # the edge flow beside Persson's theory and the gap flow
+    ),
+}
+
+
+def check_study(model: Model, study: "Study") -> "tuple[Bins, list[str]]":
     """Check a study before any work.
 
     Returns
@@ -130,6 +166,9 @@ def check_study(model: Model, study: Study) -> tuple[Bins, list[str]]:
     InputError
         If the model cannot run a case, or numbers of the study contradict each other.
     """
+    from contact_study.study.bins import bins_of
+    from contact_study.study.checks import plausibility
+
     notes = [*study.notes, *plausibility.review(study)]
     for case in study.cases:
         if case.surface.absent and model.kind != "theory":

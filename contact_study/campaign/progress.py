@@ -7,36 +7,39 @@ from collections.abc import Callable, Collection, Iterator
 from contextlib import suppress
 from typing import Any, TypeVar
 
-from tqdm import tqdm
-
-# Seconds without a word while the program reads and writes.
-_SILENCE = 5.0
+_SILENCE = 5.0  # seconds between lines while the program reads and writes
 
 T = TypeVar("T")
 
 
 class Progress:
-    """Counts finished steps.
+    """Counter of finished steps, and printer of messages.
 
     Parameters
     ----------
     name : str
         The command's name, in front of every line.
     wording : callable, optional
-        What becomes of a message before it is shown.
+        Function that rewords a message before it is shown.
+
+    Attributes
+    ----------
+    total, done : int
+        Number of steps, and of finished ones.
     """
 
     def __init__(self, name: str, wording: Callable[[str], str] = str):
         self._name = name
         self._wording = wording
-        self._bar: tqdm | None = None
-        self._total = 0
-        self._done = 0
+        self._bar: Any = None
+        self.total = self.done = 0
 
     def start(self, total: int, done: int) -> None:
         """Begin with ``done`` of ``total`` steps finished."""
-        self._total, self._done = total, done
+        self.total, self.done = total, done
         if sys.stderr.isatty():
+            from tqdm import tqdm  # slow to import
+
             self._bar = tqdm(
                 total=total, initial=done, desc=self._name, unit="step", file=sys.stderr, dynamic_ncols=True
             )
@@ -44,8 +47,8 @@ class Progress:
             self.report(f"{done} of {total} steps were finished before")
 
     def step(self, label: str, point: str, summary: dict[str, Any], seconds: float) -> None:
-        """One more step is finished, at a point of the path of the case with a label."""
-        self._done += 1
+        """Count one more finished step, at a point of the path of the case with this label."""
+        self.done += 1
         area = summary.get("relative_contact_area")
         text = f"{label + ': ' if label else ''}{point}"
         if summary.get("detached"):
@@ -58,51 +61,54 @@ class Progress:
             self._bar.set_postfix_str(text, refresh=False)
             self._bar.update()
         else:
-            self.report(f"[{self._done}/{self._total}] {text} ({seconds:.1f} s)")
+            self.report(f"[{self.done}/{self.total}] {text} ({seconds:.1f} s)")
 
     def through(self, items: Collection[T], words: str) -> Iterator[T]:
-        """Hand items on, one after the other, and show how many where that takes its time."""
+        """Yield items one after the other; show their number if that takes long."""
         if sys.stderr.isatty():
+            from tqdm import tqdm
+
             about = f"{self._name}: {words}"
             yield from tqdm(items, about, file=sys.stderr, dynamic_ncols=True, leave=False, delay=_SILENCE)
             return
-        said = time.monotonic()
+        shown = time.monotonic()
         for number, item in enumerate(items):
-            if time.monotonic() - said > _SILENCE:
-                said = time.monotonic()
+            if time.monotonic() - shown > _SILENCE:
+                shown = time.monotonic()
                 self.report(f"{words}: {number} of {len(items)}")
             yield item
 
     def report(self, text: str) -> None:
-        """A line of its own."""
-        with suppress(OSError):  # whoever read along may have gone; the run matters more
-            tqdm.write(f"{self._name}: {self._wording(text)}", file=sys.stderr)
+        """Print a line."""
+        line = f"{self._name}: {self._wording(text)}"
+        with suppress(OSError):  # the reader of the log may be gone; the run continues
+            if self._bar is not None:
+                self._bar.write(line, file=sys.stderr)
+            else:
+                print(line, file=sys.stderr)
             sys.stderr.flush()
 
     def warn(self, note: str) -> None:
-        """Something to be known of the study or a step."""
+        """Print a warning."""
         self.report(f"warning: {note}")
 
     def close(self) -> None:
-        """No more steps."""
+        """Remove the bar."""
         if self._bar is not None:
             self._bar.close()
 
 
 class Warnings(Progress):
-    """Shows no steps; warnings are Python's."""
+    """Progress of the library: steps are not shown, warnings are Python's."""
 
     def __init__(self, wording: Callable[[str], str] = str) -> None:
         super().__init__("", wording)
 
     def start(self, total: int, done: int) -> None:
-        pass
+        self.total, self.done = total, done
 
     def through(self, items: Collection[T], words: str) -> Iterator[T]:
         yield from items
-
-    def step(self, label: str, point: str, summary: dict[str, Any], seconds: float) -> None:
-        pass
 
     def report(self, text: str) -> None:
         pass

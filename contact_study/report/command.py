@@ -10,7 +10,7 @@ from typing import Any
 
 import contact_study
 from contact_study import units
-from contact_study.campaign.command_line.command import DONE, NOT_CONVERGED, Parser, completed, guarded
+from contact_study.campaign.command_line.command import DONE, NOT_CONVERGED, Parser, complete, guarded
 from contact_study.campaign.dataset.provenance import git_commit
 from contact_study.campaign.store.files import named_file, real, writable_output, writing
 from contact_study.errors import InputError
@@ -44,7 +44,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _main(arguments: Sequence[str]) -> int:
     parser = _parser()
-    completed(parser)
+    complete(parser)
     given = parser.parse_args(arguments)
     formats = list(dict.fromkeys(given.figure_format or ["png"]))
     output, report = named_file(given.output), named_file(given.report) if given.report else None

@@ -104,7 +104,7 @@ VARIABLES: dict[str, Variable] = {
         "1", "work of adhesion on the true area over elastic energy of full contact (Persson, Tosatti)", ()
     ),
     "pastewka_robbins_ratio": Variable(
-        "1", "work of adhesion over that of sticking light contact (after Pastewka, Robbins), experimental", ()
+        "1", "work of adhesion over that of sticking light contact (Pastewka, Robbins), experimental", ()
     ),
     "dmt_tension_ratio": Variable(
         "1", "tension within the range over the pressure of light contact, adhesion DMT-like", ()

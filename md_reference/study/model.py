@@ -5,7 +5,7 @@ from collections.abc import Iterator, Mapping, Sequence
 import numpy as np
 
 from contact_study.campaign.memory import Need
-from contact_study.campaign.model import Model
+from contact_study.campaign.model import MODELS
 from contact_study.campaign.worker import overdamped_path
 from contact_study.errors import InputError
 from contact_study.physics.surfaces.scales import SurfaceScales
@@ -34,18 +34,8 @@ METHODS: Mapping[str, Method] = {
     "dynamics": dynamics.solve_path,
 }
 
-MODEL = Model(
-    command="md-reference",
-    kind="atomistic",
-    module="md_reference.study.model",
-    description="Atomistic reference: a harmonic block of atoms, condensed exactly to its bottom layer, in equilibrium "
-    "at zero or another temperature on a rigid rough layer of Lennard-Jones sites",
-    references="C. Yang, B. N. J. Persson, J. Israelachvili, K. Rosenberg, EPL 84, 46004 (2008)",
-    takes_predictor=True,
-    ignores=("theory",),
-    keeps=("fields", "atoms"),
-    points_for_threads=ATOMS_FOR_THREADS,
-)
+MODEL = MODELS["atomistic"]
+POINTS_FOR_THREADS = ATOMS_FOR_THREADS
 
 # Displacements, forces, Hessians, stiffness, transforms and substrate of one atom, as scripts/benchmark_atoms.py finds.
 _BYTES_PER_ATOM = 1000

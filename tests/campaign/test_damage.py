@@ -10,9 +10,9 @@ import pytest
 import xarray as xr
 
 from contact_study.campaign.merge.command import main as merge
-from contact_study.campaign.model import MODULES
+from contact_study.campaign.model import MODELS
 from contact_study.report.command import main as compare
-from tests.campaign.toy_model import TOY_ATOMS
+from tests.campaign.toy_model import TOY, TOY_ATOMS
 from tests.campaign.toy_study import BASE, changed
 
 FEWER = changed(sweep={"interaction.well_depth_ratio": [2]})
@@ -20,7 +20,7 @@ FEWER = changed(sweep={"interaction.well_depth_ratio": [2]})
 
 @pytest.fixture(autouse=True)
 def toy_is_the_continuum(monkeypatch):
-    monkeypatch.setitem(MODULES, "continuum", "tests.campaign.toy_model")
+    monkeypatch.setitem(MODELS, "continuum", TOY)
 
 
 @pytest.fixture

@@ -144,7 +144,7 @@ def test_killed_worker_is_replaced_and_its_cases_resume(study, tmp_path, capsys)
 @pytest.mark.validation
 def test_a_case_that_kills_its_workers_is_given_up():
     with distributed.LocalCluster(n_workers=1, threads_per_worker=1, dashboard_address=None, silence_logs=50) as local:
-        with pytest.raises(CampaignError, match="has lost its worker again and again"):
+        with pytest.raises(CampaignError, match="has lost its worker several times"):
             on(local, [die])
         # A cluster that is closed while it replaces a worker fails by itself.
         with distributed.Client(local) as client:
@@ -199,7 +199,7 @@ def test_a_scheduler_that_is_lost_is_one_line(study, tmp_path):
     dask = [sys.executable, "-m", "distributed.cli.dask_worker", "--scheduler-file", file, "--no-nanny"]
     worker = subprocess.Popen([*dask, "--no-dashboard"], stderr=subprocess.DEVNULL, env=here)
     try:
-        program = "from contact_study.campaign.engines import dask; dask._ANSWER = '5s'\n"
+        program = "from contact_study.campaign.engines import dask; dask._TIMEOUT = '5s'\n"
         program += "from tests.campaign.toy_model import main; main()"
         toy = [sys.executable, "-c", program, study, "-o", tmp_path / "bem.nc", "--engine", "dask", "--scheduler", file]
         lines = []
@@ -208,7 +208,8 @@ def test_a_scheduler_that_is_lost_is_one_line(study, tmp_path):
                 lines.append(line)
                 if "[2/14]" in line:
                     scheduler.kill()
-        assert f"error: the Dask scheduler at {file} no longer answers; finished steps are kept, --resume" in lines[-1]
+        assert f"error: the Dask scheduler at {file} no longer answers; " in lines[-1]
+        assert "of 14 steps are finished and kept, --resume continues" in lines[-1]
         assert all("contact area" in line for line in lines[:-1])
     finally:
         for process in (scheduler, worker):
@@ -229,7 +230,7 @@ def refused(study, tmp_path, capsys, *arguments):
 
 
 def test_scheduler_that_does_not_answer(study, tmp_path, capsys, monkeypatch):
-    monkeypatch.setattr("contact_study.campaign.engines.dask._ANSWER", "0.5s")
+    monkeypatch.setattr("contact_study.campaign.engines.dask._TIMEOUT", "0.5s")
     dask = ("--engine", "dask", "--scheduler")
     assert "--scheduler tcp://127.0.0.1:9: does not answer" in refused(
         study, tmp_path, capsys, *dask, "tcp://127.0.0.1:9"
@@ -264,7 +265,7 @@ def test_folder_that_is_not_shared_is_said(study, tmp_path, monkeypatch, capsys)
 
 def test_without_dask_it_is_said(monkeypatch):
     monkeypatch.setitem(__import__("sys").modules, "distributed", None)
-    with pytest.raises(InputError, match=r"pip install 'bem-adhesion\[dask\]'"):
+    with pytest.raises(InputError, match=r"pip install '\.\[dask\]'"):
         engines.check("dask", "tcp://127.0.0.1:8786")
 
 
@@ -276,7 +277,7 @@ def test_a_command_imports_dask_only_where_it_is_asked_for(study, tmp_path, argu
         f"sys.argv = ['toy', {str(study)!r}, '-o', {str(tmp_path / 'bem.nc')!r}, *{arguments!r}]\n"
         "from tests.campaign.toy_model import main\n"
         "main()\n"
-        "print(any(sys.modules.get(name) is not None for name in ('dask', 'distributed')))"
+        "print(sys.modules.get('dask', 'may be imported') is not None)"
     )
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
     assert done.stdout.splitlines()[-1:] == [str(imported)], done.stderr

@@ -12,7 +12,7 @@ from contact_study.campaign.command_line.command import main
 from contact_study.campaign.dataset.states import States, states_file
 from contact_study.campaign.merge import merge as merging
 from contact_study.campaign.merge.command import main as merge_main
-from contact_study.campaign.model import MODULES
+from contact_study.campaign.model import MODELS
 from tests.campaign.toy_model import SOLVED, TOY, TOY_ATOMS
 from tests.campaign.toy_study import BASE, assert_same, changed
 
@@ -23,7 +23,7 @@ UNSWEPT = {section: keys for section, keys in BASE.items() if section != "sweep"
 
 @pytest.fixture(autouse=True)
 def toy_is_the_continuum(monkeypatch):
-    monkeypatch.setitem(MODULES, "continuum", "tests.campaign.toy_model")
+    monkeypatch.setitem(MODELS, "continuum", TOY)
 
 
 @pytest.fixture

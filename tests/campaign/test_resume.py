@@ -293,7 +293,7 @@ def test_height_map_that_changes_while_the_study_runs(run, tmp_path, map_study, 
     monkeypatch.setattr(CaseWriter, "save_step", change)
     status, solved, said = run(map_study)
     assert status == 1
-    assert "map.npy has changed while the study ran; finished steps are kept" in said
+    assert "map.npy has changed while the study ran; 3 of 6 steps are finished and kept, --resume continues" in said
     assert {label for label, _ in solved} == {"well_depth_ratio = 1.0"}
 
 

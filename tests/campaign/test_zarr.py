@@ -7,10 +7,11 @@ import pytest
 import tomli_w
 import xarray as xr
 
+from bem_adhesion.study.model import MODEL
 from contact_study.campaign import library
 from contact_study.campaign.command_line.command import main
 from contact_study.campaign.merge.command import main as merge
-from contact_study.campaign.model import MODULES
+from contact_study.campaign.model import MODELS
 from contact_study.campaign.record import content_hash
 from contact_study.report.command import main as compare
 from tests.campaign.test_merge import WHOLE
@@ -23,7 +24,7 @@ pytest.importorskip("zarr")
 
 @pytest.fixture(autouse=True)
 def toy_is_the_continuum(monkeypatch):
-    monkeypatch.setitem(MODULES, "continuum", "tests.campaign.toy_model")
+    monkeypatch.setitem(MODELS, "continuum", TOY)
 
 
 @pytest.fixture
@@ -112,7 +113,7 @@ def test_it_is_a_predictor(run, tmp_path, capsys):
 @pytest.mark.validation
 @pytest.mark.filterwarnings("ignore:grid too coarse")
 def test_comparison_reads_it_and_writes_none(tmp_path, capsys, monkeypatch):
-    monkeypatch.setitem(MODULES, "continuum", "bem_adhesion.study.model")
+    monkeypatch.setitem(MODELS, "continuum", MODEL)
     files = [tmp_path / "bem.zarr", tmp_path / "bem.nc"]
     for path in files:
         library.run(tomllib.loads(STUDY), output=path)

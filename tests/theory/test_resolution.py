@@ -148,5 +148,5 @@ def test_a_prescribed_gap_has_an_error_of_the_pressure():
 def test_entry_of_an_error_is_that_of_its_quantity():
     entry = variable_of(GAP + RESOLUTION_ERROR)
     assert entry.units == "m"
-    assert entry.long_name == f"estimated error of the resolution: {VARIABLES[GAP].long_name}"
+    assert entry.long_name == f"resolution error: {VARIABLES[GAP].long_name}"
     assert entry.dims == VARIABLES[GAP].dims

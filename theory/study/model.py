@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from contact_study.campaign.model import Model
+from contact_study.campaign.model import MODELS
 from contact_study.errors import InputError
 from contact_study.physics.solids import Elasticity
 from contact_study.physics.surfaces.scales import SurfaceScales
@@ -31,19 +31,8 @@ from theory.study.case_theories import CaseTheories, case_theories
 from theory.study.gap_paths import edge_flow_paths, flow_name, gap_flow_paths
 from theory.study.persson_paths import PERSSONS_OWN, magnifications, persson_path, stored_wavevectors
 
-MODEL = Model(
-    command="persson-theory",
-    kind="theory",
-    module="theory.study.model",
-    ignores=("atomistic", "overdamped", "sampling", "dynamics"),
-    threads=2,  # the edge flow beside Persson's theory and the gap flow
-    points_for_threads=0,
-    whole_path=True,  # the separation curve, and the gaps of the gap flow, reach as far as the path asks
-    description="Persson's theory of rough contact with adhesion, and beside it the gap-flow theory and the edge flow",
-    references="C. Yang, B. N. J. Persson, J. Israelachvili, K. Rosenberg, EPL 84, 46004 (2008); "
-    "B. N. J. Persson, J. Chem. Phys. 115, 3840 (2001); akin to the gap flow: J. Joe, Traction Between Rough Surfaces, "
-    "PhD thesis, University of Michigan (2021), https://hdl.handle.net/2027.42/169927",
-)
+MODEL = MODELS["theory"]
+POINTS_FOR_THREADS = 0
 
 # Shortest wave over the law's length from which on a spectrum is said to leave out most of what adhesion meets.
 _COARSEST = 1e5

@@ -1,1 +1,1 @@
-"""The command line that the three models share."""
+"""The command line of the models: arguments, messages, exit status, examples and a look at a surface."""

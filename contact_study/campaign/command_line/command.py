@@ -1,4 +1,7 @@
-"""The face that the three models' commands share: arguments, messages, exit status."""
+"""The command line that the three models share, and the frame of every command: arguments, messages, exit status.
+
+Only the arguments are imported at first; a run, an example or an inspection imports what it needs.
+"""
 
 import argparse
 import contextlib
@@ -10,29 +13,22 @@ import shlex
 import signal
 import sys
 import tomllib
-import traceback
 from collections.abc import Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
 import contact_study
-from contact_study.campaign.command_line.examples import example, example_names, listed_examples
 from contact_study.campaign.engines import ENGINES, CampaignError
 from contact_study.campaign.model import Model
-from contact_study.campaign.progress import Progress
-from contact_study.campaign.store.files import check_inputs_kept, named_file, writable_output
 from contact_study.errors import InputError
-from contact_study.files import require_file
-from contact_study.start import INTERRUPTED
 from contact_study.study.schema.dotted_keys import all_keys
 from contact_study.study.schema.keys import as_written, replacement, suggestion
-from contact_study.study.study import read_study
 
 if TYPE_CHECKING:
     import xarray as xr
 
-DONE, WRONG_INPUT, NOT_CONVERGED = 0, 1, 2
+DONE, WRONG_INPUT, NOT_CONVERGED, INTERRUPTED = 0, 1, 2, 130  # exit statuses
 
 
 class Parser(argparse.ArgumentParser):
@@ -42,8 +38,8 @@ class Parser(argparse.ArgumentParser):
         raise InputError(message)
 
 
-def completed(parser: argparse.ArgumentParser) -> None:
-    """Where the shell asks how a line may go on, answer it and end; see docs/installation.md."""
+def complete(parser: argparse.ArgumentParser) -> None:
+    """Answer the shell's request to complete a line and exit; see docs/installation.md."""
     if "_ARGCOMPLETE" in os.environ:
         with contextlib.suppress(ImportError):  # an extra
             import argcomplete
@@ -52,62 +48,56 @@ def completed(parser: argparse.ArgumentParser) -> None:
 
 
 def main(model: Model, arguments: Sequence[str] | None = None) -> int:
-    """Run one model on a study file; returns the exit status.
+    """Run one model on a study file.
 
-    0: done and converged; 1: wrong input; 2: some step did not converge (the dataset says which); 130: interrupted.
+    Returns
+    -------
+    int
+        Exit status. 0: done and converged; 1: wrong input; 2: some step did not converge; 130: interrupted.
     """
     if arguments is None:  # a process of the command's own
         arguments = sys.argv[1:]
-        _leave_out_dask(arguments)
+        _hide_dask(arguments)
     return guarded(model.command, lambda: _main(model, arguments))
 
 
-def _leave_out_dask(arguments: Sequence[str]) -> None:
-    """Where Dask is installed, Pint and xarray take it up, half a second, for what a command has no use for."""
+def _hide_dask(arguments: Sequence[str]) -> None:
+    """Keep pint and xarray from importing Dask, half a second, unless the command uses it."""
     asked = "dask" in arguments or "--engine=dask" in arguments
-    if not asked and "xarray" not in sys.modules:  # which knows by then whether there is one
+    if not asked and "xarray" not in sys.modules:  # which has looked for it by then
         sys.modules.setdefault("dask", None)  # type: ignore[arg-type]
 
 
 def guarded(command: str, body: Any, interrupted: str = "finished steps are kept, continue with --resume") -> int:
-    """Call ``body``; mistakes of input and interruption become one line on stderr and an exit status."""
+    """Call ``body``; turn mistakes of input and interruption into one line on stderr and an exit status."""
     if isinstance(sys.stdout, io.TextIOWrapper):
         sys.stdout.reconfigure(errors="backslashreplace")  # not every terminal has Greek letters
     previous = signal.signal(signal.SIGTERM, _interrupt)
     try:
         return body()
-    except (InputError, CampaignError) as error:
-        print(f"{command}: error: {error}", file=sys.stderr)
-        return WRONG_INPUT
     except KeyboardInterrupt:
         print(f"{command}: interrupted; {interrupted}", file=sys.stderr)
         return INTERRUPTED
     except BrokenPipeError:
         return WRONG_INPUT
-    except OSError as error:
-        print(f"{command}: error: {error}", file=sys.stderr)
-        return WRONG_INPUT
+    except (InputError, CampaignError, OSError) as error:
+        message = str(error)
     except UnicodeEncodeError as error:
-        print(
-            f"{command}: error: {error.object[error.start : error.end]!a} cannot be written in this locale's encoding, "
-            f"{error.encoding}; try LC_ALL=C.UTF-8",
-            file=sys.stderr,
+        message = (
+            f"{error.object[error.start : error.end]!a} cannot be written in this locale's encoding, "
+            f"{error.encoding}; try LC_ALL=C.UTF-8"
         )
-        return WRONG_INPUT
     except MemoryError:
-        print(
-            f"{command}: error: not enough memory; use fewer points, atoms or layers, or --workers 1", file=sys.stderr
-        )
-        return WRONG_INPUT
+        message = "not enough memory; use fewer points, atoms or layers, or --workers 1"
     except Exception:
+        import traceback
+
         traceback.print_exc()
-        print(
-            f"{command}: error: this is a fault of the program, not of the input; please report it",
-            file=sys.stderr,
-        )
-        return WRONG_INPUT
+        message = "this is a fault of the program, not of the input; please report it"
     finally:
         signal.signal(signal.SIGTERM, previous)
+    print(f"{command}: error: {message}", file=sys.stderr)
+    return WRONG_INPUT
 
 
 def _interrupt(*_: Any) -> NoReturn:
@@ -116,19 +106,21 @@ def _interrupt(*_: Any) -> NoReturn:
 
 def _main(model: Model, arguments: Sequence[str]) -> int:
     parser = _parser(model)
-    completed(parser)
+    complete(parser)
     given, unknown = parser.parse_known_args(_joined(arguments))
     if unknown:
-        options = [f"--{section}.{name}" for section, name, *_ in all_keys()]
+        known = [f"--{section}.{name}" for section, name, *_ in all_keys()]
         name = unknown[0].removeprefix("--").partition("=")[0]
-        meant = replacement(name, "--") or suggestion(unknown[0], options)
+        meant = replacement(name, "--") or suggestion(unknown[0], known)
         raise InputError(f"unknown argument {unknown[0]}{meant}; see --help")
+    from contact_study.campaign.store.files import check_inputs_kept, named_file
+
     output = None if given.output is None else named_file(given.output)
     overrides = {
         name[4:]: value for name, value in vars(given).items() if name.startswith("key:") and value is not None
     }
     if given.example is not None:
-        return _example(given)
+        return _print_example(given)
     if given.inspect is not None:
         return _inspect(given, output, overrides)
     if given.study is None or output is None:
@@ -137,20 +129,34 @@ def _main(model: Model, arguments: Sequence[str]) -> int:
         raise InputError("--resume and --overwrite exclude each other")
     if given.workers is not None and given.workers < 1:
         raise InputError(f"--workers {given.workers}: must be at least 1")
-    from contact_study.campaign.run import RunOptions, run_campaign  # and with it xarray, which is slow to import
+    from contact_study.campaign.progress import Progress
+    from contact_study.campaign.run import RunOptions, run_campaign
+    from contact_study.study.study import read_study
 
     study = read_study(given.study, overrides)
     predictor = getattr(given, "predictor", None)
     check_inputs_kept(output, [given.study, predictor, *(case.height_map for case in study.cases)])
     words = f"{model.command} {shlex.join(arguments)}"
-    how = RunOptions(given.resume, given.overwrite, given.workers, given.engine, given.scheduler)
-    groups = run_campaign(model, study, output, Progress(model.command), words, predictor, how)
+    options = RunOptions(given.resume, given.overwrite, given.workers, given.engine, given.scheduler)
+    groups = run_campaign(model, study, output, Progress(model.command), words, predictor, options)
     print(output)
-    return _status(model, groups)
+    return report_convergence(model.command, groups)
 
 
-def _example(given: argparse.Namespace) -> int:
-    """Print an example study, or which there are."""
+def report_convergence(command: str, groups: "Mapping[str, xr.Dataset]") -> int:
+    """Print a line for each group of a dataset with steps that did not converge; returns the exit status."""
+    from contact_study.campaign.dataset.provenance import unconverged
+
+    lines = list(unconverged(groups))
+    for line in lines:
+        print(f"{command}: {line}", file=sys.stderr)
+    return NOT_CONVERGED if lines else DONE
+
+
+def _print_example(given: argparse.Namespace) -> int:
+    """Print an example study, or the list of examples."""
+    from contact_study.campaign.command_line.examples import example, listed_examples
+
     if given.study is not None or given.output is not None:
         raise InputError("--example prints a study, and runs none; write it to a file: --example NAME > study.toml")
     print(example(given.example) if given.example else "\n".join(listed_examples()), end="" if given.example else "\n")
@@ -158,8 +164,10 @@ def _example(given: argparse.Namespace) -> int:
 
 
 def _inspect(given: argparse.Namespace, output: Path | None, overrides: Mapping[str, Any]) -> int:
-    """Look at a surface, and run nothing."""
+    """Describe a surface."""
     from contact_study.campaign.command_line.inspection import inspect
+    from contact_study.campaign.store.files import check_inputs_kept, writable_output
+    from contact_study.files import require_file
 
     if given.study is not None:
         raise InputError(f"{given.study}: --inspect takes the map or the study, and runs none")
@@ -185,39 +193,27 @@ def _parser(model: Model) -> Parser:
         'Quantities are SI numbers or strings with a unit, lists have commas: --loading.path "-1 kPa, 2 MPa".',
         allow_abbrev=False,
     )
-    parser.add_argument("study", type=Path, nargs="?", metavar="STUDY.toml", help="study file")
-    parser.add_argument("-o", "--output", metavar="OUT.nc", help="dataset to write, OUT.zarr for one of Zarr")
-    parser.add_argument(
-        "--inspect",
-        type=Path,
-        metavar="FILE",
-        help="say what a height map, or the surface of a study, was taken to be; draw it and its spectrum; run nothing",
-    )
-    parser.add_argument(
-        "--example",
-        nargs="?",
-        const="",
-        metavar="NAME",
-        help="print an example study, to be written to a file; without a name list the examples",
-    ).completer = lambda **_: example_names()  # type: ignore[attr-defined]
-    parser.add_argument("--resume", action="store_true", help="continue an interrupted run of the same study")
-    parser.add_argument("--overwrite", action="store_true", help="replace an existing dataset")
-    parser.add_argument(
+    add = parser.add_argument
+    add("study", type=Path, nargs="?", metavar="STUDY.toml", help="study file")
+    add("-o", "--output", metavar="OUT.nc", help="dataset to write, OUT.zarr for one of Zarr")
+    add("--inspect", type=Path, metavar="FILE", help="height map or study: describe and draw its surface, run nothing")
+    add(
+        "--example", nargs="?", const="", metavar="NAME", help="print an example study; without a name list them"
+    ).completer = lambda **_: _example_names()  # type: ignore[attr-defined]
+    add("--resume", action="store_true", help="continue an interrupted run of the same study")
+    add("--overwrite", action="store_true", help="replace an existing dataset")
+    cores = f"; {model.threads} cores each for few cases" if model.threads > 1 else ""
+    add(
         "--workers",
         type=int,
         metavar="N",
-        help="processes, this one among them; default: one per case, at most the cores"
-        + (f" ({model.threads} cores for each where these have fewer than two cases)" if model.threads > 1 else ""),
+        help=f"number of processes (default: one per case, at most the cores{cores})",
     )
-    parser.add_argument("--engine", choices=ENGINES, help="where cases run; default: processes if there are several")
-    parser.add_argument(
-        "--scheduler", metavar="ADDRESS", help="address, or file, of the scheduler of a Dask cluster (--engine dask)"
-    )
-    parser.add_argument("--version", action="version", version=f"%(prog)s {contact_study.__version__}")
+    add("--engine", choices=ENGINES, help="engine that runs the cases (default: processes if there are several)")
+    add("--scheduler", metavar="ADDRESS", help="address, or file, of the scheduler of a Dask cluster (--engine dask)")
+    add("--version", action="version", version=f"%(prog)s {contact_study.__version__}")
     if model.takes_predictor:
-        parser.add_argument(
-            "--predictor", type=Path, metavar="BEM.nc", help="start each step from this dataset's gap fields"
-        )
+        add("--predictor", type=Path, metavar="BEM.nc", help="dataset whose gap fields the steps start from")
     groups: dict[str, Any] = {}
     for section, name, declaration, default in all_keys():
         if section not in groups:
@@ -232,17 +228,23 @@ def _parser(model: Model) -> Parser:
             metavar=f"<{declaration.kind}>",
             help=text,
         )
-        added.completer = partial(_words_of, declaration.kind)
+        added.completer = partial(_choices, declaration.kind)
     return parser
 
 
-def _words_of(kind: str, **_: Any) -> list[str]:
-    """The words that a key takes, for the shell; none where it takes a number or free text."""
+def _example_names() -> list[str]:
+    from contact_study.campaign.command_line.examples import example_names
+
+    return example_names()
+
+
+def _choices(kind: str, **_: Any) -> list[str]:
+    """Words that a key takes, for the shell; none for a number or free text."""
     return kind.removesuffix(", or a list").split(" | ") if " | " in kind else []
 
 
 def _joined(arguments: Sequence[str]) -> list[str]:
-    """Arguments with each negative value tied to its key, which argparse would take for an option."""
+    """Join each negative value to its key; argparse would take it for an option."""
     keys = {f"--{section}.{name}" for section, name, *_ in all_keys()}
     joined: list[str] = []
     for argument in arguments:
@@ -254,18 +256,8 @@ def _joined(arguments: Sequence[str]) -> list[str]:
 
 
 def _toml_value(text: str) -> Any:
-    """A value as TOML writes it; anything else is a string."""
+    """Read a value as TOML writes it; anything else is a string."""
     try:
         return tomllib.loads(f"value = {text}")["value"]
-    except tomllib.TOMLDecodeError:
+    except ValueError:
         return text
-
-
-def _status(model: Model, groups: "Mapping[str, xr.Dataset]") -> int:
-    """Exit status of a dataset; names each group with steps that did not converge."""
-    from contact_study.campaign.dataset.provenance import unconverged
-
-    said = list(unconverged(groups))
-    for words in said:
-        print(f"{model.command}: {words}", file=sys.stderr)
-    return NOT_CONVERGED if said else DONE

@@ -1,30 +1,37 @@
-"""Where the cases of a study are run: one file for each way, chosen by its name from one table."""
+"""Engines, which run the cases of a study: one file each, imported by its first use.
 
+They know tasks and reports, and nothing of studies, models or files.
+"""
+
+import importlib
 from collections.abc import Callable, Sequence
 from functools import partial
+from typing import Any
 
-from contact_study.campaign.engines import dask, processes, serial
 from contact_study.campaign.engines.base import CampaignError, Engine, Report, Task
 from contact_study.errors import InputError
 
 __all__ = ["ENGINES", "CampaignError", "check", "run"]
 
+
+def _call(name: str, function: str, *arguments: Any, **options: Any) -> None:
+    getattr(importlib.import_module(f"{__name__}.{name}"), function)(*arguments, **options)
+
+
 ENGINES: dict[str, Callable[..., None]] = {
-    "serial": serial.run,
-    "processes": processes.run,
-    "dask": dask.run,
+    name: partial(_call, name, "run") for name in ("serial", "processes", "dask")
 }
-# Those that run on machines of their own, at the address of a scheduler; what makes sure that one answers.
-REMOTE = {"dask": dask.check}
+# Check of an engine on other machines, at the address of a scheduler.
+REMOTE: dict[str, Callable[..., None]] = {"dask": partial(_call, "dask", "check")}
 
 
 def check(engine: str | None, scheduler: str | None) -> None:
-    """Make sure, before any work, that an engine can be had.
+    """Make sure, before any work, that an engine is available.
 
     Raises
     ------
     InputError
-        If there is no such engine, or it has no scheduler that answers.
+        If there is no such engine, or its scheduler does not answer.
     """
     if engine is not None and engine not in ENGINES:
         raise InputError(f"engine {engine!r}: expected one of {', '.join(ENGINES)}")
@@ -37,7 +44,7 @@ def check(engine: str | None, scheduler: str | None) -> None:
 def run(
     tasks: Sequence[Task], workers: int, report: Report, engine: str | None = None, scheduler: str | None = None
 ) -> None:
-    """Run every task by an engine; without a name in this process, or where there are more workers in processes.
+    """Run every task by an engine; without a name in this process, or in several for more than one worker.
 
     Raises
     ------

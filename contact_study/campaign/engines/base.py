@@ -1,4 +1,4 @@
-"""What an engine is: it calls every task once, somewhere, and hands on what they report."""
+"""The interface of an engine."""
 
 from collections.abc import Callable, Sequence
 from typing import Any, Protocol
@@ -8,17 +8,16 @@ Task = Callable[[Report], None]
 
 
 class CampaignError(RuntimeError):
-    """A campaign that could not go on; finished steps are kept."""
+    """A campaign that cannot continue; finished steps are kept."""
 
 
 class Engine(Protocol):
-    """Runs tasks.
+    """Runner of tasks.
 
-    A task keeps its own results on disk as they come. What an engine owes besides: every report reaches ``report`` in
-    this process; the first error of a task ends the campaign and is raised here, at the next report where this process
-    runs tasks itself; an interrupt of this process ends the tasks; no task outlives this process, or on another machine
-    its next step, lest it write beside the one that resumes the run; and a worker that dies is replaced or a
-    :class:`CampaignError`.
+    A task writes its own results to disk. The engine passes every report to ``report`` in this process and raises the
+    first error of a task here, at the next report of a task that runs here. It ends the tasks on an interrupt. No task
+    outlives this process, or on another machine its next step, so it cannot write beside a resumed run. A worker that
+    dies is replaced, or raises a :class:`CampaignError`.
     """
 
     def __call__(self, tasks: Sequence[Task], workers: int, report: Report) -> None:

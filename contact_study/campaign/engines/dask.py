@@ -1,8 +1,7 @@
-"""Tasks over the workers of a Dask cluster, on as many machines as it has.
+"""Engine that spreads tasks over the workers of a Dask cluster.
 
-The cluster is the user's: a scheduler that answers at an address, workers that see the folder of the output under the
-same name, each a process of its own under a nanny, which replaces it when it dies. What its cases had finished is on
-disk then; Dask gives them to another worker, which goes on from there.
+The user provides the cluster: a scheduler, and workers that share the folder of the output, each a process under a
+nanny that replaces it when it dies. Another worker then continues its cases from the steps on disk.
 """
 
 import json
@@ -20,17 +19,11 @@ from contact_study.campaign.engines.base import CampaignError, Report, Task
 from contact_study.campaign.memory import set_share
 from contact_study.errors import InputError
 
-_ANSWER = "10s"  # that a scheduler takes at most
+_TIMEOUT = "10s"  # for the answer of a scheduler
 
 
 def check(scheduler: str | None) -> None:
-    """Make sure that a scheduler answers and that its workers run this version.
-
-    Raises
-    ------
-    InputError
-        If not, or Dask is not installed.
-    """
+    """Raise InputError unless Dask is installed, the scheduler answers and its workers run this version."""
     with _client(scheduler) as client:
         try:
             versions = set(client.run(_version).values())
@@ -54,7 +47,7 @@ def run(tasks: Sequence[Task], workers: int, report: Report, scheduler: str | No
     topic = f"contact-study-{uuid.uuid4()}"
     with _client(scheduler) as client:
         client.subscribe_topic(topic, lambda event: report(*json.loads(event[1])))
-        # The last case of a sweep is usually the hardest (strongest adhesion): started first, it is not waited for.
+        # The last case of a sweep usually takes longest (strongest adhesion), so it starts first.
         waiting = [(_run_reporting, task, topic) for task in tasks]
         first = [client.submit(*waiting.pop(), pure=False) for _ in range(min(workers, len(waiting)))]
         running = as_completed(first, loop=client.loop)
@@ -64,13 +57,9 @@ def run(tasks: Sequence[Task], workers: int, report: Report, scheduler: str | No
                 if waiting:
                     running.add(client.submit(*waiting.pop(), pure=False))
         except KilledWorker:
-            raise CampaignError(
-                "a case has lost its worker again and again (out of memory?); finished steps are kept"
-            ) from None
+            raise CampaignError("a case has lost its worker several times (out of memory?)") from None
         except FutureCancelledError:
-            raise CampaignError(
-                f"the Dask scheduler at {scheduler} no longer answers; finished steps are kept, --resume continues"
-            ) from None
+            raise CampaignError(f"the Dask scheduler at {scheduler} no longer answers") from None
 
 
 @contextmanager
@@ -81,24 +70,24 @@ def _client(scheduler: str | None) -> Iterator[Any]:
         from distributed import Client
     except ImportError:
         raise InputError("--engine dask: needs Dask; pip install '.[dask]'") from None
-    for name in logging.root.manager.loggerDict:  # what matters is raised; Dask gives each a level of its own
+    for name in logging.root.manager.loggerDict:  # Dask gives each its own level
         if name.partition(".")[0] == "distributed":
             logging.getLogger(name).setLevel(logging.CRITICAL)
-    where = _where(scheduler)
+    where = _client_arguments(scheduler)
     try:
-        client = Client(**where, timeout=_ANSWER, set_as_default=False)
+        client = Client(**where, timeout=_TIMEOUT, set_as_default=False)
     except (OSError, ValueError) as error:
         reason = "no answer" if isinstance(error, TimeoutError) else str(error).splitlines()[0]
         raise InputError(f"--scheduler {scheduler}: does not answer ({reason})") from None
     try:
         yield client
     finally:
-        with suppress(Exception):  # there may be no scheduler left to tell
-            client.close(timeout=2)  # which cancels what nobody else waits for
+        with suppress(Exception):  # the scheduler may be gone
+            client.close(timeout=2)  # cancels the remaining tasks
 
 
-def _where(scheduler: str) -> dict[str, str]:
-    """What Dask's client is given; it would hold the process for half a minute over what is no place at all."""
+def _client_arguments(scheduler: str) -> dict[str, str]:
+    """Arguments of Dask's client; checked, as a client waits half a minute for a wrong address."""
     path = Path(scheduler)
     if path.is_file():
         try:
@@ -119,16 +108,16 @@ def _version() -> str:
     return contact_study.__version__
 
 
-# Warnings are caught for a whole process: a worker of several threads runs one case at a time.
-_ALONE = threading.Lock()
+# Warnings are caught for a whole process, so a worker of several threads runs one case at a time.
+_ONE_CASE = threading.Lock()
 
 
 class _CancelledError(Exception):
-    """Nobody waits for the task any more."""
+    """The task was cancelled."""
 
 
 def _plain(number: Any) -> Any:
-    """A number of NumPy as one of Python's, of which JSON knows."""
+    """A number of NumPy as one of Python, for JSON."""
     return number.item()
 
 
@@ -136,16 +125,16 @@ def _run_reporting(task: Task, topic: str) -> None:
     from distributed import get_worker
 
     worker = get_worker()
-    set_share(worker.memory_manager.memory_limit)  # at which its nanny kills it
+    set_share(worker.memory_manager.memory_limit)  # its nanny kills it beyond
     key = worker.get_current_task()
 
     def report(*event: Any) -> None:
-        # A cancelled task, such as one of a run that was killed, cannot be stopped from outside: it ends itself.
+        # A cancelled task, such as one of a killed run, cannot be stopped from outside and ends itself.
         known = worker.state.tasks.get(key)
         if known is None or known.state not in ("executing", "long-running"):
             raise _CancelledError
-        # As text: whoever reaches the scheduler may write to the topic, and this process executes nothing of it.
+        # As text: anyone who reaches the scheduler may write to the topic, and pickles would be executed.
         worker.log_event(topic, json.dumps(event, default=_plain))
 
-    with _ALONE:
+    with _ONE_CASE:
         task(report)

@@ -1,4 +1,4 @@
-"""Tasks over processes of this machine, this one among them: its imports are done when others begin theirs."""
+"""Engine that spreads tasks over processes of this machine, this one included."""
 
 import multiprocessing as mp
 import os
@@ -15,38 +15,38 @@ from contact_study.campaign.engines.base import CampaignError, Report, Task
 
 
 def run(tasks: Sequence[Task], workers: int, report: Report) -> None:
-    """Run every task, the last ones first; one worker alone is a process beside this one."""
-    # Fresh interpreters: forking a process that holds FFTW plans and compiled kernels is not safe everywhere.
+    """Run every task, the last ones first; a single worker is a process beside this one."""
+    # Forking a process with FFTW plans and compiled kernels is not safe everywhere.
     context = mp.get_context("spawn")
     queue = context.Queue()
     reporting = threading.Lock()
 
-    def told(*event: Any) -> None:
+    def forward(*event: Any) -> None:
         with reporting:
             report(*event)
 
-    listener = threading.Thread(target=_listen, args=(queue, told), daemon=True)
+    listener = threading.Thread(target=_listen, args=(queue, forward), daemon=True)
     listener.start()
     executor = ProcessPoolExecutor(max(1, workers - 1), context, _start_worker, (queue,))
-    # The last case of a sweep is usually the hardest (strongest adhesion): started first, it is not waited for.
-    shared = _Shared(tasks, executor)
+    # The last case of a sweep usually takes longest (strongest adhesion), so it starts first.
+    shared = _SharedTasks(tasks, executor)
 
     def own_step(*event: Any) -> None:
-        told(*event)
+        forward(*event)
         shared.check()
 
     try:
-        own = shared.take() if workers > 1 else None
-        with _interrupts_held():  # Ctrl-C reaches the workers too, but is the parent's to handle: they inherit this
+        own = shared.next_task() if workers > 1 else None
+        with _blocked_interrupts():  # workers inherit this: the parent alone handles Ctrl-C
             for _ in range(workers - 1 if workers > 1 else len(tasks)):
                 shared.submit()
         while own is not None:
             own(own_step)
-            own = shared.take()
+            own = shared.next_task()
         shared.finish()
-        executor.shutdown()  # a worker sends its last reports before it ends
+        executor.shutdown()  # a worker sends its last reports first
     except BrokenProcessPool:
-        raise CampaignError("a worker process was killed (out of memory?); finished steps are kept") from None
+        raise CampaignError("a worker process was killed (out of memory?)") from None
     except BaseException:
         shared.drop()
         for child in mp.active_children():
@@ -58,8 +58,8 @@ def run(tasks: Sequence[Task], workers: int, report: Report) -> None:
         listener.join(timeout=5)
 
 
-class _Shared:
-    """Tasks that this process and those of an executor take one after the other, the last one first."""
+class _SharedTasks:
+    """Tasks that this process and those of an executor run one after the other, the last one first."""
 
     def __init__(self, tasks: Sequence[Task], executor: ProcessPoolExecutor):
         self._waiting = list(tasks)
@@ -67,13 +67,13 @@ class _Shared:
         self._submitted: list[Future[None]] = []
         self._lock = threading.Lock()
 
-    def take(self) -> Task | None:
-        """The next task; None if there is none left."""
+    def next_task(self) -> Task | None:
+        """Remove and return the next task; None if none is left."""
         with self._lock:
             return self._waiting.pop() if self._waiting else None
 
     def submit(self, before: "Future[None] | None" = None) -> None:
-        """Give the next task, if there is one, to the executor; after it, unless it failed, another one."""
+        """Submit the next task to the executor, and after it another one unless it failed."""
         if before is not None and (before.cancelled() or before.exception() is not None):
             return
         with self._lock:
@@ -81,7 +81,7 @@ class _Shared:
                 return
             try:
                 future = self._executor.submit(_run_queued, self._waiting.pop())
-            except BrokenProcessPool:  # which the tasks that were running tell
+            except BrokenProcessPool:  # the running tasks raise it
                 return
             self._submitted.append(future)
         future.add_done_callback(self.submit)
@@ -93,7 +93,7 @@ class _Shared:
                 future.result()
 
     def finish(self) -> None:
-        """Wait for the tasks in other processes, none being left; raises the first error."""
+        """Wait for the tasks in other processes; raises the first error."""
         for future in as_completed(self._submitted):
             future.result()
 
@@ -104,7 +104,7 @@ class _Shared:
 
 
 @contextmanager
-def _interrupts_held() -> Iterator[None]:
+def _blocked_interrupts() -> Iterator[None]:
     if not hasattr(signal, "pthread_sigmask"):  # Windows
         yield
         return
@@ -126,12 +126,12 @@ _queue: Any = None
 def _start_worker(queue: Any) -> None:
     global _queue
     _queue = queue
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # where interrupts cannot be held
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # where interrupts cannot be blocked
     threading.Thread(target=_die_with_parent, daemon=True).start()
 
 
 def _die_with_parent() -> None:
-    # A worker that outlived a killed campaign would write beside the one that resumes it.
+    # A worker of a killed campaign would write beside the resumed one.
     parent = mp.parent_process()
     if parent is not None:
         wait([parent.sentinel])

@@ -9,7 +9,7 @@ from typing import Any
 import xarray as xr
 
 from contact_study.campaign.dataset.file import ExistingDataset
-from contact_study.campaign.model import MODULES, Model, model_of
+from contact_study.campaign.model import MODELS, Model
 from contact_study.campaign.record import Differences, RunRecord, describe_differences, differences, key_values
 from contact_study.campaign.store.files import real
 from contact_study.campaign.store.formats import engine_of, readable, require_dataset
@@ -95,9 +95,9 @@ def _read_source(path: Path) -> Source:
         attributes, sizes = dict(dataset.attrs), dict(dataset.sizes)
         held = {str(name): dataset[name].values.tolist() for name in dataset.dims if name in dataset.coords}
     kind = str(attributes.get("model"))
-    if kind not in MODULES or "schema_version" not in attributes:
+    if kind not in MODELS or "schema_version" not in attributes:
         raise InputError(f"{path}: is no dataset of bem-adhesion, md-reference or persson-theory")
-    model = model_of(kind)
+    model = MODELS[kind]
     try:
         record = RunRecord.read(attributes, path.parent, model.ignores)
         record.require_height_maps()

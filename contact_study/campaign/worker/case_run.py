@@ -147,7 +147,7 @@ def _predictor(job: Job) -> "GapFields | None":
 def _check_height_map(job: Job) -> None:
     path = job.case.height_map
     if path is not None and content_hash(path) != job.height_map:
-        raise CampaignError(f"{path} has changed while the study ran; finished steps are kept")
+        raise CampaignError(f"{path} has changed while the study ran")
 
 
 def _completed(case: Case, number: int, step: Step, seconds: float, started: Mapping[str, Value]) -> Step:

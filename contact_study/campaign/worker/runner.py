@@ -121,7 +121,11 @@ def run_cases(
         # The number of threads follows from the whole study: a resumed run repeats the arithmetic.
         threads = max(1, available_cores() // max(1, min(most, len(run.study.cases))))
     tasks = [partial(run_case, jobs[number], threads) for number in unfinished]
-    engines.run(tasks, workers, progress.step, options.engine, options.scheduler)
+    try:
+        engines.run(tasks, workers, progress.step, options.engine, options.scheduler)
+    except CampaignError as error:
+        kept = f"{progress.done} of {total} steps are finished and kept, --resume continues"
+        raise CampaignError(f"{error}; {kept}") from None
     for number in unfinished:
         files[number] = CaseFile(jobs[number].file)
         if jobs[number].missing(files[number]):
