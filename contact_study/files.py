@@ -56,10 +56,7 @@ def own_cache_folder() -> Path:
 def has_locks(folder: Path) -> bool:
     """Test whether files in a folder can be locked: some file systems of clusters refuse, or wait for ever.
 
-    Raises
-    ------
-    OSError
-        If no file can be made there.
+    Raises OSError if no file can be made there.
     """
     if fcntl is None:
         return True

@@ -14,10 +14,7 @@ _loaded = False
 def load() -> None:
     """Import the plug-ins of installed packages, once.
 
-    Raises
-    ------
-    InputError
-        If one cannot be imported.
+    Raises InputError if one cannot be imported.
     """
     global _loaded
     if _loaded:

@@ -67,10 +67,7 @@ def quantity(value: Any, unit: str, name: str) -> float:
     name : str
         The key, for the message.
 
-    Raises
-    ------
-    InputError
-        If the value is no finite number of a sensible size or has another dimension.
+    Raises InputError if the value is no finite number of a sensible size or has another dimension.
     """
     if isinstance(value, bool) or not isinstance(value, int | float | str):
         raise InputError(f"{name} = {value!r}: expected {_expected(unit)}")

@@ -38,10 +38,7 @@ def check_control(
 def step_arguments(control: str, target: float, state: Any, shape: tuple[int, ...]) -> tuple[np.ndarray, float]:
     """Check the state, an array of a shape or a solution, and the target of a load step, in Pa or m; return both.
 
-    Raises
-    ------
-    ValueError
-        If the target is no finite number, or the state no array of that shape.
+    Raises ValueError if the target is no finite number, or the state no array of that shape.
     """
     quantity, unit = {"pressure": ("mean pressure", "Pa"), "gap": ("mean gap", "m"), "approach": ("approach", "m")}[
         control
@@ -78,10 +75,7 @@ def field(name: str, values: object) -> np.ndarray:
 def grid_of(height: np.ndarray, size: float | Sequence[float]) -> Grid:
     """Make the periodic grid of a height array; ``size`` is one period or two, along y and x (m).
 
-    Raises
-    ------
-    ValueError
-        If a period is not a positive number, or there are not two.
+    Raises ValueError if a period is not a positive number, or there are not two.
     """
     pair = (size, size) if np.ndim(size) == 0 else tuple(size)  # type: ignore[arg-type]
     if len(pair) != 2:

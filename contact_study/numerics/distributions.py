@@ -7,39 +7,15 @@ import numpy as np
 
 
 def probability_density(values: np.ndarray, edges: np.ndarray) -> np.ndarray:
-    """Count values into a density whose integral is the fraction of values inside the edges.
-
-    Parameters
-    ----------
-    values : numpy.ndarray
-        Any shape.
-    edges : numpy.ndarray, shape (n + 1,)
-        Increasing bin edges, in the unit of ``values``.
-
-    Returns
-    -------
-    numpy.ndarray, shape (n,)
-        Per unit of ``values``.
-    """
+    """Count values into a density over bins, whose integral is the fraction of values inside the edges."""
     counts, _ = np.histogram(values, bins=edges)
     return counts / (values.size * np.diff(edges))
 
 
 def redistributed(density: np.ndarray, edges: np.ndarray, new_edges: np.ndarray) -> np.ndarray:
-    """Transfer a density to other bins, taken as constant within each of the old ones.
+    """Transfer a density, shape (..., n), to other bins, taken as constant within each of the old ones.
 
     The integral between edges of both sets is exact; elsewhere its error is the content of one bin.
-
-    Parameters
-    ----------
-    density : numpy.ndarray, shape (..., n)
-        Means over the old bins, zero outside them.
-    edges, new_edges : numpy.ndarray, shapes (n + 1,), (m + 1,)
-        Increasing edges of the old and new bins.
-
-    Returns
-    -------
-    numpy.ndarray, shape (..., m)
     """
     cumulative = np.cumsum(density * np.diff(edges), axis=-1)
     cumulative = np.concatenate([np.zeros((*cumulative.shape[:-1], 1)), cumulative], axis=-1)

@@ -216,19 +216,10 @@ def _kept(plan: RealTransform, field: np.ndarray) -> np.ndarray:
 def resize_spectrum(
     coefficients: np.ndarray, old: tuple[int, ...], new: tuple[int, ...], out: np.ndarray | None = None
 ) -> np.ndarray:
-    """Coefficients of the same trigonometric polynomial on another number of points.
+    """Convert coefficients of :func:`transform` to another number of points of the same trigonometric polynomial.
 
-    Modes that the new grid cannot carry are dropped. A Nyquist mode of an even old grid is split evenly between
-    the two signs when the new grid is finer, so that the interpolant stays real and of least curvature.
-
-    Parameters
-    ----------
-    coefficients : numpy.ndarray, shape (old[0], old[1] // 2 + 1)
-        As returned by :func:`transform`.
-    old, new : tuple of int
-        Shapes of the two grids.
-    out : numpy.ndarray, shape (new[0], new[1] // 2 + 1), optional
-        Where to write them.
+    Modes that the new grid lacks are dropped. A Nyquist mode of an even old grid is split evenly between the two signs
+    when the new grid is finer, so that the interpolant stays real and of least curvature.
     """
     rows = _resize_full_axis(coefficients, old[0], new[0])
     out = np.empty((new[0], new[1] // 2 + 1), dtype=coefficients.dtype) if out is None else out

@@ -73,15 +73,7 @@ class Grid:
     def variances(self, coefficients: np.ndarray) -> np.ndarray:
         """Mean square of each wave of a real field from its normalised half spectrum; the field's mean has none.
 
-        Parameters
-        ----------
-        coefficients : numpy.ndarray, shape ``spectrum_shape``
-            As :func:`contact_study.numerics.fourier.transform` gives them.
-
-        Returns
-        -------
-        numpy.ndarray, shape ``spectrum_shape``
-            Their sum is the variance of the field (Parseval).
+        Their sum is the variance of the field (Parseval).
         """
         variances = self.multiplicity * np.abs(coefficients) ** 2
         variances[0, 0] = 0.0

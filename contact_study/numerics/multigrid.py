@@ -78,13 +78,7 @@ def _components(field: np.ndarray) -> np.ndarray:
 
 @njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "arcp", "nsz"})
 def restrict(fine, coarse):
-    """Write Pᵀ fine / 4: at every second point the mean of its neighbourhood with weights 1, ½ and ¼.
-
-    Parameters
-    ----------
-    fine : numpy.ndarray, shape (2·rows, 2·columns)
-    coarse : numpy.ndarray, shape (rows, columns)
-    """
+    """Write Pᵀ fine / 4: at every second point the mean of its neighbourhood with weights 1, ½ and ¼."""
     rows, columns = coarse.shape
     quarter, half = fine.dtype.type(0.25), fine.dtype.type(0.5)
     line = np.empty(2 * columns, fine.dtype)
@@ -99,15 +93,7 @@ def restrict(fine, coarse):
 
 @njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "arcp", "nsz"})
 def prolong(coarse, weight, fine):
-    """Write weight·fine + P coarse; return weight·Σ fine² of the old values.
-
-    Parameters
-    ----------
-    coarse : numpy.ndarray, shape (rows, columns)
-    weight : float
-        Of the precision of the fields.
-    fine : numpy.ndarray, shape (2·rows, 2·columns)
-    """
+    """Write weight·fine + P coarse, arrays (2·rows, 2·columns); return weight·Σ fine² of the old values."""
     rows, columns = coarse.shape
     half = fine.dtype.type(0.5)
     line = np.empty(columns + 1, fine.dtype)

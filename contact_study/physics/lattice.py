@@ -45,19 +45,9 @@ class Lattice:
 
 
 def lattice_of(size: tuple[float, float] | None, constant: float | None) -> Lattice:
-    """The lattices of a cell.
+    """Find the lattices of a cell from its size (m) and the block's lattice constant (m).
 
-    Parameters
-    ----------
-    size : tuple of float or None
-        Periods of the cell along y and x (m).
-    constant : float or None
-        Lattice constant of the block (m).
-
-    Raises
-    ------
-    InputError
-        If either is missing, or the lattice constant does not divide the lateral size.
+    Raises InputError if either is missing, or the constant does not divide the size.
     """
     if constant is None:
         raise InputError("missing key material.lattice_constant: atoms and interaction.well_depth need it")

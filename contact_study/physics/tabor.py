@@ -23,16 +23,9 @@ def tabor_parameter(radius: float, contact_modulus: float, work_of_adhesion: flo
 def sphere_pull_off(
     radius: float, contact_modulus: float, work_of_adhesion: float, peak_tensile_stress: float
 ) -> float:
-    """Pull-off force of a sphere over πRw, from 2 at a long range to 3/2 at a short one.
+    """Calculate the pull-off force of a sphere over πRw, from 2 at a long range to 3/2 at a short one.
 
-    Within 2 % of that of D. Maugis, J. Colloid Interface Sci. 150, 243 (1992), by his λ = 2σ₀ (9R/16πwE*²)^(1/3).
-
-    Parameters
-    ----------
-    radius : float
-        R (m).
-    contact_modulus, work_of_adhesion, peak_tensile_stress : float
-        E* (Pa), w (J/m²) and σ₀ (Pa).
+    Within 2 % of D. Maugis, J. Colloid Interface Sci. 150, 243 (1992), by λ = 2σ₀ (9R/16πwE*²)^(1/3).
     """
     scale = np.cbrt(9 * radius / (16 * np.pi * work_of_adhesion * contact_modulus**2))
     x = 4.04 * (2 * peak_tensile_stress * scale) ** 1.4
@@ -40,21 +33,10 @@ def sphere_pull_off(
 
 
 def longest_range(rms_curvature: float, rms_height: float, contact_modulus: float, work_of_adhesion: float) -> float:
-    """The longest range of a law that leaves a contact JKR-like, to two digits, rounded down (m).
+    """Calculate the longest range of a law that leaves a contact JKR-like, to two digits, rounded down (m).
 
-    Parameters
-    ----------
-    rms_curvature : float
-        Root mean square of the surface's mean curvature, whose inverse counts as the asperities' radius (1/m).
-    rms_height : float
-        Of the surface (m).
-    contact_modulus, work_of_adhesion : float
-        E* (Pa) and Δγ (J/m²).
-
-    Raises
-    ------
-    ValueError
-        If the surface is flat, or the range is shorter than that of any interaction.
+    The inverse of the rms mean curvature (1/m) is the radius of the asperities. Raises ValueError if the surface is
+    flat, or the range is shorter than that of any interaction.
     """
     if not rms_curvature > 0:
         raise ValueError("a flat surface has no curvature to compare a range with")

@@ -177,10 +177,8 @@ class Case:
     def block_layers(self) -> int:
         """Cells of the block of atoms from its surface to the plane that holds it; for a half-space as many as across.
 
-        Raises
-        ------
-        InputError
-            If the solid's depth is no whole number of cells, or ``atomistic.layers`` says another; as :attr:`lattice`.
+        Raises InputError if the solid's depth is no whole number of cells, or ``atomistic.layers`` says another; as
+        :attr:`lattice`.
         """
         given, depth, constant = self.atomistic.layers, self.solid.depth, self.lattice.constant
         if not math.isfinite(depth):

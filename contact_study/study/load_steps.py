@@ -15,14 +15,9 @@ PathPoint = tuple[str, int, int]  # prescribed value to twelve digits, 1 on the 
 
 
 def path_points(prescribed: Iterable[float], unloading: Iterable[int]) -> list[PathPoint | None]:
-    """Names of the points of a path, by which they are found in another; None where it is padded.
+    """Name the points of a path, by which they are found in another; None where it is padded.
 
-    Parameters
-    ----------
-    prescribed : iterable of float
-        The controlled quantity at each point; NaN beyond the end of the path.
-    unloading : iterable of int
-        1 at each point on the way back, else 0.
+    ``prescribed`` is NaN beyond the end of the path, ``unloading`` 1 at each point on the way back.
     """
     visits: Counter[tuple[str, int]] = Counter()
     points: list[PathPoint | None] = []

@@ -74,10 +74,7 @@ class Study:
     def scales(self) -> tuple[SurfaceScales, ...]:
         """Scales of the surface of each case, calculated once for equal surfaces.
 
-        Raises
-        ------
-        InputError
-            If a height map cannot be used.
+        Raises InputError if a height map cannot be used.
         """
         known: dict[SurfaceSection, SurfaceScales] = {}
         for case in self.cases:

@@ -126,10 +126,7 @@ def points(cases: Sequence[Case], study_size: int) -> str:
 def swept_key(dotted: str, written: Sequence[Any], cases: Sequence[Case]) -> SweptKey:
     """A key that the cases vary over the values written in the file.
 
-    Raises
-    ------
-    InputError
-        If two of the values are one.
+    Raises InputError if two of the values are one.
     """
     section, name = split(dotted, "sweep")
     declaration = keys_of(SECTIONS[section])[name]

@@ -164,7 +164,7 @@ def review(study: Study, scales: Sequence[SurfaceScales]) -> list[str]:
     for case, scale in zip(study.cases, scales, strict=True):
         # Six deviations of the stress in full contact, to which the highest pressures of a rough contact come near.
         stress = 6 * scale.full_contact_stress(case.solid)
-        closest = squeeze(case.law, max(stress, contact_stress(case, scale)))
+        closest = squeeze(case.law, max(stress, contact_stress(case)))
         if closest < INSIDE:
             raise InputError(
                 f"interaction: against stresses of up to {stress:.3g} Pa the pair potential lets atoms come to "

@@ -1,5 +1,6 @@
 import numpy as np
 import pytest
+from scipy.signal import lfilter
 
 from contact_study.numerics.time_series import LEAST_STATES, autocovariance, statistics_of
 
@@ -7,10 +8,8 @@ from contact_study.numerics.time_series import LEAST_STATES, autocovariance, sta
 def exponential_memory(correlation, count, columns):
     """Series of unit variance with ρ(t) = correlation^t, whose τ is ½(1 + ρ)/(1 − ρ)."""
     noise = np.random.default_rng(0).standard_normal((count, columns))
-    series = noise.copy()
-    for i in range(1, count):
-        series[i] = correlation * series[i - 1] + np.sqrt(1 - correlation**2) * noise[i]
-    return series
+    noise[1:] *= np.sqrt(1 - correlation**2)
+    return lfilter([1.0], [1.0, -correlation], noise, axis=0)
 
 
 @pytest.mark.parametrize(("correlation", "count"), [(0.0, 300), (0.5, 300), (0.8, 300), (0.8, 3000)])

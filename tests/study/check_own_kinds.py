@@ -11,31 +11,43 @@ import contact_study
 from contact_study.errors import InputError
 from contact_study.results.state import Observable
 
-law, work, width, r0 = OwnMorse(0.1, 3.28e-10, 5e-11), 0.1, 5e-11, 3.28e-10
-assert law.equilibrium_distance == pytest.approx(r0, abs=0, rel=1e-12)
-assert law.peak_tensile_stress == pytest.approx(work / (2 * width), rel=1e-12)
-assert law.peak_distance == pytest.approx(r0 + np.log(2) * width, abs=0, rel=1e-7)
-assert law.equilibrium_stiffness == pytest.approx(2 * work / width**2, rel=1e-8)
-pressure = np.geomspace(1e-6, 1e6, 13) * law.peak_tensile_stress
-floor = 4 * np.finfo(float).eps * law.equilibrium_stiffness * law.equilibrium_distance  # of a rounded gap
-np.testing.assert_allclose(law.traction(law.repulsive_gap(-pressure)), -pressure, rtol=1e-12, atol=floor)
 
-study = tomllib.loads(sys.argv[1])
-assert len(contact_study.make_study(study).cases) == 4
-for changes, words in (
-    ({"law": "lennard_jones_10_4"}, 'interaction.width: law = "lennard_jones_10_4" has no such key'),
-    ({"width": None}, 'missing key interaction.width: law = "own_morse" needs it'),
-):
-    asked = {name: value for name, value in {**study["interaction"], **changes}.items() if value is not None}
-    with pytest.raises(InputError, match=words):
-        contact_study.make_study({**study, "interaction": asked, "sweep": {}})
+def check(study):
+    law, work, width, r0 = OwnMorse(0.1, 3.28e-10, 5e-11), 0.1, 5e-11, 3.28e-10
+    assert law.equilibrium_distance == pytest.approx(r0, abs=0, rel=1e-12)
+    assert law.peak_tensile_stress == pytest.approx(work / (2 * width), rel=1e-12)
+    assert law.peak_distance == pytest.approx(r0 + np.log(2) * width, abs=0, rel=1e-7)
+    assert law.equilibrium_stiffness == pytest.approx(2 * work / width**2, rel=1e-8)
+    pressure = np.geomspace(1e-6, 1e6, 13) * law.peak_tensile_stress
+    floor = 4 * np.finfo(float).eps * law.equilibrium_stiffness * law.equilibrium_distance  # of a rounded gap
+    np.testing.assert_allclose(law.traction(law.repulsive_gap(-pressure)), -pressure, rtol=1e-12, atol=floor)
 
-contact_study.register_law("own_morse", OwnMorse, OwnInteraction)  # again
-contact_study.register_observable(LARGEST_GAP)
-for register, arguments in (
-    (contact_study.register_law, ("morse", OwnMorse, OwnInteraction)),
-    (contact_study.register_surface, ("sphere", RidgeSection)),
-    (contact_study.register_observable, (Observable(LARGEST_GAP.variables, dict),)),
-):
-    with pytest.raises(ValueError, match=r"is a variable already|give another name"):
-        register(*arguments)
+    assert len(contact_study.make_study(study).cases) == 4
+    for changes, words in (
+        ({"law": "lennard_jones_10_4"}, 'interaction.width: law = "lennard_jones_10_4" has no such key'),
+        ({"width": None}, 'missing key interaction.width: law = "own_morse" needs it'),
+    ):
+        asked = {name: value for name, value in {**study["interaction"], **changes}.items() if value is not None}
+        with pytest.raises(InputError, match=words):
+            contact_study.make_study({**study, "interaction": asked, "sweep": {}})
+
+    contact_study.register_law("own_morse", OwnMorse, OwnInteraction)  # again
+    contact_study.register_observable(LARGEST_GAP)
+    for register, arguments in (
+        (contact_study.register_law, ("morse", OwnMorse, OwnInteraction)),
+        (contact_study.register_surface, ("sphere", RidgeSection)),
+        (contact_study.register_observable, (Observable(LARGEST_GAP.variables, dict),)),
+    ):
+        with pytest.raises(ValueError, match=r"is a variable already|give another name"):
+            register(*arguments)
+
+    dataset = contact_study.run(study, workers=2)
+    assert (dataset.sizes["stiffening"], dataset.sizes["width"]) == (2, 2)
+    assert (dataset.contact_modulus[1] == 2 * dataset.contact_modulus[0]).all()
+    assert dataset.converged.all()
+    assert (dataset.largest_gap > dataset.mean_gap).all()
+    assert dataset.largest_gap.attrs["units"] == "m"
+
+
+if __name__ == "__main__":
+    check(tomllib.loads(sys.argv[1]))

@@ -119,7 +119,7 @@ def test_weak_laws_are_said():
 def test_squeeze_is_where_the_law_carries_the_contact():
     study = make_study(table_of(interaction={"well_depth_ratio": 1e-5}))
     (case,), (scale,) = study.cases, study.scales
-    stress = contact_stress(case, scale)
+    stress = contact_stress(case)
     assert stress == pytest.approx(0.5 * case.material.contact_modulus * scale.rms_slope)
     at = squeeze(case.law, stress) * case.law.equilibrium_distance
     assert case.law.traction(np.array(at)) == pytest.approx(-stress, rel=1e-9)

@@ -54,19 +54,6 @@ def test_a_plug_in_has_its_keys_in_help(installed):
         assert words in " ".join(shown.split())
 
 
-def test_a_sweep_over_own_keys_runs_on_workers(installed, tmp_path):
-    (tmp_path / "study.toml").write_text(STUDY)
-    done = command(installed, str(tmp_path / "study.toml"), "-o", str(tmp_path / "own.nc"), "--workers", "2")
-    assert done.returncode == 0, done.stderr
-    code = (
-        "import xarray as xr, sys; d = xr.open_dataset(sys.argv[1]);"
-        "assert dict(d.sizes)['stiffening'] == dict(d.sizes)['width'] == 2;"
-        "assert (d.contact_modulus[1] == 2 * d.contact_modulus[0]).all(); assert d.converged.all();"
-        "assert (d.largest_gap > d.mean_gap).all() and d.largest_gap.attrs['units'] == 'm'"
-    )
-    subprocess.run([sys.executable, "-c", code, str(tmp_path / "own.nc")], check=True)
-
-
 def test_a_plug_in_that_fails_is_one_line(installed, tmp_path):
     (tmp_path / "own_kinds.py").write_text("1 / 0")
     broken = {**installed, "PYTHONPATH": os.pathsep.join([str(tmp_path), installed["PYTHONPATH"]])}
@@ -75,5 +62,5 @@ def test_a_plug_in_that_fails_is_one_line(installed, tmp_path):
     assert done.stderr == "bem-adhesion: error: plug-in own (own_kinds) cannot be loaded: division by zero\n"
 
 
-def test_registered_twice_is_once_and_a_name_is_one_meaning(installed):
+def test_own_kinds_run_on_workers_and_names_have_one_meaning(installed):
     subprocess.run([sys.executable, Path(__file__).with_name("check_own_kinds.py"), STUDY], env=installed, check=True)

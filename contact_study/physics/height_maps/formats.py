@@ -29,10 +29,7 @@ _NO_HEIGHTS = re.compile("phase|error|amplitude|deflection|friction|lateral|curr
 def read_map(path: Path, channel: Channel) -> RawMap:
     """Read an existing file by its suffix, or else by its content; ``channel`` is the name or number of a map in it.
 
-    Raises
-    ------
-    InputError
-        If several maps leave a choice, there is no such channel, or no reader knows the format.
+    Raises InputError if several maps leave a choice, there is no such channel, or no reader knows the format.
     """
     reader = READERS.get(path.suffix.lower())
     if reader is not None:
@@ -54,10 +51,7 @@ def chosen(
 ) -> str:
     """Choose one of the channels of a file, of which ``others`` are no heights.
 
-    Raises
-    ------
-    InputError
-        If there is none, several are possible, or the one asked for is no map of heights.
+    Raises InputError if there is none, several are possible, or the one asked for is no map of heights.
     """
     heights = [name for name in names if name not in others]
     kinds = {name: " (not a height)" if name in others else " (height)" if others else "" for name in names}

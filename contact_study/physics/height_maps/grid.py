@@ -40,10 +40,7 @@ def gridded(path: Path, points: np.ndarray) -> tuple[np.ndarray, tuple[float, fl
     size : tuple of float
         Periods along y and x, points times spacing.
 
-    Raises
-    ------
-    InputError
-        If the points are not on an even grid, or a place is given twice.
+    Raises InputError if the points are not on an even grid, or a place is given twice.
     """
     if len(points) < 4 or not np.all(np.isfinite(points[:, :2])):
         raise InputError(f"surface.path: {path} holds {len(points)} points; expected a grid with finite x and y")

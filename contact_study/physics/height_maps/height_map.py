@@ -22,16 +22,9 @@ _SAME_SIZE = 1e-3
 
 @dataclass(frozen=True)
 class HeightMap:
-    """Heights (y, x) and the lateral size of the cell, both in metres; y and x increase along the axes.
+    """Heights (y, x) and the periods of the cell in m, both axes increasing, NaN where missing.
 
-    Attributes
-    ----------
-    heights : numpy.ndarray, shape (ny, nx)
-        Heights (m), NaN where the file has none.
-    size : tuple of float
-        Periods along y and x (m).
-    unit : str
-        Unit that the heights were taken to be in, and who says so.
+    ``unit`` is the unit that the heights were read in, and its source.
     """
 
     heights: np.ndarray
@@ -60,11 +53,8 @@ def read_height_map(
 
     Units, size (y, x; m) and channel are those of a study; units default to metres.
 
-    Raises
-    ------
-    InputError
-        If the file is missing or damaged, is no table of at least 4 × 4 numbers, its coordinates are not evenly
-        spaced, its size is unknown, or the study contradicts it.
+    Raises InputError if the file is missing or damaged, is no table of at least 4 × 4 numbers, its coordinates are not
+    evenly spaced, its size is unknown, or the study contradicts it.
     """
     require_file(path, "surface.path")
     try:

@@ -26,14 +26,8 @@ _NUMBER = re.compile(r"\s*[-+]?\.?\d|\s*nan\b", re.IGNORECASE)
 class RawMap:
     """A map as its file has it.
 
-    Attributes
-    ----------
-    heights : numpy.ndarray, shape (ny, nx)
-        Numbers of the file, y and x increasing along the axes; NaN where there is none.
-    size : tuple of float or None
-        Periods along y and x, points times spacing, in the lateral unit.
-    height_unit, lateral_unit : str or None
-        Units; None where the file is silent.
+    ``heights`` are numbers, NaN where missing, y and x increasing; ``size`` are the periods (y, x) in the lateral unit;
+    units are None where the file gives none.
     """
 
     heights: np.ndarray
@@ -187,10 +181,7 @@ def _numbers(path: Path, lines: Sequence[str]) -> np.ndarray:
 def _separation(path: Path, lines: Sequence[str]) -> tuple[str | None, str]:
     """Find the separator of the numbers in these lines, None for blanks and tabs, and their decimal sign.
 
-    Raises
-    ------
-    InputError
-        If commas may be both.
+    Raises InputError if commas may be both.
     """
     text = "\n".join(lines)
     if ";" in text:

@@ -49,10 +49,7 @@ def make_law(name: str, work_of_adhesion: float, length: float, **own: float) ->
 
     A hard wall has none of these, a soft repulsion no Δγ; a tabulated law is made by :meth:`TabulatedLaw.through`.
 
-    Raises
-    ------
-    ValueError
-        If there is no law of that name, or it is given other than positive numbers or the fields it has.
+    Raises ValueError if there is no law of that name, or it is given other than positive numbers or the fields it has.
     """
     if name not in LAWS or LAWS[name] is TabulatedLaw:
         by_name = [known for known in LAWS if known != "tabulated"]

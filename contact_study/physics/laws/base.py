@@ -105,10 +105,8 @@ class TractionLaw(ABC):
     def repulsive_gap(self, traction: np.ndarray) -> np.ndarray:
         """The gap at or below equilibrium at which the traction has the given value <= 0 (m).
 
-        Raises
-        ------
-        ValueError
-            If no gap has it: the repulsion is finite, at a gap of zero for a law that says it diverges there.
+        Raises ValueError if no gap has it: the repulsion is finite, at a gap of zero for a law that says it diverges
+        there.
         """
         traction = np.asarray(traction, dtype=float)
         high = np.full(traction.shape, self.equilibrium_distance)
@@ -137,10 +135,7 @@ class TractionLaw(ABC):
     def equilibrium_distance(self) -> float:
         """Gap at which the traction vanishes, at a wall the wall (m).
 
-        Raises
-        ------
-        ValueError
-            If there is none: nothing keeps the bodies apart.
+        Raises ValueError if there is none: nothing keeps the bodies apart.
         """
         if self.has_wall:
             return 0.0

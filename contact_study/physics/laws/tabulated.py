@@ -56,10 +56,8 @@ class TabulatedLaw(TractionLaw):
     def through(cls, gaps: Sequence[float] | np.ndarray, tractions: Sequence[float] | np.ndarray) -> "TabulatedLaw":
         """The law through a table of gaps (m) and tractions (Pa), tension positive.
 
-        Raises
-        ------
-        ValueError
-            If the table is no law: gaps that do not increase, no core, no attraction, a tension that does not end.
+        Raises ValueError if the table is no law: gaps that do not increase, no core, no attraction, a tension that does
+        not end.
         """
         gap, traction = (np.asarray(values, dtype=float) for values in (gaps, tractions))
         _check(gap, traction)

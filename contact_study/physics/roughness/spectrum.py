@@ -15,8 +15,8 @@ from contact_study.numerics import fourier
 from contact_study.numerics.arguments import field, grid_of
 from contact_study.numerics.grid import Grid
 
-# Pieces, at least, in which a weighted integral over a continuous spectrum is done.
-_PIECES = 200
+# Least number of pieces of a weighted integral over a continuous spectrum.
+PIECES = 200
 
 
 class RoughnessSpectrum(ABC):
@@ -36,41 +36,16 @@ class RoughnessSpectrum(ABC):
 
     @abstractmethod
     def moment(self, order: float, lower: float | None = None, upper: float | np.ndarray | None = None) -> np.ndarray:
-        """M_n = ∫ qⁿ C dq between two wavevectors.
+        """Moment M_n = ∫ qⁿ C dq between two wavevectors (1/m), by default of all waves, in m^(3−n).
 
-        Parameters
-        ----------
-        order : float
-            The power n.
-        lower : float, optional
-            Lower limit (1/m), default the smallest wavevector.
-        upper : float or numpy.ndarray, optional
-            Upper limits (1/m), default the largest wavevector. Limits outside the spectrum are moved to its ends.
-
-        Returns
-        -------
-        numpy.ndarray
-            In m^(3−n), of the shape of ``upper`` (without axes for a single limit).
+        ``upper`` may be an array; limits outside the spectrum are moved to its ends.
         """
 
     @abstractmethod
     def weighted_variance(
         self, weight: Callable[[np.ndarray], np.ndarray], upper: float | np.ndarray | None = None
     ) -> np.ndarray:
-        """2π ∫ w(q) q C dq, the height variance below ``upper`` with a weight for each wave.
-
-        Parameters
-        ----------
-        weight : callable
-            w at wavevectors (1/m), smooth on the scale of an octave.
-        upper : float or numpy.ndarray, optional
-            Upper limits as in :meth:`moment`.
-
-        Returns
-        -------
-        numpy.ndarray
-            In m² times the unit of the weight, of the shape of ``upper``.
-        """
+        """Height variance 2π ∫ w(q) q C dq below ``upper`` with a weight w, smooth on the scale of an octave."""
 
     @abstractmethod
     def band_edges(self, count: int) -> np.ndarray:
@@ -94,16 +69,9 @@ class RoughnessSpectrum(ABC):
     def full_contact_stress_variance(
         self, stiffness: Callable[[np.ndarray], np.ndarray], upper: float | np.ndarray | None = None
     ) -> np.ndarray:
-        """Variance of the stress that full contact with the roughness up to ``upper`` makes, 2π ∫ K² q C dq (Pa²).
+        """Variance of the stress of full contact with the roughness up to ``upper`` (1/m), 2π ∫ K² q C dq (Pa²).
 
-        Each wave h of full contact carries the stress K h, on a half-space E* q h/2.
-
-        Parameters
-        ----------
-        stiffness : callable
-            K at wavevectors (1/m), in Pa/m.
-        upper : float or numpy.ndarray, optional
-            Largest wavevectors (1/m).
+        Each wave h of full contact carries the stress K h, E* q h/2 on a half-space; ``stiffness`` is K(q) (Pa/m).
         """
         return self.weighted_variance(lambda q: stiffness(q) ** 2, upper)
 
@@ -180,14 +148,7 @@ class SelfAffineSpectrum(RoughnessSpectrum):
         self, weight: Callable[[np.ndarray], np.ndarray], upper: float | np.ndarray | None = None
     ) -> np.ndarray:
         b = np.clip(self.cutoff if upper is None else upper, self.low, self.cutoff)
-        # Gauss's rule on ln q, in pieces on which q²C is next to linear; exact limits and the roll-off are among them.
-        ends = np.unique(np.concatenate([np.ravel(b), self.band_edges(_PIECES)]))
-        nodes, weights = np.polynomial.legendre.leggauss(6)
-        half = 0.5 * np.diff(np.log(ends))
-        q = np.sqrt(ends[1:] * ends[:-1])[:, None] * np.exp(half[:, None] * nodes)
-        pieces = half * np.sum(weights * q**2 * self.density(q) * weight(q), axis=1)
-        cumulative = np.concatenate([[0.0], np.cumsum(pieces)])
-        return 2 * np.pi * cumulative[np.searchsorted(ends, b)]
+        return integrated_variance(self.density, weight, b, self.band_edges(PIECES))
 
     def _shape_moment(self, order: float, a: float, b: float | np.ndarray) -> np.ndarray:
         """∫ qⁿ C/C₀ dq from a to b, exact in each of the two power laws."""
@@ -202,6 +163,25 @@ class SelfAffineSpectrum(RoughnessSpectrum):
         edges[np.argmin(np.abs(np.log(edges / self.roll_off)))] = self.roll_off
         edges[0], edges[-1] = self.low, self.cutoff
         return edges
+
+
+def integrated_variance(
+    density: Callable[[np.ndarray], np.ndarray],
+    weight: Callable[[np.ndarray], np.ndarray],
+    upper: float | np.ndarray,
+    ends: np.ndarray,
+) -> np.ndarray:
+    """Integrate 2π w(q) q C dq up to upper limits by Gauss's rule on ln q, in pieces between ends and limits.
+
+    q²C must be smooth and next to linear in each piece: corners of the density are among the ends.
+    """
+    ends = np.unique(np.concatenate([np.ravel(upper), ends]))
+    nodes, weights = np.polynomial.legendre.leggauss(6)
+    half = 0.5 * np.diff(np.log(ends))
+    q = np.sqrt(ends[1:] * ends[:-1])[:, None] * np.exp(half[:, None] * nodes)
+    pieces = half * np.sum(weights * q**2 * density(q) * weight(q), axis=1)
+    cumulative = np.concatenate([[0.0], np.cumsum(pieces)])
+    return 2 * np.pi * cumulative[np.searchsorted(ends, upper)]
 
 
 def power_integral(power: float | np.ndarray, a: float, b: float | np.ndarray) -> np.ndarray:
@@ -295,20 +275,7 @@ class RadialSpectrum(RoughnessSpectrum):
 
 
 def radial_spectrum(heights: np.ndarray, grid: Grid) -> RadialSpectrum:
-    """Spectrum of a realised periodic surface.
-
-    Parameters
-    ----------
-    heights : numpy.ndarray, shape (ny, nx)
-        Heights (m); their mean plays no part.
-    grid : Grid
-        Where they were taken.
-
-    Raises
-    ------
-    ValueError
-        If the surface is flat.
-    """
+    """Calculate the spectrum of periodic heights (m) on a grid, their mean apart; raise ValueError if flat."""
     power = grid.variances(fourier.transform(heights))
     q = np.broadcast_to(grid.wavenumber, power.shape).ravel()
     unit = 2 * np.pi / max(grid.size)

@@ -75,17 +75,7 @@ class Roughness:
 
 
 def roughness_of(heights: np.ndarray, grid: Grid, made_by: tuple[float, float] | None = None) -> Roughness:
-    """Describe heights (m) on a periodic grid.
-
-    Parameters
-    ----------
-    heights : numpy.ndarray, shape (ny, nx)
-        Heights (m).
-    grid : Grid
-        Their points.
-    made_by : tuple of float, optional
-        Roll-off and cutoff of the self-affine law that they were made by (1/m).
-    """
+    """Describe heights (m) on a periodic grid; ``made_by`` are roll-off and cutoff of their self-affine law (1/m)."""
     power = grid.variances(fourier.transform(heights))
     q = grid.wavenumber
     waves = np.broadcast_to(grid.multiplicity, q.shape)
@@ -112,20 +102,11 @@ def roughness_of(heights: np.ndarray, grid: Grid, made_by: tuple[float, float] |
 
 
 def roughness_of_sample(heights: np.ndarray, grid: Grid, shortest: float | None = None) -> Roughness:
-    """Describe heights (m) that are a part of a larger surface, such as a measured map.
+    """Describe heights (m) of a part of a larger surface, such as a measured map, without waves below ``shortest``.
 
-    Where edges do not meet, the jump across them would be most of the slope, and C ∝ q⁻³ of it most of the spectrum,
-    whatever the surface. Slope, curvature and spectrum are then those of the map joined to its mirror images, curvature
-    and spectrum less its mean plane, by the discrete cosine transform. A map whose edges meet is taken as it is.
-
-    Parameters
-    ----------
-    heights : numpy.ndarray, shape (ny, nx)
-        Heights (m).
-    grid : Grid
-        Their points.
-    shortest : float, optional
-        Wavelength below which waves do not count (m).
+    A jump across edges that do not meet would be most of the slope, and C ∝ q⁻³ of it most of the spectrum. Slope,
+    curvature and spectrum are then those of the map joined to its mirror images, the latter two without its mean plane,
+    by the discrete cosine transform. A map whose edges meet is described as it is.
     """
     whole = roughness_of(heights, grid)
     if whole.edge_ratio <= PERIODIC:

@@ -6,10 +6,7 @@ from functools import cached_property
 
 import numpy as np
 
-from contact_study.physics.roughness.spectrum import RoughnessSpectrum, power_integral
-
-# Pieces, at least, in which a weighted integral is done.
-_PIECES = 200
+from contact_study.physics.roughness.spectrum import PIECES, RoughnessSpectrum, integrated_variance, power_integral
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,14 +88,8 @@ class TabulatedSpectrum(RoughnessSpectrum):
     ) -> np.ndarray:
         low, high = self.limits
         b = np.clip(high if upper is None else upper, low, high)
-        # Gauss's rule on ln q, in pieces that no corner of the table lies in.
-        ends = np.unique(np.concatenate([np.ravel(b), self.wavevectors, self.band_edges(_PIECES)]))
-        nodes, weights = np.polynomial.legendre.leggauss(6)
-        half = 0.5 * np.diff(np.log(ends))
-        q = np.sqrt(ends[1:] * ends[:-1])[:, None] * np.exp(half[:, None] * nodes)
-        pieces = half * np.sum(weights * q**2 * self.density_at(q) * weight(q), axis=1)
-        cumulative = np.concatenate([[0.0], np.cumsum(pieces)])
-        return 2 * np.pi * cumulative[np.searchsorted(ends, b)]
+        ends = np.concatenate([self.wavevectors, self.band_edges(PIECES)])
+        return integrated_variance(self.density_at, weight, b, ends)
 
     def band_edges(self, count: int) -> np.ndarray:
         """Logarithmically spaced wavevectors."""

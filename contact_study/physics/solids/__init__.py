@@ -24,9 +24,6 @@ __all__ = [
 def elasticity_of(solid: Elasticity | float) -> Elasticity:
     """Return the solid itself; a number is the contact modulus E* of a half-space (Pa).
 
-    Raises
-    ------
-    ValueError
-        If the number is not positive and finite.
+    Raises ValueError if the number is not positive and finite.
     """
     return solid if isinstance(solid, Elasticity) else HalfSpace(solid)

@@ -110,13 +110,5 @@ class Elasticity(ABC):
 
 
 def contact_modulus_of(stiffness: np.ndarray, wavenumber: np.ndarray) -> np.ndarray:
-    """E*(q) = 2 K(q)/q, the contact modulus of the half-space that is as stiff for a wave (Pa).
-
-    Parameters
-    ----------
-    stiffness : numpy.ndarray
-        K (Pa/m).
-    wavenumber : numpy.ndarray
-        q > 0 (1/m).
-    """
+    """Calculate E*(q) = 2 K(q)/q, the contact modulus of the half-space that is as stiff for a wave (Pa)."""
     return 2 * stiffness / wavenumber

@@ -102,10 +102,7 @@ def stiffnesses(modulus: float, ratio: float, axial_modulus: float, axial_ratio:
     axial_modulus, axial_ratio : float
         Young's modulus along the normal (Pa), and contraction in the plane over extension along the normal.
 
-    Raises
-    ------
-    ValueError
-        If no elastic solid has them: its energy would not be positive.
+    Raises ValueError if no elastic solid has them: its energy would not be positive.
     """
     coupling = modulus / axial_modulus * axial_ratio**2
     rest = 1 - ratio - 2 * coupling

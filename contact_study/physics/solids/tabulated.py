@@ -133,10 +133,7 @@ class Tabulated(Elasticity):
     def stiffness_on(self, grid: Grid) -> np.ndarray:
         """The table itself, or of a coarser grid the part that it holds.
 
-        Raises
-        ------
-        ValueError
-            If the grid has waves that the table has not.
+        Raises ValueError if the grid has waves that the table has not.
         """
         fits = np.allclose(grid.size, self.grid.size, rtol=1e-9, atol=0)
         if not fits or grid.shape[0] > self.grid.shape[0] or grid.shape[1] > self.grid.shape[1]:

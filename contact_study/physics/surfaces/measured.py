@@ -20,20 +20,10 @@ _DEGREES = {"mean": 0, "tilt": 1, "curvature": 2}
 
 @dataclass(frozen=True)
 class MeasuredMap:
-    """A map made ready.
+    """A prepared map.
 
-    Attributes
-    ----------
-    heights : numpy.ndarray, shape (ny, nx)
-        Heights about their mean (m).
-    grid : Grid
-        Their points.
-    filled : float
-        Share of the points of the crop that were missing and filled.
-    unit : str
-        Unit that the heights were taken to be in, and who says so.
-    sample : Roughness
-        Description of the map before its edges were joined or faded.
+    ``heights`` (m) about their mean on a ``grid``; ``filled`` is the fraction of missing points, ``unit`` that of the
+    heights and its source, ``sample`` describes the map before its edges were joined or faded.
     """
 
     heights: np.ndarray
@@ -100,10 +90,7 @@ class MapPreparation:
     def prepare(self, path: Path, whole: HeightMap) -> MeasuredMap:
         """Crop, detrend, fill and join the edges of a map that a file (named in messages) holds.
 
-        Raises
-        ------
-        InputError
-            If the map does not fit what is asked for.
+        Raises InputError if the map does not fit what is asked for.
         """
         found = self._cropped(path, whole)
         heights = found.heights

@@ -86,17 +86,9 @@ class SurfaceScales:
 
 
 def spectrum_of_waves(wavenumber: np.ndarray, variance: np.ndarray) -> RadialSpectrum | None:
-    """Any number of waves in bands of an eighth of an octave, each of the height and the slope of its waves.
+    """Collect waves of |q| > 0 (1/m) and height variance (m²) in bands of an eighth of an octave; None without height.
 
-    Parameters
-    ----------
-    wavenumber, variance : numpy.ndarray
-        |q| > 0 of each wave (1/m), and its height variance (m²).
-
-    Returns
-    -------
-    RadialSpectrum or None
-        None if all variances are zero.
+    Each band has the height and the slope of its waves.
     """
     band = np.floor(8 * np.log2(wavenumber / wavenumber.min()) + 1e-6).astype(int)
     heights, slopes = np.bincount(band, variance), np.bincount(band, wavenumber**2 * variance)

@@ -14,16 +14,10 @@ from contact_study.physics.roughness.statistics import Roughness, roughness_of
 
 @dataclass(frozen=True)
 class Surface(ABC):
-    """A periodic height function of zero mean; heights point toward the block.
+    """A periodic height function of zero mean, toward the block.
 
-    Parameters
-    ----------
-    size : tuple of float
-        Periods along y and x (m).
-    shape : tuple of int
-        Points of the continuum grid.
-    spectrum : SelfAffineSpectrum or None
-        The target spectrum of a random surface.
+    ``size`` are its periods (y, x; m), ``shape`` the points of the continuum grid, ``spectrum`` the target of a random
+    one.
     """
 
     size: tuple[float, float]
@@ -85,12 +79,8 @@ class Surface(ABC):
 class BandLimitedSurface(Surface):
     """A trigonometric polynomial: refined, never changed, by more points.
 
-    Parameters
-    ----------
-    coefficients : numpy.ndarray
-        h_q in the layout of ``rfft2`` on ``native_shape`` points (m).
-    native_shape : tuple of int
-        The smallest grid that carries every mode.
+    ``coefficients`` are h_q (m) in the layout of ``rfft2`` on ``native_shape`` points, the smallest grid for every
+    mode.
     """
 
     coefficients: np.ndarray

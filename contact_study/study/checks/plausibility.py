@@ -18,7 +18,7 @@ Of measured maps see :mod:`contact_study.study.checks.height_maps`.
 The models add what only they need: see ``review`` in their ``run.py``.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
@@ -26,7 +26,6 @@ from contact_study import units
 from contact_study.errors import InputError
 from contact_study.physics.laws.base import TractionLaw
 from contact_study.physics.solids import Measured, contact_modulus_of
-from contact_study.physics.surfaces.scales import SurfaceScales
 from contact_study.study.case import Case
 from contact_study.study.checks.height_maps import map_warnings
 from contact_study.study.checks.idle_keys import idle_keys
@@ -35,38 +34,45 @@ from contact_study.study.sweep import points
 
 STEEP, IMPOSSIBLY_STEEP = 1.0, 100.0
 SQUEEZED, IMPOSSIBLY_SQUEEZED = 0.5, 0.1
-# Part of a map's rms height or slope that a coarser grid may lose without a word.
+# Fraction of a map's rms height or slope that a coarser grid may lose without a warning.
 NEGLIGIBLE = 0.01
-# Largest ratio of two contact moduli that are one in other words.
+# Largest ratio of two contact moduli that are taken for one.
 SAME_MODULUS = 2.0
 
 
 def review(study: Study) -> list[str]:
-    """Check a study; return warnings for the user, each once.
-
-    Raises
-    ------
-    InputError
-        If the numbers of some case cannot belong together.
-    """
-    pairs = list(zip(study.cases, study.scales, strict=True))
-    adhesive = [(case, scale, case.law) for case, scale in pairs if case.law.attracts]
-    notes = _slopes(pairs)
-    notes += _loads(study.cases)
-    notes += _squeezes([item for item in adhesive if not item[2].has_wall])
-    notes += _peaks(adhesive)
-    notes += _missing_waves(pairs)
-    notes += _other_moduli(pairs)
-    notes += _maps(pairs)
-    notes += dict.fromkeys(line for case, scale in pairs for line in map_warnings(str(case.surface.map_path), scale))
-    notes += idle_keys(study.cases)
-    return notes
+    """Check a study; return warnings, each once. Raises InputError if the numbers of a case cannot belong together."""
+    cases, _ = study.cases, study.scales
+    adhesive = [case for case in cases if case.law.attracts]
+    tables = [case for case in cases if isinstance(case.solid, Measured)]
+    return [
+        *_worst(cases, lambda case: case.scales.rms_slope / STEEP, _steep),
+        *_worst(cases, _relative_load, _heavy),
+        *_worst([case for case in adhesive if not case.law.has_wall], _weakness, _squeezed),
+        *_worst(adhesive, lambda case: 2.0 if case.law.peak_tensile_stress < _residual(case) else 0.0, _unresolved),
+        *_worst(tables, _missing_waves, _few_waves, len(cases)),
+        *_worst(tables, _modulus_ratio, _other_modulus, len(cases)),
+        *_coarse_maps(cases),
+        *dict.fromkeys(line for case in cases for line in map_warnings(str(case.surface.map_path), case.scales)),
+        *idle_keys(cases),
+    ]
 
 
-def contact_stress(case: Case, scales: SurfaceScales) -> float:
+def _worst(
+    cases: Sequence[Case], excess: Callable[[Case], float], message: Callable[[Case, str], str], total: int = 0
+) -> list[str]:
+    """One message on the worst of the cases whose excess is above 1, with the part of the sweep that they are."""
+    found = [(size, case) for case in cases if (size := excess(case)) > 1]
+    if not found:
+        return []
+    _, worst = max(found, key=lambda item: item[0])
+    return [message(worst, points([case for _, case in found], total or len(cases)))]
+
+
+def contact_stress(case: Case) -> float:
     """Stress that contacts carry (Pa): its deviation in full contact, or the applied pressure if larger."""
     applied = max(case.loading.path) if case.loading.control == "pressure" else 0.0
-    return max(scales.full_contact_stress(case.solid), applied)
+    return max(case.scales.full_contact_stress(case.solid), applied)
 
 
 def squeeze(law: TractionLaw, stress: float) -> float:
@@ -74,124 +80,109 @@ def squeeze(law: TractionLaw, stress: float) -> float:
     return float(law.repulsive_gap(np.array(-stress))) / law.equilibrium_distance
 
 
-def _slopes(pairs: list[tuple[Case, SurfaceScales]]) -> list[str]:
-    steep = [(scale.rms_slope, case, scale) for case, scale in pairs if scale.rms_slope > STEEP]
-    if not steep:
-        return []
-    slope, case, scale = max(steep, key=lambda item: item[0])
-    if slope > IMPOSSIBLY_STEEP:
+def _steep(case: Case, where: str) -> str:
+    scale = case.scales
+    if scale.rms_slope > IMPOSSIBLY_STEEP:
         raise InputError(
             f"surface: heights of {scale.rms_height:.3g} m (root mean square) on a cell of {scale.size[0]:.3g} x "
-            f"{scale.size[1]:.3g} m make an rms slope of {slope:.3g}{_at(case)}; beyond {IMPOSSIBLY_STEEP:g} the "
-            f"heights ({case.surface.height_key}) and surface.size cannot belong together"
+            f"{scale.size[1]:.3g} m make an rms slope of {scale.rms_slope:.3g}{_at(case)}; beyond "
+            f"{IMPOSSIBLY_STEEP:g} the heights ({case.surface.height_key}) and surface.size cannot belong together"
         )
-    where = points([case for _, case, _ in steep], len(pairs))
-    return [
-        f"surface: rms slope {slope:.3g}{where}: linear elasticity of a half-space is meant for slopes well below 1"
-    ]
-
-
-def _loads(cases: Sequence[Case]) -> list[str]:
-    """Warn of pressures above the contact modulus, which no elastic solid carries at small strains."""
-    pressed = [case for case in cases if case.loading.control == "pressure"]
-    heavy = [case for case in pressed if max(case.loading.path) > case.solid.contact_modulus]
-    if not heavy:
-        return []
-    case = max(heavy, key=lambda case: max(case.loading.path) / case.solid.contact_modulus)
-    pressure, modulus = max(case.loading.path), case.solid.contact_modulus
-    return [
-        f"loading.path: a pressure of {units.stress(pressure)} is {pressure / modulus:.2g} times the contact modulus, "
-        f"{units.stress(modulus)}{points(heavy, len(cases))}; are the units of loading.path and "
-        "material.youngs_modulus right?"
-    ]
-
-
-def _squeezes(adhesive: list[tuple[Case, SurfaceScales, TractionLaw]]) -> list[str]:
-    found = [(squeeze(law, contact_stress(case, scale)), case, scale, law) for case, scale, law in adhesive]
-    weak = [item for item in found if item[0] < SQUEEZED]
-    if not weak:
-        return []
-    smallest, case, scale, law = min(weak, key=lambda item: item[0])
-    words = (
-        f"interaction: against stresses of {contact_stress(case, scale):.3g} Pa the law's peak, "
-        f"{law.peak_tensile_stress:.3g} Pa, is so weak that contacts are pressed to {smallest:.2g} of its length"
+    return (
+        f"surface: rms slope {scale.rms_slope:.3g}{where}: linear elasticity of a half-space is meant for slopes well "
+        "below 1"
     )
-    if smallest < IMPOSSIBLY_SQUEEZED:
+
+
+def _relative_load(case: Case) -> float:
+    return max(case.loading.path) / case.solid.contact_modulus if case.loading.control == "pressure" else 0.0
+
+
+def _heavy(case: Case, where: str) -> str:
+    return (
+        f"loading.path: a pressure of {units.stress(max(case.loading.path))} is {_relative_load(case):.2g} times the "
+        f"contact modulus, {units.stress(case.solid.contact_modulus)}{where}; are the units of loading.path and "
+        "material.youngs_modulus right?"
+    )
+
+
+def _weakness(case: Case) -> float:
+    pressed = squeeze(case.law, contact_stress(case))
+    return SQUEEZED / pressed if pressed > 0 else np.inf
+
+
+def _squeezed(case: Case, where: str) -> str:
+    pressed, stress = squeeze(case.law, contact_stress(case)), contact_stress(case)
+    words = (
+        f"interaction: against stresses of {stress:.3g} Pa the law's peak, {case.law.peak_tensile_stress:.3g} Pa, is "
+        f"so weak that contacts are pressed to {pressed:.2g} of its length"
+    )
+    if pressed < IMPOSSIBLY_SQUEEZED:
         raise InputError(
             f'{words}{_at(case)}; use interaction.law = "hard_wall", or check work_of_adhesion (well_depth), '
             "well_depth_ratio and length"
         )
-    where = points([case for _, case, *_ in weak], len(adhesive))
-    return [f"{words}{where}: interaction.contact_distance counts points as touching that carry next to nothing"]
+    return f"{words}{where}: interaction.contact_distance counts points as touching that carry next to nothing"
 
 
-def _peaks(adhesive: list[tuple[Case, SurfaceScales, TractionLaw]]) -> list[str]:
-    lost = [
-        case
-        for case, _, law in adhesive
-        if law.peak_tensile_stress < case.solver.tolerance * case.solid.contact_modulus
-    ]
-    if not lost:
-        return []
-    case = lost[0]
-    residual = case.solver.tolerance * case.solid.contact_modulus
-    return [
+def _residual(case: Case) -> float:
+    """Residual stress that the tolerance allows (Pa)."""
+    return case.solver.tolerance * case.solid.contact_modulus
+
+
+def _unresolved(case: Case, where: str) -> str:
+    return (
         f"interaction: the law's peak, {case.law.peak_tensile_stress:.3g} Pa, is below the residual stress that "
-        f"solver.tolerance leaves, {residual:.3g} Pa{points(lost, len(adhesive))}: adhesion is not resolved; use a "
-        "smaller tolerance"
-    ]
+        f"solver.tolerance leaves, {_residual(case):.3g} Pa{where}: adhesion is not resolved; use a smaller tolerance"
+    )
 
 
-def _waves(scale: SurfaceScales) -> tuple[float, float]:
-    """Wavenumbers of the longest and of the shortest wave along an axis of the grid (1/m)."""
-    longest, shortest = scale.grid_waves
-    return 2 * np.pi / longest, 2 * np.pi / shortest
+def _waves(case: Case) -> tuple[float, float, float, float]:
+    """Smallest and largest wavenumber of the table of a stiffness, and those along an axis of the grid (1/m)."""
+    assert isinstance(case.solid, Measured)
+    longest, shortest = case.scales.grid_waves
+    table = case.solid.wavenumbers
+    return float(table[0]), float(table[-1]), 2 * np.pi / longest, 2 * np.pi / shortest
 
 
-def _missing_waves(pairs: list[tuple[Case, SurfaceScales]]) -> list[str]:
-    """Warn of a table of the stiffness that leaves out waves of the grid."""
-    found = []
-    for case, scale in pairs:
-        if isinstance(case.solid, Measured):
-            table, grid = (float(case.solid.wavenumbers[0]), float(case.solid.wavenumbers[-1])), _waves(scale)
-            missing = max(table[0] / grid[0], grid[1] / table[1])
-            if missing > 1.01:  # tables written with three digits may end at the waves themselves
-                found.append((missing, case, table, grid))
-    if not found:
-        return []
-    _, case, table, grid = max(found, key=lambda item: item[0])
-    return [
-        f"elasticity.path: the table holds waves of {table[0]:.3g} to {table[1]:.3g} m^-1, the grid has waves of "
-        f"{grid[0]:.3g} to {grid[1]:.3g} m^-1{points([case for _, case, *_ in found], len(pairs))}: beyond the table "
-        "E*(q) is taken to be constant; check elasticity.wavenumber_unit, surface.size and shape"
-    ]
+def _missing_waves(case: Case) -> float:
+    smallest, largest, longest, shortest = _waves(case)
+    return max(smallest / longest, shortest / largest) / 1.01  # tables of three digits may end at the waves themselves
 
 
-def _other_moduli(pairs: list[tuple[Case, SurfaceScales]]) -> list[str]:
-    """Warn of a table of the stiffness that differs from the material at the grid's shortest wave."""
-    found = []
-    for case, scale in pairs:
-        if isinstance(case.solid, Measured):
-            shortest = np.array(_waves(scale)[1])
-            modulus = float(contact_modulus_of(case.solid.stiffness(shortest), shortest))
-            ratio = modulus / case.solid.contact_modulus
-            if max(ratio, 1 / ratio) > SAME_MODULUS:
-                found.append((max(ratio, 1 / ratio), case, modulus))
-    if not found:
-        return []
-    _, case, modulus = max(found, key=lambda item: item[0])
-    return [
-        f"elasticity.path: at the grid's shortest wave the table's E* is {modulus:.3g} Pa, that of material, which "
-        f"datasets quote and stresses are measured in, {case.solid.contact_modulus:.3g} Pa"
-        f"{points([case for _, case, _ in found], len(pairs))}: check elasticity.stiffness_unit, or give the table's "
-        "in material.youngs_modulus"
-    ]
+def _few_waves(case: Case, where: str) -> str:
+    smallest, largest, longest, shortest = _waves(case)
+    return (
+        f"elasticity.path: the table holds waves of {smallest:.3g} to {largest:.3g} m^-1, the grid has waves of "
+        f"{longest:.3g} to {shortest:.3g} m^-1{where}: beyond the table E*(q) is taken to be constant; check "
+        "elasticity.wavenumber_unit, surface.size and shape"
+    )
 
 
-def _maps(pairs: list[tuple[Case, SurfaceScales]]) -> list[str]:
+def _modulus_at_shortest(case: Case) -> float:
+    """E* of the table of a stiffness at the grid's shortest wave (Pa)."""
+    shortest = np.array(_waves(case)[3])
+    return float(contact_modulus_of(case.solid.stiffness(shortest), shortest))
+
+
+def _modulus_ratio(case: Case) -> float:
+    ratio = _modulus_at_shortest(case) / case.solid.contact_modulus
+    return max(ratio, 1 / ratio) / SAME_MODULUS
+
+
+def _other_modulus(case: Case, where: str) -> str:
+    return (
+        f"elasticity.path: at the grid's shortest wave the table's E* is {_modulus_at_shortest(case):.3g} Pa, that of "
+        f"material, which datasets quote and stresses are measured in, {case.solid.contact_modulus:.3g} Pa{where}: "
+        "check elasticity.stiffness_unit, or give the table's in material.youngs_modulus"
+    )
+
+
+def _coarse_maps(cases: Sequence[Case]) -> list[str]:
     """Warn of each map that the continuum's grid cannot carry."""
     notes = {}
-    for case, scale in pairs:
+    for case in cases:
+        scale = case.scales
         height, slope = scale.lost or (scale.rms_height, scale.rms_slope)
         if height < (1 - NEGLIGIBLE) * scale.rms_height or slope < (1 - NEGLIGIBLE) * scale.rms_slope:
             notes[case.surface.map_path, case.surface.shape] = (

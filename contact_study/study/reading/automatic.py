@@ -16,21 +16,10 @@ from contact_study.units import length
 def with_length(
     interaction: Mapping[str, Any], bound: Mapping[str, Any], scales: Callable[[], SurfaceScales]
 ) -> dict[str, Any]:
-    """The interaction of a study with a number for its length, the longest that leaves contacts JKR-like.
+    """Replace ``length = "auto"`` of an interaction by the longest that leaves contacts JKR-like.
 
-    Parameters
-    ----------
-    interaction : mapping
-        The section as the file has it.
-    bound : mapping
-        The sections before it, bound: surface, material and elasticity among them.
-    scales : callable
-        Gives the scales of the surface.
-
-    Raises
-    ------
-    InputError
-        If nothing attracts, adhesion is not given as its work, the surface is flat or cannot be read.
+    ``bound`` holds the sections of material and elasticity, ``scales`` gives the scales of the surface. Raises
+    InputError if nothing attracts, adhesion is not given as its work, the surface is flat or cannot be read.
     """
     given = dict(interaction)
     if given.get("length") != AUTO:
@@ -56,15 +45,7 @@ def with_length(
 
 
 def describe_choices(tables: Sequence[Mapping[str, Any]], cases: Sequence[Case]) -> tuple[str, ...]:
-    """Describe the values that were chosen, each once.
-
-    Parameters
-    ----------
-    tables : sequence of mapping
-        The study's sections at each point of its sweep, as the file has them.
-    cases : sequence of Case
-        The same points, bound.
-    """
+    """Describe the values that were chosen, each once, from the tables and cases of all points of a sweep."""
     lines = []
     for table, case in zip(tables, cases, strict=True):
         if table["interaction"].get("length") == AUTO:

@@ -8,15 +8,10 @@ from contact_study.study.schema.keys import TaggedUnion, keys_of, listed
 
 
 def replace_keys(table: dict[str, Any], overrides: Mapping[str, Any]) -> None:
-    """Put these keys, by their dotted names, in place of those that a study's table holds.
+    """Put keys, by their dotted names, in place of those of a study's table; raise InputError for unknown ones.
 
-    A swept key takes a value or a list; a list for a key that takes one value sweeps it. The table loses what its
-    exceptions say of these keys, and what it says of other kinds than one chosen here.
-
-    Raises
-    ------
-    InputError
-        If a key is unknown.
+    A swept key takes a value or a list; a list for a key that takes one value sweeps it. The table loses its exceptions
+    for these keys, and keys of other kinds than one chosen here.
     """
     for dotted, value in overrides.items():
         _leave_kind(table, dotted, value)

@@ -16,21 +16,11 @@ _SHOWN = 40
 
 
 def read_columns(path: Path, name: str, column_units: Sequence[tuple[str, str, str]]) -> list[list[float]]:
-    """The columns of a text table, in SI.
+    """Read the columns of a text table, between blanks, tabs or commas, in SI; ``#`` begins a comment.
 
-    Parameters
-    ----------
-    path : pathlib.Path
-        Numbers separated by blanks, tabs or commas, a row a line; what follows ``#`` is left out.
-    name : str
-        The key that named the file, for messages.
-    column_units : sequence of (str, str, str)
-        Of each column the key that gives its unit, for messages, that unit, and the SI unit of its kind.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be read, holds other than that many columns of finite numbers, or a unit is of another kind.
+    ``name`` is the key that names the file; ``column_units`` gives for each column the key of its unit, that unit and
+    the SI unit. Raises InputError if the file cannot be read, holds other than that many columns of finite numbers, or
+    a unit is of another kind.
     """
     lines = [(number, line.split("#")[0]) for number, line in enumerate(text_of(path, name).splitlines(), 1)]
     rows = [(number, line) for number, line in lines if line.strip()]
@@ -47,21 +37,9 @@ def read_columns(path: Path, name: str, column_units: Sequence[tuple[str, str, s
 
 
 def numbers_of(rows: Sequence[tuple[int, str]], where: str, separator: str) -> np.ndarray:
-    """The numbers of lines, a row a line.
+    """Read the numbers of numbered lines, a row a line, between separators (a regular expression).
 
-    Parameters
-    ----------
-    rows : sequence of (int, str)
-        Lines with something on them, each with its number in the file.
-    where : str
-        The key and the file, for messages.
-    separator : str
-        Regular expression of what stands between two numbers, and may at either end of a line.
-
-    Raises
-    ------
-    InputError
-        If a line holds a word, or more or fewer numbers than the first.
+    Raises InputError if a line holds a word, or more or fewer numbers than the first; ``where`` names key and file.
     """
     table: list[list[float]] = []
     first = 0
@@ -94,20 +72,7 @@ def _size(key: str, unit: str, si: str) -> float:
 
 
 def text_of(path: Path, name: str) -> str:
-    """The text of a file.
-
-    Parameters
-    ----------
-    path : pathlib.Path
-        The file.
-    name : str
-        The key that named it, for the message.
-
-    Raises
-    ------
-    InputError
-        If it cannot be read.
-    """
+    """Read the text of a file; raise InputError, in the name of a key, if that is not possible."""
     try:
         refuse_endless(path)
         return path.read_text(encoding="utf-8-sig")
@@ -119,25 +84,10 @@ def text_of(path: Path, name: str) -> str:
 def with_columns(
     table: Mapping[str, Any], section: str, columns: Mapping[str, tuple[str, str, str]], directory: Path
 ) -> dict[str, Any]:
-    """A section of a study with the content of the file that its key ``path`` names in that key's place.
+    """Replace the key ``path`` of a section by the columns of the file that it names.
 
-    A study then holds all that decides its numbers, wherever it goes.
-
-    Parameters
-    ----------
-    table : mapping
-        The section as TOML holds it.
-    section : str
-        Its name.
-    columns : mapping
-        For each column's key: the key of its unit, that key's default, the SI unit.
-    directory : pathlib.Path
-        Where a relative path starts.
-
-    Raises
-    ------
-    InputError
-        As :func:`read_columns`; also if columns are given beside the file.
+    A study then contains all that decides its numbers. ``columns`` gives for each column's key the key of its unit, the
+    default unit and the SI unit. Raises InputError as :func:`read_columns`, and for columns beside the file.
     """
     if not isinstance(table.get("path"), str):
         return dict(table)

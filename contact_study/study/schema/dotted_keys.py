@@ -39,10 +39,7 @@ def all_keys() -> Iterator[tuple[str, str, Key, Any]]:
 def split(dotted: str, where: str) -> tuple[str, str]:
     """Section and name of a dotted key.
 
-    Raises
-    ------
-    InputError
-        If there is no such key; ``where`` says what holds it.
+    Raises InputError if there is no such key; ``where`` says what holds it.
     """
     section, _, name = dotted.partition(".")
     if section not in SECTIONS or name not in keys_of(SECTIONS[section]):

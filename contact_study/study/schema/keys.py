@@ -220,10 +220,8 @@ class TaggedUnion:
     def register(self, kind: str, section: type) -> None:
         """Add a kind from outside.
 
-        Raises
-        ------
-        ValueError
-            If there is another kind of that name, or one of its keys means something else in another kind.
+        Raises ValueError if there is another kind of that name, or one of its keys means something else in another
+        kind.
         """
         if self.declared.get(kind, section) is not section:
             raise ValueError(f"{self.tag} = {kind!r} is {self.declared[kind].__name__}; give another name")
@@ -321,10 +319,7 @@ def default_of(section: type | TaggedUnion, name: str) -> Any:
 def bind(section: type | TaggedUnion, table: Mapping[str, Any], name: str) -> Any:
     """Build a section from a TOML table.
 
-    Raises
-    ------
-    InputError
-        If a key is unknown, missing, of the wrong kind or out of range.
+    Raises InputError if a key is unknown, missing, of the wrong kind or out of range.
     """
     if isinstance(section, TaggedUnion):
         return section.bind(table, name)

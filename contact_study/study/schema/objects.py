@@ -15,18 +15,11 @@ _CONSTANTS = ("youngs_modulus", "poissons_ratio")
 
 
 def with_keys(study: Mapping[str, Any]) -> dict[str, Any]:
-    """A study with keys in place of objects.
+    """Replace laws and solids among the sections of a study by keys.
 
-    Parameters
-    ----------
-    study : mapping
-        Its sections. ``interaction``, or its ``law``, may be a :class:`TractionLaw`; ``elasticity``, or its ``kind``,
-        an :class:`Elasticity`, whose contact modulus then is the material's.
-
-    Raises
-    ------
-    InputError
-        If no keys of a study make the object, or keys beside it say what it says itself.
+    ``interaction``, or its ``law``, may be a :class:`TractionLaw`; ``elasticity``, or its ``kind``, an
+    :class:`Elasticity`, whose contact modulus then is the material's. Raises InputError if no keys of a study make the
+    object, or keys beside it repeat its numbers.
     """
     found = dict(study)
     law, beside = _object(found.get("interaction"), "law", TractionLaw)

@@ -276,10 +276,7 @@ class TheorySection:
     def table(self) -> TabulatedSpectrum:
         """The spectrum of the table.
 
-        Raises
-        ------
-        InputError
-            If it is none.
+        Raises InputError if it is none.
         """
         try:
             return TabulatedSpectrum(np.array(self.wavevectors), np.array(self.density))

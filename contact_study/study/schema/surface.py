@@ -31,23 +31,16 @@ _SHAPE = pair(integer(minimum=4, maximum=2**31 - 1))
 
 @dataclass(frozen=True, kw_only=True)
 class SurfaceSection(ABC):
-    """The rigid rough surface; heights point toward the block.
-
-    A kind declares its own keys as fields and checks them in ``__post_init__``.
+    """The rigid rough surface; heights point toward the block. A kind declares its keys as fields and checks them.
 
     Attributes
     ----------
     words : str
-        The surface in a sentence; a name in braces is replaced by the values of that key, ``{size}`` by the size of
-        the cell. A key that holds a word has its own words in ``phrases``.
+        The surface in a sentence; names in braces are replaced by the values of keys, or their ``phrases``.
     height_key : str
         The key to look at when the heights make no sense.
-    rough : bool
-        Whether it has any height.
-    periodic : bool
-        Whether heights and slopes go on over the edge of the cell, so that its spectrum is that of a roughness.
-    absent : bool
-        Whether the study has a roughness spectrum only, for theories.
+    rough, periodic, absent : bool
+        Whether it has height, continues over the edge of the cell, and is missing (a spectrum only, for theories).
     """
 
     words: ClassVar[str]
