@@ -16,7 +16,7 @@ from contact_study.results.schema import TRAJECTORY
 from contact_study.study.case import realise
 from contact_study.study.study import make_study
 from tests.bem_adhesion.paper_system import CONTACT_DISTANCE, E_STAR, R0, study_table
-from tests.md_reference.test_sampling import assert_equal_groups, groups_of
+from tests.md_reference.systems import assert_equal_groups, groups_of
 from tests.recording import stopper
 
 AT_ONCE = 1e9  # a loading rate at which the load is there from the first step on

@@ -19,8 +19,7 @@ from contact_study.report.read.datasets import read_inputs
 from contact_study.study.study import make_study
 from md_reference.study.dynamics import build_block
 from md_reference.study.model import check
-from tests.md_reference.systems import LATTICE_CONSTANT, LENGTH, WELL_DEPTH
-from tests.md_reference.test_dynamics import moving
+from tests.md_reference.systems import LATTICE_CONSTANT, LENGTH, WELL_DEPTH, moving
 
 ANGSTROM = 1e-10
 DIGITS = 1e-8  # of every number, as ASE writes it

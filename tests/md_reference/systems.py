@@ -1,10 +1,13 @@
 """Small atomistic systems that the tests share."""
 
+import copy
+
 import numpy as np
+import xarray as xr
 
 from contact_study.numerics.fourier import synthesise
 from contact_study.study.study import make_study
-from md_reference.block.condensed import isotropic_element, surface_stiffness
+from md_reference.block.condensed import isotropic_element, lame_constants, surface_stiffness
 from md_reference.interface.pairs import LennardJonesInterface
 from md_reference.interface.substrate import Substrate
 
@@ -14,6 +17,10 @@ WELL_DEPTH = 18.6e-3 * 1.602176634e-19
 YOUNGS_MODULUS = 77.2e9
 POISSONS_RATIO = 0.42
 CONTACT_MODULUS = YOUNGS_MODULUS / (1 - POISSONS_RATIO**2)
+AREA = LATTICE_CONSTANT**2
+ANGSTROM = 1e-10
+MASS = 3.27e-25
+LAME = lame_constants(YOUNGS_MODULUS, POISSONS_RATIO)
 ELEMENT = isotropic_element(LATTICE_CONSTANT, YOUNGS_MODULUS, POISSONS_RATIO)
 
 
@@ -63,7 +70,7 @@ def stiffness_of(atoms, layers=None):
 
 def case_of(atoms=(48, 48), ratio=1.0, path=("0.5 GPa",), control="pressure", scale=1.0, energy_scale=1.0, **sections):
     """A study of one case; ``scale`` and ``energy_scale`` multiply every length and energy."""
-    angstrom = 1e-10 * scale
+    angstrom = ANGSTROM * scale
     table = {
         "surface": {
             "kind": "self_affine",
@@ -91,3 +98,102 @@ def case_of(atoms=(48, 48), ratio=1.0, path=("0.5 GPa",), control="pressure", sc
     for section, content in sections.items():
         table.setdefault(section, {}).update(content)
     return make_study(table).cases[0]
+
+
+def apply(stiffness, displacement, free=False):
+    """S u by the definition in the module: the normal component times i makes the matrix real; without S_zz(0)."""
+    u = np.fft.rfft2(displacement)
+    u[2] *= 1j
+    out = times_matrices(stiffness.coefficients, u)
+    if free:
+        out[2, 0, 0] = 0
+    out[2] *= -1j
+    return np.fft.irfft2(out, s=displacement.shape[1:])
+
+
+def times_matrices(six, u):
+    """One symmetric matrix per atom or wave times a vector field."""
+    xx, yy, zz, xy, xz, yz = six
+    x, y, z = u
+    return np.stack([xx * x + xy * y + xz * z, xy * x + yy * y + yz * z, xz * x + yz * y + zz * z])
+
+
+def matrices_of(six):
+    """The same matrices, shape (..., 3, 3)."""
+    xx, yy, zz, xy, xz, yz = six
+    return np.moveaxis(np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]), (0, 1), (-2, -1))
+
+
+class NoInterface:
+    """Atoms that nothing acts on."""
+
+    length = LENGTH
+
+    def evaluate(self, displacement, force, hessian=None):
+        force[...] = 0
+        if hessian is not None:
+            hessian[...] = 0
+        return 0.0
+
+
+SAMPLED = {
+    "surface": {
+        "kind": "self_affine",
+        "size": "62.4 angstrom",
+        "shape": [24, 24],
+        "rms_height": "1 angstrom",
+        "cutoff_mode": 3,
+    },
+    "material": {
+        "youngs_modulus": YOUNGS_MODULUS,
+        "poissons_ratio": POISSONS_RATIO,
+        "lattice_constant": "2.6 angstrom",
+    },
+    "interaction": {
+        "law": "lennard_jones_10_4",
+        "well_depth": WELL_DEPTH,
+        "length": LENGTH,
+        "contact_distance": "3.68 angstrom",
+    },
+    "loading": {"path": ["1 GPa", "3 GPa"]},
+    "atomistic": {"method": "sampling", "temperature": "300 K"},
+    "sampling": {"trajectories": 60, "equilibration": 20},
+    "output": {"fields": True, "pressure_range": ["-10 GPa", "30 GPa"], "gap_range": ["0 nm", "1 nm"]},
+}
+
+MOVING = {
+    "surface": {"size": "41.6 angstrom", "shape": [16, 16]},
+    "material": {"atom_mass": "197 u"},
+    "atomistic": {"method": "dynamics", "temperature": 0.0},
+    # Damping slows the descent, too: the speed is what brings the block to the substrate within some 10 ps.
+    "dynamics": {"duration": "80 ps", "damping": "0.3 ps^-1", "approach_speed": "300 m/s", "frames": 20},
+    "loading": {"path": ["1 GPa"]},
+}
+
+
+def changed(**sections):
+    """The table of a small sampled study, with other keys."""
+    table = copy.deepcopy(SAMPLED)
+    for section, keys in sections.items():
+        table.setdefault(section, {}).update(keys)
+    for way in {"sampling", "overdamped", "dynamics"} - {table["atomistic"]["method"]}:  # nothing would read it
+        table.pop(way, None)
+    return table
+
+
+def moving(**sections):
+    """The table of a small study of molecular dynamics, with other keys."""
+    names = {**MOVING, **sections}
+    return changed(**{name: {**MOVING.get(name, {}), **sections.get(name, {})} for name in names})
+
+
+def groups_of(path):
+    with xr.open_datatree(path) as tree:
+        return {node.path: node.to_dataset(inherit=False).load() for node in tree.subtree}
+
+
+def assert_equal_groups(one, other):
+    assert one.keys() == other.keys()
+    for name, dataset in one.items():
+        again = other[name].drop_vars("wall_time", errors="ignore")
+        xr.testing.assert_equal(dataset.drop_vars("wall_time", errors="ignore"), again)

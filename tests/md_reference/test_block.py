@@ -1,58 +1,58 @@
+"""The block: condensed to its surface, explicit on levels, and with springs that turn."""
+
 import numpy as np
 import pytest
+from scipy.sparse.linalg import LinearOperator, cg
 
 from md_reference.block.condensed import (
     condense,
     contact_modulus,
+    effective_contact_modulus,
     element_matrix,
-    isotropic_element,
     surface_stiffness,
     without_lateral_freedom,
 )
-from tests.md_reference.systems import CONTACT_MODULUS, ELEMENT, LATTICE_CONSTANT, POISSONS_RATIO, YOUNGS_MODULUS
+from md_reference.block.multiscale import MultiscaleBlock, NonlinearSpringBlock, level_layers
+from md_reference.block.nonlinear_slab import rotating_slab_force
+from md_reference.block.slab import fill_ghosts, slab_constants, slab_force
+from tests.md_reference.systems import (
+    AREA,
+    CONTACT_MODULUS,
+    ELEMENT,
+    LAME,
+    LATTICE_CONSTANT,
+    MASS,
+    POISSONS_RATIO,
+    YOUNGS_MODULUS,
+    apply,
+    stiffness_of,
+)
+
+CORNERS = np.array([(x, y, z) for z in (0, 1) for y in (0, 1) for x in (0, 1)])
+SCALE = LAME[1] * LATTICE_CONSTANT**2  # a spring's force at a stretch of one
+TURNING = LATTICE_CONSTANT, LAME[1], LAME[0] - LAME[1]
 
 
 def dense_stiffness(element, shape, layers):
-    """Stiffness matrix of an explicit periodic block, free below, its top plane left out (clamped)."""
+    """Stiffness matrix of an explicit periodic block, both faces free."""
     rows, columns = shape
     number = np.arange(3 * (layers + 1) * rows * columns).reshape(layers + 1, rows, columns, 3)
     dense = np.zeros((number.size, number.size))
-    for k in range(layers):
-        for j in range(rows):
-            for i in range(columns):
-                corners = [
-                    number[k + z, (j + y) % rows, (i + x) % columns] for z in (0, 1) for y in (0, 1) for x in (0, 1)
-                ]
-                dofs = np.concatenate(corners)
-                np.add.at(dense, (dofs[:, None], dofs[None, :]), element)
-    kept = number[:layers].ravel()
-    return dense[np.ix_(kept, kept)]
+    for k, j, i in np.ndindex(layers, rows, columns):
+        dofs = np.concatenate([number[k + z, (j + y) % rows, (i + x) % columns] for x, y, z in CORNERS])
+        np.add.at(dense, (dofs[:, None], dofs[None, :]), element)
+    return dense
 
 
-def apply(stiffness, displacement):
-    """S u by the definition in the module: the normal component times i makes the matrix real."""
-    u = np.fft.rfft2(displacement)
-    u[2] *= 1j
-    xx, yy, zz, xy, xz, yz = stiffness.coefficients
-    out = np.stack(
-        [
-            xx * u[0] + xy * u[1] + xz * u[2],
-            xy * u[0] + yy * u[1] + yz * u[2],
-            xz * u[0] + yz * u[1] + zz * u[2],
-        ]
-    )
-    out[2] *= -1j
-    return np.fft.irfft2(out, s=displacement.shape[1:])
-
-
-@pytest.mark.parametrize(("shape", "layers"), [((4, 4), 3), ((3, 5), 5), ((5, 4), 6), ((4, 2), 1)])
+@pytest.mark.parametrize(("shape", "layers"), [((4, 4), 3), ((3, 5), 5), ((4, 2), 1)])
 def test_condensation_equals_dense_schur_complement(shape, layers):
-    dense = dense_stiffness(ELEMENT, shape, layers)
-    surface = 3 * shape[0] * shape[1]
+    surface, kept = 3 * shape[0] * shape[1], 3 * layers * shape[0] * shape[1]
+    dense = dense_stiffness(ELEMENT, shape, layers)[:kept, :kept]  # the top plane is clamped
     schur = dense[:surface, :surface]
     if layers > 1:
-        interior = np.linalg.solve(dense[surface:, surface:], dense[surface:, :surface])
-        schur = schur - dense[:surface, surface:] @ interior
+        schur = schur - dense[:surface, surface:] @ np.linalg.solve(
+            dense[surface:, surface:], dense[surface:, :surface]
+        )
     u = np.random.default_rng(1).standard_normal((*shape, 3))
     expected = (schur @ u.ravel()).reshape(u.shape)
     found = apply(surface_stiffness(ELEMENT, shape, LATTICE_CONSTANT, layers), np.moveaxis(u, -1, 0))
@@ -61,9 +61,7 @@ def test_condensation_equals_dense_schur_complement(shape, layers):
 
 
 def test_element_carries_no_force_in_rigid_motion_and_has_the_isotropic_moduli():
-    corners = np.array([(x, y, z) for z in (0, 1) for y in (0, 1) for x in (0, 1)]) * LATTICE_CONSTANT
-    first = YOUNGS_MODULUS * POISSONS_RATIO / ((1 + POISSONS_RATIO) * (1 - 2 * POISSONS_RATIO))
-    shear = YOUNGS_MODULUS / (2 * (1 + POISSONS_RATIO))
+    corners = CORNERS * LATTICE_CONSTANT
     rng = np.random.default_rng(0)
     rotation = rng.standard_normal((3, 3))
     rotation -= rotation.T
@@ -72,9 +70,14 @@ def test_element_carries_no_force_in_rigid_motion_and_has_the_isotropic_moduli()
     gradient = rng.standard_normal((3, 3))
     strain = 0.5 * (gradient + gradient.T)
     uniform = (corners @ gradient.T).ravel()
-    energy = 0.5 * uniform @ ELEMENT @ uniform
+    first = YOUNGS_MODULUS * POISSONS_RATIO / ((1 + POISSONS_RATIO) * (1 - 2 * POISSONS_RATIO))
+    shear = YOUNGS_MODULUS / (2 * (1 + POISSONS_RATIO))
     expected = LATTICE_CONSTANT**3 * (0.5 * first * np.trace(strain) ** 2 + shear * np.sum(strain**2))
-    assert energy == pytest.approx(expected, rel=1e-12)
+    assert 0.5 * uniform @ ELEMENT @ uniform == pytest.approx(expected, rel=1e-12)
+    # Uniform compression and shear of a thick block.
+    xx, yy, zz, *others = condense(ELEMENT, np.zeros(1), np.zeros(1), 7)[:, 0] * 7 / LATTICE_CONSTANT
+    np.testing.assert_allclose([xx, yy, zz], [shear, shear, first + 2 * shear], rtol=1e-12)
+    np.testing.assert_allclose(others, 0, atol=1e-12 * zz)
 
 
 @pytest.mark.parametrize(
@@ -98,30 +101,21 @@ def test_long_waves_see_the_contact_modulus_to_second_order():
     assert np.all((rates > 1.9) & (rates < 2.1))
 
 
-def test_uniform_compression_and_shear_of_a_thick_block():
-    first = YOUNGS_MODULUS * POISSONS_RATIO / ((1 + POISSONS_RATIO) * (1 - 2 * POISSONS_RATIO))
-    shear = YOUNGS_MODULUS / (2 * (1 + POISSONS_RATIO))
-    xx, yy, zz, xy, xz, yz = condense(ELEMENT, np.zeros(1), np.zeros(1), 7)[:, 0] * 7 / LATTICE_CONSTANT
-    np.testing.assert_allclose([xx, yy, zz], [shear, shear, first + 2 * shear], rtol=1e-12)
-    np.testing.assert_allclose([xy, xz, yz], 0, atol=1e-12 * zz)
-
-
 def test_swapping_the_axes_swaps_the_components():
-    swap = [1, 0, 2, 3, 5, 4]
     phases = np.random.default_rng(2).uniform(-np.pi, np.pi, (2, 20))
-    direct = condense(ELEMENT, phases[0], phases[1], 11)
-    np.testing.assert_allclose(condense(ELEMENT, phases[1], phases[0], 11)[swap], direct, atol=1e-12 * direct.max())
+    direct = condense(ELEMENT, *phases, 11)
+    np.testing.assert_allclose(
+        condense(ELEMENT, *phases[::-1], 11)[[1, 0, 2, 3, 5, 4]], direct, atol=1e-12 * direct.max()
+    )
 
 
 def test_unknown_blocks_and_no_layers_are_refused():
+    constants = LATTICE_CONSTANT, YOUNGS_MODULUS, POISSONS_RATIO
     with pytest.raises(ValueError, match="ytp_springs"):
-        element_matrix("ytp_springs", LATTICE_CONSTANT, YOUNGS_MODULUS, POISSONS_RATIO)
+        element_matrix("ytp_springs", *constants)
     with pytest.raises(ValueError, match="at least one layer"):
         condense(ELEMENT, np.zeros(1), np.zeros(1), 0)
-    np.testing.assert_array_equal(
-        element_matrix("isotropic", LATTICE_CONSTANT, YOUNGS_MODULUS, POISSONS_RATIO),
-        isotropic_element(LATTICE_CONSTANT, YOUNGS_MODULUS, POISSONS_RATIO),
-    )
+    np.testing.assert_array_equal(element_matrix("isotropic", *constants), ELEMENT)
 
 
 def test_a_block_on_rails_keeps_its_normal_compliance():
@@ -129,3 +123,231 @@ def test_a_block_on_rails_keeps_its_normal_compliance():
     railed = without_lateral_freedom(block)
     np.testing.assert_allclose(railed.contact_modulus, block.contact_modulus, rtol=1e-12)
     np.testing.assert_allclose(railed.normal_stiffness, block.normal_stiffness, rtol=1e-12)
+
+
+def test_effective_modulus_is_that_of_the_waves_present():
+    stiffness = stiffness_of((24, 36))
+    wave = np.cos(2 * np.pi * 5 * np.arange(36) / 36)[None, :] * np.ones((24, 1))
+    assert effective_contact_modulus(stiffness, wave) == pytest.approx(stiffness.contact_modulus[0, 5], rel=1e-9)
+    # The transform holds a wave along y twice, one along x once; each weighs by its wavenumber and squared amplitude.
+    both = effective_contact_modulus(stiffness, 3 * np.cos(2 * np.pi * 8 * np.arange(24) / 24)[:, None] + 2 * wave)
+    along_y, along_x = 9 * 8 / 24, 4 * 5 / 36
+    expected = along_y * stiffness.contact_modulus[8, 0] + along_x * stiffness.contact_modulus[0, 5]
+    assert both == pytest.approx(expected / (along_y + along_x), rel=1e-9)
+    flat_surface = effective_contact_modulus(stiffness, np.zeros((24, 36)))
+    assert flat_surface == pytest.approx(stiffness.contact_modulus[0, 1], rel=1e-12)
+    assert flat_surface == pytest.approx(CONTACT_MODULUS, rel=0.05)
+
+
+def block_of(atoms=(16, 16), layers=(2, 2, 2), kind=MultiscaleBlock):
+    return kind(atoms, LATTICE_CONSTANT, *LAME, layers, MASS)
+
+
+def random_vector(block, seed=0):
+    return np.where(block.mass > 0, np.random.default_rng(seed).standard_normal(block.size), 0.0)
+
+
+def forces(block, vector):
+    """Forces on the nodes that move, for a rigid plane at rest."""
+    force = np.zeros(block.size)
+    block.force(vector.copy(), force)
+    return np.where(block.mass > 0, force, 0.0)
+
+
+def normal_stiffness(block, mode, error=1e-9):
+    """Pressure per displacement of a wave of normal forces along x, the interior in balance."""
+    rows, columns = block.atoms
+    wave = np.cos(2 * np.pi * mode * np.arange(columns) / columns)[None, :] * np.ones((rows, 1))
+    load = np.zeros(block.size)
+    block.bottom_of(load)[2] = wave
+    diagonal = np.zeros(block.size)
+    for level, nodes in zip(block.levels, block.levels_of(diagonal), strict=True):
+        nodes[...] = 1 / (level.size * LATTICE_CONSTANT * LAME[1])
+    operator, inverse = (
+        LinearOperator((block.size,) * 2, matvec=of) for of in (lambda u: -forces(block, u), lambda r: diagonal * r)
+    )
+    found, info = cg(operator, load, rtol=error, maxiter=3000, M=inverse)
+    assert info == 0
+    return rows * columns / (2 * AREA * np.vdot(block.bottom_of(found)[2], wave))
+
+
+@pytest.mark.parametrize(
+    ("atoms", "layers", "counts"),
+    [
+        ((400, 400), 400, (12, 8, 9, 8, 17)),
+        ((400, 400), 412, (12, 8, 8, 8, 18)),
+        ((200, 200), 200, (12, 8, 9, 17)),
+        ((64, 48), 64, (12, 8, 8, 0)),
+        ((24, 24), 24, (12, 6)),
+        ((25, 24), 30, (30,)),
+        ((32, 32), 8, (8,)),
+    ],
+)
+def test_levels_are_as_thick_as_the_block(atoms, layers, counts):
+    found = level_layers(atoms, layers)
+    assert sum(count * 2**level for level, count in enumerate(found)) == layers
+    if counts[-1]:
+        assert found == counts
+    assert all(n % 2 ** (len(found) - 1) == 0 for n in atoms)
+
+
+def test_forces_are_those_of_the_element():
+    block = block_of((4, 6), (3,))
+    u = np.random.default_rng(1).standard_normal(block.size)
+    force = np.zeros(block.size)
+    block.force(u, force)
+    nodes, found = (block.levels_of(v)[0][:, :, 1:-1, 1:-1] for v in (u, force))
+    expected = -dense_stiffness(ELEMENT, (4, 6), 3) @ np.moveaxis(nodes, 0, -1).ravel()
+    expected = np.moveaxis(expected.reshape(4, 4, 6, 3), -1, 0)
+    np.testing.assert_allclose(found, expected, rtol=0, atol=1e-14 * np.max(np.abs(expected)))
+
+
+def test_uniform_block_condenses_to_the_surface_stiffness():
+    """One level of nodes against S(q) by doubling: the same block by two algorithms."""
+    full = stiffness_of((8, 8), 8).normal_stiffness[0, 1]
+    assert normal_stiffness(block_of((8, 8), (8,)), 1) == pytest.approx(full, rel=1e-7)
+
+
+def test_coarse_levels_keep_the_modulus():
+    """E*(q) of the coarsened block against all layers, within the 0.4 % of layers as few as these."""
+    atoms = (4, 32)
+    full = stiffness_of(atoms, 32).normal_stiffness[0]
+    block = block_of(atoms, (12, 10))
+    for mode in (1, 8):
+        assert normal_stiffness(block, mode, 1e-5) == pytest.approx(full[mode], rel=5e-3)
+
+
+def test_hanging_nodes_leave_the_stiffness_symmetric():
+    block = block_of()
+    u, v = random_vector(block, 1), random_vector(block, 2)
+    assert np.vdot(v, forces(block, u)) == pytest.approx(np.vdot(u, forces(block, v)), rel=1e-12)
+
+
+def strained(block, strain):
+    """Displacement linear in height."""
+    u, floor = np.zeros(block.size), 0
+    for level, nodes in zip(block.levels, block.levels_of(u), strict=True):
+        heights = floor + level.size * np.arange(nodes.shape[1])
+        nodes[2] = strain * LATTICE_CONSTANT * heights[:, None, None]
+        floor = heights[-1]
+    return u
+
+
+def test_uniform_strain_and_rigid_motion_are_exact_across_levels():
+    """Every level has the same stress, and no node feels a force but at the faces."""
+    block = block_of()
+    u, force = strained(block, 1e-3) + 5.0 * LATTICE_CONSTANT, np.zeros(block.size)
+    block.force(u, force)
+    stress = block.top_of(force)[2].sum()
+    assert stress < 0
+    assert block.bottom_of(force)[2].sum() == pytest.approx(-stress, rel=1e-12)
+    # ½ k u² of a bar: M (1e-3)² / 2 per volume, M = λ + 2μ, 14 layers of cells.
+    expected = 0.5 * (LAME[0] + 2 * LAME[1]) * 1e-6 * 14 * 16**2 * LATTICE_CONSTANT**3
+    assert block.elastic_energy(u, force) == pytest.approx(expected, rel=1e-12)
+    block.bottom_of(force)[...] = block.top_of(force)[...] = 0
+    # Springs of the size of the applied stress cancel to their rounding.
+    assert np.max(np.abs(block.nodes_of(force))) < 1e-12 * abs(stress)
+
+
+def test_compression_is_what_planes_do_as_a_whole():
+    """Exactly so if they move as a whole, and part of the energy of any displacement."""
+    block = block_of(layers=(4, 3))
+    nodes, force = random_vector(block), np.empty(block.size)
+    block.force(nodes, force)
+    assert 0 < block.compression_energy(nodes) < block.elastic_energy(nodes, force) / (256 * AREA)
+    for level in block.levels_of(nodes):
+        level[:2] = 0.0
+        level[2] = level[2, :, 1:2, 1:2].copy()
+    block.force(nodes, force)
+    assert block.compression_energy(nodes) == pytest.approx(block.elastic_energy(nodes, force) / (256 * AREA), rel=1e-9)
+
+
+def test_nodes_weigh_what_they_stand_for():
+    block = block_of()
+    # All cells, and half a layer more: the atoms of the surface are whole ones.
+    assert (block.mass.sum() / 3 + block.top_mass) / MASS == pytest.approx((14 + 0.5) * 16**2, rel=1e-12)
+    assert block.total_mass / MASS == pytest.approx((14 + 0.5) * 16**2, rel=1e-12)
+    assert np.all(block.bottom_of(block.mass) == MASS)
+    assert block.freedoms == 3 * (2 * 16**2 + 2 * 8**2 + 2 * 4**2)
+
+
+LINEAR, ROTATING = (block_of((16, 8), (3, 2), kind) for kind in (MultiscaleBlock, NonlinearSpringBlock))
+
+
+def test_first_order_of_turning_springs_is_the_linear_block():
+    """Random strains of every kind: the difference of the forces falls with the square of the strain."""
+    errors = []
+    for strain in (4e-3, 2e-3, 1e-3):
+        one, other = (forces(block, strain * LATTICE_CONSTANT * random_vector(block)) for block in (LINEAR, ROTATING))
+        errors.append(np.max(np.abs(one - other)) / SCALE)
+        assert np.max(np.abs(one)) / SCALE > strain
+    assert errors[0] / errors[1] == pytest.approx(4, rel=0.02)
+    assert errors[1] / errors[2] == pytest.approx(4, rel=0.01)
+
+
+def test_a_turn_costs_nothing():
+    """All nodes, ghosts too, turned by 30° about a skew axis; the linear cell is strained by that."""
+    axis, angle = np.array([1.0, 2.0, -0.5]) / np.sqrt(5.25), np.pi / 6
+    cross = np.cross(np.eye(3), axis)
+    turn = np.eye(3) + np.sin(angle) * cross.T + (1 - np.cos(angle)) * cross.T @ cross.T
+    np.testing.assert_allclose(turn @ turn.T, np.eye(3), atol=1e-15)
+    z, y, x = np.meshgrid(*(LATTICE_CONSTANT * np.arange(n) for n in (4, 7, 6)), indexing="ij")
+    u = np.einsum("cd,dkji->ckji", turn - np.eye(3), np.stack([x, y, z]))
+    found, linear = np.zeros_like(u), np.zeros_like(u)
+    energy = rotating_slab_force(u, found, *TURNING, 0, u.shape[2] - 2)
+    slab_force(u, linear, *slab_constants(LATTICE_CONSTANT, *LAME), 0, u.shape[2] - 2)
+    inside = np.s_[:, :, 1:-1, 1:-1]
+    # Rounding of the displacements, over a spring's length.
+    assert np.max(np.abs(found[inside])) < 1e-13 * SCALE
+    assert energy < 1e-24 * SCALE * LATTICE_CONSTANT
+    assert np.max(np.abs(linear[inside])) > 0.01 * SCALE
+
+
+def test_forces_of_turning_springs_are_the_gradient_of_the_energy():
+    """Over both levels and the plane that hangs between them, at strains where the block is far from linear."""
+    at, along = 0.1 * LATTICE_CONSTANT * random_vector(ROTATING), LATTICE_CONSTANT * random_vector(ROTATING, 1)
+
+    def energy(displacement):
+        scratch = np.zeros(ROTATING.size)
+        ROTATING.force(displacement, scratch)
+        return ROTATING.elastic_energy(displacement, scratch)
+
+    slope = -forces(ROTATING, at) @ along
+    errors = [(energy(at + step * along) - energy(at - step * along)) / (2 * step) / slope - 1 for step in (2e-3, 1e-3)]
+    assert errors[0] / errors[1] == pytest.approx(4, rel=0.05)
+    assert abs(errors[1]) < 1e-3
+    assert np.max(np.abs(forces(LINEAR, at) - forces(ROTATING, at))) > 0.1 * SCALE
+
+
+def test_energy_of_turning_springs_is_a_sum_over_rows():
+    """Every spring and every volume belongs to one row, across the periodic edges, too."""
+    u = 0.1 * LATTICE_CONSTANT * np.random.default_rng(2).standard_normal((3, 4, 11, 8))
+    fill_ghosts(u)
+    force, parts = np.zeros_like(u), np.zeros_like(u)
+    energy = rotating_slab_force(u, force, *TURNING, 0, 9)
+    found = [rotating_slab_force(u, parts, *TURNING, *rows) for rows in ((0, 1), (1, 5), (5, 9))]
+    # Rounding of a sum of hundreds of terms.
+    assert sum(found) == pytest.approx(energy, rel=1e-13)
+    np.testing.assert_array_equal(parts[:, :, 1:-1, 1:-1], force[:, :, 1:-1, 1:-1])
+    # The same nodes seen from another row and column on.
+    u[:, :, 1:-1, 1:-1] = np.roll(u[:, :, 1:-1, 1:-1], (3, 2), axis=(2, 3))
+    fill_ghosts(u)
+    assert rotating_slab_force(u, parts, *TURNING, 0, 9) == pytest.approx(energy, rel=1e-13)
+
+
+@pytest.mark.parametrize("pressure", [1e8, 2e10, -5e9])
+def test_flat_block_of_turning_springs_under_pressure(pressure):
+    """Strained along z alone, the forces on the plane on top are the pressure, and the energy that of the block."""
+    area, force = 16 * 8 * AREA, np.zeros(ROTATING.size)
+    strain = -pressure / (LAME[0] + 2 * LAME[1])
+    for _ in range(30):  # Newton's method with the modulus at rest
+        nodes = strained(ROTATING, strain)
+        ROTATING.force(nodes, force)
+        found = np.sum(ROTATING.top_of(force)[2]) / area
+        strain -= (pressure - found) / (LAME[0] + 2 * LAME[1])
+    assert found == pytest.approx(pressure, rel=1e-9)
+    compression = ROTATING.compression_energy(nodes)
+    assert ROTATING.elastic_energy(nodes, force) / area == pytest.approx(compression, rel=1e-9)
+    linear = LINEAR.compression_energy(nodes)
+    assert linear == pytest.approx(compression, rel=abs(strain))
+    assert linear != pytest.approx(compression, rel=0.05 * abs(strain))

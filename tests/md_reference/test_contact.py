@@ -20,20 +20,23 @@ BLOCK = {
 }
 
 
+def wavy(points):
+    height = 2e-10 * np.sin(2 * np.pi * np.arange(points) / points)[:, None] * np.ones(points)
+    return rough_contact(height, points * LATTICE_CONSTANT, **BLOCK)
+
+
+def flat(**arguments):
+    return rough_contact(**{"height": np.zeros((8, 8)), "size": 12 * LATTICE_CONSTANT, **BLOCK, **arguments})
+
+
 @pytest.mark.parametrize(("control", "path"), [("pressure", (1e9, -0.2e9)), ("gap", (3e-10, 2e-10))])
 def test_a_height_array_gives_what_a_study_does(control, path):
     case = case_of((48, 40), ratio=2.0, path=path, control=control, atomistic={"cutoff": 3.0, "layers": 20})
     surface = realise(case)
-    size = tuple(n * LATTICE_CONSTANT for n in (48, 40))
     # The surface's waves fit on 30 points a side: the array is the surface.
-    contact = rough_contact(
-        surface.heights((30, 30)),
-        size,
-        **BLOCK | {"well_depth": 2 * WELL_DEPTH},
-        control=control,
-        cutoff=3.0,
-        layers=20,
-    )
+    height, size = surface.heights((30, 30)), tuple(n * LATTICE_CONSTANT for n in (48, 40))
+    given = BLOCK | {"well_depth": 2 * WELL_DEPTH}
+    contact = rough_contact(height, size, **given, control=control, cutoff=3.0, layers=20)
     state = contact.separated()
     for target, own in zip(path, solve_path(case, surface), strict=True):
         found = contact.step(state, target)
@@ -46,8 +49,8 @@ def test_a_height_array_gives_what_a_study_does(control, path):
         assert found.interaction_energy == pytest.approx(own.interaction_energy, rel=1e-5)
 
 
-def test_states_are_told_apart():
-    contact = rough_contact(np.zeros((8, 8)), 12 * LATTICE_CONSTANT, **BLOCK)
+def test_states_are_distinguished():
+    contact = flat()
     assert contact.is_separated(contact.separated())
     torn = contact.step(contact.separated(), -1e6)
     assert torn.detached
@@ -75,26 +78,26 @@ def test_states_are_told_apart():
     ],
 )
 def test_bad_arguments_are_named(arguments, message):
-    valid = {"height": np.zeros((8, 8)), "size": 12 * LATTICE_CONSTANT} | BLOCK
     with pytest.raises(ValueError, match=message):
-        rough_contact(**(valid | arguments))
+        flat(**arguments)
 
 
-def test_bad_states_and_targets_are_named():
-    contact = rough_contact(np.zeros((8, 8)), 12 * LATTICE_CONSTANT, **BLOCK)
-    with pytest.raises(ValueError, match="target = nan"):
-        contact.step(contact.separated(), np.nan)
-    with pytest.raises(ValueError, match="state has shape"):
-        contact.step(np.zeros((3, 4, 4)), 1e9)
-    with pytest.raises(ValueError, match="target = '1 GPa'"):
-        contact.step(contact.separated(), "1 GPa")
-    with pytest.raises(ValueError, match="state is None"):
-        contact.step(None, 1e9)
+@pytest.mark.parametrize(
+    ("state", "target", "message"),
+    [
+        (np.zeros((3, 12, 12)), np.nan, "target = nan"),
+        (np.zeros((3, 4, 4)), 1e9, "state has shape"),
+        (np.zeros((3, 12, 12)), "1 GPa", "target = '1 GPa'"),
+        (None, 1e9, "state is None"),
+    ],
+)
+def test_bad_states_and_targets_are_named(state, target, message):
+    with pytest.raises(ValueError, match=message):
+        flat().step(state, target)
 
 
 def test_a_solution_starts_a_step_and_speaks_for_itself():
-    height = 2e-10 * np.sin(2 * np.pi * np.arange(12) / 12)[:, None] * np.ones(12)
-    contact = rough_contact(height, 12 * LATTICE_CONSTANT, **BLOCK)
+    contact = wavy(12)
     found = contact.step(contact.separated(), 1e9)
     further = contact.step(found, 9e9)
     np.testing.assert_array_equal(further.gap, contact.step(found.state, 9e9).gap)
@@ -111,9 +114,8 @@ def test_all_that_is_exported_exists():
 
 
 def test_threads_that_share_a_block_take_turns_and_find_their_start_as_it_was():
-    height = 2e-10 * np.sin(2 * np.pi * np.arange(32) / 32)[:, None] * np.ones(32)
-    contact = rough_contact(height, 32 * LATTICE_CONSTANT, **BLOCK)
-    start, loads = contact.separated(), (0.5e9, 1e9, 2e9, 4e9)
+    contact, loads = wavy(32), (0.5e9, 1e9, 2e9, 4e9)
+    start = contact.separated()
     alone = [contact.step(start, load) for load in loads]
     with ThreadPoolExecutor(4) as pool:
         together = list(pool.map(lambda load: contact.step(start, load), loads))

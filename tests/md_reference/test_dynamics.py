@@ -1,4 +1,4 @@
-"""Atoms in motion as a user meets them: an approach, a rest, a thermostat, a stop in the middle."""
+"""Molecular dynamics as a user meets it: an approach, a rest, a thermostat, a stop in the middle."""
 
 import tracemalloc
 from contextlib import nullcontext
@@ -19,33 +19,44 @@ from md_reference.study.dynamics import build_block, largest_time_step, longitud
 from md_reference.study.model import MODEL, check
 from md_reference.study.system import build_interface
 from md_reference.thermal.langevin import MolecularDynamics
-from tests.md_reference.systems import CONTACT_MODULUS, LATTICE_CONSTANT, LENGTH
-from tests.md_reference.test_sampling import assert_equal_groups, changed, groups_of
+from tests.md_reference.systems import (
+    CONTACT_MODULUS,
+    LATTICE_CONSTANT,
+    LENGTH,
+    MOVING,
+    assert_equal_groups,
+    changed,
+    groups_of,
+    moving,
+)
 from tests.recording import stopper
 
-MOVING = {
-    "surface": {"size": "41.6 angstrom", "shape": [16, 16]},
-    "material": {"atom_mass": "197 u"},
-    "atomistic": {"method": "dynamics", "temperature": 0.0},
-    # Friction slows the descent, too: the speed is what brings the block to the substrate within some 10 ps.
-    "dynamics": {"duration": "80 ps", "damping": "0.3 ps^-1", "approach_speed": "300 m/s", "frames": 20},
-    "loading": {"path": ["1 GPa"]},
-}
+SMALL = {"size": "20.8 angstrom", "shape": [8, 8]}
+SHORT = pytest.mark.filterwarnings("ignore:.* states of a point", "ignore:dynamics.damping = 0")
 
 
-def moving(**sections):
-    merged = {section: {**MOVING.get(section, {}), **sections.get(section, {})} for section in {**MOVING, **sections}}
-    return changed(**merged)
+def run(table, warning=None):
+    with pytest.warns(UserWarning, match=warning) if warning else nullcontext():
+        return contact_study.run(table, "atomistic")
 
 
-@pytest.mark.parametrize("ratio", [1, pytest.param(4, marks=pytest.mark.validation), 8])
+def not_converged(**sections):
+    """A run of one point that did not converge, and what is said of it."""
+    dataset = run(moving(**sections), "did not converge")
+    assert dataset.converged.item() == 0
+    return dataset, str(dataset.message.values[0])
+
+
+def case_of(**sections):
+    return make_study(moving(**sections)).cases[0]
+
+
+@pytest.mark.parametrize("ratio", [pytest.param(1, marks=pytest.mark.validation), 8])
 def test_explicit_block_comes_to_rest_where_the_condensed_one_does(ratio):
-    """Two blocks and two algorithms: Newton's law with friction from above, the minimiser with S(q)."""
+    """Two blocks and two algorithms: Newton's law with damping from above, the minimiser with S(q)."""
     interaction = {"well_depth_ratio": ratio}
-    rest = contact_study.run(moving(interaction=interaction), "atomistic")
-    still = contact_study.run(
-        moving(interaction=interaction, atomistic={"method": "quasi_static"}, dynamics={}), "atomistic"
-    )
+    rest = run(moving(interaction=interaction))
+    still = run(moving(interaction=interaction, atomistic={"method": "quasi_static"}, dynamics={}))
     assert rest.converged.item() == 1
     assert not [name for name in rest if name.endswith(STANDARD_ERROR)]
     # 12 layers of atoms and 2 of cells twice as large: E*(q_L) is 0.2 % off, and an atom more or less in contact.
@@ -57,7 +68,7 @@ def test_explicit_block_comes_to_rest_where_the_condensed_one_does(ratio):
     np.testing.assert_allclose(rest.mean_pressure, 1e9, rtol=1e-3)
 
 
-@pytest.mark.filterwarnings("ignore:dynamics.damping = 0", "ignore:.* states of a point")
+@SHORT
 def test_series_tells_the_approach(tmp_path):
     study = moving(dynamics={"duration": "2 ps", "damping": 0.0, "approach_speed": "20 m/s"})
     with pytest.warns(UserWarning, match="did not converge"):
@@ -66,123 +77,90 @@ def test_series_tells_the_approach(tmp_path):
     root, series = groups["/"], groups[f"/{TRAJECTORY}"]
     assert "Pa on average, not the 1e+09 Pa applied" in str(root.message.values[0])
     case = make_study(study).cases[0]
-    time = series.time.values[0]
+    time, step = series.time.values[0], time_step(case)
     # All the duration in whole steps, which the frames share evenly: here 6 and 7.
-    whole = round(2e-12 / time_step(case))
-    assert time[-1] == pytest.approx(whole * time_step(case), rel=1e-9, abs=0)
-    steps = np.diff(time, prepend=0) / time_step(case)
+    whole = round(2e-12 / step)
     assert whole % 20
-    np.testing.assert_allclose(steps, np.diff(whole * np.arange(21) // 20), rtol=1e-9)
-    assert root.time.item() == time[-1]
-    assert root.iterations.item() == whole
-    assert root.force_evaluations.item() == whole + 20
+    assert root.time.item() == time[-1] == pytest.approx(whole * step, rel=1e-9, abs=0)
+    np.testing.assert_allclose(np.diff(time, prepend=0) / step, np.diff(whole * np.arange(21) // 20), rtol=1e-9)
+    assert (root.iterations.item(), root.force_evaluations.item()) == (whole, whole + 20)
     # Out of reach the block falls freely: its mass takes up the pressure, the rest is its own vibration.
     height, density = series.mean_separation.values[0], case.material.atom_mass / case.lattice.constant**3
-    fallen = 20 * time + 0.5 * 1e9 / (density * 16.25 * case.lattice.constant) * time**2
+    mass = density * 16.25 * case.lattice.constant
+    fallen = 20 * time + 0.5 * 1e9 / mass * time**2
     assert fallen[-1] > 0.5e-10
     assert height[0] - height[-1] == pytest.approx(fallen[-1] - fallen[0], rel=0.2)
     assert series.temperature.values[0, 0] > 0
     # Newton's law alone, at a fifth of the largest step: what is gained in falling is the load's.
     energy, kinetic = series.mechanical_energy.values, series.kinetic_energy.values
     assert np.ptp(energy) < 1e-3 * np.ptp(kinetic)
-    case_density = density * 16.25 * case.lattice.constant
-    assert kinetic[0, 0] == pytest.approx(0.5 * case_density * 20**2, rel=0.3)  # it is faster by then
+    assert kinetic[0, 0] == pytest.approx(0.5 * mass * 20**2, rel=0.3)  # it is faster by then
 
 
-@pytest.mark.filterwarnings("ignore:dynamics.damping = 0", "ignore:.* states of a point")
+@SHORT
 @pytest.mark.parametrize("damping", ["1e-6 ps^-1", 0.0])
 def test_a_block_in_flight_did_not_converge(damping):
     """A load that is nearly nothing, just within reach: all forces are small but those of the impact to come."""
     flying = {"duration": "1 ps", "damping": damping, "approach_speed": "100 m/s"}
-    with pytest.warns(UserWarning, match="did not converge"):
-        dataset = contact_study.run(moving(loading={"path": ["1 MPa"]}, dynamics=flying), "atomistic")
+    dataset, message = not_converged(loading={"path": ["1 MPa"]}, dynamics=flying)
     assert dataset.relative_contact_area.item() == 0
-    assert dataset.converged.item() == 0
-    case = make_study(moving()).cases[0]
-    density = case.material.atom_mass / case.lattice.constant**3
-    sound = np.sqrt(longitudinal_modulus(case) / density)
     if not damping:
-        assert "on average, not the 1e+06 Pa applied" in str(dataset.message.values[0])
+        assert "on average, not the 1e+06 Pa applied" in message
         return
+    case = case_of()
+    impact = 100 * np.sqrt(longitudinal_modulus(case) * case.material.atom_mass / case.lattice.constant**3)
     # Before its surface is pulled by more than that by far.
-    assert dataset.residual.item() == pytest.approx(density * sound * 100 / CONTACT_MODULUS, rel=0.01)
+    assert dataset.residual.item() == pytest.approx(impact / CONTACT_MODULUS, rel=0.01)
 
 
-@pytest.mark.filterwarnings("ignore:dynamics.damping = 0", "ignore:.* states of a point")
-def test_a_block_without_friction_has_the_means_of_its_motion():
+@SHORT
+def test_a_block_without_damping_has_the_means_of_its_motion():
     """It swings about its balance for ever: no last state answers for the load, the mean over many swings does."""
     swinging = {"damping": 0.0, "approach_speed": "20 m/s", "frames": 200}
-    study = moving(dynamics=swinging)
-    with pytest.warns(
-        UserWarning, match=r"dynamics\.damping = 0: nothing takes the energy of the descent, the block rings"
-    ):
-        dataset = contact_study.run(study, "atomistic")
+    dataset = run(moving(dynamics=swinging), r"dynamics\.damping = 0: nothing takes the energy of the")
     assert dataset.converged.item() == 1
     assert dataset.mean_pressure.item() == pytest.approx(1e9, rel=0.1)
     assert 0 < dataset["relative_contact_area" + STANDARD_ERROR].item() < 0.5
     # A motion that has hardly begun carries no load on average, however far its pressures scatter.
-    with pytest.warns(UserWarning, match="did not converge"):
-        dataset = contact_study.run(moving(dynamics=swinging | {"duration": "20 ps"}), "atomistic")
-    assert dataset.converged.item() == 0
-    assert "on average, not the 1e+09 Pa applied" in str(dataset.message.values[0])
+    _, message = not_converged(dynamics=swinging | {"duration": "20 ps"})
+    assert "on average, not the 1e+09 Pa applied" in message
 
 
-@pytest.mark.filterwarnings("ignore:.* states of a point")
-def test_a_warm_block_that_rings_did_not_converge(tmp_path):
-    """An impact without friction to speak of: the load is carried within an error of ten times itself."""
+@SHORT
+def test_a_warm_block_that_rings_or_falls_did_not_converge():
+    """An impact without damping to speak of: the load is carried within an error of ten times itself."""
     bouncing = {"duration": "16 ps", "damping": "0.01 ps^-1", "approach_speed": "100 m/s", "frames": 100}
-    study = moving(atomistic={"temperature": 300.0}, loading={"path": ["0.1 GPa"]}, dynamics=bouncing)
-    with pytest.warns(UserWarning, match="did not converge"):
-        dataset = contact_study.run(study, "atomistic")
+    warm = {"temperature": 300.0}
+    dataset, message = not_converged(atomistic=warm, loading={"path": ["0.1 GPa"]}, dynamics=bouncing)
     error = dataset["mean_pressure" + STANDARD_ERROR].item()
     assert abs(dataset.mean_pressure.item() - 0.1e9) < 4 * error
     assert error > 0.1e9
-    assert dataset.converged.item() == 0
-    assert str(dataset.message.values[0]).startswith("the block still moves up and down as a whole, with ")
-
-
-@pytest.mark.filterwarnings("ignore:.* states of a point")
-def test_a_warm_block_that_has_not_come_down_did_not_converge():
-    """So much friction that 1 ps does not bring the block down."""
+    assert message.startswith("the block still moves up and down as a whole, with ")
+    # So much damping that 1 ps does not bring the block down.
     slow = {"duration": "1 ps", "damping": "3 ps^-1", "approach_speed": 0.0}
-    study = moving(atomistic={"temperature": 300.0}, dynamics=slow)
-    with pytest.warns(UserWarning, match="did not converge"):
-        dataset = contact_study.run(study, "atomistic")
-    assert dataset.converged.item() == 0
+    dataset, message = not_converged(atomistic=warm, dynamics=slow)
     assert dataset.residual.item() > 0
-    assert str(dataset.message.values[0]).startswith("the block still falls at ")
+    assert message.startswith("the block still falls at ")
 
 
 @pytest.mark.filterwarnings("ignore:.* did not converge")
 def test_a_single_state_that_counts_is_warned_of():
     """Half of two frames. Without a thermostat one is the answer, and nothing is said."""
     two = {"duration": "1 ps", "frames": 2}
-    with pytest.warns(UserWarning, match="one state of a point counts: .*; raise dynamics.frames"):
-        dataset = contact_study.run(moving(atomistic={"temperature": 300.0}, dynamics=two), "atomistic")
+    warm = moving(atomistic={"temperature": 300.0}, dynamics=two, surface=SMALL)
+    dataset = run(warm, "one state of a point counts: .*; raise dynamics.frames")
     assert "mean_gap" + STANDARD_ERROR not in dataset
-    contact_study.run(moving(dynamics=two), "atomistic")
+    run(moving(dynamics=two, surface=SMALL))
 
 
 @pytest.mark.validation
 def test_warm_blocks_explicit_and_condensed_agree():
     """Langevin dynamics of all nodes against Monte Carlo of the condensed layer, at 300 K within their errors."""
-    options = {"loading": {"path": ["3 GPa"]}}
-    explicit = contact_study.run(
-        moving(
-            atomistic={"temperature": 300.0},
-            dynamics={"duration": "100 ps", "damping": "0.5 ps^-1", "frames": 800},
-            **options,
-        ),
-        "atomistic",
-    )
-    condensed = contact_study.run(
-        changed(surface=MOVING["surface"], sampling={"trajectories": 600}, **options), "atomistic"
-    )
-    for name, allowance in (
-        ("relative_contact_area", 0.002),
-        ("mean_separation", 0.003 * LENGTH),
-        ("mean_pressure", 0),
-    ):
+    loading, given = {"path": ["3 GPa"]}, {"duration": "100 ps", "damping": "0.5 ps^-1", "frames": 800}
+    explicit = run(moving(atomistic={"temperature": 300.0}, dynamics=given, loading=loading))
+    condensed = run(changed(surface=MOVING["surface"], sampling={"trajectories": 600}, loading=loading))
+    allowed = {"relative_contact_area": 0.002, "mean_separation": 0.003 * LENGTH, "mean_pressure": 0}
+    for name, allowance in allowed.items():
         error = np.hypot(explicit[name + STANDARD_ERROR].item(), condensed[name + STANDARD_ERROR].item())
         assert abs(explicit[name].item() - condensed[name].item()) < 4 * error + allowance
     assert explicit.converged.item() == 1
@@ -198,12 +176,9 @@ def test_warm_blocks_explicit_and_condensed_agree():
     ],
 )
 def test_run_stopped_within_a_point_goes_on_to_the_same_bits(loading, tmp_path, monkeypatch):
-    study = moving(
-        atomistic={"temperature": 300.0},
-        dynamics={"duration": "1 ps", "frames": 20},
-        loading=loading,
-        output={"fields": False},
-    )
+    given = {"duration": "1 ps", "frames": 20}
+    warm, output = {"temperature": 300.0}, {"fields": False}
+    study = moving(atomistic=warm, dynamics=given, loading=loading, output=output, surface=SMALL)
     # Half of 1 ps at 300 K: no wave of the block has come round. Driven to a gap the state at the end is the point's.
     words = r"the 10 states of a point, 0\.\d+ ps, are too few to tell an autocorrelation time, .*: .*; raise "
     driven = loading.get("control") == "gap"
@@ -223,98 +198,85 @@ def test_run_stopped_within_a_point_goes_on_to_the_same_bits(loading, tmp_path, 
     assert_equal_groups(groups_of(tmp_path / "md.nc"), groups_of(tmp_path / "whole.nc"))
 
 
-DRIVEN = {
-    "loading": {"control": "gap", "path": ["0.2 nm", "0.05 nm", "0.05 nm", "1.2 nm"]},
-    "dynamics": {"duration": "40 ps", "damping": "0.3 ps^-1", "approach_speed": "50 m/s", "frames": 10},
-}
+def driven(path, **sections):
+    """A plane driven along a path of gaps, at rest for 40 ps where one repeats, over a block of 8 × 8 atoms."""
+    given = {"duration": "40 ps", "damping": "0.6 ps^-1", "approach_speed": "50 m/s", "frames": 10}
+    loading = {"control": "gap", "path": path}
+    return moving(**{"dynamics": given, "loading": loading, "surface": SMALL, **sections})
 
 
 def test_driven_plane_goes_where_it_is_told_at_its_speed():
-    dataset = contact_study.run(moving(**DRIVEN), "atomistic")
-    case = make_study(moving(**DRIVEN)).cases[0]
-    gaps, times = dataset.applied_gap.values, np.diff(dataset.time.values)
+    study = driven(["0.2 nm", "0.05 nm", "0.05 nm", "1.2 nm"])
+    dataset, case = run(study), make_study(study).cases[0]
+    gaps, times, step = dataset.applied_gap.values, np.diff(dataset.time.values), time_step(case)
     # Whole steps: up to one longer.
     for moved, taken in ((0.15e-9, times[0]), (1.15e-9, times[2])):
-        assert 0 <= taken - moved / 50 < time_step(case)
-    assert times[1] == pytest.approx(40e-12, abs=0.5 * time_step(case))  # at rest, for the duration
-    np.testing.assert_allclose(dataset.iterations[1:] * time_step(case), times, rtol=1e-9)
+        assert 0 <= taken - moved / 50 < step
+    assert times[1] == pytest.approx(40e-12, abs=0.5 * step)  # at rest, for the duration
+    np.testing.assert_allclose(dataset.iterations[1:] * step, times, rtol=1e-9)
     assert dataset.detached.values.tolist() == [0, 0, 0, 1]
     # What the interface carries has not compressed all of the block yet: 0.2 nm is passed while it snaps in.
     assert np.all(dataset.elastic_energy > 0)
     # At rest the block is as much thinner than the gap tells as the pressure squeezes it.
-    at = dataset.isel(step=2)
-    squeezed = at.mean_pressure * 16 * LATTICE_CONSTANT / longitudinal_modulus(case)
+    at, thickness = dataset.isel(step=2), 8 * LATTICE_CONSTANT
+    squeezed = at.mean_pressure * thickness / longitudinal_modulus(case)
     assert at.residual < 1e-4
-    assert abs(at.mean_pressure) > 5e8
-    # The forces left, over E*, times the thickness.
-    assert at.mean_separation.item() == pytest.approx(gaps[2] + squeezed.item(), abs=1e-4 * 16 * LATTICE_CONSTANT)
-    quasi = moving(
-        loading={"control": "gap", "path": [at.mean_separation.item()]},
-        atomistic={"method": "quasi_static"},
-        dynamics={},
-    )
-    still = contact_study.run(quasi, "atomistic")
-    # Coarse levels leave 0.5 % of E*, and the forces left 1e-4 of it.
+    # The forces left, over E*, times the thickness, are far less.
+    assert abs(squeezed) > 10 * 1e-4 * thickness
+    assert at.mean_separation.item() == pytest.approx(gaps[2] + squeezed.item(), abs=1e-4 * thickness)
+    quasi = driven([at.mean_separation.item()], atomistic={"method": "quasi_static"}, dynamics={})
+    quasi.pop("dynamics", None)
+    still = run(quasi)
     assert at.mean_pressure.item() == pytest.approx(still.mean_pressure.item(), rel=0.005, abs=1e-4 * CONTACT_MODULUS)
     assert at.relative_contact_area.item() == pytest.approx(still.relative_contact_area.item(), abs=0.01)
 
 
 def test_a_driven_plane_presses_as_far_as_the_block_gives_way():
-    """Beyond the law's equilibrium distance, which no mean gap goes: 3.5 Å of 41.6 Å."""
-    path = ["0.5 nm", "-0.35 nm", "-0.35 nm"]
-    options = {**DRIVEN, "loading": {"control": "gap", "path": path}}
-    dataset = contact_study.run(moving(**options), "atomistic").isel(step=2)
+    """Beyond the law's equilibrium distance, which no mean gap goes: 3.5 Å of 20.8 Å."""
+    dataset = run(driven(["0.5 nm", "-0.35 nm", "-0.35 nm"])).isel(step=2)
     assert dataset.mean_pressure > 1e10
-    squeezed = (
-        dataset.mean_pressure.item() * 16 * LATTICE_CONSTANT / longitudinal_modulus(make_study(moving()).cases[0])
-    )
-    assert dataset.mean_separation.item() == pytest.approx(-0.35e-9 + squeezed, abs=1e-4 * 16 * LATTICE_CONSTANT)
+    thickness = 8 * LATTICE_CONSTANT
+    squeezed = dataset.mean_pressure.item() * thickness / longitudinal_modulus(case_of())
+    assert dataset.mean_separation.item() == pytest.approx(-0.35e-9 + squeezed, abs=1e-4 * thickness)
 
 
 def test_a_driven_layer_is_where_what_holds_it_is():
     """Not by what the interface carries, of which the layer's base has felt nothing yet when the block snaps in."""
-    options = {**DRIVEN, "loading": {"control": "gap", "path": ["0.2 nm"]}}
-    layer = {"kind": "layer", "thickness": "41.6 angstrom"}
-    dataset = contact_study.run(moving(elasticity=layer, **options), "atomistic")
-    assert abs(dataset.mean_pressure.item()) > 1e9
-    assert dataset.mean_separation.item() == pytest.approx(0.2e-9, rel=1e-6)
-    free = contact_study.run(moving(**options), "atomistic")
+    layer = {"kind": "layer", "thickness": "20.8 angstrom"}
+    held, free = run(driven(["0.2 nm"], elasticity=layer)), run(driven(["0.2 nm"]))
+    assert abs(held.mean_pressure.item()) > 1e9
+    assert held.mean_separation.item() == pytest.approx(0.2e-9, rel=1e-6)
     # All of the same motion but for its compression.
-    assert free.mean_pressure.item() == pytest.approx(dataset.mean_pressure.item(), rel=1e-9)
-    assert free.elastic_energy.item() < dataset.elastic_energy.item()
+    assert free.mean_pressure.item() == pytest.approx(held.mean_pressure.item(), rel=1e-9)
+    assert free.elastic_energy.item() < held.elastic_energy.item()
 
 
 def test_points_closer_than_their_frames_are_passed_at_the_speed_of_approach(tmp_path):
     """0.025 Å at 50 m/s are four steps: four frames of one each."""
     loading = {"control": "gap", "path": ["0.9 nm", "0.8975 nm", "0.895 nm"]}
-    study = moving(loading=loading, dynamics={"approach_speed": "50 m/s"})
+    study = moving(loading=loading, dynamics={"approach_speed": "50 m/s"}, surface=SMALL)
     contact_study.run(study, "atomistic", output=tmp_path / "md.nc")
     groups = groups_of(tmp_path / "md.nc")
-    root, step = groups["/"], time_step(make_study(study).cases[0])
-    way = 2.5e-12 / 50
+    root, step, way = groups["/"], time_step(make_study(study).cases[0]), 2.5e-12 / 50
     assert root.iterations[1:].values.tolist() == 2 * [np.ceil(way / step)]
     np.testing.assert_allclose(np.diff(root.time), way, rtol=0, atol=step)
     frames = np.isfinite(groups[f"/{TRAJECTORY}"].time.values).sum(axis=1)
     assert frames.tolist() == [20, *root.iterations[1:].values]
 
 
-@pytest.mark.filterwarnings("ignore:.* states of a point")
+@SHORT
 def test_a_driven_block_at_the_edge_of_reach_has_a_separation(tmp_path):
     """Thermal motion brings it in and out of reach; a few Å above it is detached, and known to be there."""
-    case = make_study(moving()).cases[0]
+    case = case_of()
     interface = build_interface(case, realise(case))
     edge = float(separated(interface)[2].max() - interface.rest_heights().mean()) - case.law.equilibrium_distance
     gaps = [edge + 2e-11, edge + 2e-11, edge + 3e-10, edge + 3e-10]
-    study = moving(
-        atomistic={"temperature": 300.0},
-        loading={"control": "gap", "path": gaps},
-        dynamics={"duration": "1 ps", "damping": "3 ps^-1", "approach_speed": "50 m/s"},
-    )
+    given = {"duration": "1 ps", "damping": "3 ps^-1", "approach_speed": "50 m/s"}
+    study = moving(atomistic={"temperature": 300.0}, loading={"control": "gap", "path": gaps}, dynamics=given)
     contact_study.run(study, "atomistic", output=tmp_path / "md.nc")
     groups = groups_of(tmp_path / "md.nc")
     root, series = groups["/"], groups[f"/{TRAJECTORY}"]
-    carried = series.mean_pressure.values[1, 10:]
-    assert 0 < np.count_nonzero(carried) < 10
+    assert 0 < np.count_nonzero(series.mean_pressure.values[1, 10:]) < 10
     assert root.detached.values.tolist() == [0, 0, 1, 1]
     assert np.isfinite(series.mean_gap).all()
     # The surface of a block of 42 Å moves by a tenth of an ångström at 300 K.
@@ -323,8 +285,8 @@ def test_a_driven_block_at_the_edge_of_reach_has_a_separation(tmp_path):
 
 
 def test_a_torn_off_block_comes_down_again():
-    study = moving(loading={"path": ["1 GPa", "-3.5 GPa", "1 GPa"]})
-    dataset = contact_study.run(study, "atomistic")
+    study = moving(loading={"path": ["1 GPa", "-3.5 GPa", "1 GPa"]}, surface=SMALL, dynamics={"duration": "60 ps"})
+    dataset = run(study)
     assert dataset.detached.values.tolist() == [0, 1, 0]
     assert np.isinf(dataset.mean_gap[1])
     assert "was torn off" in str(dataset.message.values[1])
@@ -336,7 +298,7 @@ def test_a_torn_off_block_comes_down_again():
 
 
 def test_a_block_that_nothing_brings_down_was_not_torn_off():
-    dataset = contact_study.run(moving(loading={"path": ["-1 GPa"]}, dynamics={"approach_speed": 0.0}), "atomistic")
+    dataset = run(moving(loading={"path": ["-1 GPa"]}, dynamics={"approach_speed": 0.0}, surface=SMALL))
     assert dataset.detached.item() == 1
     assert "has not been within reach of the substrate" in str(dataset.message.values[0])
 
@@ -351,22 +313,26 @@ def test_a_block_that_nothing_brings_down_was_not_torn_off():
         ({"atomistic": {"temperature": 300}, "dynamics": {"damping": 0}}, "needs dynamics.damping above zero"),
         ({"loading": {"control": "gap", "path": ["1 nm"]}, "dynamics": {"approach_speed": 0}}, "approach_speed"),
         ({"loading": {"control": "gap", "path": ["1 nm", "-4.2 nm"]}}, "presses a block of 4.16e-09 m flat"),
+        ({"atomistic": {"block": "nonlinear_springs", "method": "quasi_static"}}, r'nonlinear_springs".*"dynamics"'),
     ],
 )
 def test_impossible_motion_is_refused(sections, words):
     with pytest.raises(InputError, match=words):
-        check(make_study(moving(**sections)).cases[0])
+        check(case_of(**sections))
+
+
+def test_atoms_without_mass_do_not_move():
+    study = moving()
+    del study["material"]["atom_mass"]
+    with pytest.raises(InputError, match=r"missing key material\.atom_mass"):
+        check(make_study(study).cases[0])
 
 
 def test_block_beyond_the_memory_is_refused_with_what_it_needs(monkeypatch):
     """The bound is what a run takes, noise, nodes to keep and all; the case itself is in memory before."""
-    study = moving(
-        surface={"size": "124.8 angstrom", "shape": [48, 48]},
-        atomistic={"temperature": 300.0},
-        output={"atoms": "block"},
-        dynamics={"frames": 2, "duration": "50 fs"},
-    )
-    case = make_study(study).cases[0]
+    given = {"atomistic": {"temperature": 300.0}, "output": {"atoms": "block"}}
+    large = {"size": "124.8 angstrom", "shape": [48, 48]}
+    case = case_of(surface=large, dynamics={"frames": 2, "duration": "50 fs"}, **given)
     surface = realise(case)
     for _ in range(2):  # the first one compiles
         tracemalloc.start()
@@ -381,26 +347,25 @@ def test_block_beyond_the_memory_is_refused_with_what_it_needs(monkeypatch):
         memory.require(MODEL.needs(case))
 
 
-def test_atoms_without_mass_do_not_move():
-    study = moving()
-    del study["material"]["atom_mass"]
-    with pytest.raises(InputError, match=r"missing key material\.atom_mass"):
-        check(make_study(study).cases[0])
-
-
 def test_time_step_is_the_one_asked_for():
-    case = make_study(moving()).cases[0]
+    case = case_of()
     assert time_step(case) == 0.2 * largest_time_step(case)
-    assert time_step(make_study(moving(dynamics={"time_step": "3 fs"})).cases[0]) == pytest.approx(
-        3e-15, rel=1e-12, abs=0
-    )
+    assert time_step(case_of(dynamics={"time_step": "3 fs"})) == pytest.approx(3e-15, rel=1e-12, abs=0)
 
 
-@pytest.mark.filterwarnings("ignore:dynamics.damping = 0")
+@SHORT
 def test_a_blow_too_hard_for_the_time_step_says_so():
     """A step just below what a contact at rest bears, and a compression under which the contact is stiffer."""
-    fast = {"approach_speed": "300 m/s", "damping": 0.0}
-    largest = largest_time_step(make_study(moving(interaction={"well_depth_ratio": 8})).cases[0])
-    study = moving(interaction={"well_depth_ratio": 8}, dynamics={**fast, "time_step": 0.98 * largest})
+    strong = {"interaction": {"well_depth_ratio": 8}}
+    fast = {"approach_speed": "300 m/s", "damping": 0.0, "time_step": 0.98 * largest_time_step(case_of(**strong))}
     with pytest.raises(InputError, match=r"dynamics\.time_step = .* an atom ran into the substrate .* a shorter one"):
-        contact_study.run(study, "atomistic")
+        run(moving(**strong, dynamics=fast))
+
+
+def test_turning_springs_move_nearly_as_linear_ones():
+    """On its way down: what the rotation adds is of the second order."""
+    gaps = []
+    for block in ("isotropic", "nonlinear_springs"):
+        given = {"surface": {**SMALL, "rms_height": "0.3 angstrom"}, "dynamics": {"duration": "4 ps", "frames": 2}}
+        gaps.append(run(moving(atomistic={"block": block}, **given), "converge").mean_gap.item())
+    assert 1e-6 < abs(gaps[0] / gaps[1] - 1) < 1e-2

@@ -1,19 +1,29 @@
+"""The interface: pairs, the surface between the sites, expansion about the last evaluation, flat layers."""
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from md_reference.interface.cached import CachedInterface
 from md_reference.interface.pairs import LennardJonesInterface
-from md_reference.interface.substrate import Substrate
-from tests.md_reference.systems import LATTICE_CONSTANT, LENGTH, WELL_DEPTH, interface_of, rough_coefficients
+from md_reference.interface.properties import FlatInterface, measure_interface
+from md_reference.interface.substrate import Substrate, sample_substrate
+from tests.md_reference.systems import (
+    AREA,
+    CONTACT_MODULUS,
+    LATTICE_CONSTANT,
+    LENGTH,
+    WELL_DEPTH,
+    interface_of,
+    rough_coefficients,
+    sample,
+    times_matrices,
+)
 
 ATOMS = (7, 10)
 SURFACE = rough_coefficients(modes=2, rms=1.0e-10)
-
-
-@pytest.fixture(scope="module")
-def interface():
-    return interface_of(ATOMS, SURFACE)
+INTERFACE = interface_of(ATOMS, SURFACE)
 
 
 def state_on(interface, seed=0, lateral=20e-10, lowest=0.95, highest=2.5):
@@ -25,20 +35,10 @@ def state_on(interface, seed=0, lateral=20e-10, lowest=0.95, highest=2.5):
     return u
 
 
-def pair_sum(interface, u, energy_of_squared_distance):
-    """Energy by brute force over all periodic images within three cells."""
-    substrate = interface.substrate
-    rows, columns = substrate.shape
-    j, i = np.meshgrid(np.arange(-3 * rows, 4 * rows), np.arange(-3 * columns, 4 * columns), indexing="ij")
-    heights = substrate.heights[j % rows, i % columns]
-    total = 0.0
-    for iy in range(interface.shape[0]):
-        for ix in range(interface.shape[1]):
-            dx = ix * interface.spacing[1] + u[0, iy, ix] - i * substrate.spacing[1]
-            dy = iy * interface.spacing[0] + u[1, iy, ix] - j * substrate.spacing[0]
-            dz = u[2, iy, ix] - heights
-            total += np.sum(energy_of_squared_distance(dx**2 + dy**2 + dz**2))
-    return total
+def evaluated(interface, u, with_hessian=False):
+    force, hessian = np.empty_like(u), np.empty((6, *u.shape[1:]))
+    energy = interface.evaluate(u, force, hessian if with_hessian else None)
+    return (energy, force, hessian) if with_hessian else (energy, force)
 
 
 def switched_pair(s, cutoff=4.0):
@@ -48,124 +48,98 @@ def switched_pair(s, cutoff=4.0):
     return 4 * WELL_DEPTH * (t**2 - t) * (1 - 10 * x**3 + 15 * x**4 - 6 * x**5)
 
 
-def test_energy_is_the_sum_over_all_pairs_within_the_cutoff(interface):
-    u = state_on(interface, lateral=5e-10)
-    found = interface.evaluate(u, np.empty_like(u))
-    assert found == pytest.approx(pair_sum(interface, u, switched_pair), rel=1e-12)
+def pair_sum(interface, u):
+    """Energy by brute force over all periodic images within three cells."""
+    substrate = interface.substrate
+    rows, columns = substrate.shape
+    j, i = np.meshgrid(np.arange(-3 * rows, 4 * rows), np.arange(-3 * columns, 4 * columns), indexing="ij")
+    heights = substrate.heights[j % rows, i % columns]
+    total = 0.0
+    for iy, ix in np.ndindex(interface.shape):
+        dx = ix * interface.spacing[1] + u[0, iy, ix] - i * substrate.spacing[1]
+        dy = iy * interface.spacing[0] + u[1, iy, ix] - j * substrate.spacing[0]
+        total += np.sum(switched_pair(dx**2 + dy**2 + (u[2, iy, ix] - heights) ** 2))
+    return total
 
 
-def central_difference(function, u, direction, step):
-    return (function(u + step * direction) - function(u - step * direction)) / (2 * step)
-
-
-def test_force_and_hessian_are_derivatives_to_second_order_of_the_difference(interface):
-    u = state_on(interface)
-    force, hessian = np.empty_like(u), np.empty((6, *ATOMS))
-    interface.evaluate(u, force, hessian)
-    direction = np.random.default_rng(1).standard_normal(u.shape)
-    x, y, z = direction
-    xx, yy, zz, xy, xz, yz = hessian
-    image = np.stack([xx * x + xy * y + xz * z, xy * x + yy * y + yz * z, xz * x + yz * y + zz * z])
-
-    def energy(v):
-        return interface.evaluate(v, np.empty_like(v))
-
-    def forces(v):
-        out = np.empty_like(v)
-        interface.evaluate(v, out)
-        return out
-
-    steps = np.array([8e-13, 4e-13, 2e-13])
-    slope = -np.sum(force * direction)
-    energy_errors = [abs(central_difference(energy, u, direction, h) / slope - 1) for h in steps]
-    force_errors = [np.abs(central_difference(forces, u, direction, h) + image).max() for h in steps]
-    for errors in (energy_errors, force_errors):
-        rates = np.log2(np.array(errors[:-1]) / errors[1:])
-        assert np.all((rates > 1.9) & (rates < 2.1))
-    assert force_errors[-1] < 1e-3 * np.abs(image).max()
-
-
-def test_forces_with_and_without_hessian_agree(interface):
-    u = state_on(interface, seed=2)
-    plain, full = np.empty_like(u), np.empty_like(u)
-    energies = interface.evaluate(u, plain), interface.evaluate(u, full, np.empty((6, *ATOMS)))
-    assert energies[0] == pytest.approx(energies[1], rel=1e-14)
+def test_energy_is_the_sum_over_all_pairs_within_the_cutoff():
+    u = state_on(INTERFACE, lateral=5e-10)
+    energy, plain = evaluated(INTERFACE, u)
+    assert energy == pytest.approx(pair_sum(INTERFACE, u), rel=1e-12)
+    full_energy, full, _ = evaluated(INTERFACE, u, True)
+    assert energy == pytest.approx(full_energy, rel=1e-14)
     np.testing.assert_allclose(plain, full, rtol=0, atol=1e-13 * np.abs(plain).max())
 
 
-@settings(max_examples=25)
-@given(rows=st.integers(-4, 4), columns=st.integers(-4, 4), seed=st.integers(0, 99))
-def test_forces_are_periodic_in_the_lateral_position(interface, rows, columns, seed):
-    u = state_on(interface, seed)
-    moved = u.copy()
-    moved[0] += columns * ATOMS[1] * LATTICE_CONSTANT
-    moved[1] += rows * ATOMS[0] * LATTICE_CONSTANT
-    here, there = np.empty_like(u), np.empty_like(u)
-    assert interface.evaluate(moved, there) == pytest.approx(interface.evaluate(u, here), rel=1e-9)
-    # Positions of up to 1e-8 m are rounded to 1e-24 m; the steepest atoms change by 1e3 N/m.
-    np.testing.assert_allclose(there, here, rtol=0, atol=1e-11 * np.abs(here).max())
+def test_atoms_that_the_skip_map_passes_over_feel_nothing():
+    # Just within and just beyond reach of the highest site: never skipped where the exact force is not zero.
+    u, highest = np.zeros((3, *ATOMS)), INTERFACE.substrate.heights.max()
+    u[2] = highest + np.linspace(3.9, 4.05, ATOMS[0] * ATOMS[1]).reshape(ATOMS) * LENGTH
+    energy, force = evaluated(INTERFACE, u)
+    assert energy == pytest.approx(pair_sum(INTERFACE, u), rel=1e-9)
+    far = u[2] > highest + 4 * LENGTH
+    assert 0 < np.count_nonzero(far) < far.size
+    assert np.all(force[:, far] == 0)
+
+
+def test_force_and_hessian_are_derivatives_to_second_order_of_the_difference():
+    u = state_on(INTERFACE)
+    _, force, hessian = evaluated(INTERFACE, u, True)
+    direction = np.random.default_rng(1).standard_normal(u.shape)
+    image, slope = times_matrices(hessian, direction), -np.sum(force * direction)
+    errors = []
+    for h in (8e-13, 4e-13, 2e-13):
+        (above, force_above), (below, force_below) = (evaluated(INTERFACE, u + s * h * direction) for s in (1, -1))
+        curvature = np.abs((force_above - force_below) / (2 * h) + image).max()
+        errors.append([abs((above - below) / (2 * h) / slope - 1), curvature])
+    rates = np.log2(np.array(errors[:-1]) / errors[1:])
+    assert np.all((rates > 1.9) & (rates < 2.1))
+    assert errors[-1][1] < 1e-3 * np.abs(image).max()
 
 
 @settings(max_examples=25)
-@given(rows=st.integers(-20, 20), columns=st.integers(-20, 20))
-def test_moving_atoms_and_substrate_together_changes_nothing(rows, columns):
-    interface = interface_of(ATOMS, SURFACE)
-    substrate = interface.substrate
+@given(rows=st.integers(-20, 20), columns=st.integers(-20, 20), seed=st.integers(0, 99))
+def test_periods_and_moves_of_the_whole_change_nothing(rows, columns, seed):
+    """Atoms moved by periods of the cell, and atoms and substrate moved together by sites."""
+    u, substrate = state_on(INTERFACE, seed), INTERFACE.substrate
+    energy, here = evaluated(INTERFACE, u)
     rolled = Substrate(np.roll(substrate.heights, (rows, columns), (0, 1)), substrate.spacing)
-    other = LennardJonesInterface(rolled, ATOMS, interface.spacing, WELL_DEPTH, LENGTH, 4.0)
-    u = state_on(interface, seed=7)
-    moved = u.copy()
-    moved[0] += columns * substrate.spacing[1]
-    moved[1] += rows * substrate.spacing[0]
-    here, there = np.empty_like(u), np.empty_like(u)
-    assert other.evaluate(moved, there) == pytest.approx(interface.evaluate(u, here), rel=1e-9)
-    np.testing.assert_allclose(there, here, rtol=0, atol=1e-11 * np.abs(here).max())
-    np.testing.assert_allclose(other.gap(moved), interface.gap(u), atol=1e-22)
+    other = LennardJonesInterface(rolled, ATOMS, INTERFACE.spacing, WELL_DEPTH, LENGTH, 4.0)
+    period = (rows % 9 - 4) * ATOMS[0] * LATTICE_CONSTANT, (columns % 9 - 4) * ATOMS[1] * LATTICE_CONSTANT
+    for interface, way in (
+        (INTERFACE, period),
+        (other, (rows * substrate.spacing[0], columns * substrate.spacing[1])),
+    ):
+        moved = u.copy()
+        moved[:2] += np.array(way[::-1])[:, None, None]
+        energy_there, there = evaluated(interface, moved)
+        assert energy_there == pytest.approx(energy, rel=1e-9)
+        # Positions of up to 1e-8 m are rounded to 1e-24 m; the steepest atoms change by 1e3 N/m.
+        np.testing.assert_allclose(there, here, rtol=0, atol=1e-11 * np.abs(here).max())
+        np.testing.assert_allclose(interface.gap(moved), INTERFACE.gap(u), atol=1e-22)
 
 
 def test_mirror_symmetry_of_a_symmetric_system():
-    # An even surface under the mirrored state: forces mirror too.
+    """An even surface under the mirrored state: forces mirror too."""
     even = np.cos(2 * np.pi * np.arange(16) / 16)[None, :] * np.ones((11, 1)) * 1e-10
-    interface = LennardJonesInterface(
-        Substrate(even, (7 * LATTICE_CONSTANT / 11, 10 * LATTICE_CONSTANT / 16)),
-        ATOMS,
-        (LATTICE_CONSTANT, LATTICE_CONSTANT),
-        WELL_DEPTH,
-        LENGTH,
-        4.0,
-    )
+    substrate = Substrate(even, (7 * LATTICE_CONSTANT / 11, 10 * LATTICE_CONSTANT / 16))
+    interface = LennardJonesInterface(substrate, ATOMS, (LATTICE_CONSTANT,) * 2, WELL_DEPTH, LENGTH, 4.0)
+
+    def mirrored(vectors):
+        image = np.roll(vectors[:, :, ::-1], 1, axis=2)
+        image[0] *= -1
+        return image
+
     u = state_on(interface, lateral=1e-10)
-    mirrored = np.roll(u[:, :, ::-1], 1, axis=2)
-    mirrored[0] *= -1
-    here, there = np.empty_like(u), np.empty_like(u)
-    interface.evaluate(u, here)
-    interface.evaluate(mirrored, there)
-    expected = np.roll(here[:, :, ::-1], 1, axis=2)
-    expected[0] *= -1
-    np.testing.assert_allclose(there, expected, atol=1e-11 * np.abs(here).max())
-
-
-def test_atoms_that_the_skip_map_passes_over_feel_nothing(interface):
-    # Just within and just beyond reach of the highest site: never skipped where the exact force is not zero.
-    u = np.zeros((3, *ATOMS))
-    u[2] = interface.substrate.heights.max() + np.linspace(3.9, 4.05, ATOMS[0] * ATOMS[1]).reshape(ATOMS) * LENGTH
-    force = np.empty_like(u)
-    energy = interface.evaluate(u, force)
-    assert energy == pytest.approx(pair_sum(interface, u, switched_pair), rel=1e-9)
-    far = u[2] > interface.substrate.heights.max() + 4 * LENGTH
-    assert far.any()
-    assert not far.all()
-    assert np.all(force[:, far] == 0)
+    here, there = evaluated(interface, u)[1], evaluated(interface, mirrored(u))[1]
+    np.testing.assert_allclose(there, mirrored(here), atol=1e-11 * np.abs(here).max())
 
 
 def single_pair(distance):
     """Energy, force and curvature along z of one atom over one site, alone in a wide cell; reduced units."""
-    cell = 12 * LENGTH
-    site = Substrate(np.zeros((1, 1)), (cell, cell))
-    single = LennardJonesInterface(site, (1, 1), (cell, cell), WELL_DEPTH, LENGTH, 4.0)
-    u = np.array([0.0, 0.0, distance * LENGTH]).reshape(3, 1, 1)
-    force, hessian = np.empty_like(u), np.empty((6, 1, 1))
-    energy = single.evaluate(u, force, hessian)
+    cell = (12 * LENGTH,) * 2
+    single = LennardJonesInterface(Substrate(np.zeros((1, 1)), cell), (1, 1), cell, WELL_DEPTH, LENGTH, 4.0)
+    energy, force, hessian = evaluated(single, np.array([0.0, 0.0, distance * LENGTH]).reshape(3, 1, 1), True)
     return np.array([energy, force[2, 0, 0] * LENGTH, hessian[2, 0, 0] * LENGTH**2]) / WELL_DEPTH
 
 
@@ -189,14 +163,185 @@ def test_the_switch_has_two_continuous_derivatives():
 
 
 @pytest.mark.parametrize("height", [-1.0, 0.0, 0.2, np.nan, -np.inf])
-def test_an_atom_inside_the_substrate_has_infinite_energy(interface, height):
-    u = state_on(interface)
-    u[2, 3, 4] = -interface.gap(np.array([u[0], u[1], 0 * u[2]]))[3, 4] + height * LENGTH
-    assert interface.evaluate(u, np.empty_like(u)) == np.inf
+def test_an_atom_inside_the_substrate_has_infinite_energy(height):
+    u = state_on(INTERFACE)
+    u[2, 3, 4] = -INTERFACE.gap(np.array([u[0], u[1], 0 * u[2]]))[3, 4] + height * LENGTH
+    assert evaluated(INTERFACE, u)[0] == np.inf
 
 
-def test_an_atom_with_no_lateral_position_has_infinite_energy(interface):
-    for lost in (np.nan, np.inf, 1e3):
-        u = state_on(interface)
-        u[0, 1, 1] = lost
-        assert interface.evaluate(u, np.empty_like(u)) == np.inf
+@pytest.mark.parametrize("lost", [np.nan, np.inf, 1e3])
+def test_an_atom_with_no_lateral_position_has_infinite_energy(lost):
+    u = state_on(INTERFACE)
+    u[0, 1, 1] = lost
+    assert evaluated(INTERFACE, u)[0] == np.inf
+
+
+def test_prefactor_is_that_of_a_flat_layer():
+    interface = interface_of((13, 13))
+    u = np.zeros((3, 13, 13))
+    for distance in (0.95, 1.2):
+        u[2] = distance * LENGTH
+        s = 1 / distance
+        # Discrete sites and the cutoff: a few per cent of the attraction.
+        expected = pytest.approx(interface.force_prefactor * (s**11 - s**5), rel=0.04)
+        assert np.mean(evaluated(interface, u)[1][2]) == expected
+
+
+def test_cosine_of_the_tilt_is_that_of_the_surface():
+    interface = interface_of((40, 40), rough_coefficients(modes=3, rms=2e-10))
+    u = np.random.default_rng(0).uniform(-3e-10, 3e-10, (3, 40, 40))
+    gap, cosine = interface.gap_and_cosine(u)
+    np.testing.assert_array_equal(gap, interface.gap(u))
+    h = 1e-13
+    steps = h * np.eye(3)[:2, :, None, None]
+    slopes = [(interface.gap(u - step) - interface.gap(u + step)) / (2 * h) for step in steps]
+    # The difference quotient of a cubic: h² over the square of its spacing, and rounding of heights over h.
+    np.testing.assert_allclose(cosine, 1 / np.sqrt(1 + slopes[0] ** 2 + slopes[1] ** 2), rtol=1e-6)
+    assert cosine.min() < 0.95
+
+
+SIZE = (48e-10, 80e-10)
+WAVY = rough_coefficients(modes=4, rms=1e-10)
+
+
+def exact_height(y, x):
+    """The trigonometric polynomial itself at scattered points."""
+    side = WAVY.shape[0]
+    m_y, m_x = np.fft.fftfreq(side, 1 / side)[:, None], np.arange(WAVY.shape[1])[None, :]
+    phase = 2 * np.pi * (np.multiply.outer(y, m_y) / SIZE[0] + np.multiply.outer(x, m_x) / SIZE[1])
+    return np.real(np.sum(np.where(m_x > 0, 2.0, 1.0) * WAVY * np.exp(1j * phase), axis=(-2, -1)))
+
+
+def test_height_between_sites_is_exact_to_fourth_order():
+    y, x = np.random.default_rng(3).uniform(-2, 3, (2, 500)) * np.array(SIZE)[:, None]
+    errors = []
+    for sites in ((40, 60), (80, 120), (160, 240)):
+        substrate = Substrate(sample(WAVY, sites), (SIZE[0] / sites[0], SIZE[1] / sites[1]))
+        errors.append(np.abs(substrate.height_at(y, x) - exact_height(y, x)).max())
+    rates = np.log2(np.array(errors[:-1]) / errors[1:])
+    assert np.all((rates > 3.7) & (rates < 4.3))
+    assert errors[-1] < 1e-15  # 1e-5 Å
+
+
+def test_samples_are_refined_until_the_height_is_as_exact_as_asked():
+    coarse, fine = (sample_substrate(lambda shape: sample(WAVY, shape), SIZE, (16, 16), t) for t in (np.inf, 1e-14))
+    y, x = np.random.default_rng(4).uniform(0, 1, (2, 500)) * np.array(SIZE)[:, None]
+    assert (coarse.refinement, fine.refinement) == (1, 4)
+    np.testing.assert_allclose(fine.heights, coarse.heights, atol=1e-24)
+    errors = [np.abs(substrate.height_at(y, x) - exact_height(y, x)).max() for substrate in (fine, coarse)]
+    assert errors[0] < 0.01 * errors[1]
+
+
+@settings(max_examples=50)
+@given(st.floats(-1, 1), st.floats(-1, 1), st.integers(-3, 3), st.integers(-3, 3))
+def test_height_is_periodic(y, x, rows, columns):
+    substrate = Substrate(sample(WAVY, (20, 30)), (SIZE[0] / 20, SIZE[1] / 30))
+    y, x = np.array([y * SIZE[0]]), np.array([x * SIZE[1]])
+    moved = substrate.height_at(y + rows * SIZE[0], x + columns * SIZE[1])
+    # Slopes are of order one, and a position of several periods is rounded to 1e-24 m.
+    np.testing.assert_allclose(moved, substrate.height_at(y, x), atol=1e-23)
+
+
+def test_skip_map_is_the_maximum_over_the_periodic_neighbourhood():
+    heights = np.random.default_rng(5).standard_normal((7, 5))
+    reach = (2, 4)  # wider than half of the second axis
+    found = Substrate(heights, (1.0, 1.0)).highest_within(reach)
+    for j, i in np.ndindex(7, 5):
+        rows, columns = np.arange(j - 2, j + 3) % 7, np.arange(i - 4, i + 5) % 5
+        assert found[j, i] == heights[np.ix_(rows, columns)].max()
+
+
+MANY = (30, 40)
+SCALE = CONTACT_MODULUS * AREA
+ROUGH = interface_of(MANY, rough_coefficients(modes=2, rms=2e-10))
+
+
+def first_evaluated(distances):
+    """Atoms at given heights above the surface (r0), a little off their rest positions, evaluated once."""
+    start = np.zeros((3, *MANY))
+    start[:2] = np.random.default_rng(0).uniform(-1e-10, 1e-10, (2, *MANY))
+    start[2] = -ROUGH.gap(start) + distances * LENGTH
+    cached, force = CachedInterface(ROUGH, MANY), np.empty_like(start)
+    energy, exact, hessian = evaluated(ROUGH, start, True)
+    assert cached.evaluate(start, force) == pytest.approx(energy, rel=1e-12)
+    np.testing.assert_array_equal(force, exact)
+    np.testing.assert_array_equal(cached.hessian, hessian.astype(np.float32))
+    assert cached.evaluations == 1
+    return start, cached, force
+
+
+@pytest.mark.parametrize(
+    ("error", "size"),
+    [(1e-6, 0.09), (1e-4, 0.003), (1e-4, 0.03), (1e-4, 0.3), (1e-2, 0.003), (1e-2, 0.03), (1e-2, 0.3)],
+)
+def test_expanded_forces_are_within_the_error_allowed(error, size):
+    start, cached, force = first_evaluated(np.random.default_rng(2).uniform(0.9, 4.2, MANY))
+    rng = np.random.default_rng(1)
+    direction = rng.standard_normal((3, *MANY))
+    step = size * LENGTH * rng.uniform(0, 1, MANY) * direction / np.linalg.norm(direction, axis=0)
+    energy = cached.evaluate(start + step, force, error * SCALE)
+    # The bound of T leaves room for its growth on the way: measured, 0.42 of the error at most. The next term of the
+    # energy is a third of the force's, times the way, of either sign: measured, 7e-4 of the bound at most.
+    exact_energy, exact, _ = evaluated(ROUGH, start + step, True)
+    off = np.linalg.norm(force - exact, axis=0)
+    assert 1e-3 * error * SCALE < off.max() <= error * SCALE
+    left = np.linalg.norm(step, axis=0)[off > 0].max()
+    assert left <= 0.1 * LENGTH
+    assert abs(energy - exact_energy) <= 3e-3 * error * SCALE * left * np.count_nonzero(off)
+    share = cached.evaluations - 1
+    assert np.count_nonzero(off) == pytest.approx((1 - share) * off.size, abs=0.03 * off.size)  # some are out of reach
+    assert 0.0 < share < 1.0 or size == 0.003
+
+
+def test_without_an_error_allowed_only_atoms_that_stood_are_left():
+    start, cached, force = first_evaluated(1.1)
+    there = start.copy()
+    there[2, :3] += 1e-6 * LENGTH
+    cached.evaluate(there, force)
+    np.testing.assert_array_equal(force, evaluated(ROUGH, there, True)[1])
+    assert cached.evaluations == pytest.approx(1 + 3 / MANY[0])
+    cached.forget()
+    cached.evaluate(there, force)
+    assert cached.evaluations == pytest.approx(2 + 3 / MANY[0])
+
+
+def test_no_expansion_starts_from_an_atom_inside_the_substrate():
+    start, cached, force = first_evaluated(1.1)
+    inside = start.copy()
+    inside[2, 4, 5] -= LENGTH
+    for _ in range(2):
+        assert cached.evaluate(inside, force, 1e-3 * SCALE) == np.inf
+    cached.evaluate(start, force, 1e-3 * SCALE)
+    np.testing.assert_array_equal(force, evaluated(ROUGH, start, True)[1])
+
+
+SITE = 400 * LATTICE_CONSTANT / 647
+
+
+def flat(cutoff):
+    return FlatInterface((SITE, SITE), AREA, WELL_DEPTH, LENGTH, cutoff)
+
+
+@pytest.mark.parametrize(("cutoff", "adhesion"), [(4, 0.68646), (5, 0.68972), (6, 0.69089), (8, 0.69164)])
+def test_adhesion_of_flat_layers_is_that_of_the_prototype(cutoff, adhesion):
+    found = measure_interface(flat(cutoff), LENGTH)
+    # An independent prototype, to the digits that it printed.
+    assert found.work_of_adhesion == pytest.approx(adhesion, abs=6e-6)
+    assert found.equilibrium_distance == pytest.approx(3.280e-10, abs=1e-14)
+    assert found.peak_distance == pytest.approx(3.741e-10, abs=1e-13)
+    assert found.peak_tensile_stress == pytest.approx(3.980e9, rel=1e-3)
+
+
+def test_long_cutoffs_approach_the_smeared_layers():
+    # Smearing both layers is exact but for the corrugation; the cut-off tail falls as r_c⁻⁴.
+    smeared = 6 * np.pi / 5 * WELL_DEPTH * LENGTH**2 / (LATTICE_CONSTANT * SITE) ** 2
+    missing = [smeared - measure_interface(flat(cutoff), LENGTH).work_of_adhesion for cutoff in (4, 8, 16)]
+    rates = np.log2(np.array(missing[:-1]) / missing[1:])
+    assert np.all((rates > 3.7) & (rates < 4.3))
+
+
+@pytest.mark.parametrize("distance", [0.95, 1.1, 1.5])
+def test_tension_is_the_slope_of_the_energy(distance):
+    layers, step = flat(4), 1e-5 * LENGTH
+    above, below = (layers.energy(distance * LENGTH + s * step) for s in (1, -1))
+    assert layers.tension(distance * LENGTH) == pytest.approx((above - below) / (2 * step), rel=1e-7)

@@ -17,9 +17,16 @@ from md_reference.statics.overdamped import OverdampedBlock
 from md_reference.study.model import check, solve_path
 from md_reference.study.overdamped import OverdampedAtoms
 from md_reference.study.system import build_contact, build_stiffness
-from tests.md_reference.systems import CONTACT_MODULUS, LENGTH, case_of, touching
-from tests.md_reference.test_block import apply
-from tests.md_reference.test_sampling import assert_equal_groups, changed, groups_of
+from tests.md_reference.systems import (
+    CONTACT_MODULUS,
+    LENGTH,
+    apply,
+    assert_equal_groups,
+    case_of,
+    changed,
+    groups_of,
+    touching,
+)
 from tests.recording import stopper
 
 AT_ONCE = 1e9  # a loading rate at which the load is there from the first step on
@@ -44,9 +51,7 @@ class Motion:
         return list(follow(moving, at_rest(start, 0.0, pace), self.load, pace))
 
     def elastic(self, u):
-        force = apply(self.block, u)
-        force[2] -= self.block.coefficients[2, 0, 0] * u[2].mean()
-        return force
+        return apply(self.block, u, True)
 
     def energy(self, u, load):
         interface = self.contact.interface.evaluate(u, np.empty_like(u))

@@ -1,13 +1,11 @@
 """Thermal averages as a user meets them: a study in, means with errors and series out, stopped and gone on with."""
 
-import copy
 import re
 import time
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
-import xarray as xr
 
 import contact_study
 from contact_study.campaign.worker import case_run
@@ -18,44 +16,11 @@ from contact_study.results.schema import AUTOCORRELATION_STATES, STANDARD_ERROR,
 from contact_study.study.study import make_study
 from md_reference.study import sampling
 from md_reference.study.model import check
-from md_reference.thermal.checkpoint import ChainState, pack_generator, unpack_generator
-from md_reference.thermal.hmc import SamplerState, ThermalSampler
-from tests.md_reference.systems import CONTACT_MODULUS, LENGTH, POISSONS_RATIO, WELL_DEPTH, YOUNGS_MODULUS
+from md_reference.thermal.hmc import ThermalSampler
+from tests.md_reference.systems import CONTACT_MODULUS, LENGTH, SAMPLED, assert_equal_groups, changed, groups_of
 from tests.recording import bins_of_case, stopper
 
-STUDY = {
-    "surface": {
-        "kind": "self_affine",
-        "size": "62.4 angstrom",
-        "shape": [24, 24],
-        "rms_height": "1 angstrom",
-        "cutoff_mode": 3,
-    },
-    "material": {
-        "youngs_modulus": YOUNGS_MODULUS,
-        "poissons_ratio": POISSONS_RATIO,
-        "lattice_constant": "2.6 angstrom",
-    },
-    "interaction": {
-        "law": "lennard_jones_10_4",
-        "well_depth": WELL_DEPTH,
-        "length": LENGTH,
-        "contact_distance": "3.68 angstrom",
-    },
-    "loading": {"path": ["1 GPa", "3 GPa"]},
-    "atomistic": {"method": "sampling", "temperature": "300 K"},
-    "sampling": {"trajectories": 60, "equilibration": 20},
-    "output": {"fields": True, "pressure_range": ["-10 GPa", "30 GPa"], "gap_range": ["0 nm", "1 nm"]},
-}
-
-
-def changed(**sections):
-    table = copy.deepcopy(STUDY)
-    for section, keys in sections.items():
-        table.setdefault(section, {}).update(keys)
-    for way in {"sampling", "overdamped", "dynamics"} - {table["atomistic"]["method"]}:  # nothing would read it
-        table.pop(way, None)
-    return table
+STUDY = SAMPLED
 
 
 @pytest.fixture(scope="module")
@@ -63,18 +28,6 @@ def sampled(tmp_path_factory):
     path = tmp_path_factory.mktemp("sampled") / "md.nc"
     contact_study.run(STUDY, "atomistic", output=path)
     return path
-
-
-def groups_of(path):
-    with xr.open_datatree(path) as tree:
-        return {node.path: node.to_dataset(inherit=False).load() for node in tree.subtree}
-
-
-def assert_equal_groups(one, other):
-    assert one.keys() == other.keys()
-    for name, dataset in one.items():
-        again = other[name].drop_vars("wall_time", errors="ignore")
-        xr.testing.assert_equal(dataset.drop_vars("wall_time", errors="ignore"), again)
 
 
 @pytest.mark.filterwarnings("ignore:the 10 states")
@@ -135,42 +88,32 @@ def test_warm_atoms_differ_from_cold_ones_and_start_from_them(sampled):
     np.testing.assert_allclose(again.mean_separation, cold.mean_separation, rtol=0, atol=1e-4 * LENGTH)
 
 
-def test_run_stopped_within_a_point_goes_on_to_the_same_bits(sampled, tmp_path, monkeypatch):
+def test_run_stopped_anywhere_goes_on_to_the_same_bits(sampled, tmp_path, monkeypatch):
     path = tmp_path / "md.nc"
     stop_at, taken = stopper(monkeypatch, ThermalSampler, "next")
     monkeypatch.setattr(case_run, "_SECONDS_BETWEEN_CHECKPOINTS", 0.0)
-    for stop in (25, 60, 10**6):  # in the first point, in the second, not at all
+    for stop in (25, 60):  # in the first point, in the second
         stop_at(stop)
-        if stop < 10**6:
-            with pytest.raises(KeyboardInterrupt):
-                contact_study.run(STUDY, "atomistic", output=path, resume=stop > 25)
-        else:
-            contact_study.run(STUDY, "atomistic", output=path, resume=True)
-            assert len(taken) == 120 - 23 - 58  # the state at hand when it stops is drawn again
+        with pytest.raises(KeyboardInterrupt):
+            contact_study.run(STUDY, "atomistic", output=path, resume=stop > 25)
+    stop_at(10**6)
+    contact_study.run(STUDY, "atomistic", output=path, resume=True)
+    assert len(taken) == 120 - 23 - 58  # the state at hand when it stops is drawn again
     assert_equal_groups(groups_of(path), groups_of(sampled))
 
 
-def test_a_chain_kept_without_its_pressures_is_refused():
-    state = SamplerState(np.zeros((3, 2, 2), complex), 0.4, np.ones((3, 2, 2)), 2, 2, 9)
-    chain = ChainState(state, np.random.default_rng(0), np.zeros((3, 2, 2)), True, [1e9, 2e9])
-    assert ChainState.unpack(chain.pack()).pressures == [1e9, 2e9]
-    kept = {name: values for name, values in chain.pack().items() if name != "pressures"}
-    with pytest.raises(InputError, match="of another version of this program; drop it with --overwrite"):
-        ChainState.unpack(kept)
-
-
-def test_run_stopped_after_the_last_state_of_a_point_counts_none_twice(sampled, tmp_path, monkeypatch):
-    def killed(self):
-        raise KeyboardInterrupt
-
+def test_points_that_end_before_a_stop_count_once(sampled, tmp_path, monkeypatch):
+    """Stopped after the last state of a point; and a path that grows after its first point."""
     monkeypatch.setattr(case_run, "_SECONDS_BETWEEN_CHECKPOINTS", 0.0)
     step = Averages.step
-    monkeypatch.setattr(Averages, "step", killed)
+    monkeypatch.setattr(Averages, "step", lambda self: (_ for _ in ()).throw(KeyboardInterrupt))
     with pytest.raises(KeyboardInterrupt):
-        contact_study.run(STUDY, "atomistic", output=tmp_path / "md.nc")
+        contact_study.run(STUDY, "atomistic", output=tmp_path / "killed.nc")
     monkeypatch.setattr(Averages, "step", step)
-    contact_study.run(STUDY, "atomistic", output=tmp_path / "md.nc", resume=True)
-    assert_equal_groups(groups_of(tmp_path / "md.nc"), groups_of(sampled))
+    contact_study.run(changed(loading={"path": ["1 GPa"]}), "atomistic", output=tmp_path / "grown.nc")
+    for name in ("killed.nc", "grown.nc"):
+        contact_study.run(STUDY, "atomistic", output=tmp_path / name, resume=True)
+        assert_equal_groups(groups_of(tmp_path / name), groups_of(sampled))
 
 
 def test_seeds_give_other_states_of_one_distribution(sampled):
@@ -183,13 +126,6 @@ def test_seeds_give_other_states_of_one_distribution(sampled):
         assert np.all(difference < 5 * error)
 
 
-def test_finished_points_stand_when_the_path_grows(sampled, tmp_path):
-    path = tmp_path / "md.nc"
-    contact_study.run(changed(loading={"path": ["1 GPa"]}), "atomistic", output=path)
-    contact_study.run(STUDY, "atomistic", output=path, resume=True)
-    assert_equal_groups(groups_of(path), groups_of(sampled))
-
-
 def test_gap_control_holds_the_mean_and_has_no_load_to_err_from(sampled):
     dataset = contact_study.run(changed(loading={"control": "gap", "path": ["0.5 angstrom"]}), "atomistic")
     np.testing.assert_allclose(dataset.mean_separation, 0.5e-10, rtol=0, atol=1e-9 * LENGTH)
@@ -197,24 +133,24 @@ def test_gap_control_holds_the_mean_and_has_no_load_to_err_from(sampled):
     assert np.all(dataset["mean_pressure" + STANDARD_ERROR] > 0)
 
 
-def test_blocks_apart_are_not_sampled():
-    dataset = contact_study.run(changed(loading={"path": ["1 GPa", "-3 GPa"]}), "atomistic")
-    assert dataset.detached.values.tolist() == [0, 1]
-    assert np.isinf(dataset.mean_gap[1])
-    assert np.isnan(dataset.relative_contact_area_standard_error[1])
-
-
 def test_a_block_that_thermal_motion_tears_off_is_detached():
-    """Of a tension that holds cold atoms; the next point starts from the cold state again."""
+    """Of a tension that holds cold atoms; the next point starts from the cold state again. Apart none is sampled."""
     loading = {"path": ["1 GPa", "-2.3 GPa", "-2 GPa"]}
-    cold = contact_study.run(
-        changed(loading=loading, atomistic={"method": "quasi_static", "temperature": 0}), "atomistic"
+    cold, warm, torn = (
+        contact_study.run(changed(loading=given, atomistic=atoms, sampling={"trajectories": 52}), "atomistic")
+        for given, atoms in (
+            (loading, {"method": "quasi_static", "temperature": 0}),
+            (loading, {"temperature": 600.0}),
+            ({"path": ["1 GPa", "-3 GPa"]}, {}),
+        )
     )
-    warm = contact_study.run(changed(loading=loading, atomistic={"temperature": 600.0}), "atomistic")
     assert cold.detached.values.tolist() == [0, 0, 0]
     assert warm.detached.values.tolist() == [0, 1, 0]
     assert warm.relative_contact_area[1] == 0
     assert warm.relative_contact_area[2] > 0.3
+    assert torn.detached.values.tolist() == [0, 1]
+    assert np.isinf(torn.mean_gap[1])
+    assert np.isnan(torn.relative_contact_area_standard_error[1])
 
 
 def test_short_series_are_warned_of():
@@ -266,17 +202,6 @@ def test_states_that_do_not_carry_the_load_did_not_converge(control, monkeypatch
 def test_impossible_temperatures_are_refused(atomistic, words):
     with pytest.raises(InputError, match=words):
         check(make_study(changed(atomistic=atomistic)).cases[0])
-
-
-def test_a_generator_goes_on_where_it_stood():
-    generator = np.random.default_rng(7)
-    generator.random(3)
-    generator.integers(10, dtype=np.int32)  # leaves half a word
-    other = unpack_generator(pack_generator(generator))
-    assert (
-        other.integers(10, size=3, dtype=np.int32).tolist() == generator.integers(10, size=3, dtype=np.int32).tolist()
-    )
-    np.testing.assert_array_equal(other.standard_normal(5), generator.standard_normal(5))
 
 
 def test_counted_states_of_another_binning_are_not_gone_on_from():

@@ -1,29 +1,22 @@
+"""The atomistic model of a case: steps along a path, restarts, predictors, constants, and what is refused."""
+
 import dataclasses
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from contact_study.campaign.memory import require
+from contact_study.campaign import memory
 from contact_study.errors import InputError
 from contact_study.numerics import fourier
 from contact_study.study.case import realise
 from contact_study.study.schema.keys import keys_of
 from contact_study.study.schema.sections import AtomisticSection
-from contact_study.study.study import Study
-from md_reference.block.condensed import element_matrix, surface_stiffness
-from md_reference.interface.pairs import LennardJonesInterface
+from contact_study.study.study import Study, make_study
 from md_reference.statics.contact import at_mean_gap, predicted, separated
 from md_reference.study.model import METHODS, MODEL, check, constants, review, solve_path
 from md_reference.study.system import build_contact, build_interface, build_stiffness
-from tests.md_reference.systems import (
-    CONTACT_MODULUS,
-    LATTICE_CONSTANT,
-    LENGTH,
-    POISSONS_RATIO,
-    YOUNGS_MODULUS,
-    case_of,
-)
+from tests.md_reference.systems import ANGSTROM, CONTACT_MODULUS, LENGTH, case_of, changed, stiffness_of
 from tests.recording import bins_of_case, recorded_path
 
 PATH = ("0.5 GPa", "2 GPa", "8 GPa")
@@ -31,6 +24,15 @@ PATH = ("0.5 GPa", "2 GPa", "8 GPa")
 
 def steps_of(case, **options):
     return recorded_path(case, solve_path(case, realise(case), **options))
+
+
+def values_of(atoms=(32, 32), **options):
+    return [step.values for step in steps_of(case_of(atoms, **options))]
+
+
+def notes_on(*cases):
+    study = Study({}, Path(), cases, {})
+    return review(study, study.scales)
 
 
 def test_steps_carry_the_quantities_of_the_schema():
@@ -63,10 +65,10 @@ def test_work_of_the_pressure_is_the_energy_gained():
     errors = []
     for points in (3, 5, 9):
         pressures = np.linspace(1e9, 3e9, points)
-        steps = steps_of(case_of((32, 32), path=tuple(float(p) for p in pressures)))
-        energy = [s.values["elastic_energy"] + s.values["interaction_energy"] for s in steps]
+        steps = values_of(path=tuple(float(p) for p in pressures))
+        energy = [values["elastic_energy"] + values["interaction_energy"] for values in steps]
         # The work is done on the mean separation, not on the mean gap: lateral sliding changes the latter alone.
-        separation = [s.values["mean_separation"] for s in steps]
+        separation = [values["mean_separation"] for values in steps]
         work = -np.sum(0.5 * (pressures[1:] + pressures[:-1]) * np.diff(separation))
         errors.append(abs(energy[-1] - energy[0] - work))
     assert errors[-1] < 2e-3 * abs(work)
@@ -90,13 +92,11 @@ def test_predictor_on_another_grid_leads_to_the_same_state():
 
     def predictor(number):
         asked.append(number)
-        if number == 1:
-            return None  # no such state: the path goes on from the point before
-        return fourier.interpolate(own[number].fields["gap"], (60, 54))
+        # At the second point no such state: the path goes on from the point before.
+        return None if number == 1 else fourier.interpolate(own[number].fields["gap"], (60, 54))
 
-    with pytest.warns(
-        UserWarning, match=r"no state in contact for point 2 of the path, 2e\+09 Pa \(loading\)"
-    ) as caught:
+    said = r"no state in contact for point 2 of the path, 2e\+09 Pa \(loading\)"
+    with pytest.warns(UserWarning, match=said) as caught:
         led = steps_of(case, predictor=predictor)
     assert len(caught) == 1
     assert asked == [0, 1, 2]
@@ -106,29 +106,28 @@ def test_predictor_on_another_grid_leads_to_the_same_state():
 
 
 def test_units_change_nothing():
-    plain = case_of((32, 32), ratio=8, path=(1e9, 3e9))
+    plain = values_of(ratio=8, path=(1e9, 3e9))
     # Lengths ×8, energies ×64: stresses × 64/512. Powers of two keep every rounding.
-    scaled = case_of((32, 32), ratio=8, path=(1e9 / 8, 3e9 / 8), scale=8.0, energy_scale=64.0)
-    for a, b in zip(steps_of(plain), steps_of(scaled), strict=True):
-        assert b.values["force_evaluations"] == a.values["force_evaluations"]
-        assert b.values["mean_gap"] / 8 == pytest.approx(a.values["mean_gap"], rel=1e-7)
-        assert b.values["relative_contact_area"] == a.values["relative_contact_area"]
-        assert b.values["elastic_energy"] == pytest.approx(a.values["elastic_energy"], rel=1e-7)
+    scaled = values_of(ratio=8, path=(1e9 / 8, 3e9 / 8), scale=8.0, energy_scale=64.0)
+    for a, b in zip(plain, scaled, strict=True):
+        assert b["force_evaluations"] == a["force_evaluations"]
+        assert b["mean_gap"] / 8 == pytest.approx(a["mean_gap"], rel=1e-7)
+        assert b["relative_contact_area"] == a["relative_contact_area"]
+        assert b["elastic_energy"] == pytest.approx(a["elastic_energy"], rel=1e-7)
 
 
 def test_gap_control_and_loss_of_contact_under_tension():
     path = ("8 angstrom", "2 angstrom", "0.5 angstrom", "3 angstrom", "30 angstrom")
-    steps = steps_of(case_of((32, 32), ratio=8, path=path, control="gap"))
-    pressures = [s.values["mean_pressure"] for s in steps]
-    assert all(s.values["converged"] for s in steps)
+    steps = values_of(ratio=8, path=path, control="gap")
+    pressures = [values["mean_pressure"] for values in steps]
     assert pressures[1] < 0
     assert pressures[-1] == 0
-    torn = steps_of(case_of((32, 32), ratio=8, path=("1 GPa", "-30 GPa", "-30 GPa")))
-    assert [s.values["detached"] for s in torn] == [False, True, True]
-    assert all(s.values["converged"] for s in torn)
-    assert torn[1].values["message"].startswith("detached")
-    assert torn[1].values["mean_gap"] == np.inf
-    assert torn[1].values["relative_contact_area"] == torn[1].values["mean_pressure"] == 0
+    torn = values_of(ratio=8, path=("1 GPa", "-30 GPa", "-30 GPa"))
+    assert all(values["converged"] for values in steps + torn)
+    assert [values["detached"] for values in torn] == [False, True, True]
+    assert torn[1]["message"].startswith("detached")
+    assert torn[1]["mean_gap"] == np.inf
+    assert torn[1]["relative_contact_area"] == torn[1]["mean_pressure"] == 0
 
 
 @pytest.mark.parametrize(
@@ -138,26 +137,22 @@ def test_tension_brings_no_separated_surfaces_together(pressures):
     """Nor does no pressure at all: attraction begins only where something has brought the atoms within its reach."""
     case = case_of((32, 32), ratio=4, path=pressures)
     touching = steps_of(case_of((32, 32), ratio=4, path=("1 GPa",)))[0]
-    gap = touching.fields["gap"]
-    for predictor in (None, lambda number: gap):
-        steps = steps_of(case, predictor=predictor)
-        tensile = [pressure <= 0 for pressure, _ in case.path]
-        assert [s.values["detached"] for s in steps] == tensile
-        assert all(s.values["message"].startswith("detached") for s in steps if s.values["detached"])
-        assert steps[-1].values["relative_contact_area"] == touching.values["relative_contact_area"] > 0
+    for predictor in (None, lambda number: touching.fields["gap"]):
+        steps = [step.values for step in steps_of(case, predictor=predictor)]
+        assert [values["detached"] for values in steps] == [pressure <= 0 for pressure, _ in case.path]
+        assert all(values["message"].startswith("detached") for values in steps if values["detached"])
+        assert steps[-1]["relative_contact_area"] == touching.values["relative_contact_area"] > 0
 
 
 def test_a_first_gap_from_separation_is_on_the_separated_branch():
     """Mean gaps at which a rough contact has two states: the far one is met from separation, at once or on a path."""
     gaps = [f"{gap:.2f} angstrom" for gap in np.arange(7, 5, -0.2)]
     approached = steps_of(case_of((32, 32), ratio=8, path=gaps, control="gap"))
-    areas = np.array([s.values["relative_contact_area"] for s in approached])
-    snap_in = int(np.argmax(areas > 0))
-    assert snap_in > 0
-    far, near = approached[snap_in - 1], approached[snap_in]
-    case = case_of((32, 32), ratio=8, path=gaps[snap_in - 1 : snap_in], control="gap")
-    retracted = steps_of(case, restart=near.restart)[0]
-    alone = steps_of(case)[0]
+    jump = int(np.argmax([step.values["relative_contact_area"] > 0 for step in approached]))
+    assert jump > 0
+    far, near = approached[jump - 1], approached[jump]
+    case = case_of((32, 32), ratio=8, path=gaps[jump - 1 : jump], control="gap")
+    retracted, alone = steps_of(case, restart=near.restart)[0], steps_of(case)[0]
     assert retracted.values["relative_contact_area"] > 0
     assert alone.values["relative_contact_area"] == far.values["relative_contact_area"] == 0
     # Residuals of 1e-8 E* over the softest mode's stiffness.
@@ -168,27 +163,22 @@ def test_moving_to_a_mean_gap_lifts_atoms_off_the_surface():
     case = case_of((32, 32))
     interface = build_interface(case, realise(case))
     start = separated(interface)
-    moved = at_mean_gap(interface, start, 1e-10)
+    moved, far = (at_mean_gap(interface, start, gap) for gap in (1e-10, 1e-8))
     assert np.mean(moved[2]) == pytest.approx(1e-10 + LENGTH, rel=1e-12)
     assert interface.gap(moved).min() >= 0.85 * LENGTH * (1 - 1e-9)
-    far = at_mean_gap(interface, start, 1e-8)
     np.testing.assert_allclose(far[2], 1e-8 + LENGTH, rtol=1e-12)
     with pytest.raises(InputError, match="mean gap"):
         at_mean_gap(interface, start, -1e-10)
 
 
-@pytest.mark.parametrize("way", ["gap", "prediction"])
-def test_starts_on_steep_flanks_have_no_atom_inside(way):
+def test_starts_on_steep_flanks_have_no_atom_inside():
     """The site beside an atom stands higher than the surface below it by more than the atom stands above that."""
     steep = {"rms_height": "6 angstrom", "roll_off_mode": 3, "cutoff_mode": 6}
     case = case_of((32, 32), surface=steep, interaction={"length": "1 angstrom", "contact_distance": "1.2 angstrom"})
     contact = build_contact(case, realise(case))
     interface = contact.interface
-    if way == "gap":
-        start = at_mean_gap(interface, separated(interface), 1e-10)
-    else:
-        start = contact.predicted(np.zeros((32, 32)))
-    assert np.isfinite(interface.evaluate(start, np.empty_like(start)))
+    for start in (at_mean_gap(interface, separated(interface), 1e-10), contact.predicted(np.zeros((32, 32)))):
+        assert np.isfinite(interface.evaluate(start, np.empty_like(start)))
 
 
 def test_predicted_start_stands_above_the_surface():
@@ -212,24 +202,12 @@ def test_constants_are_measured():
     assert found["equilibrium_distance"] == pytest.approx(LENGTH, rel=1e-4)
 
 
-def test_hard_walls_have_no_atoms():
-    case = case_of()
-    hard = dataclasses.replace(case, interaction=dataclasses.replace(case.interaction, law="hard_wall"))
-    with pytest.raises(InputError, match="Lennard-Jones"):
-        check(hard)
-    check(case)
-    assert isinstance(build_interface(case, realise(case)), LennardJonesInterface)
-
-
 def test_layers_of_the_study_are_those_of_the_block():
     """A thin block is stiffer to long waves: E*(q) of one layer is that of a clamped plane next to the surface."""
     moduli = {}
     for layers in (0, 4, 32):
-        case = case_of((32, 32), atomistic={"layers": layers})
-        moduli[layers] = build_stiffness(case).contact_modulus[0, 1]
-        element = element_matrix("isotropic", LATTICE_CONSTANT, YOUNGS_MODULUS, POISSONS_RATIO)
-        direct = surface_stiffness(element, (32, 32), LATTICE_CONSTANT, layers or 32)
-        assert moduli[layers] == pytest.approx(direct.contact_modulus[0, 1], rel=1e-12)
+        moduli[layers] = build_stiffness(case_of((32, 32), atomistic={"layers": layers})).contact_modulus[0, 1]
+        assert moduli[layers] == pytest.approx(stiffness_of((32, 32), layers).contact_modulus[0, 1], rel=1e-12)
     assert moduli[0] == moduli[32]
     assert moduli[4] > 1.5 * moduli[32]
 
@@ -248,62 +226,104 @@ def test_cutoff_of_the_study_is_that_of_the_pairs():
     assert 0.09 < 1 - found[2.0] / found[4.0] < 0.16
 
 
-def test_incompressible_blocks_are_refused():
-    for ratio in (0.5, 0.4999999999):
-        with pytest.raises(InputError, match=r"material\.poissons_ratio = 0\.(5|4999999999): "):
-            check(case_of((32, 32), material={"poissons_ratio": ratio}))
+def layered(cells, **sections):
+    return case_of(elasticity={"kind": "layer", "thickness": 2.6 * ANGSTROM * cells}, **sections)
+
+
+@pytest.mark.parametrize("cells", [6, 12, 40])
+def test_layers_of_atoms_have_the_stiffness_of_the_closed_form(cells):
+    """From the equations of elasticity there, cell by cell here: they differ by the lattice, (qa)² and (a/d)²."""
+    case = layered(cells, atoms=(96, 96))
+    stiffness = build_stiffness(case)
+    wavenumber = stiffness.grid.wavenumber[0, 1:4]
+    relative = stiffness.normal_stiffness[0, 1:4] / case.solid.stiffness(wavenumber) - 1
+    assert np.all(np.abs(relative) < 0.04 * (wavenumber * stiffness.lattice_constant) ** 2 + 0.04 / cells**2)
+    assert 1 / stiffness.normal_stiffness[0, 0] == pytest.approx(case.solid.mean_compliance, rel=1e-9)
+
+
+def test_the_load_works_on_the_base_of_a_layer():
+    """Trapezoidal rule over two near pressures, as on a block as thick as wide."""
+    case = layered(4, atoms=(32, 32), path=(2e9, 2.02e9))
+    one, two = (step.values for step in steps_of(case))
+    energy = [values["elastic_energy"] + values["interaction_energy"] for values in (one, two)]
+    moved = two["mean_separation"] - one["mean_separation"]
+    assert (energy[1] - energy[0]) / moved == pytest.approx(-2.01e9, rel=1e-3)
+    assert case.solid.compression(0.02e9) > 0.05 * abs(moved)
+
+
+@pytest.mark.parametrize(
+    ("case", "words"),
+    [
+        (lambda: case_of(elasticity={"kind": "layer", "thickness": 1e-9}), "= 1e-09 m: the layer is 3.84615 cells"),
+        (lambda: layered(6, atomistic={"layers": 7}), r"and atomistic.layers = 7: the layer is 6 cells"),
+        (lambda: layered(6, atomistic={"layers": 6}), None),
+        (lambda: case_of(material={"poissons_ratio": 0.5}), r"material\.poissons_ratio = 0\.5: "),
+        (lambda: case_of(material={"poissons_ratio": 0.4999999999}), r"material\.poissons_ratio = 0\.4999999999: "),
+        (lambda: case_of(material={"poissons_ratio": 0.49999}), None),
+        # 0.35 Å left the block no start above the sites, 0.04 Å the layers no equilibrium.
+        (lambda: short("0.04 angstrom"), r"interaction\.length = .* pm: .* sites, 16.* pm apart; use at least 48"),
+        (lambda: short("0.35 angstrom"), r"interaction\.length = .* pm: .* sites, 16.* pm apart; use at least 48"),
+        (lambda: short("0.6 angstrom"), None),
+    ],
+)
+def test_blocks_that_cannot_be_are_refused(case, words):
+    if words is None:
+        check(case())
+        return
+    with pytest.raises(InputError, match=words):
+        check(case())
+
+
+def short(length):
+    return case_of((32, 32), control="gap", path=["1 nm"], interaction={"length": length})
+
+
+def test_the_extremes_that_are_taken_have_their_constants():
     nearly = case_of((32, 32), material={"poissons_ratio": 0.49999})
-    check(nearly)
     modulus = build_stiffness(nearly).contact_modulus[0, 1]
     assert modulus == pytest.approx(nearly.material.contact_modulus, rel=2e-3)  # of the longest wave, as for any ratio
+    case = short("0.6 angstrom")
+    assert constants(case, realise(case))["equilibrium_distance"] == pytest.approx(6e-11, rel=0.01)
 
 
-def test_pairs_too_short_for_a_layer_are_refused():
-    """0.35 Å left the block no start above the sites, 0.04 Å the layers no equilibrium: both ended in a traceback."""
-    for length, refused in (("0.04 angstrom", True), ("0.35 angstrom", True), ("0.6 angstrom", False)):
-        case = case_of((32, 32), control="gap", path=["1 nm"], interaction={"length": length})
-        if refused:
-            with pytest.raises(
-                InputError, match=r"interaction\.length = .* pm: .* sites, 16.* pm apart; use at least 48"
-            ):
-                check(case)
-        else:
-            check(case)
-            assert constants(case, realise(case))["equilibrium_distance"] == pytest.approx(6e-11, rel=0.01)
+def test_hard_walls_have_no_atoms():
+    table = changed(atomistic={"method": "quasi_static", "temperature": 0})
+    check(make_study(table).cases[0])
+    with pytest.raises(InputError, match="Lennard-Jones"):
+        check(make_study({**table, "interaction": {"law": "hard_wall"}}).cases[0])
 
 
-def test_a_potential_too_weak_to_stand_on_is_refused():
-    for ratio, refused in ((1.0, False), (1e-3, False), (1e-6, True)):
-        study = Study({}, Path(), (case_of((32, 32), ratio=ratio),), {})
-        if refused:
-            with pytest.raises(InputError, match="inside the substrate"):
-                review(study, study.scales)
-        else:
-            assert review(study, study.scales) == []
+@pytest.mark.parametrize(("ratio", "refused"), [(1.0, False), (1e-3, False), (1e-6, True)])
+def test_a_potential_too_weak_to_stand_on_is_refused(ratio, refused):
+    case = case_of((32, 32), ratio=ratio)
+    if not refused:
+        assert notes_on(case) == []
+        return
+    with pytest.raises(InputError, match="inside the substrate"):
+        notes_on(case)
 
 
-def test_a_path_of_the_continuum_is_not_the_atoms():
-    for method, said in (("quasi_static", 1), ("overdamped", 0)):
-        case = case_of((32, 32), solver={"path": "overdamped"}, atomistic={"method": method})
-        notes = review(Study({}, Path(), (case,), {}), Study({}, Path(), (case,), {}).scales)
-        assert [note.startswith('solver.path = "overdamped": atoms do not read it') for note in notes] == [True] * said
-
-
-def test_keys_of_a_way_that_the_atoms_do_not_go_are_said():
-    case = case_of((32, 32), dynamics={"duration": "1 ps"})
-    (note,) = review(Study({}, Path(), (case,), {}), Study({}, Path(), (case,), {}).scales)
-    assert note.startswith("dynamics.duration: without effect")
+@pytest.mark.parametrize(
+    ("sections", "words"),
+    [
+        ({"solver": {"path": "overdamped"}}, 'solver.path = "overdamped": atoms do not read it'),
+        ({"solver": {"path": "overdamped"}, "atomistic": {"method": "overdamped"}}, None),
+        ({"dynamics": {"duration": "1 ps"}}, "dynamics.duration: without effect"),
+    ],
+)
+def test_keys_that_the_atoms_do_not_read_are_said(sections, words):
+    notes = notes_on(case_of((32, 32), **sections))
+    assert [note.startswith(words) for note in notes] == [True] * (words is not None)
 
 
 def test_waves_that_the_sites_cannot_carry_are_said():
-    fine = case_of((16, 48), surface={"shape": [128, 128], "cutoff_mode": 40, "rms_height": "0.1 angstrom"})
-    study = Study({}, Path(), (fine,), {})
-    (note,) = review(study, study.scales)
+    def fine(mode):
+        return case_of((16, 48), surface={"shape": [128, 128], "cutoff_mode": mode, "rms_height": "0.1 angstrom"})
+
+    (note,) = notes_on(fine(40))
     assert "left out" in note
     # Of several such cases the first is described, with how many there are.
-    finer = case_of((16, 48), surface={"shape": [128, 128], "cutoff_mode": 50, "rms_height": "0.1 angstrom"})
-    several = Study({}, Path(), (case_of((32, 32)), fine, finer), {})
-    (again,) = review(several, several.scales)
+    (again,) = notes_on(case_of((32, 32)), fine(40), fine(50))
     assert again.partition(" m")[0] == note.partition(" m")[0]
     assert "points" in again
 
@@ -312,4 +332,4 @@ def test_more_atoms_than_memory_are_refused():
     case = case_of((32, 32))
     tiny = dataclasses.replace(case, material=dataclasses.replace(case.material, lattice_constant=2.6e-15))
     with pytest.raises(InputError, match=r"material\.lattice_constant.*memory"):
-        require(MODEL.needs(tiny))
+        memory.require(MODEL.needs(tiny))

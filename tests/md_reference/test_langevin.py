@@ -1,29 +1,41 @@
+"""Molecular dynamics of the explicit block, its noise, and rows shared among threads."""
+
 import copy
+import threading
 
 import numpy as np
 import pytest
 from scipy import constants
 
+from contact_study.campaign.worker.case_run import Job, run_case
 from contact_study.numerics.time_series import statistics_of
-from md_reference.block.condensed import lame_constants
-from md_reference.block.multiscale import MultiscaleBlock
+from md_reference.block.multiscale import BlockOptions, MultiscaleBlock, NonlinearSpringBlock
 from md_reference.block.verlet import Action, move_planes
+from md_reference.interface.pairs import LennardJonesInterface
+from md_reference.parallel_rows import ParallelRows
+from md_reference.study.model import MODEL
+from md_reference.study.system import row_threads
 from md_reference.thermal.langevin import MolecularDynamics, fastest_wave
 from tests.md_reference.systems import (
+    AREA,
     ELEMENT,
+    LAME,
     LATTICE_CONSTANT,
-    POISSONS_RATIO,
+    LENGTH,
+    WELL_DEPTH,
     YOUNGS_MODULUS,
+    NoInterface,
+    case_of,
     interface_of,
     rough_coefficients,
     touching,
 )
-from tests.md_reference.test_thermal_sampler import NoInterface
+from tests.recording import bins_of_case
 
 MASS = 197 * constants.atomic_mass
-LAME = lame_constants(YOUNGS_MODULUS, POISSONS_RATIO)
 FASTEST = fastest_wave(ELEMENT, MASS)
 ATOMS = (8, 8)
+LAYER = ATOMS[0] * ATOMS[1] * AREA
 
 
 def block_of(layers=(4, 2), atoms=ATOMS):
@@ -37,7 +49,7 @@ def system_of(time_step=0.1, interface=None, **options):
 
 def energy_of(system, motion, pressure):
     block = system.block
-    load = pressure * ATOMS[0] * ATOMS[1] * LATTICE_CONSTANT**2
+    load = pressure * LAYER
     return (
         system.kinetic_energy(motion) + system.elastic_energy(motion) + system.interaction_energy + load * motion.top
     ) / (constants.k * 300 * block.freedoms)
@@ -74,7 +86,7 @@ def test_energy_error_falls_with_the_square_of_the_step(shaken):
 
 def test_momentum_changes_by_the_forces_from_outside_alone(shaken):
     system, motion, pressure = system_of(), copy.deepcopy(shaken), 2e9
-    load = pressure * ATOMS[0] * ATOMS[1] * LATTICE_CONSTANT**2
+    load = pressure * LAYER
     before, impulse = system.momentum(motion), 0.0
     outside = np.empty((3, *ATOMS))
     for _ in range(50):
@@ -130,12 +142,12 @@ def test_kinetic_temperature_is_the_thermostats_at_any_step():
     generator = np.random.default_rng(3)
     motion = run(system, system.start(np.zeros((3, *ATOMS))), 300, 0.0, generator)
     found, at_the_end = [], []
-    for _ in range(3000):
+    for _ in range(1500):
         run(system, motion, 3, 0.0, generator)
         found.append(system.temperature(motion))
         at_the_end.append(np.sum(system.block.mass * motion.velocity**2) / (constants.k * system.block.freedoms))
     temperature, low = statistics_of(np.array(found)), statistics_of(np.array(at_the_end))
-    assert temperature.standard_error < 1.0
+    assert temperature.standard_error < 1.5
     assert abs(temperature.mean - 300) < 3 * temperature.standard_error
     assert low.mean < 0.95 * 300
 
@@ -202,9 +214,9 @@ def test_levels_have_noise_of_their_own():
 def test_friction_brings_the_block_to_rest_in_balance():
     system = system_of(0.3, damping=0.05 * FASTEST)
     motion = run(system, system.start(touching(system.interaction)), 6000, 1e9)
-    stress = np.mean(system.interface_force[2]) / LATTICE_CONSTANT**2
+    stress = np.mean(system.interface_force[2]) / AREA
     assert stress == pytest.approx(1e9, rel=1e-6)
-    assert system.unbalanced(motion) < 1e-6 * LATTICE_CONSTANT**2 * YOUNGS_MODULUS
+    assert system.unbalanced(motion) < 1e-6 * AREA * YOUNGS_MODULUS
     assert system.temperature(motion) < 1e-6
 
 
@@ -220,3 +232,80 @@ def test_steps_beyond_the_fastest_wave_are_unstable():
         run(system, motion, 150, 0.0)
         growth.append(system.kinetic_energy(motion) / before)
     assert growth[0] < 100 < 1e6 < growth[1]
+
+
+@pytest.mark.parametrize(("rows", "size", "threads"), [(10, 3, 1), (10, 3, 3), (3, 8, 4), (64, 1, 2)])
+def test_every_row_is_done_once(rows, size, threads):
+    done = np.zeros(rows, int)
+
+    def kernel(first, end):
+        done[first:end] += 1
+
+    ParallelRows(threads).run(kernel, rows, size)
+    assert np.all(done == 1)
+
+
+def test_two_threads_work_at_once():
+    both = threading.Barrier(2, timeout=30)
+    ParallelRows(2).run(lambda first, end: both.wait(), 4, 1)
+
+
+@pytest.mark.parametrize("place", ["caller", "helper"])
+def test_what_a_thread_raises_comes_out(place):
+    both, met = threading.Barrier(2, timeout=30), set()
+
+    def kernel(first, end):
+        thread = threading.current_thread()
+        if thread not in met:
+            met.add(thread)
+            both.wait()
+        if (thread is threading.main_thread()) == (place == "caller"):
+            raise ValueError(place)
+
+    with pytest.raises(ValueError, match=place):
+        ParallelRows(2).run(kernel, 4, 1)
+
+
+@pytest.mark.parametrize("kind", [MultiscaleBlock, NonlinearSpringBlock])
+def test_any_number_of_threads_gives_the_same_bits(kind):
+    """Atoms in motion with a thermostat, over a rough substrate: forces, curvature, energy, and where all nodes end.
+
+    One thread does all rows of a level in one block, the others eight at a time.
+    """
+    atoms, step = (36, 24), 0.4 / FASTEST
+    substrate, spacing = interface_of(atoms, rough_coefficients()).substrate, (LATTICE_CONSTANT,) * 2
+    found = []
+    for threads in (1, 2, 3):
+        interface = LennardJonesInterface(substrate, atoms, spacing, WELL_DEPTH, LENGTH, 4.0, threads)
+        options = BlockOptions(task_nodes=8192 if threads == 1 else 1)
+        block = kind(atoms, LATTICE_CONSTANT, *LAME, (4, 4), MASS, threads, options)
+        system = MolecularDynamics(block, interface, step, damping=0.01 / step, temperature=300.0)
+        surface = np.zeros((3, *atoms))
+        surface[2] = interface.rest_heights().max() + LENGTH
+        motion = run(system, system.start(surface), 20, 1e9)
+        surface = np.ascontiguousarray(block.bottom_of(motion.displacement))
+        force, hessian = np.empty(surface.shape), np.empty((6, *atoms))
+        energy = interface.evaluate(surface, force, hessian)
+        found.append((motion.displacement, motion.velocity, force, hessian, np.array([energy, motion.top])))
+    assert np.any(found[0][2])
+    for other in found[1:]:
+        for one, same in zip(found[0], other, strict=True):
+            np.testing.assert_array_equal(one, same)
+
+
+@pytest.mark.parametrize(("atoms", "given", "expected"), [(150, 4, 1), (200, 4, 4), (200, 0, 1)])
+def test_small_layers_have_one_thread(atoms, given, expected):
+    case = case_of((atoms, atoms), solver={"threads": given})
+    assert row_threads(case) == expected
+
+
+@pytest.mark.parametrize(("atoms", "expected"), [(150, 1), (200, 3)])
+def test_a_campaign_gives_idle_cores_to_layers_that_gain(atoms, expected, monkeypatch, tmp_path):
+    given = []
+    case = case_of((atoms, atoms))
+    monkeypatch.setattr("md_reference.study.model.constants", lambda case, surface: {})
+    monkeypatch.setattr(
+        "md_reference.study.model.solve_path", lambda case, *_, **__: iter(given.append(case.solver.threads) or ())
+    )
+    run_case(Job(MODEL, case, bins_of_case(case), tmp_path / "case", None, ""), 3, lambda *_: None)
+    assert given == [expected]

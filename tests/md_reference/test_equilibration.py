@@ -1,0 +1,174 @@
+"""Whether a block under a load is at rest, or in equilibrium at its temperature, as its series tell; checkpoints."""
+
+import numpy as np
+import pytest
+
+from contact_study.errors import InputError
+from contact_study.numerics.time_series import statistics_of
+from md_reference.thermal.checkpoint import ChainState, Frame, TrajectoryState, pack_generator, unpack_generator
+from md_reference.thermal.equilibration import (
+    Descent,
+    TemperatureStatistics,
+    load_missing,
+    not_in_equilibrium,
+    still_moving,
+)
+from md_reference.thermal.hmc import SamplerState
+from md_reference.thermal.langevin import Motion
+from tests.md_reference.systems import CONTACT_MODULUS
+
+
+def descent(carried, load=1e9, speed=0.0, terminal_speed=np.inf, impact=0.0):
+    return Descent(np.asarray(carried), load, bool(np.any(carried)), speed, terminal_speed, impact)
+
+
+def missing(carried, **options):
+    """What is missing of a load of 1 GPa (Pa), and what is said."""
+    residual, message = load_missing(descent(carried), CONTACT_MODULUS, **options)
+    return residual * CONTACT_MODULUS, message
+
+
+def test_the_load_is_carried_within_the_error_of_the_mean():
+    noise = np.random.default_rng(0).normal(scale=2e8, size=400)  # its mean errs by 1e7
+    noise -= noise.mean()
+    assert missing(1e9 + noise) == (pytest.approx(0, abs=1e-1), "")
+    assert missing(1.03e9 + noise)[1] == ""
+    lacking, message = missing(1.06e9 + noise)
+    assert lacking == pytest.approx(6e7)
+    assert message.startswith("the interface carried 1.06e+09 ± 1e+07 Pa on average, not the 1e+09 Pa applied")
+    # A hundredth of the load is missing, and a drift has little noise.
+    assert missing(0.995e9 + 1e-4 * noise)[1] == ""
+    assert missing(0.985e9 + 1e-4 * noise)[1]
+    # The block lands half-way: the series has an error that would account for the half of the load.
+    landing = np.where(np.arange(100) < 50, 0.0, 1e9) + 0.1 * noise[:100]
+    assert 4 * statistics_of(landing).standard_error > 5e8
+    assert missing(landing)[1]
+    # Four standard errors of a block that bounces are 0.4 of its load: by chance for a thermostat, not for swings.
+    bouncing = 10 * noise / (noise.std() / 2e8)
+    assert missing(1.2e9 + bouncing)[1] == ""
+    lacking, message = missing(1.2e9 + bouncing, swings=True)
+    assert lacking == pytest.approx(2e8)
+    assert message.startswith("the interface carried 1.2e+09 ± ")
+    assert missing(1.05e9 + bouncing, swings=True)[1] == ""
+    # One state has no error to miss the load by.
+    assert missing([0.995e9])[1] == ""
+    said = "the interface carried 9.8e+08 Pa on average, not the 1e+09 Pa applied: raise dynamics.duration"
+    assert missing([0.98e9])[1] == said
+
+
+def test_what_is_said_of_a_block_on_its_way():
+    falling = descent([0.4e9, 0.5e9], speed=1.0, terminal_speed=1.5)
+    for words in (still_moving(falling, 0.0, CONTACT_MODULUS)[1], load_missing(falling, CONTACT_MODULUS)[1]):
+        assert words.startswith("the block still falls at 1 m/s: ")
+        assert "lower dynamics.damping: damping limits its fall to 1.5 m/s" in words
+    ringing = descent([0.4e9, 0.5e9], speed=1.0, terminal_speed=15.0)
+    assert still_moving(ringing, 0.0, CONTACT_MODULUS)[1].startswith("the atoms still move: ")
+    assert still_moving(descent([1e9]), 1e-3 * CONTACT_MODULUS, CONTACT_MODULUS) == (1e-3, "")
+    # Nothing is out of balance, and the block moves.
+    residual, message = still_moving(descent([1e9], impact=2e-3 * CONTACT_MODULUS), 0.0, CONTACT_MODULUS)
+    assert residual == pytest.approx(2e-3)
+    assert message.startswith("the atoms still move: ")
+    # A load too small for the bound is not carried by a surface that nothing touches.
+    residual, message = still_moving(descent([0.0], load=1e6), 0.0, CONTACT_MODULUS)
+    assert residual == pytest.approx(1e6 / CONTACT_MODULUS)
+    assert message.startswith("no atom is within reach of the substrate: ")
+    assert "damping" not in message  # there is none
+
+
+def said_of(carried=1e9, speed=0.0, terminal_speed=np.inf, **given):
+    defaults = {"nodes": 300.0, "whole": 300.0, "freedoms": 10_000, "states": 100, "forgotten": 9.0}
+    warmth = TemperatureStatistics(bath=300.0, **{**defaults, **given})
+    return not_in_equilibrium(descent([carried] * 20, 1e9, speed, terminal_speed), warmth, CONTACT_MODULUS)[1]
+
+
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        ({}, ""),
+        # Nothing forgotten: the square of one normal number, of which four deviations are 16.
+        ({"whole": 15.9 * 300, "forgotten": 0.1}, ""),
+        ({"whole": 4860, "forgotten": 0.1}, "the block still moves up and down as a whole, with 16.2 times"),
+        # The mean of many is near to one; of two states it is not.
+        ({"whole": 600, "forgotten": 400.0}, "the block still moves up and down"),
+        ({"whole": 600, "forgotten": 400.0, "states": 2}, ""),
+        # A fall has other remedies.
+        ({"carried": 0.5e9, "whole": 1e6, "speed": 1.0, "terminal_speed": 1.5}, "the block still falls"),
+        ({"carried": 0.5e9, "whole": 1e6}, "the block still moves up and down"),
+        ({"carried": 0.5e9}, "the interface carried"),
+        # Four deviations of sqrt(2/10 000), 5.7 %; of many freedoms a hundredth.
+        ({"nodes": 284.0}, ""),
+        ({"nodes": 316.0}, ""),
+        ({"nodes": 282.0}, "the atoms moved at 282 K on average, not at the thermostat's 300 K: "),
+        ({"nodes": 318.0}, "the atoms moved at 318 K"),
+        ({"nodes": 296.0, "freedoms": 10**6}, "the atoms moved at 296 K"),
+        ({"nodes": 297.5, "freedoms": 10**6}, ""),
+    ],
+)
+def test_a_block_that_rings_or_is_cold_is_in_no_equilibrium(given, words):
+    said = said_of(**given)
+    assert said.startswith(words)
+    assert bool(said) == bool(words)
+
+
+@pytest.mark.parametrize("forgotten", [1.0, 9.0])
+@pytest.mark.parametrize("swings", [5.5, 8.2])  # in all states; of 5.5 in 11 states each state sees the same
+def test_chance_is_not_taken_for_ringing(forgotten, swings):
+    """Oscillators in equilibrium with a bath, exactly."""
+    states, copies = 11, 20_000
+    random = np.random.default_rng(0)
+    kept = np.exp((-0.5 * forgotten + 2j * np.pi * swings) / states)
+    amplitude = random.normal(size=(copies, 2)) @ [1, 1j]
+    squares = np.zeros(copies)
+    for _ in range(states):
+        amplitude = kept * amplitude + np.sqrt(1 - abs(kept) ** 2) * (random.normal(size=(copies, 2)) @ [1, 1j])
+        squares += amplitude.real**2
+    # 20 000 times 6e-5 are 1.2 beyond the bound: more than six once in a thousand times.
+    seventh = np.sort(squares / states)[-7]
+    assert said_of(whole=300 * seventh, states=states, forgotten=forgotten) == ""
+    assert said_of(whole=300 * 3 * seventh, states=states, forgotten=forgotten)
+
+
+def test_a_generator_goes_on_where_it_stood():
+    generator = np.random.default_rng(7)
+    generator.random(3)
+    generator.integers(10, dtype=np.int32)  # leaves half a word
+    other = unpack_generator(pack_generator(generator))
+    np.testing.assert_array_equal(*(each.integers(10, size=3, dtype=np.int32) for each in (other, generator)))
+    np.testing.assert_array_equal(other.standard_normal(5), generator.standard_normal(5))
+
+
+def checkpoints():
+    rng = np.random.default_rng(1)
+    motion = Motion(rng.standard_normal((3, 7)), rng.standard_normal((3, 7)), 2e-9, -300.0, 2e-12)
+    series = [Frame(1e-12, 2e-9, 3e8, 300.0, 5.0), Frame(2e-12, 1.9e-9, 4e8, 310.0, 6.0)]
+    sampler = SamplerState(np.arange(12).reshape(3, 2, 2) * (1 + 2j), 0.4, np.ones((3, 2, 2)), 2, 1, 9)
+    chain = ChainState(sampler, np.random.default_rng(0), np.ones((3, 2, 2)), True, [1e9, 2e9])
+    return TrajectoryState(motion, rng, 3, True, 2, 20, 412, series), chain
+
+
+@pytest.mark.parametrize("number", [0, 1])
+def test_a_checkpoint_is_the_same_again(number):
+    before = checkpoints()[number]
+    after = type(before).unpack(before.pack())
+    for name, values in before.pack().items():
+        np.testing.assert_array_equal(after.pack()[name], values)
+    assert after.generator.random() == before.generator.random()
+    if number:
+        assert (after.pressures, after.converged) == ([1e9, 2e9], True)
+        assert (after.sampler.trajectories, after.sampler.accepted, after.sampler.evaluations) == (2, 1, 9)
+        return
+    assert (after.motion.top, after.motion.top_velocity, after.motion.time) == (2e-9, -300.0, 2e-12)
+    assert (after.point, after.touched, after.frame, after.frames, after.steps) == (3, True, 2, 20, 412)
+    assert after.series == before.series
+
+
+@pytest.mark.parametrize("number", [0, 1])
+def test_a_checkpoint_of_another_version_is_refused(number):
+    state = checkpoints()[number]
+    kept = state.pack()
+    if number:
+        del kept["pressures"]
+    else:
+        kept["series"] = kept["series"][:, :3]
+    with pytest.raises(InputError, match="of another version of this program; drop it with --overwrite"):
+        type(state).unpack(kept)
