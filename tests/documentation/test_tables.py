@@ -163,5 +163,31 @@ def test_no_table_of_results_stands_outside_a_block(path):
     assert rows == []
 
 
+# A percentage, or a number of three significant digits or more.
+RESULT = re.compile(r"(?<![\d.:/])(?:\d+(?:\.\d+)? %|[1-9]\d*\.\d\d+|0\.0*[1-9]\d\d+)(?![\d.])")
+
+
+def repeated(text):
+    """Numbers of a page's prose that stand in a table of results of the same section."""
+    for section in re.split(r"\n(?=#)", text):
+        tables = "\n".join(line for block in blocks(section) for line in block.content.splitlines() if line[:1] == "|")
+        for block in blocks(section):
+            section = section.replace(block.content, "")
+        prose = re.sub(r"```.*?```|\$[^$]*\$|`[^`]*`", "", section, flags=re.DOTALL)
+        yield from {*RESULT.findall(prose)} & {*RESULT.findall(tables)}
+
+
+@pytest.mark.parametrize("path", documents(), ids=lambda path: path.name)
+def test_no_number_of_a_table_is_typed_beside_it(path):
+    assert list(repeated(path.read_text(encoding="utf-8"))) == []
+
+
+def test_a_number_that_is_typed_beside_its_table_is_found():
+    table = "<!-- table: a -->\n| 12.5 % | 0.123 | 0.01 |\n<!-- end -->\n"
+    prose = "By 12.5 %, 0.123 at `0.123`, H = 0.01.\n"
+    assert set(repeated(f"# A\n{table}{prose}")) == {"12.5 %", "0.123"}
+    assert list(repeated(f"# A\n{table}\n# B\n{prose}")) == []
+
+
 def test_the_check_runs_the_tables():
     assert "make docs-check" in Path(ROOT / ".ci" / "run").read_text(encoding="utf-8")
