@@ -33,37 +33,37 @@ PACKAGES = {
     "theory": "tests/theory",
     "bem_adhesion": "tests/bem_adhesion",
     "md_reference": "tests/md_reference",
-    "contact_study/problem": "tests/study",
-    "contact_study/fields": "tests/numerics",
+    "contact_study/study": "tests/study",
+    "contact_study/physics": "tests/study tests/numerics",
+    "contact_study/numerics": "tests/numerics",
 }
-# Tests of a module, the quickest to fail first; by default its own file, then the whole package.
+# Tests of a module, the quickest to fail first, "" for the whole package; by default its own file, then the package.
 TESTS = {
-    "theory/study/case_theories.py": ("test_run.py",),
-    "theory/non_adhesive/closed_forms.py": ("test_closed_forms.py", "test_persson.py", "test_separation.py"),
-    "theory/gap_flow/flow.py": ("test_gap_flow.py", "test_run.py"),
-    "theory/gap_flow/state.py": ("test_gap_flow.py", "test_run.py"),
-    "theory/persson/theory.py": ("test_persson.py", "test_separation.py", "test_run.py"),
-    "theory/study/persson_paths.py": ("test_run.py",),
-    "theory/study/model.py": ("test_run.py",),
-    "theory/gap_flow/kernels.py": ("test_gap_flow.py",),
-    "theory/persson/separation.py": ("test_separation.py", "test_run.py"),
-    "theory/persson/diffusion.py": ("test_stress_diffusion.py", "test_persson.py"),
-    "bem_adhesion/hard_wall/active_set.py": ("test_hard_wall.py", ""),
-    "bem_adhesion/hard_wall/kernels.py": ("test_hard_wall.py", ""),
-    "bem_adhesion/linear/conjugate_gradients.py": ("test_adhesive.py", ""),
-    "bem_adhesion/adhesive/multigrid.py": ("test_loading.py", ""),
-    "md_reference/statics/step_limiter.py": ("test_equilibrium.py", ""),
-    "contact_study/physics/height_maps/preparation.py": ("test_preparation.py", ""),
-    "contact_study/physics/roughness/statistics.py": ("test_roughness.py", ""),
-    "contact_study/physics/height_maps/height_map.py": ("test_surface.py", "test_map_files.py"),
-    "contact_study/physics/height_maps/formats.py": ("test_map_files.py", ""),
-    "contact_study/physics/height_maps/grid.py": ("test_map_files.py", ""),
-    "contact_study/physics/surfaces/file.py": ("test_map_files.py", "test_surface.py"),
-    "bem_adhesion/kernels/law.py": ("test_kernels.py", ""),
-    "bem_adhesion/kernels/lennard_jones.py": ("test_kernels.py", ""),
-    "contact_study/physics/laws/base.py": ("test_laws.py", ""),
-    "contact_study/physics/laws/lennard_jones_10_4.py": ("test_laws.py", ""),
-    "contact_study/physics/laws/lennard_jones_9_3.py": ("test_laws.py", ""),
+    "theory/study/case_theories.py": "test_run.py",
+    "theory/study/persson_paths.py": "test_run.py",
+    "theory/study/model.py": "test_run.py",
+    "theory/non_adhesive/closed_forms.py": "test_closed_forms.py test_persson.py test_separation.py",
+    "theory/gap_flow/flow.py": "test_gap_flow.py test_run.py",
+    "theory/gap_flow/state.py": "test_gap_flow.py test_run.py",
+    "theory/gap_flow/kernels.py": "test_gap_flow.py",
+    "theory/persson/theory.py": "test_persson.py test_separation.py test_run.py",
+    "theory/persson/separation.py": "test_separation.py test_run.py",
+    "theory/persson/diffusion.py": "test_stress_diffusion.py test_persson.py",
+    "bem_adhesion/hard_wall/active_set.py": "test_hard_wall.py ",
+    "bem_adhesion/hard_wall/kernels.py": "test_hard_wall.py ",
+    "bem_adhesion/linear/conjugate_gradients.py": "test_adhesive.py ",
+    "bem_adhesion/adhesive/multigrid.py": "test_loading.py ",
+    "bem_adhesion/kernels/law.py": "test_kernels.py ",
+    "bem_adhesion/kernels/lennard_jones.py": "test_kernels.py ",
+    "md_reference/statics/step_limiter.py": "test_equilibrium.py ",
+    "contact_study/physics/height_maps/preparation.py": "test_preparation.py ",
+    "contact_study/physics/height_maps/height_map.py": "test_surface.py test_map_files.py",
+    "contact_study/physics/height_maps/formats.py": "test_map_files.py ",
+    "contact_study/physics/height_maps/grid.py": "test_map_files.py ",
+    "contact_study/physics/roughness/statistics.py": "test_roughness.py ",
+    "contact_study/physics/surfaces/measured.py": "test_map_files.py test_surface.py",
+    "contact_study/physics/laws/base.py": "test_laws.py ",
+    "contact_study/physics/laws/lennard_jones.py": "test_laws.py ",
 }
 TEST = f"{sys.executable} -m pytest -x -q -p no:xdist -p no:cacheprovider --no-header --tb=no"
 # Left out: changes that end in an error wherever the line is reached (// and shifts of floats), twins of others (+x for
@@ -153,19 +153,17 @@ def seconds_unchanged(package: str, copy: Path) -> float:
     if Path(used.strip()) != copy / package:
         sys.exit(f"the tests would import {used}, not the copy {copy}")
     began = time.monotonic()
-    call(*TEST.split(), PACKAGES[package], folder=copy)
+    call(*TEST.split(), *PACKAGES[package].split(), folder=copy)
     return time.monotonic() - began
 
 
 def prepared(package: str, part: str, copy: Path, seconds: float) -> Iterator[Path]:
     """A Cosmic Ray session for each module of the package."""
-    folder = PACKAGES[package]
     for module in sorted((copy / package).rglob("*.py")):
         name = module.relative_to(copy).as_posix()
         if module.name == "__init__.py" or part not in name:
             continue
-        files = (f"{folder}/{test}" for test in TESTS.get(name, (f"test_{module.name}", "")))
-        tests = " ".join(file for file in files if (copy / file).exists())
+        tests = " ".join(tests_of(package, name, copy))
         stem = name.removesuffix(".py").replace("/", "-")
         (copy / f"{stem}.toml").write_text(
             f"""[cosmic-ray]
@@ -184,6 +182,13 @@ exclude-operators = {list(OPERATORS_LEFT_OUT)!r}
         call("cosmic-ray", "init", f"{stem}.toml", f"{stem}.sqlite", folder=copy)
         call("cr-filter-operators", f"{stem}.sqlite", f"{stem}.toml", folder=copy)
         yield copy / f"{stem}.sqlite"
+
+
+def tests_of(package: str, module: str, copy: Path) -> list[str]:
+    """Files and folders of the tests of a module, in the order in which they run."""
+    names = TESTS.get(module, f"test_{Path(module).name} ").split(" ")
+    paths = (Path(folder) / name for name in names for folder in PACKAGES[package].split())
+    return [str(path) for path in paths if (copy / path).exists()]
 
 
 def keep_sample(sessions: list[Path], sample: int, seed: int) -> None:

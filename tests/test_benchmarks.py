@@ -10,7 +10,14 @@ import pytest
 import contact_study
 from contact_study.study.case import realise
 from contact_study.study.study import read_study
-from scripts import benchmark_adhesive, benchmark_atoms, benchmark_grids, benchmark_storage, benchmark_workers
+from scripts import (
+    benchmark_adhesive,
+    benchmark_atoms,
+    benchmark_grids,
+    benchmark_storage,
+    benchmark_workers,
+    mutants,
+)
 
 
 def test_benchmark_of_the_adhesive_solver(capsys):
@@ -133,3 +140,13 @@ def test_areas_over_grids_are_those_of_datasets(tmp_path):
     dataset = contact_study.run({name: keys for name, keys in table.items() if name != "override"}).squeeze()
     assert row["area"] == dataset.relative_contact_area[-1]
     assert row["area"] > 1.1 * dataset.relative_repulsive_area[-1]
+
+
+def test_mutants_are_of_modules_and_tests_that_exist():
+    for package, folders in mutants.PACKAGES.items():
+        assert all(Path(folder).is_dir() for folder in [package, *folders.split()])
+    for module, names in mutants.TESTS.items():
+        (package,) = (package for package in mutants.PACKAGES if module.startswith(f"{package}/"))
+        assert Path(module).is_file(), module
+        assert len(mutants.tests_of(package, module, Path())) >= len(names.split()), module
+    assert mutants.tests_of("theory", "theory/study/model.py", Path()) == ["tests/theory/test_run.py"]

@@ -173,7 +173,7 @@ def repeated(text):
         tables = "\n".join(line for block in blocks(section) for line in block.content.splitlines() if line[:1] == "|")
         for block in blocks(section):
             section = section.replace(block.content, "")
-        prose = re.sub(r"```.*?```|\$[^$]*\$|`[^`]*`", "", section, flags=re.DOTALL)
+        prose = re.sub(r"<!--.*?-->|```.*?```|\$[^$]*\$|`[^`]*`", "", section, flags=re.DOTALL)
         yield from {*RESULT.findall(prose)} & {*RESULT.findall(tables)}
 
 
