@@ -18,7 +18,6 @@ from contact_study.physics.laws.lennard_jones import LennardJones104
 from contact_study.physics.solids import HalfSpace
 from tests.bem_adhesion.paper_system import E_STAR, R0, SIZE, law, surface, touching
 
-RATIOS = [1.0, 4.0, 8.0]
 UNIT = HalfSpace(1.0)
 
 
@@ -111,10 +110,9 @@ def test_flat_surfaces_part_at_the_peak_of_the_law(fraction, outcome):
     assert solution.outcome is outcome
 
 
-@pytest.mark.parametrize("ratio", RATIOS)
+@pytest.mark.parametrize("ratio", [1.0, 8.0])
 def test_same_state_as_an_independent_minimisation(ratio):
-    points, size = 40, 200e-10
-    grid, the_law, load, gap = scaled_problem(points, ratio, size=size)
+    grid, the_law, load, gap = scaled_problem(30, ratio, size=150e-10)
     solver = NewtonSolver(grid, periodic(UNIT), the_law, 0.01)
     found = solver.solve(gap, FieldLoad(load), 1e-8, 500)
     assert found.outcome is Outcome.CONVERGED

@@ -8,7 +8,6 @@ import contact_study
 from bem_adhesion import HardWall, Layer, LennardJones104, rough_contact
 from bem_adhesion.hard_wall.contact import HardWallContact
 from contact_study.numerics.grid import Grid
-from contact_study.physics.solids import HalfSpace, Layered
 from contact_study.study.bins import bins_of
 from contact_study.study.study import make_study
 from tests.bem_adhesion.paper_system import E_STAR, R0, SIZE, study_table
@@ -198,10 +197,3 @@ def test_the_pressures_of_a_deep_approach_fit_the_bins():
         )
     )
     assert 4e9 < bins_of(hard).pressure_edges[-1] < 0.2 * highest
-
-
-@pytest.mark.parametrize("law", LAWS.values(), ids=LAWS)
-@pytest.mark.parametrize("solid", [HalfSpace(1.0), Layer(1.0, 0.5, 0.1), Layered(1.0, 0.3, 0.1, 2.0, 0.3)])
-def test_the_library_names_them(solid, law):
-    with pytest.raises(ValueError, match="'approach': a uniform pressure moves this solid by no finite distance"):
-        rough_contact(np.zeros((8, 8)), 1.0, solid, law, "approach")

@@ -11,8 +11,10 @@ import bem_adhesion
 import contact_study
 from bem_adhesion import (
     Exponential,
+    HalfSpace,
     HardWall,
     Layer,
+    Layered,
     LennardJones104,
     Repulsive,
     Viscoelastic,
@@ -57,12 +59,29 @@ def test_sides_options_and_solids_reach_the_solvers():
         ({"max_iterations": "many"}, "max_iterations"),
         ({"law": "lennard_jones_10_4"}, "law = 'lennard_jones_10_4'"),
         ({"hardness": 1e9}, "hardness: known of a hard wall without adhesion, not of LennardJones104; leave"),
+        ({"law": HardWall(), "hardness": -1.0}, "hardness = -1"),
+        ({"boundary": "open"}, "boundary = 'open'"),
+        ({"boundary": "free", "control": "gap"}, "'pressure' or 'approach'"),
+        ({"boundary": "free", "elasticity": Layer(1e9, 0.3, 1e-9)}, "those of a half-space"),
+        ({"elasticity": Viscoelastic(1e9, (1e9,), (1.0,))}, "ViscoelasticContact"),
+        *(
+            ({"control": "approach", "elasticity": solid, "law": law}, "'approach': .* moves this solid by no finite")
+            for solid in (HalfSpace(1e9), Layer(1e9, 0.5, 1e-9), Layered(1e9, 0.3, 1e-9, 2e9, 0.3))
+            for law in (LAW, HardWall())
+        ),
     ],
 )
 def test_bad_arguments_are_named(arguments, message):
     valid = {"height": np.zeros((8, 8)), "size": 1e-8, "elasticity": 1e9, "law": LAW}
     with pytest.raises(ValueError, match=message):
         rough_contact(**(valid | arguments))
+
+
+@pytest.mark.parametrize(("law", "words"), [(LAW, "gaps <= 0"), (Exponential(0.5, 1e-10), "gaps < 0")])
+def test_a_start_inside_the_surface_is_refused(law, words):
+    contact = rough_contact(HEIGHT, 7e-9, CONTACT_MODULUS, law)
+    with pytest.raises(ValueError, match=words):
+        contact.step(HEIGHT - 1e-10, 1e9)
 
 
 CONTACTS = {
@@ -135,7 +154,7 @@ def test_all_that_is_exported_exists():
     assert bem_adhesion.__version__
 
 
-@pytest.mark.parametrize("options", [{}, {"boundary": "free"}, {"control": "gap"}])
+@pytest.mark.parametrize("options", [{}, {"boundary": "free"}])
 def test_a_grid_that_does_not_resolve_its_law_is_told_of(options):
     """As a study's review does; what is proposed is taken without a word."""
     height, _ = self_affine(64)

@@ -8,7 +8,7 @@ import pytest
 from scipy.integrate import dblquad
 
 import contact_study
-from bem_adhesion import Dugdale, Exponential, HardWall, Layer, LennardJones104, Repulsive, rough_contact
+from bem_adhesion import Dugdale, Exponential, HardWall, LennardJones104, Repulsive, rough_contact
 from bem_adhesion.operators.free_space import FreeHalfSpace, Window, padded_grid
 from contact_study.errors import InputError
 from contact_study.numerics.grid import Grid
@@ -357,13 +357,3 @@ def test_the_kinds_that_may_be_free_are_those_that_the_refusal_names():
         LayerSection(kind="layer", boundary="free", thickness=1.0)
     named = re.search("known of kind = (.*) only", str(refusal.value))[1].replace('"', "").split(" and ")
     assert named == [kind for kind, section in ELASTICITIES.declared.items() if section.may_be_free]
-
-
-def test_library_arguments_are_named():
-    height, _ = sphere(8, 1.0)
-    with pytest.raises(ValueError, match="those of a half-space"):
-        rough_contact(height, 1.0, Layer(1.0, 0.3, 1.0), HardWall(), boundary="free")
-    with pytest.raises(ValueError, match="'pressure' or 'approach'"):
-        rough_contact(height, 1.0, 1.0, HardWall(), "gap", boundary="free")
-    with pytest.raises(ValueError, match="boundary = 'open'"):
-        rough_contact(height, 1.0, 1.0, HardWall(), boundary="open")

@@ -41,8 +41,7 @@ def non_negative_least_squares(height, grid, contact_modulus, level):
     return nnls(factor, target)[0].reshape(grid.shape)
 
 
-@pytest.mark.parametrize("shape", SHAPES)
-@pytest.mark.parametrize("quantile", [0.0, 0.5, 0.95])
+@pytest.mark.parametrize(("shape", "quantile"), list(zip(SHAPES, 2 * [0.0, 0.5, 0.95], strict=True)))
 def test_equals_non_negative_least_squares(shape, quantile):
     height, grid = random_heights(shape, 1.0, seed=3)
     expected = non_negative_least_squares(height, grid, 2.0, np.quantile(height, quantile) - 0.1)
@@ -115,8 +114,7 @@ def assert_complementary(solution, height, grid, contact_modulus, mean_pressure,
     assert solution.elastic_energy == pytest.approx(energy, rel=1e-6)
 
 
-@pytest.mark.parametrize("exponent", [0.0, 0.5, 1.5])
-@pytest.mark.parametrize("shape", [(64, 64), (128, 128), (100, 64), (33, 57)])
+@pytest.mark.parametrize(("shape", "exponent"), [((64, 64), 0.0), ((128, 128), 0.5), ((100, 64), 1.5), ((33, 57), 0.0)])
 def test_conditions_of_contact_even_on_noise(shape, exponent):
     """Heights without correlation are the hardest: a set judged on half-solved states cycles on them."""
     height, grid = random_heights(shape, exponent, seed=1)
@@ -126,7 +124,7 @@ def test_conditions_of_contact_even_on_noise(shape, exponent):
         assert_complementary(at(contact, fraction * full), height, grid, 1.0, fraction * full)
 
 
-@settings(max_examples=60)
+@settings(max_examples=30)
 @given(
     rows=st.integers(1, 12),
     columns=st.integers(1, 12),
@@ -167,7 +165,7 @@ def test_a_step_takes_the_cheaper_start(cutoff_mode):
     height, grid = self_affine(512, cutoff_mode)
     contact = HardWallContact(height, grid, CONTACT_MODULUS)
     before = at(contact, 1e9).state
-    for load, most in ((1.005e9, 0.8), (1.01e9, 1.0), (0.99e9, 1.0), (1.25e9, 1.0), (2e9, 1.0), (0.5e9, 1.0)):
+    for load, most in ((1.005e9, 0.8), (0.99e9, 1.0), (1.25e9, 1.0)):
         # Measured 0.65 at a change of 0.5 %, 0.68 to 0.93 at 1 %, and exactly 1 where the step starts afresh.
         assert at(contact, load, before).fft_pairs <= most * at(contact, load).fft_pairs
 
@@ -275,5 +273,5 @@ def test_work_stays_small(cutoff_mode):
     height, grid = self_affine(512, cutoff_mode)
     contact = HardWallContact(height, grid, CONTACT_MODULUS)
     full = at(HardWallContact(height, grid, contact.elasticity, "gap"), 0.0).pressure.mean()
-    pairs = [at(contact, fraction * full).fft_pairs for fraction in (0.002, 0.03, 0.12, 0.5, 0.8, 0.95)]
+    pairs = [at(contact, fraction * full).fft_pairs for fraction in (0.002, 0.12, 0.8)]
     assert max(pairs) < (30 if cutoff_mode == 12 else 40)

@@ -144,21 +144,6 @@ def small_problem(shape=(20, 24)):
     return height, grid
 
 
-def test_wrong_arguments_are_refused():
-    height, grid = small_problem()
-    with pytest.raises(ValueError, match="shape"):
-        AdhesiveContact(height[1:], grid, E_STAR, law())
-    with pytest.raises(ValueError, match="finite"):
-        AdhesiveContact(height * np.nan, grid, E_STAR, law())
-    with pytest.raises(ValueError, match="control"):
-        AdhesiveContact(height, grid, E_STAR, law(), control="force")
-    contact = AdhesiveContact(height, grid, E_STAR, law())
-    with pytest.raises(ValueError, match="target"):
-        contact.step(contact.separated(), np.inf)
-    with pytest.raises(ValueError, match="gaps"):
-        contact.step(height, 1e9)
-
-
 def test_typical_wavenumber_is_slope_over_height():
     """Of one wave its own; of two the root mean square by their heights; an offset changes nothing."""
     grid = Grid((32, 48), (2e-9, 3e-9))

@@ -137,7 +137,7 @@ def test_a_resumed_path_gives_the_same_bits(law):
 @pytest.mark.parametrize("control", LOADS)
 @pytest.mark.parametrize("name", [name for name in KEYS if name != "hard_wall"])
 def test_every_law(name, control):
-    table = study_table(32, size=500e-10, loading={"path": LOADS[control], "control": control, "unload": True})
+    table = study_table(32, size=500e-10, loading={"path": LOADS[control], "control": control})
     table["interaction"] = {"law": name, **KEYS[name]}
     dataset, law = run(table), EVERY_LAW[name]
     assert bool(np.all(dataset.converged == 1))
