@@ -141,7 +141,7 @@ class Solution:
 
 @dataclass(frozen=True)
 class NewtonResult:
-    """State at the end of a Newton solve."""
+    """End of a Newton solve: gap, pressure of a wall where it is zero, max|gradient| without what a wall carries."""
 
     gap: np.ndarray
     reaction: np.ndarray | float

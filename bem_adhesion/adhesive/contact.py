@@ -51,41 +51,12 @@ def reach(law: TractionLaw) -> float:
 class AdhesiveContact:
     """One rough surface against an elastic solid under a traction-separation law, for any number of loads.
 
-    Lengths are scaled by the law's length and stresses by the contact modulus inside; all arguments and results are
-    in SI units.
-
-    Parameters
-    ----------
-    height : numpy.ndarray, shape grid.shape
-        Heights of the rigid surface, toward the elastic solid (m).
-    grid : Grid
-        The periodic grid.
-    elasticity : Elasticity or float
-        The solid; a number is the contact modulus E* = E / (1 − ν²) of a half-space (Pa).
-    law : TractionLaw
-        The law of interaction.
-    control : {"pressure", "gap", "approach"}
-        Quantity that a step prescribes. A stiff spring holds a prescribed mean gap, its end moved until the mean gap is
-        met: the contact itself stays soft and may jump inside. The solid's own stiffness against a uniform pressure
-        holds a prescribed approach.
-    tolerance : float, optional
-        Largest max|K w + φ'(d) + p| / E* of a solution; under control of the gap or the approach also its largest error
-        in units of the law's length.
-    max_iterations : int, optional
-        Newton iterations of one step before it is flagged.
-    threads : int, optional
-        Threads of the transforms.
-    window : Window, optional
-        Part of the grid with a surface, for free boundaries; the heights outside are ignored.
-    trace : Trace, optional
-        Receiver of progress while a step is solved.
-    options : AdhesiveOptions, optional
-        Constants of the solver.
-
-    Raises
-    ------
-    ValueError
-        If the heights do not fit the grid or are not finite, or the solid does not support ``control``.
+    Parameters as for :func:`rough_contact`, in SI units; inside, lengths are scaled by the law's length and stresses
+    by the contact modulus. A stiff spring holds a prescribed mean gap, its end moved until the mean gap is met: the
+    contact itself stays soft and may jump inside. The solid's own stiffness against a uniform pressure holds a
+    prescribed approach. ``tolerance`` is the largest max|K w + φ'(d) + p| / E* of a solution; under control of the gap
+    or the approach also its largest error in units of the law's length. ``window`` is the part of the grid with a
+    surface, for free boundaries; the heights outside are ignored.
     """
 
     def __init__(
@@ -144,26 +115,7 @@ class AdhesiveContact:
 
     @in_turn
     def step(self, state: np.ndarray | Solution, target: float) -> Solution:
-        """Find the equilibrium that a state descends to under a new load.
-
-        Parameters
-        ----------
-        state : numpy.ndarray, shape grid.shape, or Solution
-            The solution of an earlier step, its ``state``, or :meth:`separated`: a displacement (m).
-        target : float
-            Mean pressure (Pa), mean gap above the law's equilibrium distance (m) or approach (m), as for
-            :meth:`Contact.step`.
-
-        Returns
-        -------
-        Solution
-            The state.
-
-        Raises
-        ------
-        ValueError
-            If the target is not finite, or the state has another shape or touches or penetrates the surface.
-        """
+        """Find the equilibrium that a displacement (m) descends to under a new load, see :meth:`Contact.step`."""
         state, target = step_arguments(self.control, target, state, self.height.shape)
         gap = self._gap_of(state)
         self._check_start(self._window.inside(gap))

@@ -102,27 +102,12 @@ class NewtonSolver(ContactEnergy):
         overwrite: bool = False,
         carries: bool = False,
     ) -> NewtonResult:
-        """Descend from ``gap`` to the next equilibrium.
+        """Descend from a gap, > 0, to the next equilibrium, at which max|gradient| is at most ``tolerance``.
 
-        Parameters
-        ----------
-        gap : numpy.ndarray, shape grid.shape
-            Initial gap, > 0.
-        load : Load
-            Load on the solid.
-        tolerance : float
-            Largest max|gradient| of a solution.
-        max_iterations : int
-            Largest number of Newton iterations.
-        first_contact : bool, optional
-            Whether the surfaces come together from separation, see ``first_contact_residual`` of the options.
-        known : numpy.ndarray, optional
-            A gap, this or another, that was evaluated last under this load's field: by :meth:`press`, or as a result.
-        overwrite : bool, optional
-            Whether the solver may overwrite ``gap`` and ``known``.
-        carries : bool, optional
-            Whether a solution has to carry its load however light, see :mod:`contact_study.numerics.balance`; a
-            prediction need not.
+        At first contact, from separation, negative curvature may be removed, see the options. A ``known`` gap, this or
+        another, was evaluated last under this load's field: by :meth:`press`, or as a result. The solver may
+        ``overwrite`` both gaps. A solution that ``carries`` its load does so however light the load is, see
+        :mod:`contact_study.numerics.balance`; a prediction need not.
         """
         state = self._evaluate_from(known, gap, load)
         trial = known if overwrite and known is not None and known is not gap else np.empty_like(gap)

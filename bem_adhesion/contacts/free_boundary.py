@@ -20,26 +20,8 @@ from contact_study.physics.solids.half_space import HalfSpace
 class FreeBoundaryContact:
     """One rough surface of finite extent against a half-space, for any number of loads.
 
-    Parameters
-    ----------
-    height : numpy.ndarray, shape grid.shape
-        Heights of the rigid surface, toward the half-space (m); beyond the grid there is none.
-    grid : Grid
-        Its points, at the centres of cells.
-    elasticity : Elasticity or float
-        A half-space, or its contact modulus (Pa).
-    law : TractionLaw
-        The law of interaction.
-    control : {"pressure", "approach"}
-        Quantity that a step prescribes: force over the area of the grid (Pa), or displacement of the half-space beyond
-        the position where, undeformed, its surface is the law's equilibrium distance from the highest point (m).
-    **options
-        As for :class:`HardWallContact` and :class:`AdhesiveContact`.
-
-    Raises
-    ------
-    ValueError
-        If the solid is no half-space or the control is another.
+    Parameters as for :func:`rough_contact`; the points of the grid are the centres of cells. Control is that of the
+    pressure, a force over the area of the grid (Pa), or of the approach.
     """
 
     def __init__(

@@ -63,40 +63,12 @@ def find_pressure(
 class HardWallContact(PressureControlledWall):
     """One rough surface against an elastic solid, for any number of loads.
 
-    Parameters
-    ----------
-    height : numpy.ndarray, shape grid.shape
-        Heights of the rigid surface, toward the elastic solid (m); their mean does not matter. Minus infinity marks
-        points without a surface, see :class:`~bem_adhesion.contacts.free_boundary.FreeBoundaryContact`.
-    grid : Grid
-        The periodic grid; any shape. Shapes that can be halved converge in half the time.
-    elasticity : Elasticity or float
-        The solid; a number is the contact modulus E* = E / (1 − ν²) of a half-space (Pa).
-    control : {"pressure", "gap", "approach"}
-        Quantity that a step prescribes.
-    tolerance : float, optional
-        Largest gap inside the contact and largest penetration outside, in units of the rms height, for a nearly flat
-        punch with free boundaries of a thousandth of its displacement; under control of the gap or the approach also
-        its largest error.
-    max_iterations : int, optional
-        Largest number of active-set iterations on each grid.
-    threads : int, optional
-        Threads of the transforms.
-    hardness : float, optional
-        Largest pressure (Pa), at which points yield; :class:`~bem_adhesion.contacts.plastic.PlasticContact` keeps the
-        indentation.
-    unit : float, optional
-        Unit of the tolerance in place of the rms height (m): that of a surface before it yielded.
-    trace : Trace, optional
-        Receiver of progress while a step is solved.
-    options : HardWallOptions, optional
-        Constants of the solver.
-
-    Raises
-    ------
-    ValueError
-        If a height is not finite, the shapes differ, the modulus, the tolerance or the hardness is not positive, or the
-        solid does not support ``control``.
+    Parameters as for :func:`rough_contact`; heights of minus infinity are points without a surface, see
+    :class:`~bem_adhesion.contacts.free_boundary.FreeBoundaryContact`. Shapes that can be halved converge in half the
+    time. ``tolerance`` is the largest gap inside the contact and penetration outside in units of the rms height, or of
+    ``unit`` (m); for a nearly flat punch with free boundaries of a thousandth of its displacement; under control of
+    the gap or the approach also its largest error. ``hardness`` is the largest pressure (Pa), at which points yield;
+    :class:`~bem_adhesion.contacts.plastic.PlasticContact` keeps the indentation.
     """
 
     def __init__(
@@ -121,28 +93,11 @@ class HardWallContact(PressureControlledWall):
 
     @in_turn
     def step(self, state: np.ndarray | Solution, target: float) -> Solution:
-        """Find the contact at a load. It is unique: the state to start from only changes the work.
+        """Find the contact at a load, see :meth:`Contact.step`. It is unique: the state only changes the work.
 
-        Parameters
-        ----------
-        state : numpy.ndarray, shape grid.shape, or Solution
-            The solution of a similar contact, its ``state``, or :meth:`separated`: a pressure (Pa). It replaces the
-            coarser grids as the start where its mean is near the target.
-        target : float
-            Mean pressure, >= 0 (Pa), mean gap, >= 0 (m), or approach (m), as for :meth:`Contact.step`. Above the gap of
-            first touch, or at an approach up to zero, there is no contact; at a gap of zero the pressure is the least
-            of full contact.
-
-        Returns
-        -------
-        Solution
-            ``tolerance`` bounds ``residual``. The pressure is positive in contact; the gap there is zero.
-
-        Raises
-        ------
-        ValueError
-            If the target is negative or not finite, is a pressure not below the hardness, or the state has another
-            shape.
+        The state is a pressure (Pa); it replaces the coarser grids as the start where its mean is near the target.
+        Mean pressures and gaps are not negative. Above the gap of first touch, or at an approach up to zero, there is
+        no contact; at a gap of zero the pressure is the least of full contact.
         """
         state, target = step_arguments(self.control, target, state, self.grid.shape)
         self._check_target(target)

@@ -141,21 +141,11 @@ class LinearisedContact:
         iterations: int,
         total: float = np.inf,
     ) -> LinearResult:
-        """Solve (K + D⁺ + softening·D⁻) x = right side until |residual| <= reduction·|right side|.
+        """Solve (K + D⁺ + softening·D⁻) x = right side until |residual| <= reduction·|right side| (2-norms).
 
-        Parameters
-        ----------
-        right_side, curvature : numpy.ndarray of float32
-            −gradient (Pa) and φ'' (Pa/m); not changed.
-        softening : float
-            Fraction of the negative curvature that is kept, between 0 (convex) and 1.
-        reduction : float
-            Reduction of the 2-norm of the residual to reach.
-        iterations : int
-            Largest number of iterations.
-        total : float, optional
-            Largest |Σ residual| at the end (Pa): the softest mode of a light contact, its mean gap, may be a small part
-            of the 2-norm.
+        The right side is −gradient (Pa), D = φ'' the curvature (Pa/m), both in float32. ``softening`` is the fraction
+        of the negative curvature that is kept, between 0 (convex) and 1. ``total`` is the largest |Σ residual| at the
+        end (Pa): the softest mode of a light contact, its mean gap, may be a small part of the 2-norm.
         """
         operator, buffer = self.operator, self.operator.field
         weights = self._shift, self._grid

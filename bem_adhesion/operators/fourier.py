@@ -23,22 +23,10 @@ Map = Any
 class Operator(Protocol):
     """The elastic solid on a grid, in one floating-point precision, with its buffer.
 
-    Write into :attr:`field`, apply a map, read the result there: no copies.
-
-    Attributes
-    ----------
-    grid : Grid
-        The grid.
-    field : numpy.ndarray, shape grid.shape
-        Input and output of every map.
-    stiffness : Map
-        K: displacement (m) to the pressure that holds it (Pa), symmetric and positive.
-    compliance : Map
-        Pressure (Pa) to a displacement of zero mean (m).
-    largest : float
-        Largest eigenvalue of K on this grid (Pa/m).
-    mean_stiffness : float
-        Stiffness of the mean displacement (Pa/m); zero where the load prescribes the mean.
+    Write into :attr:`field`, apply a map, read the result there: no copies. The maps are ``stiffness``, K:
+    displacement (m) to the pressure that holds it (Pa), symmetric and positive; and ``compliance``: pressure to a
+    displacement of zero mean. ``largest`` is the largest eigenvalue of K on this grid, ``mean_stiffness`` that of the
+    mean displacement, zero where the load prescribes the mean (Pa/m).
     """
 
     grid: Grid
@@ -126,7 +114,10 @@ def _multiply_and_sum(spectrum, factors, has_nyquist_column):
 
 
 class PeriodicOperator:
-    """A solid repeated with the period of the grid: its maps are factors in Fourier space, one transform pair each."""
+    """A solid repeated with the period of the grid: its maps are factors in Fourier space, one transform pair each.
+
+    A ``mean_stiffness``, K at q = 0 (Pa/m), adds a spring on the mean displacement.
+    """
 
     def __init__(
         self,

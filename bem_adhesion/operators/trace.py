@@ -19,17 +19,10 @@ Phase = Literal["transform", "spectrum", "extension", "points", "iteration"]
 class Progress:
     """One mark of a solver.
 
-    Parameters
-    ----------
-    phase : {"transform", "spectrum", "extension", "points", "iteration"}
-        Work that begins here: a Fourier transform, a product in Fourier space, the extension from a contact set, loops
-        over the points, or an outer iteration (which begins with loops over the points).
-    pairs : float
-        Transform pairs so far, as float64 pairs on the finest grid.
-    shape : tuple of int
-        Points along y and x of the grid in use.
-    residual : float or None
-        Residual at the start of an iteration, in the units of the solver's tolerance.
+    A phase begins: a Fourier transform, a product in Fourier space, the extension from a contact set, loops over the
+    points, or an outer iteration, which begins with loops over the points. ``pairs`` are the transform pairs so far,
+    as float64 pairs on the finest grid, ``shape`` the points of the grid in use, ``residual`` that at the start of an
+    iteration in the units of the solver's tolerance.
     """
 
     phase: Phase

@@ -98,24 +98,8 @@ def adaptive_step(
 ) -> tuple[Solution, list[EnergyLedger]]:
     """Go from one point of a path to the next in steps for which the work of the load is accounted for.
 
-    Parameters
-    ----------
-    contact : Contact
-        The contact.
-    state : numpy.ndarray
-        State to start from, see :attr:`Solution.state`.
-    before : EnergyLedger
-        Ledger of that state.
-    target : float
-        The next point.
-    least : float
-        Least step, in units of the target.
-    solid : Elasticity
-        The solid.
-    noise : float, optional
-        Work that the solver's tolerance and the law's tail may leave unaccounted for (J/m²).
-    options : AdaptiveOptions, optional
-        Constants of the steps.
+    Steps are at least ``least`` long, in units of the target. ``noise`` is the work that the solver's tolerance and
+    the law's tail may leave unaccounted for (J/m²).
 
     Returns
     -------

@@ -154,7 +154,7 @@ def test_coarse_grids_stop_where_they_cannot_bridge_the_process_zone():
     while level is not None:
         shapes.append(level.finest.grid.shape)
         level = level.coarser
-    # Spacing zone/4, then zone/2; at a whole zone there are fewer points than POINTS_FOR_PREDICTION.
+    # Spacing zone/4, then zone/2; at a whole zone there are fewer points than a prediction needs.
     assert shapes == [(96, 96), (48, 48)]
     assert MultigridSolver(Grid((95, 96), (2 * zone, 2 * zone)), periodic(UNIT), the_law, 0.01).coarser is None
 

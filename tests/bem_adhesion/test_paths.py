@@ -110,58 +110,43 @@ def test_a_smooth_branch_dissipates_nothing():
     assert accounts[2].dissipated - first < 1e-3 * abs(accounts[1].energy)
 
 
-class Spring:
-    """A contact that follows its load as a spring, and converges up to a length of step and a load."""
+class Curve:
+    """A contact of given pressures and energies along its separation; it converges up to a step and a load.
 
-    def __init__(self, longest, largest):
-        self.longest, self.largest = longest, largest
+    ``steps`` are those that it was asked for.
+    """
 
-    def separated(self):
-        return np.zeros((2, 2))
-
-    def stiffness(self, solution):
-        return 1.0
-
-    def step(self, state, target):
-        fails = abs(target - state.mean()) > self.longest or target > self.largest
-        at = np.full((2, 2), target)
-        outcome = Outcome.ITERATION_LIMIT if fails else Outcome.CONVERGED
-        return Solution(at, at, 10 - at, at, 0.5 * target**2, 0.0, 0.0, 1, 1.0, outcome, law=HardWall())
-
-
-class Dropping(Spring):
-    """Pulled by 2s − s² at a distance s, and at s = 0.6 falling by 1/6: by what the rule leaves of the way to s = 1."""
-
-    def __init__(self):
-        super().__init__(np.inf, np.inf)
-
-    def step(self, state, target):
-        at = np.full((2, 2), target)
-        energy = target**2 - target**3 / 3 - (target > 0.6) / 6
-        return Solution(at, at, at, at**2 - 2 * at, energy, 0.0, 0.0, 1, 1.0, Outcome.CONVERGED, law=HardWall())
-
-
-def test_a_jump_is_not_lost_in_what_the_rule_leaves_of_a_long_way():
-    begin = EnergyLedger(0.0, 0.0, 0.0, 0.0, True)
-    _, passed = adaptive_step(Dropping(), np.zeros((2, 2)), begin, 1.0, 0.01, HalfSpace(1.0))
-    # The jump, and what the rule leaves of the least step it is in.
-    assert passed[-1].dissipated == pytest.approx(1 / 6, abs=1e-5)
-    assert passed[-1].uncertain < 0.01**2
-
-
-class Passing(Spring):
-    """Pulled by s exp(1 − s) at a distance s, at most by one; ``steps``: from where to where it was asked to go."""
-
-    def __init__(self):
-        super().__init__(np.inf, np.inf)
-        self.steps = []
+    def __init__(self, pressure, energy, longest=np.inf, largest=np.inf, separation=lambda at: at):
+        self.pressure, self.energy, self.separation = pressure, energy, separation
+        self.longest, self.largest, self.steps = longest, largest, []
 
     def step(self, state, target):
         self.steps.append((float(state.mean()), target))
-        at = np.full((2, 2), target)
-        pull = target * np.exp(1 - target)
-        energy = np.e - (1 + target) * np.exp(1 - target)
-        return Solution(at, at, at, np.full((2, 2), -pull), energy, 0.0, 0.0, 1, 1.0, Outcome.CONVERGED, law=HardWall())
+        fails = abs(target - state.mean()) > self.longest or target > self.largest
+        outcome = Outcome.ITERATION_LIMIT if fails else Outcome.CONVERGED
+        at, gap, pressure = (
+            np.full((2, 2), value) for value in (target, self.separation(target), self.pressure(target))
+        )
+        return Solution(at, at, gap, pressure, self.energy(target), 0.0, 0.0, 1, 1.0, outcome, law=HardWall())
+
+
+def spring(longest, largest):
+    return Curve(lambda p: p, lambda p: 0.5 * p**2, longest, largest, lambda p: 10 - p)
+
+
+def passing():
+    """Pulled by s exp(1 − s) at a separation s, at most by one."""
+    return Curve(lambda s: -s * np.exp(1 - s), lambda s: np.e - (1 + s) * np.exp(1 - s))
+
+
+def test_a_jump_is_not_lost_in_what_the_rule_leaves_of_a_long_way():
+    """Pulled by 2s − s², and at s = 0.6 falling by 1/6: by what the rule leaves of the way to s = 1."""
+    dropping = Curve(lambda s: s**2 - 2 * s, lambda s: s**2 - s**3 / 3 - (s > 0.6) / 6)
+    begin = EnergyLedger(0.0, 0.0, 0.0, 0.0, True)
+    _, passed = adaptive_step(dropping, np.zeros((2, 2)), begin, 1.0, 0.01, HalfSpace(1.0))
+    # The jump, and what the rule leaves of the least step it is in.
+    assert passed[-1].dissipated == pytest.approx(1 / 6, abs=1e-5)
+    assert passed[-1].uncertain < 0.01**2
 
 
 LOSSY = AdaptiveOptions(unaccounted=np.inf)  # unaccounted work shortens steps, too
@@ -169,7 +154,7 @@ LOSSY = AdaptiveOptions(unaccounted=np.inf)  # unaccounted work shortens steps, 
 
 @pytest.mark.parametrize("begin", [0.0, 0.3, 0.5, 0.7])
 def test_the_strongest_pull_is_not_passed_over(begin):
-    contact = Passing()
+    contact = passing()
     found = contact.step(np.zeros((2, 2)), begin)
     account = EnergyLedger(begin, float(found.pressure.mean()), begin, found.elastic_energy, True)
     _, passed = adaptive_step(contact, found.state, account, 8.0, 1e-3, HalfSpace(1.0), options=LOSSY)
@@ -185,7 +170,7 @@ def test_of_two_steps_about_the_strongest_pull_the_longer_is_taken_back(first, m
     """Where energies say nothing of what is between, as where every step loses a little."""
     monkeypatch.setattr("bem_adhesion.study.adaptive._skips_pull_off", lambda *_: False)
     account = EnergyLedger(0.0, 0.0, 0.0, 0.0, True)
-    contact = Passing()
+    contact = passing()
     _, passed = adaptive_step(contact, np.zeros((2, 2)), account, 4 * first, 1e-3, HalfSpace(1.0), options=LOSSY)
     assert min(at.pressure for at in passed) < -0.98
     distances = [at.position for at in passed]
@@ -211,7 +196,7 @@ def test_a_strongest_pull_is_told_by_energies_or_by_three_states():
 
 def test_steps_that_do_not_converge_are_shortened():
     begin = EnergyLedger(0.0, 0.0, 10.0, 0.0, True)
-    found, (*_, account) = adaptive_step(Spring(0.3, np.inf), np.zeros((2, 2)), begin, 1.0, 0.01, HalfSpace(1.0))
+    found, (*_, account) = adaptive_step(spring(0.3, np.inf), np.zeros((2, 2)), begin, 1.0, 0.01, HalfSpace(1.0))
     assert found.outcome is Outcome.CONVERGED
     assert account.position == 1.0
     assert found.state.mean() == 1.0
@@ -220,7 +205,7 @@ def test_steps_that_do_not_converge_are_shortened():
 
 def test_where_the_least_step_does_not_converge_the_path_says_so_and_keeps_the_state_before():
     begin = EnergyLedger(0.0, 0.0, 10.0, 0.0, True)
-    found, (*_, account) = adaptive_step(Spring(1.0, 0.7), np.zeros((2, 2)), begin, 1.0, 0.01, HalfSpace(1.0))
+    found, (*_, account) = adaptive_step(spring(1.0, 0.7), np.zeros((2, 2)), begin, 1.0, 0.01, HalfSpace(1.0))
     assert found.outcome is Outcome.LEAST_STEP
     assert not found.converged
     assert "loading.resolution" in found.message
@@ -228,7 +213,7 @@ def test_where_the_least_step_does_not_converge_the_path_says_so_and_keeps_the_s
     assert 0.69 <= account.position <= 0.7
     assert found.state.mean() == account.position, "the last state that converged"
     assert found.pressure.mean() > 0.7, "and beside it what the step left"
-    back, (*_, account) = adaptive_step(Spring(1.0, 0.7), found.state, account, 0.2, 0.01, HalfSpace(1.0))
+    back, (*_, account) = adaptive_step(spring(1.0, 0.7), found.state, account, 0.2, 0.01, HalfSpace(1.0))
     assert back.converged
     assert account.position == 0.2
 
