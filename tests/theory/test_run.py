@@ -489,19 +489,19 @@ def review(**sections):
 
 def test_roughness_that_adhesion_dwarfs_is_refused():
     assert review() == []
-    with pytest.raises(InputError, match="resolves a factor of 300"):
+    with pytest.raises(InputError, match="the limit is 300"):
         review(surface={"size": "3 m"})
     soft = {"material": {"youngs_modulus": "2 MPa"}, "interaction": {"work_of_adhesion": "0.05 J/m^2"}}
     assert review(surface={"size": "1 um"}, **soft) == []
-    # A cap on the tension is a cap on what the cells must hold.
-    with pytest.raises(InputError, match="resolves a factor of 300"):
+    # A cap on the tension is a cap on the detachment stress.
+    with pytest.raises(InputError, match="the limit is 300"):
         review(theory={"alpha": 1e6})
     assert review(theory={"alpha": 1e6, "cap_detachment_stress": True}) == []
 
 
 def test_spectra_far_above_the_law_are_said():
     (note,) = review(surface={"size": "3 m", "rms_height": "3 cm"})
-    assert "times interaction.length: the theories know of none below it" in note
+    assert "times interaction.length: the theories leave out all roughness below it" in note
 
 
 def test_hard_wall_has_persson_only():

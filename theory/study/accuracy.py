@@ -1,7 +1,7 @@
-"""Errors of resolution of the theories: every state beside that of half the nodes, cells and scales.
+"""Errors of resolution of the theories, from a comparison of every state with that on half the nodes, cells and scales.
 
-The difference is the error of a theory of first order and three times that of one of second order, which these are in
-between: no error is taken off it.
+The difference is the error of a scheme of first order and three times that of one of second order. The theories are in
+between.
 """
 
 import warnings
@@ -15,10 +15,9 @@ from contact_study.results.schema import RESOLUTION_ERROR, quantity_of
 from theory.persson.separation import NegativeSeparation, NotConverged
 from theory.study.case_theories import CaseTheories
 
-# How much coarser the other states are.
 _COARSENING = 2
 
-# What has an error, with what makes a number of it and the words of a warning.
+# Quantities with an error, and the words of a warning.
 _JUDGED = {
     "relative_contact_area": "of the contact area",
     "mean_gap": "of the rms height in the mean gap",
@@ -37,7 +36,7 @@ def coarse(every: Iterable[CaseTheories]) -> tuple[CaseTheories, ...]:
 
 
 def quietly(values: Iterator[dict[str, Any]]) -> Iterator[dict[str, Any]]:
-    """Values of coarse theories without their warnings: those of the fine ones count."""
+    """Values of coarse theories without their warnings, which the fine ones repeat where they matter."""
     while True:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", NotConverged)
@@ -59,20 +58,19 @@ def errors(
     fine, coarser : mapping
         Values of the point at both resolutions, by the names of their quantities.
     theories : CaseTheories
-        What was solved at the finer one. Errors of gaps are compared with the rms height, those of pressures with the
-        stress of full contact; what the path prescribes has none.
+        The theories at the finer one. Errors of gaps are compared with the rms height, those of pressures with the
+        stress of full contact; the prescribed quantity has none.
     accuracy : float
-        Error asked for, in the area over the area.
+        Largest error, in the area over the area.
 
     Returns
     -------
     found : dict
-        For each state, ``…_resolution_error`` of its quantities, in their units, and the flag ``resolved``, which asks
-        Persson's theory for a ``stress_balance`` of one within the accuracy, too. A quantity
-        that one of the two resolutions alone defines has an error that is no number, and is not resolved.
+        For each state, ``…_resolution_error`` of its quantities, in their units, and the flag ``resolved``. In
+        Persson's theory this also needs a ``stress_balance`` of one within the accuracy. A quantity that exists at one
+        of the two resolutions only has the error NaN, and is not resolved.
     worst : dict
-        For each state that is not resolved, named as its quantities are, its largest error in the units of the accuracy
-        and its words.
+        For each state that is not resolved, its largest error in the units of the accuracy and its words.
     """
     scales = {
         "mean_gap": float(np.sqrt(theories.spectrum.mean_square_height)),
@@ -94,7 +92,7 @@ def errors(
         else:
             error, scale = 0.0 if one == other else abs(one - other), scales.get(quantity, one)  # both may be infinite
             found[name + RESOLUTION_ERROR] = error if np.isfinite(error) else np.nan
-        if np.isnan(one) and np.isnan(other):  # what neither defines is judged by nothing
+        if np.isnan(one) and np.isnan(other):  # defined at neither resolution
             error = 0.0
         share = error / scale if scale else np.inf if error else 0.0
         found.setdefault(f"{state}/resolved", True)

@@ -1,4 +1,4 @@
-"""The theories of a case: which spectra they are fed with, and the curves that all points of its path are read from."""
+"""The theories of a case: the spectra that they use, and the curves that all points of its path share."""
 
 import warnings
 from collections.abc import Iterator
@@ -20,28 +20,28 @@ from theory.numerics.background import BackgroundExecutor, BackgroundTask
 from theory.persson.separation import TOLERANCE, NotConverged
 from theory.persson.theory import PerssonTheory
 
-# Change of the detachment stress, in units of the full-contact stress, that rounding still lets the iteration reach.
+# Smallest tolerance of the detachment stress that rounding permits, in units of the full-contact stress.
 _FINEST_TOLERANCE = 1e-11
 
-# How far beyond the path's highest pressure the curve of the edge flow is asked to reach.
+# Reach of the edge flow's curve over the path's highest pressure.
 _RESERVE = 1.1
 
 
 @dataclass(frozen=True)
 class CaseTheories:
-    """The theories of a case, fed with one spectrum.
+    """The theories of a case with one spectrum.
 
     Attributes
     ----------
     case : Case
         The case.
     spectrum : RoughnessSpectrum
-        What they know of the surface.
+        Roughness.
     other : str
-        The spectrum's name in the study where it is not the first one; else empty.
+        The spectrum's name in the study where it is not the first one; otherwise empty.
     coarsening : int
-        By how much nodes, cells and scales are fewer than the theories' own.
-    ahead : Ahead
+        Divisor of the default nodes, cells and scales.
+    ahead : BackgroundExecutor
         Threads that may begin with the flows.
     """
 
@@ -58,7 +58,7 @@ class CaseTheories:
 
     @contextmanager
     def naming_the_spectrum(self) -> Iterator[None]:
-        """Where a case has several spectra, warnings of what is solved inside begin with the name of this one."""
+        """Prefix warnings with the name of the spectrum, if the case has several."""
         with warnings.catch_warnings(record=True) as caught:
             yield
         kinds = self.case.spectra
@@ -85,22 +85,21 @@ class CaseTheories:
 
     @property
     def effort(self) -> tuple[float, int]:
-        """Tolerance, in units of the full-contact stress, and most iterations of a state of Persson's theory.
+        """Tolerance, in units of the full-contact stress, and largest number of iterations of Persson's theory.
 
-        Its residual is the change of σ_a over E*, which ``solver.tolerance`` bounds as it does the residual stress of
-        the simulations; but it is never looser than the theory's own choice, which counts on flat surfaces of little
-        stress.
+        ``solver.tolerance`` bounds the change of σ_a over E*, as it bounds the residual stress of simulations. On
+        surfaces with little stress the default of the theory is smaller, and counts.
         """
         asked = self.case.solver.tolerance * self.persson.solid.contact_modulus / self.persson.stress_scale
         return float(np.clip(asked, _FINEST_TOLERANCE, TOLERANCE)), self.case.solver.max_iterations
 
     def begin(self) -> None:
-        """Let other threads begin with the flows, the longest first."""
+        """Start the flows in other threads, the longest first."""
         self._edge_flow_begun, self.gap_flow_states  # noqa: B018
 
     @cached_property
     def gap_flows(self) -> tuple[GapFlow, ...]:
-        """The gap flow in each branch; none outside a wall, which no flow goes through, and where none is asked for."""
+        """The gap flow in each branch; none for laws with a hard wall, and where the study asks for none."""
         flows = tuple(begun.result() for begun in self._gap_flows_begun)
         for flow in flows:
             if not flow.converged:
@@ -139,7 +138,7 @@ class CaseTheories:
 
     @cached_property
     def edge_flow(self) -> EdgeFlow | None:
-        """The edge flow as far as the path asks; None outside a wall, or where it is not asked for.
+        """The edge flow as far as the path needs it; None for laws with a hard wall, or where the study asks for none.
 
         Raises
         ------
@@ -160,7 +159,7 @@ class CaseTheories:
         gaps, scales = EDGE_FLOW_GAPS // self.coarsening, EDGE_FLOW_SCALES // self.coarsening
         flow = partial(edge_flow, self.spectrum, case.solid, case.law, gaps=gaps, scales=scales)
         if case.loading.control == "pressure":
-            # Down to where contact begins to be whole: beyond the pull-off, wherever that is.
+            # Up to nearly full contact: beyond the pull-off, wherever that is.
             stress = np.sqrt(self.spectrum.full_contact_stress_variance(case.solid.stiffness))
             return self.ahead.begin(partial(flow, max(_RESERVE * asked.max(), float(stress))))
         reached = asked + case.law.equilibrium_distance
@@ -181,7 +180,7 @@ def _states_along(case: Case, flow: GapFlow) -> list[GapState | None]:
 
 
 def _too_close(case: Case, limit: str) -> str:
-    """What to say of a path that presses the surfaces closer than a flow's nodes, in the path's own unit."""
+    """The message about a path that presses the surfaces closer than a flow's nodes, in the unit of the path."""
     unit, size = case.loading.unit
     if case.loading.control == "pressure":
         asked, instead = f"{max(case.loading.path) / size:g} {unit}", "lower pressures"
@@ -192,7 +191,7 @@ def _too_close(case: Case, limit: str) -> str:
 
 
 def case_theories(case: Case, surface: Surface) -> tuple[CaseTheories, ...]:
-    """The theories of a case for each spectrum, made once for as long as the same case and surface are asked for.
+    """The theories of a case for each spectrum, kept until another case or surface follows.
 
     Raises
     ------
@@ -203,7 +202,7 @@ def case_theories(case: Case, surface: Surface) -> tuple[CaseTheories, ...]:
 
 
 def roughness(case: Case, surface: Surface, kind: str) -> RoughnessSpectrum:
-    """One of the spectra that a case asks for.
+    """The roughness of one kind of spectrum of a case.
 
     Raises
     ------
@@ -222,7 +221,7 @@ def roughness(case: Case, surface: Surface, kind: str) -> RoughnessSpectrum:
 
 @dataclass(frozen=True, eq=False)
 class _Asked:
-    """Arguments of a cached function that hold arrays: told apart by which objects they are."""
+    """Arguments of a cached function that hold arrays, compared by identity."""
 
     case: Case
     surface: Surface

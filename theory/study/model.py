@@ -1,8 +1,8 @@
 """The theories of a case as a campaign runs them, and the command ``persson-theory``.
 
 ``persson`` is Persson's theory as the paper used it, ``gap_flow`` the equilibrium of the gap-flow theory, and
-``gap_flow/loading`` and ``gap_flow/unloading`` are the two metastable branches that enclose what is reached;
-``edge_flow`` is the edge flow.
+``gap_flow/loading`` and ``gap_flow/unloading`` are its two metastable branches, with every reachable state between
+them; ``edge_flow`` is the edge flow.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -25,7 +25,6 @@ from contact_study.study.study import Study
 from contact_study.study.sweep import points
 from theory.criteria import local_tabor_number, range_of, stickiness
 from theory.persson.separation import energy_defect, pull_off_pressure
-from theory.persson.theory import PerssonTheory
 from theory.study import accuracy as resolution
 from theory.study.case_theories import CaseTheories, case_theories
 from theory.study.gap_paths import edge_flow_paths, flow_name, gap_flow_paths
@@ -34,8 +33,9 @@ from theory.study.persson_paths import PERSSONS_OWN, magnifications, persson_pat
 MODEL = MODELS["theory"]
 POINTS_FOR_THREADS = 0
 
-# Shortest wave over the law's length from which on a spectrum is said to leave out most of what adhesion meets.
-_COARSEST = 1e5
+# Limits of plausible input: largest detachment stress over the stress of the roughness, for beyond it the surface is
+# flat to the law, and largest wavelength of the finest roughness over the law's length.
+_FLATTEST, _COARSEST = 300.0, 1e5
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -51,17 +51,16 @@ def check(case: Case) -> None:
     Raises
     ------
     InputError
-        If a prescribed gap leaves none, the surface is flat, it yields, the boundaries are free, an approach is
-        prescribed, or the analytic spectrum is asked of a surface that has none.
+        If the case lacks roughness or a spectrum, or has a solid, boundary or control that the theories do not treat.
     """
     case.require_gap()
     kind = case.surface.kind
     if case.elasticity.kind == "viscoelastic":
-        raise InputError('elasticity.kind = "viscoelastic": the theories know of no time')
+        raise InputError('elasticity.kind = "viscoelastic": the theories are static; use "elastic" or a simulation')
     if case.material.hardness is not None:
-        raise InputError(f"material.hardness = {case.material.hardness:g} Pa: the theories know of none; leave it out")
+        raise InputError(f"material.hardness = {case.material.hardness:g} Pa: the theories are elastic; leave it out")
     if case.elasticity.boundary != "periodic":
-        raise InputError(f'elasticity.boundary = "{case.elasticity.boundary}": theories of roughness know no boundary')
+        raise InputError(f'elasticity.boundary = "{case.elasticity.boundary}": the theories need "periodic"')
     if case.loading.control == "approach":
         raise InputError('loading.control = "approach": the theories follow "pressure" or "gap"')
     if not case.surface.rough:
@@ -71,28 +70,28 @@ def check(case: Case) -> None:
 
 
 def review(study: Study, scales: Sequence[SurfaceScales]) -> list[str]:
-    """Say where roughness and law have too little to do with each other, in one line for the whole study.
+    """Warn of roughness that is too coarse for the law, in one line for the whole study.
 
     Raises
     ------
     InputError
-        If the detachment stress dwarfs the stress of the roughness so far that the theory's cells cannot hold both.
+        If the detachment stress exceeds the stress of the roughness so far that the surface is flat to the law.
     """
     coarse = []
     for case, scale in zip(study.cases, scales, strict=True):
         solid, law = case.solid, case.law
         finest = min(scale.shortest_wave, scale.size[0], scale.size[1])
         stress = scale.full_contact_stress(solid)
-        # Of a solid that is held stiffly the longest wave may be the stiffest.
+        # In a stiffly held solid the longest wave may be the stiffest.
         stiffness = float(np.max(solid.stiffness(2 * np.pi / np.array([finest, max(scale.size)]))))
         tension = np.sqrt(2 * case.theory.alpha * stiffness * law.work_of_adhesion)
         if case.theory.cap_detachment_stress:
             tension = min(tension, law.peak_tensile_stress)
-        if tension > PerssonTheory.cells * stress > 0:
+        if tension > _FLATTEST * stress > 0:
             raise InputError(
-                f"surface, interaction: adhesion ({tension:.3g} Pa at the finest roughness) dwarfs the stress that the "
-                f"roughness makes ({stress:.3g} Pa) by {tension / stress:.3g}; Persson's theory resolves a factor of "
-                f"{PerssonTheory.cells}. Such a surface is flat to this law: check size, heights and adhesion"
+                f"surface, interaction: the detachment stress of the finest roughness, {tension:.3g} Pa, is "
+                f"{tension / stress:.3g} times the stress of full contact, {stress:.3g} Pa; the limit is "
+                f"{_FLATTEST:g}. Such a surface is flat to this law: check size, heights and adhesion"
             )
         if law.attracts and finest > _COARSEST * law.length:
             coarse.append((case, finest, law.length))
@@ -102,12 +101,12 @@ def review(study: Study, scales: Sequence[SurfaceScales]) -> list[str]:
     where = points([case for case, *_ in coarse], len(study.cases))
     return [
         f"surface: its finest roughness, of wavelength {finest:.3g} m, is {finest / length:.2g} times "
-        f"interaction.length{where}: the theories know of none below it"
+        f"interaction.length{where}: the theories leave out all roughness below it"
     ]
 
 
 def constants(case: Case, surface: Surface) -> dict[str, Value]:
-    """What does not change along the path."""
+    """Constants of the case: pull-off pressures, criteria of stickiness, scales of the surface."""
     every, law = case_theories(case, surface), case.law
     theories = every[0]
     theory, spectrum, (tolerance, max_iterations) = theories.persson, theories.spectrum, theories.effort
@@ -152,8 +151,8 @@ def solve_path(
 ) -> Iterator[Step]:
     """Yield a step for each path point from number ``start`` on.
 
-    Each state of Persson's theory starts from the one before, since under tension the branch matters; the first from
-    the adhered branch, which the paper follows.
+    Each state of Persson's theory starts from the one before, since under tension the branch matters. The first starts
+    from the adhered branch, as in the paper.
 
     Parameters
     ----------
@@ -174,7 +173,7 @@ def solve_path(
     Warns
     -----
     Unresolved
-        If an accuracy is asked for that a theory's resolution misses.
+        If a theory's resolution misses ``theory.accuracy``.
     """
     every, accuracy = case_theories(case, surface), case.theory.accuracy
     found = _along(every, restart or {}, start)
@@ -188,7 +187,7 @@ def solve_path(
         added, worst = resolution.errors(values, others, every[0], accuracy)
         for name, error in worst.items():
             missed.setdefault(name, []).append(error)
-        if number == len(case.path) - 1:  # whoever takes the last step does not come back
+        if number == len(case.path) - 1:  # the consumer stops at the last step
             resolution.warn(missed, len(case.path) - start, accuracy)
         yield Step(values | added, restart=state)
 
@@ -196,7 +195,7 @@ def solve_path(
 def _along(
     every: tuple[CaseTheories, ...], restart: Mapping[str, np.ndarray], start: int
 ) -> Iterator[tuple[dict[str, Any], dict[str, np.ndarray]]]:
-    """Values of all theories and what to go on from, at each path point from number ``start`` on."""
+    """Values of all theories and the restart state, at each path point from number ``start`` on."""
     paths = [persson_path(theories, restart.get(_stress_name(theories), "adhered"), start) for theories in every]
     flows = [(theories, [*gap_flow_paths(theories), *edge_flow_paths(theories, start)]) for theories in every]
     for number, states in enumerate(zip(*paths, strict=True), start):
@@ -221,7 +220,7 @@ def _stress_name(theories: CaseTheories) -> str:
 def _with_compression(values: dict[str, Any], solid: Elasticity) -> dict[str, Any]:
     """The values of every theory with its mean separation, and with a layer's uniform compression in its energy.
 
-    Nothing slides in a theory of the mean gap: that compression is all that parts gap and separation.
+    Mean gap and mean separation differ by that compression alone, because nothing slides in a theory of the mean gap.
     """
     for name in [name for name in values if quantity_of(name)[1] == "mean_gap"]:
         group = name.removesuffix("mean_gap")

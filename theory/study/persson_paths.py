@@ -1,4 +1,4 @@
-"""What Persson's theory says of each point of a loading path."""
+"""States of Persson's theory at each point of a loading path."""
 
 import warnings
 from collections.abc import Callable, Iterator
@@ -12,7 +12,7 @@ from theory.persson.theory import PerssonContact, PerssonTheory
 from theory.study.case_theories import CaseTheories
 from theory.study.gap_paths import DETACHED, nowhere
 
-_UNSOUND_GAP = "states at higher pressures that the mean gap rests on did not converge"
+_UNSOUND_GAP = "the mean gap depends on states at higher pressures that did not converge"
 
 # Wavevectors at which the magnification-resolved quantities are stored.
 _STORED_WAVEVECTORS = 129
@@ -21,11 +21,9 @@ _RESOLVED = ("relative_contact_area_at", "detachment_stress", "effective_work_of
 # Quantities that no other theory has.
 PERSSONS_OWN = (*_RESOLVED, "contact_stress", "edge_stress", "pressure_pdf_at")
 
-# Difference of the detachment stress, over the full-contact stress, up to which a state is of the curve's branch.
-_SAME_BRANCH = 1e-2
-
-# Below this pressure, in units of the full-contact stress, a mean gap is not sought.
-_LOWEST_PRESSURE = 1e-9
+# Largest difference of the detachment stress between states of one branch, and lowest pressure of the search for a mean
+# gap, both in units of the full-contact stress.
+_SAME_BRANCH, _LOWEST_PRESSURE = 1e-2, 1e-9
 
 
 def persson_path(
@@ -33,8 +31,8 @@ def persson_path(
 ) -> Iterator[tuple[dict[str, Any], np.ndarray | str]]:
     """Values and detachment stress at each path point from number ``start`` on.
 
-    Each state starts from the one before, since under tension the branch matters; the first from ``stress``. Under
-    compression the separation curve, which follows the adhered branch, knows better where to start.
+    Each state starts from the one before, since under tension the branch matters; the first starts from ``stress``.
+    Under compression the separation curve, which follows the adhered branch, gives a better start.
     """
     case, theory = theories.case, theories.persson
     by_pressure = case.loading.control == "pressure"
@@ -62,7 +60,7 @@ def persson_path(
 
 
 def _first(curve: SeparationCurve, pressure: float, before: float, stress: np.ndarray | str) -> np.ndarray | str:
-    """Detachment stress to start from: the curve's, unless the state before, at another pressure, was none of it."""
+    """First detachment stress: the curve's, unless the state before, at another pressure, was on another branch."""
     if pressure <= 0:
         return stress
     if isinstance(stress, np.ndarray):
@@ -81,14 +79,14 @@ def _separation(theories: CaseTheories) -> SeparationCurve:
         return separation_curve(theory, lowest, tolerance=tolerance, max_iterations=max_iterations)
 
     if case.loading.control == "pressure":
-        # Tension has no separation; a curve that nothing is read from stays short.
+        # Under tension alone there is no separation: the curve stays short.
         lowest = min((p for p, _ in case.path if p > 0), default=theory.stress_scale)
         return sweep(min(lowest, theory.stress_scale))
     curve = sweep(1e-3 * theory.stress_scale)
     largest = max(gap for gap, _ in case.path)
     ends = _quiet_gap(curve, curve.pressure[:2])
     growth = ends[0] - ends[1]
-    if ends[0] > largest or growth <= 0:  # reached, or sticking so strong that the gap no longer grows
+    if ends[0] > largest or growth <= 0:  # reached, or limited by strong sticking
         return curve
     # At light load the gap grows by the same step with every decade less pressure; one decade in reserve.
     decades = (largest - ends[0]) / growth * np.log10(curve.pressure[1] / curve.pressure[0]) + 1
