@@ -51,7 +51,7 @@ def persson_path(
             stress = contact.detachment_stress
             values = _persson_values(contact) | {"mean_gap": float(gaps[number])}
             if np.isfinite(gaps[number]) and not curve.converged_above(pressures[number]):
-                values |= {"converged": False, "message": _UNSOUND_GAP}
+                values |= {"converged": False, "message": values["message"] or _UNSOUND_GAP}
         if asked:
             zetas = magnifications(theory, asked)
             known = not np.isnan(pressures[number])
