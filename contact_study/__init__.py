@@ -6,6 +6,8 @@
 import importlib
 from typing import TYPE_CHECKING, Any
 
+from contact_study.version import __version__
+
 if TYPE_CHECKING:
     from contact_study.campaign.dataset.vtk import to_vtk
     from contact_study.campaign.dataset.xyz import to_xyz
@@ -32,8 +34,6 @@ __all__ = [
     "to_vtk",
     "to_xyz",
 ]
-
-__version__ = "0.1.0"
 
 _MODULES = {
     "InputError": "errors",

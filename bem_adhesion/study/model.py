@@ -9,8 +9,8 @@ from bem_adhesion.study.checks import review
 from bem_adhesion.study.overdamped import overdamped_motion
 from bem_adhesion.study.quasi_static import path_of_equilibria
 from bem_adhesion.study.viscoelastic import path_in_time
+from contact_study import overdamped_path
 from contact_study.campaign.model import MODELS
-from contact_study.campaign.worker import overdamped_path
 from contact_study.errors import InputError
 from contact_study.physics.solids import Viscoelastic
 from contact_study.physics.surfaces.surface import Surface

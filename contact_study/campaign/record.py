@@ -17,7 +17,6 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import contact_study
 from contact_study.errors import InputError
 from contact_study.numerics.distributions import Bins
 from contact_study.results.schema import SCHEMA_VERSION
@@ -25,6 +24,7 @@ from contact_study.study.case import Case
 from contact_study.study.schema.dotted_keys import SECTIONS, WHOLE_STUDY, same
 from contact_study.study.schema.keys import keys_of, shown
 from contact_study.study.study import Study, make_study
+from contact_study.version import __version__
 
 if TYPE_CHECKING:
     from contact_study.campaign.model import Model
@@ -61,7 +61,7 @@ class RunRecord:
     study: Study
     height_maps: Mapping[str, str]
     ignores: tuple[str, ...] = ()
-    version: str = contact_study.__version__
+    version: str = __version__
     schema_version: str = SCHEMA_VERSION
     predictor: str = ""
 

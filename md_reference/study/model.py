@@ -4,9 +4,9 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
+from contact_study import overdamped_path
 from contact_study.campaign.memory import Need
 from contact_study.campaign.model import MODELS
-from contact_study.campaign.worker import overdamped_path
 from contact_study.errors import InputError
 from contact_study.physics.surfaces.scales import SurfaceScales
 from contact_study.physics.surfaces.surface import Surface

@@ -50,7 +50,7 @@ def test_what_is_saved_is_read_again(tmp_path):
 
 def test_states_that_serve_nobody_do_not_pile_up(tmp_path, monkeypatch):
     """Each is a tenth of a MB, the steps are small: the file has never more than three states or so."""
-    monkeypatch.setattr(case_file, "_WORTH_WHILE", 1000)
+    monkeypatch.setattr(case_file, "_LEAST_GAIN", 1000)
     path, largest = tmp_path / "a.case", 0
     with CaseWriter(path, 50, last_state=False) as file:
         for number in range(50):
@@ -95,7 +95,7 @@ def test_who_takes_up_a_case_has_it_to_himself(tmp_path):
         first.save_step(0, step(0))
         with CaseWriter(path, 3, last_state=True) as second:
             assert second.start == 1
-            with pytest.raises(CampaignError, match=r"a\.case: was deleted, or taken up by another run"):
+            with pytest.raises(CampaignError, match=r"a\.case: was deleted, or taken over by another run"):
                 first.save_step(1, step(7))
             second.save_step(1, step(1))
     assert CaseFile(path).step(1)[0]["iterations"] == 1

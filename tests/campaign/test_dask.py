@@ -246,7 +246,7 @@ def test_scheduler_that_does_not_answer(study, tmp_path, capsys, monkeypatch):
 
 
 def test_workers_of_another_version_are_refused(cluster, study, tmp_path, capsys, monkeypatch):
-    monkeypatch.setattr("contact_study.__version__", "9.9")
+    monkeypatch.setattr("contact_study.campaign.engines.dask.__version__", "9.9")
     said = refused(study, tmp_path, capsys, "--engine", "dask", "--scheduler", cluster.scheduler_address)
     assert "this is 9.9" in said
 

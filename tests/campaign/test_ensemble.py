@@ -56,7 +56,7 @@ def test_memory_of_states_in_motion_is_a_time():
     # Half of a drift's 6 ps hold no five times its memory.
     least = statistics_of(np.linspace(0, 1e-11, 60)).autocorrelation_time / 10
     assert 0.6 < least < 1.2
-    words = "the 60 states of a point, 6 ps, are too few to tell the autocorrelation time of mean_separation, "
+    words = "the 60 states of a point, 6 ps, are too few for the autocorrelation time of mean_separation, "
     words += f"{least:.2g} ps at least: their standard errors need a series of twenty such times; raise dynamics.dur"
     with pytest.warns(UserWarning, match=words):
         values = averages_of(np.linspace(0, 1e-11, 60)).step().values

@@ -158,7 +158,7 @@ def records_of(path):
     return {(record.kind, record.number): record for record in CaseFile(path)._records.values()}
 
 
-@pytest.mark.parametrize("where", [0.0, 0.1, 0.5, 0.9, 0.999])
+@pytest.mark.parametrize("where", [0.0, 0.5, 0.999])
 def test_a_torn_file_is_gone_on_with(study, interrupted, tmp_path, capsys, where):
     (torn,) = (tmp_path / "bem.nc.parts").glob("*.case")
     torn.write_bytes(torn.read_bytes()[: int(where * torn.stat().st_size)])
@@ -171,8 +171,9 @@ def test_a_torn_file_is_gone_on_with(study, interrupted, tmp_path, capsys, where
 KEYS = [(b"cons", 0), (b"note", 0), (b"stat", 0), (b"step", 0), (b"step", 1), (b"stat", 2), (b"step", 2)]
 
 
-@pytest.mark.parametrize("key", KEYS)
-@pytest.mark.parametrize("where", [0, 6, 10, 18, 40, -1])
+@pytest.mark.parametrize(
+    ("key", "where"), [*[(key, -1) for key in KEYS], *[((b"step", 1), where) for where in (0, 6, 10, 18, 40)]]
+)
 def test_changed_bits_on_disk_are_computed_again(study, interrupted, tmp_path, capsys, key, where):
     """One bit is another, in the head of a record, in its text or in its last array: all stands under a checksum."""
     (damaged,) = (tmp_path / "bem.nc.parts").glob("*.case")

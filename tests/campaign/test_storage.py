@@ -261,7 +261,7 @@ def test_a_folder_deleted_while_a_study_runs_is_told_at_once(run, tmp_path, mean
     meanwhile(lambda: shutil.rmtree(tmp_path / "bem.nc.parts"))
     status, solved, said = run(BASE)
     assert (status, len(solved)) == (1, 2)
-    assert ".case: was deleted, or taken up by another run, while its case ran; run the study again" in said
+    assert ".case: was deleted, or taken over by another run, while its case ran; " in said
     assert names(tmp_path) == []
     monkeypatch.undo()
     assert run(BASE, "--resume")[0] == 0
@@ -326,7 +326,7 @@ def test_a_step_garbled_while_a_study_runs_is_told_and_computed_again(run, tmp_p
     meanwhile(garble)
     status, _, said = run(BASE)
     assert status == 1
-    assert ".case: is not what was written; --resume computes it again" in said.splitlines()[-1]
+    assert ".case: is corrupt" in said.splitlines()[-1]
     monkeypatch.undo()
     status, _, said = run(BASE, "--resume")
     assert status == 0

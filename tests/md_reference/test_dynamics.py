@@ -180,7 +180,7 @@ def test_run_stopped_within_a_point_goes_on_to_the_same_bits(loading, tmp_path, 
     warm, output = {"temperature": 300.0}, {"fields": False}
     study = moving(atomistic=warm, dynamics=given, loading=loading, output=output, surface=SMALL)
     # Half of 1 ps at 300 K: no wave of the block has come round. Driven to a gap the state at the end is the point's.
-    words = r"the 10 states of a point, 0\.\d+ ps, are too few to tell an autocorrelation time, .*: .*; raise "
+    words = r"the 10 states of a point, 0\.\d+ ps, are too few for an autocorrelation time, .*: .*; raise "
     driven = loading.get("control") == "gap"
     with nullcontext() if driven else pytest.warns(UserWarning, match=f"{words}dynamics.frames"):
         contact_study.run(study, "atomistic", output=tmp_path / "whole.nc")

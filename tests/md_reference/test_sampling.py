@@ -154,7 +154,7 @@ def test_a_block_that_thermal_motion_tears_off_is_detached():
 
 
 def test_short_series_are_warned_of():
-    words = "the 4 states of a point are too few to tell an autocorrelation time, which takes 50: .*; raise sampl"
+    words = "the 4 states of a point are too few for an autocorrelation time, which takes 50: .*; raise sampl"
     with pytest.warns(UserWarning, match=words):
         dataset = contact_study.run(changed(sampling={"trajectories": 4}, loading={"path": ["1 GPa"]}), "atomistic")
     assert np.isnan(dataset["mean_pressure" + AUTOCORRELATION_STATES].item())
@@ -208,6 +208,6 @@ def test_counted_states_of_another_binning_are_not_gone_on_from():
     case = make_study(STUDY).cases[0]
     bins = bins_of_case(case)
     kept = {"bins": np.ravel(bins.spans), "fields": np.array([0, 0]), "series/mean_gap": np.arange(3.0)}
-    assert Averages.taken_up(kept, bins, False) is not None
-    assert Averages.taken_up(kept, bins, True) is None  # fields that were not kept
-    assert Averages.taken_up({**kept, "bins": 2 * kept["bins"]}, bins, False) is None
+    assert Averages.restored(kept, bins, False) is not None
+    assert Averages.restored(kept, bins, True) is None  # fields that were not kept
+    assert Averages.restored({**kept, "bins": 2 * kept["bins"]}, bins, False) is None

@@ -18,12 +18,12 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
-import contact_study
 from contact_study.campaign.engines import ENGINES, CampaignError
 from contact_study.campaign.model import Model
 from contact_study.errors import InputError
 from contact_study.study.schema.dotted_keys import all_keys
 from contact_study.study.schema.keys import as_written, replacement, suggestion
+from contact_study.version import __version__
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -211,7 +211,7 @@ def _parser(model: Model) -> Parser:
     )
     add("--engine", choices=ENGINES, help="engine that runs the cases (default: processes if there are several)")
     add("--scheduler", metavar="ADDRESS", help="address, or file, of the scheduler of a Dask cluster (--engine dask)")
-    add("--version", action="version", version=f"%(prog)s {contact_study.__version__}")
+    add("--version", action="version", version=f"%(prog)s {__version__}")
     if model.takes_predictor:
         add("--predictor", type=Path, metavar="BEM.nc", help="dataset whose gap fields the steps start from")
     groups: dict[str, Any] = {}

@@ -11,13 +11,13 @@ from typing import Any
 
 import xarray as xr
 
-import contact_study
 from contact_study.campaign.dataset.file import ExistingDataset
 from contact_study.campaign.model import Model, check_study
 from contact_study.campaign.record import Run, RunRecord
 from contact_study.campaign.store.formats import engine_of, readable
 from contact_study.errors import InputError
 from contact_study.results.schema import CONVENTIONS, LABELS
+from contact_study.version import __version__
 
 # Of this file's folder in a checkout.
 _PLACE = "contact_study/campaign/dataset/"
@@ -45,7 +45,7 @@ def attributes(
     return {
         "Conventions": CONVENTIONS,
         "title": run.study.title,
-        "source": f"bem-adhesion {contact_study.__version__}, {run.model.command}: {run.model.description}",
+        "source": f"bem-adhesion {__version__}, {run.model.command}: {run.model.description}",
         "history": "\n".join(dict.fromkeys(history)),
         "references": run.model.references,
         "git_commit": git_commit,

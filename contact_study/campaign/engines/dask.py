@@ -14,10 +14,10 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
-import contact_study
 from contact_study.campaign.engines.base import CampaignError, Report, Task
 from contact_study.campaign.memory import set_share
 from contact_study.errors import InputError
+from contact_study.version import __version__
 
 _TIMEOUT = "10s"  # for the answer of a scheduler
 
@@ -31,11 +31,10 @@ def check(scheduler: str | None) -> None:
             raise InputError(
                 f"--scheduler {scheduler}: its workers cannot import this program ({error}); start them where it is"
             ) from None
-        others = versions - {contact_study.__version__}
+        others = versions - {__version__}
         if others:
             raise InputError(
-                f"--scheduler {scheduler}: its workers have version {', '.join(sorted(others))}, this is "
-                f"{contact_study.__version__}"
+                f"--scheduler {scheduler}: its workers have version {', '.join(sorted(others))}, this is {__version__}"
             )
 
 
@@ -105,7 +104,7 @@ def _client_arguments(scheduler: str) -> dict[str, str]:
 
 
 def _version() -> str:
-    return contact_study.__version__
+    return __version__
 
 
 # Warnings are caught for a whole process, so a worker of several threads runs one case at a time.

@@ -5,8 +5,8 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-import contact_study
 from contact_study.campaign.command_line.command import Parser, complete, guarded, report_convergence
+from contact_study.version import __version__
 
 COMMAND = "contact-merge"
 
@@ -60,7 +60,7 @@ def _parser() -> Parser:
         help="key in which the parts differ without a sweep: it becomes a dimension (seeds always do)",
     )
     add("--overwrite", action="store_true", help="replace an existing dataset")
-    add("--version", action="version", version=f"%(prog)s {contact_study.__version__}")
+    add("--version", action="version", version=f"%(prog)s {__version__}")
     return parser
 
 

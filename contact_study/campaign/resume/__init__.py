@@ -1,1 +1,1 @@
-"""Going on from an earlier run: what decides the numbers of a step, and what of it stands."""
+"""Continuing earlier runs: the work directory, the match of cases, and what of them a new run uses."""

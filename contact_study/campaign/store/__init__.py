@@ -1,1 +1,1 @@
-"""Files of a running campaign: one file a case, written so that no kill can tear it."""
+"""Files of a running campaign: one file per case that survives a kill, and the formats of datasets."""

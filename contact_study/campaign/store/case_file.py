@@ -1,11 +1,11 @@
-"""The file of one case while its study runs: constants, warnings, finished steps, and a state to go on from.
+"""The file of one case while its study runs: constants, warnings, finished steps, and the restart state.
 
-Each is a record under a checksum, appended when it is known, the state before its step: what can be read is complete,
-and a kill at any moment costs what was being written. States before the last serve nobody; once they fill half of the
-file it is written anew without them, and renamed.
+Each is a record with a checksum, appended when it is known, the state before its step. A readable record is complete; a
+kill loses only the record that was being written. When states before the last fill half of the file, it is rewritten
+without them and renamed.
 
-Whoever takes up a case first copies its file, and renames the copy to its place. A worker that was given up but still
-runs, on another machine perhaps, then writes into a file without a name.
+A worker that opens a case copies its file and renames the copy to the file's place. An abandoned worker that still
+runs, perhaps on another machine, then writes into a file without a name.
 """
 
 import os
@@ -27,14 +27,14 @@ from contact_study.results.step import Step
 
 _CONSTANTS, _NOTES, _STEP, _STATE, _PARTIAL = b"cons", b"note", b"step", b"stat", b"part"
 
-# Bytes of states that serve nobody, below which a file is not written anew for them.
-_WORTH_WHILE = 2**20
+# Least bytes of obsolete states for which a file is rewritten.
+_LEAST_GAIN = 2**20
 
 _Key = tuple[bytes, int]
 
 
 class CaseFile:
-    """What the file of a case holds; nothing if there is none.
+    """Reader of the file of a case; empty if there is none.
 
     Parameters
     ----------
@@ -46,7 +46,7 @@ class CaseFile:
     path : pathlib.Path
         The file.
     damaged : bool
-        Whether something in it is not what was written; a record that a kill has torn is none of this.
+        Whether a record is corrupt; an incomplete last record, after a kill, is not.
     """
 
     def __init__(self, path: Path):
@@ -61,7 +61,7 @@ class CaseFile:
                 self.damaged = True
 
     def check(self) -> None:
-        """Look at every record, and forget those that are not what was written."""
+        """Verify every record; drop corrupt ones."""
         if not self._records:
             return
         with self.path.open("rb") as stream:
@@ -71,13 +71,13 @@ class CaseFile:
 
     @property
     def has_steps(self) -> bool:
-        """Whether a step, or a part of one, is there."""
+        """Whether the file has a step, or a part of one."""
         return any(kind in (_STEP, _PARTIAL) for kind, _ in self._records)
 
     def finished(self, steps: int, last_state: bool) -> int:
-        """How many of a case's ``steps`` are there, counted from the first without a gap, and can be gone on from.
+        """Count a case's ``steps`` from the first without a gap, up to one from which the run can continue.
 
-        The last one of all counts without a state, unless its state is wanted.
+        The last step of the case counts without a state, unless ``last_state`` asks for it.
         """
         number = 0
         while number < steps and self.has_step(number):
@@ -90,12 +90,12 @@ class CaseFile:
 
     @property
     def has_constants(self) -> bool:
-        """Whether the case's constants are there."""
+        """Whether the file has the case's constants."""
         return (_CONSTANTS, 0) in self._records
 
     @property
     def constants(self) -> dict[str, Any]:
-        """What does not change along the path."""
+        """Quantities that do not change along the path."""
         return self._read((_CONSTANTS, 0))[0]
 
     @property
@@ -109,15 +109,15 @@ class CaseFile:
         return values, Bins.evenly(*spans)
 
     def step_text(self, number: int, name: str) -> str | None:
-        """A text among the quantities of a step; None if it is not there."""
+        """A text among the quantities of a step; None if the step is missing."""
         return str(self._read((_STEP, number), records.read_text)[0][name]) if self.has_step(number) else None
 
     def has_step(self, number: int) -> bool:
-        """Whether a step is there."""
+        """Whether the file has a step."""
         return (_STEP, number) in self._records
 
     def usable_steps(self, bins: Bins) -> int:
-        """How many steps from the first one on have distributions that can be brought onto the bins."""
+        """Count the steps from the first on whose distributions fit the bins."""
         number = 0
         while self.has_step(number) and self._bins(number).hold(bins):
             number += 1
@@ -127,19 +127,19 @@ class CaseFile:
         return Bins.evenly(*self._read((_STEP, number), records.read_text)[1])
 
     def state(self, number: int) -> dict[str, np.ndarray]:
-        """The state that the step after ``number`` starts from; empty if it is not there."""
+        """Restart state after a step; empty if it is missing."""
         key = _STATE, number
         return self._read(key)[0] if key in self._records else {}
 
     def partial(self, number: int) -> dict[str, np.ndarray]:
-        """What is known of an unfinished step; empty if nothing is."""
+        """Averages of an unfinished step; empty if there are none."""
         key = _PARTIAL, number
         return self._read(key)[0] if key in self._records else {}
 
     def keep(self, first: int, partial: bool) -> None:
-        """Leave the steps before number ``first`` alone in the file, and what is known of that one if ``partial``.
+        """Rewrite the file with the steps before ``first`` only, and the unfinished step ``first`` if ``partial``.
 
-        With none left the constants go, too; so does what :meth:`check` has found damaged.
+        Without any step the constants go, too; so do corrupt records.
         """
         kept = [key for key in self._records if _is_before(key, first, partial)]
 
@@ -151,13 +151,13 @@ class CaseFile:
             write_aside(self.path, write)
 
     def _copy(self, target: BinaryIO, keys: Iterable[_Key]) -> None:
-        """Copy records into a file, which are what is there from now on."""
+        """Copy records into a new file, whose records they become."""
         copied: dict[_Key, Record] = {}
         if self._records:
             with self.path.open("rb") as stream:
                 for key in keys:
                     if not records.is_whole(stream, self._records[key]):
-                        raise self._damage("is not what was written")
+                        raise self._damage("is corrupt")
                     copied[key] = records.copy(stream, self._records[key], target)
         self._records = copied
 
@@ -171,7 +171,7 @@ class CaseFile:
             raise self._damage(str(error)) from None
 
     def _damage(self, fault: str) -> CampaignError:
-        return CampaignError(f"{self.path}: {fault}; --resume computes it again")
+        return CampaignError(f"{self.path}: {fault}")
 
 
 def _is_before(key: _Key, first: int, partial: bool) -> bool:
@@ -184,23 +184,23 @@ def _is_before(key: _Key, first: int, partial: bool) -> bool:
 
 
 class CaseWriter(CaseFile):
-    """The file of a case in the hands of who runs it; a context.
+    """Writer of the file of a case, for the worker that runs it; a context.
 
     Parameters
     ----------
     path : pathlib.Path
-        The file; its folder is there.
+        The file, in an existing folder.
     steps : int
         Points of the case's path.
     last_state : bool
-        Whether the state after the last one is wanted.
+        Whether to keep the state after the last one.
 
     Raises
     ------
     OSError
         If it cannot be written.
     CampaignError
-        If it was deleted, or somebody else has taken up the case.
+        If it was deleted, or another worker has taken over the case.
     """
 
     def __init__(self, path: Path, steps: int, last_state: bool):
@@ -210,33 +210,33 @@ class CaseWriter(CaseFile):
 
     def __enter__(self) -> "CaseWriter":
         self.check()
-        self._take_up()
+        self._rewrite()
         return self
 
     def __exit__(self, *_: Any) -> None:
         if self._stream is not None:
-            with suppress(OSError):  # said when it was written
+            with suppress(OSError):  # raised when it was written
                 self._stream.close()
 
     @property
     def start(self) -> int:
-        """Number of the first step that is missing."""
+        """Number of the first missing step."""
         return self.finished(*self._steps)
 
     def save_constants(self, constants: Mapping[str, Value]) -> None:
-        """Put what does not change along the path on disk."""
+        """Write the quantities that do not change along the path."""
         self._append((_CONSTANTS, 0, constants, None))
 
     def save_notes(self, notes: Sequence[str]) -> None:
-        """Put warnings on disk, after those that are there."""
+        """Append warnings."""
         self._append((_NOTES, sum(kind == _NOTES for kind, _ in self._records), {}, list(notes)))
 
     def save_partial(self, number: int, kept: Mapping[str, np.ndarray]) -> None:
-        """Put what is known so far of an unfinished step on disk."""
+        """Write the averages of an unfinished step."""
         self._append((_PARTIAL, number, kept, None))
 
     def save_step(self, number: int, step: Step) -> None:
-        """Put one finished step on disk."""
+        """Write a finished step."""
         spans = None if step.bins is None else step.bins.spans
         self._append((_STATE, number, step.restart, None), (_STEP, number, {**step.values, **step.fields}, spans))
 
@@ -248,18 +248,16 @@ class CaseWriter(CaseFile):
             stream.flush()
         except OSError as error:
             raise OSError(f"{self.path}: cannot be written ({error.strerror or error})") from None
-        if not self._stands():
-            raise CampaignError(
-                f"{self.path}: was deleted, or taken up by another run, while its case ran; run the study again"
-            )
+        if not self._has_name():
+            raise CampaignError(f"{self.path}: was deleted, or taken over by another run, while its case ran")
         self._records |= {(record.kind, record.number): record for record in found}
         live = sum(self._records[key].size for key in self._live)
-        if stream.tell() - live > max(live, _WORTH_WHILE):
-            self._take_up()
+        if stream.tell() - live > max(live, _LEAST_GAIN):
+            self._rewrite()
 
     @property
     def _live(self) -> list[_Key]:
-        """What serves somebody: all but states and parts of steps before the one that is missing."""
+        """All records but states and unfinished parts of steps before the first missing one."""
         first = self.start
         return [
             key
@@ -271,8 +269,8 @@ class CaseWriter(CaseFile):
             )
         ]
 
-    def _take_up(self) -> None:
-        """Write the file anew with what serves somebody, and go on with it in the place of the old one."""
+    def _rewrite(self) -> None:
+        """Replace the file by a copy of its live records, and append to that."""
         partial = self.path.with_name(f".{self.path.name}.{socket.gethostname()}.{os.getpid()}.tmp")
         try:
             stream = partial.open("w+b")
@@ -292,8 +290,8 @@ class CaseWriter(CaseFile):
             self._stream.close()
         self._stream = stream
 
-    def _stands(self) -> bool:
-        """Whether the file still has its name."""
+    def _has_name(self) -> bool:
+        """Whether the open file still has its name."""
         assert self._stream is not None
         try:
             return os.path.samestat(self.path.stat(), os.fstat(self._stream.fileno()))
@@ -304,7 +302,7 @@ class CaseWriter(CaseFile):
 def write_case(
     path: Path, constants: Mapping[str, Any], steps: Sequence[Mapping[str, Any]], bins: Bins, state: Mapping[str, Any]
 ) -> None:
-    """Put what is known of a case on disk, as if a run had stopped after these steps; all of it appears at once."""
+    """Write a case file as of a run that stopped after these steps; it appears by rename."""
 
     def write(partial: Path) -> None:
         with partial.open("wb") as stream:

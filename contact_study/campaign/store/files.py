@@ -1,4 +1,4 @@
-"""Files that appear whole or not at all."""
+"""Outputs: checks before a run, and files that appear complete or not at all."""
 
 import json
 import os
@@ -13,13 +13,7 @@ from contact_study.errors import InputError
 
 
 def named_file(name: str | Path) -> Path:
-    """The path of an output as a user names it.
-
-    Raises
-    ------
-    InputError
-        If it is the name of a folder, by a slash at its end: a path would drop it. A folder of Zarr may have one.
-    """
+    """Return the path of an output; raises InputError for a folder's name, unless of Zarr."""
     path = Path(name)
     if not path.name or (str(name).endswith(os.sep) and not is_zarr(path)):
         raise InputError(f"{name}: is the name of a folder; name a file")
@@ -58,7 +52,7 @@ def check_inputs_kept(output: Path, inputs: Sequence[Path | None]) -> None:
 
 
 def real(path: Path) -> str:
-    """Where a path leads to, links followed as far as they lead anywhere."""
+    """Resolve the links of a path as far as they lead."""
     return os.path.realpath(path)  # pathlib's fails over a loop of links
 
 
@@ -103,5 +97,5 @@ def save_json(path: Path, content: Any) -> None:
 
 
 def load_json(path: Path) -> Any:
-    """What a file of JSON holds."""
+    """Read a file of JSON."""
     return json.loads(path.read_text(encoding="utf-8"))

@@ -1,6 +1,6 @@
-"""Files of records: numbers and arrays under a checksum, one record appended after the other.
+"""Files of records: numbers and arrays with a checksum, appended one after the other.
 
-A kill or a full disk tears at most the record that is being written, the last one; readers leave it out.
+A kill or a full disk leaves at most the last record incomplete; readers skip it.
 """
 
 import json
@@ -15,23 +15,23 @@ import numpy as np
 _MARK = b"rec1"
 _HEAD = struct.Struct("<4s4sIIQ")  # mark, kind, number, checksum, bytes that follow
 _LENGTH = struct.Struct("<Q")  # of the text before the arrays
-_PIECE = 2**20  # bytes that are read at once
+_PIECE = 2**20  # bytes per read
 
 
 @dataclass(frozen=True)
 class Record:
-    """Where a record stands in its file.
+    """Position of a record in its file.
 
     Attributes
     ----------
     kind : bytes
-        Four letters that say what it holds.
+        Four letters that name its content.
     number : int
-        Tells those of one kind apart.
+        Number among the records of its kind.
     start, end : int
-        Its first byte, and the one after its last.
+        First byte, and the one after the last.
     checksum : int
-        CRC-32 of all of it but the checksum.
+        CRC-32 of the record without the checksum.
     """
 
     kind: bytes
@@ -42,17 +42,17 @@ class Record:
 
     @property
     def size(self) -> int:
-        """Bytes, the head among them."""
+        """Bytes, including the head."""
         return self.end - self.start
 
 
 def records_in(stream: BinaryIO) -> Iterator[Record]:
-    """The whole records of a file from where the stream stands; contents are not looked at.
+    """Yield the complete records of a file from the stream's position, without verifying their contents.
 
     Raises
     ------
     ValueError
-        Where something else stands than a record.
+        If the file holds anything else.
     """
     start = stream.tell()
     size = stream.seek(0, 2)
@@ -62,7 +62,7 @@ def records_in(stream: BinaryIO) -> Iterator[Record]:
         if mark != _MARK:
             raise ValueError(f"no record at byte {start}")
         end = start + _HEAD.size + length
-        if end > size:  # torn
+        if end > size:  # incomplete
             return
         yield Record(kind, number, start, end, checksum)
         start = end
@@ -80,7 +80,7 @@ def append(stream: BinaryIO, kind: bytes, number: int, values: Mapping[str, Any]
     values : mapping
         Numbers, texts and arrays by name.
     extra : optional
-        Of JSON, kept apart from the values.
+        JSON content apart from the values.
     """
     scalars: dict[str, Any] = {}
     arrays: dict[str, np.ndarray] = {}
@@ -91,7 +91,7 @@ def append(stream: BinaryIO, kind: bytes, number: int, values: Mapping[str, Any]
         else:
             scalars[name] = array.item()
     shapes = [(name, array.dtype.str, array.shape) for name, array in arrays.items()]
-    # Python's JSON writes the shortest digits that give the same double again, and names NaN and infinities.
+    # Python's JSON writes the shortest digits that give the same double, and NaN and infinities by name.
     text = json.dumps([scalars, extra, shapes]).encode()
     pieces: list[bytes | memoryview] = [_LENGTH.pack(len(text)), text, *(_bytes_of(array) for array in arrays.values())]
     length = sum(len(piece) for piece in pieces)
@@ -106,15 +106,9 @@ def append(stream: BinaryIO, kind: bytes, number: int, values: Mapping[str, Any]
 
 
 def read(stream: BinaryIO, record: Record) -> tuple[dict[str, Any], Any]:
-    """Values and extra of a record.
-
-    Raises
-    ------
-    ValueError
-        If it is not what was written.
-    """
+    """Read values and extra of a record; raises ValueError if it is corrupt."""
     if not is_whole(stream, record):
-        raise ValueError("is not what was written")
+        raise ValueError("is corrupt")
     scalars, extra, shapes = _text(stream, record)
     arrays = {name: np.empty(shape, kind) for name, kind, shape in shapes}
     for array in arrays.values():
@@ -123,13 +117,13 @@ def read(stream: BinaryIO, record: Record) -> tuple[dict[str, Any], Any]:
 
 
 def read_text(stream: BinaryIO, record: Record) -> tuple[dict[str, Any], Any]:
-    """Values of a record but its arrays, and extra, of one that is known to be what was written."""
+    """Read the values that are no arrays, and extra, of a verified record."""
     scalars, extra, _ = _text(stream, record)
     return scalars, extra
 
 
 def is_whole(stream: BinaryIO, record: Record) -> bool:
-    """Whether a record is what was written."""
+    """Whether the checksum of a record is right."""
     stream.seek(record.start + _HEAD.size)
     left = record.size - _HEAD.size
     checksum = _checksum_of_head(record.kind, record.number, left)
@@ -140,7 +134,7 @@ def is_whole(stream: BinaryIO, record: Record) -> bool:
 
 
 def copy(stream: BinaryIO, record: Record, target: BinaryIO) -> Record:
-    """Append a whole record of one file to another."""
+    """Append a record of one file to another."""
     start = target.tell()
     stream.seek(record.start)
     for first in range(0, record.size, _PIECE):
@@ -149,7 +143,7 @@ def copy(stream: BinaryIO, record: Record, target: BinaryIO) -> Record:
 
 
 def _text(stream: BinaryIO, record: Record) -> Any:
-    """What stands before a record's arrays, where the stream stands then."""
+    """Read the text before a record's arrays; the stream is then at the arrays."""
     stream.seek(record.start + _HEAD.size)
     return json.loads(stream.read(*_LENGTH.unpack(stream.read(_LENGTH.size))))
 

@@ -1,1 +1,4 @@
-"""The part of a campaign that runs in a worker process: one case, step by step."""
+"""The run of cases: their distribution over an engine, one case step by step, averages over thermal states.
+
+Models solve the steps; engines only call tasks.
+"""

@@ -1,4 +1,4 @@
-"""One case of a campaign: its steps one after the other, each to disk at once, from where an earlier run stopped."""
+"""Run one case: solve its steps from the first missing one on, and write each to disk at once."""
 
 import socket
 import time
@@ -29,13 +29,13 @@ from contact_study.study.case import Case, realise
 if TYPE_CHECKING:
     from contact_study.campaign.dataset.predictor import GapFields
 
-# Thermal states of half a minute are lost to a kill, and to keep them costs a thousandth of it.
+# A kill loses at most half a minute of thermal states; a checkpoint costs a thousandth of that.
 _SECONDS_BETWEEN_CHECKPOINTS = 30.0
 
 
 @dataclass(frozen=True)
 class Job:
-    """One case of one model, as a worker process needs it."""
+    """A case of a model, for a worker process."""
 
     model: Model
     case: Case
@@ -45,7 +45,7 @@ class Job:
     height_map: str
 
     def missing(self, file: CaseFile) -> int:
-        """How many steps of the case its file lacks."""
+        """Number of steps of the case that its file lacks."""
         steps = len(self.case.path)
         return steps - file.finished(steps, self.case.output.restart)
 
@@ -58,9 +58,9 @@ def run_case(job: Job, threads: int, report: Report) -> None:
     job : Job
         The case.
     threads : int
-        For each transform, unless the study says how many.
+        Threads of each transform, unless the study sets them.
     report : callable
-        Called after each step with the case's label, the point in words, what is to be shown and the seconds it took.
+        Receives after each step the case's label, the point in words, a summary and the seconds it took.
 
     Raises
     ------
@@ -92,13 +92,13 @@ def run_case(job: Job, threads: int, report: Report) -> None:
         start = kept.start
         if start == len(case.path):
             return
-        averages, restart = _where_it_stood(job, kept, start)
+        averages, restart = _start_of(job, kept, start)
         predictor = _predictor(job)
         began = time.perf_counter()
         for number, point in enumerate(job.model.solve_path(case, surface, restart, start, predictor), start):
             seconds = time.perf_counter() - began
             step = _recorded(job, kept, number, point, averages)
-            if isinstance(point, Ensemble):  # its states are made as they are recorded
+            if isinstance(point, Ensemble):  # its states are computed as they are recorded
                 seconds = time.perf_counter() - began
             averages = None
             keep_warnings()
@@ -108,10 +108,10 @@ def run_case(job: Job, threads: int, report: Report) -> None:
             began = time.perf_counter()
 
 
-def _where_it_stood(job: Job, kept: CaseFile, start: int) -> tuple[Averages | None, Mapping[str, np.ndarray] | None]:
-    """What is counted of the point ``start`` so far, if something is, and what the model goes on from."""
+def _start_of(job: Job, kept: CaseFile, start: int) -> tuple[Averages | None, Mapping[str, np.ndarray] | None]:
+    """Averages of the unfinished point ``start``, if any, and the restart state of the model."""
     partial = kept.partial(start)
-    averages = Averages.taken_up(partial, job.bins, start in job.case.kept_fields) if partial else None
+    averages = Averages.restored(partial, job.bins, start in job.case.kept_fields) if partial else None
     if averages is not None:
         return averages, restart_of(partial)
     return None, (kept.state(start - 1) or None) if start else None
@@ -120,14 +120,14 @@ def _where_it_stood(job: Job, kept: CaseFile, start: int) -> tuple[Averages | No
 def _recorded(
     job: Job, kept: CaseWriter, number: int, point: InterfaceState | Ensemble | Step, averages: Averages | None
 ) -> Step:
-    """What is kept of a point; an ensemble's states go to disk as they come."""
+    """Evaluate a point; averages over an ensemble go to disk from time to time."""
     fields = number in job.case.kept_fields
     if not isinstance(point, Ensemble):
         return recorded(point, job.bins, fields)
     averages = averages or Averages(job.bins, fields, point.discarded)
     saved, counted = time.monotonic(), False
     for state in point.states:
-        # Before the next one counts: after the last there is nothing to go on with.
+        # Only before a further state: after the last one there is nothing to continue.
         if counted and time.monotonic() - saved > _SECONDS_BETWEEN_CHECKPOINTS:
             kept.save_partial(number, averages.kept)
             saved = time.monotonic()
@@ -159,10 +159,10 @@ def _completed(case: Case, number: int, step: Step, seconds: float, started: Map
         "detached": False,
         "message": "",
     }
-    said = {quantity_of(name)[1] for name in step.values}
-    missing = {name: value for name, value in known.items() if name not in said}
+    given = {quantity_of(name)[1] for name in step.values}
+    missing = {name: value for name, value in known.items() if name not in given}
     digits = {"double": np.float64, "single": np.float32}[case.output.field_precision]
-    # Of what is kept beside the numbers only gap and pressure are fields; positions of atoms keep their digits.
+    # Positions of atoms keep their digits.
     fields = {
         name: values.astype(digits, copy=False) if name in ("gap", "pressure") else values
         for name, values in step.fields.items()
@@ -171,7 +171,7 @@ def _completed(case: Case, number: int, step: Step, seconds: float, started: Map
 
 
 def _summary(step: Step) -> Mapping[str, Any]:
-    """What is shown of a step: of several theories the first one's numbers."""
+    """Summary of a step for the progress; of several theories the first one's numbers."""
     first: dict[str, Any] = {}
     for key, value in step.values.items():
         first.setdefault(quantity_of(key)[1], value)
@@ -179,14 +179,14 @@ def _summary(step: Step) -> Mapping[str, Any]:
 
 
 def _with_threads(job: Job, surface: Surface, threads: int) -> Case:
-    """The case with the threads that are at hand, where the grid is large enough to gain from them."""
+    """The case with the available threads, if its grid is large enough to gain from them."""
     chosen = threads if surface.grid.points >= job.model.points_for_threads else 1
     return replace(job.case, solver=replace(job.case.solver, threads=chosen))
 
 
 @contextmanager
 def _kept_warnings(job: Job, file: CaseWriter) -> Iterator[Callable[[], None]]:
-    """Catch warnings; the function given puts those so far on disk, to be called before what they are about."""
+    """Catch warnings; the yielded function writes those so far, before the step that they are about."""
     prefix = f"{job.case.label}: " if job.case.label else ""
     notes = file.notes
     with warnings.catch_warnings(record=True) as caught:

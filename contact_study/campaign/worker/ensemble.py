@@ -1,4 +1,4 @@
-"""Thermal states of one point of the path, read one after the other: their means, errors and series."""
+"""Averages over the states of one point of the path: means, standard errors, autocorrelation times, series."""
 
 import warnings
 from collections.abc import Mapping
@@ -21,23 +21,23 @@ from contact_study.results.step import Step
 
 _SERIES, _SUMS, _BINS, _FIELDS, _RESTART = "series/", "sum/", "bins", "fields", "restart/"
 
-_ALL_BUT_ONE = -1  # states discarded, where only the last one counts
+_ALL_BUT_ONE = -1  # discarded states, if only the last one counts
 
-# Has a series, and no mean.
+# A quantity with a series and no mean.
 _TIME = "time"
 
 
 class Averages:
-    """The observables of states that come one after the other.
+    """Averages of the observables of successive states.
 
     Parameters
     ----------
     bins : Bins
-        Those of the study.
+        Bins of the study.
     fields : bool
-        Whether the mean fields are kept.
+        Whether to keep the mean fields.
     discarded : int or None, optional
-        States before those that count; None: only the last one counts.
+        Number of states before the averaged ones; None: only the last state counts.
     """
 
     def __init__(self, bins: Bins, fields: bool, discarded: int | None = 0):
@@ -49,8 +49,8 @@ class Averages:
         self._last: InterfaceState | None = None
 
     @classmethod
-    def taken_up(cls, kept: Mapping[str, np.ndarray], bins: Bins, fields: bool) -> "Averages | None":
-        """What :attr:`kept` was of; None if it is of other bins, or of other fields than are now wanted."""
+    def restored(cls, kept: Mapping[str, np.ndarray], bins: Bins, fields: bool) -> "Averages | None":
+        """Restore the averages from :attr:`kept`; None if bins or fields have changed."""
         if not np.array_equal(kept[_BINS], np.ravel(bins.spans)) or bool(kept[_FIELDS][0]) != fields:
             return None
         discarded = int(kept[_FIELDS][1])
@@ -64,7 +64,7 @@ class Averages:
         return averages
 
     def add(self, state: InterfaceState) -> None:
-        """Count one more state."""
+        """Add a state."""
         self._last = state
         for name, value in observed(state, self._bins).items():
             if name in AVERAGED or name == _TIME:
@@ -76,12 +76,12 @@ class Averages:
 
     @property
     def _counted(self) -> int:
-        """How many states count so far; none if negative."""
+        """Number of averaged states so far; none if negative."""
         return 1 if self._discarded is None else len(next(iter(self._series.values()))) - self._discarded
 
     @property
     def kept(self) -> dict[str, np.ndarray]:
-        """All that the average goes on from, with the restart of the last state; see :meth:`taken_up`."""
+        """All that :meth:`restored` needs, with the restart of the last state."""
         assert self._last is not None
         return {
             _BINS: np.ravel(self._bins.spans),
@@ -92,15 +92,14 @@ class Averages:
         }
 
     def step(self) -> Step:
-        """Means with their standard errors, and the series of all that is one number.
+        """Return means with their standard errors, and the series of scalar quantities.
 
-        Once the surfaces are apart the last state is the answer, of which no mean is taken. Atoms one by one are those
-        of the last state always: a mean of positions is no state.
+        The last state replaces the means if the surfaces are detached. Atoms are those of the last state.
 
         Warns
         -----
         UserWarning
-            If the series is too short for its memory, or one state counts.
+            If the series is too short for its autocorrelation time, or only one state counts.
         """
         last = self._last
         assert last is not None
@@ -111,7 +110,7 @@ class Averages:
             fields = {"gap": last.gap, "pressure": last.pressure} if self._fields else {}
             return Step({**observed(last, self._bins), **frames}, {**fields, **last.atoms}, last.restart, self._bins)
         values: dict[str, Any] = {}
-        untold: dict[str, float] = {}  # and how long they are remembered for at least, in states
+        unresolved: dict[str, float] = {}  # least autocorrelation time in states
         counted = self._counted
         memory, interval = _clock_of(series, counted)
         for name, whole in series.items():
@@ -119,57 +118,57 @@ class Averages:
                 continue
             column = whole[-counted:]
             found = statistics_of(column)
-            # Of a count or a flag the value that is nearest to the mean.
+            # A count or a flag takes the value nearest to the mean.
             values[name] = found.mean if VARIABLES[name].kind == "float" else np.rint(found.mean)
-            if counted == 1:  # where a motion without noise has ended, or no error is told
+            if counted == 1:  # no error
                 continue
             values[name + STANDARD_ERROR] = found.standard_error
             if column.ndim > 1:
                 continue
             values[name + memory] = found.autocorrelation_time * interval if found.resolved else np.nan
             if not found.resolved and np.isfinite(column).all():
-                untold[name] = float(found.autocorrelation_time)
+                unresolved[name] = float(found.autocorrelation_time)
         if counted == 1 and self._discarded is not None:
             warnings.warn(_single(memory), stacklevel=2)
-        if untold:
-            warnings.warn(_too_short(counted, interval, memory, untold), stacklevel=2)
+        if unresolved:
+            warnings.warn(_too_short(counted, interval, memory, unresolved), stacklevel=2)
         fields = {name: total / counted for name, total in self._sums.items()}
         return Step({**values, **report, **frames}, {**fields, **last.atoms}, last.restart, self._bins)
 
 
 def _clock_of(series: Mapping[str, np.ndarray], counted: int) -> tuple[str, float]:
-    """What the memory of a series is called, and what lies between two of its states, in s where they have a time."""
+    """Suffix of the autocorrelation time, and the interval between two states: in s for a motion, else 1."""
     if _TIME not in series:
         return AUTOCORRELATION_STATES, 1.0
     return AUTOCORRELATION_TIME, float(np.mean(np.diff(series[_TIME][-counted:]))) if counted > 1 else 0.0
 
 
 def _single(memory: str) -> str:
-    """That a point has no error."""
+    """Warn that a point has no standard error."""
     more = "dynamics.frames" if memory == AUTOCORRELATION_TIME else "sampling.trajectories"
     return f"one state of a point counts: there is no mean and no standard error; raise {more}"
 
 
-def _too_short(counted: int, interval: float, memory: str, untold: Mapping[str, float]) -> str:
-    """That a point's states do not tell how long some of its numbers are remembered for, and how long at least."""
+def _too_short(counted: int, interval: float, memory: str, unresolved: Mapping[str, float]) -> str:
+    """Warn that a point has too few states for the autocorrelation time of some quantities."""
     moving = memory == AUTOCORRELATION_TIME
     span = f", {1e12 * counted * interval:.3g} ps," if moving else ""
     if counted < LEAST_STATES:
         return (
-            f"the {counted} states of a point{span} are too few to tell an autocorrelation time, which takes "
+            f"the {counted} states of a point{span} are too few for an autocorrelation time, which takes "
             f"{LEAST_STATES}: their standard errors are guesses; raise "
             + ("dynamics.frames, of a short motion dynamics.duration, too" if moving else "sampling.trajectories")
         )
-    name = max(untold, key=lambda name: untold[name])
-    least = f"{1e12 * untold[name] * interval:.2g} ps" if moving else f"{untold[name]:.2g} states"
-    more = f" and {len(untold) - 1} more" if len(untold) > 1 else ""
+    name = max(unresolved, key=lambda name: unresolved[name])
+    least = f"{1e12 * unresolved[name] * interval:.2g} ps" if moving else f"{unresolved[name]:.2g} states"
+    more = f" and {len(unresolved) - 1} more" if len(unresolved) > 1 else ""
     longer = "dynamics.duration" if moving else "sampling.trajectories"
     return (
-        f"the {counted} states of a point{span} are too few to tell the autocorrelation time "
+        f"the {counted} states of a point{span} are too few for the autocorrelation time "
         f"of {name}{more}, {least} at least: their standard errors need a series of twenty such times; raise {longer}"
     )
 
 
 def restart_of(kept: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
-    """The restart of the last state that :attr:`Averages.kept` counts."""
+    """The restart of the last state in :attr:`Averages.kept`."""
     return {name.removeprefix(_RESTART): value for name, value in kept.items() if name.startswith(_RESTART)}

@@ -1,7 +1,6 @@
-"""Points of a loading path by overdamped motion: its pace, where it starts, what a run that was stopped goes on from.
+"""The loading path by overdamped motion, which both simulations share; each gives its own forces.
 
-The mean pressure is brought from point to point at a steady rate and then held until all is at rest. Both simulations
-move so; what moves is theirs.
+The mean pressure changes from point to point at a steady rate and is then held until the contact is at rest.
 """
 
 import math
@@ -16,7 +15,7 @@ from contact_study.numerics.gradient_flow import Advance, Instant, Overdamped, S
 from contact_study.results.state import Ensemble, InterfaceState, SlowMotion, SolverReport
 from contact_study.study.case import Case
 
-# The first step of a motion, in units of the time in which the longest wave of the surface relaxes.
+# First time step, in units of the relaxation time of the surface's longest wave.
 _FIRST_STEP = 0.01
 
 _MESSAGES = {
@@ -31,33 +30,20 @@ Found = TypeVar("Found", bound=Advance)
 
 
 class Moving(Overdamped[Found], Protocol[Found]):
-    """What moves along a path: load as a mean pressure (Pa), drag in Pa/m, states in m."""
+    """A contact in overdamped motion: load as a mean pressure (Pa), drag in Pa/m, states in m."""
 
     def separated(self) -> np.ndarray:
-        """The state of surfaces out of reach of each other."""
+        """Return the state of surfaces out of reach of each other."""
 
     def standing(self, state: np.ndarray, load: float) -> Found:
-        """A state as it is; apart if it is out of reach and the load does not bring the surfaces together."""
+        """Evaluate a state at rest; apart if it is out of reach and the load does not close the gap."""
 
     def described(self, found: Found) -> InterfaceState:
-        """A state as the campaign takes it; its report counts the work of one step."""
+        """Return the state for the campaign; its report counts the work of one step."""
 
 
 def check(case: Case, key: str) -> None:
-    """Make sure that a case can be moved along its path.
-
-    Parameters
-    ----------
-    case : Case
-        The case.
-    key : str
-        The key that asks for it.
-
-    Raises
-    ------
-    InputError
-        If the control is another than pressure.
-    """
+    """Raise InputError unless a case prescribes pressures; ``key`` is the key that selects overdamped motion."""
     if case.loading.control != "pressure":
         raise InputError(
             f'loading.control = "{case.loading.control}": {key} = "overdamped" brings the load to "pressure" only'
@@ -65,7 +51,7 @@ def check(case: Case, key: str) -> None:
 
 
 def pace_of(case: Case, size: tuple[float, float]) -> StepControl:
-    """Rate and accuracy of a case in SI; time in units of friction, so that it is the inverse of a stiffness (m/Pa)."""
+    """Rate and accuracy of a case; the unit of time, over the friction, is that of an inverse stiffness (m/Pa)."""
     relaxation = 1 / float(case.solid.stiffness(2 * math.pi / max(size)))
     given = case.overdamped
     return StepControl(
@@ -83,18 +69,18 @@ def solve_path(
     restart: Mapping[str, np.ndarray] | None = None,
     start: int = 0,
 ) -> Iterator[Ensemble]:
-    """The motion through each point of the path from number ``start`` on; its last state is the point's.
+    """Yield the motion through each point of the path from number ``start`` on; its last state is the point's.
 
     Parameters
     ----------
     case : Case
         The case.
     moving : Moving
-        What moves.
-    pace : Pace
+        The contact.
+    pace : StepControl
         :func:`pace_of` the case.
     restart : mapping, optional
-        Of the point before ``start``, or of a state on the way to it; without it the path begins from separation.
+        State after the point before ``start``, or on the way to it; default: separation.
     start : int, optional
         First point of the path.
     """
@@ -105,7 +91,7 @@ def solve_path(
 
 @dataclass
 class _Place:
-    """Where a motion stands, and the work that the present point took so far."""
+    """State of a motion, and the work of the present point so far."""
 
     instant: Instant
     pairs: float = 0.0
@@ -129,7 +115,7 @@ class _Place:
 
 
 def _states(moving: Moving[Found], pace: StepControl, at: _Place, target: float) -> Iterator[InterfaceState]:
-    """States on the way to a load, ``at`` going along; ends ready for the next load."""
+    """Yield the states on the way to a load and update ``at``; ends ready for the next load."""
     if target <= 0 and at.instant.steps == 0:
         found = moving.standing(at.instant.state, target)
         if found.apart:
@@ -149,12 +135,12 @@ def _states(moving: Moving[Found], pace: StepControl, at: _Place, target: float)
 
 
 def _known(instant: Instant[Found]) -> Found:
-    assert instant.found is not None  # of every instant that a step has led to
+    assert instant.found is not None
     return instant.found
 
 
 def _report(at: _Place, of_step: SolverReport) -> SolverReport:
-    """All the work so far, and how the motion stands."""
+    """Report the work so far and the status of the motion."""
     fate = at.instant.fate
     return replace(
         of_step,
@@ -168,7 +154,7 @@ def _report(at: _Place, of_step: SolverReport) -> SolverReport:
 
 
 def _settle(moving: Moving[Found], pace: StepControl, at: _Place) -> None:
-    """Ready for the next load: at rest, or out of reach."""
+    """Prepare for the next load: at rest, or out of reach."""
     apart = at.instant.fate is Status.APART
     state, load = (moving.separated(), 0.0) if apart else (at.instant.state, at.instant.load)
     at.instant, at.pairs, at.evaluations = at_rest(state, load, pace, at.instant.time), 0.0, 0
