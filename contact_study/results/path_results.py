@@ -1,8 +1,7 @@
-"""What a whole path tells of adhesion: where it pulls off, where it jumps in, the work of separation.
+"""Results of a whole path: pull-off, jump-in, work of separation.
 
-All three are read off the series of states in equilibrium that the path passes: mean pressure p, mean separation s,
-energy U per area. Between two of them the load does the work −∫p ds; along a branch all of it is stored, in a jump it
-is not.
+They follow from the equilibrium states that the path passes: mean pressure p, mean separation s, energy U per area.
+Between two states the load does the work −∫p ds; a branch stores all of it, a jump does not.
 """
 
 from collections.abc import Mapping, Sequence
@@ -13,10 +12,10 @@ import numpy as np
 
 from contact_study.results.state import PASSED, Variable
 
-# Share of the work and of the energy exchanged that a smooth step may leave unaccounted for.
+# Share of the exchanged work and energy that a smooth step may leave unaccounted for.
 UNACCOUNTED = 0.02
 
-# Of the largest energy of a path, below which what a step leaves is the solver's error and no jump.
+# Share of a path's largest energy below which a loss is an error of the solver, not a jump.
 _NOISE = 1e-6
 
 PATH_RESULTS: dict[str, Variable] = {
@@ -33,21 +32,21 @@ PATH_RESULTS: dict[str, Variable] = {
 
 @dataclass(frozen=True)
 class PathSeries:
-    """The states in equilibrium that a path passes, one after the other.
+    """The equilibrium states that a path passes, in order.
 
     Parameters
     ----------
     pressure : numpy.ndarray, shape (n,)
-        Mean pressure (Pa), compression positive; where surfaces came apart under a load, that load.
+        Mean pressure (Pa), compression positive; the load where surfaces detached under it.
     separation : numpy.ndarray, shape (n,)
-        Mean separation (m); infinite where they came apart under a load.
+        Mean separation (m); infinite where surfaces detached under a load.
     energy : numpy.ndarray, shape (n,), or None
-        Elastic and of the interaction, per area (J/m²); None of a path whose points are too far apart to integrate, or
-        whose solid dissipates.
+        Elastic and interaction energy per area (J/m²); None if points are too far apart to integrate or the solid
+        dissipates.
     ends_apart : bool
-        Whether there was contact on the path, and none is left at its end.
+        Whether the path has contact, but not at its end.
     points : numpy.ndarray of int, optional
-        Which of the states are the path's own points, between which it goes one way; all, if not given.
+        Indices of the path's own points, between which it goes one way; default: all states.
     """
 
     pressure: np.ndarray
@@ -63,7 +62,7 @@ class PathSeries:
 
 
 def unaccounted(before: np.ndarray, after: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Work of the load that is not in the energy, by the trapezoidal rule, and what was exchanged (J/m²).
+    """Return the work that the energy does not account for, by the trapezoidal rule, and the exchanged work (J/m²).
 
     Parameters
     ----------
@@ -78,7 +77,7 @@ def unaccounted(before: np.ndarray, after: np.ndarray) -> tuple[np.ndarray, np.n
 
 
 def undecided(before: np.ndarray, after: np.ndarray) -> np.ndarray:
-    """By how much the work of a step that is a jump may be off (J/m²): where within it the jump lies is not known.
+    """Uncertainty of the work of a step that is a jump (J/m²), as its position within the step is unknown.
 
     Parameters
     ----------
@@ -90,7 +89,7 @@ def undecided(before: np.ndarray, after: np.ndarray) -> np.ndarray:
 
 
 def lowest_between(before: np.ndarray, after: np.ndarray) -> np.ndarray:
-    """Lowest pressure on a branch from one state to another (Pa): of the parabola that stores what the step does.
+    """Lowest pressure (Pa) on a branch between two states: that of the parabola that stores the step's energy.
 
     Parameters
     ----------
@@ -107,16 +106,15 @@ def lowest_between(before: np.ndarray, after: np.ndarray) -> np.ndarray:
 
 
 def path_results(series: PathSeries, control: str) -> dict[str, float]:
-    """What a path tells of adhesion, by names of the schema; what it does not tell is left out.
+    """Compute pull-off, jump-in and work of separation, by names of the schema, as far as the path has them.
 
     Parameters
     ----------
     series : PathSeries
         Its states.
     control : {"pressure", "gap", "approach"}
-        What is prescribed. A load below the pull-off pressure pulls the surfaces apart; at a prescribed distance the
-        lowest pressure of retraction is passed. Only there a path meets its jump-in, and does a finite work on its way
-        out: under a prescribed pressure surfaces that attract come together without a load and fly apart.
+        Prescribed quantity. Under a prescribed pressure the surfaces detach below the pull-off pressure, and neither
+        jump-in nor a finite work of separation exists. At a prescribed distance the path passes the lowest pressure.
     """
     if not series.pressure.size:  # no state of the path converged
         return {}
@@ -129,7 +127,7 @@ def path_results(series: PathSeries, control: str) -> dict[str, float]:
 
 
 def _lost_under_load(series: PathSeries) -> dict[str, float]:
-    """The lowest pressure that was held before one that was not, and how far that lies below."""
+    """The lowest pressure that was carried before one that was not, and the difference."""
     apart = np.isinf(series.separation)
     last = np.flatnonzero(~apart[:-1] & apart[1:])
     if not last.size:
@@ -144,7 +142,7 @@ def _lost_under_load(series: PathSeries) -> dict[str, float]:
 
 
 def _last_retraction(series: PathSeries) -> slice:
-    """The last of the path's ways outwards, from the point where it turned."""
+    """The last retraction, from its turning point."""
     points, distance = _points(series)
     end = len(points) - 1
     while end > 0 and distance[end] < distance[end - 1]:
@@ -156,7 +154,7 @@ def _last_retraction(series: PathSeries) -> slice:
 
 
 def _first_approach(series: PathSeries) -> slice:
-    """The path up to the point where it first turns back."""
+    """The path up to its first turning point."""
     points, distance = _points(series)
     start = 0
     while start + 1 < len(points) and distance[start + 1] >= distance[start]:
@@ -174,7 +172,7 @@ def _points(series: PathSeries) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _lowest_of_retraction(series: PathSeries) -> dict[str, float]:
-    """The lowest state of the last retraction, and how far the pressure goes below it between the states beside it."""
+    """The lowest state of the last retraction, and how far the pressure falls below it between its neighbours."""
     retraction = series.part(_last_retraction(series))
     pressure, separation = retraction.pressure, retraction.separation
     lowest = int(np.argmin(pressure))
@@ -190,14 +188,14 @@ def _lowest_of_retraction(series: PathSeries) -> dict[str, float]:
 
 
 def _lowest_of_branches(series: PathSeries) -> float:
-    """The lowest pressure along the branches, between states as well."""
+    """The lowest pressure along the branches, including between states."""
     states = _states(series)
     smooth = ~_jumps(series)[1] & (np.diff(series.separation) > 0)
     return float(np.min(lowest_between(states[:-1][smooth], states[1:][smooth]), initial=series.pressure.min()))
 
 
 def _depth(x: np.ndarray, y: np.ndarray) -> float:
-    """How far the parabola through three points goes below the middle one, the lowest of them."""
+    """Depth of the parabola through three points below the middle one, the lowest."""
     left, right = (y[1] - y[0]) / (x[1] - x[0]), (y[2] - y[1]) / (x[2] - x[1])
     curvature = (right - left) / (x[2] - x[0])
     slope = (left * (x[2] - x[1]) + right * (x[1] - x[0])) / (x[2] - x[0])
@@ -211,7 +209,7 @@ def _states(series: PathSeries) -> np.ndarray:
 
 
 def _jumps(series: PathSeries) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Of each step from one state to the next what it lost, whether that is a jump, and what is undecided then."""
+    """Loss of each step, whether it is a jump, and the uncertainty of a jump's work."""
     assert series.energy is not None
     states = _states(series)
     lost, exchanged = unaccounted(states[:-1], states[1:])
@@ -236,10 +234,10 @@ def _jump_in(series: PathSeries) -> dict[str, float]:
 
 
 def _work_of_separation(series: PathSeries) -> dict[str, float]:
-    """∫−p ds of the last retraction from p = 0 on: what its branches store, and what its jumps lose.
+    """∫−p ds of the last retraction from p = 0 on: the energy stored by its branches plus the losses of its jumps.
 
-    Beyond its end, where nothing touches, the energy left is due: the work is the energy of full separation, zero, less
-    that of balance, and the jumps. A sum of p ds would add the rule's errors along the branches.
+    The work is the energy of full separation, zero, minus that at p = 0, plus the jumps. A sum of p ds would add the
+    errors of the trapezoidal rule along the branches.
     """
     retraction = series.part(_last_retraction(series))
     pressure, separation, energy = retraction.pressure, retraction.separation, retraction.energy
@@ -263,12 +261,12 @@ def _work_of_separation(series: PathSeries) -> dict[str, float]:
 
 
 def series_of(steps: Sequence[Mapping[str, Any]], control: str) -> PathSeries:
-    """The series of a path from what is kept of its points.
+    """Make the series of a path from the quantities of its points.
 
     Parameters
     ----------
     steps : sequence of mapping
-        Quantities of each point by names of the schema: the states that its steps passed, or those at the points.
+        Quantities of each point by names of the schema; passed states are used if all points have them.
     control : str
         What is prescribed.
     """
@@ -277,7 +275,7 @@ def series_of(steps: Sequence[Mapping[str, Any]], control: str) -> PathSeries:
     if all("passed_pressure" in step for step in steps):
         pressure, separation, energy = (np.concatenate([step[f"passed_{name}"] for step in steps]) for name in PASSED)
         last = np.cumsum([len(step[f"passed_{PASSED[0]}"]) for step in steps]) - 1
-        # Of a solid that relaxes work goes into it, too, and what is not in the energy is no jump.
+        # A viscoelastic solid takes up work, so a loss is no jump.
         books = energy if all("dissipated_energy" in step for step in steps) else None
         # A point that did not converge may have passed none.
         return PathSeries(pressure, separation, books, ends_apart, np.unique(last[last >= 0]))

@@ -1,4 +1,4 @@
-"""What a simulation hands over of a contact, and how a quantity that is read off it stands in a dataset."""
+"""Records of a contact's states, and the entries of their quantities in a dataset."""
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
@@ -17,7 +17,7 @@ PASSED = ("pressure", "separation", "energy")
 
 
 class Solved(Protocol):
-    """What the solutions of all solvers have."""
+    """Attributes of the solutions of all solvers."""
 
     @property
     def pressure(self) -> np.ndarray: ...
@@ -40,7 +40,7 @@ class Solved(Protocol):
 
 
 def in_two_lines(solution: Solved) -> str:
-    """A solution for a person at a prompt."""
+    """Summarise a solution for the prompt."""
     return (
         f"<{type(solution).__name__}: mean pressure {np.mean(solution.pressure):.4g} Pa, relative contact area "
         f"{solution.relative_contact_area:.4g}, mean gap {solution.mean_gap:.4g} m,\n "
@@ -51,14 +51,14 @@ def in_two_lines(solution: Solved) -> str:
 
 @dataclass(frozen=True)
 class SolverReport:
-    """What a solver has to say of a state.
+    """Outcome and work of a solver for a state.
 
     Attributes
     ----------
     converged : bool
-        Whether the question is answered within the tolerance.
+        Whether the tolerance is met.
     detached : bool
-        Whether the surfaces have come apart under the load; not where a gap or an approach holds them apart.
+        Whether the surfaces are detached; never at a prescribed gap or approach.
     residual : float
         Error left in the equations, in units of their own scales.
     iterations : int
@@ -66,13 +66,13 @@ class SolverReport:
     fft_pairs : float
         Pairs of Fourier transforms, in equivalents of the finest grid in double precision.
     force_evaluations : int or None
-        Evaluations of the interface forces, of a model that counts them.
+        Evaluations of the interface forces, if the model counts them.
     message : str
-        What is to be known of the step; empty if nothing.
+        Message on the step; empty if there is none.
     complementarity_residual : float or None
-        How far the conditions of a wall are violated, of a solver that knows one beside another law.
+        Violation of the conditions of a wall, if the law has one beside its tractions.
     acceptance_rate : float or None
-        Share of the proposals taken, of a method that proposes states.
+        Accepted fraction of the proposals of thermal sampling.
     """
 
     converged: bool
@@ -87,10 +87,7 @@ class SolverReport:
 
     @classmethod
     def of(cls, solution: Solved, **known: int | float | None) -> "SolverReport":
-        """The report on a solution, with what only its solver knows.
-
-        A message stands where there is no plain equilibrium.
-        """
+        """Make the report on a solution, with further fields ``known``; a plain equilibrium has no message."""
         return cls(
             solution.converged,
             solution.detached,
@@ -126,12 +123,12 @@ def usable(record: Any) -> Any:
 
 @dataclass(frozen=True)
 class ThermalMotion:
-    """Of atoms in motion.
+    """Clock and energies of atoms in motion.
 
     Attributes
     ----------
     time : float
-        Since it began (s).
+        Time since the motion began (s).
     temperature : float
         Kinetic, against a driven plane, of the velocities in the middle of time steps (K).
     kinetic_energy : float
@@ -150,7 +147,7 @@ class ThermalMotion:
 
 @dataclass(frozen=True)
 class SlowMotion:
-    """Of overdamped motion: time over the friction of a unit of area (m/Pa) and mean pressure that acts (Pa)."""
+    """Time of overdamped motion, over the friction of a unit of area (m/Pa), and mean pressure (Pa)."""
 
     time: float
     load: float
@@ -158,7 +155,7 @@ class SlowMotion:
 
 @dataclass(frozen=True)
 class Plasticity:
-    """Of a contact that yields: by how much each point has so far (m), shape (ny, nx), and at what pressure (Pa)."""
+    """Plastic indentation of each point so far (m), shape (ny, nx), and hardness (Pa)."""
 
     indentation: np.ndarray
     hardness: float
@@ -166,7 +163,7 @@ class Plasticity:
 
 @dataclass(frozen=True)
 class Relaxation:
-    """Of a viscoelastic solid: the time since the path began (s), and what it has dissipated since (J/m²)."""
+    """Time of a viscoelastic solid since the path began (s), and its dissipated energy (J/m²)."""
 
     time: float
     dissipated: float
@@ -174,14 +171,14 @@ class Relaxation:
 
 @dataclass(frozen=True)
 class OwnSteps:
-    """Of a path with steps of its own: what its jumps have dissipated so far.
+    """Energy dissipated by jumps of a path with adaptive steps.
 
     Attributes
     ----------
     dissipated : float
         Per nominal area (J/m²).
     uncertain : float
-        By how much that may be off, as the steps do not say where within them a jump lies (J/m²).
+        Uncertainty, as the position of a jump within its step is unknown (J/m²).
     """
 
     dissipated: float
@@ -190,12 +187,12 @@ class OwnSteps:
 
 @dataclass(frozen=True)
 class InterfaceState:
-    """One state of a contact, as every simulation yields it for a point of the loading path.
+    """State of a contact that a simulation yields for a point of the loading path.
 
     Attributes
     ----------
     gap : numpy.ndarray, shape (ny, nx)
-        Local gap (m), infinite where the surfaces are apart for good; of a driven block its own.
+        Local gap (m); infinite if the surfaces are detached under a load.
     pressure : numpy.ndarray, shape (ny, nx)
         Local pressure (Pa), compression positive.
     contact : numpy.ndarray, shape (ny, nx)
@@ -203,36 +200,35 @@ class InterfaceState:
     equilibrium_distance : float
         Distance of flat surfaces without load, from which mean gaps are measured (m).
     mean_separation : float
-        Distance of the mean planes of block and surface less the equilibrium distance (m).
+        Distance of the mean planes of block and surface minus the equilibrium distance (m).
     elastic_energy, interaction_energy : float
         Per nominal area (J/m²).
     report : SolverReport
         The solver's.
     restart : mapping
-        All that the next point of the path starts from, nothing else.
+        State that the next point of the path starts from.
     spacing : tuple of float or None
         Distance of points along y and x (m).
     contact_stiffness : float or None
-        −dp/dū (Pa/m), of a model that was asked for it.
+        −dp/dū (Pa/m), if the study asks for it.
     own_steps : OwnSteps or None
-        Of a path with steps of its own.
+        Dissipation of a path with adaptive steps.
     passed : numpy.ndarray, shape (n, 3), or None
-        Of a path with steps between its points: mean pressure (Pa), mean separation (m) and energy (J/m²) of each state
-        on the way to this point, itself last; of surfaces that come apart under a load that load and an infinite
-        separation.
+        Mean pressure (Pa), mean separation (m) and energy (J/m²) of each state since the last point, this one last, of
+        a path with steps between its points. Detached surfaces have the load and an infinite separation.
     motion : ThermalMotion or None
-        Of atoms in motion.
+        Clock and energies of atoms in motion.
     slow_motion : SlowMotion or None
-        Of a state in overdamped motion.
+        Clock and load of overdamped motion.
     atoms : mapping
         The atoms one by one, as :mod:`contact_study.results.observables.atoms` names them, where the study asks for
         them.
     plasticity : Plasticity or None
-        Of a contact with a hardness.
+        Indentation of a contact with a hardness.
     relaxation : Relaxation or None
-        Of a viscoelastic solid.
+        Clock and dissipation of a viscoelastic solid.
     periodic : bool
-        Whether the map goes on over its edges at the opposite ones; of free boundaries the surface ends there.
+        Whether the map continues at its opposite edges; False for free boundaries.
     """
 
     gap: np.ndarray
@@ -258,7 +254,7 @@ class InterfaceState:
 
 @dataclass(frozen=True)
 class Ensemble:
-    """States of one point of the loading path, whose means are the point's numbers, or of which the last one has them.
+    """States of one point of the loading path, to be averaged, or of which the last one counts.
 
     Attributes
     ----------
@@ -275,14 +271,14 @@ class Ensemble:
 
 @dataclass(frozen=True)
 class Variable:
-    """How one quantity stands in a dataset.
+    """Entry of a quantity in a dataset.
 
     Parameters
     ----------
     units : str
         UDUNITS.
     long_name : str
-        What it is, in words.
+        Meaning, as a noun phrase of at most 90 characters.
     dims : tuple of str
         Dimensions beyond those of the sweep.
     kind : str
@@ -299,7 +295,7 @@ class Variable:
 
     @property
     def empty(self) -> Any:
-        """What stands where a case has no such point."""
+        """Value for a missing point."""
         return {"float": np.nan, "count": np.int32(-1), "flag": np.int8(-1), "text": ""}[self.kind]
 
     @property
@@ -309,7 +305,7 @@ class Variable:
 
     @property
     def encoding(self) -> dict[str, Any]:
-        """How it is written."""
+        """Encoding in the file."""
         if self.kind == "text":
             return {}
         if self.kind == "flag":  # integers for the reader too; "absent" is one of the flag's values
@@ -321,16 +317,16 @@ class Variable:
 
 @dataclass(frozen=True)
 class Observable:
-    """Quantities that are read off a state together.
+    """Quantities that one function reads off a state.
 
     Parameters
     ----------
     variables : mapping
-        How each stands in a dataset, by its name.
+        Their entries by name.
     read : callable
-        State and bins of the study -> the quantities by name, all of them or those that the state has.
+        Function of a state and the study's bins that returns the quantities by name, as far as the state has them.
     averaged : bool, optional
-        Whether the quantity of an ensemble is the mean over its states, not that of the last one.
+        Whether an ensemble has the mean over its states, not the value of the last one.
     """
 
     variables: Mapping[str, Variable]

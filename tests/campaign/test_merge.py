@@ -13,6 +13,7 @@ from contact_study.campaign.dataset.states import States, states_file
 from contact_study.campaign.merge import merge as merging
 from contact_study.campaign.merge.command import main as merge_main
 from contact_study.campaign.model import MODELS
+from contact_study.campaign.resume.work_directory import WorkDirectory
 from tests.campaign.toy_model import SOLVED, TOY, TOY_ATOMS
 from tests.campaign.toy_study import BASE, assert_same, changed
 
@@ -262,6 +263,18 @@ def test_interrupted_merge_leaves_nothing(parts, merge, tmp_path, monkeypatch):
     status, said = merge(parts / "seed1.nc", parts / "seed2.nc")
     assert (status, said) == (130, "contact-merge: interrupted; nothing was written\n")
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_merge_killed_after_the_rename_is_finished_by_the_next(parts, merge, tmp_path, monkeypatch):
+    files = parts / "seed1.nc", parts / "seed2.nc"
+    with monkeypatch.context() as patch:
+        patch.setattr(WorkDirectory, "_publish_states", lambda _: None)
+        patch.setattr(WorkDirectory, "remove", lambda _: None)
+        patch.setattr(WorkDirectory, "close", lambda work: work._lock.release())
+        assert merge(*files)[0] == 0
+    assert {"all.nc", "all.nc.parts"} <= {path.name for path in tmp_path.iterdir()}
+    assert refused(*merge(*files), "all.nc exists; use --overwrite")
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["all.nc", "all.nc.restart"]
 
 
 def test_inputs_that_are_none(parts, run, merge, tmp_path):

@@ -1,4 +1,4 @@
-"""The example studies that come with the package."""
+"""Example studies in the package."""
 
 import tomllib
 from importlib.resources import files
@@ -11,18 +11,12 @@ _SUFFIX = ".toml"
 
 
 def example_names() -> list[str]:
-    """Names of the examples."""
+    """Return the names of the examples."""
     return sorted(file.name.removesuffix(_SUFFIX) for file in _folder().iterdir() if file.name.endswith(_SUFFIX))
 
 
 def example(name: str) -> str:
-    """The study file of an example.
-
-    Raises
-    ------
-    InputError
-        If there is none of that name.
-    """
+    """Return the study file of an example; raises InputError for an unknown name."""
     known = example_names()
     if name not in known:
         raise InputError(f"--example {name}: unknown{suggestion(name, known)}; known: {', '.join(known)}")
@@ -30,7 +24,7 @@ def example(name: str) -> str:
 
 
 def listed_examples() -> list[str]:
-    """A line for each example: its name and its title."""
+    """Return a line for each example: name and title."""
     names = example_names()
     width = max(len(name) for name in names)
     return [f"{name:{width}}  {tomllib.loads(example(name))['study']['title']}" for name in names]

@@ -1,4 +1,4 @@
-"""A look at a surface before anything is run: its numbers in words, a picture, and its spectrum as a table."""
+"""Inspect a surface before a run: statistics in words, a picture, and the spectrum as a table."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -21,31 +21,31 @@ from contact_study.study.study import read_study
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-# Points of the picture along the longer side.
+# Largest number of points of the picture along a side.
 _PICTURE = 1024
 
 
 def inspect(path: Path, overrides: Mapping[str, Any], picture: Path | None = None) -> list[str]:
-    """Look at a map, or at the surface of a study's first point.
+    """Describe and draw a map, or the surface of a study's first case.
 
     Parameters
     ----------
     path : pathlib.Path
         A map, or a study file (``.toml``).
     overrides : mapping
-        Dotted keys ("surface.key") and their values, in place of the study's; of a map, all that is said of it.
+        Values of keys ("surface.key") that replace those of the study, or that describe the map.
     picture : pathlib.Path, optional
         Figure to write; default beside ``path``. The spectrum goes to a table of the same name (``.csv``).
 
     Returns
     -------
     list of str
-        What there is to say, the last line naming the files that were written.
+        Lines to print; the last one names the files that were written.
 
     Raises
     ------
     InputError
-        If the surface cannot be made.
+        If the surface cannot be realised.
     """
     from matplotlib.figure import Figure  # slow to import, and needed here only
 
@@ -91,7 +91,7 @@ def _surface(path: Path, overrides: Mapping[str, Any]) -> tuple[SurfaceSection, 
 
 
 def _picture(figure: "Figure", heights: np.ndarray, grid: Grid, sample: Roughness) -> None:
-    """Draw the map, with every so many of a large one's points, and the spectrum."""
+    """Draw the map, coarsened if it is large, and the spectrum."""
     from matplotlib import rc_context
 
     from contact_study import plots

@@ -1,4 +1,4 @@
-"""The groups of one dataset from the values of every case."""
+"""Assemble the groups of one dataset from the values of every case."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any, Protocol
@@ -25,7 +25,7 @@ from contact_study.study.case import Case
 from contact_study.study.study import Study
 from contact_study.study.sweep import SweptKey
 
-# Arrays by name and by the labels before it.
+# Arrays by name and labels.
 _Labelled = dict[str, dict[tuple[str, ...], np.ndarray]]
 
 
@@ -126,10 +126,9 @@ def assemble(
     cases: Iterable[tuple[tuple[int, ...], dict[str, Any], list[dict[str, Any]]]],
     coordinates: Mapping[str, np.ndarray],
 ) -> dict[str, xr.Dataset]:
-    """Datasets by group ("" for the root) from the values of every case.
+    """Assemble datasets by group ("" for the root) from the values of every case.
 
-    Where cases differ in the number of points of an array, such as the atoms of cells of different sizes, the shorter
-    ones are padded at their ends.
+    Arrays whose lengths differ between cases, such as the atoms of cells of different sizes, are padded at their ends.
 
     Parameters
     ----------
@@ -146,12 +145,12 @@ def assemble(
     arrays: dict[str, np.ndarray] = {}
     for index, constants, path in cases:
         for name, value in constants.items():
-            _place(arrays, f"{REALISED}{name}" if name in sweep else name, {index: value}, lengths)
+            _insert(arrays, f"{REALISED}{name}" if name in sweep else name, {index: value}, lengths)
         for name in dict.fromkeys(name for values in path for name in values):
             along_path = {(*index, number): values[name] for number, values in enumerate(path) if name in values}
-            _place(arrays, name, along_path, (*lengths, steps))
+            _insert(arrays, name, along_path, (*lengths, steps))
     groups: dict[str, _Labelled] = {"": {}}
-    # A group's dimensions are those of the groups above it, its labels too.
+    # A group inherits dimensions and labels from the groups above it.
     along: dict[str, dict[str, None]] = {dim: {} for dim in LABELS}
     for key, array in arrays.items():
         labels, name = quantity_of(key)
@@ -170,14 +169,14 @@ def assemble(
     }
 
 
-def _place(
+def _insert(
     arrays: dict[str, np.ndarray], name: str, values: Mapping[tuple[int, ...], Any], lengths: tuple[int, ...]
 ) -> None:
-    """Put the values of a quantity, by their places along the first axes, into its array, made or widened for them."""
+    """Insert values of a quantity into its array by their places along the first axes; create or enlarge it."""
     variable = variable_of(quantity_of(name)[1])
     some = {place: np.asarray(value) for place, value in values.items()}
     first = next(iter(some.values()))
-    # Fields may be kept in single precision.
+    # Fields may have single precision.
     dtype = first.dtype if first.dtype == np.float32 and variable.dtype == np.float64 else variable.dtype
     shapes = {value.shape for value in some.values()}
     if name in arrays:
@@ -207,7 +206,7 @@ def _dataset(
     steps: int,
     beyond: tuple[str, ...] = (),
 ) -> xr.Dataset:
-    """One group; the quantities that are no coordinates have the dimensions ``beyond`` after their own."""
+    """Make one group; quantities that are no coordinates have the dimensions ``beyond`` after their own."""
     data: dict[str, xr.Variable] = {}
     coords: dict[str, xr.Variable] = {}
     for name, arrays in content.items():
@@ -217,7 +216,7 @@ def _dataset(
         if name in COORDINATES or not variable_of(name).dims or variable_of(name).dims[0] != "step":
             array, dims = _drop_constant_sweep(array, dims, len(sweep))
         target[name] = xr.Variable(dims, array, _attributes(name))
-    # A coordinate that changes over the sweep cannot index its own dimension, which then counts points only.
+    # A coordinate that changes over the sweep cannot index its own dimension, which is then a plain index.
     indices = {
         name: f"{name}_index" for name, variable in coords.items() if name in variable.dims and variable.ndim > 1
     }
@@ -237,9 +236,9 @@ def _dataset(
 def _side_by_side(
     arrays: Mapping[tuple[str, ...], np.ndarray], empty: Any, swept: int, coordinates: Mapping[str, np.ndarray]
 ) -> tuple[np.ndarray, tuple[str, ...]]:
-    """One array with the dimensions of its labels, which are returned too, after the ``swept`` ones.
+    """Stack arrays along the dimensions of their labels, after the ``swept`` ones; returns these dimensions, too.
 
-    Arrays of one name have as many labels each; where one of the coordinates has no array, it is ``empty``.
+    Arrays of one name have the same number of labels; missing ones are ``empty``.
     """
     (count,) = {len(labels) for labels in arrays}
     dims = LABELS[:count]
@@ -257,7 +256,7 @@ def _side_by_side(
 
 
 def _drop_constant_sweep(array: np.ndarray, dims: tuple[str, ...], swept: int) -> tuple[np.ndarray, tuple[str, ...]]:
-    """Leave out a swept dimension along which a coordinate or constant does not change."""
+    """Drop a swept dimension along which a coordinate or constant does not change."""
     for axis in reversed(range(swept)):
         first = np.take(array, [0], axis=axis)
         same = array == first

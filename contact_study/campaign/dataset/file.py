@@ -1,4 +1,4 @@
-"""The dataset's file: written by rename, and read case by case again."""
+"""Write the file of a dataset by rename; read it case by case."""
 
 import math
 from collections.abc import Iterable, Iterator, Mapping
@@ -18,16 +18,16 @@ from contact_study.numerics.distributions import Bins
 from contact_study.results.schema import COORDINATES, LABELS, TRAJECTORY, variable_of
 from contact_study.study.study import Study
 
-# Group in which datasets of earlier versions have what stands beside them now, see :mod:`.states`.
+# Group of the restart states in datasets of earlier versions; now a file beside the dataset, see :mod:`.states`.
 _RESTART = "restart"
 
 _CHUNK_POINTS = 2**18
-# Numbers of one state up to which a quantity is read for all cases at once.
+# Largest number of values per state of a quantity that is read for all cases at once.
 _SMALL = 4096
 
 
 def write_dataset(path: Path, groups: Mapping[str, xr.Dataset]) -> None:
-    """Write the groups of one dataset; a file by rename, a folder of Zarr as it is."""
+    """Write the groups of one dataset; a file by rename, a folder of Zarr directly."""
     if is_zarr(path):
         _write_zarr(path, groups)
         return
@@ -47,14 +47,14 @@ def _write_zarr(path: Path, groups: Mapping[str, xr.Dataset]) -> None:
 
     for group, dataset in groups.items():
         encoding = {str(name): _of_zarr(str(name), variable) for name, variable in dataset.variables.items()}
-        # Format 2 is the one that says how text is kept; an index of all groups is made at the end.
+        # Format 2 specifies how text is stored; the index of all groups is written at the end.
         mode: Any = "a" if group else "w"
         dataset.to_zarr(path, mode=mode, group=group or None, encoding=encoding, zarr_format=2, consolidated=False)
     zarr.consolidate_metadata(str(path), zarr_format=2)
 
 
 def _of_zarr(name: str, variable: xr.Variable) -> dict[str, Any]:
-    """The encoding in the words of Zarr, which compresses of itself, and has a file for each chunk."""
+    """Encoding for Zarr, which compresses by default and writes one file per chunk."""
     kept = {key: value for key, value in _encoding(name, variable).items() if key in ("_FillValue", "dtype")}
     return {**kept, "chunks": chunks_of(variable.shape)} if variable.size else kept
 
@@ -69,9 +69,9 @@ def _encoding(name: str, variable: xr.Variable) -> dict[str, Any]:
 
 
 def chunks_of(shape: tuple[int, ...]) -> tuple[int, ...]:
-    """Chunks of about 2 MB: of large fields one state or part of it, of distributions those of many states and cases.
+    """Choose chunks of about 2 MB: one state, or part of it, of a large field; many states and cases of a distribution.
 
-    A reader of one field reads no other, and a reader of a distribution of a thousand cases a hundred chunks.
+    Reading one field then reads no other, and a distribution of a thousand cases takes a hundred chunks.
     """
     chunks: list[int] = []
     points = 1

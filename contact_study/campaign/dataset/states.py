@@ -1,7 +1,6 @@
-"""The file beside a dataset, ``bem.nc.restart``: states after the last points, from which paths can be lengthened.
+"""Restart states beside a dataset, ``bem.nc.restart``: the state after each last point, to lengthen paths from.
 
-No quantity stands in it, and nobody but ``--resume`` and ``contact-merge`` reads it: it may be deleted, or left behind
-when the dataset moves. What dataset it belongs to it says by the dataset's history.
+Only ``--resume`` and ``contact-merge`` read the file, so it may be deleted. It names its dataset by the history.
 """
 
 import itertools
@@ -20,12 +19,12 @@ _OWNER, _STATE = b"ownr", b"stat"
 
 
 def states_file(dataset: Path) -> Path:
-    """The file beside a dataset."""
+    """Path of the restart states of a dataset."""
     return dataset.with_name(dataset.name + ".restart")
 
 
 def write_states(path: Path, history: str, states: Iterable[Mapping[str, Any]]) -> None:
-    """Write the states of the cases of a dataset, in their order; no file where all are empty, as those of theories."""
+    """Write the states of the cases of a dataset, in their order; no file if all are empty."""
     kept = ((number, state) for number, state in enumerate(states) if state)
     first = next(kept, None)
     if first is None:
@@ -41,17 +40,17 @@ def write_states(path: Path, history: str, states: Iterable[Mapping[str, Any]]) 
 
 
 class States:
-    """States of the cases of a dataset.
+    """Reader of the restart states of a dataset.
 
     Parameters
     ----------
     path : pathlib.Path
-        The file; there need be none.
+        The file; it may be missing.
 
     Attributes
     ----------
     history : str or None
-        That of the dataset which they belong to; None if there is no such file.
+        History of their dataset; None without a readable file.
     """
 
     def __init__(self, path: Path):
@@ -66,7 +65,7 @@ class States:
                     self._records[record.number] = record
 
     def state(self, number: int) -> dict[str, np.ndarray]:
-        """State after the last step of the case of that number; empty if it was not kept, or is damaged."""
+        """State after the last step of a case; empty if it was not kept, or is damaged."""
         with suppress(KeyError, OSError, ValueError), self._path.open("rb") as stream:
             return records.read(stream, self._records[number])[0]
         return {}

@@ -1,4 +1,4 @@
-"""Fields of a case as files that ParaView opens as a time series: an image a step, and the list of them."""
+"""Export of the fields of a case to ParaView: one VTK image per step, and the series of them."""
 
 from pathlib import Path
 
@@ -8,9 +8,9 @@ import xarray as xr
 from contact_study.campaign.store.files import named_file, writable_output
 from contact_study.errors import InputError
 
-# VTK has no units: the names of the arrays say them.
+# VTK has no units; the arrays have them in their names.
 _FIELDS = {"gap": ("gap (nm)", 1e9), "pressure": ("pressure (MPa)", 1e-6), "height": ("height (nm)", 1e9)}
-_LENGTH = 1e9  # positions in nm: a spacing in metres counts as zero there
+_LENGTH = 1e9  # positions in nm: VTK takes a spacing in metres for zero
 
 
 def to_vtk(dataset: xr.Dataset, path: str | Path) -> list[Path]:
@@ -19,16 +19,14 @@ def to_vtk(dataset: xr.Dataset, path: str | Path) -> list[Path]:
     Parameters
     ----------
     dataset : xarray.Dataset
-        A dataset of a simulation that kept its fields (``output.fields = true``), of one point of its sweep:
-        ``dataset.sel(seed=1)``.
+        Dataset of a simulation with ``output.fields = true``, at one point of its sweep: ``dataset.sel(seed=1)``.
     path : path-like
-        The series, a name that ends in ``.pvd``; its images go into a folder of that name beside it. Its times are the
-        numbers of the steps.
+        The series, with the suffix ``.pvd``; its images go into a folder of that name. Its times are step numbers.
 
     Returns
     -------
     list of pathlib.Path
-        The files, the series first.
+        The files that were written, the series first.
 
     Raises
     ------
@@ -76,6 +74,6 @@ def _spacing(coordinate: np.ndarray) -> float:
 
 
 def _image(field: xr.DataArray, scale: float) -> np.ndarray:
-    """A field (y, x) as VTK has images, (x, y, 1); what is infinitely far apart has no number."""
+    """A field (y, x) as an image (x, y, 1); infinite values become NaN."""
     values = scale * field.transpose("x", "y").values.astype(float)
     return np.where(np.isfinite(values), values, np.nan)[:, :, None]

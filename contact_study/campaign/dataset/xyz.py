@@ -1,4 +1,4 @@
-"""Atoms of a case as extended XYZ, which OVITO and ASE open: one frame a point of the path."""
+"""Export of the atoms of a case to extended XYZ, for OVITO and ASE: one frame per point of the path."""
 
 from functools import partial
 from pathlib import Path
@@ -14,7 +14,7 @@ from contact_study.errors import InputError
 if TYPE_CHECKING:
     from ase import Atoms
 
-# No element: an atom of the block is what the study's mass and springs make of it.
+# No element: mass and springs of an atom are those of the study.
 _UNKNOWN = "X"
 _SUBSTRATE_LEVEL = -1
 
@@ -25,26 +25,24 @@ _UNITS = "positions angstrom, velo angstrom/ps, stresses GPa, masses u"
 def to_xyz(dataset: xr.Dataset, path: str | Path) -> list[Path]:
     """Write the atoms of one case along its path, for OVITO and ASE.
 
-    Columns beside the positions: ``level`` (0 for the bottom layer, the level of a node of the explicit block, −1 for
-    the substrate), ``normal_stress``, compression positive, ``shear_stress`` (x, y) of the substrate on the bottom
-    layer, zero elsewhere, of atoms in motion ``velo``, and ``masses`` where the study gives one, those of the nodes of
-    an explicit block what they stand for, those of the rigid substrate infinite. Å, GPa, Å/ps, u; the key ``step`` of
-    a frame is the point of the path. All symbols are X, which is no element. Atoms are not folded back into the
-    periodic cell.
+    Columns beside the positions (Å): ``level`` (0: bottom layer, higher: nodes of an explicit block, −1: substrate);
+    ``normal_stress``, compression positive, and ``shear_stress`` (x, y) of the substrate on the bottom layer (GPa);
+    ``velo`` of atoms in motion (Å/ps); ``masses`` if the study has them (u), infinite for the substrate. The key
+    ``step`` of a frame is the point of the path. All symbols are X, which is no element. Atoms are not folded back into
+    the periodic cell.
 
     Parameters
     ----------
     dataset : xarray.Dataset
-        Of the atomistic model, of a study with ``output.atoms = "surface"`` or ``"block"``, of one point of its sweep:
+        Dataset of the atomistic model with ``output.atoms = "surface"`` or ``"block"``, at one point of its sweep:
         ``dataset.sel(seed=1)``.
     path : path-like
-        A file, of all points of the path as one trajectory; with ``*`` in its name one file a point, the number of the
-        step in its place.
+        File for the whole path as a trajectory; with ``*`` in its name one file per point, named by the step's number.
 
     Returns
     -------
     list of pathlib.Path
-        The files.
+        The files that were written.
 
     Raises
     ------
@@ -77,7 +75,7 @@ def to_xyz(dataset: xr.Dataset, path: str | Path) -> list[Path]:
 
 
 def _frame(state: xr.Dataset) -> "Atoms | None":
-    """One state; None beyond the end of a path shorter than others."""
+    """Make the frame of a state; None beyond the end of a shorter path."""
     from ase import Atoms
 
     height = state["atom_height"].values
@@ -127,5 +125,5 @@ def _surface(state: xr.Dataset) -> np.ndarray:
 
 
 def _vectors(state: xr.Dataset, *names: str) -> np.ndarray:
-    """Components side by side, a row an atom."""
+    """Components side by side, one row per atom."""
     return np.stack([state[name].values.ravel() for name in names], axis=-1)

@@ -1,4 +1,4 @@
-"""Formats of a dataset, told by the end of its name: ``.nc`` is a file of NetCDF, ``.zarr`` a folder of Zarr."""
+"""Formats of a dataset by the end of its name: ``.nc`` for a file of NetCDF, ``.zarr`` for a folder of Zarr."""
 
 import gc
 import importlib.util
@@ -9,56 +9,44 @@ from pathlib import Path
 from contact_study.errors import InputError
 from contact_study.files import what_is_at
 
-_STORE = (".zgroup", "zarr.json")  # what a folder of Zarr has, of format 2 and 3
+_STORE = (".zgroup", "zarr.json")  # files of a Zarr folder, formats 2 and 3
 
 
 def is_zarr(path: Path) -> bool:
-    """Whether a dataset of this name is of Zarr."""
+    """Whether a name is that of a Zarr dataset."""
     return path.suffix == ".zarr"
 
 
 def engine_of(path: Path) -> str:
-    """What xarray calls the format."""
+    """Name of the format for xarray."""
     return "zarr" if is_zarr(path) else "netcdf4"
 
 
 def is_dataset(path: Path) -> bool:
-    """Whether a file, or a folder of Zarr, stands there."""
+    """Whether a path leads to a file, or a folder of Zarr."""
     return is_store(path) if is_zarr(path) else path.is_file()
 
 
 def is_store(path: Path) -> bool:
-    """Whether a folder is one of Zarr."""
+    """Whether a folder is a Zarr dataset."""
     return any((path / name).is_file() for name in _STORE)
 
 
 def require_dataset(path: Path, name: str = "") -> None:
-    """Raise InputError, in the name of an option if there is one, unless a file or a folder of Zarr stands there."""
+    """Raise InputError, under the name of an option if given, unless a path leads to a file or a folder of Zarr."""
     if not is_dataset(path):
         fault = what_is_at(path) or "is a file"
         raise InputError(f"{f'{name}: {path}' if name else f'{path}:'} {fault}; expected a dataset (NetCDF or Zarr)")
 
 
 def check_name(path: Path) -> None:
-    """Make sure that a dataset can have this name.
-
-    Raises
-    ------
-    InputError
-        If its end is of no format of datasets: what is read by its name, a table or a picture, would be something else.
-    """
+    """Raise InputError unless a name ends as that of a dataset."""
     if path.suffix not in (".nc", ".zarr"):
         raise InputError(f"{path}: expected a name that ends in .nc, for NetCDF, or .zarr")
 
 
 def check_format(path: Path) -> None:
-    """Make sure that a dataset of this name can be written.
-
-    Raises
-    ------
-    InputError
-        If the library is missing, or another folder stands there.
-    """
+    """Raise InputError if the library of a dataset's format is missing, or another folder has its name."""
     if not is_zarr(path):
         return
     if importlib.util.find_spec("zarr") is None:
@@ -96,7 +84,7 @@ def _earlier(dataset: Path, path: Path) -> Path:
 
 
 def mark_of(path: Path) -> tuple[int, ...] | None:
-    """What tells a dataset from every other one that stands at its place later; None where nothing stands."""
+    """Identify the file at a path: a later file there has another mark; None without a file."""
     files = [path / name for name in (".zmetadata", *_STORE)] if is_zarr(path) else []
     for file in (*files, path):
         try:
@@ -109,14 +97,14 @@ def mark_of(path: Path) -> tuple[int, ...] | None:
 
 @contextmanager
 def readable(path: Path, name: str = "") -> Iterator[None]:
-    """Make one line of whatever libraries raise over a dataset that is damaged, or none.
+    """Turn any error of a library over a damaged dataset into one line.
 
     Parameters
     ----------
     path : pathlib.Path
         The dataset.
     name : str, optional
-        The option that named it.
+        Option that named it.
 
     Raises
     ------
@@ -128,8 +116,7 @@ def readable(path: Path, name: str = "") -> Iterator[None]:
     except (InputError, MemoryError):
         raise
     except Exception as error:  # of a dozen types: a flipped bit may be anywhere
-        # A file half opened crashes netCDF's library when it is closed; what garbage collection leaves alone stays
-        # open.
+        # Closing a half-opened file crashes the netCDF library; a frozen object is never collected, hence never closed.
         gc.freeze()
         said = isinstance(error, OSError) and error.strerror
         reason = str(said or f"{type(error).__name__}: {error}").splitlines()[0]

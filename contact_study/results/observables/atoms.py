@@ -1,4 +1,4 @@
-"""The atoms of a state one by one, by their names in a dataset: where they are, how fast, what the substrate does."""
+"""Atoms of a state by their names in a dataset: positions, velocities, and stresses of the substrate."""
 
 from collections.abc import Mapping
 
@@ -11,8 +11,8 @@ _PLANE = ("step", "y", "x")
 _NODES = ("step", "node")
 
 ATOMS: dict[str, Variable] = {
-    "lateral_displacement_x": Variable("m", "move of a surface atom along x from its rest position", _PLANE),
-    "lateral_displacement_y": Variable("m", "move of a surface atom along y from its rest position", _PLANE),
+    "lateral_displacement_x": Variable("m", "displacement of a surface atom along x from its rest position", _PLANE),
+    "lateral_displacement_y": Variable("m", "displacement of a surface atom along y from its rest position", _PLANE),
     "atom_height": Variable("m", "height of a surface atom over the mean plane of the substrate", _PLANE),
     "shear_stress_x": Variable("Pa", "force of the substrate on a surface atom along x over its area", _PLANE),
     "shear_stress_y": Variable("Pa", "force of the substrate on a surface atom along y over its area", _PLANE),
@@ -28,7 +28,7 @@ ATOMS: dict[str, Variable] = {
     "node_velocity_z": Variable("m s-1", "velocity of a node of the block along z", _NODES),
 }
 
-# What does not change along the path.
+# Quantities that do not change along the path.
 SURROUNDINGS: dict[str, Variable] = {
     "substrate_height": Variable("m", "height of a site of the substrate", ("site_y", "site_x")),
     "atom_mass": Variable("kg", "mass of an atom of the block", ()),
@@ -45,16 +45,16 @@ SITES: dict[str, Variable] = {
 def surface_atoms(
     displacement: np.ndarray, stress: np.ndarray, velocity: np.ndarray | None = None
 ) -> dict[str, np.ndarray]:
-    """Fields of the bottom layer's atoms by their names.
+    """Return the fields of the bottom layer's atoms by name.
 
     Parameters
     ----------
     displacement : numpy.ndarray, shape (3, ny, nx)
-        Moves along x and y from the rest positions, and height over the substrate's mean plane (m).
+        Displacement along x and y, and height over the substrate's mean plane (m).
     stress : numpy.ndarray, shape (3, ny, nx)
         Force of the substrate on each atom over its area (Pa).
     velocity : numpy.ndarray, shape (3, ny, nx), optional
-        Of atoms in motion (m/s).
+        Velocity of atoms in motion (m/s).
     """
     names = ("lateral_displacement_x", "lateral_displacement_y", "atom_height")
     found = dict(zip(names, displacement, strict=True))
@@ -65,16 +65,16 @@ def surface_atoms(
 
 
 def block_nodes(position: np.ndarray, velocity: np.ndarray) -> dict[str, np.ndarray]:
-    """Nodes of an explicit block by their names: positions (m) and velocities (m/s), shape (3, nodes) each."""
+    """Return positions (m) and velocities (m/s) of an explicit block, shape (3, nodes) each, by name."""
     found = dict(zip(("node_x", "node_y", "node_z"), position, strict=True))
     found |= zip(("node_velocity_x", "node_velocity_y", "node_velocity_z"), velocity, strict=True)
     return {name: np.array(field) for name, field in found.items()}
 
 
 def substrate_sites(heights: np.ndarray, size: tuple[float, float]) -> Mapping[str, Value]:
-    """Heights of the substrate's sites, shape (site_y, site_x), and where they stand (m); ``size`` is that of the cell.
+    """Return heights, shape (site_y, site_x), and positions of the substrate's sites in a cell of a size (m), by name.
 
-    Site (0, 0) stands at the origin, as the atom (0, 0) does at rest.
+    Site (0, 0) is at the origin, like atom (0, 0) at rest.
     """
     y, x = Grid((heights.shape[0], heights.shape[1]), size).coordinates
     return {"site_y": y, "site_x": x, "substrate_height": heights}
