@@ -48,33 +48,6 @@ def gaps(law):
     return law.length * np.geomspace(0.7, 6.0, 41)
 
 
-@laws
-@pytest.mark.parametrize(("function", "derivative"), [("potential", "traction"), ("traction", "stiffness")])
-def test_derivatives_are_those_of_the_potential_to_second_order(law, function, derivative):
-    gap = gaps(law)
-    f, df = getattr(law, function), getattr(law, derivative)
-
-    def error(h):
-        return np.max(np.abs((f(gap + h) - f(gap - h)) / (2 * h) - df(gap))) / np.max(np.abs(df(gap)))
-
-    coarse, fine = error(1e-3 * law.length), error(5e-4 * law.length)
-    # Central differences: halving h divides the error by four.
-    assert np.log2(coarse / fine) == pytest.approx(2.0, abs=0.02)
-
-
-@laws
-def test_characteristic_points(law):
-    gap = law.length * np.linspace(0.9, 3.0, 200001)
-    at = np.array(law.equilibrium_distance)
-    assert abs(law.traction(at)) < 1e-12 * law.peak_tensile_stress
-    assert law.potential(at) == pytest.approx(-law.work_of_adhesion, rel=1e-13)
-    assert law.stiffness(at) == pytest.approx(law.equilibrium_stiffness, rel=1e-13)
-    # The maxima of sampled smooth functions are low by the curvature times the square of the spacing, 1e-5.
-    assert law.traction(gap).max() == pytest.approx(law.peak_tensile_stress, rel=1e-8)
-    assert gap[np.argmax(law.traction(gap))] == pytest.approx(law.peak_distance, abs=0, rel=1e-5)
-    assert -law.stiffness(gap).min() == pytest.approx(law.strongest_softening, rel=1e-8)
-
-
 def test_maugis_parameter_of_the_two_laws():
     # λ = 2 σ0 (9R/16πwE*²)^(1/3) in units of Tabor's μ: the factors for each law's peak stress.
     for law, factor in ((LennardJones93(1.0, 1.0), 1.1570), (LennardJones104(1.0, 1.0), 2.125)):
@@ -90,13 +63,6 @@ def test_values_of_the_paper():
     block, substrate = 1 / 2.6e-10**2, (647 / 1040e-10) ** 2
     # The sum over discrete atoms gives 0.6924; smearing them costs 0.06 %.
     assert work_of_adhesion(18.6e-3 * 1.602176634e-19, R0, block, substrate) == pytest.approx(0.6924, rel=1e-3)
-
-
-@laws
-def test_repulsive_gap_at_any_pressure(law):
-    """A weak law under a stiff block: pressures up to 1e16 times the peak."""
-    traction = -law.peak_tensile_stress * np.geomspace(1e6, 1e16, 41)
-    np.testing.assert_allclose(law.traction(law.repulsive_gap(traction)), traction, rtol=1e-12)
 
 
 class MorseThatSaysItDiverges(TractionLaw):
@@ -191,7 +157,8 @@ def test_half_spaces_of_lennard_jones_atoms_make_the_9_3_law():
 
 @laws
 def test_repulsive_gap_inverts_the_traction(law):
-    traction = -law.peak_tensile_stress * np.concatenate([[0.0], np.geomspace(1e-12, 1e6, 60)])
+    """At any pressure: a weak law under a stiff block has 1e16 times its peak."""
+    traction = -law.peak_tensile_stress * np.concatenate([[0.0], np.geomspace(1e-12, 1e16, 100)])
     gap = law.repulsive_gap(traction)
     assert np.all(gap <= law.equilibrium_distance * (1 + 1e-15))
     # Near equilibrium the traction of a rounded gap is uncertain by eps times gap times stiffness.

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from contact_study.errors import InputError
+from contact_study.study.checks.idle_keys import idle_motion
 from contact_study.study.checks.plausibility import contact_stress, review, squeeze
 from contact_study.study.study import make_study
 from tests.study.test_study import changed, of_another_kind
@@ -23,8 +24,7 @@ def table_of(**sections):
 
 
 def notes_of(**sections):
-    study = make_study(table_of(**sections))
-    return review(study)
+    return review(make_study(table_of(**sections)))
 
 
 def test_the_papers_study_is_plausible():
@@ -71,8 +71,7 @@ def test_steep_surfaces_are_said():
     assert "rms slope 1.31" in note
     table = table_of()
     table["sweep"] = {"surface.rms_height": ["10 angstrom", "50 angstrom", "100 angstrom"]}
-    study = make_study(table)
-    (note,) = review(study)
+    (note,) = review(make_study(table))
     assert "rms slope 2.62" in note
     assert "2 of 3 points of the sweep" in note
 
@@ -101,8 +100,7 @@ def test_heights_in_the_wrong_unit(tmp_path):
     with pytest.raises(InputError, match=r"surface\.height_unit"):
         review(study)
     table["surface"]["height_unit"] = "angstrom"
-    study = make_study(table, tmp_path)
-    assert review(study) == []
+    assert review(make_study(table, tmp_path)) == []
 
 
 def test_weak_laws_are_said():
@@ -140,15 +138,19 @@ def test_no_unit_is_favoured(unit):
     assert review(scaled) == review(plain)
 
 
-def test_coarse_grids_say_what_a_map_loses(tmp_path):
+def two_waves():
+    """A long wave along x and a shorter one along y."""
     y, x = np.arange(32)[:, None] / 32, np.arange(32)[None, :] / 32
-    long, short = np.cos(2 * np.pi * x) + 0 * y, np.cos(2 * np.pi * 6 * y) + 0 * x
+    return np.cos(2 * np.pi * x) + 0 * y, np.cos(2 * np.pi * 6 * y) + 0 * x
+
+
+def test_coarse_grids_say_what_a_map_loses(tmp_path):
+    long, short = two_waves()
     np.save(tmp_path / "map.npy", 3 * long + short)
     keys = {"kind": "file", "path": "map.npy", "height_unit": "angstrom"}
     said = {}
     for shape in ([32, 32], [64, 32], [8, 32], [12, 8]):
-        study = make_study(table_of(surface={**keys, "shape": shape}), tmp_path)
-        said[tuple(shape)] = review(study)
+        said[tuple(shape)] = review(make_study(table_of(surface={**keys, "shape": shape}), tmp_path))
     assert said[32, 32] == said[64, 32] == []
     # The wave of six periods along y is lost on eight points there: of the variances 9/2 and 1/2 the first is left,
     # of the slopes' 9/2 and 36/2 likewise.
@@ -159,13 +161,11 @@ def test_coarse_grids_say_what_a_map_loses(tmp_path):
 
 
 def test_less_than_a_per_cent_of_a_map_is_lost_without_a_word(tmp_path):
-    y, x = np.arange(32)[:, None] / 32, np.arange(32)[None, :] / 32
-    long, short = np.cos(2 * np.pi * x) + 0 * y, np.cos(2 * np.pi * 6 * y) + 0 * x
+    long, short = two_waves()
     keys = {"kind": "file", "path": "map.npy", "height_unit": "angstrom", "shape": [8, 32]}
     for part, said in ((1e-16, 0), (0.03, 0), (0.1, 1)):
         np.save(tmp_path / "map.npy", 3 * long + part * short)
-        study = make_study(table_of(surface=keys), tmp_path)
-        notes = review(study)
+        notes = review(make_study(table_of(surface=keys), tmp_path))
         assert len(notes) == said
     # The root of 3² and (6 · 0.1)² loses 1.9 % with the short wave, that of 3² and 0.1² nothing to speak of.
     assert re.search(r"becomes \S+ \S+ \(the same\), rms slope \S+ becomes \S+ \(-\S+ %\)", notes[0])
@@ -184,8 +184,7 @@ def test_keys_without_effect_on_a_wall_are_said():
     assert note.startswith("interaction.well_depth, interaction.length, interaction.contact_distance: without effect")
     table = table_of()
     table["interaction"] = {"law": "hard_wall"}
-    study = make_study(table)
-    assert review(study) == []
+    assert review(make_study(table)) == []
 
 
 VISCOELASTIC = {"kind": "viscoelastic", "branch_youngs_moduli": [1e9], "relaxation_times": [1.0]}
@@ -221,8 +220,7 @@ def test_keys_of_the_loading_without_effect_are_said(idle, used, words):
 def test_keys_without_effect_at_some_points_of_a_sweep_are_said():
     table = table_of(loading={"resolution": 0.02})
     table["sweep"] = {"loading.adaptive": [True, False]}
-    study = make_study(table)
-    (note,) = review(study)
+    (note,) = review(make_study(table))
     assert "without effect (1 of 2 points of the sweep, such as adaptive = False)" in note
 
 
@@ -256,3 +254,32 @@ def test_tables_of_another_modulus_than_the_materials_are_said():
         notes = notes_of(elasticity=tabulated(*ends, ratio * modulus))
         assert len(notes) == said
         assert all(f"the table's E* is {ratio * modulus:.3g} Pa" in note for note in notes)
+
+
+FLOW = 'atomistic.method or solver.path = "overdamped"'
+
+
+@pytest.mark.parametrize(
+    ("section", "keys", "chosen", "belongs"),
+    [
+        ("overdamped", {"loading_rate": 1e-2}, {"atomistic": {"method": "overdamped"}}, FLOW),
+        ("overdamped", {"loading_rate": 1e-2}, {"solver": {"path": "overdamped"}}, FLOW),
+        ("sampling", {"trajectories": 20}, {"atomistic": {"method": "sampling"}}, 'atomistic.method = "sampling"'),
+        (
+            "dynamics",
+            {"duration": "1 ps", "frames": 5},
+            {"atomistic": {"method": "dynamics"}},
+            'atomistic.method = "dynamics"',
+        ),
+    ],
+)
+def test_keys_of_a_way_of_motion_that_is_not_gone_are_said(section, keys, chosen, belongs):
+    (note,) = idle_motion(make_study(table_of(**{section: keys})).cases)
+    assert note == f"{', '.join(f'{section}.{name}' for name in keys)}: without effect; it belongs to {belongs}"
+    assert idle_motion(make_study(table_of(**{section: keys}, **chosen)).cases) == []
+
+
+def test_keys_of_each_way_of_motion_in_a_sweep_have_an_effect():
+    table = table_of(sampling={"trajectories": 20}, dynamics={"duration": "1 ps"})
+    table["sweep"] = {"atomistic.method": ["sampling", "dynamics"]}
+    assert idle_motion(make_study(table).cases) == []

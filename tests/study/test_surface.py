@@ -86,32 +86,6 @@ def bumps():
     return realise(case(shape=[24, 20], cutoff_mode=4)).heights((24, 20))
 
 
-@pytest.mark.parametrize("name", ["map.npy", "map.txt", "map.nc"])
-def test_height_maps(tmp_path, bumps, name):
-    path = tmp_path / name
-    nanometres = bumps * 1e9 + 3.0
-    if name == "map.npy":
-        np.save(path, nanometres)
-    elif name == "map.txt":
-        np.savetxt(path, nanometres, fmt="%.17g")
-    else:
-        xr.Dataset({"height": (("y", "x"), nanometres, {"units": "nm"})}).to_netcdf(path)
-    keys = {} if name == "map.nc" else {"height_unit": "nm"}
-    chosen = dataclasses.replace(case(kind="file", path=name, shape=[24, 20], **keys), directory=tmp_path)
-    np.testing.assert_allclose(realise(chosen).heights((24, 20)), bumps, atol=1e-22)
-
-
-def test_netcdf_height_map_brings_its_size(tmp_path, bumps):
-    coordinates = {"y": ("y", np.arange(24.0), {"units": "nm"}), "x": ("x", 0.5 * np.arange(20.0), {"units": "nm"})}
-    xr.Dataset({"height": (("y", "x"), bumps, {"units": "m"})}, coordinates).to_netcdf(tmp_path / "map.nc")
-    table = changed("surface", kind="file", path="map.nc")
-    del table["surface"]["size"], table["surface"]["shape"], table["interaction"]["well_depth"]
-    table["interaction"]["work_of_adhesion"] = 0.69
-    surface = realise(make_study(table, tmp_path).cases[0])
-    np.testing.assert_allclose(surface.size, (24e-9, 10e-9), rtol=1e-12)
-    assert surface.shape == (24, 20)
-
-
 def write_netcdf(path, heights, dims, **coordinates):
     coordinates = {name: (name, np.asarray(values), {"units": "nm"}) for name, values in coordinates.items()}
     xr.Dataset({"height": (dims, heights, {"units": "m"})}, coordinates).to_netcdf(path)
@@ -176,6 +150,7 @@ def test_rounded_coordinates_are_even(tmp_path, bumps):
     ("content", "culprit"),
     [
         (None, "does not exist"),
+        (400, "cannot be read"),  # of a truncated NetCDF file
         (b"not numpy", "cannot be read"),
         (np.full((8, 8), np.nan), "no finite numbers"),
         (np.zeros(8), r"line scan \(8 points\)"),
@@ -183,22 +158,17 @@ def test_rounded_coordinates_are_even(tmp_path, bumps):
         (np.zeros((3, 8)), "expected at least 4 x 4"),
     ],
 )
-def test_unusable_height_maps(tmp_path, content, culprit):
-    path = tmp_path / "map.npy"
-    if isinstance(content, bytes):
+def test_unusable_height_maps(tmp_path, bumps, content, culprit):
+    path = tmp_path / ("map.nc" if isinstance(content, int) else "map.npy")
+    if isinstance(content, int):
+        xr.Dataset({"height": (("y", "x"), bumps)}).to_netcdf(path)
+        path.write_bytes(path.read_bytes()[:content])
+    elif isinstance(content, bytes):
         path.write_bytes(content)
     elif content is not None:
         np.save(path, content)
-    chosen = dataclasses.replace(case(kind="file", path="map.npy"), directory=tmp_path)
+    chosen = dataclasses.replace(case(kind="file", path=path.name), directory=tmp_path)
     with pytest.raises(InputError, match=culprit) as failure:
         realise(chosen)
-    assert "map.npy" in str(failure.value)
+    assert path.name in str(failure.value)
     assert "\n" not in str(failure.value)
-
-
-def test_truncated_netcdf(tmp_path, bumps):
-    path = tmp_path / "map.nc"
-    xr.Dataset({"height": (("y", "x"), bumps)}).to_netcdf(path)
-    path.write_bytes(path.read_bytes()[:400])
-    with pytest.raises(InputError, match="cannot be read"):
-        realise(dataclasses.replace(case(kind="file", path="map.nc"), directory=tmp_path))
