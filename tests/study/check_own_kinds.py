@@ -8,6 +8,7 @@ import pytest
 from own_kinds import LARGEST_GAP, OwnInteraction, OwnMorse, RidgeSection
 
 import contact_study
+from contact_study import start
 from contact_study.errors import InputError
 from contact_study.results.state import Observable
 
@@ -51,3 +52,5 @@ def check(study):
 
 if __name__ == "__main__":
     check(tomllib.loads(sys.argv[1]))
+    sys.argv = ["bem-adhesion", "--help"]
+    start.bem_adhesion()
