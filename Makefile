@@ -50,6 +50,7 @@ benchmark: env
 	$(BIN)/python -m scripts.benchmark_threads --of solves --points 1024 2048 --repetitions 4
 	$(BIN)/python -m scripts.benchmark_threads --of atoms --points 64 100 200 400 --repetitions 31
 	$(BIN)/python -m scripts.benchmark_workers data/yang2008.toml --surface.seed 1,2,3,4
+	$(BIN)/python -m scripts.benchmark_startup
 	@# The codes to compare with.
 	PYTHONWARNINGS=ignore $(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[dev,peers]'
 	$(BIN)/python -m scripts.benchmark_peers

@@ -98,7 +98,7 @@ def test_the_atoms_of_the_benchmark_keep_the_slopes():
 def test_benchmark_of_the_storage(capsys, monkeypatch):
     monkeypatch.setattr(benchmark_storage, "RATIOS", (1, 4))
     monkeypatch.setattr(benchmark_storage, "PRESSURES", np.array([1e8, 1e9]))
-    assert benchmark_storage.main(["data/yang2008.toml"]) == 0
+    assert benchmark_storage.main(["data/yang2008.toml", "--flows", "none"]) == 0
     ran, written, read = capsys.readouterr().out.splitlines()
     assert ran.startswith("persson-theory, 4 steps, 1 processes: ")
     for line in (written, read):

@@ -21,7 +21,7 @@ SMALLER = {
     "hysteresis_loop": ["--points", "64", "--steps", "8"],
     "ensemble": ["--samples", "2"],
     "atoms_beside_continuum": ["--atoms", "32"],
-    "pictures": ["--points", "160"],
+    "pictures": ["--points", "96"],
 }
 
 

@@ -343,16 +343,16 @@ def test_the_work_of_separation_of_maugis_becomes_that_of_jkr():
 
 def test_slow_motion_and_one_step_part_where_the_grid_is_coarser_than_the_process_zone(tmp_path, capsys):
     table, figure = tmp_path / "states.csv", tmp_path / "figure.png"
-    asked = ["--points", "32", "--seeds", "1", "--laws", "exponential", "-o", str(table)]
+    asked = ["--points", "24", "--seeds", "1", "--laws", "exponential", "-o", str(table)]
     assert trapped_edges.main([*asked, "--ratios", "0.2", "2"]) == 0
     rows = capsys.readouterr().out.splitlines()
     assert rows[3].endswith("| = |")
     assert float(re.search(r"\| (\S+) %, ", rows[2])[1]) > 5
-    assert rows[-1].startswith("- exponential, 32²: the same states from 2 on")
+    assert rows[-1].startswith("- exponential, 24²: the same states from 2 on")
     # The zone that it says is that of the solver.
     words = "process zone 9.76 nm"
     with pytest.warns(UserWarning, match=words):
-        contact_study.run(trapped_edges.study("exponential", 32, 0.2, 1))
+        contact_study.run(trapped_edges.study("exponential", 24, 0.2, 1))
     before = table.read_text()
     assert trapped_edges.main([*asked, "--ratios", "0.2", "--figure", str(figure)]) == 0
     assert table.read_text() == before
