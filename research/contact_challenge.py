@@ -179,13 +179,7 @@ def numbers(pressure: float, solution: Solution) -> dict[str, float]:
 
 
 def extrapolated(values: Sequence[float], spacing: Sequence[float]) -> float:
-    """The value at zero spacing, by Richardson.
-
-    Parameters
-    ----------
-    values, spacing : sequence of float
-        On two grids or more, coarse to fine.
-    """
+    """The value at zero spacing, by Richardson, from two grids or more, coarse to fine."""
     ratio = spacing[-2] / spacing[-1]
     last = values[-2] - values[-1]
     order = 1.0

@@ -74,16 +74,7 @@ class SmearedLayers:
     Over a substrate tilted by θ an atom at the vertical gap u is at the distance u cos θ from a layer whose sites are
     as dense per projected area as ever, thus cos θ times as dense in their plane: its energy is cos θ φ(u cos θ) a².
 
-    Parameters
-    ----------
-    law : TractionLaw
-        The law.
-    heights : numpy.ndarray, shape (ny, nx)
-        Surface under the atoms' rest positions (m).
-    area_per_atom : float
-        a² (m²).
-    cosine : numpy.ndarray, shape (ny, nx)
-        cos θ; ones leave the law on the vertical gap.
+    Heights (m) and cos θ are those under the atoms' rest positions; a cosine of one leaves the law on the vertical gap.
     """
 
     def __init__(self, law: TractionLaw, heights: np.ndarray, area_per_atom: float, cosine: np.ndarray):
@@ -125,13 +116,7 @@ class SmearedLayers:
 
 
 class OnRails:
-    """An interface whose forces along the surface the rails take up.
-
-    Parameters
-    ----------
-    interaction : AtomwiseInteraction
-        The interface.
-    """
+    """An interface whose forces along the surface the rails take up."""
 
     def __init__(self, interaction: AtomwiseInteraction):
         self._interaction = interaction

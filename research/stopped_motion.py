@@ -45,30 +45,10 @@ def run(given: argparse.Namespace) -> int:
         same = identical(folder / "whole.nc", folder / "stopped.nc")
     steps, memory = given.frames * given.steps, 1024 * used.ru_maxrss / (block.freedoms / 3)
     hours = used.ru_utime / steps * _LONG / 3600
-    show(
-        (
-            "atoms",
-            "nodes that move",
-            "steps",
-            "s a step",
-            "hours for 10⁵",
-            "bytes a node, of the whole process",
-            "stopped",
-            "resumed",
-        ),
-        [
-            (
-                f"{given.atoms}²",
-                block.freedoms // 3,
-                steps,
-                f"{used.ru_utime / steps:.2f}",
-                f"{hours:.1f}",
-                f"{memory:.0f}",
-                done,
-                "the same bits" if same else "other bits",
-            )
-        ],
-    )
+    heads = "atoms", "nodes that move", "steps", "s a step", "hours for 10⁵", "bytes a node, of the whole process"
+    costs = steps, f"{used.ru_utime / steps:.2f}", f"{hours:.1f}", f"{memory:.0f}"
+    bits = "the same bits" if same else "other bits"
+    show((*heads, "stopped", "resumed"), [(f"{given.atoms}²", block.freedoms // 3, *costs, done, bits)])
     return 0 if same else 1
 
 

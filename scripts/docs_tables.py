@@ -38,19 +38,7 @@ _NUMBER = re.compile(r"[-+−]?\d+(?:\.\d+)?(?:e[-+]?\d+)?(?: %)?")
 
 @dataclass(frozen=True)
 class Block:
-    """One table of a document.
-
-    Attributes
-    ----------
-    command : str
-        What prints it, to be run in the project's folder.
-    content : str
-        What stands there.
-    checked : bool
-        Whether the project's check runs it.
-    margin : float
-        Relative difference up to which two counts are the same.
-    """
+    """One table of a document: its command, its content, whether the check runs it, the relative margin of counts."""
 
     command: str
     content: str
@@ -64,13 +52,7 @@ def documents(root: Path = ROOT) -> list[Path]:
 
 
 def blocks(text: str) -> list[Block]:
-    """The blocks of a document.
-
-    Raises
-    ------
-    ValueError
-        If a block is not closed or its first line is not as it should be.
-    """
+    """The blocks of a document; ``ValueError`` if one is not closed or its first line is not as it should be."""
     found = [
         Block(each["command"], each["content"], bool(each["checked"]), float(each["margin"] or 0) / 100)
         for each in _BLOCK.finditer(text)

@@ -3,7 +3,7 @@
 The Tabor parameter at the scale of the roughness says whether the range of adhesion is short against what it deforms;
 the ratio of adhesion to the elastic energy of full contact whether surfaces stay together without load:
 
-python -m scripts.regime_map --figure docs/images/regime_map.png
+python -m research.regime_map --figure docs/images/regime_map.png
 """
 
 import argparse
