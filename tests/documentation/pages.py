@@ -1,8 +1,12 @@
 """The documentation's pages, and the blocks in them that a reader is to type."""
 
+import argparse
 import re
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
+
+import pytest
 
 ROOT = Path(__file__).parents[2]
 PAGES = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").glob("*.md")])
@@ -43,3 +47,20 @@ def blocks_of(text: str) -> list[Block]:
 def blocks(page: Path) -> list[Block]:
     """The blocks of a page's file."""
     return blocks_of(page.read_text(encoding="utf-8"))
+
+
+class Parsed(BaseException):
+    """The arguments were taken, but for these."""
+
+
+def parsed(monkeypatch, main: Callable[..., int], *arguments: list[str]) -> list[str]:
+    """Let a command read its arguments, and no more; returns those that it does not know."""
+    take = argparse.ArgumentParser.parse_known_args
+
+    def take_only(*given, **options):
+        raise Parsed(take(*given, **options)[1])
+
+    monkeypatch.setattr(argparse.ArgumentParser, "parse_known_args", take_only)
+    with pytest.raises(Parsed) as found:
+        main(*arguments)
+    return found.value.args[0]

@@ -1,6 +1,5 @@
 """Tables of the documentation: written by commands that run, compared as they should be."""
 
-import argparse
 import importlib
 import re
 import shlex
@@ -11,6 +10,7 @@ import pytest
 
 from scripts import docs_tables
 from scripts.docs_tables import ROOT, blocks, differences, documents, filled, main, shown
+from tests.documentation.pages import parsed
 
 TEXT = """before
 
@@ -124,10 +124,6 @@ def commands():
     return found + [line.strip().removeprefix("$(BIN)/") for line in makefile.splitlines() if "-m scripts" in line]
 
 
-class Parsed(BaseException):
-    """The arguments were taken."""
-
-
 @pytest.mark.parametrize("command", commands())
 def test_every_command_is_one_that_its_script_takes(monkeypatch, command):
     _, script, *arguments = shlex.split(command)
@@ -136,17 +132,8 @@ def test_every_command_is_one_that_its_script_takes(monkeypatch, command):
     else:
         assert (ROOT / script).is_file()
         name = script.removesuffix(".py").replace("/", ".")
-    module = importlib.import_module(name)
-    parse = argparse.ArgumentParser.parse_args
-
-    def parse_only(*given, **options):
-        parse(*given, **options)
-        raise Parsed
-
-    monkeypatch.setattr(argparse.ArgumentParser, "parse_args", parse_only)
     monkeypatch.setattr(sys, "argv", [script, *arguments])
-    with pytest.raises(Parsed):
-        module.main()
+    assert parsed(monkeypatch, importlib.import_module(name).main) == []
     for name in arguments:
         if name.startswith("data/"):
             assert (ROOT / name).is_file()

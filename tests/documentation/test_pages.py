@@ -1,18 +1,23 @@
-"""Local links of the documentation lead somewhere, and what it says to type exists."""
+"""Links of the documentation lead somewhere, what it says to type exists, and its sources were read."""
 
 import re
-from pathlib import Path
 
 import pytest
 
 import contact_study
 from contact_study.campaign.command_line.examples import example_names
 from contact_study.study.schema.dotted_keys import all_keys
+from tests.documentation.pages import PAGES, ROOT
 
-ROOT = Path(__file__).parents[2]
-PAGES = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").glob("*.md")])
 _LINK = re.compile(r"\]\(([^)\s]+)\)")
 _OPTION = re.compile(r"--([a-z]+\.[a-z_]+)")
+DEBTS = re.compile(
+    r"from memory[,;)]|named from memory|unchecked[,;).]|(paper|text) itself was not"
+    r"|abstract[s]? (was|were|is) read|was read, not|looked up|not confirmed",
+    re.IGNORECASE,
+)
+PACKAGES = ("bem_adhesion", "contact_study", "md_reference", "research", "scripts", "theory")
+SOURCES = sorted(file for package in PACKAGES for file in (ROOT / package).rglob("*.py"))
 
 
 def anchors(page):
@@ -54,6 +59,16 @@ def test_keys_and_examples_that_are_to_be_typed_exist(page):
     keys = {f"{section}.{name}" for section, name, *_ in all_keys()} | {"section.key"}
     assert set(_OPTION.findall(text)) <= keys
     assert set(re.findall(r"--example ([a-z]\w*)", text)) <= {*example_names()}
+
+
+@pytest.mark.parametrize("files", [PAGES, SOURCES], ids=["pages", "docstrings"])
+def test_no_source_is_cited_unread(files):
+    found = {
+        str(file.relative_to(ROOT)): match.group()
+        for file in files
+        if (match := DEBTS.search(" ".join(file.read_text(encoding="utf-8").split())))
+    }
+    assert not found
 
 
 def test_the_citation_is_of_this_version():
