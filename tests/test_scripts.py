@@ -27,6 +27,8 @@ from scripts import sphere_path, validate_energies, validate_spheres, validate_w
 from theory import LennardJones104, PerssonTheory, SelfAffineSpectrum, criteria, edge_flow, separation_curve
 from theory import references as reference
 
+MEANS = ["branch", "model", "quantity", "ratio", "pressure_GPa", "mean", "standard_error", "surfaces", "points"]
+
 
 def test_errors_of_the_theories_over_an_ensemble():
     table = pd.DataFrame(
@@ -42,17 +44,7 @@ def test_errors_of_the_theories_over_an_ensemble():
                 ("edge_flow", 0.2 * (1 - 0.1 * pressure)),
             )
         ],
-        columns=[
-            "branch",
-            "model",
-            "quantity",
-            "ratio",
-            "pressure_GPa",
-            "mean",
-            "standard_error",
-            "surfaces",
-            "points",
-        ],
+        columns=MEANS,
     )
     _, *rows = edge_flow_ensemble.rows(table)
     # The lowest and the highest pressure have lines of their own; 5 and 50 % below count as errors of their size.
@@ -102,8 +94,7 @@ def test_errors_of_trials_have_their_sign(capsys, tmp_path, monkeypatch):
         for quantity in ("relative_contact_area", "mean_gap")
         for pressure in (0.1, 0.5, 1.0)
     ]
-    columns = ["branch", "model", "quantity", "ratio", "pressure_GPa", "mean", "standard_error", "surfaces", "points"]
-    pd.DataFrame(truth, columns=columns).to_csv(tmp_path / "truth.csv", index=False)
+    pd.DataFrame(truth, columns=MEANS).to_csv(tmp_path / "truth.csv", index=False)
     monkeypatch.setattr(edge_flow_trials, "SIMULATIONS", tmp_path / "truth.csv")
     found = [("phase", 4.0, pressure, 1.5, 0.5, 1.2, 2) for pressure in (0.1, 0.5, 1.0)]
     found += [("nothing", 4.0, pressure, np.nan, np.nan, np.nan, 2) for pressure in (0.5, 1.0)]
@@ -118,7 +109,6 @@ def test_errors_of_trials_have_their_sign(capsys, tmp_path, monkeypatch):
 
 
 def test_settings_tell_the_way_in_from_the_way_back():
-    columns = ["setting", "branch", "model", "quantity", "ratio", "pressure_GPa", "mean", "standard_error", "surfaces"]
     found = [
         ("H = 0.5", branch, model, quantity, 1.0, pressure, mean, 0.1 * mean, 4)
         for branch, truth in (("loading", 1.0), ("unloading", 2.0))
@@ -126,7 +116,7 @@ def test_settings_tell_the_way_in_from_the_way_back():
         for pressure in (0.1, 0.2, 1.0)
         for model, mean in (("continuum", truth), ("gap_flow", 1.5), ("edge_flow", 1.0 if pressure < 1 else 1.1))
     ]
-    _, *rows = edge_flow_ensemble.rows(pd.DataFrame(found, columns=columns))
+    _, *rows = edge_flow_ensemble.rows(pd.DataFrame(found, columns=["setting", *MEANS[:-1]]))
     assert rows[0] == "| H = 0.5 | 1 ε0 | loading | A | 50.0 (50.0) % | 5.0 (10.0) % | 10.0 % | 4 |"
     assert rows[3] == "| H = 0.5 | 1 ε0 | unloading | ū | 25.0 (25.0) % | 47.5 (50.0) % | 10.0 % | 4 |"
     assert len(rows) == 4
