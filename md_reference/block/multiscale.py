@@ -82,29 +82,10 @@ class MultiscaleBlock:
     One vector contains all nodes, level after level; :meth:`levels_of` gives the views of shape (3, planes, ny + 2,
     nx + 2). Displacements along z are heights: only differences count.
 
-    Parameters
-    ----------
-    atoms : tuple of int
-        Atoms of the surface along y and x.
-    lattice_constant : float
-        a (m).
-    first_lame, shear_modulus : float
-        λ and μ (Pa).
-    layers : sequence of int
-        Layers of cells of each level, see :func:`level_layers`.
-    atom_mass : float
-        Mass of an atom (kg).
-    threads : int, optional
-        Threads that share the rows.
-    options : BlockOptions, optional
-        Division of the rows.
-
-    Attributes
-    ----------
-    plane_mass : list of numpy.ndarray, each of shape (planes,)
-        Mass of a node of each plane of each level (kg). A node represents its share of the cells above and below, an
-        atom of the surface a whole atom; where two levels meet, half a layer of each. Hanging planes and the rigid one
-        have zero.
+    ``atoms`` are those of the surface along y and x, ``first_lame`` and ``shear_modulus`` λ and μ (Pa), ``layers``
+    those of cells of each level, see :func:`level_layers`. ``plane_mass`` lists the mass of a node of each plane, level
+    by level (kg). A node represents its share of the cells above and below, an atom of the surface a whole atom; where
+    two levels meet, half a layer of each. Hanging planes and the rigid one have zero.
     """
 
     _force_kernel, _move_kernel = staticmethod(slab_force), staticmethod(move_slab)
@@ -243,16 +224,9 @@ class MultiscaleBlock:
     ) -> float:
         """Apply the forces to all nodes but the rigid plane, in one pass over them; return the pull on that plane (N).
 
-        Parameters
-        ----------
-        displacement, moved : numpy.ndarray, shape (size,)
-            Before and after (m); ghosts and hanging planes of the first are filled, the rigid plane is copied.
-        velocity : numpy.ndarray, shape (size,)
-            In m/s, in place.
-        surface_force : numpy.ndarray, shape (3, ny, nx)
-            External force on the surface's atoms (N).
-        action : Action
-            Effect of a force.
+        ``displacement`` and ``moved`` are before and after (m), all vectors of shape (size,); ghosts and hanging planes
+        of the first are filled, the rigid plane is copied. ``surface_force`` acts from outside on the surface's atoms
+        (N, shape (3, ny, nx)).
         """
         u, new, v = map(self.levels_of, (displacement, moved, velocity))
         faces, mass = self._faces, self._inverse_mass

@@ -39,9 +39,7 @@ def _add_plane(u, k, width, start, below, dilatation):
 
     ``below`` holds what the plane under it adds, and is overwritten with what plane k adds to the cells over it.
     """
-    x = u[0, k]
-    y = u[1, k]
-    z = u[2, k]
+    x, y, z = u[0, k], u[1, k], u[2, k]
     for q in range(np.uint64(dilatation.size)):
         i = start + q
         e = i + np.uint64(1)
@@ -84,37 +82,22 @@ def _plane_force(nodes, k, dilatation, below, edge, diagonal, volume, first, f_x
         under[:] = 0.0
     # Springs within a face of the slab belong to one cell instead of two.
     share = 1.0 if 0 < k < planes - 1 else 0.5
-    edge_in = share * edge
-    diagonal_in = share * diagonal
     has_over = 1.0 if k < planes - 1 else 0.0
     has_under = 1.0 if k > 0 else 0.0
-    diagonal_o = has_over * diagonal
-    diagonal_u = has_under * diagonal
-    edge_o = has_over * edge
-    edge_u = has_under * edge
+    edge_in, edge_o, edge_u = share * edge, has_over * edge, has_under * edge
+    diagonal_in, diagonal_o, diagonal_u = share * diagonal, has_over * diagonal, has_under * diagonal
     own_x = 2.0 * edge_in + 4.0 * diagonal_in + 2.0 * (diagonal_o + diagonal_u)
     own_z = edge_o + edge_u + 4.0 * (diagonal_o + diagonal_u)
     k_o = k + 1 if k < planes - 1 else k
     k_u = k - 1 if k > 0 else k
-    x_c = u[0, k]
-    x_o = u[0, k_o]
-    x_u = u[0, k_u]
-    y_c = u[1, k]
-    y_o = u[1, k_o]
-    y_u = u[1, k_u]
-    z_c = u[2, k]
-    z_o = u[2, k_o]
-    z_u = u[2, k_u]
+    x_c, x_o, x_u = u[0, k], u[0, k_o], u[0, k_u]
+    y_c, y_o, y_u = u[1, k], u[1, k_o], u[1, k_u]
+    z_c, z_o, z_u = u[2, k], u[2, k_o], u[2, k_u]
     for q in range(np.uint64(f_x.size - 2)):
-        sw = q
-        se = q + one
-        nw = q + width
+        sw, se, nw = q, q + one, q + width
         ne = nw + one
         i = begin + ne
-        e = i + one
-        w = i - one
-        n = i + width
-        s = i - width
+        e, w, n, s = i + one, i - one, i + width, i - width
         # Diagonals within the plane; those of x with y change sides for the other.
         rising = (x_c[n + one] + x_c[s - one]) + (y_c[n + one] + y_c[s - one])
         falling = (x_c[n - one] + x_c[s + one]) - (y_c[n - one] + y_c[s + one])
@@ -127,10 +110,8 @@ def _plane_force(nodes, k, dilatation, below, edge, diagonal, volume, first, f_x
         g_z = diagonal_o * (((x_o[e] - x_o[w]) + (y_o[n] - y_o[s])) + ((z_o[e] + z_o[w]) + (z_o[n] + z_o[s])))
         g_z += diagonal_u * (((z_u[e] + z_u[w]) + (z_u[n] + z_u[s])) - ((x_u[e] - x_u[w]) + (y_u[n] - y_u[s])))
         g_z += edge_o * z_o[i] + edge_u * z_u[i]
-        t_sw = under[sw] + over[sw]
-        t_se = under[se] + over[se]
-        t_nw = under[nw] + over[nw]
-        t_ne = under[ne] + over[ne]
+        t_sw, t_se = under[sw] + over[sw], under[se] + over[se]
+        t_nw, t_ne = under[nw] + over[nw], under[ne] + over[ne]
         f_x[q + one] = (g_x - own_x * x_c[i]) - volume * ((t_sw - t_se) + (t_nw - t_ne))
         f_y[q + one] = (g_y - own_x * y_c[i]) - volume * ((t_sw + t_se) - (t_nw + t_ne))
         f_z[q + one] = (g_z - own_z * z_c[i]) - volume * (

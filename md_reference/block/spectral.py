@@ -15,24 +15,18 @@ def act_on_wave(s_x, s_y, s_z, i, norm, xx, yy, zz, xy, xz, yz):
     """Replace the i-th wave of a row by ``norm`` times a matrix times it; return the product of both."""
     re = np.uint64(2) * np.uint64(i)
     im = re + np.uint64(1)
-    x_re = s_x[re]
-    x_im = s_x[im]
-    y_re = s_y[re]
-    y_im = s_y[im]
-    z_re = -s_z[im]
-    z_im = s_z[re]
+    x_re, x_im = s_x[re], s_x[im]
+    y_re, y_im = s_y[re], s_y[im]
+    z_re, z_im = -s_z[im], s_z[re]
     o_re = norm * (xx * x_re + xy * y_re + xz * z_re)
     o_im = norm * (xx * x_im + xy * y_im + xz * z_im)
     p_re = norm * (xy * x_re + yy * y_re + yz * z_re)
     p_im = norm * (xy * x_im + yy * y_im + yz * z_im)
     q_re = norm * (xz * x_re + yz * y_re + zz * z_re)
     q_im = norm * (xz * x_im + yz * y_im + zz * z_im)
-    s_x[re] = o_re
-    s_x[im] = o_im
-    s_y[re] = p_re
-    s_y[im] = p_im
-    s_z[re] = q_im
-    s_z[im] = -q_re
+    s_x[re], s_x[im] = o_re, o_im
+    s_y[re], s_y[im] = p_re, p_im
+    s_z[re], s_z[im] = q_im, -q_re
     return x_re * o_re + x_im * o_im + y_re * p_re + y_im * p_im + z_re * q_re + z_im * q_im
 
 
@@ -46,15 +40,9 @@ def multiply(spectrum, stiffness, multiplicity, normalisation):
     norm = np.float32(normalisation)
     total = 0.0
     for j in range(rows):
-        xx = stiffness[0, j]
-        yy = stiffness[1, j]
-        zz = stiffness[2, j]
-        xy = stiffness[3, j]
-        xz = stiffness[4, j]
-        yz = stiffness[5, j]
-        s_x = spectrum[0, j]
-        s_y = spectrum[1, j]
-        s_z = spectrum[2, j]
+        xx, yy, zz = stiffness[0, j], stiffness[1, j], stiffness[2, j]
+        xy, xz, yz = stiffness[3, j], stiffness[4, j], stiffness[5, j]
+        s_x, s_y, s_z = spectrum[0, j], spectrum[1, j], spectrum[2, j]
         row = np.float32(0.0)
         for i in range(np.uint64(columns)):
             product = act_on_wave(s_x, s_y, s_z, i, norm, xx[i], yy[i], zz[i], xy[i], xz[i], yz[i])
@@ -71,20 +59,12 @@ def invert(spectrum, stiffness, multiplicity, shift, normalisation):
     norm = np.float32(normalisation)
     total = 0.0
     for j in range(rows):
-        xx = stiffness[0, j]
-        yy = stiffness[1, j]
-        zz = stiffness[2, j]
-        xy = stiffness[3, j]
-        xz = stiffness[4, j]
-        yz = stiffness[5, j]
-        r_x = spectrum[0, j]
-        r_y = spectrum[1, j]
-        r_z = spectrum[2, j]
+        xx, yy, zz = stiffness[0, j], stiffness[1, j], stiffness[2, j]
+        xy, xz, yz = stiffness[3, j], stiffness[4, j], stiffness[5, j]
+        r_x, r_y, r_z = spectrum[0, j], spectrum[1, j], spectrum[2, j]
         row = np.float32(0.0)
         for i in range(np.uint64(columns)):
-            a = xx[i] + c_0
-            b = yy[i] + c_0
-            c = zz[i] + c_0
+            a, b, c = xx[i] + c_0, yy[i] + c_0, zz[i] + c_0
             c_xx = b * c - yz[i] * yz[i]
             c_xy = xz[i] * yz[i] - xy[i] * c
             c_xz = xy[i] * yz[i] - b * xz[i]

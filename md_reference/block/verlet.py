@@ -52,20 +52,9 @@ def move_plane(
     alone, so that results do not depend on threads. Such increments suffice for weak schemes of second order (P. E.
     Kloeden, E. Platen, Numerical Solution of Stochastic Differential Equations, Springer 1992).
 
-    Parameters
-    ----------
-    displacement, moved : numpy.ndarray, shape (3, planes, ny + 2, nx + 2)
-        Before and after (m); may be the same.
-    velocity : numpy.ndarray, shape (3, planes, ny + 2, nx + 2)
-        In m/s, in place.
-    force : numpy.ndarray, shape (3, any, any, nx + 2)
-        In N; row ``first`` is row ``force_row`` of the plane ``force_plane``.
-    inverse_mass : float
-        Of a node of the plane (1/kg).
-    action : Action
-        Effect of the forces.
-    number : int
-        Number of the slab's first node in the block.
+    Displacements before and after (m) may be the same array; the velocity (m/s) changes in place. Row ``first`` of the
+    plane has its forces (N) in row ``force_row`` of the plane ``force_plane``. ``inverse_mass`` is that of a node
+    (1/kg), ``number`` that of the slab's first node in the block.
     """
     gain = action.kick * inverse_mass
     spread = np.sqrt(action.noise * inverse_mass)

@@ -1,1 +1,4 @@
-"""The interface of the block with the rigid substrate: pair forces, substrate sites and heights."""
+"""The interface of the block with the rigid substrate: pair forces, sites and heights, adhesion of flat layers.
+
+The block's elasticity and the load are elsewhere.
+"""

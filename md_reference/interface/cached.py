@@ -38,21 +38,8 @@ DEFAULTS = CacheOptions()
 class CachedInterface:
     """An interface with the last evaluation of each of its atoms.
 
-    Parameters
-    ----------
-    interaction : AtomwiseInteraction
-        The interface.
-    shape : tuple of int
-        Atoms along y and x.
-    options : CacheOptions, optional
-        Bounds of the expansion.
-
-    Attributes
-    ----------
-    hessian : numpy.ndarray of float32, shape (6, ny, nx)
-        Second derivatives of the last evaluation: xx, yy, zz, xy, xz, yz (N/m).
-    evaluations : float
-        Evaluations so far, those of some atoms counted by their share of all.
+    ``shape`` is that of the layer, (ny, nx). ``hessian``, float32 of shape (6, ny, nx), has the second derivatives of
+    the last evaluation: xx, yy, zz, xy, xz, yz (N/m). ``evaluations`` counts those of some atoms by their share of all.
     """
 
     def __init__(self, interaction: AtomwiseInteraction, shape: tuple[int, int], options: CacheOptions = DEFAULTS):
@@ -97,9 +84,7 @@ def _mark(displacement, position, force, hessian, hardness, softness, least, far
             y = displacement[1, j, i] - position[1, j, i]
             z = displacement[2, j, i] - position[2, j, i]
             stiffness = hessian[0, j, i] + hessian[1, j, i] + hessian[2, j, i]
-            f_x = force[0, j, i]
-            f_y = force[1, j, i]
-            f_z = force[2, j, i]
+            f_x, f_y, f_z = force[0, j, i], force[1, j, i], force[2, j, i]
             growth = hardness * max(stiffness, 0.0) + softness * np.sqrt(f_x * f_x + f_y * f_y + f_z * f_z) + least
             squared = x * x + y * y + z * z
             left = not (growth * squared <= allowed and squared <= farthest)
@@ -121,15 +106,11 @@ def _expand(displacement, position, force_there, hessian, energy_there, force):
             x = displacement[0, j, i] - position[0, j, i]
             y = displacement[1, j, i] - position[1, j, i]
             z = displacement[2, j, i] - position[2, j, i]
-            xy = hessian[3, j, i]
-            xz = hessian[4, j, i]
-            yz = hessian[5, j, i]
+            xy, xz, yz = hessian[3, j, i], hessian[4, j, i], hessian[5, j, i]
             h_x = hessian[0, j, i] * x + xy * y + xz * z
             h_y = xy * x + hessian[1, j, i] * y + yz * z
             h_z = xz * x + yz * y + hessian[2, j, i] * z
-            f_x = force_there[0, j, i]
-            f_y = force_there[1, j, i]
-            f_z = force_there[2, j, i]
+            f_x, f_y, f_z = force_there[0, j, i], force_there[1, j, i], force_there[2, j, i]
             force[0, j, i] = f_x - h_x
             force[1, j, i] = f_y - h_y
             force[2, j, i] = f_z - h_z

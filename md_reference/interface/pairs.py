@@ -69,20 +69,8 @@ class LennardJonesInterface:
     Displacements have shape (3, ny, nx): components 0 and 1 are the moves along x and y from the atoms' rest positions,
     component 2 is the height over the substrate's mean plane (m).
 
-    Parameters
-    ----------
-    substrate : Substrate
-        The rigid layer.
-    shape : tuple of int
-        Block atoms along y and x.
-    spacing : tuple of float
-        Distance of the block atoms' rest positions along y and x (m).
-    well_depth, length : float
-        ε (J) and r0 (m).
-    cutoff : float
-        r_c in units of r0.
-    threads : int, optional
-        Threads that share the rows.
+    ``shape`` and ``spacing`` (m) are those of the block's atoms along y and x; ``well_depth`` is ε (J), ``length`` r0
+    (m), ``cutoff`` r_c in units of r0. ``threads`` share the rows.
     """
 
     def __init__(
@@ -112,22 +100,11 @@ class LennardJonesInterface:
         self._row_inside = np.empty(shape[0], dtype=np.int64)
 
     def evaluate(self, displacement: np.ndarray, force: np.ndarray, hessian: np.ndarray | None = None) -> float:
-        """Write the force on each atom, and its second derivatives; return the energy of all pairs.
+        """Write the force on each atom, and its second derivatives; return the energy of all pairs (J).
 
-        Parameters
-        ----------
-        displacement : numpy.ndarray, shape (3, ny, nx)
-            See the class (m).
-        force : numpy.ndarray, shape (3, ny, nx)
-            Written (N).
-        hessian : numpy.ndarray, shape (6, ny, nx), optional
-            Written: xx, yy, zz, xy, xz, yz (N/m).
-
-        Returns
-        -------
-        float
-            Energy (J); infinite, with undefined results, if an atom is less than 0.3 r0 above the site below it or has
-            no finite position.
+        ``force`` has shape (3, ny, nx) (N), ``hessian`` (6, ny, nx): xx, yy, zz, xy, xz, yz (N/m). The energy is
+        infinite, with undefined results, if an atom is less than 0.3 r0 above the site below it or has no finite
+        position.
         """
         derivatives = self._no_hessian if hessian is None else hessian
         if not self.evaluate_some(displacement, self._all, force, derivatives, self._energy):
@@ -334,10 +311,7 @@ def _lennard_jones(
                 delta_y[count + k] = 0.0
                 delta_z[count + k] = 0.0
             count = (count + np.uint64(7)) // np.uint64(8) * np.uint64(8)
-            f_x = 0.0
-            f_y = 0.0
-            f_z = 0.0
-            e = 0.0
+            f_x = f_y = f_z = e = 0.0
             if not with_hessian:
                 for k in range(count):
                     potential, g, _ = _pair(delta_x[k], delta_y[k], delta_z[k], start, slope)
@@ -346,17 +320,9 @@ def _lennard_jones(
                     f_z += g * delta_z[k]
                     e += potential
             else:
-                h_xx = 0.0
-                h_yy = 0.0
-                h_zz = 0.0
-                h_xy = 0.0
-                h_xz = 0.0
-                h_yz = 0.0
-                trace = 0.0
+                h_xx = h_yy = h_zz = h_xy = h_xz = h_yz = trace = 0.0
                 for k in range(count):
-                    dx = delta_x[k]
-                    dy = delta_y[k]
-                    dz = delta_z[k]
+                    dx, dy, dz = delta_x[k], delta_y[k], delta_z[k]
                     potential, g, q = _pair(dx, dy, dz, start, slope)
                     f_x += g * dx
                     f_y += g * dy

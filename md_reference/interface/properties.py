@@ -29,16 +29,8 @@ class InterfaceProperties:
 class FlatInterface:
     """Energy and tension of a rigid flat layer of block atoms on the flat substrate layer.
 
-    Parameters
-    ----------
-    substrate_spacing : tuple of float
-        Distance of the substrate's sites along y and x (m).
-    area_per_atom : float
-        Of the block's layer (m²).
-    well_depth, length : float
-        ε (J) and r0 (m).
-    cutoff : float
-        In units of r0.
+    ``substrate_spacing`` is that of the sites along y and x (m), ``area_per_atom`` that of the block's layer (m²);
+    ``well_depth`` ε (J), ``length`` r0 (m), ``cutoff`` in units of r0.
     """
 
     def __init__(

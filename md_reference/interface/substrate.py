@@ -14,14 +14,8 @@ from contact_study.numerics.kernel import kernel
 class Substrate:
     """A periodic rectangle of substrate sites, site (i, j) at y = i·spacing[0], x = j·spacing[1].
 
-    Parameters
-    ----------
-    samples : numpy.ndarray, shape (refinement * my, refinement * mx)
-        Height of the surface on ``refinement`` points per site along each axis, toward the block (m).
-    spacing : tuple of float
-        Distance between sites along y and x (m).
-    refinement : int, optional
-        Samples per site; more than one only sharpens :meth:`height_at`.
+    ``samples`` are heights toward the block on ``refinement`` points per site along each axis (m), ``spacing`` is the
+    distance of the sites along y and x (m). A refinement above one only sharpens :meth:`height_at`.
     """
 
     samples: np.ndarray

@@ -1,1 +1,4 @@
-"""Mechanical equilibria at zero temperature: energy, Newton steps, linear solver, overdamped motion."""
+"""Mechanical equilibria at zero temperature: energy, Newton steps, linear solver, overdamped relaxation, the contact.
+
+Studies, cases and temperature are in the rooms above.
+"""

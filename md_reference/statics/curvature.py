@@ -19,12 +19,8 @@ def deviator(xx, yy, zz, xy, xz, yz):
     if spread == 0.0:
         return mean, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     p = np.sqrt(spread / 6.0)
-    a = (xx - mean) / p
-    b = (yy - mean) / p
-    c = (zz - mean) / p
-    d = xy / p
-    e = xz / p
-    f = yz / p
+    a, b, c = (xx - mean) / p, (yy - mean) / p, (zz - mean) / p
+    d, e, f = xy / p, xz / p, yz / p
     r = 0.5 * (a * (b * c - f * f) - d * (d * c - f * e) + e * (d * f - b * e))
     return mean, p, a, b, c, d, e, f, np.arccos(min(1.0, max(-1.0, r))) / 3.0
 
@@ -71,29 +67,14 @@ def raise_curvature(hessian, gradient, gap, cosine, damping, length, smallest_di
     pulls it toward contact, and at twice its gap where g pulls it away. The increase vanishes with g, which preserves
     Newton's convergence.
 
-    Parameters
-    ----------
-    hessian : numpy.ndarray, shape (6, ny, nx)
-        Second derivatives of the interface (N/m).
-    gradient : numpy.ndarray, shape (3, ny, nx)
-        Unbalanced force on each atom, negated (N).
-    gap, cosine : numpy.ndarray, shape (ny, nx)
-        Height over the surface (m) and cosine of the surface's tilt.
-    damping : float
-        Share of the remaining negative curvature to remove: 1 leaves none.
-    length, smallest_distance : float
-        r0 (m), and the least distance to contact (r0).
-    diagonal : numpy.ndarray, shape (6, ny, nx)
-        Written.
+    ``gradient`` is the unbalanced force, negated (N), ``gap`` the height over the surface (m) and ``cosine`` that of
+    the surface's tilt. ``damping`` is the share of the remaining negative curvature to remove. ``length`` is r0 (m),
+    ``smallest_distance`` the least distance to contact (r0). ``diagonal`` is written (N/m).
     """
     for j in range(gap.shape[0]):
         for i in range(gap.shape[1]):
-            xx = hessian[0, j, i]
-            yy = hessian[1, j, i]
-            zz = hessian[2, j, i]
-            xy = hessian[3, j, i]
-            xz = hessian[4, j, i]
-            yz = hessian[5, j, i]
+            xx, yy, zz = hessian[0, j, i], hessian[1, j, i], hessian[2, j, i]
+            xy, xz, yz = hessian[3, j, i], hessian[4, j, i], hessian[5, j, i]
             lift = 0.0
             if zz < 0.0 or damping > 0.0:
                 if zz < 0.0:
@@ -116,18 +97,10 @@ def raise_curvature(hessian, gradient, gap, cosine, damping, length, smallest_di
 def split(diagonal, shift, half_grid, negligible, known, normal, removed, core):
     """Write the stiffest direction of each atom and its core, see :mod:`md_reference.statics.linear`.
 
-    Parameters
-    ----------
-    diagonal : numpy.ndarray, shape (6, ny, nx)
-        D (N/m).
-    shift, half_grid, negligible : float
-        c, ½ S_max and the curvature below which an atom is all tail (N/m).
-    known : numpy.ndarray, shape (6, ny, nx)
-        D of the last call, whose results remain valid where it is the same; NaN at first.
-    normal : numpy.ndarray, shape (3, ny, nx)
-        Written: unit eigenvector n of the largest eigenvalue k.
-    removed, core : numpy.ndarray, shape (ny, nx)
-        Written: 1 − β, and (1 − β²)/(k + ½ S_max) (m/N), with β² = c/(k + c); zero where k is negligible.
+    D is ``diagonal``, c ``shift``, ½ S_max ``half_grid`` (N/m); below ``negligible`` an atom is all tail. Where D is
+    the ``known`` one of the last call (NaN at first), results remain valid. Written are the unit eigenvector n of the
+    largest eigenvalue k in ``normal``, 1 − β in ``removed`` and (1 − β²)/(k + ½ S_max) in ``core`` (m/N), with β² =
+    c/(k + c); zero where k is negligible.
     """
     for j in range(removed.shape[0]):
         for i in range(removed.shape[1]):
@@ -138,12 +111,8 @@ def split(diagonal, shift, half_grid, negligible, known, normal, removed, core):
                 continue
             for n in range(6):
                 known[n, j, i] = diagonal[n, j, i]
-            xx = float(diagonal[0, j, i])
-            yy = float(diagonal[1, j, i])
-            zz = float(diagonal[2, j, i])
-            xy = float(diagonal[3, j, i])
-            xz = float(diagonal[4, j, i])
-            yz = float(diagonal[5, j, i])
+            xx, yy, zz = float(diagonal[0, j, i]), float(diagonal[1, j, i]), float(diagonal[2, j, i])
+            xy, xz, yz = float(diagonal[3, j, i]), float(diagonal[4, j, i]), float(diagonal[5, j, i])
             # Largest sums of rows, the eigenvalues' bound.
             bound = max(xx + abs(xy) + abs(xz), yy + abs(xy) + abs(yz), zz + abs(xz) + abs(yz))
             if bound <= negligible:

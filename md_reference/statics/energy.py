@@ -68,27 +68,9 @@ class MinimizerState:
 class BlockEnergy:
     """Energy, forces and curvature of one block and one interface, owner of all work arrays.
 
-    Parameters
-    ----------
-    stiffness : SurfaceStiffness
-        The condensed block.
-    interaction : AtomwiseInteraction
-        The interface.
-    contact_modulus : float
-        E*, the scale of forces (Pa).
-    fixed_mean : bool
-        Whether the mean of the normal component keeps its value.
-    threads : int, optional
-        Threads of FFTW.
-    options : EnergyOptions, optional
-        Line search and preconditioner.
-
-    Attributes
-    ----------
-    force : numpy.ndarray, shape (3, ny, nx)
-        Force of the interface on each atom at the last evaluated state (N).
-    newton : LinearSolver
-        Solver of the Newton steps' linear problems.
+    ``contact_modulus`` is E*, the scale of forces (Pa); ``fixed_mean`` keeps the mean of the normal component.
+    ``force``, shape (3, ny, nx), is that of the interface on each atom at the last evaluated state (N), ``newton`` the
+    solver of the Newton steps' linear problems.
     """
 
     def __init__(

@@ -54,25 +54,9 @@ class LinearSolution:
 class LinearSolver:
     """Conjugate gradients, owner of the single-precision arrays and transforms.
 
-    Parameters
-    ----------
-    stiffness : SurfaceStiffness
-        S of the block; S_zz at q = 0 is omitted.
-    shift : float
-        c of the preconditioner (N/m), positive.
-    fixed_mean : bool
-        Keep the mean of the normal component (gap control) instead of leaving it free (pressure control).
-    threads : int, optional
-        Threads of FFTW.
-    options : LinearOptions, optional
-        Preconditioner and the test for negative curvature.
-
-    Attributes
-    ----------
-    diagonal : numpy.ndarray of float32, shape (6, ny, nx)
-        D (N/m), to be written by the caller: xx, yy, zz, xy, xz, yz.
-    direction : numpy.ndarray of float32, shape (3, ny, nx)
-        The last search direction: one of negative curvature if the solver stopped on it.
+    ``shift`` is c of the preconditioner (N/m), positive; ``fixed_mean`` keeps the mean of the normal component. The
+    caller writes D into ``diagonal`` (N/m, shape (6, ny, nx)): xx, yy, zz, xy, xz, yz. ``direction``, shape
+    (3, ny, nx), is the last search direction: one of negative curvature if the solver stopped on it.
     """
 
     def __init__(
@@ -113,17 +97,9 @@ class LinearSolver:
     ) -> LinearSolution:
         """Solve (S + D) x = −gradient with the D of :attr:`diagonal`.
 
-        Parameters
-        ----------
-        gradient : numpy.ndarray, shape (3, ny, nx)
-            Right-hand side, negated (N); its normal mean is zero if that mean is fixed.
-        reduction : float
-            Factor by which the residual's norm has to fall.
-        max_iterations : int
-            Largest number of iterations.
-        total : float, optional
-            Largest |Σ residual| of the normal component to leave (N): the softest mode of a light contact, its mean
-            height, may be a small part of the norm.
+        ``gradient`` is the right-hand side, negated (N); its normal mean is zero if that mean is fixed. The solve ends
+        when the residual's norm has fallen by the factor ``reduction`` and |Σ residual| of the normal component is at
+        most ``total`` (N): the softest mode of a light contact, its mean height, may be a small part of the norm.
         """
         scale = float(np.max(np.abs(gradient)))
         transform, normalisation = self.transform, 1 / self.transform.points
@@ -207,9 +183,7 @@ def _take_tail(r, normal, removed, core, field):
         row = np.float32(0.0)
         row_product = np.float32(0.0)
         for i in range(r.shape[2]):
-            x = r[0, j, i]
-            y = r[1, j, i]
-            w = r[2, j, i]
+            x, y, w = r[0, j, i], r[1, j, i], r[2, j, i]
             along = normal[0, j, i] * x + normal[1, j, i] * y + normal[2, j, i] * w
             taken = removed[j, i] * along
             field[0, j, i] = x - taken * normal[0, j, i]
@@ -232,23 +206,16 @@ def _turn(r, normal, removed, core, ratio, diagonal, direction, field):
         row = np.float32(0.0)
         row_length = np.float32(0.0)
         for i in range(r.shape[2]):
-            n_x = normal[0, j, i]
-            n_y = normal[1, j, i]
-            n_z = normal[2, j, i]
-            x = field[0, j, i]
-            y = field[1, j, i]
-            w = field[2, j, i]
+            n_x, n_y, n_z = normal[0, j, i], normal[1, j, i], normal[2, j, i]
+            x, y, w = field[0, j, i], field[1, j, i], field[2, j, i]
             along = core[j, i] * (n_x * r[0, j, i] + n_y * r[1, j, i] + n_z * r[2, j, i])
             along -= removed[j, i] * (n_x * x + n_y * y + n_z * w)
             x += along * n_x + beta * direction[0, j, i]
             y += along * n_y + beta * direction[1, j, i]
             w += along * n_z + beta * direction[2, j, i]
-            direction[0, j, i] = x
-            direction[1, j, i] = y
-            direction[2, j, i] = w
-            field[0, j, i] = x
-            field[1, j, i] = y
-            field[2, j, i] = w
+            direction[0, j, i] = field[0, j, i] = x
+            direction[1, j, i] = field[1, j, i] = y
+            direction[2, j, i] = field[2, j, i] = w
             row_length += x * x + y * y + w * w
             row += diagonal[0, j, i] * x * x + diagonal[1, j, i] * y * y + diagonal[2, j, i] * w * w
             row += np.float32(2.0) * (diagonal[3, j, i] * x * y + diagonal[4, j, i] * x * w + diagonal[5, j, i] * y * w)
@@ -263,12 +230,8 @@ def _descend(step, direction, diagonal, stretch, solution, r):
     alpha = np.float32(step)
     for j in range(r.shape[1]):
         for i in range(r.shape[2]):
-            x = direction[0, j, i]
-            y = direction[1, j, i]
-            w = direction[2, j, i]
-            xy = diagonal[3, j, i]
-            xz = diagonal[4, j, i]
-            yz = diagonal[5, j, i]
+            x, y, w = direction[0, j, i], direction[1, j, i], direction[2, j, i]
+            xy, xz, yz = diagonal[3, j, i], diagonal[4, j, i], diagonal[5, j, i]
             solution[0, j, i] += alpha * x
             solution[1, j, i] += alpha * y
             solution[2, j, i] += alpha * w

@@ -66,29 +66,9 @@ class _Descent:
 class EquilibriumSolver:
     """Minimiser for one block and one interface.
 
-    Parameters
-    ----------
-    stiffness : SurfaceStiffness
-        The condensed block.
-    interaction : AtomwiseInteraction
-        The interface.
-    contact_modulus : float
-        E*, the scale of the residual (Pa).
-    control : str
-        "pressure", or "gap": the mean of the normal component keeps its starting value.
-    tolerance : float
-        On the residual, in units of E*.
-    max_iterations : int
-        Newton steps before the solve ends without convergence.
-    threads : int, optional
-        Threads of FFTW.
-    options : NewtonOptions, optional
-        The method's constants.
-
-    Attributes
-    ----------
-    energy : BlockEnergy
-        The minimised energy.
+    ``contact_modulus`` is E*, the scale of the residual (Pa). Under control of the "gap" the mean of the normal
+    component keeps its starting value. A solve ends at a residual of ``tolerance``, in units of E*, or after
+    ``max_iterations`` Newton steps.
     """
 
     def __init__(
@@ -110,19 +90,10 @@ class EquilibriumSolver:
         self.energy = BlockEnergy(stiffness, interaction, contact_modulus, self._fixed_mean, threads, options.energy)
 
     def solve(self, start: np.ndarray, pressure: float = 0.0) -> Equilibrium:
-        """Find the equilibrium reached from a starting state.
+        """Find the equilibrium reached from a starting displacement (m, shape (3, ny, nx)).
 
-        Parameters
-        ----------
-        start : numpy.ndarray, shape (3, ny, nx)
-            Starting displacement (m).
-        pressure : float, optional
-            Mean pressure, positive in compression (Pa); not used under gap control.
-
-        Raises
-        ------
-        ValueError
-            If an atom of the starting state lies inside the substrate or is not finite.
+        ``pressure`` is the mean pressure (Pa), not used under gap control. ValueError if an atom of the starting state
+        lies inside the substrate or is not finite.
         """
         energy = self.energy
         transforms = energy.pairs

@@ -51,16 +51,8 @@ class OverdampedBlock:
 
     Drag is a stiffness over area (Pa/m), load a mean pressure (Pa).
 
-    Parameters
-    ----------
-    energy : BlockEnergy
-        Of a block under pressure control.
-    tolerance : float
-        Residual of a state at rest, in units of E*.
-    allowed : float
-        Local error of a time step (m).
-    options : OverdampedOptions, optional
-        The method's constants.
+    ``energy`` is that of a block under pressure control, ``tolerance`` the residual of a state at rest (E*),
+    ``allowed`` the local error of a time step (m).
     """
 
     def __init__(self, energy: BlockEnergy, tolerance: float, allowed: float, options: OverdampedOptions = DEFAULTS):

@@ -37,18 +37,8 @@ def limit_step(gap, cosine, force, length, prefactor, options, trial_gap, trial_
     s = r0/d; over a layer tilted by θ its part normal to the mean plane is cos²θ times that. To first order the
     correction vanishes.
 
-    Parameters
-    ----------
-    gap, cosine : numpy.ndarray, shape (ny, nx)
-        Height over the surface (m) and cosine of the surface's tilt before the step.
-    force : numpy.ndarray, shape (ny, nx)
-        Normal force of the interface before the step (N).
-    length, prefactor : float
-        r0 (m) and the force (N).
-    options : StepLimiterOptions
-        Limits.
-    trial_gap, trial_cosine, height : numpy.ndarray, shape (ny, nx)
-        After the step; the gap and the atoms' heights are corrected in place (m).
+    Before the step ``gap`` is the height over the surface (m), ``cosine`` that of the surface's tilt, ``force`` the
+    interface's normal force (N). After it, ``trial_gap`` and the atoms' ``height`` are corrected in place (m).
     """
     change = options.largest_change
     for j in range(gap.shape[0]):

@@ -1,1 +1,4 @@
-"""The atomistic model of a study: its cases and the ways in which atoms follow a loading path, one file each."""
+"""The atomistic model of a study: its cases and the methods by which atoms follow a loading path, one file each.
+
+No algorithm is here.
+"""

@@ -1,1 +1,4 @@
-"""Atoms at a temperature: hybrid Monte Carlo and Langevin dynamics."""
+"""Atoms at a temperature: hybrid Monte Carlo, molecular dynamics, tests of equilibration and checkpoints.
+
+Loading paths of a study are in the room above.
+"""

@@ -85,33 +85,15 @@ class Frame(NamedTuple):
 
 @dataclass
 class TrajectoryState:
-    """Molecular dynamics at one point of the loading path.
-
-    Attributes
-    ----------
-    motion : Motion
-        Positions and velocities of all nodes.
-    generator : numpy.random.Generator
-        Source of the thermostat's noise.
-    point : int
-        Number of the point.
-    touched : bool
-        Whether an atom has been within reach since the block last began its approach.
-    frame, frames : int
-        Recorded states of the point so far and in all.
-    steps : int
-        Time steps of all frames of the point.
-    series : list of Frame
-        Recorded states of the point so far.
-    """
+    """Molecular dynamics at one point of the loading path."""
 
     motion: Motion
-    generator: np.random.Generator
+    generator: np.random.Generator  # of the thermostat's noise
     point: int
-    touched: bool = False
-    frame: int = 0
-    frames: int = 0
-    steps: int = 0
+    touched: bool = False  # whether an atom has been within reach since the block last began its approach
+    frame: int = 0  # recorded states of the point so far
+    frames: int = 0  # and in all
+    steps: int = 0  # time steps of all frames of the point
     series: list[Frame] = field(default_factory=list)
 
     def start_point(self, point: int) -> None:

@@ -57,25 +57,15 @@ DEFAULTS = HybridMonteCarloOptions()
 class SamplerState:
     """State of a Markov chain.
 
-    Attributes
-    ----------
-    displacement : numpy.ndarray, shape (3, ny, nx // 2 + 1)
-        Spectrum of the displacement, Σ u exp(−i q·x) (m).
-    time_step : float
-        Of the scheme's two stages together, in units of √(mass/stiffness).
-    mass : numpy.ndarray, shape (3, ny, nx // 2 + 1)
-        Of every wave along x, y and z (N/m).
-    trajectories, accepted, evaluations : int
-        Trajectories, accepted ones, and evaluations of the interface; those of the equilibration count in
-        ``evaluations`` only.
+    Spectra have shape (3, ny, nx // 2 + 1). The equilibration counts in ``evaluations`` only.
     """
 
-    displacement: np.ndarray
-    time_step: float
-    mass: np.ndarray
+    displacement: np.ndarray  # spectrum, Σ u exp(−i q·x) (m)
+    time_step: float  # of the scheme's two stages together, in units of √(mass/stiffness)
+    mass: np.ndarray  # of every wave along x, y and z (N/m)
     trajectories: int = 0
     accepted: int = 0
-    evaluations: int = 0
+    evaluations: int = 0  # of the interface
 
 
 class ThermalSampler:

@@ -32,28 +32,10 @@ class Motion:
 class MolecularDynamics:
     """Block and interface in motion.
 
-    Parameters
-    ----------
-    block : MultiscaleBlock
-        The nodes.
-    interaction : Interaction
-        Forces on its bottom layer.
-    time_step : float
-        Of velocity Verlet (s).
-    damping : float
-        Rate at which the thermostat removes momentum (1/s); zero for none.
-    temperature : float
-        Of the thermostat (K).
-    driven : bool
-        Whether the rigid plane keeps its prescribed velocity. Damping then acts on the motion relative to the plane: a
-        bath at rest would drag at the whole block.
-
-    Attributes
-    ----------
-    interface_force : numpy.ndarray, shape (3, ny, nx)
-        Of the substrate on the surface's atoms, after a step (N).
-    interaction_energy : float
-        After a step (J).
+    ``damping`` is the rate at which a thermostat of the given ``temperature`` (K) removes momentum (1/s), ``time_step``
+    that of velocity Verlet (s). A ``driven`` rigid plane keeps its prescribed velocity; damping then acts on the motion
+    relative to the plane: a bath at rest would drag at the whole block. After a step ``interface_force``, shape
+    (3, ny, nx), is that of the substrate on the surface's atoms (N), ``interaction_energy`` the interface's (J).
     """
 
     def __init__(
