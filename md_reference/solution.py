@@ -10,7 +10,12 @@ from contact_study.results.state import in_two_lines
 
 
 class Outcome(Enum):
-    """End of a solve; the value is the sentence for the user.
+    """End of a solve.
+
+    Parameters
+    ----------
+    value : str
+        Sentence for the user.
 
     Examples
     --------
@@ -46,12 +51,12 @@ class _Result:
 
     @property
     def converged(self) -> bool:
-        """Whether there is an answer: an equilibrium within the tolerance, or the finding that none exists."""
+        """Return whether the solve found an equilibrium within the tolerance, or that none exists."""
         return self.outcome in (Outcome.CONVERGED, Outcome.DETACHED)
 
     @property
     def detached(self) -> bool:
-        """Whether the surfaces are apart."""
+        """Return whether the surfaces are apart."""
         return self.outcome is Outcome.DETACHED
 
     @property

@@ -273,7 +273,7 @@ class BlockEnergy:
 
 @kernel
 def _work_against(stretch, change, move, push):
-    """Return the sum of (S u + ½ S d)·d and of the push on d_z for a move d from u, S d being ``change`` (J)."""
+    """Return the work (S u + ½ S d)·d of a move d from u and that of the push, ``change`` being S d (J)."""
     total = 0.0
     for c in range(3):
         load = push if c == 2 else 0.0

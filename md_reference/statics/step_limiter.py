@@ -17,7 +17,7 @@ _NEAR, _MOST_STEPS = 1e-8, 10
 class StepLimiterOptions(NamedTuple):
     """Limits of one step."""
 
-    # Distance to contact below which the spring of an attracted atom no longer stiffens (r0), see raise_curvature.
+    # Distance to contact below which the spring of an attracted atom keeps its stiffness (r0), see raise_curvature.
     smallest_distance: float = 0.03
     # Largest relative change of an attracted atom's distance, and of a repelled atom's that leaves contact.
     largest_change: float = 0.4

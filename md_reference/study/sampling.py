@@ -26,7 +26,7 @@ def solve_path(
     start: int = 0,
     predictor: Predictor | None = None,
 ) -> Iterator[InterfaceState | Ensemble]:
-    """Yield thermal states about the quasi-static path, each point with random numbers of its own.
+    """Yield thermal states about the quasi-static path, each point with independent random numbers.
 
     A point where the surfaces are apart has one state. See :data:`md_reference.study.system.Method`, and
     :func:`md_reference.study.quasi_static.solve_path` for the predictor.

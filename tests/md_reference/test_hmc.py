@@ -122,12 +122,16 @@ def test_anharmonic_well_is_sampled_exactly():
 
 @pytest.fixture(scope="module")
 def pressed():
-    """Atoms in equilibrium on a rough substrate."""
+    """Atoms on a rough substrate: what makes a sampler at 1 GPa, and the equilibrium."""
     shape, pressure = (16, 16), 1e9
     interface = interface_of(shape, rough_coefficients())
     stiffness = stiffness_of(shape)
-    solver = EquilibriumSolver(stiffness, interface, CONTACT_MODULUS)
-    return stiffness, interface, pressure, solver.solve(touching(interface), pressure).displacement
+    equilibrium = EquilibriumSolver(stiffness, interface, CONTACT_MODULUS).solve(touching(interface), pressure)
+
+    def sampler(temperature=300.0, fixed_mean=False):
+        return ThermalSampler(stiffness, interface, CONTACT_MODULUS, temperature, pressure, fixed_mean)
+
+    return sampler, equilibrium.displacement
 
 
 def energy_error(sampler, state, velocity, steps):
@@ -138,10 +142,10 @@ def energy_error(sampler, state, velocity, steps):
 @pytest.mark.parametrize(("harmonic", "ratio", "within"), [(False, 4, (0.12, 0.03)), (True, 16, (0.03, 0.01))])
 def test_energy_error_falls_with_a_power_of_the_step(pressed, harmonic, ratio, within):
     """The square; the fourth power for harmonic waves, whose own energy is H times a factor in second order."""
-    stiffness, interface, pressure, equilibrium = pressed
+    sampler, equilibrium = pressed[0](), pressed[1]
     if harmonic:
-        stiffness, interface, pressure, equilibrium = stiffness_of((8, 12)), NoInterface(), 0.0, np.zeros((3, 8, 12))
-    sampler = ThermalSampler(stiffness, interface, CONTACT_MODULUS, 300.0, pressure, harmonic)
+        sampler = ThermalSampler(stiffness_of((8, 12)), NoInterface(), CONTACT_MODULUS, 300.0, fixed_mean=True)
+        equilibrium = np.zeros((3, 8, 12))
     generator = np.random.default_rng(0)
     thermal = sampler.equilibrated(sampler.start(equilibrium), 20 if harmonic else 40, generator)
     velocities = [sampler.velocities(thermal, generator) for _ in range(6)]
@@ -155,8 +159,7 @@ def test_energy_error_falls_with_a_power_of_the_step(pressed, harmonic, ratio, w
 
 
 def test_the_way_back_is_the_way_there(pressed):
-    stiffness, interface, pressure, equilibrium = pressed
-    sampler = ThermalSampler(stiffness, interface, CONTACT_MODULUS, 300.0, pressure)
+    sampler, equilibrium = pressed[0](), pressed[1]
     generator = np.random.default_rng(0)
     state = sampler.equilibrated(sampler.start(equilibrium), 20, generator)
     velocity = sampler.velocities(state, generator)
@@ -171,13 +174,10 @@ def test_the_way_back_is_the_way_there(pressed):
 
 @pytest.mark.parametrize("fixed_mean", [False, True])
 def test_cold_atoms_stand_where_the_minimiser_puts_them(pressed, fixed_mean):
-    stiffness, interface, pressure, equilibrium = pressed
-    temperature, count = 0.01, 150
-    sampler = ThermalSampler(stiffness, interface, CONTACT_MODULUS, temperature, pressure, fixed_mean)
+    sampler, equilibrium = pressed[0](0.01, fixed_mean), pressed[1]
     lowest = sampler.potential_energy(sampler.start(equilibrium))
-    sampler = ThermalSampler(stiffness, interface, CONTACT_MODULUS, temperature, pressure, fixed_mean)
     energies, places = [], []
-    for state in chain(sampler, equilibrium, count):
+    for state in chain(sampler, equilibrium, 150):
         energies.append(sampler.potential_energy(state) - lowest)
         places.append(sampler.displacement(state))
     freedoms = equilibrium.size - (1 if fixed_mean else 0)
@@ -192,12 +192,11 @@ def test_cold_atoms_stand_where_the_minimiser_puts_them(pressed, fixed_mean):
 
 def test_mean_force_carries_the_load(pressed):
     """⟨F_z⟩ = p a² at any temperature, an identity of the canonical distribution."""
-    stiffness, interface, pressure, equilibrium = pressed
-    sampler = ThermalSampler(stiffness, interface, CONTACT_MODULUS, 300.0, pressure)
+    sampler, equilibrium = pressed[0](), pressed[1]
     means = []
     for state in chain(sampler, equilibrium, 400):
         sampler.interaction.evaluate(sampler.displacement(state), sampler.force)
-        means.append(np.mean(sampler.force[2]) / AREA / pressure)
+        means.append(np.mean(sampler.force[2]) / AREA / 1e9)
     found = statistics_of(np.array(means))
     assert found.standard_error < 0.05
     assert abs(found.mean - 1) < 4 * found.standard_error
@@ -205,8 +204,7 @@ def test_mean_force_carries_the_load(pressed):
 
 @pytest.mark.parametrize("first_step", [0.15, 0.4, 5.0])
 def test_the_time_step_is_found_from_far_away(pressed, first_step):
-    stiffness, interface, pressure, equilibrium = pressed
-    sampler = ThermalSampler(stiffness, interface, CONTACT_MODULUS, 300.0, pressure)
+    sampler, equilibrium = pressed[0](), pressed[1]
     generator = np.random.default_rng(0)
     state = replace(sampler.start(equilibrium), time_step=first_step)
     state = sampler.equilibrated(state, 60, generator)
@@ -234,8 +232,7 @@ def test_a_step_that_is_never_stable_ends():
 
 
 def test_proposals_inside_the_substrate_are_refused(pressed):
-    stiffness, interface, pressure, equilibrium = pressed
-    sampler = ThermalSampler(stiffness, interface, CONTACT_MODULUS, 300.0, pressure)
+    sampler, equilibrium = pressed[0](), pressed[1]
     state = replace(sampler.start(equilibrium), time_step=30.0)
     after = sampler.next(state, np.random.default_rng(0))
     assert after.accepted == 0
