@@ -19,6 +19,18 @@ _OF = ":"
 FORMATS = ("png", "pdf", "svg")
 """Formats of figures."""
 
+FIGURE_TITLES = {
+    "stress_distribution": "Stress distribution",
+    "gap_distribution": "Gap distribution",
+    "contact_area": "Contact area",
+    "mean_gap": "Mean gap",
+    "gap_map": "Gap fields",
+    "interface": "Interface",
+    "magnification": "Magnification",
+    "atoms": "Atoms",
+}
+"""Figures of a report by name, in their order."""
+
 TARGET = "analytic"  # the spectrum that surfaces are made from
 
 # What a theory's other spectra add to its label, words and short name.

@@ -8,22 +8,11 @@ import xarray as xr
 
 from contact_study.report.facts.question import sample_notes, study_paragraphs
 from contact_study.report.figures.illustrations import Figures
-from contact_study.report.models import entry_of, kind_of
+from contact_study.report.models import FIGURE_TITLES, entry_of, kind_of
 from contact_study.report.read.datasets import Inputs
 from contact_study.report.rendering import render
 from contact_study.report.tables import results as result_tables
 from contact_study.report.tables import settings as setting_tables
-
-FIGURE_TITLES = {
-    "stress_distribution": "Stress distribution",
-    "gap_distribution": "Gap distribution",
-    "contact_area": "Contact area",
-    "mean_gap": "Mean gap",
-    "gap_map": "Gap fields",
-    "interface": "Interface",
-    "magnification": "Magnification",
-    "atoms": "Atoms",
-}
 
 _WIDE = 1000  # pixels: more than one column
 

@@ -1,0 +1,197 @@
+"""The comparison of datasets, or the report on one: read, computed, drawn and written."""
+
+import os
+import shlex
+import sys
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
+
+import xarray as xr
+
+import contact_study
+from contact_study.campaign.command_line.command import DONE, NOT_CONVERGED
+from contact_study.campaign.dataset.provenance import git_commit
+from contact_study.campaign.store.files import writable_output, writing
+from contact_study.errors import InputError
+from contact_study.report.align.deviations import MISSING, compute_deviations, pairs_of
+from contact_study.report.align.ensemble import ensemble_statistics
+from contact_study.report.align.regime import compute_regime
+from contact_study.report.facts.findings import find, surface_deviations
+from contact_study.report.figures.illustrations import Figures, draw
+from contact_study.report.page import collected_warnings, render_report
+from contact_study.report.read.datasets import Inputs, read_inputs
+from contact_study.report.read.scatter import read_scatter
+from contact_study.report.tables.settings import unconverged_steps
+from contact_study.results.schema import CONVENTIONS, SCHEMA_VERSION
+
+
+@dataclass(frozen=True)
+class Request:
+    """What is to be compared and written.
+
+    Attributes
+    ----------
+    datasets : sequence of pathlib.Path
+        Files of the models.
+    output : pathlib.Path
+        Dataset to write.
+    report : pathlib.Path or None
+        Report to write.
+    pictures : mapping
+        Files of the figures by format and name; empty for none.
+    reference_pressure : float or None
+        Pressure (Pa) at which the whole sweep is shown.
+    average : str or None
+        Swept key over which means are shown.
+    scatter : pathlib.Path or None
+        Dataset over several surfaces.
+    command : str
+        Name of the command, for messages and the history.
+    arguments : sequence of str
+        Its arguments, for the history.
+    """
+
+    datasets: Sequence[Path]
+    output: Path
+    report: Path | None
+    pictures: Mapping[str, Mapping[str, Path]]
+    reference_pressure: float | None
+    average: str | None
+    scatter: Path | None
+    command: str
+    arguments: Sequence[str]
+
+
+def compare(asked: Request) -> int:
+    """Compare the datasets, write what is asked for and return the exit status of the command.
+
+    Raises
+    ------
+    InputError
+        If the datasets cannot be compared; nothing is written.
+    """
+    inputs = read_inputs(asked.datasets, asked.average)
+    if asked.reference_pressure is not None and inputs.control != "pressure":
+        raise InputError("--reference-pressure: these studies prescribe the gap; leave it out")
+    scatter = read_scatter(asked.scatter, inputs) if asked.scatter else None
+    for note in (*inputs.notes, *(scatter.notes if scatter else ())):
+        print(f"{asked.command}: warning: {note}", file=sys.stderr)
+    deviations = compute_deviations(inputs.models, inputs.control) if pairs_of(inputs.models) else None
+    if deviations is not None and (deviations["state"] == MISSING).all():
+        raise InputError("these datasets have no point of their loading paths in common; run the same study")
+    regime = compute_regime(inputs)
+    attrs = _attributes(inputs, asked)
+    statistics = ensemble_statistics({scatter.model: scatter.dataset}) if scatter else {}
+    from_surfaces = surface_deviations(inputs.models, scatter.model, scatter.dataset) if scatter else None
+    wanted = bool(asked.pictures or asked.report)
+    drawn = draw(inputs, asked.reference_pressure, list(asked.pictures), scatter) if wanted else Figures()
+    scattered = {**statistics, **({} if from_surfaces is None else {"deviations": from_surfaces})}
+    tree = comparison_tree(inputs, deviations, regime, attrs, scattered)
+    outputs: dict[Path, Callable[[Path], Any]] = {
+        asked.output: lambda path: tree.to_netcdf(path, engine="netcdf4", write_inherited_coords=True)
+    }
+    for kind, files in asked.pictures.items():
+        outputs |= {files[name]: _writer(content) for name, content in drawn.files(kind).items()}
+    if asked.report:
+        shown = inputs.with_first_spectra.models
+        findings = find(shown, deviations, regime, statistics, from_surfaces).sentences()
+        page = render_report(inputs, deviations, regime, drawn, {**attrs, "file": asked.output.name}, findings)
+        outputs[asked.report] = _writer(page.encode())
+    _write(outputs)
+    print(*outputs, sep="\n")
+    failed = unconverged_steps(inputs.models)
+    if failed:
+        words = "of the inputs' steps did not converge; they are marked and left out of the deviations"
+        print(f"{asked.command}: {failed} {words}", file=sys.stderr)
+    return NOT_CONVERGED if failed else DONE
+
+
+def comparison_tree(
+    inputs: Inputs,
+    deviations: xr.Dataset | None,
+    regime: xr.Dataset,
+    attrs: Mapping[str, Any],
+    scatter: Mapping[str, xr.Dataset] | None = None,
+) -> xr.DataTree:
+    """Put the dataset of a comparison together.
+
+    It has a group for each file, named after its kind and as in the file itself, ``regime``, and ``deviations`` if any.
+    ``ensemble`` holds means and standard errors of each model with several samples, ``scatter`` those of the
+    realisations behind the models, and the deviations of the theories from each of these.
+
+    Parameters
+    ----------
+    inputs : Inputs
+        What was compared; its datasets without the fields.
+    deviations, regime : xarray.Dataset
+        As :func:`compute_deviations` and :func:`compute_regime` return them; None where nothing is compared.
+    attrs : mapping
+        Attributes of the root.
+    scatter : mapping, optional
+        Groups of ``scatter``.
+    """
+    groups = {
+        f"/{kind}" + (f"/{name}" if name else ""): dataset
+        for kind, contents in inputs.groups.items()
+        for name, dataset in contents.items()
+    }
+    groups["/regime"] = regime
+    groups |= {f"/ensemble/{name}": dataset for name, dataset in ensemble_statistics(inputs.models).items()}
+    groups |= {f"/scatter/{name}": dataset for name, dataset in (scatter or {}).items()}
+    if deviations is not None:
+        groups["/deviations"] = deviations
+    filled = {path: _without_filled_coordinates(dataset) for path, dataset in groups.items()}
+    return xr.DataTree.from_dict({"/": xr.Dataset(attrs=attrs), **filled})
+
+
+def _without_filled_coordinates(dataset: xr.Dataset) -> xr.Dataset:
+    """CF: a coordinate variable has no missing values, hence no fill value."""
+    dataset = dataset.copy()
+    for name in dataset.indexes:
+        dataset[name].encoding = {"_FillValue": None} if dataset[name].dtype.kind in "fiu" else {}
+    return dataset
+
+
+def _attributes(inputs: Inputs, asked: Request) -> dict[str, str]:
+    now = datetime.now(UTC).isoformat(timespec="seconds")
+    histories = [str(inputs.groups[kind][""].attrs.get("history", "")) for kind in inputs.paths]
+    references = [str(inputs.groups[kind][""].attrs.get("references", "")) for kind in inputs.paths]
+    return {
+        "Conventions": CONVENTIONS,
+        "title": inputs.study.title,
+        "institution": "not given",
+        "source": f"bem-adhesion {contact_study.__version__}, {asked.command}",
+        "history": "\n".join([f"{now}: {asked.command} {shlex.join(asked.arguments)}", *histories]),
+        "references": "\n".join(dict.fromkeys(line for text in references for line in text.splitlines())),
+        "created": now,
+        "git_commit": git_commit(),
+        "warnings": "\n".join(collected_warnings(inputs)),
+        "model": "comparison",
+        "study_toml": inputs.study.toml,
+        "schema_version": SCHEMA_VERSION,
+        "comment": "The fields gap and pressure stay in the models' own datasets.",
+    }
+
+
+def _writer(content: bytes) -> Callable[[Path], Any]:
+    return lambda path: path.write_bytes(content)
+
+
+def _write(outputs: Mapping[Path, Callable[[Path], Any]]) -> None:
+    """Write every file aside, then rename them all: a failure leaves what was there before."""
+    partials = {path: path.with_name(f".{path.name}.{os.getpid()}.tmp") for path in outputs}
+    try:
+        for path, write in outputs.items():
+            writable_output(path)
+            with writing(path):
+                write(partials[path])
+        for path, partial in partials.items():
+            with writing(path):
+                partial.replace(path)
+    finally:
+        for partial in partials.values():
+            if partial.parent.is_dir():
+                partial.unlink(missing_ok=True)
