@@ -1,14 +1,13 @@
 """What changes along the loading path: contact area and mean gap."""
 
-from collections.abc import Callable
-
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 
+from contact_study.plots.paths import Curve, Look, draw_path
 from contact_study.plots.selection import UNLOADING, fit_states, largest, lines, require
 from contact_study.plots.style import COLOURS, axes_of, styled
-from contact_study.plots.units import length_unit, pressure_unit
+from contact_study.plots.units import Unit, length_unit, pressure_unit
 
 
 @styled
@@ -31,12 +30,7 @@ def contact_area(dataset: xr.Dataset, axes: Axes | None = None, scale: str = "li
         If the dataset has no contact area, or the scale is unknown.
     """
     pressure = pressure_unit(largest(dataset, "mean_pressure"))
-    axes = _along_the_path(
-        dataset,
-        axes,
-        lambda part: (part["mean_pressure"].values / pressure.size, part["relative_contact_area"].values),
-        "relative_contact_area",
-    )
+    axes = _along_the_path(dataset, axes, "relative_contact_area", pressure, 1.0)
     axes.set(xlabel=rf"pressure $p$ ({pressure.name})", ylabel=r"contact area $A/A_0$")
     _scale_pressure(dataset, axes, scale, pressure.size)
     if scale == "log":
@@ -51,36 +45,23 @@ def mean_gap(dataset: xr.Dataset, axes: Axes | None = None, scale: str = "linear
     """Mean gap over pressure; parameters and errors as :func:`contact_area`, but the gap's axis stays linear."""
     pressure = pressure_unit(largest(dataset, "mean_pressure"))
     gap = length_unit(largest(dataset, "mean_gap"))
-    axes = _along_the_path(
-        dataset,
-        axes,
-        lambda part: (part["mean_pressure"].values / pressure.size, part["mean_gap"].values / gap.size),
-        "mean_gap",
-    )
+    axes = _along_the_path(dataset, axes, "mean_gap", pressure, gap.size)
     axes.set(xlabel=rf"pressure $p$ ({pressure.name})", ylabel=rf"mean gap $\bar{{u}}$ ({gap.name})")
     _scale_pressure(dataset, axes, scale, pressure.size)
     return axes
 
 
-_Curve = tuple[np.ndarray, np.ndarray]
-
-
-def _along_the_path(dataset: xr.Dataset, axes: Axes | None, read: Callable[[xr.Dataset], _Curve], name: str) -> Axes:
+def _along_the_path(dataset: xr.Dataset, axes: Axes | None, name: str, pressure: Unit, unit: float) -> Axes:
     require(dataset, "mean_pressure", name)
     axes = axes_of(axes)
     hollow = False
     for number, (words, part) in enumerate(lines(dataset, name, "step")):
-        x, y = read(part)
-        fit = fit_states(part) & np.isfinite(x) & np.isfinite(y)
-        if not fit.any():
-            continue
-        colour = COLOURS[number % len(COLOURS)]
-        axes.plot(x[fit], y[fit], "-", color=colour, lw=0.9)
-        back = fit & (part["branch"].values == UNLOADING) if "branch" in part else np.zeros_like(fit)
-        axes.plot(x[fit & ~back], y[fit & ~back], "o", color=colour, ms=3.2, label=words or None)
-        if back.any():
-            hollow = True
-            axes.plot(x[back], y[back], "o", color=colour, mfc="white", ms=3.2)
+        x, y = part["mean_pressure"].values / pressure.size, part[name].values / unit
+        back = part["branch"].values == UNLOADING if "branch" in part else np.zeros(x.shape, bool)
+        curve = Curve("", words, number, np.where(fit_states(part), x, np.nan), y, unloading=back)
+        if curve.finite.any():
+            draw_path(axes, curve, Look(), COLOURS[number % len(COLOURS)], words)
+            hollow |= bool(back[curve.finite].any())
     if hollow:
         axes.plot([], [], "o", color="#404040", mfc="white", ms=3.2, label="unloading")
     if axes.get_legend_handles_labels()[1]:

@@ -220,7 +220,8 @@ def draw_path(axes: Axes, curve: Curve, look: Look, colour: Any, label: str = ""
             )
             label = ""
     left = ~curve.fits & curve.finite
-    axes.plot(curve.x[left], curve.y[left], "x", color=colour, ms=5, mew=1.2, zorder=4)
+    if left.any():
+        axes.plot(curve.x[left], curve.y[left], "x", color=colour, ms=5, mew=1.2, zorder=4)
 
 
 def draw_strip(axes: Axes, strip: np.ndarray, colour: Any, opacity: float, order: float) -> None:

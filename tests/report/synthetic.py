@@ -82,8 +82,20 @@ def study(text=STUDY):
     return make_study(tomllib.loads(text))
 
 
+_written: dict[tuple, bytes] = {}
+
+
 def write(path, kind, text=STUDY, unconverged=(), detached=(), **attrs):
     """Write the dataset of one model; ``unconverged`` and ``detached`` are pairs (case number, step)."""
+    key = kind, text, *map(tuple, map(sorted, (unconverged, detached, attrs.items())))
+    if key not in _written:
+        _assemble(path, kind, text, unconverged, detached, attrs)
+        _written[key] = path.read_bytes()
+    path.write_bytes(_written[key])
+    return path
+
+
+def _assemble(path, kind, text, unconverged, detached, attrs):
     asked = study(text)
     bins, cases = bins_of(asked), []
     for number, case in enumerate(asked.cases):
@@ -121,7 +133,6 @@ def write(path, kind, text=STUDY, unconverged=(), detached=(), **attrs):
         | attrs
     )
     write_dataset(path, groups)
-    return path
 
 
 def write_all(folder, text=STUDY, **options):
