@@ -14,64 +14,30 @@ _DOT = 2e-3  # of an axis: what is less than a dot of the figure is not seen
 
 @dataclass(frozen=True)
 class Look:
-    """Line and marker of a curve.
+    """Line and marker of a curve."""
 
-    Attributes
-    ----------
-    line : object
-        As matplotlib knows it, ``"none"`` for markers alone.
-    marker : str
-        Empty for a line alone.
-    marker_size, line_width : float
-        In points.
-    hollow : bool
-        Whether markers are not filled.
-    faint_return : bool
-        Whether lines of unloading are fainter, and all is drawn behind others.
-    """
-
-    line: Any = "-"
-    marker: str = "o"
-    marker_size: float = 3.2
+    line: Any = "-"  # as matplotlib knows it, ``"none"`` for markers alone
+    marker: str = "o"  # empty for a line alone
+    marker_size: float = 3.2  # in points
     line_width: float = 0.9
-    hollow: bool = False
-    faint_return: bool = False
+    hollow: bool = False  # whether markers are not filled
+    faint_return: bool = False  # whether lines of unloading are fainter, and all is drawn behind others
 
 
 @dataclass(frozen=True)
 class Curve:
-    """One curve over the states of a path.
+    """One curve over the states of a path."""
 
-    Attributes
-    ----------
-    model : str
-        Model that it is of.
-    label : str
-        What its colour stands for.
-    colour : int
-        Number of the colour.
-    x, y : numpy.ndarray
-        What is plotted, NaN where nothing is.
-    x_error, y_error : numpy.ndarray or None
-        Standard errors of the plotted quantities.
-    fit : numpy.ndarray of bool or None
-        False where the state did not converge or has detached.
-    unloading : numpy.ndarray of bool or None
-        Whether a point is on unloading.
-    simulated : bool
-        Whether it is of a simulation; theories reach beyond any sampling.
-    """
-
-    model: str
-    label: str
-    colour: int
-    x: np.ndarray
+    model: str  # model that it is of
+    label: str  # what its colour stands for
+    colour: int  # number of the colour
+    x: np.ndarray  # what is plotted, NaN where nothing is
     y: np.ndarray
-    x_error: np.ndarray | None = None
+    x_error: np.ndarray | None = None  # standard errors of the plotted quantities
     y_error: np.ndarray | None = None
-    fit: np.ndarray | None = None
-    unloading: np.ndarray | None = None
-    simulated: bool = True
+    fit: np.ndarray | None = None  # false where the state did not converge or has detached
+    unloading: np.ndarray | None = None  # whether a point is on unloading
+    simulated: bool = True  # whether it is of a simulation; theories reach beyond any sampling
 
     @property
     def fits(self) -> np.ndarray:
@@ -106,13 +72,6 @@ def window(curves: Sequence[Curve], ended: int | None) -> np.ndarray:
     """Limits of x and y (two rows) that hold every state, or end below where the simulations end along one axis.
 
     Theories give numbers at any distance: on logarithmic axes they would press all else into a corner.
-
-    Parameters
-    ----------
-    curves : sequence of Curve
-        Some of it finite.
-    ended : int or None
-        0: x is ended, 1: y is, None: neither.
     """
     finite = [np.stack([curve.x, curve.y])[:, curve.finite] for curve in curves]
     every = np.concatenate(finite, axis=1)

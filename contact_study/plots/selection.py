@@ -31,13 +31,6 @@ def require(dataset: xr.Dataset, *names: str) -> None:
 def one_state(dataset: xr.Dataset, *names: str) -> xr.Dataset:
     """The variables of a dataset that a map shows, for one state.
 
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        Of a simulation, all but the lateral dimensions selected or of one entry.
-    names : str
-        Variables that are needed.
-
     Raises
     ------
     ValueError
@@ -89,17 +82,7 @@ def is_periodic(state: xr.Dataset) -> bool:
 
 
 def lines(dataset: xr.Dataset, name: str, *along: str) -> Iterator[tuple[str, xr.Dataset]]:
-    """One dataset for each line of a picture, with what tells it from the others in words.
-
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        The dataset.
-    name : str
-        The variable shown.
-    along : str
-        Dimensions that run along a line.
-    """
+    """One dataset for each line of a picture, with what tells it from the others in words."""
     dims = [str(dim) for dim in dataset[name].dims if dim not in along]
     choices: Sequence[Sequence[object]] = [list(dataset[dim].values) for dim in dims]
     for values in itertools.product(*choices):

@@ -30,39 +30,17 @@ from contact_study.results.schema import CONVENTIONS, SCHEMA_VERSION
 
 @dataclass(frozen=True)
 class Request:
-    """What is to be compared and written.
+    """What is to be compared and written."""
 
-    Attributes
-    ----------
-    datasets : sequence of pathlib.Path
-        Files of the models.
-    output : pathlib.Path
-        Dataset to write.
-    report : pathlib.Path or None
-        Report to write.
-    pictures : mapping
-        Files of the figures by format and name; empty for none.
-    reference_pressure : float or None
-        Pressure (Pa) at which the whole sweep is shown.
-    average : str or None
-        Swept key over which means are shown.
-    scatter : pathlib.Path or None
-        Dataset over several surfaces.
-    command : str
-        Name of the command, for messages and the history.
-    arguments : sequence of str
-        Its arguments, for the history.
-    """
-
-    datasets: Sequence[Path]
-    output: Path
-    report: Path | None
-    pictures: Mapping[str, Mapping[str, Path]]
-    reference_pressure: float | None
-    average: str | None
-    scatter: Path | None
-    command: str
-    arguments: Sequence[str]
+    datasets: Sequence[Path]  # files of the models
+    output: Path  # dataset to write
+    report: Path | None  # report to write
+    pictures: Mapping[str, Mapping[str, Path]]  # files of the figures by format and name; empty for none
+    reference_pressure: float | None  # pressure (Pa) at which the whole sweep is shown
+    average: str | None  # swept key over which means are shown
+    scatter: Path | None  # dataset over several surfaces
+    command: str  # name of the command, for messages and the history
+    arguments: Sequence[str]  # its arguments, for the history
 
 
 def compare(asked: Request) -> int:
@@ -121,17 +99,6 @@ def comparison_tree(
     It has a group for each file, named after its kind and as in the file itself, ``regime``, and ``deviations`` if any.
     ``ensemble`` holds means and standard errors of each model with several samples, ``scatter`` those of the
     realisations behind the models, and the deviations of the theories from each of these.
-
-    Parameters
-    ----------
-    inputs : Inputs
-        What was compared; its datasets without the fields.
-    deviations, regime : xarray.Dataset
-        As :func:`compute_deviations` and :func:`compute_regime` return them; None where nothing is compared.
-    attrs : mapping
-        Attributes of the root.
-    scatter : mapping, optional
-        Groups of ``scatter``.
     """
     groups = {
         f"/{kind}" + (f"/{name}" if name else ""): dataset

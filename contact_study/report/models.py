@@ -1,17 +1,17 @@
-"""The models as figures, tables and sentences show them: one frozen entry each, in the order in which they stand.
+"""The models as figures, tables and text show them: one frozen entry each, in the order of ``models.toml``.
 
-To show another model is to add its entry. A name here is the ``model`` attribute of a dataset, or a label of its
+Another model is shown once its entry is there. A name is the ``model`` attribute of a dataset, or a label of its
 dimension ``theory``.
 """
 
+import tomllib
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
+from importlib.resources import files
 
 from contact_study.results.schema import SPECTRUM_MARK
 
 _PRESSED = "the surfaces are pressed closer than this distance on average"
-
-_OWN = "this project's own, unpublished"
 
 # Between the name of a model and the file that tells one of its datasets from another: "continuum:coarse".
 _OF = ":"
@@ -110,108 +110,8 @@ class ShownModel:
     settings: str = ""
 
 
-MODELS = (
-    ShownModel(
-        name="atomistic",
-        settings="atoms",
-        file="atomistic",
-        label="atoms",
-        words="the atoms",
-        short="atoms",
-        trust=2,
-        colour="#000000",
-        line="none",
-        marker="s",
-        marker_size=5.5,
-        hollow=True,
-        simulation=True,
-        measured=True,
-        about="A harmonic block of atoms whose bottom layer feels one layer of substrate sites through the pair "
-        "potential. It knows nothing of the law: its modulus, work of adhesion and largest tensile stress are measured "
-        "on it and listed below. It adds to the continuum what a lattice has: discrete sites, lateral displacement, "
-        "pair forces that feel the slope of the surface.",
-        start="The atoms start from separation and follow the path.",
-        start_predicted="The atoms start each state from the continuum's gap field ({predictor}): where adhesion "
-        "leaves them several states, this chooses the continuum's branch, not that of their own way from separation.",
-    ),
-    ShownModel(
-        name="continuum",
-        settings="continuum",
-        file="continuum",
-        label="continuum",
-        words="the continuum",
-        short="continuum",
-        trust=1,
-        colour="#0072B2",
-        line="-",
-        line_width=0.8,
-        marker="o",
-        simulation=True,
-        feels_law=True,
-        about="The linearly elastic solid of contact modulus E* on the rigid surface of small slopes.",
-        about_adhesion="Every gap feels the traction–separation law; the state is a local minimum of the energy, "
-        "followed along the loading path.",
-        about_hard_wall="At the hard wall no gap is negative, no pressure is, only points that touch carry any, and "
-        "the state is the only one at its load.",
-        start="The continuum starts from separation and follows the path.",
-    ),
-    ShownModel(
-        name="persson",
-        settings="theories",
-        file="theory",
-        label="Persson's theory",
-        words="Persson's theory",
-        short="Persson",
-        trust=0,
-        colour="#D55E00",
-        line="--",
-        marker="",
-        status="published",
-        about="The theory of the paper: the stress distribution diffuses with the roughness added at growing "
-        "magnification and is absorbed where the tension reaches that of a crack. It knows the spectrum, not the "
-        "surface, and takes the range of the law to be zero.",
-        start="Persson's theory starts on the adhered branch, each state from the one before.",
-        densities="Persson's theory counts the stress in contact only, so that its integral is A/A₀; it has no "
-        "distribution of gaps.",
-        area="its real contact area at the highest magnification",
-        negative_gap="its energy U(p) somewhere falls with growing p, ū = ∫dU/p, and ū is no distance of surfaces",
-    ),
-    ShownModel(
-        name="gap_flow",
-        settings="theories",
-        file="theory",
-        label="gap-flow theory",
-        words="the gap-flow theory",
-        short="gap\u00a0flow",
-        trust=0,
-        colour="#009E73",
-        line=":",
-        marker="",
-        feels_law=True,
-        status=_OWN,
-        about="Roughness is added scale by scale, from fine to coarse, to the law itself. It keeps the law's range, "
-        "knows the spectrum only, and gives an equilibrium with two metastable branches on either side.",
-        start="The gap-flow theory gives the equilibrium at each point, whatever came before.",
-    ),
-    ShownModel(
-        name="edge_flow",
-        settings="theories",
-        file="theory",
-        label="edge flow",
-        words="the edge flow",
-        short="edge\u00a0flow",
-        trust=0,
-        colour="#CC79A7",
-        line="-.",
-        marker="",
-        feels_law=True,
-        status=_OWN,
-        about="The gap flow whose response to each scale costs the elastic energy of its own modulation, so that "
-        "contact has edges. It knows the spectrum only and gives one state at each mean gap, without hysteresis; its "
-        "pressure is the slope of its energy, from which the mean of its local pressures differs by its own error.",
-        start="The edge flow gives one state at each point, whatever came before.",
-    ),
-)
+_ENTRIES = tomllib.loads(files(__package__).joinpath("models.toml").read_text(encoding="utf-8"))
+MODELS = tuple(ShownModel(**entry) for entry in _ENTRIES["model"])
 
 
 def entry_of(name: str) -> ShownModel:

@@ -25,21 +25,7 @@ def render_report(
     attrs: Mapping[str, Any],
     findings: Sequence[str] = (),
 ) -> str:
-    """The whole report as HTML.
-
-    Parameters
-    ----------
-    inputs : Inputs
-        What was compared.
-    deviations, regime : xarray.Dataset
-        As :func:`compute_deviations` and :func:`compute_regime` return them; None where nothing deviates from another.
-    figures : Figures
-        Figures to embed.
-    attrs : mapping
-        Attributes of the comparison's dataset: title, source, history.
-    findings : sequence of str
-        The findings in sentences.
-    """
+    """The whole report as HTML."""
     models = inputs.models
     return render(
         "report.html.j2",

@@ -127,17 +127,7 @@ def coordinate_label(name: str, value: Any, units: str = "1") -> str:
 
 
 def key_value(name: str, value: Any, units: str = "1") -> str:
-    """A value of a study's key (SI) with the unit that suits it.
-
-    Parameters
-    ----------
-    name : str
-        Key, by its last part.
-    value : object
-        A number or a word.
-    units : str
-        UDUNITS, "1" for a pure number or a word.
-    """
+    """A value of a study's key (SI) with the unit that suits it."""
     if name == "law":
         return law_name(value)
     if isinstance(value, str | bool | np.bool_):

@@ -21,18 +21,10 @@ _AREA = "relative_contact_area"
 
 @dataclass(frozen=True)
 class SweepPoint:
-    """One point of the sweep, all its seeds together.
+    """One point of the sweep, all its seeds together."""
 
-    Attributes
-    ----------
-    selection : dict
-        Swept coordinates but the seed.
-    label : str
-        The coordinates in words.
-    """
-
-    selection: dict[str, Any]
-    label: str
+    selection: dict[str, Any]  # swept coordinates but the seed
+    label: str  # the coordinates in words
 
 
 def sweep_points(models: Mapping[str, xr.Dataset]) -> list[SweepPoint]:

@@ -21,21 +21,11 @@ _VISIBLE = 2e-3  # of a quantity: a dot of the figures
 
 @dataclass(frozen=True)
 class Axis:
-    """One axis of a figure along the path: a quantity of the datasets, in a unit of the figure.
+    """One axis of a figure along the path: a quantity of the datasets, in a unit of the figure."""
 
-    Attributes
-    ----------
-    name : str
-        Variable of the datasets.
-    unit : callable
-        Scales of a point of the sweep to the unit of the quantity.
-    logarithm : bool
-        Whether the natural logarithm is shown, of what is positive.
-    """
-
-    name: str
-    unit: Callable[[Scales], float] = lambda scale: 1.0
-    logarithm: bool = False
+    name: str  # variable of the datasets
+    unit: Callable[[Scales], float] = lambda scale: 1.0  # scales of a point of the sweep to the unit of the quantity
+    logarithm: bool = False  # whether the natural logarithm is shown, of what is positive
 
     def values(self, quantity: np.ndarray, scale: Scales) -> np.ndarray:
         """The quantity on this axis."""
@@ -59,21 +49,11 @@ _LOG_PRESSURE = replace(_OVER_MODULUS, logarithm=True)
 
 @dataclass(frozen=True)
 class PathCurves:
-    """Curves along the path, of contact area over pressure and of pressure over mean gap.
+    """Curves along the path, of contact area over pressure and of pressure over mean gap."""
 
-    Attributes
-    ----------
-    areas : list of Curve
-        A/A₀ against the mean pressure, the paper's figure 3.
-    gaps : list of Curve
-        ln(p/E*) against ū/h_rms for p > 0, the paper's figure 4.
-    linear_gaps : list of Curve
-        p/E* against ū/h_rms, tension included.
-    """
-
-    areas: list[Curve]
-    gaps: list[Curve]
-    linear_gaps: list[Curve]
+    areas: list[Curve]  # A/A₀ against the mean pressure, the paper's figure 3
+    gaps: list[Curve]  # ln(p/E*) against ū/h_rms for p > 0, the paper's figure 4
+    linear_gaps: list[Curve]  # p/E* against ū/h_rms, tension included
 
     @property
     def in_compression(self) -> bool:
@@ -134,21 +114,11 @@ def _with_resolved_pressure(part: xr.Dataset, control: str, contact_modulus: flo
 
 @dataclass(frozen=True)
 class Strips:
-    """The scatter between realisations of a surface.
+    """The scatter between realisations of a surface."""
 
-    Attributes
-    ----------
-    model : str
-        Name of the entry of the model that has it.
-    surfaces : int
-        How many realisations.
-    curves : PathCurves
-        Means over them, whose errors are standard deviations.
-    """
-
-    model: str
-    surfaces: int
-    curves: PathCurves
+    model: str  # name of the entry of the model that has it
+    surfaces: int  # how many realisations
+    curves: PathCurves  # means over them, whose errors are standard deviations
 
     @property
     def label(self) -> str:
@@ -157,17 +127,7 @@ class Strips:
 
 
 def scatter_strips(models: Mapping[str, xr.Dataset], scatter: Scatter, control: str) -> Strips:
-    """Means over the realisations, with their standard deviation in place of the error of the mean.
-
-    Parameters
-    ----------
-    models : mapping
-        Datasets that are compared: their points of the sweep are shown, in their colours.
-    scatter : Scatter
-        The realisations.
-    control : str
-        ``"pressure"`` or ``"gap"``.
-    """
+    """Means over the realisations, with their standard deviation in place of the error of the mean."""
     colours = {point.label: number for number, point in enumerate(sweep_points(models))}
     own = {scatter.model: scatter.dataset}
     roots = {point.label: _root_of_samples(scatter.dataset, point) for point in sweep_points(own)}
@@ -197,24 +157,12 @@ def _root_of_samples(dataset: xr.Dataset, point: SweepPoint) -> np.ndarray:
 
 @dataclass(frozen=True)
 class Band:
-    """What the two metastable branches of a theory enclose at one point of the sweep.
+    """What the two metastable branches of a theory enclose at one point of the sweep."""
 
-    Attributes
-    ----------
-    model : str
-        Name of the theory's entry.
-    colour : int
-        Number of the colour.
-    along : numpy.ndarray
-        Increasing pressures, in the units of the figure.
-    low, high : numpy.ndarray
-        The enclosed quantity.
-    """
-
-    model: str
-    colour: int
-    along: np.ndarray
-    low: np.ndarray
+    model: str  # name of the theory's entry
+    colour: int  # number of the colour
+    along: np.ndarray  # increasing pressures, in the units of the figure
+    low: np.ndarray  # the enclosed quantity
     high: np.ndarray
 
 
@@ -278,19 +226,7 @@ def distributions(
     name: str,
     states: Sequence[tuple[SweepPoint, PathPoint, str]],
 ) -> list[Curve]:
-    """Decimal logarithm of the density of stress or gap, in units of E* or h_rms: the paper's figures 1 and 2.
-
-    Parameters
-    ----------
-    models : mapping
-        Datasets by model.
-    control : str
-        ``"pressure"`` or ``"gap"``.
-    name : str
-        ``"pressure"`` or ``"gap"``: of which the density is.
-    states : sequence of tuple
-        Point of the sweep, point of its path, label; each has its own colour.
-    """
+    """Decimal logarithm of the density of stress or gap, in units of E* or h_rms: the paper's figures 1 and 2."""
     found = []
     for colour, (point, named, label) in enumerate(states):
         scale = scales(models, point)

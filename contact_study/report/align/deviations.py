@@ -37,13 +37,6 @@ def split_pair(pair: str) -> tuple[str, str]:
 def compute_deviations(models: Mapping[str, xr.Dataset], control: str) -> xr.Dataset:
     """Deviations of every pair of models, aligned by prescribed value, branch and occurrence.
 
-    Parameters
-    ----------
-    models : mapping
-        Datasets by model, at least one pair of them.
-    control : str
-        ``"pressure"`` or ``"gap"``.
-
     Returns
     -------
     xarray.Dataset

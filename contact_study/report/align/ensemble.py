@@ -25,11 +25,6 @@ def standard_error(values: xr.DataArray, over: str | Iterable[Hashable]) -> xr.D
 def ensemble_statistics(models: Mapping[str, xr.Dataset]) -> dict[str, xr.Dataset]:
     """Statistics of every model with several samples, by its name.
 
-    Parameters
-    ----------
-    models : mapping
-        Datasets by model.
-
     Returns
     -------
     dict of xarray.Dataset

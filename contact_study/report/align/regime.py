@@ -19,30 +19,14 @@ from contact_study.study.case import realise
 
 @dataclass(frozen=True)
 class Roughness:
-    """Moments of one surface.
+    """Moments of one surface."""
 
-    Attributes
-    ----------
-    rms_height : float
-        (m)
-    rms_slope : float
-        √<|∇h|²>.
-    rms_laplacian : float
-        √<(∇²h)²> (1/m).
-    area_factor : float
-        True over projected area, <√(1 + |∇h|²)>.
-    conformal_energy : float
-        Elastic energy of full contact over the contact modulus, ½ Σ K |h_q|²/E* per area (m).
-    conformal_stress : float
-        Deviation of the stress of full contact over the contact modulus, √(Σ K² |h_q|²)/E*.
-    """
-
-    rms_height: float
-    rms_slope: float
-    rms_laplacian: float
-    area_factor: float
-    conformal_energy: float
-    conformal_stress: float
+    rms_height: float  # (m)
+    rms_slope: float  # √<|∇h|²>
+    rms_laplacian: float  # √<(∇²h)²> (1/m)
+    area_factor: float  # true over projected area, <√(1 + |∇h|²)>
+    conformal_energy: float  # elastic energy of full contact over the contact modulus, ½ Σ K |h_q|²/E* per area (m)
+    conformal_stress: float  # deviation of the stress of full contact over the contact modulus, √(Σ K² |h_q|²)/E*
 
 
 def roughness(heights: np.ndarray, size: tuple[float, float], solid: Elasticity) -> Roughness:

@@ -13,18 +13,10 @@ from contact_study.report.align.cases import SweepPoint, first_constant, sweep_p
 
 @dataclass(frozen=True)
 class Scales:
-    """Units of the axes at one point of the sweep, the same for every model.
+    """Units of the axes at one point of the sweep, the same for every model."""
 
-    Attributes
-    ----------
-    contact_modulus : float
-        E* (Pa).
-    rms_height : float
-        h_rms (m), or one nanometre for a surface without roughness.
-    """
-
-    contact_modulus: float
-    rms_height: float
+    contact_modulus: float  # E* (Pa)
+    rms_height: float  # h_rms (m), or one nanometre for a surface without roughness
     rough: bool = True
 
     @property

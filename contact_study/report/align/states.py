@@ -19,17 +19,7 @@ STATE = "state"
 
 
 def read_gaps(inputs: Inputs, point: SweepPoint, named: PathPoint, sample: Any) -> dict[str, xr.Dataset]:
-    """The state of each simulation that kept its gaps and is in contact there, by the name of its entry.
-
-    Parameters
-    ----------
-    inputs : Inputs
-        What was compared.
-    point, named
-        Points of the sweep and of its path.
-    sample : object
-        Value of the averaged key, None where it is not swept.
-    """
+    """The state of each simulation that kept its gaps and is in contact there, by the name of its entry."""
     found = {name: _with_fields(inputs, name, point, named, sample, ("gap", "pressure")) for name in inputs.simulations}
     return {
         name: state

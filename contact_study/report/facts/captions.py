@@ -30,23 +30,7 @@ def captions(
     banded: Collection[str],
     strips: Strips | None = None,
 ) -> dict[str, str]:
-    """Captions of the figures, by figure name.
-
-    Parameters
-    ----------
-    inputs : Inputs
-        What was compared.
-    shown : PanelPoints
-        States whose distributions and fields are shown.
-    curves : PathCurves
-        What is shown along the path.
-    sample : object
-        Value of the averaged key whose fields are shown, None where it is not swept.
-    banded : collection of str
-        Theories between whose metastable branches a band is shaded.
-    strips : Strips, optional
-        The scatter between surfaces, where it is shown.
-    """
+    """Captions of the figures, by figure name."""
     models, units = inputs.models, scales(inputs.models, shown.case)
     labels = [point_label(named, units, inputs.control).partition(" = ") for named in (shown.common, *shown.several)]
     resolved = resolving(inputs)

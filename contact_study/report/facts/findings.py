@@ -82,30 +82,14 @@ class SurfaceScatter:
 
 @dataclass(frozen=True)
 class Findings:
-    """All that a comparison, or a report on one dataset, amounts to.
+    """All that a comparison, or a report on one dataset, amounts to."""
 
-    Attributes
-    ----------
-    unit : str
-        Unit of mean gaps.
-    averaged : str
-        What the values of an ensemble are called.
-    rankings : list of Ranking
-        At each point of the sweep.
-    pairs : list of Pair
-        Models and their references.
-    ranges : list of Range
-        Of each model where nothing is compared.
-    scatter : list of SurfaceScatter
-        Of each simulation over several surfaces beside the comparison.
-    """
-
-    unit: str
-    averaged: str
-    rankings: list[Ranking]
-    pairs: list[Pair]
-    ranges: list[Range]
-    scatter: list[SurfaceScatter]
+    unit: str  # unit of mean gaps
+    averaged: str  # what the values of an ensemble are called
+    rankings: list[Ranking]  # at each point of the sweep
+    pairs: list[Pair]  # models and their references
+    ranges: list[Range]  # of each model where nothing is compared
+    scatter: list[SurfaceScatter]  # of each simulation over several surfaces beside the comparison
 
     @property
     def ordered(self) -> bool:
@@ -141,19 +125,7 @@ def find(
     statistics: Mapping[str, xr.Dataset] | None = None,
     from_surfaces: xr.Dataset | None = None,
 ) -> Findings:
-    """Compute the findings.
-
-    Parameters
-    ----------
-    models : mapping
-        Datasets that are compared, by the names of their entries.
-    deviations, regime : xarray.Dataset
-        As :func:`compute_deviations` and :func:`compute_regime` return them; None for a single model.
-    statistics : mapping, optional
-        As :func:`ensemble_statistics` returns them for a simulation over several surfaces beside the comparison.
-    from_surfaces : xarray.Dataset, optional
-        As :func:`surface_deviations` returns it for that simulation.
-    """
+    """Compute the findings."""
     points = sweep_points(models)
     heights = {point.label: scales(models, point).rms_height for point in points}
     pairs: list[Pair] = []
@@ -246,15 +218,6 @@ def surface_deviations(models: Mapping[str, xr.Dataset], name: str, realisations
 
     Other surfaces of one spectrum share its target: theories that are fed with the target are taken where there are
     some.
-
-    Parameters
-    ----------
-    models : mapping
-        Datasets that are compared, by the names of their entries.
-    name : str
-        Name of the simulation's entry.
-    realisations : xarray.Dataset
-        Its dataset over several surfaces.
     """
     theories = {model: own for model, own in models.items() if not entry_of(model).simulation}
     theories = {model: own for model, own in theories.items() if spectrum_of(model) == TARGET} or theories

@@ -43,15 +43,9 @@ def over(cases: Sequence[Case], show: Callable[[Case], str], last: str = "and") 
 
 @dataclass(frozen=True)
 class Question:
-    """Facts of the studies that their template puts into words.
+    """Facts of the studies that their template puts into words."""
 
-    Attributes
-    ----------
-    inputs : Inputs
-        What was compared or reported on.
-    """
-
-    inputs: Inputs
+    inputs: Inputs  # what was compared or reported on
 
     @property
     def cases(self) -> list[Case]:

@@ -31,22 +31,12 @@ NEARER, EQUAL, DIVIDED = "nearer", "not distinguishable", "divided"
 
 @dataclass(frozen=True)
 class Distance:
-    """Mean magnitude of a model's deviations from the reference at one point of the sweep.
+    """Mean magnitude of a model's deviations from the reference at one point of the sweep."""
 
-    Attributes
-    ----------
-    model : str
-        Name of its entry.
-    area, area_error : float
-        Relative deviation of the contact area; its standard error over surfaces, NaN for a single one.
-    gap, gap_error : float
-        Deviation of the mean gap in units of the roughness, NaN where a model has none; its standard error.
-    """
-
-    model: str
-    area: float
+    model: str  # name of its entry
+    area: float  # relative deviation of the contact area; its standard error over surfaces, NaN for a single one
     area_error: float
-    gap: float
+    gap: float  # deviation of the mean gap in units of the roughness, NaN where a model has none; its standard error
     gap_error: float
 
 
@@ -84,15 +74,6 @@ def rank_models(
     models: Mapping[str, xr.Dataset], deviations: xr.Dataset, regime: xr.Dataset, reference: str | None = None
 ) -> list[Ranking]:
     """Rank the models by their deviations from the reference, at each point of the sweep.
-
-    Parameters
-    ----------
-    models : mapping
-        Datasets that were compared, by the names of their entries.
-    deviations, regime : xarray.Dataset
-        As :func:`compute_deviations` and :func:`compute_regime` return them.
-    reference : str, optional
-        By default the reference of the first pair.
 
     Returns
     -------

@@ -25,38 +25,16 @@ _SAME_PRESSURE = 0.01  # of the wanted one: the paper gives three digits
 
 @dataclass(frozen=True)
 class PanelPoints:
-    """States whose distributions are shown.
+    """States whose distributions are shown."""
 
-    Attributes
-    ----------
-    common : PathPoint
-        Point of the path at which all points of the sweep are shown (panel a).
-    case : SweepPoint
-        Point of the sweep shown at several pressures (panel b).
-    several : list of PathPoint
-        These points of its path.
-    paper : bool
-        Whether they are those of the paper.
-    """
-
-    common: PathPoint
-    case: SweepPoint
-    several: list[PathPoint]
-    paper: bool = False
+    common: PathPoint  # point of the path at which all points of the sweep are shown (panel a)
+    case: SweepPoint  # point of the sweep shown at several pressures (panel b)
+    several: list[PathPoint]  # these points of its path
+    paper: bool = False  # whether they are those of the paper
 
 
 def panel_points(models: Mapping[str, xr.Dataset], control: str, wanted: float | None = None) -> PanelPoints:
-    """Choose the states: those of the paper where the path visits them, else spread over the path.
-
-    Parameters
-    ----------
-    models : mapping
-        Datasets by model.
-    control : str
-        ``"pressure"`` or ``"gap"``.
-    wanted : float, optional
-        Prescribed value of panel a (Pa or m), in place of the paper's p/E* = 0.00832; the nearest one is taken.
-    """
+    """Choose the states: those of the paper where the path visits them, else spread over the path."""
     points = sweep_points(models)
     case = strongest(points)
     paths = {point.label: _loading_points(models, point, control) for point in points}

@@ -106,19 +106,7 @@ def _draw_density(axes: Axes, curve: Curve, look: Look, colour: Any) -> None:
 def contact_area_figure(
     curves: PathCurves, unit: str = "GPa", bands: PathBands = _NO_BANDS, strips: Strips | None = None
 ) -> Figure:
-    """Figure 3: relative contact area against pressure, linear (a) and logarithmic (b); no (b) without compression.
-
-    Parameters
-    ----------
-    curves : PathCurves
-        As :func:`path_curves` gives them.
-    unit : str
-        Of the pressure.
-    bands : PathBands
-        Between metastable branches.
-    strips : Strips, optional
-        The scatter between surfaces, drawn behind all else.
-    """
+    """Figure 3: relative contact area against pressure, linear (a) and logarithmic (b); no (b) without compression."""
     areas, spread = curves.areas, strips.curves.areas if strips else []
     figure, panels = _path_panels(areas, 2 if curves.in_compression else 1, 3.5)
     colours, looks = _Colours([*areas, *spread]), looks_of(areas)
@@ -146,15 +134,7 @@ def contact_area_figure(
 def mean_gap_figure(
     curves: PathCurves, unit: str = "h_rms", bands: PathBands = _NO_BANDS, strips: Strips | None = None
 ) -> Figure:
-    """Figure 4: logarithm of the pressure against the mean gap, and the pressure itself where some of it is tension.
-
-    Parameters
-    ----------
-    curves, bands, strips
-        As :func:`contact_area_figure`.
-    unit : str
-        ``"h_rms"`` or ``"nm"``.
-    """
+    """Figure 4: logarithm of the pressure against the mean gap, and the pressure itself where some of it is tension."""
     linear, names = curves.linear_gaps, {"logarithmic": "gaps", "linear": "linear_gaps"}
     figure, panels = _path_panels(linear, len(curves.gap_panels), 3.9)
     colours, looks = _Colours([*linear, *(strips.curves.linear_gaps if strips else ())]), looks_of(linear)

@@ -75,15 +75,7 @@ def atoms_figure(state: xr.Dataset, words: str = "") -> Figure:
 
 @styled
 def magnification_figure(states: xr.Dataset, mapped: xr.Dataset, words: str = "", named: str = "") -> Figure:
-    """Area (a), detachment stress (b) and work of adhesion (c) of the states, P(σ, ζ) of one (d) if it was kept.
-
-    Parameters
-    ----------
-    states, mapped : xarray.Dataset
-        As :func:`~contact_study.report.align.states.read_magnification` gives them.
-    words, named : str, optional
-        What the states share, and which one is mapped.
-    """
+    """Area (a), detachment stress (b) and work of adhesion (c) of the states, P(σ, ζ) of one (d) if it was kept."""
     with_map = "pressure_pdf_at" in mapped
     figure = Figure(figsize=(DOUBLE, 5.2 if with_map else 2.7), layout="constrained")
     panels: dict[str, Axes] = figure.subplot_mosaic([["a", "b"], ["c", "d"]] if with_map else [["a", "b", "c"]])

@@ -121,13 +121,6 @@ def is_at(case: Case, coordinates: Mapping[str, Any]) -> bool:
 def read_inputs(paths: Sequence[Path], average: str | None = None) -> Inputs:
     """Open datasets of one contact, in any order.
 
-    Parameters
-    ----------
-    paths : sequence of pathlib.Path
-        Files.
-    average : str, optional
-        Swept key, by its last part, over which a reader sees means: the seed if none is named.
-
     Raises
     ------
     InputError

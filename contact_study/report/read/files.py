@@ -49,15 +49,7 @@ def open_groups(path: Path) -> dict[str, xr.Dataset]:
 
 
 def models_in(root: xr.Dataset, file: str = "") -> dict[str, xr.Dataset]:
-    """The models that have an entry and whose numbers stand in the root of one file.
-
-    Parameters
-    ----------
-    root : xarray.Dataset
-        Root group of the file, or its group in the dataset of a comparison.
-    file : str
-        What tells the file from others of its kind; empty where there is none.
-    """
+    """The models that have an entry and whose numbers stand in the root of one file."""
     theories = _theories_in(root)
     if not theories:
         return {of_file(root.attrs["model"], file): root}
@@ -119,19 +111,7 @@ def _in_memory(node: xr.DataTree) -> xr.Dataset:
 
 
 def field_at(path: Path, name: str, selection: Mapping[str, Any], step: int) -> np.ndarray | None:
-    """One field of a file, or None where the file does not keep it.
-
-    Parameters
-    ----------
-    path : pathlib.Path
-        Dataset of a simulation.
-    name : str
-        ``"gap"``, ``"pressure"``, or one of the atoms'.
-    selection : mapping
-        Swept coordinates.
-    step : int
-        Position on the path.
-    """
+    """One field of a file, or None where the file does not keep it."""
     with readable(path):
         dataset = xr.open_dataset(path, engine=engine_of(path), decode_timedelta=False)
     with dataset:

@@ -63,13 +63,6 @@ def on_common_path(models: Mapping[str, xr.Dataset], control: str) -> dict[str, 
 
     The steps are those of the first model, followed by what only the others visit; where a model lacks a point its
     variables are NaN. ``prescribed`` and ``branch`` are alike in all.
-
-    Parameters
-    ----------
-    models : mapping
-        Datasets by model.
-    control : str
-        ``"pressure"`` or ``"gap"``.
     """
     wanted = {name: _with_step(dataset, control) for name, dataset in models.items()}
     shared = dict(zip(wanted, xr.align(*wanted.values(), join="inner", exclude=["step"]), strict=True))

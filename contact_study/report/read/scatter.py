@@ -20,24 +20,12 @@ _WITHOUT_SAY = (f"surface.{SEED}", *(f"output.{name}" for name in keys_of(SECTIO
 
 @dataclass(frozen=True)
 class Scatter:
-    """One simulation over several realisations.
+    """One simulation over several realisations."""
 
-    Attributes
-    ----------
-    model : str
-        Name of its entry.
-    dataset : xarray.Dataset
-        Its dataset without the fields.
-    path : pathlib.Path
-        Its file.
-    notes : tuple of str
-        Differences to the studies compared that a reader must know.
-    """
-
-    model: str
-    dataset: xr.Dataset
-    path: Path
-    notes: tuple[str, ...] = ()
+    model: str  # name of its entry
+    dataset: xr.Dataset  # its dataset without the fields
+    path: Path  # its file
+    notes: tuple[str, ...] = ()  # differences to the studies compared that a reader must know
 
     @property
     def surfaces(self) -> int:
@@ -47,13 +35,6 @@ class Scatter:
 
 def read_scatter(path: Path, inputs: Inputs) -> Scatter:
     """Open a dataset of several realisations of the contact that is compared.
-
-    Parameters
-    ----------
-    path : pathlib.Path
-        Dataset of a simulation that sweeps the seed.
-    inputs : Inputs
-        What is compared.
 
     Raises
     ------

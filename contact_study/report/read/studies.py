@@ -41,15 +41,6 @@ _EVEN = 1e-9  # of the largest bin: how far widths of even bins may differ
 def carried_study(path: Path, dataset: xr.Dataset, average: str = SEED) -> tuple[Study, list[str]]:
     """Read the study of a dataset, with the sweep that the dataset holds, and notes on what differs in it.
 
-    Parameters
-    ----------
-    path : pathlib.Path
-        File of the dataset, for messages and for relative paths of the study.
-    dataset : xarray.Dataset
-        Root group of a model's dataset.
-    average : str
-        Swept key over which a reader sees means.
-
     Raises
     ------
     InputError
@@ -160,15 +151,6 @@ def check_studies(
 ) -> Iterator[str]:
     """Yield notes on the differences between the study of the first name and each other one.
 
-    Parameters
-    ----------
-    names : sequence of str
-        Models, in the order of trust.
-    paths, studies : mapping
-        File and study of each model.
-    ignored : collection of str, optional
-        Keys in which they may differ without a note.
-
     Raises
     ------
     InputError
@@ -209,11 +191,6 @@ def _matching_cases(one: Study, two: Study) -> list[tuple[Case, Case]]:
 
 def check_height_maps(paths: Mapping[str, Path], attributes: Mapping[str, Mapping[str, Any]]) -> None:
     """Refuse datasets whose height maps had another content when they were read.
-
-    Parameters
-    ----------
-    paths, attributes : mapping
-        File of each model, in the order of trust, and its attributes.
 
     Raises
     ------
