@@ -1,4 +1,4 @@
-"""Where a contact stands among the criteria of sticking."""
+"""A map of contacts among the criteria of sticking."""
 
 import itertools
 from typing import Any
@@ -24,7 +24,7 @@ _BESIDE: dict[str, Any] = {"textcoords": "offset points", "ha": "right", "fontsi
 
 @styled
 def criteria_map(dataset: xr.Dataset, axes: Axes | None = None, name: str = "") -> Axes:
-    """Work of adhesion over that which each criterion of sticking asks for, against the Tabor parameter.
+    """Work of adhesion over the one that each criterion of sticking requires, against the Tabor parameter.
 
     Above the line a contact sticks by the criterion. A marker is filled where the criterion was made for such a Tabor
     parameter, Persson and Tosatti's above one, the others below. Several datasets go onto one map by one call each.

@@ -15,7 +15,7 @@ from contact_study.plots.units import Unit, length_unit, pressure_unit
 from contact_study.units import length
 
 _ROUNDING = 1e-20  # of the largest C: what a transform leaves of waves that a surface does not have
-# What a dataset says of the law of its surface.
+# Variables with the self-affine law of the surface.
 _LAW = ("fitted_hurst_exponent", "fitted_hurst_exponent_error", "fitted_roll_off", "fitted_cutoff")
 _LEAST = 1e-8  # of the largest density: theories' tails go on for ever
 
@@ -51,7 +51,7 @@ def gap_distribution(dataset: xr.Dataset, axes: Axes | None = None) -> Axes:
 def surface_spectrum(dataset: xr.Dataset, axes: Axes | None = None) -> Axes:
     """Power spectrum C(q) of the surface, averaged over directions and bands of an eighth of an octave.
 
-    Beside it the self-affine law that the dataset says, or else the one that fits best, where one fits. Of heights
+    The figure shows the self-affine law of the dataset, or else the best fit, beside it. For heights
     whose edges do not meet it is the spectrum of the map joined to its mirror images.
 
     Convention: h_rms² = 2π ∫ q C dq.
@@ -73,8 +73,8 @@ def surface_spectrum(dataset: xr.Dataset, axes: Axes | None = None) -> Axes:
     spectrum = roughness_of_sample(surface["height"].values, grid).spectrum
     if not spectrum.density.any():
         raise ValueError("the surface is flat: it has no spectrum")
-    said = set(_LAW) <= set(surface)
-    fit = law_through(spectrum, *(float(surface[name]) for name in _LAW)) if said else self_affine_fit(spectrum)
+    given = set(_LAW) <= set(surface)
+    fit = law_through(spectrum, *(float(surface[name]) for name in _LAW)) if given else self_affine_fit(spectrum)
     return draw_spectrum(spectrum, fit, axes_of(axes))
 
 

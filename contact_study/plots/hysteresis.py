@@ -149,7 +149,7 @@ def _sorted(along: np.ndarray, response: np.ndarray) -> _Branch:
 
 
 def _marks(dataset: xr.Dataset, loop: _Loop) -> list[tuple[str, str, tuple[float, float]]]:
-    """Words, marker, separation and pressure of what the path tells of adhesion."""
+    """Words, marker, separation and pressure of the events of adhesion along the path."""
     found = []
     if "jump_in_pressure" in dataset:
         at = float(dataset["jump_in_separation"].squeeze()), float(dataset["jump_in_pressure"].squeeze())

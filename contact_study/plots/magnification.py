@@ -12,7 +12,7 @@ from contact_study.plots.selection import lines, require
 from contact_study.plots.style import COLOURS, axes_of, styled
 from contact_study.plots.units import Unit, pressure_unit
 
-_DECADES = 4  # of the density that colours tell apart
+_DECADES = 4  # of the density that colours distinguish
 
 _FEW = 100.0  # magnifications up to which 2 and 5 are written beside the powers of ten
 
@@ -70,7 +70,7 @@ def effective_work_of_adhesion(dataset: xr.Dataset, axes: Axes | None = None) ->
 def stress_by_magnification(dataset: xr.Dataset, axes: Axes | None = None) -> Axes:
     """Map of P(σ, ζ): how the stress distribution of one state spreads while the magnification grows.
 
-    At ζ = 1 all stress is the mean pressure. Colours tell four decades apart; what is less stays white.
+    At ζ = 1 all stress is the mean pressure. Colours span four decades; smaller densities stay white.
 
     Parameters
     ----------

@@ -94,7 +94,7 @@ def pressure_map(dataset: xr.Dataset, axes: Axes | None = None) -> Axes:
     pressure = state["pressure"].values
     largest = float(np.abs(pressure).max())
     unit = pressure_unit(largest)
-    # A few points at contact edges carry many times what the rest does: these saturate, and the bar says so.
+    # A few points at contact edges carry many times what the rest does: these saturate, which the ends of the bar show.
     limit = float(np.quantile(np.abs(pressure), 0.995)) or largest or 1.0
     return _map(
         state,

@@ -1,4 +1,4 @@
-"""What of a dataset a picture shows: one state, or lines over what it sweeps."""
+"""Selection of the part of a dataset that a picture shows: one state, or lines over the sweep."""
 
 import itertools
 import tomllib
@@ -14,7 +14,7 @@ LOADING, UNLOADING = 0, 1
 
 
 def require(dataset: xr.Dataset, *names: str) -> None:
-    """Make sure that a dataset holds what is to be shown.
+    """Check that a dataset has the variables to show.
 
     Raises
     ------
@@ -75,14 +75,14 @@ def touching(state: xr.Dataset) -> np.ndarray:
 
 
 def is_periodic(state: xr.Dataset) -> bool:
-    """Whether the surface goes on over its edges, by the study that a dataset carries; without one it does."""
+    """Whether the surface is periodic, by the study that a dataset carries; without one it is."""
     study = tomllib.loads(state.attrs.get("study_toml", ""))
     swept = state.coords.get("boundary", study.get("elasticity", {}).get("boundary", "periodic"))
     return str(np.asarray(swept)) == "periodic"
 
 
 def lines(dataset: xr.Dataset, name: str, *along: str) -> Iterator[tuple[str, xr.Dataset]]:
-    """One dataset for each line of a picture, with what tells it from the others in words."""
+    """One dataset for each line of a picture, and a label that distinguishes it from the others."""
     dims = [str(dim) for dim in dataset[name].dims if dim not in along]
     choices: Sequence[Sequence[object]] = [list(dataset[dim].values) for dim in dims]
     for values in itertools.product(*choices):

@@ -13,7 +13,7 @@ from matplotlib.ticker import LogFormatterSciNotation, LogLocator
 RESOLUTION = 200  # dots per inch
 SINGLE, DOUBLE = 3.46, 7.0  # inches: one and two columns of a journal
 
-# Okabe and Ito: told apart with any colour vision.
+# Okabe and Ito: distinguishable with any colour vision.
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
 
 STYLE = {
@@ -57,5 +57,5 @@ def readable_decades(axis: Axis) -> None:
 
 
 def axes_of(axes: Axes | None, width: float = SINGLE, height: float = 2.8) -> Axes:
-    """The given axes, or those of a new figure that pyplot knows nothing of (inches)."""
+    """The given axes, or those of a new figure outside of pyplot (inches)."""
     return Figure(figsize=(width, height), layout="constrained").subplots() if axes is None else axes

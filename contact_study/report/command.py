@@ -89,8 +89,8 @@ def _parser() -> Parser:
         "--scatter",
         type=Path,
         metavar="SEEDS.nc",
-        help="dataset of a simulation over several seeds of the same contact: its mean and standard deviation stand "
-        "behind the models in the figures of contact area and mean gap",
+        help="dataset of a simulation over several seeds of the same contact: its mean and standard deviation are "
+        "drawn behind the models in the figures of contact area and mean gap",
     )
     parser.add_argument("--version", action="version", version=f"%(prog)s {contact_study.__version__}")
     return parser

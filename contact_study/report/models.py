@@ -13,7 +13,7 @@ from contact_study.results.schema import SPECTRUM_MARK
 
 _PRESSED = "the surfaces are pressed closer than this distance on average"
 
-# Between the name of a model and the file that tells one of its datasets from another: "continuum:coarse".
+# Between the name of a model and the file that distinguishes its datasets: "continuum:coarse".
 _OF = ":"
 
 FORMATS = ("png", "pdf", "svg")
@@ -63,15 +63,15 @@ class ShownModel:
     hollow : bool
         Whether its markers are not filled.
     simulation : bool
-        Whether it is of one surface, point by point; theories know a spectrum and reach beyond any sampling.
+        Whether it is of one surface, point by point; theories use a spectrum and reach beyond any sampling.
     measured : bool
         Whether its constants are measured on itself, not given.
     feels_law : bool
         Whether the traction-separation law acts in it at every gap.
     about, about_adhesion, about_hard_wall : str
-        What it is; what of it holds with adhesion, and at a hard wall.
+        What it is; what holds with adhesion, and at a hard wall.
     status : str
-        Whether a theory is published, said wherever it is ranked.
+        Whether a theory is published, shown wherever it is ranked.
     start : str
         Where its states come from.
     start_predicted : str
@@ -151,7 +151,7 @@ def is_simulated(file: str) -> bool:
 
 
 def of_file(name: str, file: str) -> str:
-    """The name of a model or of a kind of file where several files of it stand side by side."""
+    """The name of a model or of a kind of file where there are several files of it."""
     return f"{name}{_OF}{file}" if file else name
 
 

@@ -97,10 +97,10 @@ def _whose(inputs: Inputs, file: str) -> str:
 
 def _related(inputs: Inputs) -> list[tuple[str, str]]:
     """What each model is, once for several datasets of it."""
-    said = {}
+    texts = {}
     adhesive, hard = any(law.attracts for law in inputs.laws), not all(law.attracts for law in inputs.laws)
     for entry in (entry_of(kind_of(name)) for name in inputs.models):
         words = [entry.about, entry.about_adhesion if adhesive else "", entry.about_hard_wall if hard else ""]
         words.append(f"Status: {entry.status}." if entry.status else "")
-        said[entry.label[0].upper() + entry.label[1:]] = " ".join(filter(None, words))
-    return list(said.items())
+        texts[entry.label[0].upper() + entry.label[1:]] = " ".join(filter(None, words))
+    return list(texts.items())

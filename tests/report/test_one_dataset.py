@@ -162,7 +162,7 @@ def test_files_of_one_name_are_called_after_their_folders(tmp_path):
 
 def test_datasets_of_one_run_are_refused(tmp_path):
     paths = write(tmp_path / "one.nc", "continuum"), write(tmp_path / "copy.nc", "continuum")
-    with pytest.raises(InputError, match=r"both of the continuum model .* nothing tells them apart"):
+    with pytest.raises(InputError, match=r"both of the continuum model .* they cannot be distinguished"):
         read_inputs(paths)
     with pytest.raises(InputError, match="is given twice"):
         read_inputs([paths[0], paths[0]])

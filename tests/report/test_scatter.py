@@ -112,7 +112,7 @@ def test_command(files, tmp_path, capsys):
 @pytest.mark.parametrize(
     ("text", "kind", "words"),
     [
-        (SEEDED, "theory", "theories know no single surface"),
+        (SEEDED, "theory", "a theory has no single surface"),
         (STUDY, "continuum", "holds one surface"),
         (SEEDED.replace("77.2", "70"), "continuum", "material.youngs_modulus is 7.72e\\+10 in the one and 7e\\+10"),
         (SEEDED.replace("[1, 8]", "[2]"), "continuum", "no point in common"),

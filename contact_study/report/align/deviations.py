@@ -41,8 +41,8 @@ def compute_deviations(models: Mapping[str, xr.Dataset], control: str) -> xr.Dat
     -------
     xarray.Dataset
         Dimensions (pair, …sweep…, step). For each quantity ``x`` that some pair has, ``x_deviation``, the model's value
-        minus the reference's, and ``x_relative_deviation``, that over the reference's value; NaN unless ``state``
-        says that the point is compared. Where a swept key is averaged over, the seed unless another is named,
+        minus the reference's, and ``x_relative_deviation``, the ratio to the reference's value; NaN unless ``state``
+        marks the point as compared. Where a swept key is averaged over, the seed unless another is named,
         also ``…_mean`` and ``…_standard_error`` of the paired differences.
     """
     aligned = on_common_path(models, control)

@@ -9,14 +9,14 @@ from contact_study.report.read.load_steps import averaged
 from contact_study.results.schema import VARIABLES
 from contact_study.results.state import usable
 
-# What says how a step was found, not what came out.
+# Quantities of the way a step was found, not of its result.
 _OF_THE_WORK = ("residual", "complementarity_residual", "wall_time", "fft_pairs", "iterations", "force_evaluations")
 
 
 def standard_error(values: xr.DataArray, over: str | Iterable[Hashable]) -> xr.DataArray:
     """Standard error of the mean over some dimensions, NaN values left out: standard deviation (of n − 1) over √n.
 
-    One sample tells nothing of the scatter: NaN, not zero.
+    One sample has no scatter: NaN, not zero.
     """
     count = values.notnull().sum(over)
     return values.std(over, ddof=1).where(count > 1) / np.sqrt(count)

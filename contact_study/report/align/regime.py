@@ -1,4 +1,4 @@
-"""Numbers that tell which physics rules a contact, from its roughness, its modulus and its adhesion."""
+"""Regime numbers of a contact, from its roughness, its modulus and its adhesion."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -60,7 +60,7 @@ def roughness(heights: np.ndarray, size: tuple[float, float], solid: Elasticity)
 def compute_regime(inputs: Inputs) -> xr.Dataset:
     """Regime numbers at each point of the sweep, on its swept dimensions without the seed.
 
-    Where seeds are swept, what depends on the surface is that of the first seed, and its ``long_name`` says so.
+    Where seeds are swept, numbers of the surface are those of the first seed, and their ``long_name`` states it.
 
     With R = 2/√<(∇²h)²>, the radius of the root-mean-square mean curvature, the Tabor parameter at the scale of the
     roughness is μ = (R Δγ²/E*² r₀³)^(1/3); θ = Δγ S/U_full compares what full contact gains with what it costs

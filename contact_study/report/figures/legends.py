@@ -1,4 +1,4 @@
-"""What stands around the axes: letter and state of a panel, colours, lines and markers."""
+"""Legends and headings of the figures: letter and state of a panel, colours, lines and markers."""
 
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
@@ -67,7 +67,7 @@ def model_legend(
     colours: Mapping[str, Any] | None = None,
     strips: Strips | None = None,
 ) -> None:
-    """Line and marker of each model below the axes, with what else the markers say; grey where colours tell others."""
+    """Line and marker of each model below the axes, and the meaning of markers; grey where colours have another one."""
     colours = colours or {}
     handles: list[Artist] = []
     names = list(dict.fromkeys(curve.model for curve in curves))
@@ -104,7 +104,7 @@ def model_legend(
 
 
 def _colour_handles(curves: Sequence[Curve], colours: Sequence[Any]) -> list[Artist]:
-    """One patch of colour for each label; what all labels begin with stands before the first only."""
+    """One patch of colour for each label; a common beginning of the labels is shown before the first only."""
     names = dict(sorted({curve.colour: curve.label for curve in curves if curve.label}.items()))
     heads = {label.partition(" = ")[0] for label in names.values()}
     single = len(heads) == 1 and all(label.count(" = ") == 1 for label in names.values())

@@ -1,4 +1,4 @@
-"""Datasets of the models as they stand in their files, with the studies that they carry.
+"""Datasets of the models as their files hold them, with the studies that they carry.
 
 What several datasets have in common is found in ``align``.
 """

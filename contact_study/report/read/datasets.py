@@ -29,7 +29,7 @@ class Inputs:
     Attributes
     ----------
     paths : dict
-        Files by name: the kind of dataset, and what tells several of one kind apart.
+        Files by name: the kind of dataset, and a suffix where there are several of one kind.
     models : dict
         Dataset of each model shown, by the name of its entry, in the order of the entries.
     branches : dict
@@ -37,7 +37,7 @@ class Inputs:
     studies : dict
         Study of each file.
     notes : tuple of str
-        Differences between the studies that a reader must know.
+        Differences between the studies.
     groups : dict
         Groups of each file as they stand in it, "" for the root.
     average : str
@@ -76,7 +76,7 @@ class Inputs:
 
     @cached_property
     def cases(self) -> list[Case]:
-        """Every case of some study, once; a theory that knows no seed has no other cases than the simulations."""
+        """Every case of some study, once; a theory without a seed has the cases of the simulations."""
         found = list(self.study.cases)
         for study in self._ordered[1:]:
             found += [case for case in study.cases if not any(is_at(known, case.coordinates) for known in found)]
@@ -114,7 +114,7 @@ class Inputs:
 
 
 def is_at(case: Case, coordinates: Mapping[str, Any]) -> bool:
-    """Whether a case has these swept values; a key that it does not sweep tells nothing."""
+    """Whether a case has these swept values; keys that it does not sweep do not count."""
     return all(same(case.coordinates.get(name, value), value) for name, value in coordinates.items())
 
 
@@ -174,7 +174,7 @@ def _check_average(average: str | None, contents: Mapping[str, Mapping[str, xr.D
 
 
 def _tails(kinds: Mapping[Path, str]) -> dict[Path, str]:
-    """What tells each file from others of its kind: as much of the end of its path as that takes, without suffix."""
+    """Shortest end of each path, without suffix, that distinguishes files of one kind."""
     tails = {}
     for path, kind in kinds.items():
         others = [other for other in kinds if kinds[other] == kind and other != path]
@@ -199,7 +199,7 @@ def _check_told_apart(files: Mapping[str, Path], contents: Mapping[str, Mapping[
         if other != name:
             raise InputError(
                 f"{files[other]} and {files[name]} are both of the {kind_of(name)} model and of one study and version: "
-                "nothing tells them apart; give one of them"
+                "they cannot be distinguished; give one of them"
             )
 
 

@@ -49,13 +49,13 @@ def open_groups(path: Path) -> dict[str, xr.Dataset]:
 
 
 def models_in(root: xr.Dataset, file: str = "") -> dict[str, xr.Dataset]:
-    """The models that have an entry and whose numbers stand in the root of one file."""
+    """The models in the root group of one file that have an entry."""
     theories = _theories_in(root)
     if not theories:
         return {of_file(root.attrs["model"], file): root}
     found = {}
     for label in theories:
-        # What does not stand on the theories, such as the constants, is shown once: beside the first.
+        # Quantities without the dimension of the theories, such as constants, are shown once: beside the first.
         own = [name for name in root.data_vars if _THEORY in root[name].dims or label == theories[0]]
         if known(label):
             found[of_file(label, file)] = _without_empty(_at(root[own], label).drop_vars(_THEORY))

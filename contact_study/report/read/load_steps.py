@@ -27,21 +27,21 @@ def with_average(dataset: xr.Dataset, name: str) -> xr.Dataset:
 
 
 def samples_in(part: xr.Dataset | xr.DataArray) -> list[str]:
-    """The dimension, if there is one, over which what stands at one point of the sweep is averaged."""
+    """The dimension over which the values of one point of the sweep are averaged; empty without one."""
     return [str(dim) for dim in part.dims if dim in part.coords and dim not in COORDINATES]
 
 
 def swept_dims(dataset: xr.Dataset) -> tuple[str, ...]:
     """The swept keys among a dataset's dimensions, in their order.
 
-    They have values of their own, which tells them from dimensions that only count, such as the points along y where
+    They have values, unlike dimensions that only count, such as the points along y where
     the sweep changes their positions.
     """
     return tuple(str(dim) for dim in dataset.dims if dim in dataset.coords and dim not in COORDINATES)
 
 
 def positions(dims: Mapping[str, np.ndarray], coordinates: Mapping[str, Any]) -> dict[str, int]:
-    """Where swept values stand along the dimensions that have them, however they were rounded.
+    """Find the positions of swept values along their dimensions, however they were rounded.
 
     Raises
     ------

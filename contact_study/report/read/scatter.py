@@ -25,7 +25,7 @@ class Scatter:
     model: str  # name of its entry
     dataset: xr.Dataset  # its dataset without the fields
     path: Path  # its file
-    notes: tuple[str, ...] = ()  # differences to the studies compared that a reader must know
+    notes: tuple[str, ...] = ()  # differences to the studies compared
 
     @property
     def surfaces(self) -> int:
@@ -48,7 +48,7 @@ def read_scatter(path: Path, inputs: Inputs) -> Scatter:
     dataset = open_groups(path)[""]
     model = str(dataset.attrs["model"])
     if not is_simulated(model):
-        raise InputError(f"{where}: theories know no single surface; give a dataset of a simulation")
+        raise InputError(f"{where}: a theory has no single surface; give a dataset of a simulation")
     if dataset.sizes.get(SEED, 1) < 2:
         raise InputError(f'{where}: holds one surface; sweep the seed, [sweep] "surface.seed" = [1, 2, 3]')
     study, notes = carried_study(path, dataset)

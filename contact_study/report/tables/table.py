@@ -16,7 +16,7 @@ class Table:
     Attributes
     ----------
     title : str
-        What it holds.
+        Title.
     header : list of str
         Names and units of the columns.
     rows : list of list of str
