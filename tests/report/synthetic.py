@@ -6,6 +6,7 @@ import numpy as np
 
 from contact_study.campaign.dataset.assembly import assemble
 from contact_study.campaign.dataset.file import write_dataset
+from contact_study.report.read.datasets import read_inputs
 from contact_study.results.observables.autocorrelation import RELATIVE_DISTANCE
 from contact_study.results.schema import SCHEMA_VERSION
 from contact_study.study.bins import bins_of
@@ -52,6 +53,11 @@ GAP_STUDY = (
     .replace("[loading]", '[loading]\ncontrol = "gap"')
     .replace('"0.1 GPa", "0.7799 GPa", "5.8725 GPa"', '"1 nm", "0.7 nm", "0.3 nm", "0.2 nm"')
 )
+
+SINGLE = STUDY[: STUDY.index("[sweep]")]
+SEEDED = STUDY.replace("[sweep]\n", '[sweep]\n"surface.seed" = [1, 2, 3]\n')
+MODULUS = 77.2e9 / (1 - 0.42**2)
+PRESSURES = {1: [0.1e9, 0.7799e9, 5.8725e9], 8: [0.1e9, -0.4987e9, 0.7799e9, 5.8725e9]}
 
 # Contact areas: the continuum's times these.
 AREA_FACTOR = {"continuum": 1.0, "atomistic": 0.9, "persson": 0.5, "gap_flow": 1.25}
@@ -133,6 +139,11 @@ def _assemble(path, kind, text, unconverged, detached, attrs):
         | attrs
     )
     write_dataset(path, groups)
+
+
+def read(folder, text=STUDY, kinds=("continuum", "atomistic"), **options):
+    """Write datasets of some kinds and read them as a comparison does."""
+    return read_inputs([write(folder / f"{kind}.nc", kind, text, **options) for kind in kinds])
 
 
 def write_all(folder, text=STUDY, **options):

@@ -103,16 +103,6 @@ def test_unconverged_and_detached_points_are_marked_not_mixed_in(tmp_path):
     assert not marked.notnull().any()
 
 
-def test_seeds_give_mean_and_standard_error(tmp_path):
-    seeded = STUDY.replace("[sweep]\n", '[sweep]\n"surface.seed" = [1, 2, 3]\n')
-    paths = [write(tmp_path / f"{kind}.nc", kind, seeded) for kind in ("continuum", "atomistic")]
-    found = deviations(paths).isel(pair=0).sel(well_depth_ratio=8)
-    by_hand = np.array([0.1 * area(8, 0.1e9, seed) for seed in (1, 2, 3)])
-    assert float(found["relative_contact_area_deviation_mean"][0]) == pytest.approx(by_hand.mean(), rel=1e-12)
-    error = by_hand.std(ddof=1) / np.sqrt(3)
-    assert float(found["relative_contact_area_deviation_standard_error"][0]) == pytest.approx(error, rel=1e-9)
-
-
 def test_one_dataset_without_seeds_is_compared_with_each(tmp_path):
     seeded = STUDY.replace("[sweep]\n", '[sweep]\n"surface.seed" = [1, 2]\n')
     paths = [write(tmp_path / "c.nc", "continuum", seeded), write(tmp_path / "t.nc", "theory")]

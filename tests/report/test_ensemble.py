@@ -3,18 +3,13 @@
 import numpy as np
 import pytest
 import xarray as xr
-from matplotlib.collections import PolyCollection
 
 from contact_study.errors import InputError
-from contact_study.plots.paths import ERROR, Curve, error_band
 from contact_study.report.align.curves import path_curves
 from contact_study.report.align.deviations import compute_deviations
 from contact_study.report.align.ensemble import ensemble_statistics
 from contact_study.report.command import main
-from contact_study.report.facts.shown_states import panel_points
-from contact_study.report.figures import panels as figures
 from contact_study.report.read.datasets import read_inputs
-from tests.report.panels import areas, density_panels
 from tests.report.synthetic import STUDY, area, write
 
 SEEDED = STUDY.replace("[sweep]\n", '[sweep]\n"surface.seed" = [1, 2, 3]\n')
@@ -129,45 +124,3 @@ def test_unknown_key_is_refused(seeded):
         InputError, match="--average hurst_exponent: no dataset sweeps it; swept: well_depth_ratio, seed"
     ):
         read_inputs(seeded, "hurst_exponent")
-
-
-# --- Figures ------------------------------------------------------------------------------------------------------
-
-
-def test_densities_carry_the_error_of_their_logarithm(seeded):
-    models = read_inputs(seeded).models
-    panel, _ = density_panels("pressure", models, "pressure", panel_points(models, "pressure"))
-    curve = next(curve for curve in panel if curve.model == "continuum" and curve.colour == 1)
-    named = panel_points(models, "pressure").common
-    step = [0.1e9, -0.4987e9, 0.7799e9, 5.8725e9].index(float(named[0]))
-    values = models["continuum"]["pressure_pdf"].sel(well_depth_ratio=8).isel(step=step).values
-    mean, error = values.mean(axis=0), standard_error(values)
-    shown = mean > error
-    np.testing.assert_allclose(curve.y_error[shown], (error / mean)[shown] / np.log(10), rtol=1e-9)
-    figure = figures.stress_distribution_figure(panel, [])
-    assert len([found for found in figure.axes[0].collections if found.get_alpha() == ERROR]) == len(panel)
-
-
-def test_band_is_one_standard_error_to_either_side():
-    x, y, error = np.array([1.0, 2.0, 3.0]), np.array([0.1, 0.3, 0.4]), np.array([0.01, 0.02, np.nan])
-    along = Curve("continuum", "", 0, x, y, y_error=error, fit=np.ones(3, bool))
-    np.testing.assert_allclose(error_band(along), [[[1, 0.09], [2, 0.28], [2, 0.32], [1, 0.11]]], rtol=1e-12)
-    across = Curve("continuum", "", 0, x, y, x_error=error, fit=np.array([True, True, False]))
-    np.testing.assert_allclose(error_band(across), [[[0.99, 0.1], [1.98, 0.3], [2.02, 0.3], [1.01, 0.1]]], rtol=1e-12)
-    both = Curve("continuum", "", 0, x, y, x_error=error, y_error=error)
-    assert error_band(both).size == 0
-    # The pressure that was prescribed scatters by the solver's tolerance.
-    prescribed = Curve("continuum", "", 0, x, y, x_error=np.full(3, 1e-9), y_error=error)
-    np.testing.assert_array_equal(error_band(prescribed), error_band(along))
-
-
-def test_lines_have_bands_and_markers_have_bars(seeded):
-    curves = path_curves(read_inputs(seeded).models, "pressure").areas
-    figure = figures.contact_area_figure(areas(curves))
-    bands = [found for found in figure.axes[0].collections if isinstance(found, PolyCollection)]
-    assert len(bands) == 2, "the continuum's, at each ratio; the atoms have no line"
-    corners = np.concatenate([path.vertices for band in bands for path in band.get_paths()])
-    low = area(1, 0.1e9, SEEDS).mean() - standard_error(area(1, 0.1e9, SEEDS))
-    assert np.isclose(corners[:, 1], low, rtol=1e-9).any()
-    barred = [container for container in figure.axes[0].containers if container.has_yerr]
-    assert len(barred) == 2, "the atoms'"

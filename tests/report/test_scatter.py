@@ -3,18 +3,12 @@
 import numpy as np
 import pytest
 import xarray as xr
-from matplotlib.collections import PolyCollection
 
 from contact_study.errors import InputError
-from contact_study.plots.paths import Curve
-from contact_study.report.align.curves import path_curves, scatter_strips
 from contact_study.report.command import main
-from contact_study.report.figures import panels as figures
-from contact_study.report.figures.style import SWEEP_COLOURS
 from contact_study.report.read.datasets import read_inputs
 from contact_study.report.read.scatter import read_scatter
-from tests.report.panels import areas as areas_alone
-from tests.report.synthetic import STUDY, area, gap, write, write_all
+from tests.report.synthetic import STUDY, area, write, write_all
 
 SEEDS = np.array([1, 2, 4])
 SEEDED = STUDY.replace("[sweep]\n", f'[sweep]\n"surface.seed" = {SEEDS.tolist()}\n')
@@ -29,64 +23,6 @@ def files(tmp_path):
 def areas(ratio):
     """Made-up contact areas, a seed a row."""
     return area(ratio, np.array([PRESSURES[ratio]]), SEEDS[:, None])
-
-
-def test_strips_are_a_standard_deviation_about_the_mean(files):
-    inputs = read_inputs(files[0])
-    strips = scatter_strips(inputs.models, read_scatter(files[1], inputs), "pressure")
-    assert strips.label == "continuum, 3 surfaces"
-    for colour, ratio in enumerate(PRESSURES):
-        (along,) = (curve for curve in strips.curves.areas if curve.colour == colour)
-        steps = slice(len(PRESSURES[ratio]))
-        np.testing.assert_allclose(along.y[steps], areas(ratio).mean(axis=0), rtol=1e-12)
-        np.testing.assert_allclose(along.y_error[steps], areas(ratio).std(axis=0, ddof=1), rtol=1e-9)
-        (across,) = (curve for curve in strips.curves.linear_gaps if curve.colour == colour)
-        gaps = gap(ratio, np.array([PRESSURES[ratio]]), SEEDS[:, None])
-        np.testing.assert_allclose(across.x_error[steps] / across.x[steps], gaps.std(0, ddof=1) / gaps.mean(0), 1e-9)
-
-
-def test_points_that_are_not_compared_have_no_strip(files, tmp_path):
-    one = STUDY.replace("= [1, 8]", "= [8]")
-    inputs = read_inputs([write(tmp_path / f"one_{kind}.nc", kind, one) for kind in ("continuum", "atomistic")])
-    strips = scatter_strips(inputs.models, read_scatter(files[1], inputs), "pressure")
-    (only,) = strips.curves.areas
-    # The first colour of the figure, though the second of the realisations.
-    assert only.colour == 0
-    np.testing.assert_allclose(only.y[0], areas(8)[:, 0].mean(), rtol=1e-12)
-
-
-def test_they_are_drawn_behind_in_their_colours(files):
-    inputs = read_inputs(files[0])
-    strips = scatter_strips(inputs.models, read_scatter(files[1], inputs), "pressure")
-    curves = path_curves(inputs.models, "pressure")
-    drawn = figures.contact_area_figure(curves, "GPa", strips=strips)
-    beside = figures.mean_gap_figure(curves, strips=strips)
-    for axes in (*drawn.axes, *beside.axes):
-        found = [each for each in axes.collections if isinstance(each, PolyCollection)]
-        assert len(found) == 2
-        assert all(each.get_zorder() < 1 for each in found)
-        colours = [tuple(np.round(each.get_facecolor()[0][:3], 3)) for each in found]
-        expected = [tuple(np.round([int(code[i : i + 2], 16) / 255 for i in (1, 3, 5)], 3)) for code in SWEEP_COLOURS]
-        assert colours == expected[:2]
-    corners = np.concatenate([path.vertices for path in drawn.axes[0].collections[0].get_paths()])
-    low, high = areas(1).mean(0) - areas(1).std(0, ddof=1), areas(1).mean(0) + areas(1).std(0, ddof=1)
-    assert corners[:, 1].min() == pytest.approx(low.min(), rel=1e-9)
-    assert corners[:, 1].max() == pytest.approx(high.max(), rel=1e-9)
-    for figure in (drawn, beside):
-        assert "continuum, 3 surfaces" in [text.get_text() for legend in figure.legends for text in legend.get_texts()]
-
-
-@pytest.mark.parametrize(("pressures", "plain"), [([0.2, 0.5, 1.0, 2.0], True), ([0.01, 0.1, 1.0, 10.0], False)])
-def test_pressures_of_a_decade_are_plain_numbers(pressures, plain):
-    x = np.array(pressures)
-    curve = Curve("continuum", "", 0, x, x / 20)
-    axes = figures.contact_area_figure(areas_alone([curve])).axes[1]
-    axes.figure.draw_without_rendering()
-    low, high = axes.get_xlim()
-    ticks = zip(axes.get_xticks(), axes.xaxis.get_majorticklabels(), strict=True)
-    labels = [text.get_text() for at, text in ticks if low <= at <= high]
-    assert (labels == ["0.2", "0.5", "1", "2"]) == plain
-    assert not any(text.get_text() for text in axes.xaxis.get_minorticklabels())
 
 
 @pytest.mark.usefixtures("unrendered")
