@@ -20,7 +20,7 @@ from contact_study.report.read.files import field_at
 from contact_study.report.wording import percent
 from contact_study.study.case import realise
 from tests.report.panels import at
-from tests.report.synthetic import GAP_STUDY, STUDY, study, write, write_all
+from tests.report.synthetic import GAP_STUDY, SINGLE, STUDY, study, write, write_all
 
 
 @pytest.fixture(scope="module")
@@ -233,6 +233,7 @@ def test_existing_files_are_kept_unless_told(compared, files, tmp_path, capsys):
     assert {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()} == before
 
 
+@pytest.mark.usefixtures("unrendered")
 def test_overwriting_leaves_other_files_of_the_folder(files, tmp_path):
     (tmp_path / "f").mkdir()
     (tmp_path / "f" / "notes.txt").write_text("mine")
@@ -294,7 +295,7 @@ def test_unconverged_input_gives_status_two_and_detachment_does_not(files, tmp_p
     assert (tmp_path / "two.nc").exists()
 
 
-def test_figures_in_other_formats(files, tmp_path, monkeypatch):
+def test_figures_in_other_formats(tmp_path, monkeypatch):
     """PDF and SVG beside PNG or alone, text as text, equal runs equal bytes; the report keeps its own.
 
     Of two figures: what is written where does not depend on their number.
@@ -304,6 +305,7 @@ def test_figures_in_other_formats(files, tmp_path, monkeypatch):
     monkeypatch.setattr(illustrations, "read_magnification", lambda *_: None)
     monkeypatch.setattr(illustrations, "read_atoms", lambda *_: None)
     folder, report = tmp_path / "figures", tmp_path / "report.html"
+    files = [write(tmp_path / f"{kind}.nc", kind, SINGLE) for kind in ("continuum", "theory")]
     arguments = [*files, "-o", tmp_path / "c.nc", "--figures", folder, "--overwrite"]
     formats = ["--figure-format", "pdf", "--figure-format", "svg"]
     assert run(*arguments, *formats, "--report", report) == 0

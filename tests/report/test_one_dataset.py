@@ -40,6 +40,7 @@ def reported(folder, *paths):
         return status, text, set(tree.groups)
 
 
+@pytest.mark.usefixtures("unrendered")
 @pytest.mark.parametrize("kind", list(NAMES))
 def test_one_dataset_is_reported_on(tmp_path, kind):
     status, text, groups = reported(tmp_path, write(tmp_path / "one.nc", kind))
@@ -69,6 +70,7 @@ def test_extents_are_of_converged_states_in_contact(tmp_path):
     assert f"to {largest:.3g} hrms (ε = ε₀, p = 0.7799 GPa)" in text
 
 
+@pytest.mark.usefixtures("unrendered")
 def test_the_theories_alone_are_shown_against_magnification(tmp_path):
     """Every point of the sweep at the common pressure, the map where there is one."""
     path = write(tmp_path / "plain.nc", "theory")
