@@ -245,10 +245,9 @@ def test_closed_log_does_not_stop_the_run(study, tmp_path):
     assert (tmp_path / "bem.nc").exists()
 
 
-@pytest.mark.parametrize("encoding", ["ascii", "latin-1"])
-def test_help_on_a_terminal_without_greek(encoding):
+def test_help_on_a_terminal_without_greek():
     command = [sys.executable, "-m", "tests.campaign.toy_model", "--help"]
-    done = subprocess.run(command, capture_output=True, env={**os.environ, "PYTHONIOENCODING": encoding})
+    done = subprocess.run(command, capture_output=True, env={**os.environ, "PYTHONIOENCODING": "ascii"})
     assert done.returncode == 0, done.stderr
     assert b"--material.poissons_ratio" in done.stdout
 

@@ -16,20 +16,11 @@ from contact_study.campaign.store.case_file import CaseFile, CaseWriter
 from tests.campaign.toy_study import assert_same, run, steps_on_disk
 
 
-@pytest.mark.parametrize("workers", [1, 2])
-def test_killed_run_resumes_to_the_same_dataset(study, tmp_path, workers):
+def test_killed_run_resumes_to_the_same_dataset(study, tmp_path):
+    """A run in two processes; tests/test_commands.py kills one in a single process."""
     assert run(study, "-o", tmp_path / "whole.nc", "--workers", 1) == 0
     output = tmp_path / "killed.nc"
-    command = [
-        sys.executable,
-        "-m",
-        "tests.campaign.toy_model",
-        str(study),
-        "-o",
-        str(output),
-        "--workers",
-        str(workers),
-    ]
+    command = [sys.executable, "-m", "tests.campaign.toy_model", str(study), "-o", str(output), "--workers", "2"]
     slow = {**os.environ, "TOY_SECONDS": "0.2"}
     process = subprocess.Popen(command, env=slow, stderr=subprocess.DEVNULL, start_new_session=True)
     parts = tmp_path / "killed.nc.parts"
