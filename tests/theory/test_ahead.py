@@ -90,7 +90,7 @@ def test_threads_end_when_nothing_waits():
 
 def test_nobody_waits_for_work_at_the_end_of_a_process():
     program = (
-        "import time; from theory.numerics.background import Ahead\n"
-        "Ahead(2).begin(lambda: time.sleep(600))\nraise SystemExit(130)"
+        "import time; from theory.numerics.background import BackgroundExecutor\n"
+        "BackgroundExecutor(2).begin(lambda: time.sleep(600))\nraise SystemExit(130)"
     )
     assert subprocess.run([sys.executable, "-c", program], timeout=120).returncode == 130

@@ -214,7 +214,11 @@ def test_what_the_edge_flow_does_not_find_is_said(case):
     beyond = [step for step in values if np.isnan(step["edge_flow/mean_pressure"])]
     assert beyond, "the curve ends early"
     assert np.isnan(beyond[0]["edge_flow/relative_contact_area"])
-    assert "curve of mean gaps ends" in beyond[0]["edge_flow/message"]
+    said = beyond[0]["edge_flow/message"]
+    assert "adhesion is too strong for the edge flow (0.1 of the energy of full contact" in said
+    assert "softening 0.58 times the finest wave's stiffness); use a lower pressure" in said
+    with pytest.raises(ValueError, match=r"too strong for the edge flow \(0\.1 of the energy"):
+        flow.at_pressure(1e13)
 
 
 def test_large_gaps_take_light_loads():

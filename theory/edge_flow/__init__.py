@@ -1,1 +1,1 @@
-"""Edge-flow theory: the gap flow with the elastic cost of contact edges. Unpublished."""
+"""Edge-flow theory, this project's own and unpublished: the gap flow with the elastic cost of contact edges."""

@@ -11,19 +11,6 @@ import numpy as np
 
 from theory.edge_flow.equilibrium import Equilibrium, Problem
 
-# Ratio of distances to the lowest node from one mean gap to the next.
-_RATIO = 0.85
-
-# Halvings of the step between two mean gaps where the iteration does not find the next, and states that are not found
-# in a row before the curve ends.
-_HALVINGS, _LOST = 3, 3
-
-# States in a row, fewer of which make no piece of the curve.
-_FEWEST = 4
-
-# Parts of the distance at which the approach ended where adhesion is grown instead.
-_STARTS = (0.7, 0.45, 0.25, 0.1, 0.04)
-
 Piece = tuple[Equilibrium, ...]
 
 
@@ -49,13 +36,18 @@ def curve(problem: Problem, far: float, near: float, highest: float, thorough: b
 
     x = problem.gaps
     first = min(int(np.searchsorted(x, far)), x.size - 2)
-    approached, ended = _follow(problem, problem.solve(float(x[first]), problem.local()), -1, passed, _LOST)
+    approached, ended = _follow(
+        problem, problem.solve(float(x[first]), problem.local()), -1, passed, problem.options.lost
+    )
     if not (ended and thorough):
         return (tuple(approached),), 0
     sound = _sound(problem, approached)
-    pieces, lost = [sound] if len(sound) >= _FEWEST else [], sum(s.change > problem.tolerance for s in approached)
+    pieces, lost = (
+        [sound] if len(sound) >= problem.options.fewest else [],
+        sum(s.change > problem.tolerance for s in approached),
+    )
     last = sound[-1].gap if sound else float(x[first])
-    for part in _STARTS:
+    for part in problem.options.starts:
         node = max(int(np.searchsorted(x, x[0] + part * (last - x[0]))), 1)
         start = problem.grown(float(x[node]))
         if start.change > problem.tolerance:
@@ -63,11 +55,11 @@ def curve(problem: Problem, far: float, near: float, highest: float, thorough: b
             continue
         above = last
         farther, _ = _follow(problem, start, 1, lambda state: state.gap >= above, 1)  # noqa: B023
-        nearer, ended = _follow(problem, start, -1, passed, _LOST)
+        nearer, ended = _follow(problem, start, -1, passed, problem.options.lost)
         both = [*reversed(_sound(problem, farther)[1:]), *_sound(problem, nearer)]
         both = [state for state in both if state.gap < above]
-        lost += ended * _LOST
-        if len(both) >= _FEWEST:
+        lost += ended * problem.options.lost
+        if len(both) >= problem.options.fewest:
             pieces.append(both)
             last = both[-1].gap
         if not ended:
@@ -80,7 +72,7 @@ def curve(problem: Problem, far: float, near: float, highest: float, thorough: b
             problem, problem.solve(float(x[node]), problem.local()), 1, lambda state: state.gap >= last, 1
         )
         both = [state for state in reversed(_sound(problem, outward)) if state.gap < last]
-        if len(both) >= _FEWEST:
+        if len(both) >= problem.options.fewest:
             pieces.append(both)
     if not pieces:
         return (tuple(approached),), 0
@@ -107,11 +99,11 @@ def _follow(
     beyond = lost = 0
     while beyond < 2 and lost < patience and 1 < node + (way > 0) < x.size - 1:
         before = node
-        aim = int(np.searchsorted(x, x[0] + _RATIO**-way * (x[before] - x[0])))
+        aim = int(np.searchsorted(x, x[0] + problem.options.gap_ratio**-way * (x[before] - x[0])))
         node = before + way * max(way * (aim - before), 1)
         node = min(max(node, 1), x.size - 2)
         state = _next(problem, sound, float(x[node]))
-        for _ in range(_HALVINGS):
+        for _ in range(problem.options.halvings):
             if state.change <= problem.tolerance or abs(node - before) == 1:
                 break
             node = before + way * (abs(node - before) // 2)

@@ -22,32 +22,70 @@ from theory.numerics.fixed_point import accelerated
 # Slope s, level t and pole b of the cost κ(X) = s X + t + (1 − t) b/(X + b) of a modulation on a half-space.
 KERNEL = (0.25, 0.0, 4.0)
 
-# Bounds of the response: contact gives way by K/(K + c), and nothing follows more than some times its wave.
-_LEAST, _LARGEST = 1e-3, 20.0
 
-# Coarse scales in which the distribution is still sharp.
-_SHARP = 6
+@dataclass(frozen=True)
+class EdgeFlowOptions:
+    """Numerical choices of the edge flow; the defaults serve all surfaces and laws that were tried.
 
-# Area per scale below which a node's change does not count.
-_UNSEEN = 1e-9
+    Attributes
+    ----------
+    least, largest : float
+        Bounds of the response f.
+    sharp_scales : int
+        Coarse scales in which the distribution is still sharp, taken by the implicit Euler method.
+    unseen_area : float
+        Area per scale below which the change of a node does not count.
+    step : float
+        Largest change of ln f in an iteration.
+    restarts : int
+        Halvings of an iteration that leads to no numbers.
+    extrapolation : float
+        Largest change of ln f by which a start is extrapolated.
+    bands : int
+        Bands in which the variance is tabulated, to be cut into scales.
+    finest_variance : float
+        A scale has no more variance than all finer ones and this, in squares of the law's length.
+    widest_band : float
+        Width of a scale in ln q at most.
+    modulation : float
+        Wavenumber of a modulation, in those of the wave, at which solids are compared with the half-space.
+    weakest, growth, least_growth : float
+        Part of the law from which adhesion is grown at one mean gap, and its growth at first and least.
+    gap_ratio : float
+        Ratio of the distances to the lowest node from one mean gap of the curve to the next.
+    halvings, lost, fewest : int
+        Halvings of that step, states lost in a row that end the curve, and fewest states of a piece.
+    bounded_area, more_scales : float, int
+        Area of a scale in which the growth of the gradients may be bounded, and how many times as many scales follow
+        where it is larger or states are lost.
+    starts : tuple of float
+        Parts of the distance at which the approach ended where adhesion is grown instead.
+    """
 
-# Largest change of ln f by which a start is extrapolated.
-_FARTHEST = 0.2
+    least: float = 1e-3
+    largest: float = 20.0
+    sharp_scales: int = 6
+    unseen_area: float = 1e-9
+    step: float = 1.0
+    restarts: int = 3
+    extrapolation: float = 0.2
+    bands: int = 20000
+    finest_variance: float = 0.01
+    widest_band: float = 0.25
+    modulation: float = 2.0
+    weakest: float = 0.05
+    growth: float = 1.5
+    least_growth: float = 1.1
+    gap_ratio: float = 0.85
+    halvings: int = 3
+    lost: int = 3
+    fewest: int = 4
+    bounded_area: float = 0.1
+    more_scales: int = 3
+    starts: tuple[float, ...] = (0.7, 0.45, 0.25, 0.1, 0.04)
 
-# Part of the law from which it is grown at one mean gap, and its growth from one state to the next, at first and least.
-_WEAKEST, _GROWTH, _LEAST_GROWTH = 0.05, 1.5, 1.1
 
-# Bands in which the variance is tabulated, to be cut into scales.
-_BANDS = 20000
-
-# A step is no longer than the variance of all finer ones and this one, in squares of the law's length, nor in ln q.
-_FINEST, _WIDEST = 0.01, 0.25
-
-# Largest change of ln f in an iteration, and halvings of one that leads to no numbers.
-_STEP, _RESTARTS = 1.0, 3
-
-# Wavenumber of the modulation, in units of the wave's, at which its cost on a solid is compared with the half-space's.
-_MODULATION = 2.0
+_DEFAULT = EdgeFlowOptions()
 
 
 @dataclass(frozen=True)
@@ -72,7 +110,9 @@ class Scales:
     steps: np.ndarray
 
 
-def scales_of(spectrum: RoughnessSpectrum, solid: Elasticity, length: float, count: int) -> Scales:
+def scales_of(
+    spectrum: RoughnessSpectrum, solid: Elasticity, length: float, count: int, options: EdgeFlowOptions = _DEFAULT
+) -> Scales:
     """Steps that are short at both ends of the variance, where the data are sharp.
 
     A long finest step would make the solution fold over in ū.
@@ -86,13 +126,17 @@ def scales_of(spectrum: RoughnessSpectrum, solid: Elasticity, length: float, cou
     length : float
         Unit of length (m); that of stresses is the contact modulus.
     count : int
-        Number of steps.
+        Number of steps, before those of wide bands are cut.
+    options : EdgeFlowOptions, optional
+        Numerical choices.
     """
-    bands = spectrum.band_edges(_BANDS)
+    bands = spectrum.band_edges(options.bands)
     below = 2 * np.pi * spectrum.moment(1, upper=bands)
     rising = np.concatenate([[True], np.diff(below) > 0])
     shares = 0.5 * (1 + np.cos(np.pi * np.arange(count + 1) / count))  # of the variance that is coarser
-    edges = _shortened(np.interp(shares * below[-1], below[rising], bands[rising]), bands, below[-1] - below, length)
+    edges = _shortened(
+        np.interp(shares * below[-1], below[rising], bands[rising]), bands, below[-1] - below, length, options
+    )
     variance = -2 * np.pi * np.diff(spectrum.moment(1, upper=edges))
     # Differences of sums over all waves may be off by their rounding, where steps are as small.
     square = -2 * np.pi * np.diff(spectrum.moment(3, upper=edges)) / variance
@@ -108,12 +152,17 @@ def scales_of(spectrum: RoughnessSpectrum, solid: Elasticity, length: float, cou
     )
 
 
-def _shortened(edges: np.ndarray, bands: np.ndarray, finer: np.ndarray, length: float) -> np.ndarray:
+def _shortened(
+    edges: np.ndarray, bands: np.ndarray, finer: np.ndarray, length: float, options: EdgeFlowOptions
+) -> np.ndarray:
     """Ends of steps, wavevectors falling, with those cut that are long in ln q or beside the finer variance.
 
     The stress is in the short waves, of which a wide band has most of its decades in a small share of the variance.
     """
-    doublings, octaves = np.log2(1 + finer / (_FINEST * length**2)), np.log(bands[-1] / bands) / _WIDEST
+    doublings, octaves = (
+        np.log2(1 + finer / (options.finest_variance * length**2)),
+        np.log(bands[-1] / bands) / options.widest_band,
+    )
     pieces = np.ones(edges.size - 1)
     for measure in (doublings, octaves):
         pieces = np.maximum(pieces, np.diff(np.interp(edges, bands, measure)) - 1e-6)
@@ -139,7 +188,7 @@ def modulation_cost(solid: Elasticity, wavenumber: np.ndarray) -> np.ndarray:
         q (1/m).
     """
     angles = (np.arange(64) + 0.5) * np.pi / 64  # the midpoint rule converges exponentially on a period
-    together = np.sqrt(1 + _MODULATION**2 + 2 * _MODULATION * np.cos(angles))
+    together = np.sqrt(1 + _DEFAULT.modulation**2 + 2 * _DEFAULT.modulation * np.cos(angles))
 
     def growth(relative: np.ndarray) -> np.ndarray:
         return 1 / np.mean(1 / (relative + 1), axis=-1) - 2
@@ -202,6 +251,8 @@ class Problem:
         Sweeps of a state at most.
     kernel : tuple of float
         Slope, level and pole of κ.
+    options : EdgeFlowOptions, optional
+        Numerical choices.
     """
 
     gaps: np.ndarray
@@ -210,6 +261,7 @@ class Problem:
     tolerance: float
     iterations: int
     kernel: tuple[float, float, float] = KERNEL
+    options: EdgeFlowOptions = _DEFAULT
 
     @cached_property
     def _geometry(self) -> np.ndarray:
@@ -233,19 +285,23 @@ class Problem:
             logarithm += np.prod((place - others) / (own - others)) * state.logarithm
         if not places.min() <= place <= places.max():
             last = states[-1].logarithm
-            logarithm = last + np.clip(logarithm - last, -_FARTHEST, _FARTHEST)
-        return np.clip(np.exp(logarithm), _LEAST, _LARGEST)
+            logarithm = last + np.clip(logarithm - last, -self.options.extrapolation, self.options.extrapolation)
+        return np.clip(np.exp(logarithm), self.options.least, self.options.largest)
 
     def grown(self, gap: float) -> Equilibrium:
         """The state at a mean gap, followed from a weaker law of the same range to the law itself."""
-        weaker = replace(self, traction=_WEAKEST * self.traction)
-        states, strength, growth = [weaker.solve(gap, weaker.local())], _WEAKEST, _GROWTH
-        while strength < 1 and growth > _LEAST_GROWTH and states[-1].change <= self.tolerance:
+        weaker = replace(self, traction=self.options.weakest * self.traction)
+        states, strength, growth = [weaker.solve(gap, weaker.local())], self.options.weakest, self.options.growth
+        while strength < 1 and growth > self.options.least_growth and states[-1].change <= self.tolerance:
             stronger = min(growth * strength, 1.0)
             start = states[-1].response
             if len(states) > 1:
-                further = np.clip(states[-1].logarithm - states[-2].logarithm, -_FARTHEST, _FARTHEST)
-                start = np.exp(np.clip(states[-1].logarithm + further, np.log(_LEAST), np.log(_LARGEST)))
+                further = np.clip(
+                    states[-1].logarithm - states[-2].logarithm, -self.options.extrapolation, self.options.extrapolation
+                )
+                start = np.exp(
+                    np.clip(states[-1].logarithm + further, np.log(self.options.least), np.log(self.options.largest))
+                )
             state = replace(self, traction=stronger * self.traction).solve(gap, start)
             if state.change <= self.tolerance:
                 states, strength = [states[-1], state], stronger
@@ -279,27 +335,29 @@ class Problem:
                 self.kernel,
                 self.traction,
                 start,
-                _SHARP,
+                self.options.sharp_scales,
                 f,
                 weights,
                 gradients,
                 answer,
                 factors,
             )
-            change = compare(weights, f, answer, _LEAST, _LARGEST, _UNSEEN, weight)
+            change = compare(
+                weights, f, answer, self.options.least, self.options.largest, self.options.unseen_area, weight
+            )
             residual = np.log(answer)
             residual -= logarithm
             return residual, weight, change
 
         logarithm, change, count = accelerated(
             update,
-            np.log(np.clip(response, _LEAST, _LARGEST)),
-            (np.log(_LEAST), np.log(_LARGEST)),
+            np.log(np.clip(response, self.options.least, self.options.largest)),
+            (np.log(self.options.least), np.log(self.options.largest)),
             self.tolerance,
             self.iterations,
-            largest_step=_STEP,
-            restarts=_RESTARTS,
+            largest_step=self.options.step,
+            restarts=self.options.restarts,
         )
         found = np.exp(logarithm)
-        bounded = float(bounded_area(self._geometry, scales.steps, _SHARP, found, weights))
+        bounded = float(bounded_area(self._geometry, scales.steps, self.options.sharp_scales, found, weights))
         return Equilibrium(gap, weights[0].copy(), elastic, change, count, found, bounded)

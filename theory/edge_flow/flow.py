@@ -1,5 +1,7 @@
 """Edge flow: the gap flow whose response to a wave costs the elastic energy of its own modulation.
 
+This theory is this project's own and unpublished. It is judged by the simulations of this project alone.
+
 The gap-flow theory (:mod:`theory.gap_flow.flow`) lets every point of a wave answer by its own gap alone, so that
 contact has no edges. Here the displacement answers the roughness h of wavevector q by (1 − f(u)) h, where u is the gap
 with all coarser roughness, and the gap changes by −f h. For this trial field the distribution P of the gap and its
@@ -22,8 +24,8 @@ with g = 1. On another solid g(q) is what a modulation of twice the wavenumber c
 flow. With E = <φ> + Σ ½ Δm <c f (1 − f)> the pressure is −dE/dū. The mean traction would be the same number if the
 trial field were exact: their difference is the theory's own measure of its error.
 
-There is no hull and no hysteresis: one state at each mean gap. Where adhesion dwarfs the stress of the roughness, none
-is found at some mean gaps between far and contact, and the curve has two pieces, each followed from its own end.
+There is no hull and no hysteresis: one state at each mean gap. Under strong adhesion the iteration finds none at some
+mean gaps between far and contact, and the curve has several pieces.
 """
 
 from dataclasses import dataclass
@@ -37,7 +39,7 @@ from contact_study.physics.laws.base import TractionLaw
 from contact_study.physics.roughness.spectrum import RoughnessSpectrum
 from contact_study.physics.solids import Elasticity, elasticity_of
 from theory.edge_flow.curve import Piece, curve
-from theory.edge_flow.equilibrium import KERNEL, Equilibrium, Problem, scales_of
+from theory.edge_flow.equilibrium import KERNEL, EdgeFlowOptions, Equilibrium, Problem, scales_of
 from theory.gap_flow.gap_grid import GapNodes, nodes_even_in_stress
 from theory.gap_flow.pressure_curve import PressureCurve, core_of, positions
 from theory.gap_flow.state import GapState
@@ -56,14 +58,6 @@ _NEIGHBOURS = 4
 
 # Pressure, in deviations of the stress of full contact, that the curve reaches if none is asked.
 _WHOLE_CONTACT = 4.0
-
-
-# Area of a scale in which the growth of the gradients may be bounded, and how many times as many scales follow where it
-# is larger or states are lost.
-_BOUNDED, _MORE_SCALES = 0.1, 3
-
-# Where a curve ends early.
-REMEDY = "use a lower pressure, weaker adhesion or Persson's theory"
 
 
 @dataclass(frozen=True)
@@ -93,6 +87,10 @@ class EdgeFlow(PressureCurve):
     limit: str
     _problem: Problem
     _nodes: GapNodes
+
+    @property
+    def _end(self) -> str:
+        return f"adhesion is too strong for the edge flow ({self.limit})"
 
     @property
     def equilibria(self) -> Piece:
@@ -202,7 +200,7 @@ class EdgeFlow(PressureCurve):
         )
 
     def _solved(self, found: Equilibrium) -> bool:
-        return found.change <= self._problem.tolerance and found.bounded <= _BOUNDED
+        return found.change <= self._problem.tolerance and found.bounded <= self._problem.options.bounded_area
 
 
 def edge_flow(
@@ -217,8 +215,9 @@ def edge_flow(
     tolerance: float = 1e-6,
     iterations: int = 100,
     kernel: tuple[float, float, float] = KERNEL,
+    options: EdgeFlowOptions = EdgeFlowOptions(),  # noqa: B008
 ) -> EdgeFlow:
-    """Edge flow of a surface, approached from far away.
+    """Solve the edge flow, this project's own and unpublished theory, along its curve of pressure over mean gap.
 
     Areas converge with the second order of the nodes; the number of scales hardly matters (1e-4 from 80 to 320). At the
     default resolution the area of the paper's surface at 1 GPa is 0.13 % too large at ε0 and 0.5 % at 8 ε0.
@@ -236,13 +235,15 @@ def edge_flow(
     largest_gap, smallest_gap : float, optional
         Mean gaps, from the law's zero, that it reaches, too (m).
     gaps, scales : int, optional
-        Nodes of the gap and steps of the roughness.
+        Nodes of the gap, and steps of the roughness; wider roughness has more nodes, wider bands have more steps.
     tolerance : float, optional
         Largest change of a scale's mean response in the last sweep.
     iterations : int, optional
         Sweeps of a state before it is approached in smaller steps, or given up and flagged.
     kernel : tuple of float, optional
         Slope s, level t and pole b of κ(X) = s X + t + (1 − t) b/(X + b), what a modulation costs on a half-space.
+    options : EdgeFlowOptions, optional
+        Numerical choices.
 
     Raises
     ------
@@ -285,8 +286,10 @@ def edge_flow(
     if near <= x[0]:
         raise ValueError(f"smallest_gap = {smallest_gap:g} m: the nodes begin at {x[0] * length:.6g} m")
     share = law.work_of_adhesion / float(spectrum.full_contact_energy(solid.stiffness))
-    for count in (scales, _MORE_SCALES * scales):
-        problem = Problem(x, traction, scales_of(spectrum, solid, length, count), tolerance, iterations, kernel)
+    for count in (scales, options.more_scales * scales):
+        problem = Problem(
+            x, traction, scales_of(spectrum, solid, length, count, options), tolerance, iterations, kernel, options
+        )
         softening = reduced.strongest_softening / float(problem.scales.stiffness[0])
         limit = (
             f"{share:.2g} of the energy of full contact, softening {softening:.2g} times the finest wave's stiffness"

@@ -28,7 +28,7 @@ from contact_study.physics.laws.base import TractionLaw
 from contact_study.physics.roughness.spectrum import RoughnessSpectrum
 from contact_study.physics.solids import Elasticity, elasticity_of
 from theory.gap_flow.gap_grid import GapNodes, gap_nodes
-from theory.gap_flow.kernels import BRANCHES, flow_through_scales, trace_back
+from theory.gap_flow.kernels import BRANCHES, backward_sweep, flow_through_scales
 from theory.gap_flow.pressure_curve import PressureCurve, core_of, positions
 from theory.gap_flow.state import GapState, cumulatives
 
@@ -125,7 +125,7 @@ class GapFlow(PressureCurve):
         weights[right - 1, columns] = 1 - share
         weights[right, columns] = share
         elastic = np.zeros(reduced.size)
-        trace_back(self.gaps, self._stiffness, self._steps, self._compliances, self._hull, weights, elastic)
+        backward_sweep(self.gaps, self._stiffness, self._steps, self._compliances, self._hull, weights, elastic)
         shares = np.ascontiguousarray(weights.T)
         return [
             GapState(

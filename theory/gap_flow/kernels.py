@@ -122,7 +122,7 @@ def flow_through_scales(x, stiffness, steps, branch, iterations, energy, complia
 
 
 @njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract", "arcp", "nsz"})
-def trace_back(x, stiffness, steps, compliances, hull, weights, elastic):
+def backward_sweep(x, stiffness, steps, compliances, hull, weights, elastic):
     """Carry distributions of the gap from coarse to fine in place, adding up the elastic energy of each scale.
 
     Each column of ``weights`` is one distribution: they lie side by side in memory, so that each step of a recurrence

@@ -9,6 +9,9 @@ from contact_study.physics.laws.base import TractionLaw
 from contact_study.units import stress
 from theory.gap_flow.state import GapState
 
+# What helps where a curve ends early.
+REMEDY = "use a lower pressure, weaker adhesion or Persson's theory"
+
 
 class PressureCurve(ABC):
     """The curve p(ū) of a surface, to be asked for the state at a pressure or a mean gap."""
@@ -39,6 +42,11 @@ class PressureCurve(ABC):
         return False
 
     @property
+    def _end(self) -> str:
+        """Why the curve may end before a pressure."""
+        return "adhesion is too strong for it"
+
+    @property
     def pull_off_pressure(self) -> float:
         """Lowest pressure of the curve, the end of adhesion under pressure control (Pa)."""
         return float(self.pressure.min())
@@ -59,8 +67,7 @@ class PressureCurve(ABC):
         if pressure > p.max():
             raise ValueError(
                 f"pressure: the flow has no equilibrium at {stress(pressure)}, it ends at {stress(float(p.max()))}: "
-                "adhesion is too strong for it, or its nodes end there; use a lower pressure, weaker adhesion or "
-                "Persson's theory"
+                f"{self._end}, or its nodes end there; {REMEDY}"
             )
         crossings = np.flatnonzero((p[:-1] > pressure) & (p[1:] <= pressure))
         if crossings.size == 0:

@@ -8,8 +8,9 @@ from typing import Any
 import numpy as np
 
 from contact_study.study.case import Case
-from theory.edge_flow.flow import REMEDY, EdgeFlow
+from theory.edge_flow.flow import EdgeFlow
 from theory.gap_flow.flow import GapFlow
+from theory.gap_flow.pressure_curve import REMEDY
 from theory.gap_flow.state import GapState
 from theory.numerics.background import BackgroundExecutor, BackgroundTask
 from theory.persson.separation import NotConverged
