@@ -30,7 +30,7 @@ PRESSURES = (0.1, 1.0)  # GPa
 def states(given: argparse.Namespace) -> Iterator[dict[str, Any]]:
     """A spectrum, a strength and a pressure a row: whether there is a state, converged, and its area."""
     low = 2 * np.pi / LONGEST
-    for exponent, band, share in product(given.bands, given.hurst, SHARES):
+    for band, exponent, share in product(given.bands, given.hurst, SHARES):
         spectrum = SelfAffineSpectrum(exponent, RMS_HEIGHT, low, low, band * low)
         law = LennardJones104(share * float(spectrum.full_contact_energy(HalfSpace(MODULUS).stiffness)), RANGE)
         flow = edge_flow(spectrum, MODULUS, law, 1.1e9 * max(PRESSURES))

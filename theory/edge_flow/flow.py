@@ -220,7 +220,7 @@ def edge_flow(
     """Solve the edge flow, this project's own and unpublished theory, along its curve of pressure over mean gap.
 
     Areas converge with the second order of the nodes; the number of scales hardly matters (1e-4 from 80 to 320). At the
-    default resolution the area of the paper's surface at 1 GPa is 0.13 % too large at ε0 and 0.5 % at 8 ε0.
+    default resolution the area of the paper's surface at 1 GPa is 0.1 % too large at ε0 and at 8 ε0.
 
     Parameters
     ----------
