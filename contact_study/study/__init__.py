@@ -1,1 +1,4 @@
-"""The study file: read, checked and expanded into cases. A case is one parameter set in SI units."""
+"""Studies: sections and keys, reading, the sweep and its cases, and checks before any work starts.
+
+A case makes its law, solid and surface from :mod:`contact_study.physics`. Running a study is the campaign's.
+"""

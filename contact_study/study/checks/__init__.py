@@ -1,1 +1,4 @@
-"""Doubts about a study that can be raised before it runs: ineffective keys, missing units, implausible values."""
+"""Warnings of a study before it runs: ineffective keys, implausible values, suspicious height maps.
+
+Errors of single keys are raised by their sections.
+"""

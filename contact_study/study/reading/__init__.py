@@ -1,1 +1,4 @@
-"""Numbers that a study takes from files and from overrides on the command line."""
+"""Input of a study beside its TOML text: tables and spectra from files, overrides, values that are chosen.
+
+Height maps are physics, and read in :mod:`contact_study.physics.height_maps`.
+"""
