@@ -372,15 +372,30 @@ def test_theories_that_are_not_asked_for_are_left_out_and_the_others_as_ever(ste
     assert pulls == left
 
 
-def test_none_beside_persson_is_alone():
-    with pytest.raises(InputError, match=r'theory\.flows: "none"'):
-        case_of(theory={"flows": ["none", "gap_flow"]})
+TABLE = {"spectrum": "table", "wavevectors": [1e8, 2e8], "density": [1e-34, 1e-34]}
 
 
-def test_a_list_of_spectra_is_checked():
-    for given, said in (([], "empty"), (["surface", "surface"], "twice"), (["surface", "target"], "expected one of")):
-        with pytest.raises(InputError, match=rf"theory\.spectrum.*{said}"):
-            case_of(theory={"spectrum": given})
+@pytest.mark.parametrize(
+    ("keys", "message"),
+    [
+        ({"flows": ["none", "gap_flow"]}, r'theory\.flows: "none"'),
+        ({"spectrum": []}, r"theory\.spectrum.*empty"),
+        ({"spectrum": ["surface", "surface"]}, r"theory\.spectrum.*twice"),
+        ({"spectrum": ["surface", "target"]}, r"theory\.spectrum.*expected one of"),
+        ({"spectrum": "table"}, "theory.wavevectors"),
+        ({"spectrum": "table", "wavevectors": [1e8, 2e8]}, "theory.density"),
+        (TABLE | {"wavevectors": [2e8, 1e8]}, "theory.wavevectors: must rise"),
+        (TABLE | {"density": [1e-34]}, "theory.density"),
+        (TABLE | {"density": [1e-34, -1e-34]}, "theory.density"),
+        (TABLE | {"wavevectors": ["1 nm", "2 nm"]}, "theory.wavevectors"),
+    ],
+)
+def test_bad_spectra_and_theories_are_named(keys, message):
+    with pytest.raises(InputError, match=message):
+        case_of(theory=keys)
+
+
+def test_spectra_are_a_word_or_a_list():
     assert case_of(theory={"spectrum": ["surface"]}).theory.spectra == ("surface",)
     assert case_of(theory={"spectrum": "analytic, surface"}).theory.spectra == ("analytic", "surface")
     with pytest.raises(InputError, match="analytic"):
@@ -398,19 +413,6 @@ def test_a_table_of_the_target_is_the_target(case, steps):
             # Bands that do not hold the corner; resolution of the theories, and a shorter curve of the edge flow.
             expected = pytest.approx(steps[0].values[f"{theory}/{name}"], rel=1e-3)
             assert step.values[f"{theory}/{name}"] == expected, (theory, name)
-
-
-def test_what_is_no_table_of_a_spectrum_is_named():
-    for keys, said in (
-        ({}, "theory.wavevectors"),
-        ({"wavevectors": [1e8, 2e8]}, "theory.density"),
-        ({"wavevectors": [2e8, 1e8], "density": [1e-34, 1e-34]}, "theory.wavevectors: must rise"),
-        ({"wavevectors": [1e8, 2e8], "density": [1e-34]}, "theory.density"),
-        ({"wavevectors": [1e8, 2e8], "density": [1e-34, -1e-34]}, "theory.density"),
-        ({"wavevectors": ["1 nm", "2 nm"], "density": [1e-34, 1e-34]}, "theory.wavevectors"),
-    ):
-        with pytest.raises(InputError, match=said):
-            case_of(theory={"spectrum": "table", **keys})
 
 
 def test_criteria_of_sticking_are_constants_of_the_case(case):

@@ -54,19 +54,19 @@ def test_resting_boundary_is_the_method_of_images(pressure):
     assert result.edge_stress == 0
 
 
-def test_moving_boundary_agrees_with_the_integral_equation():
+@pytest.mark.parametrize(
+    ("pressure", "stress", "slope"),
+    [
+        (0.3, boundary, lambda t: 0.25 / np.sqrt(0.3 + t)),
+        (0.6, lambda t: 1.2 - 0.9 * t, lambda t: np.full_like(t, -0.9)),
+    ],
+    ids=["moving away", "coming near"],
+)
+def test_moving_boundary_agrees_with_the_integral_equation(pressure, stress, slope):
     s = nodes()
-    survived = diffuse(0.3, s, boundary(s), 300).contact[-1]
-    expected = surviving_by_volterra(0.3, boundary, lambda t: 0.25 / np.sqrt(0.3 + t))
+    survived = diffuse(pressure, s, stress(s), 300).contact[-1]
     # Richardson on both sides puts the integral equation within 1e-7 and the scheme within 2e-5.
-    assert survived == pytest.approx(expected, rel=5e-5)
-
-
-def test_falling_boundary_agrees_with_the_integral_equation():
-    s = nodes()
-    survived = diffuse(0.6, s, 1.2 - 0.9 * s, 300).contact[-1]
-    expected = surviving_by_volterra(0.6, lambda t: 1.2 - 0.9 * t, lambda t: np.full_like(t, -0.9))
-    assert survived == pytest.approx(expected, rel=5e-5)
+    assert survived == pytest.approx(surviving_by_volterra(pressure, stress, slope), rel=5e-5)
 
 
 @pytest.mark.parametrize("pressure", [-0.2, 0.0, 0.4])
