@@ -248,25 +248,6 @@ def table(loading, **sections):
     }
 
 
-def test_a_gap_is_met_where_every_touching_point_yields():
-    """A few soft points: the pressure stands still at a whole number of them while the surfaces come nearer."""
-    height, grid = random_heights((12, 12), 1.0, seed=3)
-    hardness = 1e-4 * height.std() / max(grid.size) * CONTACT_MODULUS
-    contact = plastic(height, grid, hardness, control="gap")
-    highest = np.sort(height, axis=None)[-4:]
-    # Midway between the third and the fourth point from above: three touch, next to undeformed.
-    level = 0.5 * (highest[0] + highest[1])
-    target = float(np.maximum(level - height, 0).mean())
-    [found] = walked(contact, [target])
-    assert found.gap.mean() == pytest.approx(target, rel=1e-9)
-    assert found.pressure.mean() == pytest.approx(3 / 144 * hardness, rel=1e-12)
-    assert_conditions(found, np.zeros(grid.shape), height, grid, hardness, found.pressure.mean())
-    # Solid and load move by a ten-thousandth of the heights.
-    np.testing.assert_allclose(np.sort(found.plastic_indentation, axis=None)[-3:], highest[1:] - level, rtol=1e-2)
-    [near, nearer] = walked(contact, [target, 0.999 * target])
-    assert np.all((nearer.plastic_indentation > near.plastic_indentation) == (near.pressure == hardness))
-
-
 BODIES = {"layer": (Layer(CONTACT_MODULUS, 0.3, 0.05 * SIZE), "periodic"), "free": (HalfSpace(CONTACT_MODULUS), "free")}
 
 
@@ -345,17 +326,27 @@ def test_a_study_of_approaches_says_where_the_whole_surface_yields(elasticity, t
     assert found.relative_contact_area.values[3] == found.relative_plastic_area.values[3] == 1
 
 
-def test_an_approach_is_met_where_every_touching_point_yields():
+@pytest.mark.parametrize("control", ["gap", "approach"])
+def test_a_position_is_met_where_every_touching_point_yields(control):
+    """A few soft points: the pressure stays at a whole number of them while the surfaces approach."""
     height, grid = random_heights((12, 12), 1.0, seed=3)
     hardness = 1e-4 * height.std() / max(grid.size) * CONTACT_MODULUS
-    layer = Layer(CONTACT_MODULUS, 0.3, 0.05)
-    contact = plastic(height, grid, hardness, layer, control="approach")
+    solid = HalfSpace(CONTACT_MODULUS) if control == "gap" else Layer(CONTACT_MODULUS, 0.3, 0.05)
+    contact = plastic(height, grid, hardness, solid, control=control)
     highest = np.sort(height, axis=None)[-4:]
-    level = 0.5 * (highest[0] + highest[1])  # three touch, next to undeformed
-    [found] = walked(contact, [highest[-1] - level])
+    # Midway between the third and the fourth point from above: three touch, next to undeformed.
+    level = 0.5 * (highest[0] + highest[1])
+    target = float(np.maximum(level - height, 0).mean()) if control == "gap" else highest[-1] - level
+    [found] = walked(contact, [target])
+    met = found.gap.mean() if control == "gap" else approach_of(found, height, solid)
+    assert met == pytest.approx(target, rel=1e-9)
     assert found.pressure.mean() == pytest.approx(3 / 144 * hardness, rel=1e-12)
-    assert approach_of(found, height, layer) == pytest.approx(highest[-1] - level, rel=1e-9)
-    assert_conditions(found, np.zeros(grid.shape), height, grid, hardness, found.pressure.mean(), layer)
+    assert_conditions(found, np.zeros(grid.shape), height, grid, hardness, found.pressure.mean(), solid)
+    # Solid and load move by a ten-thousandth of the heights.
+    np.testing.assert_allclose(np.sort(found.plastic_indentation, axis=None)[-3:], highest[1:] - level, rtol=1e-2)
+    if control == "gap":
+        [near, nearer] = walked(contact, [target, 0.999 * target])
+        assert np.all((nearer.plastic_indentation > near.plastic_indentation) == (near.pressure == hardness))
 
 
 def test_a_load_that_no_state_carries_is_refused():
