@@ -50,6 +50,8 @@ def test_every_solid_and_law_of_a_study_is_at_hand_from_python():
     [
         "bem_adhesion.contacts.rough_contact",
         "md_reference.solution",
+        "bem_adhesion.contacts.viscoelastic",
+        "bem_adhesion.solution",
         "md_reference.statics.contact",
         "theory.persson.theory",
         "theory.gap_flow.flow",
