@@ -27,7 +27,8 @@ class Outcome(Enum):
         "solver.max_iterations"
     )
     YIELDED = (
-        "the whole surface gives way: every point carries material.hardness, at this approach and beyond it; give less"
+        "the whole surface yields: every point carries material.hardness, at this approach and beyond it; "
+        "use a smaller one"
     )
     LEAST_STEP = (
         "no step converged, not even the least of loading.resolution: these are numbers of a state that is not in "
