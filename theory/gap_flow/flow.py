@@ -35,15 +35,28 @@ from theory.gap_flow.state import GapState, cumulatives
 # Nodes of the gap and bands of wavevectors.
 GAP_FLOW_GAPS, GAP_FLOW_SCALES = 800, 1600
 
-# Iterations of Newton's method in a step, at most.
-_STEP_ITERATIONS = 60
 
-# Height variance of the first step, in units of the law's length squared, and growth of those after it, times the
-# number of scales, until the bands of the spectrum are shorter. Where two states coexist, a step throws an area of the
-# square root of its variance across the end of coexistence, which is put back onto its last node. Finer steps spread it
-# again; the first, which nothing follows on the way back, must spread by less than the distance of two nodes.
-_FIRST_VARIANCE = 1e-5
-_STEP_GROWTH = 500
+@dataclass(frozen=True)
+class GapFlowOptions:
+    """Numerical choices of the gap flow.
+
+    Where two states coexist, a step throws an area of the square root of its variance across the end of coexistence,
+    which is put back onto its last node. Finer steps spread it again; the first, which nothing follows on the way back,
+    must spread by less than the distance of two nodes.
+
+    Attributes
+    ----------
+    first_variance : float
+        Height variance of the first step, in squares of the law's length.
+    growth : float
+        Growth of the steps after it, times the number of scales, until the bands of the spectrum are shorter.
+    """
+
+    first_variance: float = 1e-5
+    growth: float = 500
+
+
+_DEFAULT = GapFlowOptions()
 
 
 @dataclass(frozen=True)
@@ -152,7 +165,8 @@ def gap_flow(
     largest_gap: float = 0.0,
     gaps: int = GAP_FLOW_GAPS,
     scales: int = GAP_FLOW_SCALES,
-    iterations: int = _STEP_ITERATIONS,
+    iterations: int = 60,
+    options: GapFlowOptions = _DEFAULT,
 ) -> GapFlow:
     """Flow a traction-separation law through a roughness spectrum.
 
@@ -174,6 +188,8 @@ def gap_flow(
         Bands of wavevectors, at least; wide ones are taken in several steps.
     iterations : int, optional
         Newton iterations of a step at most.
+    options : GapFlowOptions, optional
+        Numerical choices.
 
     Raises
     ------
@@ -196,7 +212,7 @@ def gap_flow(
     contact_modulus = solid.contact_modulus
     reduced = law.scaled(length, contact_modulus)
     x = gap_nodes(spectrum, solid, reduced, length, largest_gap, gaps)
-    stiffness, steps = _scales(spectrum, solid, length, scales)
+    stiffness, steps = _scales(spectrum, solid, length, scales, options)
     energy = np.array(reduced.potential(x), dtype=float)
     compliances = np.empty((steps.size, x.size))
     hull = np.empty((steps.size, x.size), dtype=np.int32)
@@ -204,7 +220,9 @@ def gap_flow(
     return GapFlow(reduced, length, contact_modulus, branch, x, energy, lost, stiffness, steps, compliances, hull)
 
 
-def _scales(spectrum: RoughnessSpectrum, solid: Elasticity, length: float, count: int) -> tuple[np.ndarray, np.ndarray]:
+def _scales(
+    spectrum: RoughnessSpectrum, solid: Elasticity, length: float, count: int, options: GapFlowOptions
+) -> tuple[np.ndarray, np.ndarray]:
     """Stiffness and height variance of each step, fine scales first.
 
     The stiffness of a band is the mean over its variance, which makes the full-contact energy Σ ½K Δm exact. At the
@@ -222,9 +240,9 @@ def _scales(spectrum: RoughnessSpectrum, solid: Elasticity, length: float, count
     stiffness = np.repeat(mean_stiffness * length / solid.contact_modulus, pieces)[::-1]
     steps = np.repeat(variance / pieces / length**2, pieces)[::-1]
     ends = np.cumsum(steps)
-    growth = _STEP_GROWTH / count
-    first = np.log1p(growth * ends[-1] / _FIRST_VARIANCE) / np.log1p(growth)
-    grown = _FIRST_VARIANCE * np.expm1(np.log1p(growth) * np.arange(first)) / growth
+    growth = options.growth / count
+    first = np.log1p(growth * ends[-1] / options.first_variance) / np.log1p(growth)
+    grown = options.first_variance * np.expm1(np.log1p(growth) * np.arange(first)) / growth
     edges = np.union1d(ends, grown)
     inside = np.searchsorted(ends, 0.5 * (edges[1:] + edges[:-1]))
     return stiffness[inside], np.diff(edges)
