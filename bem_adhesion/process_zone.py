@@ -14,7 +14,7 @@ TOO_COARSE = "grid too coarse"
 # Points per process zone E*Δγ/σ_max² from which a grid does not trap contact edges.
 POINTS_PER_PROCESS_ZONE = 4
 # With fewer points a load in one step and in slow motion ends in two states; the second has up to this share less
-# contact (docs/loading_paths.md).
+# contact (docs/hysteresis.md).
 POINTS_FOR_ONE_STATE, LESS_CONTACT = 1, 0.51
 
 

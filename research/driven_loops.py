@@ -2,7 +2,7 @@
 
 The rigid plane on top of the explicit block comes down at one speed, turns, and goes up until nothing is in reach. The
 stress and the work are those of the interface over the whole motion, frame by frame. Loops that the table on disk has
-already are not run again. `docs/temperature.md` shows figure and table.
+already are not run again. `research/notes/temperature.md` shows figure and table.
 
     python -m research.driven_loops data/yang2008.toml --fraction 0.5 --highest 28 --table data/driven_loops.csv
     python -m research.driven_loops --from data/driven_loops.csv -o docs/images/driven_loops_200.png

@@ -1,6 +1,6 @@
 """Contact that yields: area and work against load by hardness, and the solver's work by grid.
 
-The paper's surface on a hard wall with a hardness; `docs/hardness.md` explains the columns.
+The paper's surface on a hard wall with a hardness; `research/notes/hardness.md` explains the columns.
 
     python -m research.hardness --figure hardness.png
 """

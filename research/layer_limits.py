@@ -1,6 +1,7 @@
 """Contact of a layer between its limits: the half-space where it is thick, a closed form where it is thin.
 
-The paper's surface on a hard wall, and a sphere on the thinnest layers; `docs/elasticity.md` explains the columns.
+The paper's surface on a hard wall, and a sphere on the thinnest layers; `research/notes/elasticity.md` explains the
+columns.
 
     python -m research.layer_limits --figure layer_limits.png
 """

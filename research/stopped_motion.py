@@ -1,7 +1,8 @@
 """A large block in motion, stopped on its way and gone on with: cost, memory, and whether the bits are the same.
 
 The study's block of `--atoms` a side comes down at 300 m/s for `--frames` times `--steps` steps: once in one go, once
-interrupted as by Ctrl-C, after what is put aside every half minute, and resumed. `docs/temperature.md` has the table.
+interrupted as by Ctrl-C, after what is put aside every half minute, and resumed. `research/notes/temperature.md` has
+the table.
 
     python -m research.stopped_motion data/yang2008.toml --atoms 400
 """

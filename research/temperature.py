@@ -1,7 +1,8 @@
 """What temperature does to the contact, or springs that turn: area and mean gap of two kinds of atoms side by side.
 
 Atoms at rest and in thermal motion; with ``--turning`` the linear explicit block and that of springs that turn with
-their atoms, both coming down at one speed and brought to rest by friction. `docs/temperature.md` shows the tables.
+their atoms, both coming down at one speed and brought to rest by friction. `research/notes/temperature.md` shows the
+tables.
 
     python -m research.temperature data/yang2008.toml --fraction 0.25 --pressures "1 GPa" --temperature "300 K"
     python -m research.temperature data/yang2008.toml --fraction 0.12 --pressures "1 GPa" "10 GPa" --turning

@@ -1,7 +1,7 @@
 """What an adhesive loop costs on a viscoelastic half-space: dissipation and pull against its duration.
 
 A small self-affine surface under a Lennard-Jones law comes down and goes up again, the mean gap changing evenly; then
-the order of the steps of time. `docs/viscoelasticity.md` explains the columns.
+the order of the steps of time. `research/notes/viscoelasticity.md` explains the columns.
 
     python -m research.viscoelastic_loop --figure viscoelastic_loop.png
 """

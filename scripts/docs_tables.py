@@ -48,7 +48,8 @@ class Block:
 
 def documents(root: Path = ROOT) -> list[Path]:
     """Every document that may hold tables."""
-    return [root / "README.md", *sorted((root / "docs").glob("*.md"))]
+    folders = (root / "docs", root / "research" / "notes")
+    return [root / "README.md", *(page for folder in folders for page in sorted(folder.glob("*.md")))]
 
 
 def blocks(text: str) -> list[Block]:

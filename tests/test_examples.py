@@ -3,7 +3,6 @@
 import re
 import runpy
 import sys
-import warnings
 from pathlib import Path
 
 import matplotlib
@@ -11,6 +10,8 @@ import matplotlib.image
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
+
+from contact_study.campaign.command_line.examples import example
 
 pytestmark = pytest.mark.filterwarnings("ignore:grid too coarse")
 
@@ -43,17 +44,10 @@ def test_example_draws_its_figure(example, tmp_path, monkeypatch):
 
 def test_python_of_the_readme_runs(tmp_path, monkeypatch):
     readme = (EXAMPLES[0].parent.parent / "README.md").read_text()
-    whole_study, by_states = re.findall(r"```python\n(.*?)```", readme.partition("## From Python")[2], re.DOTALL)[:2]
-    study = re.search(r"```toml\n(.*?)```", readme, re.DOTALL)[1].partition("[sweep]")[0]
+    (block,) = re.findall(r"```python\n(.*?)```", readme, re.DOTALL)
     monkeypatch.chdir(tmp_path)
-    Path("study.toml").write_text(study.replace("[400, 400]", "[48, 48]").replace('"1040 ang', '"120 ang'))
-    waves = 2 * np.pi * np.arange(32) / 32
-    names = {"height": 5e-10 * (np.cos(waves) + np.cos(2 * waves)[:, None])}
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", UserWarning)  # small grids are coarse for the law
-        exec(whole_study, names)
+    Path("study.toml").write_text(example("first").replace("[100, 100]", "[32, 32]").replace("[0.1, 1, 4]", "[1, 4]"))
+    exec(block, names := {})
     plt.close("all")
-    assert names["dataset"].relative_contact_area.sizes == {"step": 5}
-    exec(by_states, names)
-    assert names["pressed"].converged
-    assert names["pulled"].pressure.mean() <= 0
+    assert names["result"].relative_contact_area.sizes == {"well_depth_ratio": 2, "step": 6}
+    assert Path("contact_area.png").is_file()

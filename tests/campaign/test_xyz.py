@@ -111,7 +111,7 @@ def test_explicit_block_has_its_levels_and_velocities(moved, tmp_path):
     assert path.name == "block.0000.xyz"
     frame = ase_io.read(path)
     nodes = frame[frame.arrays["level"] >= 0]
-    assert not nodes.get_velocities().any()  # as docs/studies.md says
+    assert not nodes.get_velocities().any()  # as docs/howto_export.md says
     level = nodes.arrays["level"]
     counts = [shape[1] - (number + 1 < len(block.levels)) for number, shape in enumerate(b.shape for b in block.levels)]
     assert np.bincount(level).tolist() == [planes * (16 >> n) ** 2 for n, planes in enumerate(counts)]

@@ -77,5 +77,5 @@ def test_the_citation_is_of_this_version():
 
 
 def test_every_page_of_the_site_is_in_its_contents():
-    listed = re.findall(r"^([a-z_]+)$", (ROOT / "docs" / "index.md").read_text(encoding="utf-8"), flags=re.MULTILINE)
+    listed = re.findall(r"^([a-z_0-9]+)$", (ROOT / "docs" / "index.md").read_text(encoding="utf-8"), flags=re.MULTILINE)
     assert {page.stem for page in (ROOT / "docs").glob("*.md")} == {*listed, "index"}

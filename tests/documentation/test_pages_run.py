@@ -17,9 +17,10 @@ from contact_study.campaign.command_line.command import main
 from contact_study.campaign.command_line.examples import example
 from tests.documentation.pages import PAGES, SHELL, blocks
 
-# Not the sphere and rubber, which are large; the README's blocks are those of tests/test_examples.py, `make paper`.
-TUTORIALS = {"tutorial_first_study", "tutorial_own_surface", "tutorial_ensemble"}
-RUN = [page for page in PAGES if page.stem in {"installation", "many_machines", "dataset", "studies", *TUTORIALS}]
+# Not the sphere and rubber, which are large.
+TUTORIALS = {"quickstart", "tutorial_own_surface", "tutorial_ensemble", "tutorial_theory"}
+HOWTOS = {"howto_cluster", "howto_export", "howto_heights", "howto_run"}
+RUN = [page for page in PAGES if page.stem in {"README", *HOWTOS, *TUTORIALS}]
 # Fewer workers than a cluster has.
 INSTEAD = {"--nworkers 8": "--nworkers 2"}
 # What makes an environment; the tests are in one.
@@ -31,16 +32,16 @@ _SMALL = ["--surface.size", "120 angstrom", "--surface.shape", "48, 48", "--load
 
 def prepare(page, folder):
     """What a page takes for granted."""
-    if page.stem in ("tutorial_own_surface", "studies"):
+    if page.stem in ("tutorial_own_surface", "howto_heights", "README"):
         heights = gaussian_filter(np.random.default_rng(1).standard_normal((64, 64)), 3, mode="wrap")
         np.save(folder / "afm.npy", 10 * heights / heights.std())
-    if page.stem in ("many_machines", "studies", "dataset"):
+    if page.stem in ("howto_cluster", "howto_export", "howto_heights", "howto_run"):
         (folder / "study.toml").write_text(example("first"))
     arguments = [str(folder / "study.toml"), "--workers", "1", *_SMALL]
     arguments += ["--interaction.well_depth_ratio", "1,8", "--surface.seed", "1,2"]
-    if page.stem in ("studies", "dataset"):
+    if page.stem == "howto_export":
         assert main(bem_adhesion.study.model.MODEL, [*arguments, "-o", str(folder / "bem.nc")]) == 0
-    if page.stem == "studies":
+    if page.stem == "howto_export":
         atoms = ["--output.atoms", "surface", "-o", str(folder / "md.nc")]
         assert main(md_reference.study.model.MODEL, [*arguments, *atoms]) == 0
 
@@ -81,5 +82,5 @@ def test_a_page_runs_as_it_is_written(page, tmp_path, monkeypatch):
 
 def test_what_no_test_runs_says_why():
     assert {(page.stem, block.reason) for page in PAGES for block in blocks(page) if block.reason} == {
-        ("many_machines", "it needs Slurm")
+        ("howto_cluster", "it needs Slurm")
     }

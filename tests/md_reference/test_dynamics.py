@@ -51,7 +51,7 @@ def case_of(**sections):
     return make_study(moving(**sections)).cases[0]
 
 
-@pytest.mark.parametrize("ratio", [pytest.param(1, marks=pytest.mark.validation), 8])
+@pytest.mark.parametrize("ratio", [1, pytest.param(4, marks=pytest.mark.validation), 8])
 def test_explicit_block_comes_to_rest_where_the_condensed_one_does(ratio):
     """Two blocks and two algorithms: Newton's law with damping from above, the minimiser with S(q)."""
     interaction = {"well_depth_ratio": ratio}
