@@ -141,7 +141,7 @@ def test_flat_surfaces_are_held_where_no_tension_holds_them():
 
 
 def test_a_sphere_on_a_bed_of_springs():
-    """Approach a²/2R (research/notes/elasticity.md); a thickness of 0.04 contact radii is off by its share along the edge."""
+    """Approach a²/2R; a thickness of 0.04 contact radii is off by its share along the edge."""
     points, size, radius, contact_radius = 128, 1.0, 100.0, 0.25
     axis = Grid((points, points), (size, size)).coordinates[0] - size / 2
     height = -(axis[:, None] ** 2 + axis**2) / (2 * radius)
