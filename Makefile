@@ -39,6 +39,7 @@ lint: env
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
+	$(BIN)/python -m scripts.check_language
 
 benchmark: env
 	$(BIN)/python -m scripts.benchmark_hard_wall --points 256 1024 --pressures 0.15 0.5

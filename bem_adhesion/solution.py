@@ -31,9 +31,9 @@ class Outcome(Enum):
         "use a smaller one"
     )
     LEAST_STEP = (
-        "no step converged, not even the least of loading.resolution: these are numbers of a state that is not in "
-        "balance, on the way to this point, not at it; the path goes on from the last state that converged: raise "
-        "solver.max_iterations, lower loading.resolution or take a finer grid"
+        "no adaptive step converged, not even the least of loading.resolution: the values at this load step are not an "
+        "equilibrium. The run continued from the last converged state. Raise solver.max_iterations, lower "
+        "loading.resolution or use a finer grid"
     )
     STALLED = (
         "no step comes nearer to balance: take smaller loading steps, or raise solver.tolerance if the residual is "

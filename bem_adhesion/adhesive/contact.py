@@ -203,7 +203,7 @@ class AdhesiveContact:
                 outcome = result.outcome
                 break
             if previous is not None and error != previous[1]:
-                # Between rigid (1) and a contact ten times as stiff as the spring; a wall closes for good.
+                # Between rigid (1) and a contact ten times as stiff as the spring; a wall stays closed.
                 stiffest = 1e-3 if self.law.has_wall else 0.1
                 compliance = np.clip((error - previous[1]) / (end - previous[0]), stiffest, 1.0)
             previous = end, error

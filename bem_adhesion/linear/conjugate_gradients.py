@@ -77,7 +77,10 @@ def _direct(curvature, residual, shift, grid, softening, beta, direction, buffer
 
 @kernel
 def _descend(curvature, shift, grid, softening, alpha, direction, solution, residual, buffer):
-    """Step x += α s, r −= α (K + D) s with K s in the buffer; buffer = b r; return Σ r² and the core part of Σ r z."""
+    """Step x += α s, r −= α (K + D) s; return Σ r² and the core part of Σ r z.
+
+    The buffer holds K s before, b r after.
+    """
     square = 0.0
     core_product = 0.0
     zero = residual.dtype.type(0)

@@ -23,7 +23,7 @@ from contact_study.units import length
 
 # Grid spacing, in units of the longer of process zone and law's length, beyond which a study is refused.
 _COARSEST = 1e5
-# Grid spacings along a part of the surface below which it is no longer a sample of the surface.
+# Grid spacings along a part of the surface below which it is no sample of the surface.
 _SMALLEST_PART = 30
 
 
@@ -99,7 +99,7 @@ def _way_out(case: Case, scale: SurfaceScales, zone: float) -> str:
             range_too = f'interaction.length = "auto" ({length(reach)}) on '
             cost = f"; {_cost(case, scale, reach)}"
         return f"{range_too}surface.shape = [{y}, {x}] ({needs}{cost}) resolves it"
-    # A part has an rms height of its own, and "auto" a shorter range there: the range goes by its number.
+    # A part has another rms height, so "auto" would shorten the range: the range is given as a number.
     this_range = f'interaction.length = "{length(reach)}"'
     options = []
     # In whole spacings, of which a crop may take one more.

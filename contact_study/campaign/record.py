@@ -1,8 +1,8 @@
 """The study inside a dataset: who ran what on which files, and in what two such records differ.
 
-The numbers of a step follow from the model and its version, every key of the case that the model reads (a height map
-counts by its content), the points of the path up to the step, the least step of an adaptive path, and the gap field of
-a predictor. The title, the kept output, the unit of a value and the number of threads decide no number.
+The numbers of a step follow from the model, its version and every key of the case that the model reads. A height map
+counts by its content. The path up to the step, the least adaptive step and the predictor's gap field count, too. The
+title, the kept output, the unit of a value and the number of threads decide no number.
 
 Two values of a key are equal if :func:`~contact_study.study.schema.dotted_keys.same` says so; resume, merge, predictor
 and report use this one rule.
@@ -39,7 +39,7 @@ _NAMED_KEYS = 3  # differing keys that a message names
 
 @dataclass(frozen=True)
 class RunRecord:
-    """What a dataset, or the folder of an unfinished run, records of its run.
+    """The record of a run in a dataset, or in the folder of an unfinished run.
 
     Parameters
     ----------
@@ -133,7 +133,7 @@ class RunRecord:
 
     @cached_property
     def case_texts(self) -> list[str]:
-        """What decides the numbers of each case, rounded to twelve digits, as a text."""
+        """Keys that decide the numbers of each case, rounded to twelve digits, as a text."""
         return [json.dumps(_rounded(self.deciding_keys(case)), sort_keys=True) for case in self.study.cases]
 
     def case_names(self) -> list[str]:

@@ -37,10 +37,21 @@ def atoms(dataset: xr.Dataset, centre: tuple[float, float] | None = None, axes: 
     axes : matplotlib.axes.Axes, optional
         Where to draw.
 
+    Returns
+    -------
+    matplotlib.axes.Axes
+        The axes drawn on.
+
     Raises
     ------
     ValueError
         If the atoms were not kept, or there is more than one state.
+
+    Examples
+    --------
+    >>> import xarray as xr
+    >>> from contact_study import plots
+    >>> plots.atoms(xr.open_dataset("md.nc"))  # doctest: +SKIP
     """
     state = one_state(dataset, *NEEDED)
     stress, (period_y, period) = state["normal_stress"].values, extent(state)

@@ -38,10 +38,21 @@ def criteria_map(dataset: xr.Dataset, axes: Axes | None = None, name: str = "") 
     name : str, optional
         What the columns are called, before the point of the sweep.
 
+    Returns
+    -------
+    matplotlib.axes.Axes
+        The axes drawn on.
+
     Raises
     ------
     ValueError
         If the dataset has no such numbers, its law not attracting.
+
+    Examples
+    --------
+    >>> import xarray as xr
+    >>> from contact_study import plots
+    >>> plots.criteria_map(xr.open_dataset("theory.nc"))  # doctest: +SKIP
     """
     require(dataset, "finest_tabor_number", *(variable for variable, *_ in _CRITERIA))
     first = axes is None or not axes.has_data()

@@ -1,4 +1,4 @@
-"""What changes along the loading path: contact area and mean gap."""
+"""Curves along the loading path: contact area and mean gap."""
 
 import numpy as np
 import xarray as xr
@@ -24,10 +24,21 @@ def contact_area(dataset: xr.Dataset, axes: Axes | None = None, scale: str = "li
         Of the pressure. Logarithms of both signs beyond the smallest pressure ("symlog") show tension, too; "log"
         shows both axes so, and no tension.
 
+    Returns
+    -------
+    matplotlib.axes.Axes
+        The axes drawn on.
+
     Raises
     ------
     ValueError
         If the dataset has no contact area, or the scale is unknown.
+
+    Examples
+    --------
+    >>> import xarray as xr
+    >>> from contact_study import plots
+    >>> plots.contact_area(xr.open_dataset("bem.nc"))  # doctest: +SKIP
     """
     pressure = pressure_unit(largest(dataset, "mean_pressure"))
     axes = _along_the_path(dataset, axes, "relative_contact_area", pressure, 1.0)
@@ -42,7 +53,26 @@ def contact_area(dataset: xr.Dataset, axes: Axes | None = None, scale: str = "li
 
 @styled
 def mean_gap(dataset: xr.Dataset, axes: Axes | None = None, scale: str = "linear") -> Axes:
-    """Mean gap over pressure; parameters and errors as :func:`contact_area`, but the gap's axis stays linear."""
+    """Mean gap over pressure; parameters and errors as :func:`contact_area`, but the gap's axis stays linear.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        A dataset of one case.
+    axes : matplotlib.axes.Axes, optional
+        Where to draw; a new figure by default.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+        The axes drawn on.
+
+    Examples
+    --------
+    >>> import xarray as xr
+    >>> from contact_study import plots
+    >>> plots.mean_gap(xr.open_dataset("bem.nc"))  # doctest: +SKIP
+    """
     pressure = pressure_unit(largest(dataset, "mean_pressure"))
     gap = length_unit(largest(dataset, "mean_gap"))
     axes = _along_the_path(dataset, axes, "mean_gap", pressure, gap.size)

@@ -24,10 +24,21 @@ def section(dataset: xr.Dataset, y: float | None = None, axes: Axes | None = Non
     axes : matplotlib.axes.Axes, optional
         Where to draw.
 
+    Returns
+    -------
+    matplotlib.axes.Axes
+        The axes drawn on.
+
     Raises
     ------
     ValueError
         If the fields were not kept, there is more than one state, or ``y`` is outside the cell.
+
+    Examples
+    --------
+    >>> import xarray as xr
+    >>> from contact_study import plots
+    >>> plots.section(xr.open_dataset("bem.nc"))  # doctest: +SKIP
     """
     state = one_state(dataset, "gap", "height", "contact_distance")
     height, gap, contact = state["height"].values, state["gap"].values, touching(state)
@@ -42,7 +53,7 @@ def section(dataset: xr.Dataset, y: float | None = None, axes: Axes | None = Non
     across = length_unit(extent(state)[1])
     surface, block = height[row], height[row] + gap[row]
     if not np.isfinite(block).all():
-        block = np.full_like(block, np.nan)  # the surfaces are apart for good
+        block = np.full_like(block, np.nan)  # the surfaces are separated
     ends = np.concatenate([surface, block[np.isfinite(block)]])
     along = length_unit(float(np.ptp(ends)))
     margin = 0.15 * float(np.ptp(ends))

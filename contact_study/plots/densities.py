@@ -31,10 +31,21 @@ def stress_distribution(dataset: xr.Dataset, axes: Axes | None = None) -> Axes:
     axes : matplotlib.axes.Axes, optional
         Where to draw.
 
+    Returns
+    -------
+    matplotlib.axes.Axes
+        The axes drawn on.
+
     Raises
     ------
     ValueError
         If the dataset has no such distribution.
+
+    Examples
+    --------
+    >>> import xarray as xr
+    >>> from contact_study import plots
+    >>> plots.stress_distribution(xr.open_dataset("bem.nc"))  # doctest: +SKIP
     """
     require(dataset, "pressure_pdf")
     return _densities(dataset, "pressure_pdf", "pressure_bin", pressure_unit, r"stress $\sigma$", r"P(\sigma)", axes)
@@ -42,7 +53,26 @@ def stress_distribution(dataset: xr.Dataset, axes: Axes | None = None) -> Axes:
 
 @styled
 def gap_distribution(dataset: xr.Dataset, axes: Axes | None = None) -> Axes:
-    """Probability density of the local gap; parameters and errors as :func:`stress_distribution`."""
+    """Probability density of the local gap; parameters and errors as :func:`stress_distribution`.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        A dataset of one case.
+    axes : matplotlib.axes.Axes, optional
+        Where to draw; a new figure by default.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+        The axes drawn on.
+
+    Examples
+    --------
+    >>> import xarray as xr
+    >>> from contact_study import plots
+    >>> plots.gap_distribution(xr.open_dataset("bem.nc"))  # doctest: +SKIP
+    """
     require(dataset, "gap_pdf")
     return _densities(dataset, "gap_pdf", "gap_bin", length_unit, "gap $u$", "P(u)", axes)
 
@@ -63,10 +93,21 @@ def surface_spectrum(dataset: xr.Dataset, axes: Axes | None = None) -> Axes:
     axes : matplotlib.axes.Axes, optional
         Where to draw.
 
+    Returns
+    -------
+    matplotlib.axes.Axes
+        The axes drawn on.
+
     Raises
     ------
     ValueError
         If the heights were not kept, there is more than one surface, or it is flat.
+
+    Examples
+    --------
+    >>> import xarray as xr
+    >>> from contact_study import plots
+    >>> plots.surface_spectrum(xr.open_dataset("bem.nc"))  # doctest: +SKIP
     """
     surface = one_state(dataset, "height")
     grid = Grid(surface["height"].shape, extent(surface))

@@ -29,10 +29,21 @@ def deviations(
     axes : matplotlib.axes.Axes, optional
         Where to draw.
 
+    Returns
+    -------
+    matplotlib.axes.Axes
+        The axes drawn on.
+
     Raises
     ------
     ValueError
         If the dataset has no such quantity, or no such pair.
+
+    Examples
+    --------
+    >>> import xarray as xr
+    >>> from contact_study import plots
+    >>> plots.deviations(xr.open_dataset("comparison.nc"))  # doctest: +SKIP
     """
     name = f"{quantity}_relative_deviation"
     require(dataset, name)

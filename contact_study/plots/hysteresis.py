@@ -32,10 +32,21 @@ def hysteresis_loop(dataset: xr.Dataset, axes: Axes | None = None) -> Axes:
     axes : matplotlib.axes.Axes, optional
         Where to draw.
 
+    Returns
+    -------
+    matplotlib.axes.Axes
+        The axes drawn on.
+
     Raises
     ------
     ValueError
         As :func:`dissipated_energy`.
+
+    Examples
+    --------
+    >>> import xarray as xr
+    >>> from contact_study import plots
+    >>> plots.hysteresis_loop(xr.open_dataset("bem.nc"))  # doctest: +SKIP
     """
     loop = _loop(dataset)
     pressure = pressure_unit(largest(dataset, "mean_pressure"))

@@ -33,10 +33,21 @@ def area_by_magnification(dataset: xr.Dataset, axes: Axes | None = None) -> Axes
     axes : matplotlib.axes.Axes, optional
         Where to draw.
 
+    Returns
+    -------
+    matplotlib.axes.Axes
+        The axes drawn on.
+
     Raises
     ------
     ValueError
         If the dataset has no such quantity.
+
+    Examples
+    --------
+    >>> import xarray as xr
+    >>> from contact_study import plots
+    >>> plots.area_by_magnification(xr.open_dataset("theory.nc"))  # doctest: +SKIP
     """
     words = r"contact area $A(\zeta)/A_0$"
     axes = _curves(dataset, "relative_contact_area_at", lambda largest: Unit("", 1.0), words, axes)
@@ -46,13 +57,51 @@ def area_by_magnification(dataset: xr.Dataset, axes: Axes | None = None) -> Axes
 
 @styled
 def detachment_stress(dataset: xr.Dataset, axes: Axes | None = None) -> Axes:
-    """Detachment stress σ_a(ζ); parameters and errors as :func:`area_by_magnification`."""
+    """Detachment stress σ_a(ζ); parameters and errors as :func:`area_by_magnification`.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        A dataset of one case.
+    axes : matplotlib.axes.Axes, optional
+        Where to draw; a new figure by default.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+        The axes drawn on.
+
+    Examples
+    --------
+    >>> import xarray as xr
+    >>> from contact_study import plots
+    >>> plots.detachment_stress(xr.open_dataset("theory.nc"))  # doctest: +SKIP
+    """
     return _curves(dataset, "detachment_stress", pressure_unit, r"detachment stress $\sigma_\mathrm{a}$", axes)
 
 
 @styled
 def effective_work_of_adhesion(dataset: xr.Dataset, axes: Axes | None = None) -> Axes:
-    """Effective work of adhesion γ_eff(ζ); parameters and errors as :func:`area_by_magnification`."""
+    """Effective work of adhesion γ_eff(ζ); parameters and errors as :func:`area_by_magnification`.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        A dataset of one case.
+    axes : matplotlib.axes.Axes, optional
+        Where to draw; a new figure by default.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+        The axes drawn on.
+
+    Examples
+    --------
+    >>> import xarray as xr
+    >>> from contact_study import plots
+    >>> plots.effective_work_of_adhesion(xr.open_dataset("theory.nc"))  # doctest: +SKIP
+    """
     axes = _curves(
         dataset,
         "effective_work_of_adhesion",
@@ -79,10 +128,21 @@ def stress_by_magnification(dataset: xr.Dataset, axes: Axes | None = None) -> Ax
     axes : matplotlib.axes.Axes, optional
         Where to draw.
 
+    Returns
+    -------
+    matplotlib.axes.Axes
+        The axes drawn on.
+
     Raises
     ------
     ValueError
         If P(σ, ζ) was not kept, or there is more than one state, or none in contact.
+
+    Examples
+    --------
+    >>> import xarray as xr
+    >>> from contact_study import plots
+    >>> plots.stress_by_magnification(xr.open_dataset("theory.nc"))  # doctest: +SKIP
     """
     if "pressure_pdf_at" not in dataset:
         raise ValueError("the dataset has no variable 'pressure_pdf_at'; it is kept with theory.magnifications = 48")

@@ -28,10 +28,21 @@ def height_map(dataset: xr.Dataset, axes: Axes | None = None) -> Axes:
     axes : matplotlib.axes.Axes, optional
         Where to draw.
 
+    Returns
+    -------
+    matplotlib.axes.Axes
+        The axes drawn on.
+
     Raises
     ------
     ValueError
         If the heights were not kept, or there is more than one surface.
+
+    Examples
+    --------
+    >>> import xarray as xr
+    >>> from contact_study import plots
+    >>> plots.height_map(xr.open_dataset("bem.nc"))  # doctest: +SKIP
     """
     surface = one_state(dataset, "height")
     height = surface["height"].values
@@ -56,10 +67,21 @@ def gap_map(
     bar : sequence of matplotlib.axes.Axes, optional
         Maps with the same colours that share the bar of colours, these axes by default; None for no bar.
 
+    Returns
+    -------
+    matplotlib.axes.Axes
+        The axes drawn on.
+
     Raises
     ------
     ValueError
         If the fields were not kept, or there is more than one state.
+
+    Examples
+    --------
+    >>> import xarray as xr
+    >>> from contact_study import plots
+    >>> plots.gap_map(xr.open_dataset("bem.nc"))  # doctest: +SKIP
     """
     state = one_state(dataset, "gap", "contact_distance")
     gap = np.ma.masked_array(state["gap"].values, touching(state))
@@ -85,10 +107,21 @@ def pressure_map(dataset: xr.Dataset, axes: Axes | None = None) -> Axes:
     dataset, axes
         As :func:`gap_map`.
 
+    Returns
+    -------
+    matplotlib.axes.Axes
+        The axes drawn on.
+
     Raises
     ------
     ValueError
         As :func:`gap_map`.
+
+    Examples
+    --------
+    >>> import xarray as xr
+    >>> from contact_study import plots
+    >>> plots.pressure_map(xr.open_dataset("bem.nc"))  # doctest: +SKIP
     """
     state = one_state(dataset, "pressure")
     pressure = state["pressure"].values
@@ -122,10 +155,21 @@ def contact_map(dataset: xr.Dataset, axes: Axes | None = None, largest: int = le
     largest : int, optional
         How many clusters have a colour, at most six.
 
+    Returns
+    -------
+    matplotlib.axes.Axes
+        The axes drawn on.
+
     Raises
     ------
     ValueError
         As :func:`gap_map`.
+
+    Examples
+    --------
+    >>> import xarray as xr
+    >>> from contact_study import plots
+    >>> plots.contact_map(xr.open_dataset("bem.nc"))  # doctest: +SKIP
     """
     state = one_state(dataset, "gap", "contact_distance")
     clusters = cluster_map(touching(state), is_periodic(state))

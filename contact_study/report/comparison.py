@@ -30,7 +30,7 @@ from contact_study.results.schema import CONVENTIONS, SCHEMA_VERSION
 
 @dataclass(frozen=True)
 class Request:
-    """What is to be compared and written."""
+    """Datasets to compare and files to write."""
 
     datasets: Sequence[Path]  # files of the models
     output: Path  # dataset to write

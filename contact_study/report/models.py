@@ -172,5 +172,5 @@ def in_order(names: Iterable[str]) -> list[str]:
 
 
 def file_kinds() -> list[str]:
-    """What the ``model`` attribute of a dataset may say, the most trusted first."""
+    """Values of the ``model`` attribute of a dataset, the most trusted first."""
     return list(dict.fromkeys(entry.file for entry in MODELS))

@@ -96,7 +96,7 @@ def _whose(inputs: Inputs, file: str) -> str:
 
 
 def _related(inputs: Inputs) -> list[tuple[str, str]]:
-    """What each model is, once for several datasets of it."""
+    """Describe each model, once for several datasets of it."""
     texts = {}
     adhesive, hard = any(law.attracts for law in inputs.laws), not all(law.attracts for law in inputs.laws)
     for entry in (entry_of(kind_of(name)) for name in inputs.models):

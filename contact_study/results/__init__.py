@@ -1,1 +1,1 @@
-"""What a model returns and what a dataset holds: states, observables and the schema of variables."""
+"""Results of a model and contents of a dataset: states, observables and the schema of variables."""

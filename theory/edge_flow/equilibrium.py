@@ -174,7 +174,7 @@ def _shortened(
 
 
 def modulation_cost(solid: Elasticity, wavenumber: np.ndarray) -> np.ndarray:
-    """What a modulation of a wave costs, compared with a half-space: g = 1 there, 0 where all waves are as stiff.
+    """Return the cost of modulating a wave, compared with a half-space: g = 1 there, 0 where all waves are as stiff.
 
     A modulation p of a wave q makes waves q + p. In second order 1/(K(q) + c) becomes the mean of 1/(K(|q + p|) + c)
     over directions, by which K(q) seems to grow. Its growth at p = 2q and c = K(q) is divided by the half-space's;
@@ -235,7 +235,7 @@ class Equilibrium:
 
 @dataclass(frozen=True)
 class Problem:
-    """What is in equilibrium: a law on nodes of the gap, and the roughness.
+    """A law on nodes of the gap, and the roughness that it is in equilibrium with.
 
     Parameters
     ----------

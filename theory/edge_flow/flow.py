@@ -2,7 +2,7 @@
 
 This theory is this project's own and unpublished. It is judged by the simulations of this project alone.
 
-The gap-flow theory (:mod:`theory.gap_flow.flow`) lets every point of a wave answer by its own gap alone, so that
+The gap-flow theory (:mod:`theory.gap_flow.flow`) lets every point of a wave answer by the local gap alone, so that
 contact has no edges. Here the displacement answers the roughness h of wavevector q by (1 − f(u)) h, where u is the gap
 with all coarser roughness, and the gap changes by −f h. For this trial field the distribution P of the gap and its
 mean-square gradient, M(u) = P <|∇u|² | u>, follow from coarse to fine, starting from δ(u − ū) and zero, with the height
@@ -77,6 +77,10 @@ class EdgeFlow(PressureCurve):
         Other mean gaps where it found none.
     limit : str
         How strong adhesion is, in words for where the curve ends early.
+
+    Examples
+    --------
+    :func:`edge_flow` returns one.
     """
 
     law: TractionLaw
@@ -165,7 +169,7 @@ class EdgeFlow(PressureCurve):
         return float("nan")
 
     def states(self, mean_gaps: np.ndarray) -> list[GapState]:
-        """Distribution of the local gap at each mean gap (m), each solved anew from its neighbours on the curve.
+        """Distribution of the local gap at each mean gap (m), each solved from its neighbours on the curve.
 
         Raises
         ------
@@ -244,6 +248,11 @@ def edge_flow(
         Slope s, level t and pole b of κ(X) = s X + t + (1 − t) b/(X + b), what a modulation costs on a half-space.
     options : EdgeFlowOptions, optional
         Numerical choices.
+
+    Returns
+    -------
+    EdgeFlow
+        The curve; states at a pressure or mean gap follow from it.
 
     Raises
     ------

@@ -12,8 +12,8 @@ from theory.numerics.tridiagonal import factorise, solve
 
 _GAMMA = 1 - 1 / np.sqrt(2)
 
-# Weight per unit of the gap below which a node's response is that of its own curvature: what such a node does changes
-# nothing, and its equations would be those of rounding.
+# Weight per unit of the gap below which a node's response follows from the local curvature. Such a node changes
+# nothing, and its equations would be rounding errors.
 _EMPTY = 1e-12
 
 # Least curvature in units of −K that the response of such a node is taken at.
@@ -27,8 +27,8 @@ _FASTEST = 0.5
 def differences(x: np.ndarray) -> np.ndarray:
     """Coefficients of the differences on nodes, shape (5, n); the first four are zero at the ends.
 
-    ½u'' = c₀ (u₋ − u) + c₁ (u₊ − u), u' = c₂ (u − u₋) + c₃ (u₊ − u), both of second order where nodes vary smoothly,
-    and the length c₄ of the gap that belongs to a node.
+    ½u'' = c₀ (u₋ − u) + c₁ (u₊ − u) and u' = c₂ (u − u₋) + c₃ (u₊ − u). Both are of second order where nodes vary
+    smoothly. c₄ is the length of the gap that belongs to a node.
     """
     found = np.zeros((5, x.size))
     before, behind = np.diff(x)[:-1], np.diff(x)[1:]
@@ -217,7 +217,9 @@ def _distribute(geometry, square, steps, start, sharp, response, weights, gradie
 
 @njit(cache=True, error_model="numpy", fastmath={"contract", "arcp", "nsz"})
 def _respond(x, cell, stiffness, modulation, square, kernel, curvature, weights, gradients, answer, rows):
-    """Solve K [(1 − g + g t + g s X) f + g (1 − t) z] + c f = K, (X + b) z = b f by elimination of two-by-two blocks.
+    """Solve for the response f by elimination of two-by-two blocks.
+
+    K [(1 − g + g t + g s X) f + g (1 − t) z] + c f = K, (X + b) z = b f.
 
     s, t and b are slope, level and pole of the kernel.
 

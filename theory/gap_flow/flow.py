@@ -79,6 +79,10 @@ class GapFlow(PressureCurve):
         U at the nodes, all roughness included.
     unconverged_steps : int
         Steps of the roughness in which Newton's method did not meet its tolerance.
+
+    Examples
+    --------
+    :func:`gap_flow` returns one.
     """
 
     law: TractionLaw
@@ -190,6 +194,11 @@ def gap_flow(
         Newton iterations of a step at most.
     options : GapFlowOptions, optional
         Numerical choices.
+
+    Returns
+    -------
+    GapFlow
+        The curve; states at a pressure or mean gap follow from it.
 
     Raises
     ------

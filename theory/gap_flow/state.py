@@ -69,6 +69,10 @@ class GapState:
         Largest change of a scale's mean response in the last iteration, of a theory that iterates.
     cumulative : scipy.interpolate.PPoly, optional
         Area below a gap, one of :func:`cumulatives`, where it was made for many states at once.
+
+    Examples
+    --------
+    ``gap_flow(...).at_pressure(p)`` returns one, see :func:`theory.gap_flow`.
     """
 
     labels: tuple[str, ...]

@@ -19,7 +19,7 @@ class BackgroundTask(Generic[Result]):
         self._future: Future[Result] = Future()
 
     def result(self) -> Result:
-        """What the work returns or raises; while another thread is at it, this one does what else waits."""
+        """Return the result of the work or raise its error; meanwhile this thread does other waiting work."""
         self.do()
         while not self._future.done() and (other := self._ahead.take()) is not None:
             other.do()

@@ -93,7 +93,7 @@ def accelerated(
 
 
 # Products of a few long vectors, without the threads that a library of linear algebra would start for them. Blocks of
-# vectors are arrays of their own: compilers make vectors of sums over these, not of sums over a part of another's.
+# vectors are separate arrays, so that compilers vectorise their sums.
 
 
 @njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract", "arcp", "nsz", "reassoc"})

@@ -41,7 +41,7 @@ def solve(inverse, inward, outward, values):
     """Solve in place with the matrix of :func:`factorise`; with its transpose if inward and outward are exchanged."""
     n = inverse.size
     middle = n // 2
-    low, high = values[0], values[n - 1]  # carried along: a value that is read back from memory is waited for
+    low, high = values[0], values[n - 1]  # kept in registers, not reloaded
     for i in range(1, middle):
         above = n - 1 - i
         low = values[i] + inward[i - 1] * low

@@ -1,4 +1,4 @@
-"""What the theories of the local gap, gap flow and edge flow, say of each point of a loading path."""
+"""Gap flow and edge flow at each point of a loading path."""
 
 import warnings
 from collections.abc import Callable
@@ -19,7 +19,7 @@ from theory.study.case_theories import CaseTheories
 # Values at the path point of a number; a mistake of input is raised at the first.
 PathValues = Callable[[int], dict[str, Any]]
 
-# What a block that has come off is, in every model; its mean gap is infinite where the model defines one.
+# A detached block, in every model; its mean gap is infinite where the model defines one.
 DETACHED: dict[str, Any] = {
     "mean_pressure": 0.0,
     "relative_contact_area": 0.0,

@@ -34,7 +34,7 @@ _CONTACT = ("surface", "material", "elasticity", "interaction")
 _NO_CONTACT = ("shape", "path", "atom_mass", "lattice_constant", "contact_distance")
 # Keys that the work of adhesion stands for.
 _ADHESION = ("well_depth", "well_depth_ratio", "work_of_adhesion")
-# Methods of the atoms that have a starting configuration of their own.
+# Methods of the atoms with another starting configuration.
 _OWN_START = ("overdamped", "dynamics")
 _OPTION = "--predictor"
 

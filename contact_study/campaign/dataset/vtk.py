@@ -33,6 +33,12 @@ def to_vtk(dataset: xr.Dataset, path: str | Path) -> list[Path]:
     ValueError
         If the dataset has no fields or more than one case, the name does not end in ``.pvd`` or cannot be written, or
         the extra ``vtk`` is not installed.
+
+    Examples
+    --------
+    >>> import xarray as xr
+    >>> from contact_study import to_vtk
+    >>> to_vtk(xr.open_dataset("bem.nc").sel(seed=1), "contact.pvd")  # doctest: +SKIP
     """
     path = named_file(path)
     if path.suffix != ".pvd":

@@ -49,6 +49,12 @@ def to_xyz(dataset: xr.Dataset, path: str | Path) -> list[Path]:
     ValueError
         If the dataset has no atoms or more than one case, the name does not end in ``.xyz`` or cannot be written, or
         the extra ``xyz`` is not installed.
+
+    Examples
+    --------
+    >>> import xarray as xr
+    >>> from contact_study import to_xyz
+    >>> to_xyz(xr.open_dataset("md.nc").sel(seed=1), "atoms.xyz")  # doctest: +SKIP
     """
     path = named_file(path)
     if path.suffix not in (".xyz", ".extxyz"):

@@ -101,7 +101,7 @@ class WorkDirectory:
         return any(self.folder.glob("*case*"))
 
     def _claimed(self) -> dict[str, Any]:
-        """What :meth:`claim` wrote; empty if it is missing or unreadable."""
+        """Return what :meth:`claim` wrote; empty if it is missing or unreadable."""
         try:
             return dict(load_json(self._manifest))
         except (OSError, ValueError, TypeError):

@@ -157,7 +157,7 @@ def _root_of_samples(dataset: xr.Dataset, point: SweepPoint) -> np.ndarray:
 
 @dataclass(frozen=True)
 class Band:
-    """What the two metastable branches of a theory enclose at one point of the sweep."""
+    """The band between the two metastable branches of a theory at one point of the sweep."""
 
     model: str  # name of the theory's entry
     colour: int  # number of the colour

@@ -153,7 +153,7 @@ def _roughness_of(inputs: Inputs, point: SweepPoint) -> Roughness | None:
         return None
     try:
         surface = realise(case)
-    except InputError:  # a height map that is no longer where the study names it
+    except InputError:  # the height map is missing
         return _from_dataset(inputs.models, point, case.solid)
     return roughness(surface.sampled, surface.size, case.solid)
 

@@ -1,4 +1,4 @@
-"""What the figures show, for their captions."""
+"""Facts for the captions of the figures."""
 
 from collections.abc import Collection, Iterator
 from typing import Any

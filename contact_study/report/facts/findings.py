@@ -1,4 +1,4 @@
-"""What the datasets of a comparison amount to: rankings, extremes of each pair, ranges of each model, scatter."""
+"""Findings of a comparison: rankings, extremes of each pair, ranges of each model, scatter."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

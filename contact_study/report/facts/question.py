@@ -1,4 +1,4 @@
-"""What was run: the studies of the datasets, for the report's section of that name."""
+"""The studies of the datasets, for the report's section on what was run."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -22,7 +22,7 @@ def study_paragraphs(inputs: Inputs) -> list[tuple[str, str]]:
 
 
 def sample_notes(inputs: Inputs) -> list[str]:
-    """What deviations mean statistically: whose surfaces they are of, and what their means are over."""
+    """Explain the statistics of the deviations: their surfaces, and the keys that means are over."""
     seeds = inputs.seeds
     if not seeds:
         return []
@@ -113,7 +113,7 @@ class Question:
 
     @property
     def starts(self) -> list[str]:
-        """Where the states of each simulation start, those that start others first; empty if none has a predictor."""
+        """Starting configurations of each simulation, those that start others first; empty if none has a predictor."""
         simulations = {name: entry_of(name) for name in self.inputs.simulations}
         # A dataset joined of parts names the predictor of each, a line each.
         lines = {name: str(self.inputs.models[name].attrs.get("predictor", "")).splitlines() for name in simulations}
@@ -128,7 +128,7 @@ class Question:
 
     @property
     def settings(self) -> list[tuple[str, str, Sequence[Case]]]:
-        """Of each file the part of its path that distinguishes it, the macro for its models' settings, its cases."""
+        """For each file the part of its path that distinguishes it, the macro for its models' settings, its cases."""
         found = dict.fromkeys((entry.file, entry.settings) for entry in self.entries if entry.settings)
         cases = {file: self.inputs.studies[file].cases for file, _ in found}
         return [
@@ -153,7 +153,7 @@ class Question:
 
 
 def _is_settled(cases: Sequence[Case]) -> bool:
-    """Whether the studies state the lattice of the atoms; of datasets put together by hand they may not."""
+    """Whether the studies state the lattice of the atoms; edited datasets may not."""
     try:
         return all(case.lattice is not None and case.block_layers > 0 for case in cases)
     except InputError:

@@ -32,7 +32,7 @@ def panel_heading(axes: Axes, letter: str, state: str = "") -> None:
 
 
 def colour_legend(axes: Axes, curves: Sequence[Curve], colours: Sequence[Any], width: float) -> None:
-    """What the colours of one panel mean, above its heading, in rows of at most ``width`` inches."""
+    """Explain the colours of one panel above its heading, in rows of at most ``width`` inches."""
     handles = _colour_handles(curves, colours)
     figure = axes.figure
     above = axes.transAxes + ScaledTranslation(0, _HEADING, figure.dpi_scale_trans)
@@ -44,7 +44,7 @@ def colour_legend(axes: Axes, curves: Sequence[Curve], colours: Sequence[Any], w
 
 
 def shared_colour_legend(figure: Figure, curves: Sequence[Curve], colours: Sequence[Any]) -> None:
-    """What the colours of all panels mean, above them."""
+    """Explain the colours of all panels above them."""
     handles = _colour_handles(curves, colours)
 
     def legend(**options: Any) -> Legend:

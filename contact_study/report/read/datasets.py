@@ -24,7 +24,7 @@ _OF_A_RUN = ("study_toml", "predictor", "height_maps", "version", "git_commit")
 
 @dataclass(frozen=True)
 class Inputs:
-    """What is compared.
+    """The datasets of a comparison.
 
     Attributes
     ----------
@@ -109,7 +109,7 @@ class Inputs:
 
     @property
     def control(self) -> str:
-        """What was prescribed: "pressure" or "gap"."""
+        """The prescribed quantity: "pressure" or "gap"."""
         return self.study.cases[0].loading.control
 
 
