@@ -7,6 +7,7 @@ import xarray as xr
 from contact_study.report.align.deviations import compute_deviations
 from contact_study.report.align.ensemble import ensemble_statistics
 from contact_study.report.align.regime import compute_regime
+from contact_study.report.facts.captions import _balances
 from contact_study.report.facts.findings import find, surface_deviations
 from contact_study.report.facts.ranking import DIVIDED, EQUAL, NEARER, rank_models
 from contact_study.report.models import MODELS
@@ -158,3 +159,9 @@ def test_every_theory_has_a_status():
         "gap_flow": "this project's own, unpublished",
         "edge_flow": "this project's own, unpublished",
     }
+
+
+def test_captions_name_theories_whose_stress_does_not_carry_the_pressure():
+    balances = {"persson": [1.0, 0.995], "edge_flow": [0.84, np.nan, 0.98], "gap_flow": [np.nan, np.nan]}
+    models = {name: xr.Dataset({"stress_balance": ("step", values)}) for name, values in balances.items()}
+    assert list(_balances({**models, "continuum": xr.Dataset()})) == [("the edge flow", 0.84, 0.98)]

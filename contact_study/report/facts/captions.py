@@ -1,6 +1,6 @@
 """Facts for the captions of the figures."""
 
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Mapping
 from typing import Any
 
 import numpy as np
@@ -20,6 +20,7 @@ from contact_study.report.wording import listed, listed_points
 from contact_study.study.load_steps import PathPoint
 
 _ROUNDING = 1e-6  # of h_rms: what a gap prescribed as zero may differ from it
+_BALANCED = 0.01  # difference from one of a balance of stress that a caption does not mention
 
 
 def captions(
@@ -55,6 +56,7 @@ def captions(
         strips=strips,
         absent={name: _absent(inputs, shown, name) for name in ("pressure_pdf", "gap_pdf")},
         resolving=entry_of(resolved) if resolved else None,
+        balances=list(_balances(models)),
         mapped=any("pressure_pdf_at" in dataset for dataset in models.values()),
         simulations=[entry_of(name) for name in inputs.simulations],
     )
@@ -74,6 +76,15 @@ def _below_zero(curves: Collection[Curve]) -> Iterator[tuple[str, str]]:
         if own:
             words = listed(entry_of(curve.model).words for curve in own), listed_points(curve.label for curve in own)
             yield "; ".join(filter(None, words)), meaning
+
+
+def _balances(models: Mapping[str, xr.Dataset]) -> Iterator[tuple[str, float, float]]:
+    """Models whose distribution of stress does not carry the pressure: least and largest share that it carries."""
+    for name, dataset in models.items():
+        shares = dataset["stress_balance"].values if "stress_balance" in dataset else np.array([])
+        shares = shares[np.isfinite(shares)]
+        if shares.size and np.abs(shares - 1).max() > _BALANCED:
+            yield entry_of(name).words, float(shares.min()), float(shares.max())
 
 
 def _absent(inputs: Inputs, shown: PanelPoints, name: str) -> dict[str, list[str]]:
