@@ -5,8 +5,8 @@ import math
 import numpy as np
 from scipy.fft import next_fast_len
 
+from contact_study.inputs.units import length
 from contact_study.physics.laws.base import TractionLaw
-from contact_study.units import length
 
 TOO_COARSE = "grid too coarse"
 """First words of a warning."""

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from contact_study.campaign.dataset.vtk import to_vtk
     from contact_study.campaign.dataset.xyz import to_xyz
     from contact_study.campaign.library import run
-    from contact_study.errors import InputError
+    from contact_study.inputs.errors import InputError
     from contact_study.results.schema import register_observable
     from contact_study.study.case import realise
     from contact_study.study.schema.elasticity import register_solid
@@ -36,7 +36,7 @@ __all__ = [
 ]
 
 _MODULES = {
-    "InputError": "errors",
+    "InputError": "inputs.errors",
     "make_study": "study.study",
     "read_study": "study.study",
     "realise": "study.case",

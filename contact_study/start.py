@@ -4,9 +4,9 @@ import importlib
 import sys
 from typing import Any
 
-from contact_study import plugins
 from contact_study.campaign.model import MODELS
-from contact_study.errors import InputError
+from contact_study.inputs import plugins
+from contact_study.inputs.errors import InputError
 
 INTERRUPTED, WRONG_INPUT = 130, 1  # exit statuses
 

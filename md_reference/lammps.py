@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 from scipy import constants
 
-from contact_study.errors import InputError
+from contact_study.inputs.errors import InputError
 from md_reference.interface.pairs import LennardJonesInterface
 
 ANGSTROM = 1e-10

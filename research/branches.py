@@ -19,9 +19,9 @@ from typing import Any
 import pandas as pd
 
 import contact_study
-from contact_study.errors import InputError
+from contact_study.inputs.errors import InputError
+from contact_study.inputs.units import quantity
 from contact_study.study.study import Study, read_study
-from contact_study.units import quantity
 from scripts.harness import STUDY, Option, head, minus, program, read_rows, row, shrunk, write_rows
 
 PRESSURES = ("0.1 GPa", "0.2 GPa", "0.5 GPa", "1 GPa", "2 GPa", "5 GPa", "10 GPa")

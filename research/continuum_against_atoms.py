@@ -24,14 +24,14 @@ from bem_adhesion.adhesive.contact import AdhesiveContact
 from bem_adhesion.solution import Outcome as ContinuumOutcome
 from bem_adhesion.solution import Solution
 from contact_study.campaign.store import files
-from contact_study.errors import InputError
+from contact_study.inputs.errors import InputError
+from contact_study.inputs.units import quantity
 from contact_study.numerics import fourier
 from contact_study.numerics.grid import Grid
 from contact_study.physics.laws.base import TractionLaw
 from contact_study.physics.solids import Elasticity, HalfSpace, Tabulated
 from contact_study.physics.surfaces.surface import Surface
 from contact_study.study.case import Case, realise
-from contact_study.units import quantity
 from md_reference.block.condensed import SurfaceStiffness, without_lateral_freedom
 from md_reference.interface.pairs import AtomwiseInteraction
 from md_reference.solution import Equilibrium

@@ -23,7 +23,7 @@ from scipy.integrate import trapezoid
 
 import contact_study
 from contact_study.campaign.store.files import writable_output
-from contact_study.errors import InputError
+from contact_study.inputs.errors import InputError
 from contact_study.plots.style import COLOURS, DOUBLE, styled
 from contact_study.study.study import read_study
 from scripts.harness import PAPER, Option, program, save, show, shrunk, write_rows

@@ -18,7 +18,7 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from contact_study.report.wording import listed, percent_of
+from contact_study.report.text.wording import listed, percent_of
 from contact_study.study.case import Case, realise
 from contact_study.study.study import make_study
 from scripts.harness import Option, head, program, row

@@ -18,7 +18,7 @@ from matplotlib.figure import Figure
 from contact_study.physics.tabor import DMT_LIKE, JKR_LIKE, tabor_parameter
 from contact_study.plots.style import COLOURS, DOUBLE, styled
 from contact_study.report.align.regime import roughness
-from contact_study.report.wording import coordinate_label, number
+from contact_study.report.text.wording import coordinate_label, number
 from contact_study.study.case import Case, realise
 from contact_study.study.study import Study, read_study
 from scripts.harness import FIGURE, head, program, row, save

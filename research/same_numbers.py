@@ -23,7 +23,7 @@ import xarray as xr
 
 import contact_study
 from contact_study.campaign.command_line.examples import example
-from contact_study.errors import InputError
+from contact_study.inputs.errors import InputError
 from scripts.harness import Option, program
 from scripts.state_checks.drawing import drawn
 

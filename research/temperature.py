@@ -21,7 +21,7 @@ import numpy as np
 import xarray as xr
 
 import contact_study
-from contact_study.errors import InputError
+from contact_study.inputs.errors import InputError
 from contact_study.study.study import make_study, read_study
 from scripts.harness import Option, head, program, shrunk
 from scripts.harness import row as markdown_row

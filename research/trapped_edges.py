@@ -21,7 +21,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 import contact_study
-from contact_study.errors import InputError
+from contact_study.inputs.errors import InputError
 from contact_study.physics.laws import make_law
 from contact_study.plots.style import COLOURS, SINGLE, styled
 from scripts.harness import Option, head, program, read_rows, row, save, write_rows

@@ -19,11 +19,11 @@ import xarray as xr
 import bem_adhesion.study.model
 import md_reference.study.model
 from contact_study.campaign.store import files
-from contact_study.errors import InputError
+from contact_study.inputs.errors import InputError
+from contact_study.inputs.units import quantity
 from contact_study.results.state import InterfaceState
 from contact_study.study.case import Case, realise
 from contact_study.study.study import read_study
-from contact_study.units import quantity
 from scripts.harness import STUDY, Option, head, per_cent, program, row
 
 # Name: units and meaning.

@@ -23,7 +23,7 @@ from pathlib import Path
 import numpy as np
 
 from bem_adhesion.adhesive.contact import AdhesiveContact
-from contact_study.errors import InputError
+from contact_study.inputs.errors import InputError
 from contact_study.study.case import Case, realise
 from contact_study.study.study import read_study
 from scripts.benchmark_hard_wall import PhaseTimes

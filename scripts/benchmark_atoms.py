@@ -18,9 +18,9 @@ from pathlib import Path
 
 import numpy as np
 
+from contact_study.inputs.units import quantity
 from contact_study.study.case import Case, realise
 from contact_study.study.study import read_study
-from contact_study.units import quantity
 from md_reference.study.system import build_contact
 from scripts.harness import STUDY, Option, head, peak_memory, program, row
 

@@ -36,7 +36,7 @@ import numpy as np
 import pandas as pd
 
 from bem_adhesion import Dugdale, Exponential, HardWall, LennardJones, TractionLaw, rough_contact
-from contact_study.errors import InputError
+from contact_study.inputs.errors import InputError
 from scripts.harness import Option, head, rough_surface, row, tabulated
 
 MEAN_PRESSURE, ROLL_OFF, SEED = 0.05, 4, 1

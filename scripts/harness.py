@@ -235,7 +235,7 @@ def shrunk(study: "Study", fraction: float) -> dict[str, Any]:
     """A study's table with cell, grid and roughness at a fraction of their lengths, its slopes kept."""
     import copy
 
-    from contact_study.errors import InputError
+    from contact_study.inputs.errors import InputError
 
     table, surface = copy.deepcopy(dict(study.table)), study.cases[0].surface
     if fraction != 1.0:

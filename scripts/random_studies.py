@@ -23,7 +23,7 @@ from itertools import count, islice
 
 import numpy as np
 
-from contact_study.errors import InputError
+from contact_study.inputs.errors import InputError
 from contact_study.physics.solids import Viscoelastic
 from contact_study.study.case import Case, realise
 from contact_study.study.study import make_study

@@ -12,13 +12,13 @@ from pathlib import Path
 
 import xarray as xr
 
+from contact_study.inputs.units import quantity
 from contact_study.report.align.deviations import split_pair
 from contact_study.report.facts.findings import find
 from contact_study.report.models import entry_of, file_kinds, spectrum_of
 from contact_study.report.read.files import models_in
 from contact_study.report.tables.results import results_tables
-from contact_study.report.wording import number
-from contact_study.units import quantity
+from contact_study.report.text.wording import number
 from scripts.harness import Option, head, program, row
 
 

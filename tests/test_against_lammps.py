@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from contact_study.errors import InputError
+from contact_study.inputs.errors import InputError
 from md_reference import lammps as witness
 from md_reference.block.multiscale import NonlinearSpringBlock
 from scripts import against_lammps, states_against_lammps

@@ -14,11 +14,11 @@ from bem_adhesion.hard_wall.contact import HardWallContact
 from bem_adhesion.operators.trace import Trace
 from bem_adhesion.process_zone import process_zone, resolved_length, resolves, resolving_shape, too_coarse
 from bem_adhesion.solution import Solution
+from contact_study.inputs.units import length
 from contact_study.numerics.arguments import field, grid_of, positive
 from contact_study.numerics.grid import Grid
 from contact_study.physics.laws.base import TractionLaw
 from contact_study.physics.solids import Elasticity, Viscoelastic, elasticity_of
-from contact_study.units import length
 
 
 class Contact(Protocol):

@@ -13,13 +13,13 @@ from bem_adhesion.process_zone import (
     too_coarse,
 )
 from contact_study.campaign.memory import grid_fits, memory_in_words, most_points
-from contact_study.errors import InputError
+from contact_study.inputs.errors import InputError
+from contact_study.inputs.units import length
 from contact_study.physics.surfaces.scales import SurfaceScales
 from contact_study.physics.tabor import SHARE_OF_HEIGHT, longest_range, sphere_pull_off, tabor_parameter
 from contact_study.study.case import Case
 from contact_study.study.study import Study
 from contact_study.study.sweep import points
-from contact_study.units import length
 
 # Grid spacing, in units of the longer of process zone and law's length, beyond which a study is refused.
 _COARSEST = 1e5

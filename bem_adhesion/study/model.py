@@ -9,11 +9,11 @@ from bem_adhesion.study.checks import review
 from bem_adhesion.study.overdamped import overdamped_motion
 from bem_adhesion.study.quasi_static import path_of_equilibria
 from bem_adhesion.study.viscoelastic import path_in_time
-from contact_study import overdamped_path
 from contact_study.campaign.model import MODELS
-from contact_study.errors import InputError
+from contact_study.inputs.errors import InputError
 from contact_study.physics.solids import Viscoelastic
 from contact_study.physics.surfaces.surface import Surface
+from contact_study.results import overdamped_path
 from contact_study.results.constants import InterfaceConstants, heights_on
 from contact_study.results.state import Ensemble, InterfaceState, Value
 from contact_study.study.case import Case

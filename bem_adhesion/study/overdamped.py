@@ -7,8 +7,8 @@ import numpy as np
 
 from bem_adhesion.contacts.overdamped import Moved, OverdampedContact
 from bem_adhesion.study.state import interface_state
-from contact_study import overdamped_path
 from contact_study.physics.surfaces.surface import Surface
+from contact_study.results import overdamped_path
 from contact_study.results.state import Ensemble, InterfaceState
 from contact_study.study.case import Case
 

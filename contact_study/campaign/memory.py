@@ -7,7 +7,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
-from contact_study.errors import InputError
+from contact_study.inputs.errors import InputError
 from contact_study.study.case import Case
 
 # A dozen doubles: height, gap, pressure, displacement, its spectrum, the kernel and arrays of the solver.

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from contact_study.errors import InputError
+from contact_study.inputs.errors import InputError
 
 if TYPE_CHECKING:
     import numpy as np

@@ -17,7 +17,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from contact_study.errors import InputError
+from contact_study.inputs.errors import InputError
 from contact_study.numerics.distributions import Bins
 from contact_study.results.schema import SCHEMA_VERSION
 from contact_study.study.case import Case

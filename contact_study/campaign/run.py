@@ -18,7 +18,7 @@ from contact_study.campaign.resume.work_directory import WorkDirectory
 from contact_study.campaign.store.files import writable_output
 from contact_study.campaign.store.formats import check_name, is_dataset
 from contact_study.campaign.worker.runner import RunOptions, count_fitting_cases, run_cases
-from contact_study.errors import InputError
+from contact_study.inputs.errors import InputError
 from contact_study.study.checks.height_maps import describe_maps
 from contact_study.study.study import Study
 

@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from contact_study.files import cache_folder, has_locks
+from contact_study.inputs.files import cache_folder, has_locks
 from contact_study.numerics.memory import Memory, Scratch
 
 # OpenMP's threads spin while they wait for one another. Where another process holds a core they then wait for the

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from contact_study.errors import InputError
+from contact_study.inputs.errors import InputError
 
 GOLDEN_MEAN = (1 + 5**0.5) / 2
 

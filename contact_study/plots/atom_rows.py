@@ -7,8 +7,7 @@ from matplotlib.collections import EllipseCollection
 from matplotlib.colors import Normalize
 
 from contact_study.plots.selection import extent, one_state
-from contact_study.plots.style import DOUBLE, axes_of, styled
-from contact_study.plots.units import length_unit, pressure_unit
+from contact_study.plots.style import DOUBLE, axes_of, length_unit, pressure_unit, styled
 
 _SUBSTRATE = "#b0b0b0"
 _WIDTH = 40  # lattice constants that are shown across

@@ -6,8 +6,7 @@ from matplotlib.axes import Axes
 
 from contact_study.plots.paths import Curve, Look, draw_path
 from contact_study.plots.selection import UNLOADING, fit_states, largest, lines, require
-from contact_study.plots.style import COLOURS, axes_of, styled
-from contact_study.plots.units import Unit, length_unit, pressure_unit
+from contact_study.plots.style import COLOURS, Unit, axes_of, length_unit, pressure_unit, styled
 
 
 @styled

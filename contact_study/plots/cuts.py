@@ -5,8 +5,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 
 from contact_study.plots.selection import extent, one_state, touching
-from contact_study.plots.style import COLOURS, DOUBLE, axes_of, styled
-from contact_study.plots.units import length_unit
+from contact_study.plots.style import COLOURS, DOUBLE, axes_of, length_unit, styled
 
 _SUBSTRATE, _BLOCK = "#b0b0b0", "#d9e6f2"
 

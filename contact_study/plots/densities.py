@@ -6,13 +6,12 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 
+from contact_study.inputs.units import length
 from contact_study.numerics.grid import Grid
 from contact_study.physics.roughness.power_law import PowerSpectrum, SelfAffineFit, law_through, self_affine_fit
 from contact_study.physics.roughness.statistics import roughness_of_sample
 from contact_study.plots.selection import extent, lines, one_state, require
-from contact_study.plots.style import COLOURS, axes_of, readable_decades, styled
-from contact_study.plots.units import Unit, length_unit, pressure_unit
-from contact_study.units import length
+from contact_study.plots.style import COLOURS, Unit, axes_of, length_unit, pressure_unit, readable_decades, styled
 
 _ROUNDING = 1e-20  # of the largest C: what a transform leaves of waves that a surface does not have
 # Variables with the self-affine law of the surface.

@@ -6,8 +6,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 
 from contact_study.plots.selection import UNLOADING, lines, require
-from contact_study.plots.style import DOUBLE, axes_of, styled
-from contact_study.plots.units import Unit, length_unit, pressure_unit
+from contact_study.plots.style import DOUBLE, Unit, axes_of, length_unit, pressure_unit, styled
 
 _DARK = 0.55  # of the colours' range, from which white letters read better
 

@@ -9,8 +9,7 @@ from matplotlib.axes import Axes
 from scipy.integrate import trapezoid
 
 from contact_study.plots.selection import LOADING, UNLOADING, fit_states, largest, require
-from contact_study.plots.style import COLOURS, axes_of, styled
-from contact_study.plots.units import length_unit, pressure_unit
+from contact_study.plots.style import COLOURS, axes_of, length_unit, pressure_unit, styled
 
 # Of the rectangle about a loop; less than this of it is neither energy nor to be seen.
 _SEEN = 1e-5

@@ -9,8 +9,7 @@ from matplotlib.colors import LogNorm
 from matplotlib.ticker import LogLocator, NullFormatter
 
 from contact_study.plots.selection import lines, require
-from contact_study.plots.style import COLOURS, axes_of, styled
-from contact_study.plots.units import Unit, pressure_unit
+from contact_study.plots.style import COLOURS, Unit, axes_of, pressure_unit, styled
 
 _DECADES = 4  # of the density that colours distinguish
 

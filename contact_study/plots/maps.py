@@ -10,8 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.colors import ListedColormap
 
 from contact_study.plots.selection import extent, is_periodic, one_state, touching
-from contact_study.plots.style import COLOURS, axes_of, styled
-from contact_study.plots.units import Unit, length_unit, pressure_unit
+from contact_study.plots.style import COLOURS, Unit, axes_of, length_unit, pressure_unit, styled
 from contact_study.results.observables.clusters import cluster_map
 
 _NONE, _OTHERS = "#ffffff", "#9a9a9a"

@@ -5,10 +5,10 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import contact_study
-from contact_study import units
 from contact_study.campaign.command_line.command import Parser, complete, guarded
 from contact_study.campaign.store.files import named_file, real
-from contact_study.errors import InputError
+from contact_study.inputs import units
+from contact_study.inputs.errors import InputError
 from contact_study.report.models import FIGURE_TITLES, FORMATS
 
 COMMAND = "contact-compare"

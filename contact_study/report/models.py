@@ -80,7 +80,7 @@ class ShownModel:
         What is to be known of its distributions, of its contact area, and of a mean gap below zero; without the first
         two it counts as the simulations do.
     settings : str
-        Macro of ``templates/settings.j2`` that puts its settings into words.
+        Macro of ``text/settings.j2`` that puts its settings into words.
     """
 
     name: str

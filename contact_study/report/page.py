@@ -10,9 +10,9 @@ from contact_study.report.facts.question import sample_notes, study_paragraphs
 from contact_study.report.figures.illustrations import Figures
 from contact_study.report.models import FIGURE_TITLES, entry_of, kind_of
 from contact_study.report.read.datasets import Inputs
-from contact_study.report.rendering import render
 from contact_study.report.tables import results as result_tables
 from contact_study.report.tables import settings as setting_tables
+from contact_study.report.text.rendering import render
 
 _WIDE = 1000  # pixels: more than one column
 

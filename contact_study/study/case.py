@@ -6,7 +6,8 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from contact_study.errors import InputError
+from contact_study.inputs.errors import InputError
+from contact_study.inputs.units import stress
 from contact_study.physics.lattice import Lattice, lattice_of
 from contact_study.physics.laws import LAWS, TractionLaw
 from contact_study.physics.laws.lennard_jones import work_of_adhesion
@@ -17,7 +18,6 @@ from contact_study.study.schema import sections
 from contact_study.study.schema.elasticity import ElasticitySection
 from contact_study.study.schema.interaction import InteractionSection
 from contact_study.study.schema.surface import SurfaceSection
-from contact_study.units import stress
 
 # The least step of a gap or approach is the resolution times so many lengths of the law, by default a twentieth of one.
 # Pressures vary over that length, and the error of the trapezoidal rule is the square of a step over 12.

@@ -13,9 +13,9 @@ from typing import Any
 
 import tomli_w
 
-from contact_study import plugins
-from contact_study.errors import InputError
-from contact_study.files import refuse_endless
+from contact_study.inputs import plugins
+from contact_study.inputs.errors import InputError
+from contact_study.inputs.files import refuse_endless
 from contact_study.physics.surfaces.scales import SurfaceScales
 from contact_study.study.case import Case
 from contact_study.study.reading import automatic

@@ -5,7 +5,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from contact_study.errors import InputError
+from contact_study.inputs.errors import InputError
 from contact_study.study.case import Case
 from contact_study.study.schema.dotted_keys import SECTIONS, WHOLE_STUDY, last, read, same, split
 from contact_study.study.schema.interaction import AUTO, LENGTH

@@ -6,7 +6,7 @@ from threading import RLock
 import numpy as np
 from scipy import optimize
 
-from contact_study.errors import InputError
+from contact_study.inputs.errors import InputError
 from contact_study.numerics import fourier
 from contact_study.numerics.arguments import check_control, field, finite, grid_of, positive, step_arguments
 from contact_study.numerics.exclusive import in_turn

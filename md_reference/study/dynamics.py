@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 
 from contact_study.campaign.memory import Need
-from contact_study.errors import InputError
+from contact_study.inputs.errors import InputError
 from contact_study.physics.surfaces.surface import Surface
 from contact_study.results.observables.atoms import block_nodes, surface_atoms
 from contact_study.results.state import Ensemble, InterfaceState, SolverReport, ThermalMotion

@@ -4,12 +4,13 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
-from contact_study import overdamped_path
 from contact_study.campaign.memory import Need
 from contact_study.campaign.model import MODELS
-from contact_study.errors import InputError
+from contact_study.inputs.errors import InputError
+from contact_study.inputs.units import length
 from contact_study.physics.surfaces.scales import SurfaceScales
 from contact_study.physics.surfaces.surface import Surface
+from contact_study.results import overdamped_path
 from contact_study.results.constants import InterfaceConstants, heights_on
 from contact_study.results.observables.atoms import substrate_sites
 from contact_study.results.state import Ensemble, InterfaceState, Value
@@ -18,7 +19,6 @@ from contact_study.study.checks.idle_keys import idle_motion
 from contact_study.study.checks.plausibility import contact_stress, squeeze
 from contact_study.study.study import Study
 from contact_study.study.sweep import points
-from contact_study.units import length
 from md_reference.block.condensed import effective_contact_modulus
 from md_reference.interface.pairs import INSIDE
 from md_reference.interface.properties import FlatInterface, measure_interface

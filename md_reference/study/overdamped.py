@@ -5,8 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from contact_study import overdamped_path
 from contact_study.physics.surfaces.surface import Surface
+from contact_study.results import overdamped_path
 from contact_study.results.state import Ensemble, InterfaceState
 from contact_study.study.case import Case
 from md_reference.statics.contact import AtomisticContact

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from contact_study.errors import InputError
+from contact_study.inputs.errors import InputError
 from md_reference.thermal.hmc import SamplerState
 from md_reference.thermal.langevin import Motion
 

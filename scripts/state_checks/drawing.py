@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from contact_study.errors import InputError
+from contact_study.inputs.errors import InputError
 from contact_study.physics.laws import LAWS, LennardJones104
 from contact_study.study.study import make_study
 

@@ -21,7 +21,7 @@ from bem_adhesion import (
     ViscoelasticContact,
     rough_contact,
 )
-from contact_study.units import quantity
+from contact_study.inputs.units import quantity
 from tests.bem_adhesion.paper_system import study_table
 from tests.bem_adhesion.rough_surfaces import CONTACT_MODULUS, SIZE, self_affine
 

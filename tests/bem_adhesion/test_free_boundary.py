@@ -10,7 +10,7 @@ from scipy.integrate import dblquad
 import contact_study
 from bem_adhesion import Dugdale, Exponential, HardWall, LennardJones104, Repulsive, rough_contact
 from bem_adhesion.operators.free_space import FreeHalfSpace, Window, padded_grid
-from contact_study.errors import InputError
+from contact_study.inputs.errors import InputError
 from contact_study.numerics.grid import Grid
 from contact_study.study.schema.elasticity import ELASTICITIES, LayerSection
 from contact_study.study.study import make_study

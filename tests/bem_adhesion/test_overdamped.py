@@ -11,7 +11,7 @@ from bem_adhesion.contacts.overdamped import OverdampedContact
 from bem_adhesion.study.model import solve_path
 from contact_study.campaign.worker import case_run
 from contact_study.numerics.gradient_flow import Status, at_rest, follow
-from contact_study.overdamped_path import pace_of
+from contact_study.results.overdamped_path import pace_of
 from contact_study.results.schema import TRAJECTORY
 from contact_study.study.case import realise
 from contact_study.study.study import make_study

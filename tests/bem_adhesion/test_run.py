@@ -7,12 +7,12 @@ import pytest
 
 from bem_adhesion.study import model as run
 from contact_study.campaign import memory
-from contact_study.errors import InputError
+from contact_study.inputs.errors import InputError
+from contact_study.inputs.units import quantity
 from contact_study.physics.surfaces.surface import BandLimitedSurface
 from contact_study.results.schema import COORDINATES, VARIABLES
 from contact_study.study.case import realise
 from contact_study.study.study import make_study
-from contact_study.units import quantity
 from tests.bem_adhesion.paper_system import E_STAR, R0, study_table
 from tests.recording import bins_of_case, recorded_path
 

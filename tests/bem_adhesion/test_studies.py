@@ -7,7 +7,7 @@ import pytest
 
 import contact_study
 from bem_adhesion.study import model
-from contact_study.errors import InputError
+from contact_study.inputs.errors import InputError
 from contact_study.study.case import realise
 from contact_study.study.study import make_study
 from tests.bem_adhesion.paper_system import study_table

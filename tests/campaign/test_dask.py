@@ -16,7 +16,7 @@ import pytest
 from contact_study.campaign import engines
 from contact_study.campaign.command_line.command import main
 from contact_study.campaign.engines import ENGINES, CampaignError
-from contact_study.errors import InputError
+from contact_study.inputs.errors import InputError
 from tests.campaign.tasks import die, fail, square, wait_for
 from tests.campaign.toy_model import TOY
 from tests.campaign.toy_study import STUDY, assert_same, steps_on_disk

@@ -7,7 +7,7 @@ import pytest
 
 from contact_study.campaign import engines
 from contact_study.campaign.engines import ENGINES, REMOTE, CampaignError
-from contact_study.errors import InputError
+from contact_study.inputs.errors import InputError
 from tests.campaign.tasks import die, fail, leave, meet, report_on, square, wait_for
 
 LOCAL = [name for name in ENGINES if name not in REMOTE]  # tests/campaign/test_dask.py has the others

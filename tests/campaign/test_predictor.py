@@ -7,7 +7,7 @@ import pytest
 import xarray as xr
 
 from contact_study.campaign.dataset.predictor import GapFields, check_predictor
-from contact_study.errors import InputError
+from contact_study.inputs.errors import InputError
 from contact_study.study.study import make_study
 from tests.study.test_study import changed, of_another_kind
 

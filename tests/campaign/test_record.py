@@ -6,7 +6,7 @@ import pytest
 
 from contact_study.campaign.record import prepare_run
 from contact_study.campaign.resume.matching import match
-from contact_study.errors import InputError
+from contact_study.inputs.errors import InputError
 from contact_study.study.bins import bins_of
 from contact_study.study.study import make_study
 from tests.campaign.toy_model import TOY

@@ -19,7 +19,7 @@ from contact_study.campaign.resume import resume as resume_run
 from contact_study.campaign.resume.work_directory import WorkDirectory
 from contact_study.campaign.store import case_file, records
 from contact_study.campaign.store.case_file import CaseWriter
-from contact_study.errors import InputError
+from contact_study.inputs.errors import InputError
 from tests.campaign import toy_model
 from tests.campaign.toy_study import BASE, assert_same, changed
 

@@ -8,7 +8,7 @@ import warnings
 import numpy as np
 
 from contact_study.campaign.model import Model
-from contact_study.errors import InputError
+from contact_study.inputs.errors import InputError
 from contact_study.results.step import Step
 
 TOY = Model("toy", "continuum", "tests.campaign.toy_model", "a toy", "none", ignores=("atomistic", "theory"))

@@ -9,7 +9,7 @@ import pytest
 import contact_study
 from contact_study.campaign import memory
 from contact_study.campaign.worker import case_run
-from contact_study.errors import InputError
+from contact_study.inputs.errors import InputError
 from contact_study.results.schema import STANDARD_ERROR, TRAJECTORY
 from contact_study.study.case import realise
 from contact_study.study.study import make_study

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from contact_study.errors import InputError
+from contact_study.inputs.errors import InputError
 from contact_study.numerics.time_series import statistics_of
 from md_reference.thermal.checkpoint import ChainState, Frame, TrajectoryState, pack_generator, unpack_generator
 from md_reference.thermal.equilibration import (

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from contact_study.campaign import memory
-from contact_study.errors import InputError
+from contact_study.inputs.errors import InputError
 from contact_study.numerics import fourier
 from contact_study.study.case import realise
 from contact_study.study.schema.keys import keys_of

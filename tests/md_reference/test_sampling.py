@@ -10,7 +10,7 @@ import pytest
 import contact_study
 from contact_study.campaign.worker import case_run
 from contact_study.campaign.worker.ensemble import Averages
-from contact_study.errors import InputError
+from contact_study.inputs.errors import InputError
 from contact_study.numerics.time_series import statistics_of
 from contact_study.results.schema import AUTOCORRELATION_STATES, STANDARD_ERROR, TRAJECTORY, VARIABLES
 from contact_study.study.study import make_study

@@ -11,8 +11,7 @@ from matplotlib.figure import Figure
 import contact_study
 from contact_study import plots
 from contact_study.plots.hysteresis import dissipated_energy
-from contact_study.plots.style import COLOURS
-from contact_study.plots.units import length_unit, pressure_unit
+from contact_study.plots.style import COLOURS, length_unit, pressure_unit
 from contact_study.study.case import realise
 from contact_study.study.study import make_study
 

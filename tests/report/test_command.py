@@ -17,7 +17,7 @@ from contact_study.report.facts.shown_states import panel_points
 from contact_study.report.figures import illustrations
 from contact_study.report.read.datasets import read_inputs
 from contact_study.report.read.files import field_at
-from contact_study.report.wording import percent
+from contact_study.report.text.wording import percent
 from contact_study.study.case import realise
 from tests.report.panels import at
 from tests.report.synthetic import GAP_STUDY, SINGLE, STUDY, study, write, write_all

@@ -9,7 +9,7 @@ import pytest
 import xarray as xr
 
 from contact_study.campaign.record import key_values
-from contact_study.errors import InputError
+from contact_study.inputs.errors import InputError
 from contact_study.report.align.cases import sweep_points
 from contact_study.report.read.datasets import read_inputs
 from contact_study.report.read.files import field_at

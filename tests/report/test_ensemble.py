@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from contact_study.errors import InputError
+from contact_study.inputs.errors import InputError
 from contact_study.report.align.curves import path_curves
 from contact_study.report.align.deviations import compute_deviations
 from contact_study.report.align.ensemble import ensemble_statistics

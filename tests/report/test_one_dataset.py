@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from contact_study.errors import InputError
+from contact_study.inputs.errors import InputError
 from contact_study.plots.paths import Curve
 from contact_study.report.align.cases import sweep_points
 from contact_study.report.align.deviations import pairs_of

@@ -2,8 +2,8 @@
 
 import pytest
 
-from contact_study.report import wording
-from contact_study.report.wording import coordinate_label
+from contact_study.report.text import wording
+from contact_study.report.text.wording import coordinate_label
 
 
 @pytest.mark.parametrize(

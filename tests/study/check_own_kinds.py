@@ -9,7 +9,7 @@ from own_kinds import LARGEST_GAP, OwnInteraction, OwnMorse, RidgeSection
 
 import contact_study
 from contact_study import start
-from contact_study.errors import InputError
+from contact_study.inputs.errors import InputError
 from contact_study.results.state import Observable
 
 

@@ -5,10 +5,10 @@ import pytest
 from scipy.optimize import brentq
 
 import contact_study
-from contact_study.errors import InputError
+from contact_study.inputs.errors import InputError
+from contact_study.inputs.units import length
 from contact_study.physics.tabor import longest_range, sphere_pull_off, tabor_parameter
 from contact_study.study.study import make_study
-from contact_study.units import length
 from theory import references as reference
 
 MATERIAL = {"youngs_modulus": "2 MPa", "poissons_ratio": 0.5}

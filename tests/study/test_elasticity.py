@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.linalg import expm, schur
 
-from contact_study.errors import InputError
+from contact_study.inputs.errors import InputError
 from contact_study.numerics import fourier
 from contact_study.numerics.grid import Grid
 from contact_study.physics.solids import (

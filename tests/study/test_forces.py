@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from contact_study import run
-from contact_study.errors import InputError
+from contact_study.inputs.errors import InputError
 from contact_study.study.study import make_study
 
 SPHERE = {

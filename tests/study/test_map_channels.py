@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from contact_study.errors import InputError
+from contact_study.inputs.errors import InputError
 from contact_study.physics.height_maps.height_map import read_height_map
 
 pytest.importorskip("SurfaceTopography", reason="extra instruments")

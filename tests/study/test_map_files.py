@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from contact_study.errors import InputError
+from contact_study.inputs.errors import InputError
 from contact_study.physics.height_maps.grid import gridded
 from contact_study.physics.height_maps.height_map import read_height_map
 from contact_study.study.case import realise

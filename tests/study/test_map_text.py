@@ -5,7 +5,7 @@ import gzip
 import numpy as np
 import pytest
 
-from contact_study.errors import InputError
+from contact_study.inputs.errors import InputError
 from contact_study.physics.height_maps.height_map import read_height_map
 
 HEIGHTS = np.round(np.random.default_rng(5).normal(0, 20, (6, 8)), 3)

@@ -5,7 +5,7 @@ import re
 import numpy as np
 import pytest
 
-from contact_study.errors import InputError
+from contact_study.inputs.errors import InputError
 from contact_study.study.checks.idle_keys import idle_motion
 from contact_study.study.checks.plausibility import contact_stress, review, squeeze
 from contact_study.study.study import make_study

@@ -5,7 +5,7 @@ import pytest
 import xarray as xr
 
 from contact_study import run
-from contact_study.errors import InputError
+from contact_study.inputs.errors import InputError
 from contact_study.study.study import make_study
 from theory import TabulatedSpectrum, read_spectrum
 

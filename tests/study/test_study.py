@@ -10,7 +10,7 @@ import tomli_w
 import bem_adhesion.study.model
 import md_reference.study.model
 import theory.study.model
-from contact_study.errors import InputError
+from contact_study.inputs.errors import InputError
 from contact_study.physics.lattice import lattice_of
 from contact_study.study.study import make_study, read_study
 

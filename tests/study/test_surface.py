@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from contact_study.errors import InputError
+from contact_study.inputs.errors import InputError
 from contact_study.study.case import realise
 from contact_study.study.study import make_study
 from tests.study.test_study import changed

@@ -6,8 +6,8 @@ import sys
 import numpy as np
 import pytest
 
-from contact_study import units
-from contact_study.errors import InputError
+from contact_study.inputs import units
+from contact_study.inputs.errors import InputError
 from contact_study.study.study import read_study
 
 

@@ -7,7 +7,7 @@ import warnings
 import numpy as np
 import pytest
 
-from contact_study.errors import InputError
+from contact_study.inputs.errors import InputError
 from contact_study.results.schema import COORDINATES, VARIABLES, quantity_of
 from contact_study.study.case import realise
 from contact_study.study.study import make_study

@@ -4,9 +4,9 @@ from abc import ABC, abstractmethod
 
 import numpy as np
 
+from contact_study.inputs.units import stress
 from contact_study.numerics.arguments import finite
 from contact_study.physics.laws.base import TractionLaw
-from contact_study.units import stress
 from theory.gap_flow.state import GapState
 
 # What helps where a curve ends early.

@@ -8,7 +8,7 @@ from functools import cached_property, lru_cache, partial
 
 import numpy as np
 
-from contact_study.errors import InputError
+from contact_study.inputs.errors import InputError
 from contact_study.physics.roughness.spectrum import RoughnessSpectrum
 from contact_study.physics.surfaces.surface import Surface
 from contact_study.results.schema import SPECTRUM_MARK

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from contact_study.campaign.model import MODELS
-from contact_study.errors import InputError
+from contact_study.inputs.errors import InputError
 from contact_study.physics.solids import Elasticity
 from contact_study.physics.surfaces.scales import SurfaceScales
 from contact_study.physics.surfaces.surface import Surface

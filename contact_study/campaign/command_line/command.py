@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Any, NoReturn
 
 from contact_study.campaign.engines import ENGINES, CampaignError
 from contact_study.campaign.model import Model
-from contact_study.errors import InputError
+from contact_study.inputs.errors import InputError
 from contact_study.study.schema.dotted_keys import all_keys
 from contact_study.study.schema.keys import as_written, replacement, suggestion
 from contact_study.version import __version__
@@ -167,7 +167,7 @@ def _inspect(given: argparse.Namespace, output: Path | None, overrides: Mapping[
     """Describe a surface."""
     from contact_study.campaign.command_line.inspection import inspect
     from contact_study.campaign.store.files import check_inputs_kept, writable_output
-    from contact_study.files import require_file
+    from contact_study.inputs.files import require_file
 
     if given.study is not None:
         raise InputError(f"{given.study}: --inspect takes the map or the study, and runs none")

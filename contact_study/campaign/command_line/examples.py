@@ -4,7 +4,7 @@ import tomllib
 from importlib.resources import files
 from importlib.resources.abc import Traversable
 
-from contact_study.errors import InputError
+from contact_study.inputs.errors import InputError
 from contact_study.study.schema.keys import suggestion
 
 _SUFFIX = ".toml"

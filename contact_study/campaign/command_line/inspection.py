@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 
 from contact_study.campaign.store.files import write_aside
-from contact_study.errors import InputError
+from contact_study.inputs.errors import InputError
 from contact_study.numerics.grid import Grid
 from contact_study.physics.roughness.power_law import PowerSpectrum
 from contact_study.physics.roughness.statistics import Roughness

@@ -13,7 +13,7 @@ import xarray as xr
 from contact_study.campaign.dataset.states import States, states_file
 from contact_study.campaign.store.files import write_aside
 from contact_study.campaign.store.formats import engine_of, is_dataset, is_zarr, readable
-from contact_study.errors import InputError
+from contact_study.inputs.errors import InputError
 from contact_study.numerics.distributions import Bins
 from contact_study.results.schema import COORDINATES, LABELS, TRAJECTORY, variable_of
 from contact_study.study.study import Study

@@ -20,7 +20,7 @@ from contact_study.campaign.record import (
     value_of,
 )
 from contact_study.campaign.store.formats import engine_of, readable, require_dataset
-from contact_study.errors import InputError
+from contact_study.inputs.errors import InputError
 from contact_study.results.state import usable
 from contact_study.study.case import Case
 from contact_study.study.load_steps import path_points, path_points_of

@@ -15,7 +15,7 @@ from contact_study.campaign.dataset.file import ExistingDataset
 from contact_study.campaign.model import Model, check_study
 from contact_study.campaign.record import Run, RunRecord
 from contact_study.campaign.store.formats import engine_of, readable
-from contact_study.errors import InputError
+from contact_study.inputs.errors import InputError
 from contact_study.results.schema import CONVENTIONS, LABELS
 from contact_study.version import __version__
 

@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 
 from contact_study.campaign.store.files import named_file, writable_output
-from contact_study.errors import InputError
+from contact_study.inputs.errors import InputError
 
 # VTK has no units; the arrays have them in their names.
 _FIELDS = {"gap": ("gap (nm)", 1e9), "pressure": ("pressure (MPa)", 1e-6), "height": ("height (nm)", 1e9)}

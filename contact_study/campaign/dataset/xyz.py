@@ -9,7 +9,7 @@ import xarray as xr
 from scipy import constants
 
 from contact_study.campaign.store.files import named_file, writable_output, write_aside
-from contact_study.errors import InputError
+from contact_study.inputs.errors import InputError
 
 if TYPE_CHECKING:
     from ase import Atoms

@@ -9,7 +9,7 @@ from functools import partial
 from typing import Any
 
 from contact_study.campaign.engines.base import CampaignError, Engine, Report, Task
-from contact_study.errors import InputError
+from contact_study.inputs.errors import InputError
 
 __all__ = ["ENGINES", "CampaignError", "check", "run"]
 

@@ -16,7 +16,7 @@ from typing import Any
 
 from contact_study.campaign.engines.base import CampaignError, Report, Task
 from contact_study.campaign.memory import set_share
-from contact_study.errors import InputError
+from contact_study.inputs.errors import InputError
 from contact_study.version import __version__
 
 _TIMEOUT = "10s"  # for the answer of a scheduler

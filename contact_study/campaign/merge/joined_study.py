@@ -13,7 +13,7 @@ from contact_study.campaign.model import MODELS, Model
 from contact_study.campaign.record import Differences, RunRecord, describe_differences, differences, key_values
 from contact_study.campaign.store.files import real
 from contact_study.campaign.store.formats import engine_of, readable, require_dataset
-from contact_study.errors import InputError
+from contact_study.inputs.errors import InputError
 from contact_study.study.case import Case
 from contact_study.study.schema.dotted_keys import SECTIONS, WHOLE_STUDY, same
 from contact_study.study.schema.keys import default_of, keys_of, suggestion

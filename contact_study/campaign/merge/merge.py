@@ -19,7 +19,7 @@ from contact_study.campaign.resume.resume import COARSER_BINS
 from contact_study.campaign.resume.work_directory import WorkDirectory
 from contact_study.campaign.store.files import real, writable_output
 from contact_study.campaign.store.formats import check_name
-from contact_study.errors import InputError
+from contact_study.inputs.errors import InputError
 from contact_study.numerics.distributions import Bins
 from contact_study.study.bins import bins_of
 from contact_study.study.study import Study

@@ -11,7 +11,7 @@ from contact_study.campaign.record import (
     differences,
     nearest,
 )
-from contact_study.errors import InputError
+from contact_study.inputs.errors import InputError
 from contact_study.numerics.distributions import Bins
 from contact_study.study.case import Case
 from contact_study.study.load_steps import path_points_of

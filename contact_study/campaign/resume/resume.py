@@ -19,7 +19,7 @@ from contact_study.campaign.record import Run, RunRecord
 from contact_study.campaign.resume.matching import Match, NotKeptError, match
 from contact_study.campaign.resume.work_directory import WorkDirectory
 from contact_study.campaign.store.case_file import CaseFile, write_case
-from contact_study.errors import InputError
+from contact_study.inputs.errors import InputError
 from contact_study.numerics.distributions import Bins
 
 # Fingerprint of the gap field that a step started from.

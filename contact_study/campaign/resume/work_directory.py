@@ -20,8 +20,8 @@ from contact_study.campaign.engines.base import CampaignError
 from contact_study.campaign.store.case_file import CaseFile
 from contact_study.campaign.store.files import load_json, save_json
 from contact_study.campaign.store.formats import mark_of, move_dataset, restore_dataset
-from contact_study.errors import InputError
-from contact_study.files import has_locks
+from contact_study.inputs.errors import InputError
+from contact_study.inputs.files import has_locks
 
 _REPLACES, _STORAGE, _COMMIT = "replaces", "storage", "git_commit"
 _STORAGE_VERSION = 2  # one file per case; version 1 had a folder per case with one file per step

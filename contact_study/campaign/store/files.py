@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from contact_study.campaign.store.formats import check_format, is_zarr
-from contact_study.errors import InputError
+from contact_study.inputs.errors import InputError
 
 
 def named_file(name: str | Path) -> Path:

@@ -6,8 +6,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from contact_study.errors import InputError
-from contact_study.files import what_is_at
+from contact_study.inputs.errors import InputError
+from contact_study.inputs.files import what_is_at
 
 _STORE = (".zgroup", "zarr.json")  # files of a Zarr folder, formats 2 and 3
 

@@ -11,13 +11,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from contact_study import plugins
 from contact_study.campaign.engines.base import CampaignError, Report
 from contact_study.campaign.memory import require
 from contact_study.campaign.model import Model
 from contact_study.campaign.record import content_hash
 from contact_study.campaign.store.case_file import CaseFile, CaseWriter
 from contact_study.campaign.worker.ensemble import Averages, restart_of
+from contact_study.inputs import plugins
 from contact_study.numerics.distributions import Bins
 from contact_study.physics.surfaces.surface import Surface
 from contact_study.results.constants import roughness_values

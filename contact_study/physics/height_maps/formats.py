@@ -13,10 +13,10 @@ from typing import Any
 
 import numpy as np
 
-from contact_study.errors import InputError
+from contact_study.inputs.errors import InputError
+from contact_study.inputs.units import quantity
 from contact_study.physics.height_maps.grid import line_scan, step_of
 from contact_study.physics.height_maps.text import RawMap, read_points, read_text
-from contact_study.units import quantity
 
 Channel = str | int | None
 

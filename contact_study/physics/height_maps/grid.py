@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
-from contact_study.errors import InputError
+from contact_study.inputs.errors import InputError
 
 # Largest distance of a coordinate from its place on an even grid, in steps: what rounded decimals and single
 # precision leave, and far less than the height changes over.

@@ -5,12 +5,12 @@ from pathlib import Path
 
 import numpy as np
 
-from contact_study import units
-from contact_study.errors import InputError
-from contact_study.files import require_file
+from contact_study.inputs import units
+from contact_study.inputs.errors import InputError
+from contact_study.inputs.files import require_file
+from contact_study.inputs.units import length
 from contact_study.physics.height_maps.formats import Channel, RawMap, read_map
 from contact_study.physics.height_maps.grid import line_scan
-from contact_study.units import length
 
 # A cell wider than this (m) was written in another unit: no instrument that resolves roughness reaches as far.
 WIDEST = 0.1

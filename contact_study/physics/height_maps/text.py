@@ -8,9 +8,9 @@ from pathlib import Path
 
 import numpy as np
 
-from contact_study.errors import InputError
+from contact_study.inputs.errors import InputError
+from contact_study.inputs.units import quantity
 from contact_study.physics.height_maps.grid import gridded
-from contact_study.units import quantity
 
 # Letters of a line that a message shows.
 _SHOWN = 40

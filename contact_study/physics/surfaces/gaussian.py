@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from contact_study.errors import InputError
+from contact_study.inputs.errors import InputError
 from contact_study.physics.roughness.spectrum import SelfAffineSpectrum
 from contact_study.physics.surfaces.scales import SurfaceScales
 from contact_study.physics.surfaces.surface import BandLimitedSurface

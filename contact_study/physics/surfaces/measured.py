@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from contact_study.errors import InputError
+from contact_study.inputs.errors import InputError
 from contact_study.numerics import fourier
 from contact_study.numerics.grid import Grid
 from contact_study.physics.height_maps import preparation

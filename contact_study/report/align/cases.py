@@ -11,7 +11,7 @@ import xarray as xr
 
 from contact_study.report.models import entry_of
 from contact_study.report.read.load_steps import averaged, samples_in, swept_dims
-from contact_study.report.wording import coordinate_label
+from contact_study.report.text.wording import coordinate_label
 from contact_study.results.schema import REALISED
 from contact_study.results.state import usable
 from contact_study.study.load_steps import PathPoint, path_points

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 import xarray as xr
 
-from contact_study.errors import InputError
+from contact_study.inputs.errors import InputError
 from contact_study.numerics import fourier
 from contact_study.numerics.grid import Grid
 from contact_study.physics.solids import Elasticity

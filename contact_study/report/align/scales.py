@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import xarray as xr
 
-from contact_study.plots.units import Unit, pressure_unit
+from contact_study.plots.style import Unit, pressure_unit
 from contact_study.report.align.cases import SweepPoint, first_constant, sweep_points
 
 

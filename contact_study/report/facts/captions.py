@@ -15,8 +15,8 @@ from contact_study.report.align.states import resolving
 from contact_study.report.facts.shown_states import PanelPoints, common_label, point_label, state_label
 from contact_study.report.models import entry_of
 from contact_study.report.read.datasets import Inputs
-from contact_study.report.rendering import paragraphs
-from contact_study.report.wording import listed, listed_points
+from contact_study.report.text.rendering import paragraphs
+from contact_study.report.text.wording import listed, listed_points
 from contact_study.study.load_steps import PathPoint
 
 _ROUNDING = 1e-6  # of h_rms: what a gap prescribed as zero may differ from it

@@ -6,15 +6,15 @@ from dataclasses import dataclass
 import numpy as np
 import xarray as xr
 
-from contact_study.plots.units import length_unit, pressure_unit
+from contact_study.plots.style import length_unit, pressure_unit
 from contact_study.report.align.cases import SweepPoint, case_points, select, sweep_points
 from contact_study.report.align.deviations import COMPARED, compute_deviations, split_pair
 from contact_study.report.align.scales import scales
 from contact_study.report.facts.ranking import AREA, GAP, Ranking, rank_models
 from contact_study.report.models import TARGET, entry_of, kind_of, spectrum_of
 from contact_study.report.read.load_steps import averaged, on_common_path, samples_in
-from contact_study.report.rendering import paragraphs
-from contact_study.report.wording import PRESCRIBED, number
+from contact_study.report.text.rendering import paragraphs
+from contact_study.report.text.wording import PRESCRIBED, number
 from contact_study.results.state import usable
 from contact_study.study.load_steps import PathPoint
 

@@ -6,11 +6,19 @@ from typing import Any
 
 import numpy as np
 
-from contact_study.errors import InputError
+from contact_study.inputs.errors import InputError
 from contact_study.report.models import TARGET, entry_of, spectrum_of
 from contact_study.report.read.datasets import Inputs
-from contact_study.report.rendering import paragraphs
-from contact_study.report.wording import control_unit, coordinate_label, length, listed, listed_points, number, varied
+from contact_study.report.text.rendering import paragraphs
+from contact_study.report.text.wording import (
+    control_unit,
+    coordinate_label,
+    length,
+    listed,
+    listed_points,
+    number,
+    varied,
+)
 from contact_study.study.case import Case
 from contact_study.study.schema.keys import keys_of
 

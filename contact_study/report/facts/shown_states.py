@@ -14,7 +14,7 @@ from contact_study.report.align.cases import (
     sweep_points,
 )
 from contact_study.report.align.scales import Scales, common_scales, scales
-from contact_study.report.wording import PRESCRIBED, length, number, pressure
+from contact_study.report.text.wording import PRESCRIBED, length, number, pressure
 from contact_study.study.load_steps import PathPoint
 
 # p/E* of figures 1b and 2b of Yang et al., EPL 84, 46004 (2008); their panels a state none.

@@ -8,7 +8,7 @@ from typing import Any
 
 import xarray as xr
 
-from contact_study.errors import InputError
+from contact_study.inputs.errors import InputError
 from contact_study.physics.laws import TractionLaw
 from contact_study.report.models import entry_of, file_kinds, in_order, kind_of, of_file, spectrum_of
 from contact_study.report.read.files import branches_in, models_in, open_groups, unknown_theories

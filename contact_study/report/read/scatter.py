@@ -5,7 +5,7 @@ from pathlib import Path
 
 import xarray as xr
 
-from contact_study.errors import InputError
+from contact_study.inputs.errors import InputError
 from contact_study.report.models import is_simulated
 from contact_study.report.read.datasets import Inputs
 from contact_study.report.read.files import open_groups

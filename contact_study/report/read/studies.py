@@ -14,7 +14,7 @@ import numpy as np
 import xarray as xr
 
 from contact_study.campaign.record import RunRecord, differences, key_values, recorded_height_maps
-from contact_study.errors import InputError
+from contact_study.inputs.errors import InputError
 from contact_study.report.models import TARGET, is_simulated
 from contact_study.report.read.load_steps import SEED, positions, swept_dims
 from contact_study.study.case import Case

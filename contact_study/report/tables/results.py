@@ -5,7 +5,7 @@ from collections.abc import Mapping
 import numpy as np
 import xarray as xr
 
-from contact_study.plots.units import Unit
+from contact_study.plots.style import Unit
 from contact_study.report.align.cases import SweepPoint, case_points, select, series, sweep_points
 from contact_study.report.align.deviations import COMPARED, DETACHED, NOT_CONVERGED, split_pair
 from contact_study.report.align.scales import Scales, scales
@@ -13,7 +13,7 @@ from contact_study.report.facts.findings import Spread, pair_spread
 from contact_study.report.facts.ranking import AREA, GAP, on_shared_states
 from contact_study.report.models import entry_of
 from contact_study.report.tables.table import NOTHING, Table
-from contact_study.report.wording import PRESCRIBED, control_unit, fixed, number, percent, percent_of, with_error
+from contact_study.report.text.wording import PRESCRIBED, control_unit, fixed, number, percent, percent_of, with_error
 from contact_study.study.load_steps import PathPoint
 
 

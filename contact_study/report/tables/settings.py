@@ -5,11 +5,11 @@ from collections.abc import Mapping
 import numpy as np
 import xarray as xr
 
-from contact_study.plots.units import Unit, length_unit, pressure_unit
+from contact_study.plots.style import Unit, length_unit, pressure_unit
 from contact_study.report.align.cases import constant, first_constant, select, sweep_points
 from contact_study.report.models import entry_of
 from contact_study.report.tables.table import NOTHING, Table, fixed_or_nothing
-from contact_study.report.wording import number
+from contact_study.report.text.wording import number
 from contact_study.results.schema import RESOLUTION_ERROR
 
 # Of a pull-off pressure in the unit of the contact modulus.

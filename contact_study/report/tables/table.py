@@ -4,7 +4,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from contact_study.report.wording import fixed
+from contact_study.report.text.wording import fixed
 
 NOTHING = "–"
 

@@ -22,8 +22,8 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from contact_study import units
-from contact_study.errors import InputError
+from contact_study.inputs import units
+from contact_study.inputs.errors import InputError
 from contact_study.physics.laws.base import TractionLaw
 from contact_study.physics.solids import Measured, contact_modulus_of
 from contact_study.study.case import Case

@@ -3,14 +3,14 @@
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
-from contact_study.errors import InputError
+from contact_study.inputs.errors import InputError
+from contact_study.inputs.units import length
 from contact_study.physics.laws import LAWS
 from contact_study.physics.surfaces.scales import SurfaceScales
 from contact_study.physics.tabor import JKR_LIKE, SHARE_OF_HEIGHT, longest_range, tabor_parameter
 from contact_study.study.case import Case
 from contact_study.study.schema.interaction import AUTO, INTERACTIONS, LENGTH
 from contact_study.study.schema.keys import default_of, keys_of
-from contact_study.units import length
 
 
 def with_length(

@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from contact_study import units
-from contact_study.errors import InputError
-from contact_study.files import refuse_endless
+from contact_study.inputs import units
+from contact_study.inputs.errors import InputError
+from contact_study.inputs.files import refuse_endless
 
 # Letters of a line that a message shows.
 _SHOWN = 40

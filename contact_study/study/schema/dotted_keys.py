@@ -4,7 +4,7 @@ import math
 from collections.abc import Iterator
 from typing import Any
 
-from contact_study.errors import InputError
+from contact_study.inputs.errors import InputError
 from contact_study.study.schema import sections
 from contact_study.study.schema.elasticity import ELASTICITIES
 from contact_study.study.schema.interaction import INTERACTIONS

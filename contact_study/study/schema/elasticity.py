@@ -4,7 +4,7 @@ from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from contact_study.errors import InputError
+from contact_study.inputs.errors import InputError
 from contact_study.physics.solids import Elasticity, HalfSpace, Layer, Layered, Measured, Viscoelastic
 from contact_study.physics.solids.half_space import indentation_modulus, stiffnesses
 from contact_study.study.schema.keys import TaggedUnion, choice, key, quantity, sequence, text

@@ -5,7 +5,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from contact_study.errors import InputError
+from contact_study.inputs.errors import InputError
 from contact_study.physics.laws import LAWS, HardWall, TabulatedLaw, TractionLaw
 from contact_study.physics.laws.dugdale import RAMP
 from contact_study.study.schema.keys import TaggedUnion, key, or_word, quantity, sequence, text

@@ -12,8 +12,8 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
-from contact_study import units
-from contact_study.errors import InputError
+from contact_study.inputs import units
+from contact_study.inputs.errors import InputError
 
 Reader = tuple[Callable[[Any, str], Any], str]  # how a value is read, and its kind in words
 

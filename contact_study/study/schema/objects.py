@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from typing import Any
 
-from contact_study.errors import InputError
+from contact_study.inputs.errors import InputError
 from contact_study.physics.laws import LAWS, TractionLaw
 from contact_study.physics.solids import Elasticity
 from contact_study.study.schema.elasticity import ELASTICITIES

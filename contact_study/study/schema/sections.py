@@ -4,7 +4,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from contact_study.errors import InputError
+from contact_study.inputs.errors import InputError
+from contact_study.inputs.units import is_a, unit_of
 from contact_study.physics.roughness.tabulated_spectrum import TabulatedSpectrum
 from contact_study.study.schema.keys import (
     choice,
@@ -18,7 +19,6 @@ from contact_study.study.schema.keys import (
     sequence,
     text,
 )
-from contact_study.units import is_a, unit_of
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from contact_study.errors import InputError
+from contact_study.inputs.errors import InputError
 from contact_study.physics.height_maps.height_map import read_height_map
 from contact_study.physics.roughness.spectrum import SelfAffineSpectrum
 from contact_study.physics.roughness.tabulated_spectrum import TabulatedSpectrum

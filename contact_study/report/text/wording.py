@@ -6,9 +6,9 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from contact_study.inputs.units import quantity
 from contact_study.physics.laws import LAWS
-from contact_study.plots.units import Unit, length_unit, pressure_unit
-from contact_study.units import quantity
+from contact_study.plots.style import Unit, length_unit, pressure_unit
 
 _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 

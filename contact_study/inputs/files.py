@@ -8,7 +8,7 @@ from pathlib import Path
 
 import platformdirs
 
-from contact_study.errors import InputError
+from contact_study.inputs.errors import InputError
 
 try:
     import fcntl

@@ -1,11 +1,11 @@
 """Laws, solids, surfaces and observables from outside: modules that installed packages name as plug-ins.
 
 A plug-in is a module that calls :func:`contact_study.register_law` and its like when it is imported. A package names it
-under the entry points ``contact_study.plugins``; it then works in every command and on every worker. A script that
-registers at its top level needs no entry point.
+under the entry points ``contact_study.plugins``; it then works in every command and on every worker. A script
+that registers at its top level needs no entry point.
 """
 
-from contact_study.errors import InputError
+from contact_study.inputs.errors import InputError
 
 GROUP = "contact_study.plugins"
 _loaded = False

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from functools import cache, lru_cache
 from typing import Any
 
-from contact_study.errors import InputError
-from contact_study.files import own_cache_folder
+from contact_study.inputs.errors import InputError
+from contact_study.inputs.files import own_cache_folder
 
 # Moments take the fifth power of a wavevector: within these limits no product over- or underflows.
 SMALLEST, LARGEST = 1e-40, 1e40

@@ -6,9 +6,9 @@ from typing import Any
 import jinja2
 from markupsafe import Markup, escape
 
-from contact_study.report import wording
+from contact_study.inputs.units import quantity
 from contact_study.report.models import entry_of
-from contact_study.units import quantity
+from contact_study.report.text import wording
 
 # Symbols whose subscripts are set as such; study text is full of underscores that are none.
 _SUBSCRIPTS = re.compile(r"\b(h|U|σ|d|q)_(rms|full|max|eq|L|a)\b")
@@ -39,7 +39,7 @@ def capitalised(words: str) -> str:
 
 def _environment(autoescape: bool) -> jinja2.Environment:
     environment = jinja2.Environment(
-        loader=jinja2.PackageLoader("contact_study.report", "templates"),
+        loader=jinja2.PackageLoader("contact_study.report", "text"),
         autoescape=autoescape,
         trim_blocks=autoescape,  # of HTML alone: in paragraphs a line break is a space
         lstrip_blocks=autoescape,

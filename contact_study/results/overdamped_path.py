@@ -10,7 +10,7 @@ from typing import Protocol, TypeVar
 
 import numpy as np
 
-from contact_study.errors import InputError
+from contact_study.inputs.errors import InputError
 from contact_study.numerics.gradient_flow import Advance, Instant, Overdamped, Status, StepControl, at_rest, follow
 from contact_study.results.state import Ensemble, InterfaceState, SlowMotion, SolverReport
 from contact_study.study.case import Case
