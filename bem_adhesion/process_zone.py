@@ -3,7 +3,6 @@
 import math
 
 import numpy as np
-from scipy.fft import next_fast_len
 
 from contact_study.inputs.units import length
 from contact_study.physics.laws.base import TractionLaw
@@ -32,6 +31,8 @@ def resolves(spacing: float, zone: float) -> bool:
 
 def resolving_shape(size: tuple[float, float], zone: float) -> tuple[int, int]:
     """Return points along y and x that resolve a process zone (m): even, with small prime factors."""
+    from scipy.fft import next_fast_len  # slow to import
+
     y, x = (2 * int(next_fast_len(math.ceil(POINTS_PER_PROCESS_ZONE * side / zone / 2), real=True)) for side in size)
     return y, x
 

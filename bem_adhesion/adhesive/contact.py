@@ -11,7 +11,6 @@ from dataclasses import replace
 from threading import RLock
 
 import numpy as np
-from scipy.optimize import brentq
 
 from bem_adhesion.adhesive.multigrid import MultigridSolver
 from bem_adhesion.adhesive.options import AdhesiveOptions
@@ -45,6 +44,8 @@ def reach(law: TractionLaw) -> float:
         nearer, farther = farther, 2 * farther
     # SciPy's default tolerance is a length in metres, a hundredth of an atom's.
     exact = 1e-12 * law.length
+    from scipy.optimize import brentq  # slow to import
+
     return float(brentq(lambda gap: float(law.traction(np.array(gap))) - no_tension, nearer, farther, xtol=exact))
 
 

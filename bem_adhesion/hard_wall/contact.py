@@ -10,7 +10,6 @@ from dataclasses import replace
 from functools import cache
 
 import numpy as np
-from scipy.optimize import brentq
 
 from bem_adhesion.arguments import check_arguments
 from bem_adhesion.hard_wall.options import HardWallOptions
@@ -56,6 +55,8 @@ def find_pressure(
         low, high = low - stride, low
     while left(high) > 0 and high < top:
         low, high = high, min(high + stride, top)
+    from scipy.optimize import brentq  # slow to import
+
     root = high if left(high) >= 0 else brentq(left, low, high, xtol=1e-15, rtol=1e-14)
     return latest[1] if latest and latest[0] == root else at(root)
 
