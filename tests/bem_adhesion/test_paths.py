@@ -209,7 +209,7 @@ def test_where_the_least_step_does_not_converge_the_path_says_so_and_keeps_the_s
     assert found.outcome is Outcome.LEAST_STEP
     assert not found.converged
     assert "loading.resolution" in found.message
-    assert "not in balance, on the way to this point, not at it" in found.message
+    assert "the values at this load step are not an equilibrium" in found.message
     assert 0.69 <= account.position <= 0.7
     assert found.state.mean() == account.position, "the last state that converged"
     assert found.pressure.mean() > 0.7, "and beside it what the step left"
