@@ -52,7 +52,7 @@ def test_wheel_holds_the_packages_and_nothing_else(wheel):
     tops = {name.partition("/")[0] for name in names}
     assert tops == {*PACKAGES, f"bem_adhesion-{contact_study.__version__}.dist-info"}
     studies = {file.name for file in (ROOT / "contact_study" / "example_studies").iterdir()}
-    assert {name.rpartition("/")[2] for name in names if name.endswith(".toml")} == studies
+    assert {name.rpartition("/")[2] for name in names if name.endswith(".toml")} == {*studies, "models.toml"}
     modules = {str(file.relative_to(ROOT)) for package in PACKAGES for file in (ROOT / package).rglob("*.py")}
     assert {name for name in names if name.endswith(".py")} == modules
     assert {name for name in names if name.endswith("py.typed")} == {f"{package}/py.typed" for package in PACKAGES}
