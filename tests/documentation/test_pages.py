@@ -1,6 +1,8 @@
 """Links of the documentation lead somewhere, what it says to type exists, and its sources were read."""
 
+import csv
 import re
+from pathlib import Path
 
 import pytest
 
@@ -23,8 +25,11 @@ SOURCES = sorted(file for package in PACKAGES for file in (ROOT / package).rglob
 def anchors(page):
     """Anchors of a page's headings, as GitHub and MyST make them."""
     text = re.sub(r"```.*?```", "", page.read_text(encoding="utf-8"), flags=re.DOTALL)
-    headings = re.findall(r"^#{1,6} (.+)$", text, flags=re.MULTILINE)
-    return {re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-") for heading in headings}
+    return {slug(heading) for heading in re.findall(r"^#{1,6} (.+)$", text, flags=re.MULTILINE)}
+
+
+def slug(heading):
+    return re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-")
 
 
 def faults(page):
@@ -79,3 +84,27 @@ def test_the_citation_is_of_this_version():
 def test_every_page_of_the_site_is_in_its_contents():
     listed = re.findall(r"^([a-z_0-9]+)$", (ROOT / "docs" / "index.md").read_text(encoding="utf-8"), flags=re.MULTILINE)
     assert {page.stem for page in (ROOT / "docs").glob("*.md")} == {*listed, "index"}
+
+
+def section_of(page, anchor):
+    """The text below a heading, down to the next one of its rank or above."""
+    lines, rank, found = page.read_text(encoding="utf-8").splitlines(), 0, []
+    for line in lines:
+        heading = re.match(r"(#{1,6}) (.+)$", line)
+        if heading and rank and len(heading[1]) <= rank:
+            break
+        if heading and slug(heading[2]) == anchor:
+            rank = len(heading[1])
+        if rank:
+            found.append(line)
+    return "\n".join(found)
+
+
+def test_questions_of_users_have_answers():
+    """Each has a page and a heading, whose text holds the words that one would look for."""
+    with (Path(__file__).parent / "questions.csv").open(encoding="utf-8", newline="") as stream:
+        questions = list(csv.DictReader(stream))
+    assert len(questions) >= 60
+    for one in questions:
+        section = section_of(ROOT / "docs" / f"{one['page']}.md", one["anchor"])
+        assert one["words"].lower() in section.lower(), one
