@@ -384,6 +384,84 @@ def performance() -> Figure:
     return made
 
 
+def _chart(
+    boxes: dict[str, tuple[float, float, str]], ways: list[tuple[str, str, str]], size: tuple[float, float]
+) -> Figure:
+    """Boxes by name with their centres and texts, and arrows between them with a word each."""
+    made, (axes,) = _axes(*size)
+    axes.set(xlim=(0, 10), ylim=(0, 10))
+    axes.axis("off")
+    drawn = {}
+    for name, (x, y, text) in boxes.items():
+        colour = "#fff3d6" if text.endswith("?") else SOLID
+        style = {"boxstyle": "round,pad=0.45", "facecolor": colour, "edgecolor": "0.5", "linewidth": 0.6}
+        drawn[name] = axes.text(x, y, text, ha="center", va="center", bbox=style).get_bbox_patch()
+    for start, end, word in ways:
+        (x, y, _), (to_x, to_y, _) = boxes[start], boxes[end]
+        bend = 0.9 if (end, start) in [way[:2] for way in ways] and y < to_y else 0.0
+        arrow = {"arrowstyle": "->", "color": "0.4", "patchA": drawn[start], "patchB": drawn[end], "shrinkA": 1}
+        arrow |= {"shrinkB": 1, "connectionstyle": f"arc3,rad={bend}"}
+        axes.annotate("", (to_x, to_y), (x, y), arrowprops=arrow)
+        place = {"fontsize": 7, "color": "0.3", "ha": "center", "va": "center"}
+        beside = 0.45 * bend * (to_y - y)
+        axes.text((x + to_x) / 2 + beside, (y + to_y) / 2, word, **place, backgroundcolor="white" if word else "none")
+    return made
+
+
+@figure
+def choosing_tree() -> Figure:
+    """Questions that lead to a model."""
+    boxes = {
+        "spectrum": (1.6, 9.0, "spectrum only?"),
+        "theory": (1.6, 6.2, "persson-theory"),
+        "lattice": (4.4, 9.0, "lattice or\ntemperature?"),
+        "atoms": (4.4, 6.2, "md-reference"),
+        "adhesion": (7.2, 9.0, "adhesion?"),
+        "wall": (9.1, 6.2, 'law =\n"hard_wall"'),
+        "soft": (6.6, 4.0, "soft or large\nbody?"),
+        "auto": (4.2, 1.2, 'law = "exponential"\nlength = "auto"'),
+        "atomic": (8.4, 1.2, "law and range of\nthe interaction"),
+    }
+    ways = [
+        ("spectrum", "theory", "yes"),
+        ("spectrum", "lattice", "no"),
+        ("lattice", "atoms", "yes"),
+        ("lattice", "adhesion", "no"),
+        ("adhesion", "wall", "no"),
+        ("adhesion", "soft", "yes"),
+        ("soft", "auto", "yes"),
+        ("soft", "atomic", "no"),
+    ]
+    return _chart(boxes, ways, (6.4, 3.6))
+
+
+@figure
+def load_step() -> Figure:
+    """States of a load step of the adhesive solver."""
+    boxes = {
+        "guess": (1.3, 8.8, "coarse grids\npredict"),
+        "newton": (5.0, 8.8, "Newton step"),
+        "balance": (5.0, 5.6, "in balance?"),
+        "saddle": (5.0, 2.4, "negative\ncurvature?"),
+        "done": (8.8, 2.4, "converged"),
+        "apart": (8.8, 8.8, "detached"),
+        "flag": (8.8, 5.6, "not converged"),
+        "leave": (1.3, 2.4, "leave the\nsaddle downhill"),
+    }
+    ways = [
+        ("guess", "newton", ""),
+        ("newton", "balance", ""),
+        ("balance", "newton", "no"),
+        ("balance", "saddle", "yes"),
+        ("balance", "flag", "limit reached"),
+        ("saddle", "done", "no"),
+        ("saddle", "leave", "yes"),
+        ("leave", "newton", ""),
+        ("newton", "apart", "all past the peak"),
+    ]
+    return _chart(boxes, ways, (6.4, 3.2))
+
+
 @figure
 def overview() -> Figure:
     """The problem, a gap map and contact area against pressure, from the datasets of make paper."""
