@@ -1,4 +1,4 @@
-"""Check the words that users and readers meet: docstrings, comments, messages, help texts and long names.
+"""Check the words that users and readers meet: pages, docstrings, comments, messages, help texts and long names.
 
 The rules are those of the style guide in CONTRIBUTING: no banned words, sentences of at most 25 words on the first
 line of a docstring and 40 elsewhere, ``long_name`` and help texts of at most 90 characters, and numpydoc sections with
@@ -25,6 +25,7 @@ from typing import NamedTuple
 ROOT = Path(__file__).resolve().parent.parent
 PACKAGES = ("contact_study", "bem_adhesion", "md_reference", "theory")
 SUMMARY_WORDS, SENTENCE_WORDS, NAME_CHARACTERS = 25, 40, 90
+BUDGETS = {"README.md": 700, "CHANGELOG.md": 1500, "docs": 28_000}  # words
 BANNED = (
     "anew",
     "as ever",
@@ -77,7 +78,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--count", action="store_true", help="number of findings by rule and package")
     given = parser.parse_args()
-    findings = [*_texts(), *_public(), *_long_names()]
+    findings = [*_texts(), *_public(), *_long_names(), *_pages()]
     if given.count:
         for (rule, package), number in sorted(Counter((f.rule, f.file.split("/")[0]) for f in findings).items()):
             print(f"{rule:24} {package:16} {number}")
@@ -151,6 +152,22 @@ def _public() -> Iterator[Finding]:
             for section in sorted(owed - set(_section.findall(text))):
                 if not (section == "Parameters" and "Attributes" in text):
                     yield Finding("public docstring", where, inspect.getsourcelines(thing)[1], f"{name}: no {section}")
+
+
+def _pages() -> Iterator[Finding]:
+    """Findings in the pages of the site, and pages above their budget of words."""
+    pages = [ROOT / name for name in BUDGETS if (ROOT / name).is_file()] + sorted((ROOT / "docs").glob("*.md"))
+    for path in pages:
+        name, text = str(path.relative_to(ROOT)), path.read_text(encoding="utf-8")
+        prose = re.sub(r"```.*?```|<!-- (?:checked )?table.*?<!-- end -->|\$\$.*?\$\$", "", text, flags=re.DOTALL)
+        prose = "\n\n".join(line if line.strip()[:1] not in "|#-!" else "" for line in prose.splitlines() if line)
+        yield from _words(name, 1, prose)
+    for name, budget in BUDGETS.items():
+        path = ROOT / name
+        files = sorted(path.glob("*.md")) if path.is_dir() else [path]
+        words = sum(len(file.read_text(encoding="utf-8").split()) for file in files)
+        if words > budget:
+            yield Finding("word budget", name, 1, f"{words} words of {budget}")
 
 
 def _has_no_arguments(thing: type) -> bool:
