@@ -1,0 +1,37 @@
+"""A surface that yields
+=====================
+
+The pressure cannot exceed the hardness, and what has yielded stays. The loop shows that unloading is elastic: it
+returns along another curve, with more contact at the same load::
+
+    python examples/hardness.py -o hardness.png
+"""
+
+import argparse
+
+import matplotlib.pyplot as plt
+
+from contact_study import run
+
+parser = argparse.ArgumentParser()
+parser.add_argument("-o", "--output", default="hardness.png", help="figure")
+
+surface = {
+    "kind": "self_affine",
+    "size": "1 um",
+    "shape": [96, 96],
+    "rms_height": "10 nm",
+    "roll_off_mode": 2,
+    "cutoff_mode": 16,
+}
+loading = {"path": ["0.1 GPa", "0.3 GPa", "0.6 GPa", "1 GPa", "1.5 GPa", "2 GPa"], "unload": True}
+
+figure, axes = plt.subplots(figsize=(5.2, 3.8), layout="constrained")
+for hardness, colour in ((None, "C0"), ("6 GPa", "C1")):
+    material = {"youngs_modulus": "100 GPa", "poissons_ratio": 0.3} | ({"hardness": hardness} if hardness else {})
+    found = run({"surface": surface, "material": material, "interaction": {"law": "hard_wall"}, "loading": loading})
+    name = f"hardness {hardness}" if hardness else "elastic"
+    axes.plot(found.mean_pressure / 1e9, found.relative_contact_area, "o-", color=colour, markersize=4, label=name)
+axes.set(xlabel="pressure (GPa)", ylabel="relative contact area")
+axes.legend(frameon=False)
+figure.savefig(parser.parse_args().output, dpi=150)
