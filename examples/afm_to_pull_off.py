@@ -1,7 +1,7 @@
 """From a height map to pull-off
 =============================
 
-A height map is pressed against a soft solid and pulled off under gap control, with adaptive load steps. The grey area
+A height map is pressed against a soft solid and pulled off under gap control, with adaptive load steps. The shaded area
 of the loop is the energy lost in jumps; its lowest point is the pull-off stress::
 
     python examples/afm_to_pull_off.py -o afm_to_pull_off.png
@@ -26,8 +26,8 @@ found = run(
     {
         "surface": {"heights": heights, "size": "1 um"},
         "material": {"youngs_modulus": "3 MPa", "poissons_ratio": 0.5},
-        "interaction": {"law": "exponential", "work_of_adhesion": "2 mJ/m^2", "length": "8 nm"},
-        "loading": {"control": "gap", "path": ["150 nm", "5 nm"], "unload": True, "adaptive": True, "resolution": 0.02},
+        "interaction": {"law": "exponential", "work_of_adhesion": "30 mJ/m^2", "length": "8 nm"},
+        "loading": {"control": "gap", "path": ["150 nm", "5 nm"], "unload": True, "adaptive": True, "resolution": 0.05},
     }
 )
 axes = plots.hysteresis_loop(found)
