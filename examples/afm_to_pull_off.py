@@ -27,7 +27,7 @@ found = run(
         "surface": {"heights": heights, "size": "1 um"},
         "material": {"youngs_modulus": "3 MPa", "poissons_ratio": 0.5},
         "interaction": {"law": "exponential", "work_of_adhesion": "30 mJ/m^2", "length": "8 nm"},
-        "loading": {"control": "gap", "path": ["150 nm", "5 nm"], "unload": True, "adaptive": True, "resolution": 0.05},
+        "loading": {"control": "gap", "path": ["150 nm", "5 nm"], "unload": True, "adaptive": True, "resolution": 0.02},
     }
 )
 axes = plots.hysteresis_loop(found)
