@@ -96,7 +96,7 @@ def _texts() -> Iterator[Finding]:
             name, source = str(path.relative_to(ROOT)), path.read_text(encoding="utf-8")
             documented = _docstrings(ast.parse(source))
             for line, text in documented.items():
-                yield from _prose(name, line, text, summary=True)
+                yield from _prose(name, line, text)
             for token in tokenize.generate_tokens(io.StringIO(source).readline):
                 if token.type == tokenize.COMMENT or (
                     token.type == tokenize.STRING and token.start[0] not in documented
@@ -119,11 +119,11 @@ def _words(name: str, line: int, text: str) -> Iterator[Finding]:
         yield Finding("banned words", name, line, found.group())
 
 
-def _prose(name: str, line: int, text: str, summary: bool) -> Iterator[Finding]:
+def _prose(name: str, line: int, text: str) -> Iterator[Finding]:
     yield from _words(name, line, text)
     body = _section.sub("", text)
     first = body.split("\n\n")[0].replace("\n", " ")
-    if summary and len(first.split()) > SUMMARY_WORDS:
+    if len(first.split()) > SUMMARY_WORDS:
         yield Finding("long summary", name, line, f"{len(first.split())} words")
     if _starts.match(first):
         yield Finding("sentence start", name, line, first[:60])
