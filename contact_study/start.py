@@ -6,9 +6,7 @@ from typing import Any
 
 from contact_study.campaign.model import MODELS
 from contact_study.inputs import plugins
-from contact_study.inputs.errors import InputError
-
-INTERRUPTED, WRONG_INPUT = 130, 1  # exit statuses
+from contact_study.inputs.errors import INTERRUPTED, WRONG_INPUT, InputError
 
 
 def bem_adhesion() -> int:
@@ -28,17 +26,17 @@ def persson_theory() -> int:
 
 def contact_compare() -> int:
     """Compare datasets."""
-    return _command("contact-compare", "contact_study.report.command")
+    return _command("contact-compare", "contact_study.command_line.compare")
 
 
 def contact_merge() -> int:
     """Merge datasets."""
-    return _command("contact-merge", "contact_study.campaign.merge.command")
+    return _command("contact-merge", "contact_study.command_line.merge")
 
 
 def _model(kind: str) -> int:
     model = MODELS[kind]
-    return _command(model.command, "contact_study.campaign.command_line.command", model)
+    return _command(model.command, "contact_study.command_line.run", model)
 
 
 def _command(name: str, module: str, *arguments: Any) -> int:

@@ -22,7 +22,7 @@ import numpy as np
 import xarray as xr
 
 import contact_study
-from contact_study.campaign.command_line.examples import example
+from contact_study.command_line.examples import example
 from contact_study.inputs.errors import InputError
 from scripts.harness import Option, program
 from scripts.state_checks.drawing import drawn

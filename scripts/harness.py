@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from contact_study.campaign.command_line.command import Parser, guarded
+from contact_study.command_line.frame import Parser, guarded
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -17,8 +17,7 @@ import time
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
-from contact_study.campaign.command_line.command import NOT_CONVERGED
-from contact_study.start import INTERRUPTED
+from contact_study.inputs.errors import INTERRUPTED, NOT_CONVERGED
 
 ROOT = Path(__file__).resolve().parent.parent
 SURFACES = {"paper": 12, "quick": 4}  # of the scatter

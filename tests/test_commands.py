@@ -13,8 +13,8 @@ import xarray as xr
 import bem_adhesion.study.model
 import md_reference.study.model
 import theory.study.model
-from contact_study.campaign.command_line.command import main
-from contact_study.report.command import main as compare
+from contact_study.command_line.compare import main as compare
+from contact_study.command_line.run import main
 from contact_study.results.schema import COORDINATES, VARIABLES
 from tests.campaign.toy_study import steps_on_disk
 

@@ -11,7 +11,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 
-from contact_study.campaign.command_line.examples import example
+from contact_study.command_line.examples import example
 
 pytestmark = pytest.mark.filterwarnings("ignore:grid too coarse")
 

@@ -25,9 +25,9 @@ MODEL = MODELS["continuum"]
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command ``bem-adhesion``; return the exit status."""
-    from contact_study.campaign.command_line import command
+    from contact_study.command_line import run
 
-    return command.main(MODEL, arguments)
+    return run.main(MODEL, arguments)
 
 
 def check(case: Case) -> None:

@@ -1,4 +1,6 @@
-"""Errors that a user can mend, shown as one line without a traceback."""
+"""Errors that a user can mend, shown as one line without a traceback, and the exit statuses of commands."""
+
+DONE, WRONG_INPUT, NOT_CONVERGED, INTERRUPTED = 0, 1, 2, 130
 
 
 class InputError(ValueError):

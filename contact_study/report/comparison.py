@@ -12,10 +12,9 @@ from typing import Any
 import xarray as xr
 
 import contact_study
-from contact_study.campaign.command_line.command import DONE, NOT_CONVERGED
 from contact_study.campaign.dataset.provenance import git_commit
 from contact_study.campaign.store.files import writable_output, writing
-from contact_study.inputs.errors import InputError
+from contact_study.inputs.errors import DONE, NOT_CONVERGED, InputError
 from contact_study.report.align.deviations import MISSING, compute_deviations, pairs_of
 from contact_study.report.align.ensemble import ensemble_statistics
 from contact_study.report.align.regime import compute_regime

@@ -50,9 +50,9 @@ _SHORTEST = 0.3
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command ``md-reference``; return the exit status."""
-    from contact_study.campaign.command_line import command
+    from contact_study.command_line import run
 
-    return command.main(MODEL, arguments)
+    return run.main(MODEL, arguments)
 
 
 def check(case: Case) -> None:

@@ -5,8 +5,8 @@ import shutil
 import pytest
 import tomli_w
 
-from contact_study.campaign.command_line.command import main
 from contact_study.campaign.store.case_file import CaseWriter
+from contact_study.command_line.run import main
 from tests.campaign.toy_model import SOLVED, TOY
 from tests.campaign.toy_study import BASE, STUDY
 

@@ -14,8 +14,8 @@ from pathlib import Path
 import pytest
 
 from contact_study.campaign import engines
-from contact_study.campaign.command_line.command import main
 from contact_study.campaign.engines import ENGINES, CampaignError
+from contact_study.command_line.run import main
 from contact_study.inputs.errors import InputError
 from tests.campaign.tasks import die, fail, square, wait_for
 from tests.campaign.toy_model import TOY

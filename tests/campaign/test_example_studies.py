@@ -11,10 +11,10 @@ import numpy as np
 import pytest
 
 from bem_adhesion.study.model import MODEL
-from contact_study.campaign.command_line.command import main
-from contact_study.campaign.command_line.examples import example, example_names
-from contact_study.campaign.merge.command import main as merge
-from contact_study.report.command import main as compare
+from contact_study.command_line.compare import main as compare
+from contact_study.command_line.examples import example, example_names
+from contact_study.command_line.merge import main as merge
+from contact_study.command_line.run import main
 from contact_study.study.study import read_study
 
 MEASURED = "measured"  # waits for the map of a user

@@ -5,8 +5,8 @@ import socket
 import pytest
 
 from contact_study.campaign import engines, memory
-from contact_study.campaign.command_line.command import main
 from contact_study.campaign.worker import runner
+from contact_study.command_line.run import main
 from contact_study.inputs.errors import InputError
 from contact_study.study.study import make_study
 from tests.campaign.toy_model import TOY

@@ -8,12 +8,12 @@ import pytest
 import tomli_w
 import xarray as xr
 
-from contact_study.campaign.command_line.command import main
 from contact_study.campaign.dataset.states import States, states_file
 from contact_study.campaign.merge import merge as merging
-from contact_study.campaign.merge.command import main as merge_main
 from contact_study.campaign.model import MODELS
 from contact_study.campaign.resume.work_directory import WorkDirectory
+from contact_study.command_line.merge import main as merge_main
+from contact_study.command_line.run import main
 from tests.campaign.toy_model import SOLVED, TOY, TOY_ATOMS
 from tests.campaign.toy_study import BASE, assert_same, changed
 

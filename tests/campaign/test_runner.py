@@ -5,8 +5,8 @@ import dataclasses
 import pytest
 
 from contact_study.campaign import engines
-from contact_study.campaign.command_line.command import main
 from contact_study.campaign.worker import runner
+from contact_study.command_line.run import main
 from tests.campaign.toy_model import TOY
 
 RUN = engines.run

@@ -4,7 +4,7 @@ import sys
 import pytest
 
 from contact_study import start
-from contact_study.start import INTERRUPTED
+from contact_study.inputs.errors import INTERRUPTED
 
 COMMANDS = ["bem-adhesion", "md-reference", "persson-theory", "contact-compare", "contact-merge"]
 

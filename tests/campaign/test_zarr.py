@@ -9,11 +9,11 @@ import xarray as xr
 
 from bem_adhesion.study.model import MODEL
 from contact_study.campaign import library
-from contact_study.campaign.command_line.command import main
-from contact_study.campaign.merge.command import main as merge
 from contact_study.campaign.model import MODELS
 from contact_study.campaign.record import content_hash
-from contact_study.report.command import main as compare
+from contact_study.command_line.compare import main as compare
+from contact_study.command_line.merge import main as merge
+from contact_study.command_line.run import main
 from tests.campaign.test_merge import WHOLE
 from tests.campaign.toy_model import SOLVED, TOY, TOY_ATOMS
 from tests.campaign.toy_study import changed

@@ -63,7 +63,7 @@ def solve_path(case, surface, restart=None, start=0, predictor=None):
 
 
 def main():
-    from contact_study.campaign.command_line.command import main as run
+    from contact_study.command_line.run import main as run
 
     return run(TOY)
 

@@ -14,8 +14,8 @@ COMMANDS = {
     "bem-adhesion": "bem_adhesion.study.model",
     "md-reference": "md_reference.study.model",
     "persson-theory": "theory.study.model",
-    "contact-compare": "contact_study.report.command",
-    "contact-merge": "contact_study.campaign.merge.command",
+    "contact-compare": "contact_study.command_line.compare",
+    "contact-merge": "contact_study.command_line.merge",
 }
 SHELL = ("", "bash")
 # A table of results: its command is run by scripts/docs_tables.py, see test_tables.py.

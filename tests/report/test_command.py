@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from contact_study.command_line.compare import main
 from contact_study.plots.selection import extent, touching
 from contact_study.report.align.deviations import compute_deviations
 from contact_study.report.align.states import read_gaps
-from contact_study.report.command import main
 from contact_study.report.facts.shown_states import panel_points
 from contact_study.report.figures import illustrations
 from contact_study.report.read.datasets import read_inputs

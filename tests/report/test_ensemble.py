@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from contact_study.command_line.compare import main
 from contact_study.inputs.errors import InputError
 from contact_study.report.align.curves import path_curves
 from contact_study.report.align.deviations import compute_deviations
 from contact_study.report.align.ensemble import ensemble_statistics
-from contact_study.report.command import main
 from contact_study.report.read.datasets import read_inputs
 from tests.report.synthetic import STUDY, area, write
 

@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from contact_study.command_line.compare import main
 from contact_study.inputs.errors import InputError
 from contact_study.plots.paths import Curve
 from contact_study.report.align.cases import sweep_points
 from contact_study.report.align.deviations import pairs_of
 from contact_study.report.align.scales import scales
 from contact_study.report.align.states import read_magnification
-from contact_study.report.command import main
 from contact_study.report.facts.shown_states import panel_points
 from contact_study.report.figures.panels import contact_area_figure
 from contact_study.report.figures.states import magnification_figure

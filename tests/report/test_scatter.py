@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from contact_study.command_line.compare import main
 from contact_study.inputs.errors import InputError
-from contact_study.report.command import main
 from contact_study.report.read.datasets import read_inputs
 from contact_study.report.read.scatter import read_scatter
 from tests.report.synthetic import STUDY, area, write, write_all

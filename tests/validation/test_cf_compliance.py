@@ -7,8 +7,8 @@ import netCDF4
 import pytest
 
 import contact_study
-from contact_study.campaign.merge.command import main as merge
-from contact_study.report.command import main as compare
+from contact_study.command_line.compare import main as compare
+from contact_study.command_line.merge import main as merge
 from contact_study.results.schema import CONVENTIONS
 from tests.report.synthetic import STUDY, write
 

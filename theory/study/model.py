@@ -40,9 +40,9 @@ _FLATTEST, _COARSEST = 300.0, 1e5
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """The command ``persson-theory``; returns the exit status."""
-    from contact_study.campaign.command_line import command
+    from contact_study.command_line import run
 
-    return command.main(MODEL, arguments)
+    return run.main(MODEL, arguments)
 
 
 def check(case: Case) -> None:

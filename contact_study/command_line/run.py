@@ -1,50 +1,26 @@
-"""The command line that the three models share, and the frame of every command: arguments, messages, exit status.
+"""Run a study by one of the models.
 
 Only the arguments are imported at first; a run, an example or an inspection imports what it needs.
 """
 
 import argparse
-import contextlib
 import dataclasses
-import io
-import os
 import re
 import shlex
-import signal
 import sys
 import tomllib
 from collections.abc import Mapping, Sequence
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NoReturn
+from typing import Any
 
-from contact_study.campaign.engines import ENGINES, CampaignError
+from contact_study.campaign.engines import ENGINES
 from contact_study.campaign.model import Model
-from contact_study.inputs.errors import InputError
+from contact_study.command_line.frame import Parser, complete, guarded, report_convergence
+from contact_study.inputs.errors import DONE, InputError
 from contact_study.study.schema.dotted_keys import all_keys
 from contact_study.study.schema.keys import as_written, replacement, suggestion
 from contact_study.version import __version__
-
-if TYPE_CHECKING:
-    import xarray as xr
-
-DONE, WRONG_INPUT, NOT_CONVERGED, INTERRUPTED = 0, 1, 2, 130  # exit statuses
-
-
-class Parser(argparse.ArgumentParser):
-    """An argument parser that reports a mistake in one line, with exit status 1."""
-
-    def error(self, message: str) -> NoReturn:
-        raise InputError(message)
-
-
-def complete(parser: argparse.ArgumentParser) -> None:
-    """Answer the shell's request to complete a line and exit; see docs/installation.md."""
-    if "_ARGCOMPLETE" in os.environ:
-        with contextlib.suppress(ImportError):  # an extra
-            import argcomplete
-
-            argcomplete.autocomplete(parser)
 
 
 def main(model: Model, arguments: Sequence[str] | None = None) -> int:
@@ -66,42 +42,6 @@ def _hide_dask(arguments: Sequence[str]) -> None:
     asked = "dask" in arguments or "--engine=dask" in arguments
     if not asked and "xarray" not in sys.modules:  # which has looked for it by then
         sys.modules.setdefault("dask", None)  # type: ignore[arg-type]
-
-
-def guarded(command: str, body: Any, interrupted: str = "finished steps are kept, continue with --resume") -> int:
-    """Call ``body``; turn mistakes of input and interruption into one line on stderr and an exit status."""
-    if isinstance(sys.stdout, io.TextIOWrapper):
-        sys.stdout.reconfigure(errors="backslashreplace")  # not every terminal has Greek letters
-    previous = signal.signal(signal.SIGTERM, _interrupt)
-    try:
-        return body()
-    except KeyboardInterrupt:
-        print(f"{command}: interrupted; {interrupted}", file=sys.stderr)
-        return INTERRUPTED
-    except BrokenPipeError:
-        return WRONG_INPUT
-    except (InputError, CampaignError, OSError) as error:
-        message = str(error)
-    except UnicodeEncodeError as error:
-        message = (
-            f"{error.object[error.start : error.end]!a} cannot be written in this locale's encoding, "
-            f"{error.encoding}; try LC_ALL=C.UTF-8"
-        )
-    except MemoryError:
-        message = "not enough memory; use fewer points, atoms or layers, or --workers 1"
-    except Exception:
-        import traceback
-
-        traceback.print_exc()
-        message = "this is a fault of the program, not of the input; please report it"
-    finally:
-        signal.signal(signal.SIGTERM, previous)
-    print(f"{command}: error: {message}", file=sys.stderr)
-    return WRONG_INPUT
-
-
-def _interrupt(*_: Any) -> NoReturn:
-    raise KeyboardInterrupt
 
 
 def _main(model: Model, arguments: Sequence[str]) -> int:
@@ -143,19 +83,9 @@ def _main(model: Model, arguments: Sequence[str]) -> int:
     return report_convergence(model.command, groups)
 
 
-def report_convergence(command: str, groups: "Mapping[str, xr.Dataset]") -> int:
-    """Print a line for each group of a dataset with steps that did not converge; returns the exit status."""
-    from contact_study.campaign.dataset.provenance import unconverged
-
-    lines = list(unconverged(groups))
-    for line in lines:
-        print(f"{command}: {line}", file=sys.stderr)
-    return NOT_CONVERGED if lines else DONE
-
-
 def _print_example(given: argparse.Namespace) -> int:
     """Print an example study, or the list of examples."""
-    from contact_study.campaign.command_line.examples import example, listed_examples
+    from contact_study.command_line.examples import example, listed_examples
 
     if given.study is not None or given.output is not None:
         raise InputError("--example prints a study, and runs none; write it to a file: --example NAME > study.toml")
@@ -165,8 +95,8 @@ def _print_example(given: argparse.Namespace) -> int:
 
 def _inspect(given: argparse.Namespace, output: Path | None, overrides: Mapping[str, Any]) -> int:
     """Describe a surface."""
-    from contact_study.campaign.command_line.inspection import inspect
     from contact_study.campaign.store.files import check_inputs_kept, writable_output
+    from contact_study.command_line.inspect import inspect
     from contact_study.inputs.files import require_file
 
     if given.study is not None:
@@ -233,7 +163,7 @@ def _parser(model: Model) -> Parser:
 
 
 def _example_names() -> list[str]:
-    from contact_study.campaign.command_line.examples import example_names
+    from contact_study.command_line.examples import example_names
 
     return example_names()
 

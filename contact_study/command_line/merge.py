@@ -5,7 +5,7 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from contact_study.campaign.command_line.command import Parser, complete, guarded, report_convergence
+from contact_study.command_line.frame import Parser, complete, guarded, report_convergence
 from contact_study.version import __version__
 
 COMMAND = "contact-merge"

@@ -5,8 +5,8 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import contact_study
-from contact_study.campaign.command_line.command import Parser, complete, guarded
 from contact_study.campaign.store.files import named_file, real
+from contact_study.command_line.frame import Parser, complete, guarded
 from contact_study.inputs import units
 from contact_study.inputs.errors import InputError
 from contact_study.report.models import FIGURE_TITLES, FORMATS

@@ -1,1 +1,0 @@
-"""The command line of the models: arguments, messages, exit status, examples and a look at a surface."""
