@@ -11,10 +11,7 @@ from bem_adhesion.kernels.wall import HELD, PINNED, DugdaleKernels, ExponentialK
 from bem_adhesion.operators.free_space import Window
 from bem_adhesion.operators.load import Load
 from contact_study.numerics.inner_product import inner_product
-from contact_study.physics.laws.base import TractionLaw
-from contact_study.physics.laws.dugdale import Dugdale
-from contact_study.physics.laws.exponential import Exponential
-from contact_study.physics.laws.lennard_jones import LennardJones
+from contact_study.physics.laws import Dugdale, Exponential, LennardJones, TractionLaw
 
 
 class EnergyAndGradient(NamedTuple):

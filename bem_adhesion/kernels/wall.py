@@ -10,8 +10,7 @@ import numpy as np
 
 from bem_adhesion.kernels.law import CAUTION, LawKernels, blocks
 from contact_study.numerics.kernel import kernel
-from contact_study.physics.laws.base import TractionLaw
-from contact_study.physics.laws.dugdale import Dugdale
+from contact_study.physics.laws import Dugdale, TractionLaw
 
 # Stiffness of a held point over the largest of the solid: infinite to the accuracy of a linear solve in a descent, and
 # far from the rounding of single precision; and, larger, where a contact stiffness is computed.

@@ -36,19 +36,15 @@ def check_control(
 
 
 def step_arguments(control: str, target: float, state: Any, shape: tuple[int, ...]) -> tuple[np.ndarray, float]:
-    """Check the state, an array of a shape or a solution, and the target of a load step, in Pa or m; return both.
-
-    Raises ValueError if the target is no finite number, or the state no array of that shape.
-    """
-    quantity, unit = {"pressure": ("mean pressure", "Pa"), "gap": ("mean gap", "m"), "approach": ("approach", "m")}[
-        control
-    ]
+    """Check the state, an array of a shape or a solution, and the target of a load step, in Pa or m; return both."""
     try:
         number = math.nan if isinstance(target, str | bool) else float(target)
     except (TypeError, ValueError):
         number = math.nan
     if not math.isfinite(number):
-        raise ValueError(f"target = {target!r}: the {quantity} must be a finite number, in {unit}")
+        meant = {"pressure": "mean pressure", "gap": "mean gap"}.get(control, control)
+        unit = "Pa" if control == "pressure" else "m"
+        raise ValueError(f"target = {target!r}: the {meant} must be a finite number, in {unit}")
     start = getattr(state, "state", state)
     if not isinstance(start, np.ndarray):
         given = "None" if state is None else f"a {type(state).__name__}"
@@ -73,10 +69,7 @@ def field(name: str, values: object) -> np.ndarray:
 
 
 def grid_of(height: np.ndarray, size: float | Sequence[float]) -> Grid:
-    """Make the periodic grid of a height array; ``size`` is one period or two, along y and x (m).
-
-    Raises ValueError if a period is not a positive number, or there are not two.
-    """
+    """Make the periodic grid of a height array; ``size`` is one period or two, along y and x (m)."""
     pair = (size, size) if np.ndim(size) == 0 else tuple(size)  # type: ignore[arg-type]
     if len(pair) != 2:
         raise ValueError(f"size = {size!r}: must be one period or two, along y and x, in m")

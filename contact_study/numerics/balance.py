@@ -41,24 +41,10 @@ def excess(
     rounding: float = 0.0,
     points: int = 1,
 ) -> Excess:
-    """Compare a state with force balance; all stresses in units of the contact modulus.
+    """Compare the largest residual and the missing mean pressure with force balance, in units of the contact modulus.
 
-    Parameters
-    ----------
-    tolerance : float
-        Largest residual where load and stress are not small.
-    residual : float
-        Largest stress out of balance at a point.
-    missing : float, optional
-        Applied mean pressure that is not carried.
-    load : float, optional
-        Applied mean pressure; without one only the residual counts.
-    stress : float, optional
-        Largest stress of the interface.
-    rounding : float, optional
-        Residual of rounding at a point.
-    points : int, optional
-        Number of points of the mean.
+    Without a load only the residual counts. ``stress`` is the largest of the interface, ``rounding`` the residual of
+    rounding at one of the ``points``.
     """
     rounding = min(rounding, tolerance)
     if not load:

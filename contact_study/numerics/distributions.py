@@ -5,6 +5,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+# Relative rounding of widths and edges.
+_SAME = 1e-9
+
 
 def probability_density(values: np.ndarray, edges: np.ndarray) -> np.ndarray:
     """Count values into a density over bins, whose integral is the fraction of values inside the edges."""
@@ -23,21 +26,9 @@ def redistributed(density: np.ndarray, edges: np.ndarray, new_edges: np.ndarray)
     return np.diff(on_new, axis=-1) / np.diff(new_edges)
 
 
-# Relative rounding of widths and edges.
-_SAME = 1e-9
-
-
 @dataclass(frozen=True)
 class Bins:
-    """Bin edges of the two distributions, one set for a whole study so that its cases and models compare.
-
-    Parameters
-    ----------
-    pressure_edges : numpy.ndarray
-        Edges of ``pressure_pdf`` (Pa), evenly spaced.
-    gap_edges : numpy.ndarray
-        Edges of ``gap_pdf`` (m), evenly spaced.
-    """
+    """Evenly spaced edges of the distributions (Pa, m), one set for a study so that its cases and models compare."""
 
     pressure_edges: np.ndarray
     gap_edges: np.ndarray
@@ -55,16 +46,14 @@ class Bins:
     @property
     def edges_of(self) -> dict[str, np.ndarray]:
         """Edges by the name of their distribution."""
-        return {
-            "pressure_pdf": self.pressure_edges,
-            "pressure_pdf_at": self.pressure_edges,
-            "gap_pdf": self.gap_edges,
-        }
+        pressure, gap = self.pressure_edges, self.gap_edges
+        return {"pressure_pdf": pressure, "pressure_pdf_at": pressure, "gap_pdf": gap}
 
     @property
-    def spans(self) -> tuple[list[float], list[float]]:
+    def spans(self) -> tuple[list[float], ...]:
         """Lowest edge, highest edge and number of the bins of pressure (Pa) and gap (m); see :meth:`evenly`."""
-        return _span(self.pressure_edges), _span(self.gap_edges)
+        both = self.pressure_edges, self.gap_edges
+        return tuple([float(edges[0]), float(edges[-1]), float(edges.size - 1)] for edges in both)
 
     @classmethod
     def evenly(cls, pressure: Sequence[float], gap: Sequence[float]) -> "Bins":
@@ -84,7 +73,3 @@ class Bins:
 
     def _pairs(self, other: "Bins") -> list[tuple[np.ndarray, np.ndarray]]:
         return [(self.pressure_edges, other.pressure_edges), (self.gap_edges, other.gap_edges)]
-
-
-def _span(edges: np.ndarray) -> list[float]:
-    return [float(edges[0]), float(edges[-1]), float(edges.size - 1)]

@@ -2,29 +2,17 @@
 
 from collections.abc import Callable
 from functools import wraps
-from threading import RLock
-from typing import Concatenate, ParamSpec, Protocol, TypeVar
+from typing import Any, TypeVar, cast
+
+_Method = TypeVar("_Method", bound=Callable[..., Any])
 
 
-class Shared(Protocol):
-    """An object with a lock, held by the thread that works with it."""
-
-    turn: RLock
-
-
-_Owner = TypeVar("_Owner", bound=Shared)
-_Arguments = ParamSpec("_Arguments")
-_Result = TypeVar("_Result")
-
-
-def in_turn(
-    method: Callable[Concatenate[_Owner, _Arguments], _Result],
-) -> Callable[Concatenate[_Owner, _Arguments], _Result]:
-    """Make threads take turns in a method: two at a time would write into the same arrays."""
+def in_turn(method: _Method) -> _Method:
+    """Make threads take turns in a method, by the lock ``turn`` of its object: its arrays serve one at a time."""
 
     @wraps(method)
-    def taken(self: _Owner, /, *arguments: _Arguments.args, **options: _Arguments.kwargs) -> _Result:
+    def taken(self: Any, /, *arguments: Any, **options: Any) -> Any:
         with self.turn:
             return method(self, *arguments, **options)
 
-    return taken
+    return cast(_Method, taken)

@@ -41,10 +41,6 @@ def _fftw() -> Any:
     return pyfftw
 
 
-def _wisdom_file() -> Path:
-    return cache_folder() / "fftw-wisdom.txt"
-
-
 def _load_wisdom(path: Path) -> None:
     """Import wisdom if it is whole: FFTW may abort the process over damaged wisdom."""
     try:
@@ -76,29 +72,8 @@ class RealTransform:
     """A planned pair of real transforms over the last two axes, with its own aligned buffers.
 
     Write into :attr:`field`, call :meth:`forward`, multiply :attr:`spectrum`, call :meth:`backward`. Neither direction
-    is normalised: fold ``1 / points`` into the kernel. :meth:`backward` destroys the spectrum.
-
-    Parameters
-    ----------
-    shape : tuple of int
-        Shape of the real field; leading axes are transformed independently.
-    dtype : numpy.dtype, optional
-        ``float64`` or ``float32``.
-    threads : int, optional
-        Threads of FFTW.
-    scratch : Scratch, optional
-        Memory of the spectrum, which the next use of any of its transforms overwrites.
-    memory : Memory, optional
-        Memory of the field.
-
-    Attributes
-    ----------
-    field : numpy.ndarray
-        The real buffer, of the given shape.
-    spectrum : numpy.ndarray
-        The complex buffer, last axis ``shape[-1] // 2 + 1``.
-    pairs : float
-        Forward and backward transforms done so far, counted one half each.
+    is normalised: fold ``1 / points`` into the kernel. :meth:`backward` destroys the spectrum, and so does the next use
+    of any transform with its ``scratch``. ``pairs`` counts each transform as one half.
     """
 
     def __init__(
@@ -124,20 +99,12 @@ class RealTransform:
         fftw = _fftw().FFTW
 
         def plans(*flags: str) -> tuple[Any, Any]:
-            common = {"axes": (-2, -1), "threads": threads}
-            return (
-                fftw(self.field, self.spectrum, flags=flags, **common),
-                fftw(
-                    self.spectrum,
-                    self.field,
-                    direction="FFTW_BACKWARD",
-                    flags=(*flags, "FFTW_DESTROY_INPUT"),
-                    **common,
-                ),
-            )
+            forward = fftw(self.field, self.spectrum, (-2, -1), "FFTW_FORWARD", flags, threads)
+            flags = (*flags, "FFTW_DESTROY_INPUT")
+            return forward, fftw(self.spectrum, self.field, (-2, -1), "FFTW_BACKWARD", flags, threads)
 
         key = (self.shape, self.dtype, threads)
-        path = _wisdom_file()
+        path = cache_folder() / "fftw-wisdom.txt"
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
             if key in _planned:  # the exact plan is in memory: no need to read the file again
@@ -158,7 +125,7 @@ class RealTransform:
         self.spectrum[...] = 0
 
     def forward(self) -> np.ndarray:
-        """Transform :attr:`field` into :attr:`spectrum`, which is returned."""
+        """Transform :attr:`field` into :attr:`spectrum`; return that."""
         self._forward.execute()
         self.pairs += 0.5
         return self.spectrum
@@ -185,13 +152,9 @@ class RealTransform:
 _held = cache(RealTransform)
 
 
-def _is_held(shape: tuple[int, ...]) -> bool:
-    return math.prod(shape) <= POINTS_TO_HOLD
-
-
 def _occasional(shape: tuple[int, ...]) -> RealTransform:
     """A single-threaded transform of a shape, shared with other calls unless it is large."""
-    return _held(shape) if _is_held(shape) else RealTransform(shape)
+    return _held(shape) if math.prod(shape) <= POINTS_TO_HOLD else RealTransform(shape)
 
 
 def transform(field: np.ndarray) -> np.ndarray:
@@ -205,12 +168,8 @@ def synthesise(coefficients: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
     """The real field on ``shape`` points whose coefficients :func:`transform` would return."""
     plan = _occasional(tuple(shape))
     plan.spectrum[...] = coefficients
-    return _kept(plan, plan.backward())
-
-
-def _kept(plan: RealTransform, field: np.ndarray) -> np.ndarray:
-    """The field of an occasional transform, safe from the next one."""
-    return field.copy() if _is_held(plan.shape) else field
+    field = plan.backward()
+    return field.copy() if field.size <= POINTS_TO_HOLD else field
 
 
 def resize_spectrum(
@@ -231,8 +190,7 @@ def resize_spectrum(
     elif new[1] % 2 == 0 and old[1] >= new[1]:
         # Both signs of the mode fall on the new Nyquist column.
         column = rows[:, new[1] // 2]
-        mirrored = np.conj(np.roll(column[::-1], 1))
-        out[:, new[1] // 2] = column if old[1] == new[1] else column + mirrored
+        out[:, new[1] // 2] = column if old[1] == new[1] else column + np.conj(np.roll(column[::-1], 1))
     return out
 
 
@@ -241,12 +199,10 @@ def _resize_full_axis(coefficients: np.ndarray, old: int, new: int) -> np.ndarra
         return coefficients
     out = np.zeros((new, coefficients.shape[1]), dtype=coefficients.dtype)
     keep = (min(old, new) - 1) // 2
-    out[: keep + 1] = coefficients[: keep + 1]
-    if keep:
-        out[-keep:] = coefficients[-keep:]
+    below = np.r_[: keep + 1, -keep:0]
+    out[below] = coefficients[below]
     if old % 2 == 0 and new > old:
-        out[old // 2] = 0.5 * coefficients[old // 2]
-        out[-(old // 2)] = 0.5 * coefficients[old // 2]
+        out[[old // 2, -(old // 2)]] = 0.5 * coefficients[old // 2]
     elif new % 2 == 0 and old > new:
         out[new // 2] = coefficients[new // 2] + coefficients[-(new // 2)]
     return out

@@ -17,6 +17,12 @@ from typing import Generic, Protocol, TypeVar
 
 import numpy as np
 
+# A step whose error was e of what is allowed is followed, or replaced, by one _SAFETY e^(−1/2) times as long, within
+# these limits; one without solution is shortened.
+_SAFETY, _SMALLEST_GROWTH, _LARGEST_GROWTH, _NOT_FOUND = 0.9, 0.2, 3.0, 0.3
+# Limits of τ over the first one: rounding dominates shorter steps, longer ones feel no friction.
+_SHORTEST, _LONGEST = 1e-12, 1e15
+
 
 class Status(Enum):
     """State of a motion."""
@@ -55,69 +61,27 @@ class Overdamped(Protocol[FoundByStep]):
 
 @dataclass(frozen=True)
 class Instant(Generic[Found]):
-    """A motion at one time.
-
-    Attributes
-    ----------
-    state, load : numpy.ndarray, float
-        u and the load that acts.
-    move, duration : numpy.ndarray or float, float
-        Change of u in the last step, and its τ.
-    wanted : float
-        τ to try next.
-    steps, time : int, float
-        Since the motion began.
-    fate : Status
-        State of the motion.
-    found : Advance or None
-        Result of the last step.
-    """
+    """A motion at one time: u, the load, the last step and its result."""
 
     state: np.ndarray
     load: float
-    move: np.ndarray | float
-    duration: float
-    wanted: float
+    move: np.ndarray | float  # change of u in the last step
+    duration: float  # τ of the last step
+    wanted: float  # τ to try next
     steps: int = 0
-    time: float = 0.0
+    time: float = 0.0  # since the motion began
     fate: Status = Status.MOVING
     found: Found | None = None
 
 
 @dataclass(frozen=True)
 class StepControl:
-    """Speed and accuracy of a motion.
+    """Speed and accuracy of a motion."""
 
-    A step whose error was e of what is allowed is followed, or replaced, by one ``safety`` e^(−1/2) times as long.
-
-    Attributes
-    ----------
-    rate : float
-        Largest change of the load in a unit of time.
-    first : float
-        τ to try first.
-    allowed : float
-        Largest local error of a step, in the unit of the state.
-    most : int
-        Largest number of steps.
-    safety, largest_growth, smallest_growth : float
-        Factor on the next step and its limits.
-    not_found : float
-        Factor on a step without solution.
-    shortest, longest : float
-        Limits of τ over the first one: rounding dominates shorter steps, longer ones feel no friction.
-    """
-
-    rate: float
-    first: float
-    allowed: float
-    most: int
-    safety: float = 0.9
-    largest_growth: float = 3.0
-    smallest_growth: float = 0.2
-    not_found: float = 0.3
-    shortest: float = 1e-12
-    longest: float = 1e15
+    rate: float  # largest change of the load in a unit of time
+    first: float  # τ to try first
+    allowed: float  # largest local error of a step, in the unit of the state
+    most: int  # steps
 
 
 def at_rest(state: np.ndarray, load: float, pace: StepControl, time: float = 0.0) -> Instant[Found]:
@@ -148,20 +112,20 @@ def follow(system: Overdamped[Found], at: Instant[Found], target: float, pace: S
 def _stepped(system: Overdamped[Found], at: Instant[Found], target: float, pace: StepControl) -> Instant[Found] | None:
     """The next instant; None where no length of a step has a solution."""
     tau = at.wanted
-    while tau > pace.shortest * pace.first:
+    while tau > _SHORTEST * pace.first:
         change = target - at.load
         load = target if abs(change) <= pace.rate * tau else at.load + float(np.copysign(pace.rate * tau, change))
         found = system.advance(at.state, load, 1 / tau)
         if found is None:
-            tau *= pace.not_found
+            tau *= _NOT_FOUND
             continue
         move = found.state - at.state
         ratio = tau / at.duration
         error = float(np.max(np.abs(move - ratio * at.move))) * ratio / (1 + ratio)
-        growth = pace.largest_growth if error == 0 else pace.safety * (pace.allowed / error) ** 0.5
-        growth = min(max(growth, pace.smallest_growth), pace.largest_growth)
+        growth = _LARGEST_GROWTH if error == 0 else _SAFETY * (pace.allowed / error) ** 0.5
+        growth = min(max(growth, _SMALLEST_GROWTH), _LARGEST_GROWTH)
         if error <= pace.allowed:
-            wanted = min(growth * tau, pace.longest * pace.first)
+            wanted = min(growth * tau, _LONGEST * pace.first)
             return Instant(found.state, load, move, tau, wanted, at.steps + 1, at.time + tau, found=found)
         tau *= growth
     return None

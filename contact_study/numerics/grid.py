@@ -8,15 +8,7 @@ import numpy as np
 
 @dataclass(frozen=True)
 class Grid:
-    """Points ``(i * size[0] / shape[0], j * size[1] / shape[1])`` of a periodic rectangle.
-
-    Parameters
-    ----------
-    shape : tuple of int
-        Number of points along y and x, in that order.
-    size : tuple of float
-        Periods along y and x (m).
-    """
+    """Points of a periodic rectangle: their numbers and the periods (m) along y and x, in that order."""
 
     shape: tuple[int, int]
     size: tuple[float, float]
@@ -39,10 +31,8 @@ class Grid:
     @property
     def coordinates(self) -> tuple[np.ndarray, np.ndarray]:
         """Coordinates y and x of the points along each axis (m)."""
-        return (
-            np.arange(self.shape[0]) * self.spacing[0],
-            np.arange(self.shape[1]) * self.spacing[1],
-        )
+        dy, dx = self.spacing
+        return np.arange(self.shape[0]) * dy, np.arange(self.shape[1]) * dx
 
     @cached_property
     def wavevectors(self) -> tuple[np.ndarray, np.ndarray]:

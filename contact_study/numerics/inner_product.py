@@ -1,7 +1,8 @@
 """The sum of products over all points of two fields, on the thread that asks for it."""
 
 import numpy as np
-from numba import njit
+
+from contact_study.numerics.kernel import kernel
 
 
 def inner_product(one: np.ndarray, other: np.ndarray) -> float:
@@ -14,7 +15,7 @@ def inner_product(one: np.ndarray, other: np.ndarray) -> float:
     return float(_sum_of_products(one.ravel(), other.ravel()))
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "arcp", "nsz"})
+@kernel
 def _sum_of_products(one, other):
     total = 0.0
     for i in range(one.size):

@@ -30,13 +30,7 @@ class Scratch:
 
 
 class Memory:
-    """Memory for arrays that lie side by side.
-
-    Parameters
-    ----------
-    lent : numpy.ndarray of uint8, optional
-        Memory whose owner does not need its content while these arrays are in use. Arrays beyond it are allocated.
-    """
+    """Memory for arrays side by side: bytes lent by an owner who does not need them meanwhile, then allocated ones."""
 
     def __init__(self, lent: np.ndarray | None = None):
         self._left = aligned(0) if lent is None else lent
@@ -44,8 +38,7 @@ class Memory:
     def array(self, shape: tuple[int, ...], dtype: type) -> np.ndarray:
         """Return the next array, of undefined content."""
         size = math.prod(shape) * np.dtype(dtype).itemsize
-        taken = -(-size // ALIGNMENT) * ALIGNMENT
         if size > self._left.size:
             return aligned(size).view(dtype).reshape(shape)
-        memory, self._left = self._left[:size], self._left[taken:]
+        memory, self._left = self._left[:size], self._left[-(-size // ALIGNMENT) * ALIGNMENT :]
         return memory.view(dtype).reshape(shape)

@@ -12,7 +12,8 @@ J. H. Bramble, J. E. Pasciak and J. Xu, Math. Comp. 55, 1 (1990).
 from typing import Generic, Protocol, TypeVar
 
 import numpy as np
-from numba import njit
+
+from contact_study.numerics.kernel import kernel
 
 # ω; below 1 the iterations grow, between 1 and 2.5 their number changes by a few per cent.
 SHORT_WAVES = 1.5
@@ -33,18 +34,10 @@ _Coarser = TypeVar("_Coarser", bound=Inverse)
 
 
 class HalvedInverse(Generic[_Coarser]):
-    """The inverse with long waves on a grid of half the resolution.
+    """The inverse with long waves on a grid of half the resolution, of as many components.
 
-    Parameters
-    ----------
-    field : numpy.ndarray, shape (..., 2·rows, 2·columns)
-        Buffer of the finer grid; leading axes are components.
-    coarser : Inverse
-        The inverse on half the resolution, of as many components.
-    largest : float or numpy.ndarray
-        Largest stiffness of each component on the finer grid.
-    short_waves : float, optional
-        ω.
+    ``field`` is the buffer of the finer grid, shape (..., 2·rows, 2·columns), ``largest`` the largest stiffness of each
+    component there, ``short_waves`` ω.
     """
 
     def __init__(
@@ -52,8 +45,9 @@ class HalvedInverse(Generic[_Coarser]):
     ):
         self.field = field
         self._coarser = coarser
-        self._components = _components(field)
-        self._coarse_components = _components(coarser.field)
+        self._components, self._coarse_components = (
+            buffer.reshape(-1, *buffer.shape[-2:]) for buffer in (field, coarser.field)
+        )
         self._short = np.atleast_1d(short_waves / largest).astype(np.float32)
 
     def apply_and_sum(self) -> float:
@@ -71,12 +65,7 @@ def can_be_halved(shape: tuple[int, int]) -> bool:
     return shape[0] % 2 == 0 and shape[1] % 2 == 0 and min(shape) >= 2 * FEWEST_POINTS
 
 
-def _components(field: np.ndarray) -> np.ndarray:
-    """A view of the field as a stack of grids."""
-    return field.reshape(-1, *field.shape[-2:])
-
-
-@njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "arcp", "nsz"})
+@kernel
 def restrict(fine, coarse):
     """Write Pᵀ fine / 4: at every second point the mean of its neighbourhood with weights 1, ½ and ¼."""
     rows, columns = coarse.shape
@@ -91,7 +80,7 @@ def restrict(fine, coarse):
             coarse[i, j] = half * line[2 * j] + quarter * (line[2 * j - 1] + line[2 * j + 1])
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "arcp", "nsz"})
+@kernel
 def prolong(coarse, weight, fine):
     """Write weight·fine + P coarse, arrays (2·rows, 2·columns); return weight·Σ fine² of the old values."""
     rows, columns = coarse.shape

@@ -18,17 +18,10 @@ LEAST_STATES = 50
 
 @dataclass(frozen=True)
 class SeriesStatistics:
-    """Mean, error and memory of a series of values.
+    """Mean of every column of a series, its error, and τ in steps, ½ where the values are independent or all equal.
 
-    Attributes
-    ----------
-    mean, standard_error : numpy.ndarray, shape (...)
-        The mean of every column, and its error.
-    autocorrelation_time : numpy.ndarray, shape (...)
-        τ in steps of the series; ½ where the values are independent, or all equal.
-    resolved : numpy.ndarray of bool, shape (...)
-        True for ``LEAST_STATES`` values whose τ exceeds its standard error, which takes a series of twenty τ; the error
-        of a shorter one is a guess. Two values suffice where all are equal.
+    An error is resolved by ``LEAST_STATES`` values whose τ exceeds its standard error, which takes a series of twenty
+    τ; that of a shorter one is a guess. Two values suffice where all are equal.
     """
 
     mean: np.ndarray
@@ -55,7 +48,6 @@ def statistics_of(series: np.ndarray) -> SeriesStatistics:
     count = series.shape[0]
     columns = series.reshape(count, -1)
     finite = np.isfinite(columns).all(axis=0)
-    several = count > 1
     with np.errstate(invalid="ignore"):  # ∞ − ∞
         mean = np.mean(columns, axis=0)
     columns = np.where(finite, columns, 0.0)
@@ -72,12 +64,12 @@ def statistics_of(series: np.ndarray) -> SeriesStatistics:
     error = np.sqrt(covariance[0] * 2 * time / count)
     # 2(2W + 1)/n < 1
     told = (count >= LEAST_STATES) & (2 * (2 * last + 1) < count)
-    resolved = finite & several & (~varies | told)
+    resolved = finite & (count > 1) & (~varies | told)
     time = np.where(varies, time, 0.5)
     shape = series.shape[1:]
     return SeriesStatistics(
         mean.reshape(shape),
-        np.where(finite & several, np.where(varies, error, 0.0), np.nan).reshape(shape),
+        np.where(finite & (count > 1), np.where(varies, error, 0.0), np.nan).reshape(shape),
         np.where(finite, time, np.nan).reshape(shape),
         resolved.reshape(shape),
     )

@@ -6,10 +6,8 @@ Their keys in a study file live in :mod:`contact_study.study.schema.interaction`
 from dataclasses import MISSING, fields
 
 from contact_study.physics.laws.base import TractionLaw
-from contact_study.physics.laws.dugdale import Dugdale, DugdaleCore
-from contact_study.physics.laws.exponential import Exponential, ExponentialCore
+from contact_study.physics.laws.exponential import Dugdale, DugdaleCore, Exponential, ExponentialCore, Morse
 from contact_study.physics.laws.lennard_jones import LennardJones, LennardJones93, LennardJones104
-from contact_study.physics.laws.morse import Morse
 from contact_study.physics.laws.repulsion import HardWall, Repulsive
 from contact_study.physics.laws.tabulated import TabulatedLaw
 
@@ -51,16 +49,15 @@ def make_law(name: str, work_of_adhesion: float, length: float, **own: float) ->
 
     Raises ValueError if there is no law of that name, or it is given other than positive numbers or the fields it has.
     """
-    if name not in LAWS or LAWS[name] is TabulatedLaw:
-        by_name = [known for known in LAWS if known != "tabulated"]
+    by_name = [known for known in LAWS if known != "tabulated"]
+    if name not in by_name:
         raise ValueError(f"law = {name!r}: expected one of {', '.join(by_name)}")
     law = LAWS[name]
     if law is HardWall:
         return HardWall()
-    known = [field.name for field in fields(law)[2:]]
+    known = {field.name: field.default for field in fields(law)[2:]}
     if unknown := [given for given in own if given not in known]:
         raise ValueError(f"{unknown[0]}: law = {name!r} has no such field; its own: {', '.join(known) or 'none'}")
-    needed = [field.name for field in fields(law)[2:] if field.default is MISSING and field.name not in own]
-    if needed:
+    if needed := [field for field, default in known.items() if default is MISSING and field not in own]:
         raise ValueError(f"{needed[0]}: law = {name!r} needs it")
     return law(work_of_adhesion if law.attracts else 0.0, length, **own)

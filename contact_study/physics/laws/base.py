@@ -4,7 +4,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import ClassVar
+from typing import ClassVar, Self
 
 import numpy as np
 
@@ -40,20 +40,13 @@ class TractionLaw(ABC):
 
     Attributes
     ----------
-    has_wall : bool
-        Whether the gap cannot fall below zero, whatever the pressure: a constraint, of which φ says nothing.
-    attracts : bool
-        Whether it reaches beyond contact, and so carries tension.
-    title : str
-        Its name in a label.
-    words : str
-        Its name in a sentence.
-    of_pairs : bool
-        Whether it follows from the Lennard-Jones pairs that the atoms have.
+    title, words : str
+        Its name in a label, and in a sentence.
     counts_as_contact : str
         What makes a point count, see :meth:`in_contact`, in words.
-    diverges : bool
-        Whether repulsion grows without bound as the gap closes, so that no gap is ever zero or less.
+    has_wall, attracts, of_pairs, diverges : bool
+        Whether the gap cannot fall below zero, a constraint of which φ says nothing; whether it carries tension,
+        follows from the atoms' Lennard-Jones pairs, and has a repulsion without bound as the gap closes.
     own_lengths : tuple of str
         Fields beside ``length`` that are lengths.
 
@@ -103,11 +96,7 @@ class TractionLaw(ABC):
         return (8 * near - far) / (12 * step)
 
     def repulsive_gap(self, traction: np.ndarray) -> np.ndarray:
-        """The gap at or below equilibrium at which the traction has the given value <= 0 (m).
-
-        Raises ValueError if no gap has it: the repulsion is finite, at a gap of zero for a law that says it diverges
-        there.
-        """
+        """The gap at or below equilibrium at which the traction has the given value <= 0 (m); ValueError if none."""
         traction = np.asarray(traction, dtype=float)
         high = np.full(traction.shape, self.equilibrium_distance)
         if self.has_wall:
@@ -121,22 +110,11 @@ class TractionLaw(ABC):
                 )
             low = np.where(deeper, 0.5 * low if self.diverges else low - below, low)
             below *= 2
-        gap = high.copy()
-        for _ in range(_INVERSE_STEPS):
-            excess = self.traction(gap) - traction
-            low, high = np.where(excess <= 0, gap, low), np.where(excess >= 0, gap, high)
-            if np.all(high - low <= 4 * np.finfo(float).eps * np.abs(high)):
-                break
-            newton = gap - excess / self.stiffness(gap)
-            gap = np.where((newton > low) & (newton < high), newton, 0.5 * (low + high))
-        return gap
+        return solved(self.traction, self.stiffness, traction, low, high, high)
 
     @cached_property
     def equilibrium_distance(self) -> float:
-        """Gap at which the traction vanishes, at a wall the wall (m).
-
-        Raises ValueError if there is none: nothing keeps the bodies apart.
-        """
+        """Gap at which the traction vanishes, at a wall the wall (m); ValueError if nothing keeps the bodies apart."""
         if self.has_wall:
             return 0.0
         from scipy.optimize import brentq  # slow to import
@@ -193,10 +171,36 @@ class TractionLaw(ABC):
         """Which points of an interface are in contact, by their gap (m) and pressure (Pa)."""
         return gap <= contact_distance if self.has_wall else gap < contact_distance
 
-    def scaled(self, length: float, stress: float) -> "TractionLaw":
-        """The same law in other units: lengths divided by ``length`` (m), stresses by ``stress`` (Pa).
-
-        Further lengths of a law are scaled by their names in ``own_lengths``.
-        """
+    def scaled(self, length: float, stress: float) -> Self:
+        """The same law in other units: lengths divided by ``length`` (m), stresses by ``stress`` (Pa)."""
         lengths = {name: getattr(self, name) / length for name in ("length", *self.own_lengths)}
         return replace(self, work_of_adhesion=self.work_of_adhesion / (length * stress), **lengths)
+
+
+@dataclass(frozen=True)
+class LawAtLength(TractionLaw):
+    """A law whose length is its equilibrium distance."""
+
+    @property
+    def equilibrium_distance(self) -> float:
+        return self.length
+
+
+def solved(
+    function: Callable[[np.ndarray], np.ndarray],
+    slope: Callable[[np.ndarray], np.ndarray],
+    value: np.ndarray,
+    low: np.ndarray,
+    high: np.ndarray,
+    start: np.ndarray,
+) -> np.ndarray:
+    """Solve function = value in brackets where it rises, by Newton's steps or halves where they leave the bracket."""
+    x = start
+    for _ in range(_INVERSE_STEPS):
+        excess = function(x) - value
+        low, high = np.where(excess <= 0, x, low), np.where(excess >= 0, x, high)
+        if np.all(high - low <= 4 * np.finfo(float).eps * np.abs(high)):
+            break
+        newton = x - excess / slope(x)
+        x = np.where((newton > low) & (newton < high), newton, 0.5 * (low + high))
+    return x

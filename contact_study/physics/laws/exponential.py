@@ -1,11 +1,15 @@
-"""Attraction that fades exponentially, outside a hard wall or with an exponential repulsion."""
+"""Laws of exponentials: attraction outside a hard wall or with a repulsion in its place, and Morse's law."""
 
+from abc import abstractmethod
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
-from contact_study.physics.laws.base import TractionLaw
-from contact_study.physics.laws.cored import CoredLaw
+from contact_study.physics.laws.base import LawAtLength, TractionLaw
+
+RAMP = 0.05
+_INVERSE_STEPS = 12
 
 
 @dataclass(frozen=True)
@@ -35,6 +39,141 @@ class Exponential(TractionLaw):
 
     def potential(self, gap):
         return -self.work_of_adhesion * np.exp(-np.asarray(gap) / self.length)
+
+
+@dataclass(frozen=True)
+class Dugdale(TractionLaw):
+    """Constant tension outside a hard wall: Dugdale's law, that of Maugis' sphere.
+
+    σ = Δγ/h for gaps below h and nothing beyond (D. Maugis, J. Colloid Interface Sci. 150, 243 (1992)). A tension that
+    ends at one point has no stiffness there, and a grid's contact then follows no smooth path. The end is a ramp,
+
+        σ(u) = σ0 / (1 + e^((u−h)/w)),    w = ramp × h,
+
+    nine tenths to one tenth over 4.4 w. The work of adhesion stays Δγ, σ0 = Δγ/(w ln(1 + e^(h/w))), at the default ramp
+    of 0.05 Δγ/h to 1e-10.
+
+    Parameters
+    ----------
+    work_of_adhesion : float
+        Δγ (J/m²).
+    length : float
+        Reach h of the tension (m).
+    ramp : float, optional
+        Width w of the end of the tension over its reach.
+
+    Examples
+    --------
+    >>> from bem_adhesion import Dugdale
+    >>> f"{Dugdale(0.05, 1e-9).peak_tensile_stress:.3g}"
+    '5e+07'
+    """
+
+    has_wall = True
+    title = "Dugdale"
+    words = "A constant tension out to a finite reach, outside a hard wall"
+    counts_as_contact = "a gap of zero"
+
+    ramp: float = RAMP
+
+    @property
+    def width(self) -> float:
+        """w of the ramp (m)."""
+        return self.ramp * self.length
+
+    @property
+    def plateau(self) -> float:
+        """σ0 (Pa)."""
+        return self.work_of_adhesion / (self.width * float(np.logaddexp(0, 1 / self.ramp)))
+
+    def _past(self, gap):
+        """(u − h)/w."""
+        return (np.asarray(gap) - self.length) / self.width
+
+    def _held(self, gap):
+        """1/(1 + e^x), to the last digit far out too, where a core still compares with it."""
+        return np.exp(-np.logaddexp(0, self._past(gap)))
+
+    def potential(self, gap):
+        x = self._past(gap)
+        # ln(1 + e^−x), for complex gaps too, without overflow.
+        rest = np.log1p(np.exp(np.where(np.real(x) > 0, -x, x)))
+        return -self.plateau * self.width * (rest + np.where(np.real(x) > 0, 0, -x))
+
+    def traction(self, gap):
+        return self.plateau * self._held(gap)
+
+    def stiffness(self, gap):
+        held = self._held(gap)
+        return -self.plateau / self.width * held * (1 - held)
+
+    @property
+    def strongest_softening(self) -> float:
+        return 0.25 * self.plateau / self.width
+
+
+@dataclass(frozen=True)
+class CoredLaw(LawAtLength):
+    """Attraction of a law that has a wall, with an exponential repulsion of decay length ``core`` in the wall's place.
+
+    σ(d) = σ_wall(x) − σ_wall(0) e^(−x/c), x = d − d0: a wall's attraction of some ``range`` from the equilibrium
+    distance d0 on, and a core c, the shorter the nearer to a wall. The core is finite at a gap of zero.
+    """
+
+    diverges = False
+    own_lengths = ("range", "core")
+
+    range: float
+    core: float
+
+    @abstractmethod
+    def _outside_wall(self, work_of_adhesion: float) -> TractionLaw:
+        """The law with the wall."""
+
+    @cached_property
+    def _attraction(self) -> TractionLaw:
+        """The law with the wall whose Δγ leaves this one's beside the core."""
+        unit = self._outside_wall(1.0)
+        return self._outside_wall(self.work_of_adhesion / (1 - self.core * float(unit.traction(np.array(0.0)))))
+
+    @cached_property
+    def _repulsion(self) -> float:
+        """Pressure of the core at equilibrium."""
+        return float(self._attraction.traction(np.array(0.0)))
+
+    def potential(self, gap):
+        x = np.asarray(gap) - self.length
+        return self._attraction.potential(x) + self.core * self._repulsion * np.exp(-x / self.core)
+
+    def traction(self, gap):
+        x = np.asarray(gap) - self.length
+        return self._attraction.traction(x) - self._repulsion * np.exp(-x / self.core)
+
+    def stiffness(self, gap):
+        x = np.asarray(gap) - self.length
+        return self._attraction.stiffness(x) + self._repulsion / self.core * np.exp(-x / self.core)
+
+    def repulsive_gap(self, traction):
+        # x = −c ln((σ_wall(x) − σ)/σ_wall(0)): nearly linear, the attraction changing little over a core.
+        wanted = -np.asarray(traction, dtype=float)
+        x = np.zeros(wanted.shape)
+        for _ in range(_INVERSE_STEPS):
+            pressure = wanted + self._attraction.traction(x)
+            excess = x / self.core + np.log(pressure / self._repulsion)
+            x = x - excess / (1 / self.core + self._attraction.stiffness(x) / pressure)
+        return self.length + np.minimum(x, 0.0)
+
+    @cached_property
+    def peak_distance(self) -> float:
+        return self._lowest_outside(lambda gap: -self.traction(gap))
+
+    @cached_property
+    def strongest_softening(self) -> float:
+        return -float(self.stiffness(np.array(self._lowest_outside(self.stiffness))))
+
+    def _lowest_outside(self, function):
+        """As :meth:`lowest`, looked for in units of the range."""
+        return self.length + self._attraction.lowest(lambda x: function(self.length + np.asarray(x)))
 
 
 @dataclass(frozen=True)
@@ -75,3 +214,89 @@ class ExponentialCore(CoredLaw):
         """Solve e^(−x/ρ)/ρⁿ = e^(−x/c)/cⁿ: the peak for n = 1, the strongest softening for n = 2."""
         ratio = self.range / self.core
         return order * float(np.log(ratio)) / (1 / self.core - 1 / self.range)
+
+
+@dataclass(frozen=True)
+class DugdaleCore(CoredLaw):
+    """Constant tension over ``range`` from the equilibrium distance on, with an exponential repulsion.
+
+    Parameters
+    ----------
+    work_of_adhesion : float
+        Δγ (J/m²).
+    length, range, core : float
+        Equilibrium distance, reach of the tension and decay length of the repulsion (m).
+    ramp : float, optional
+        Width of the end of the tension over its reach.
+
+    Examples
+    --------
+    >>> from bem_adhesion import DugdaleCore
+    >>> DugdaleCore(0.05, 3e-10, 1e-9, 3e-11).equilibrium_distance
+    3e-10
+    """
+
+    title = "Dugdale with a core"
+    words = "A constant tension out to a finite reach, with an exponential core"
+
+    ramp: float = RAMP
+
+    def _outside_wall(self, work_of_adhesion: float) -> TractionLaw:
+        return Dugdale(work_of_adhesion, self.range, self.ramp)
+
+
+@dataclass(frozen=True)
+class Morse(LawAtLength):
+    """Morse's law, σ(d) = (2Δγ/w)[y − y²] with y = e^(−(d−d0)/w), for bonds across an interface.
+
+    φ(d) = Δγ [y² − 2y]; P. M. Morse, Phys. Rev. 34, 57 (1929). Its repulsion is finite at a gap of zero.
+
+    Parameters
+    ----------
+    work_of_adhesion : float
+        Δγ (J/m²).
+    length, range : float
+        Equilibrium distance d0 and range w of the attraction (m).
+
+    Examples
+    --------
+    >>> from bem_adhesion import Morse
+    >>> f"{Morse(0.05, 3e-10, 1e-10).peak_tensile_stress:.3g}"
+    '2.5e+08'
+    """
+
+    title = "Morse"
+    words = "Morse's law"
+    diverges = False
+    own_lengths = ("range",)
+
+    range: float
+
+    def _decay(self, gap):
+        return np.exp(-(np.asarray(gap) - self.length) / self.range)
+
+    def potential(self, gap):
+        y = self._decay(gap)
+        return self.work_of_adhesion * y * (y - 2)
+
+    def traction(self, gap):
+        y = self._decay(gap)
+        return 2 * self.work_of_adhesion / self.range * y * (1 - y)
+
+    def stiffness(self, gap):
+        y = self._decay(gap)
+        return 2 * self.work_of_adhesion / self.range**2 * y * (2 * y - 1)
+
+    def repulsive_gap(self, traction):
+        # y² − y = x, with y − 1 written so that nothing cancels near equilibrium.
+        x = -np.asarray(traction, dtype=float) * self.range / (2 * self.work_of_adhesion)
+        return self.length - self.range * np.log1p(2 * x / (1 + np.sqrt(1 + 4 * x)))
+
+    @property
+    def peak_distance(self) -> float:
+        return self.length + float(np.log(2)) * self.range
+
+    @property
+    def strongest_softening(self) -> float:
+        # y (2y − 1) is lowest, −1/8, at y = 1/4.
+        return self.work_of_adhesion / (4 * self.range**2)

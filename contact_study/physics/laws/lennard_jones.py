@@ -10,11 +10,11 @@ from typing import ClassVar
 
 import numpy as np
 
-from contact_study.physics.laws.base import TractionLaw
+from contact_study.physics.laws.base import LawAtLength
 
 
 @dataclass(frozen=True)
-class LennardJones(TractionLaw):
+class LennardJones(LawAtLength):
     """A law of that family; ``length`` is r0.
 
     Attributes
@@ -70,10 +70,6 @@ class LennardJones(TractionLaw):
             s6, power = self._powers(s)
             s = s - (power * (s6 - 1) - y) / (power / s * ((m + 6) * s6 - m))
         return self.length / s
-
-    @property
-    def equilibrium_distance(self) -> float:
-        return self.length
 
     @property
     def peak_distance(self) -> float:
@@ -147,15 +143,5 @@ class LennardJones93(LennardJones):
 
 
 def work_of_adhesion(well_depth: float, length: float, block_density: float, substrate_density: float) -> float:
-    """Calculate Δγ = (6π/5) n_a n_b ε r0² of two smeared layers (J/m²).
-
-    Parameters
-    ----------
-    well_depth : float
-        ε of the pair potential (J).
-    length : float
-        r0 of the pair potential (m).
-    block_density, substrate_density : float
-        Atoms per area of each layer (1/m²).
-    """
+    """Calculate Δγ = (6π/5) n_a n_b ε r0² of two smeared layers (J/m²) by ε (J), r0 (m) and atoms per area (1/m²)."""
     return 6 * np.pi / 5 * block_density * substrate_density * well_depth * length**2

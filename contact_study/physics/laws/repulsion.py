@@ -1,12 +1,13 @@
 """Laws that do not attract: a hard wall and a soft repulsion."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Self
 
 import numpy as np
 
 from contact_study.numerics.arguments import positive
-from contact_study.physics.laws.base import TractionLaw
+from contact_study.physics.laws.base import LawAtLength, TractionLaw
 from contact_study.physics.laws.lennard_jones import LennardJones93
 
 
@@ -44,26 +45,14 @@ class HardWall(TractionLaw):
     def potential(self, gap):
         return np.zeros(np.shape(gap))
 
-    def traction(self, gap):
-        return np.zeros(np.shape(gap))
-
-    def stiffness(self, gap):
-        return np.zeros(np.shape(gap))
+    traction = stiffness = potential
 
     def in_contact(self, gap, pressure, contact_distance):
         return pressure > 0
 
-    @property
-    def peak_distance(self) -> float:
-        return 0.0
-
-    @property
-    def strongest_softening(self) -> float:
-        return 0.0
-
 
 @dataclass(frozen=True)
-class Repulsive(TractionLaw):
+class Repulsive(LawAtLength):
     """The repulsive half of the 9-3 law, a soft repulsion of finite reach.
 
     φ(d) = U [(1/3)(z0/d)⁸ − (4/3)(z0/d)² + 1] for d < z0, zero from there on, with a continuous traction; the cut is
@@ -117,24 +106,12 @@ class Repulsive(TractionLaw):
         return self._whole.repulsive_gap(traction)
 
     @property
-    def equilibrium_distance(self) -> float:
-        return self.length
-
-    @property
-    def peak_distance(self) -> float:
-        return self.length
-
-    @property
     def equilibrium_stiffness(self) -> float:
         return self._whole.equilibrium_stiffness
-
-    @property
-    def strongest_softening(self) -> float:
-        return 0.0
 
     @property
     def contact_distance(self) -> float:
         return self.length
 
-    def scaled(self, length: float, stress: float) -> "Repulsive":
-        return Repulsive(0.0, self.length / length, self.repulsion / (length * stress))
+    def scaled(self, length: float, stress: float) -> Self:
+        return replace(super().scaled(length, stress), repulsion=self.repulsion / (length * stress))

@@ -11,11 +11,11 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
-from contact_study.physics.laws.base import TractionLaw
+from contact_study.physics.laws.base import LawAtLength, solved
 
 if TYPE_CHECKING:
     from scipy.interpolate import CubicHermiteSpline, PPoly
@@ -25,11 +25,10 @@ _LARGEST_END = 0.05
 # Least power of the gap with which the repulsion grows at the first gaps.
 _LEAST_POWER = 2.0
 _FEWEST_POINTS = 5
-_INVERSE_STEPS = 60
 
 
 @dataclass(frozen=True, eq=False)
-class TabulatedLaw(TractionLaw):
+class TabulatedLaw(LawAtLength):
     """A law through a table; make it with :meth:`through`, which finds its work of adhesion and equilibrium distance.
 
     Parameters
@@ -127,7 +126,6 @@ class TabulatedLaw(TractionLaw):
         first, pressure, power = self._core
         last, tension, fading = self._end
         at_last, at_first = -tension * fading, -tension * fading - float(self._work(last))
-
         return self._pieces(
             gap,
             lambda s: at_first + pressure * first / (power - 1) * (s ** (power - 1) - 1),
@@ -159,21 +157,14 @@ class TabulatedLaw(TractionLaw):
         # The points around the value are known; within them Newton, by halves where it leaves them.
         right = np.clip(np.searchsorted(self.tractions[:rising], wanted, side="right"), 1, rising - 1)
         low, high = self.gaps[right - 1], self.gaps[right]
-        gap = 0.5 * (low + high)
-        for _ in range(_INVERSE_STEPS):
-            excess = self._between(gap) - wanted
-            low, high = np.where(excess <= 0, gap, low), np.where(excess >= 0, gap, high)
-            if np.all(high - low <= 4 * np.finfo(float).eps * high):
-                break
-            newton = gap - excess / np.maximum(self._slope(gap), np.finfo(float).tiny)
-            gap = np.where((newton > low) & (newton < high), newton, 0.5 * (low + high))
+
+        def slope(gap):
+            return np.maximum(self._slope(gap), np.finfo(float).tiny)
+
+        gap = solved(self._between, slope, wanted, low, high, 0.5 * (low + high))
         deep = np.maximum(-wanted, pressure) / pressure
         gap = np.where(-wanted > pressure, first * deep ** (-1 / power), gap)
         return np.where(wanted == 0, self.length, np.minimum(gap, self.length))
-
-    @property
-    def equilibrium_distance(self) -> float:
-        return self.length
 
     @property
     def peak_distance(self) -> float:
@@ -186,17 +177,13 @@ class TabulatedLaw(TractionLaw):
         outside = np.concatenate([self.gaps, bends[np.isfinite(bends)]])
         return -float(self.stiffness(outside[outside >= self.length]).min())
 
-    def scaled(self, length: float, stress: float) -> "TabulatedLaw":
-        return TabulatedLaw(
-            self.work_of_adhesion / (length * stress),
-            self.length / length,
-            self.gaps / length,
-            self.tractions / stress,
-        )
+    def scaled(self, length: float, stress: float) -> Self:
+        law = super().scaled(length, stress)
+        return replace(law, gaps=self.gaps / length, tractions=self.tractions / stress)
 
 
 def _check(gap: np.ndarray, traction: np.ndarray) -> None:
-    """Raise ValueError, in one line, for a table that is no law."""
+    """Raise ValueError for a table that is no law."""
     if gap.ndim != 1 or gap.shape != traction.shape or gap.size < _FEWEST_POINTS:
         raise ValueError(f"needs at least {_FEWEST_POINTS} gaps, and as many tractions as gaps")
     if not (np.all(np.isfinite(gap)) and np.all(np.isfinite(traction))):

@@ -7,7 +7,7 @@ import numpy as np
 
 from contact_study.inputs.errors import InputError
 from contact_study.physics.laws import LAWS, HardWall, TabulatedLaw, TractionLaw
-from contact_study.physics.laws.dugdale import RAMP
+from contact_study.physics.laws.exponential import RAMP
 from contact_study.study.schema.keys import TaggedUnion, key, or_word, quantity, sequence, text
 
 # The key that may be left to be chosen, and the word that does so.
