@@ -1,12 +1,8 @@
 """The documentation site: the pages of this folder, the examples as a gallery, and the library's face."""
 
-import sys
 import warnings
-from pathlib import Path
 
 import contact_study
-
-sys.path.insert(0, str(Path(__file__).resolve().parent))  # what the gallery imports
 
 project = "bem-adhesion"
 author = "The bem-adhesion developers"
@@ -36,7 +32,6 @@ numpydoc_show_class_members = False
 numpydoc_class_members_toctree = False
 
 sphinx_gallery_conf = {
-    "reset_argv": "gallery_arguments.into_scratch",
     "examples_dirs": "../examples",
     "gallery_dirs": "gallery",
     "filename_pattern": r"\.py$",

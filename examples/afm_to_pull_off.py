@@ -2,21 +2,14 @@
 =============================
 
 A height map is pressed against a soft solid and pulled off under gap control, with adaptive load steps. The shaded area
-of the loop is the energy lost in jumps; its lowest point is the pull-off stress::
-
-    python examples/afm_to_pull_off.py -o afm_to_pull_off.png
+of the loop is the energy lost in jumps; its lowest point is the pull-off stress.
 """
-
-import argparse
 
 import matplotlib.pyplot as plt
 import numpy as np
 from scipy.ndimage import gaussian_filter
 
 from contact_study import plots, run
-
-parser = argparse.ArgumentParser()
-parser.add_argument("-o", "--output", default="afm_to_pull_off.png", help="figure")
 
 # In place of a measured map; run() also takes the path of a file as surface.path.
 heights = gaussian_filter(np.random.default_rng(5).standard_normal((64, 64)), 4, mode="wrap")
@@ -33,4 +26,4 @@ found = run(
 axes = plots.hysteresis_loop(found)
 axes.set_title(f"pull-off at {float(found.pull_off_pressure) / 1e3:.1f} kPa")
 plt.close("all")
-axes.figure.savefig(parser.parse_args().output, dpi=150)
+axes.figure.savefig("afm_to_pull_off.png", dpi=150)

@@ -2,20 +2,13 @@
 ===============================
 
 A rough surface presses on a coating whose base is fifty times as stiff. The figure shows the contact area at one
-pressure between the limits of the base and of the coating material alone::
-
-    python examples/coating.py -o coating.png
+pressure between the limits of the base and of the coating material alone.
 """
-
-import argparse
 
 import matplotlib.pyplot as plt
 import numpy as np
 
 from bem_adhesion import HalfSpace, HardWall, Layered, rough_contact
-
-parser = argparse.ArgumentParser()
-parser.add_argument("-o", "--output", default="coating.png", help="figure")
 
 size, points = 1e-6, 128
 waves = np.hypot(np.fft.fftfreq(points, 1 / points)[:, None], np.fft.rfftfreq(points, 1 / points))
@@ -32,12 +25,11 @@ def area(solid):
 
 soft, stiff = 1e8, 5e9  # contact moduli (Pa)
 thickness = np.geomspace(0.01, 3, 12) * size
-areas = [area(Layered(soft, 0.3, d, stiff, 0.3)) for d in thickness]
 
 figure, axes = plt.subplots(figsize=(5.2, 3.8), layout="constrained")
-axes.semilogx(thickness / size, areas, "o-", label="coating")
+axes.semilogx(thickness / size, [area(Layered(soft, 0.3, d, stiff, 0.3)) for d in thickness], "o-", label="coating")
 for name, modulus, colour in (("coating material", soft, "C2"), ("base", stiff, "C3")):
     axes.axhline(area(HalfSpace(modulus)), linestyle="--", color=colour, label=f"{name} alone")
 axes.set(xlabel="thickness over cell", ylabel="relative contact area", title="2 MPa")
 axes.legend(frameon=False)
-figure.savefig(parser.parse_args().output, dpi=150)
+figure.savefig("coating.png", dpi=150)

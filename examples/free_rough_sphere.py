@@ -2,20 +2,13 @@
 ===================================
 
 One rough sphere on an endless half-space: roughness adds to the shape, and free boundaries remove the periodic
-images. The contact map shows that roughness breaks the contact of the smooth sphere into patches::
-
-    python examples/free_rough_sphere.py -o free_rough_sphere.png
+images. The contact map shows that roughness breaks the contact of the smooth sphere into patches.
 """
-
-import argparse
 
 import matplotlib.pyplot as plt
 import numpy as np
 
 from bem_adhesion import HalfSpace, HardWall, rough_contact
-
-parser = argparse.ArgumentParser()
-parser.add_argument("-o", "--output", default="free_rough_sphere.png", help="figure")
 
 size, points, radius = 2e-6, 128, 10e-6  # m
 x = (np.arange(points) - points / 2) * size / points
@@ -32,4 +25,4 @@ for axes, (name, height) in zip(panels, (("smooth", sphere), ("rough", sphere + 
     image = axes.imshow(found.pressure / 1e6, origin="lower", extent=[-1, 1, -1, 1], cmap="magma")
     axes.set(title=f"{name}: A/A₀ = {found.relative_contact_area:.3f}", xlabel="x (µm)", ylabel="y (µm)")
 figure.colorbar(image, label="pressure (MPa)")
-figure.savefig(parser.parse_args().output, dpi=150)
+figure.savefig("free_rough_sphere.png", dpi=150)

@@ -2,19 +2,12 @@
 =====================
 
 The pressure cannot exceed the hardness, and what has yielded stays. The loop shows that unloading is elastic: it
-returns along another curve, with more contact at the same load::
-
-    python examples/hardness.py -o hardness.png
+returns along another curve, with more contact at the same load.
 """
-
-import argparse
 
 import matplotlib.pyplot as plt
 
 from contact_study import run
-
-parser = argparse.ArgumentParser()
-parser.add_argument("-o", "--output", default="hardness.png", help="figure")
 
 surface = {
     "kind": "self_affine",
@@ -34,4 +27,4 @@ for hardness, colour in ((None, "C0"), ("6 GPa", "C1")):
     axes.plot(found.mean_pressure / 1e9, found.relative_contact_area, "o-", color=colour, markersize=4, label=name)
 axes.set(xlabel="pressure (GPa)", ylabel="relative contact area")
 axes.legend(frameon=False)
-figure.savefig(parser.parse_args().output, dpi=150)
+figure.savefig("hardness.png", dpi=150)

@@ -3,20 +3,13 @@
 
 Retarded van der Waals forces between half-spaces fall as 1/d³ in energy; a new law needs only its potential. The
 figure shows that the contact area hardly differs from that of the 10-4 law: the work of adhesion decides here, not
-the range::
-
-    python examples/own_law.py -o own_law.png
+the range.
 """
-
-import argparse
 
 import matplotlib.pyplot as plt
 import numpy as np
 
 from bem_adhesion import LennardJones104, TractionLaw, rough_contact
-
-parser = argparse.ArgumentParser()
-parser.add_argument("-o", "--output", default="own_law.png", help="figure")
 
 
 class Retarded(TractionLaw):
@@ -41,4 +34,4 @@ for name, law in (("10-4", LennardJones104(0.1, 0.33e-9)), ("retarded", Retarded
     axes.semilogx(pressures / 1e6, areas, "o-", label=name)
 axes.set(xlabel="pressure (MPa)", ylabel="relative contact area")
 axes.legend(title="law", frameon=False)
-figure.savefig(parser.parse_args().output, dpi=150)
+figure.savefig("own_law.png", dpi=150)

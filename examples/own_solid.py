@@ -2,20 +2,13 @@
 ============================
 
 A graded solid is stiff at depth and soft at its surface; the solvers know it by its stiffness K(q). The figure shows
-that long waves feel the stiff interior, so the graded solid has less contact than its soft skin alone::
-
-    python examples/own_solid.py -o own_solid.png
+that long waves feel the stiff interior, so the graded solid has less contact than its soft skin alone.
 """
-
-import argparse
 
 import matplotlib.pyplot as plt
 import numpy as np
 
 from bem_adhesion import Elasticity, HalfSpace, HardWall, rough_contact
-
-parser = argparse.ArgumentParser()
-parser.add_argument("-o", "--output", default="own_solid.png", help="figure")
 
 
 class Graded(Elasticity):
@@ -32,11 +25,11 @@ height = np.fft.irfft2(np.fft.rfft2(rng.standard_normal((128, 128))) * (1 + wave
 height *= 1e-9 / height.std()  # m
 
 figure, axes = plt.subplots(figsize=(5.2, 3.8), layout="constrained")
+pressures = np.geomspace(0.3, 100, 10)  # MPa
 for name, solid in (("homogeneous", HalfSpace(1e9)), ("graded", Graded(1e9))):
     contact = rough_contact(height, 200e-9, solid, HardWall())
-    pressures = np.geomspace(3e5, 1e8, 10)  # Pa
-    areas = [contact.step(contact.separated(), pressure).relative_contact_area for pressure in pressures]
-    axes.loglog(pressures / 1e6, areas, "o-", label=name)
+    areas = [contact.step(contact.separated(), 1e6 * pressure).relative_contact_area for pressure in pressures]
+    axes.loglog(pressures, areas, "o-", label=name)
 axes.set(xlabel="pressure (MPa)", ylabel="relative contact area")
 axes.legend(frameon=False)
-figure.savefig(parser.parse_args().output, dpi=150)
+figure.savefig("own_solid.png", dpi=150)

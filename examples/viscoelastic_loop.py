@@ -2,19 +2,12 @@
 ===================
 
 A rubber is pressed and released at three speeds. The figure shows that the loop is widest where one way takes about
-one relaxation time; slow and fast loops lose little::
-
-    python examples/viscoelastic_loop.py -o viscoelastic_loop.png
+one relaxation time; slow and fast loops lose little.
 """
-
-import argparse
 
 import matplotlib.pyplot as plt
 
 from contact_study import run
-
-parser = argparse.ArgumentParser()
-parser.add_argument("-o", "--output", default="viscoelastic_loop.png", help="figure")
 
 study = {
     "surface": {
@@ -37,4 +30,4 @@ for duration in ("1 ms", "0.2 s", "100 s"):
     axes.plot(found.mean_gap * 1e6, found.mean_pressure / 1e3, "o-", markersize=3, label=f"{duration} a step")
 axes.set(xlabel="mean gap (µm)", ylabel="pressure (kPa)")
 axes.legend(frameon=False)
-figure.savefig(parser.parse_args().output, dpi=150)
+figure.savefig("viscoelastic_loop.png", dpi=150)
