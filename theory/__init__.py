@@ -9,8 +9,13 @@ and a law or work of adhesion make a theory; each gives states at a pressure: :c
 
 from contact_study import __version__
 from contact_study.physics.laws import LennardJones93, LennardJones104, TractionLaw
-from contact_study.physics.roughness.spectrum import RadialSpectrum, RoughnessSpectrum, SelfAffineSpectrum, spectrum_of
-from contact_study.physics.roughness.tabulated_spectrum import TabulatedSpectrum
+from contact_study.physics.roughness.spectrum import (
+    RadialSpectrum,
+    RoughnessSpectrum,
+    SelfAffineSpectrum,
+    TabulatedSpectrum,
+    spectrum_of,
+)
 from contact_study.physics.solids import Elasticity, HalfSpace, Layer
 from contact_study.study.reading.spectrum_file import read_spectrum
 from theory.criteria import StickinessCriteria, stickiness

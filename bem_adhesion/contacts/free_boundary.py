@@ -13,8 +13,7 @@ from bem_adhesion.solution import Solution
 from contact_study.numerics.arguments import step_arguments
 from contact_study.numerics.grid import Grid
 from contact_study.physics.laws.base import TractionLaw
-from contact_study.physics.solids import Elasticity, elasticity_of
-from contact_study.physics.solids.half_space import HalfSpace
+from contact_study.physics.solids import Elasticity, HalfSpace, elasticity_of
 
 
 class FreeBoundaryContact:

@@ -24,7 +24,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from contact_study.numerics.grid import Grid
-from contact_study.physics.solids.half_space import HalfSpace
+from contact_study.physics.solids import HalfSpace
 
 
 @dataclass(frozen=True)

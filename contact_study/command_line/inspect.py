@@ -10,8 +10,7 @@ import xarray as xr
 from contact_study.campaign.store.files import write_aside
 from contact_study.inputs.errors import InputError
 from contact_study.numerics.grid import Grid
-from contact_study.physics.roughness.power_law import PowerSpectrum
-from contact_study.physics.roughness.statistics import Roughness
+from contact_study.physics.roughness.statistics import PowerSpectrum, Roughness
 from contact_study.study.case import Case
 from contact_study.study.checks.height_maps import described, map_warnings
 from contact_study.study.schema.keys import bind

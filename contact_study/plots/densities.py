@@ -8,8 +8,13 @@ from matplotlib.axes import Axes
 
 from contact_study.inputs.units import length
 from contact_study.numerics.grid import Grid
-from contact_study.physics.roughness.power_law import PowerSpectrum, SelfAffineFit, law_through, self_affine_fit
-from contact_study.physics.roughness.statistics import roughness_of_sample
+from contact_study.physics.roughness.statistics import (
+    PowerSpectrum,
+    SelfAffineFit,
+    law_through,
+    roughness_of_sample,
+    self_affine_fit,
+)
 from contact_study.plots.selection import extent, lines, one_state, require
 from contact_study.plots.style import COLOURS, Unit, axes_of, length_unit, pressure_unit, readable_decades, styled
 

@@ -7,7 +7,7 @@ from bem_adhesion.kernels.law import blocks
 from bem_adhesion.operators.fourier import periodic
 from bem_adhesion.operators.load import FieldLoad, HeightLoad
 from contact_study.numerics.grid import Grid
-from contact_study.physics.solids.half_space import HalfSpace
+from contact_study.physics.solids import HalfSpace
 
 GRID = Grid((24, 30), (3.0, 5.0))
 UNIT = 0.25

@@ -6,8 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from contact_study.numerics.grid import Grid
-from contact_study.physics.roughness.power_law import PowerSpectrum, self_affine_fit
-from contact_study.physics.roughness.statistics import roughness_of, roughness_of_sample
+from contact_study.physics.roughness.statistics import PowerSpectrum, roughness_of, roughness_of_sample, self_affine_fit
 from contact_study.study.case import realise
 from contact_study.study.study import make_study
 from tests.study.test_study import changed

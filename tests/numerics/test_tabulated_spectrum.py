@@ -5,9 +5,8 @@ import doctest
 import numpy as np
 import pytest
 
-from contact_study.physics.roughness import tabulated_spectrum
-from contact_study.physics.roughness.spectrum import SelfAffineSpectrum
-from contact_study.physics.roughness.tabulated_spectrum import TabulatedSpectrum
+from contact_study.physics.roughness import spectrum as tabulated_spectrum
+from contact_study.physics.roughness.spectrum import SelfAffineSpectrum, TabulatedSpectrum
 
 TARGET = SelfAffineSpectrum(0.8, 1e-9, 6e7, 1.8e8, 7.2e8)
 CORNERS = np.array([6e7, 1.8e8, 7.2e8])

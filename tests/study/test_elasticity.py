@@ -18,7 +18,7 @@ from contact_study.physics.solids import (
     contact_modulus_of,
     elasticity_of,
 )
-from contact_study.physics.solids.half_space import indentation_modulus, stiffnesses
+from contact_study.physics.solids.base import indentation_modulus, stiffnesses
 from contact_study.study.case import realise
 from contact_study.study.study import make_study
 

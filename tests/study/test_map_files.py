@@ -7,8 +7,8 @@ import pytest
 import xarray as xr
 
 from contact_study.inputs.errors import InputError
-from contact_study.physics.height_maps.grid import gridded
 from contact_study.physics.height_maps.height_map import read_height_map
+from contact_study.physics.height_maps.text import gridded
 from contact_study.study.case import realise
 from contact_study.study.study import make_study
 from tests.study.test_study import TABLE

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from contact_study.inputs.errors import InputError
-from contact_study.physics.roughness.power_law import SelfAffineFit
+from contact_study.physics.roughness.statistics import SelfAffineFit
 from contact_study.study.case import realise
 from contact_study.study.checks.height_maps import describe_maps, described, law_in_words, map_warnings
 from contact_study.study.checks.plausibility import review

@@ -1,45 +1,50 @@
-"""A height map in metres, from the numbers of its file and the units and size of file and study."""
+"""Files of height maps: a reader for each format, and the map in metres by the units and size of file and study."""
 
+import gzip
+import logging
+import re
+import shutil
+import tempfile
+import warnings
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
-from contact_study.inputs import units
 from contact_study.inputs.errors import InputError
 from contact_study.inputs.files import require_file
-from contact_study.inputs.units import length
-from contact_study.physics.height_maps.formats import Channel, RawMap, read_map
-from contact_study.physics.height_maps.grid import line_scan
+from contact_study.inputs.units import length, quantity
+from contact_study.numerics.grid import Grid
+from contact_study.physics.height_maps.text import RawMap, line_scan, read_points, read_text, step_of
+
+Channel = str | int | None
 
 # A cell wider than this (m) was written in another unit: no instrument that resolves roughness reaches as far.
 WIDEST = 0.1
-
 # Relative difference up to which two sizes are one: headers round to four digits. The usual mistake, counting
 # intervals instead of points, is 1/N, and larger on all maps of less than a thousand points a side.
 _SAME_SIZE = 1e-3
+# A map's variable of a NetCDF file, of this project and of SurfaceTopography, and what marks missing heights there.
+_USUAL, _MASK = ("height", "heights"), "mask"
+# Channels of a microscope that are no heights, whatever unit its software gives them.
+_NO_HEIGHTS = re.compile("phase|error|amplitude|deflection|friction|lateral|current|potential", re.IGNORECASE)
 
 
 @dataclass(frozen=True)
 class HeightMap:
-    """Heights (y, x) and the periods of the cell in m, both axes increasing, NaN where missing.
-
-    ``unit`` is the unit that the heights were read in, and its source.
-    """
+    """Heights (y, x) and the periods of the cell in m, both axes increasing, NaN where missing."""
 
     heights: np.ndarray
     size: tuple[float, float]
-    unit: str
+    unit: str  # that the heights were read in, and its source
 
     @property
-    def shape(self) -> tuple[int, int]:
-        """Points along y and x."""
-        return self.heights.shape[0], self.heights.shape[1]
-
-    @property
-    def spacing(self) -> tuple[float, float]:
-        """Distance of neighbouring points along y and x (m)."""
-        return self.size[0] / self.shape[0], self.size[1] / self.shape[1]
+    def grid(self) -> Grid:
+        """Its points."""
+        return Grid((self.heights.shape[0], self.heights.shape[1]), self.size)
 
 
 def read_height_map(
@@ -49,16 +54,14 @@ def read_height_map(
     channel: Channel = None,
     lateral_unit: str | None = None,
 ) -> HeightMap:
-    """Read a height map of one of the formats of :mod:`contact_study.physics.height_maps.formats`.
-
-    Units, size (y, x; m) and channel are those of a study; units default to metres.
+    """Read a height map of any format by the keys of a study, size (y, x) in m; units default to metres.
 
     Raises InputError if the file is missing or damaged, is no table of at least 4 × 4 numbers, its coordinates are not
     evenly spaced, its size is unknown, or the study contradicts it.
     """
     require_file(path, "surface.path")
     try:
-        raw = read_map(path, channel)
+        raw = _read(path, channel)
         if np.iscomplexobj(raw.heights):
             raise InputError(f"surface.path: {path} holds complex numbers; expected heights")
         heights = np.asarray(raw.heights, dtype=float)
@@ -84,8 +87,8 @@ def read_height_map(
 
 def _factor(path: Path, name: str, given: str | None, own: str | None) -> float:
     """Metres in a unit: the file's, or else the study's, which must be the same if both say one."""
-    factor = units.quantity(f"1 {own or given or 'm'}", "m", f"unit of {path}" if own else f"surface.{name}")
-    if own and given and abs(units.quantity(f"1 {given}", "m", f"surface.{name}") / factor - 1) > 1e-9:
+    factor = quantity(f"1 {own or given or 'm'}", "m", f"unit of {path}" if own else f"surface.{name}")
+    if own and given and abs(quantity(f"1 {given}", "m", f"surface.{name}") / factor - 1) > 1e-9:
         raise InputError(f'surface.{name} = "{given}": {path} says {own}; leave the key out, or mend the file')
     return factor
 
@@ -115,3 +118,172 @@ def _size(path: Path, raw: RawMap, given: tuple[float, float] | None, lateral_un
             "points times their spacing); leave the key out, or mend the file"
         )
     return given
+
+
+def _read(path: Path, channel: Channel) -> RawMap:
+    """Read an existing file by its suffix, or else by its content; ``channel`` is the name or number of a map in it."""
+    reader = READERS.get(path.suffix.lower())
+    if reader is not None:
+        return reader(path, channel)
+    if _is_text(path):
+        try:
+            return _only(path, channel, read_text(path))
+        except InputError:
+            raise
+        except ValueError as error:
+            reason = str(error)
+    else:
+        reason = "it is no text"
+    return _instrument(path, channel, reason)
+
+
+def _chosen(
+    path: Path, names: Sequence[str], channel: Channel, usual: str = "", others: Collection[str] = frozenset()
+) -> str:
+    """Choose one of the channels of a file, of which ``others`` are no heights."""
+    heights = [name for name in names if name not in others]
+    kinds = {name: " (not a height)" if name in others else " (height)" if others else "" for name in names}
+    listed = ", ".join(f"{number}: {name}{kinds[name]}" for number, name in enumerate(names))
+    if not heights:
+        raise InputError(f"surface.path: {path} holds no map of heights{listed and f'; it has {listed}'}")
+    if channel is None:
+        if usual in heights or len(heights) == 1:
+            return usual if usual in heights else heights[0]
+        raise InputError(f"missing key surface.channel: {path} holds {len(heights)} maps of heights ({listed})")
+    found = names[channel] if isinstance(channel, int) and channel < len(names) else channel
+    if found not in heights:
+        what = "is no map of heights" if found in names else "there is no such channel"
+        raise InputError(f"surface.channel = {channel!r}: {what}; {path} has {listed}")
+    return str(found)
+
+
+def _npz(path: Path, channel: Channel) -> RawMap:
+    with np.load(path, allow_pickle=False) as archive:
+        names = [name for name in archive.files if archive[name].ndim == 2]
+        return RawMap(archive[_chosen(path, names, channel)])
+
+
+def _netcdf(path: Path, channel: Channel) -> RawMap:
+    import xarray as xr
+
+    with xr.open_dataset(path) as dataset:
+        names = [str(name) for name, variable in dataset.items() if variable.ndim == 2 and name != _MASK]
+        usual = next((name for name in names if name in _USUAL), "")
+        heights = dataset[_chosen(path, names, channel, usual)].load()
+        if _MASK in dataset and dataset[_MASK].dims == heights.dims:
+            heights = heights.where(dataset[_MASK] == 0)
+        axes = {_axis(dataset, str(dimension)): str(dimension) for dimension in heights.dims}
+        if set(axes) == {"y", "x"}:
+            heights = heights.transpose(axes["y"], axes["x"])
+        steps, units = [], []
+        for dimension in map(str, heights.dims):
+            if dimension not in dataset.coords or dataset[dimension].size < 2:
+                continue
+            steps.append(step_of(path, dimension, dataset[dimension].values.astype(float)))
+            if steps[-1] < 0:
+                heights = heights.isel({dimension: slice(None, None, -1)})
+            units.append(_unit(dataset[dimension]))
+        if len(steps) < 2:
+            return RawMap(heights.values, None, _unit(heights))
+        said = next((unit for unit in units if unit), None)  # of two coordinates one may speak for both
+        sizes = [quantity(f"1 {unit or said or 'm'}", "m", f"surface.path: {path}, unit of x or y") for unit in units]
+        y, x = (abs(step) * n * one for step, n, one in zip(steps, heights.shape, sizes, strict=True))
+        return RawMap(heights.values, (y, x), _unit(heights), said and "m")
+
+
+def _unit(variable: Any) -> str | None:
+    """Unit of a NetCDF variable; SurfaceTopography calls the attribute ``unit``, and writes ``A`` for Å."""
+    unit = variable.attrs.get("units") or variable.attrs.get("unit")
+    return "angstrom" if unit == "A" else unit
+
+
+def _axis(dataset: Any, dimension: str) -> str:
+    """``y`` or ``x`` as the coordinate's attribute or else the dimension's name says; another name as it is."""
+    attribute = dataset[dimension].attrs.get("axis") if dimension in dataset.coords else None
+    return str(attribute or dimension).lower()
+
+
+def _gzip(path: Path, channel: Channel) -> RawMap:
+    """Read the content of a compressed file."""
+    with tempfile.TemporaryDirectory(prefix="height_map") as folder:
+        content = Path(folder) / path.stem
+        with gzip.open(path) as packed, content.open("wb") as out:
+            shutil.copyfileobj(packed, out)
+        try:
+            return _read(content, channel)
+        except InputError as error:
+            raise InputError(str(error).replace(str(content), str(path))) from None
+
+
+def _instrument(path: Path, channel: Channel, reason: str) -> RawMap:
+    """Any of the formats of SurfaceTopography, whose arrays are (x, y)."""
+    try:
+        with _silent():  # it warns of an MPI that is not there
+            from SurfaceTopography.IO import CannotDetectFileFormat, open_topography
+    except ImportError:
+        raise InputError(
+            f"surface.path: {path} is in none of the formats {', '.join(READERS)} or text ({reason}); instruments' "
+            "files need pip install '.[instruments]'"
+        ) from None
+    try:
+        with _silent(), open_topography(str(path)) as reader:
+            # A format without any mark: every file of the right length passes for it.
+            if reader.format() == "hgt" and path.suffix.lower() != ".hgt":
+                raise CannotDetectFileFormat
+            maps = [one for one in reader.channels if one.dim == 2]
+            if not maps and reader.channels:
+                raise line_scan(path, reader.channels[0].nb_grid_pts[0])
+            # The unit of what is no length is no text with some readers.
+            lengths = {one.channel_id for one in maps if one.is_height_channel and isinstance(one.unit, str | None)}
+            surfaces = {name for name in lengths if not _NO_HEIGHTS.search(name)}
+            names = [one.channel_id for one in maps]
+            name = _chosen(path, names, channel, others=set(names) - surfaces)
+            found = next(one for one in maps if one.channel_id == name)
+            sides = found.physical_sizes
+            # It asks for a size where the file has none.
+            topography = found.topography(physical_sizes=found.nb_grid_pts if sides is None else None)
+            heights: np.ndarray = np.ma.filled(np.ma.asarray(topography.heights(), dtype=float), np.nan).T
+            unit = topography.unit
+    except CannotDetectFileFormat:
+        raise InputError(
+            f"surface.path: {path} is in no format that is known ({reason}); known are text, {', '.join(READERS)} "
+            "and those of SurfaceTopography"
+        ) from None
+    return RawMap(heights, None if sides is None else (float(sides[1]), float(sides[0])), unit, unit)
+
+
+@contextmanager
+def _silent() -> Iterator[None]:
+    """Silence remarks of libraries on formats that a file does not have."""
+    before = logging.root.manager.disable
+    logging.disable(logging.CRITICAL)
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            yield
+    finally:
+        logging.disable(before)
+
+
+def _only(path: Path, channel: Channel, found: RawMap) -> RawMap:
+    """The one map of a file."""
+    if channel not in (None, 0):
+        raise InputError(f"surface.channel = {channel!r}: {path} holds one map; leave the key out")
+    return found
+
+
+def _is_text(path: Path) -> bool:
+    with path.open("rb") as stream:
+        start = stream.read(4096)
+    return b"\0" not in start and not re.search(rb"[\x01-\x08\x0e-\x1f\x80-\x9f]{2}", start)
+
+
+READERS: Mapping[str, Callable[[Path, Channel], RawMap]] = {
+    ".npy": lambda path, channel: _only(path, channel, RawMap(np.load(path, allow_pickle=False))),
+    ".npz": _npz,
+    ".nc": _netcdf,
+    ".nc4": _netcdf,
+    ".netcdf": _netcdf,
+    ".xyz": lambda path, channel: _only(path, channel, read_points(path)),
+    ".gz": _gzip,
+}

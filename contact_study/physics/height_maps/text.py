@@ -1,4 +1,4 @@
-"""Height maps as text: tables, columns x, y and height, ESRI and WSxM ASCII; the lines are read, nothing more."""
+"""Height maps as text: tables, columns x, y and height, ESRI and WSxM ASCII, and the even grids of coordinates."""
 
 import re
 import warnings
@@ -10,7 +10,6 @@ import numpy as np
 
 from contact_study.inputs.errors import InputError
 from contact_study.inputs.units import quantity
-from contact_study.physics.height_maps.grid import gridded
 
 # Letters of a line that a message shows.
 _SHOWN = 40
@@ -19,33 +18,26 @@ _MANY = 30
 # The words of Gwyddion's export in the languages of its menus.
 _WIDTH = "Width|Šířka|Breite|Anchura|Largeur|Larghezza|Largura|Ширина|幅|폭"
 _HEIGHT = "Height|Výška|Höhe|Altura|Hauteur|Altezza|Высота|高さ|높이"
+# Largest distance of a coordinate from its place on an even grid, in steps: what rounded decimals and single
+# precision leave, and far less than the height changes over.
+_UNEVEN = 0.01
+# Grid points for each point given, beyond which points are scattered and no grid with holes.
+_SPARSEST = 4
 _NUMBER = re.compile(r"\s*[-+]?\.?\d|\s*nan\b", re.IGNORECASE)
 
 
 @dataclass(frozen=True)
 class RawMap:
-    """A map as its file has it.
+    """A map as its file has it; units are None where it gives none."""
 
-    ``heights`` are numbers, NaN where missing, y and x increasing; ``size`` are the periods (y, x) in the lateral unit;
-    units are None where the file gives none.
-    """
-
-    heights: np.ndarray
-    size: tuple[float, float] | None = None
+    heights: np.ndarray  # numbers, NaN where missing, y and x increasing
+    size: tuple[float, float] | None = None  # periods (y, x) in the lateral unit
     height_unit: str | None = None
     lateral_unit: str | None = None
 
 
 def read_text(path: Path) -> RawMap:
-    """A table of heights, or what its first lines say it is.
-
-    Raises
-    ------
-    InputError
-        If it is of a known kind, and damaged.
-    ValueError
-        If there are other things than numbers in it.
-    """
+    """A table of heights, or what its first lines say it is; InputError if damaged, ValueError of no known kind."""
     lines = _lines(path)
     head = "\n".join(lines[:30])
     if head.startswith("WSxM") and "ASCII XYZ" in head:
@@ -150,12 +142,7 @@ def _lines(path: Path) -> list[str]:
 def _numbers(path: Path, lines: Sequence[str]) -> np.ndarray:
     """Rows of numbers between blanks, tabs, semicolons or commas, with decimal points or commas.
 
-    An empty place between two separators is a missing number.
-
-    Raises
-    ------
-    ValueError
-        With the row, where there are other things or rows of other lengths.
+    An empty place between two separators is a missing number. Raises ValueError where there are other things.
     """
     separator, decimal = _separation(path, [line for line in lines if _NUMBER.match(line)][:30])
     if (separator, decimal) == (", ", ","):
@@ -179,10 +166,7 @@ def _numbers(path: Path, lines: Sequence[str]) -> np.ndarray:
 
 
 def _separation(path: Path, lines: Sequence[str]) -> tuple[str | None, str]:
-    """Find the separator of the numbers in these lines, None for blanks and tabs, and their decimal sign.
-
-    Raises InputError if commas may be both.
-    """
+    """Separator of the numbers in these lines, None for blanks and tabs, and decimal sign; InputError if open."""
     text = "\n".join(lines)
     if ";" in text:
         return ";", "," if "," in text and "." not in text else "."
@@ -220,3 +204,60 @@ def _whole(lines: Sequence[str], separator: str) -> list[str]:
     if all(line.endswith(separator) for line in there):
         there = [line.removesuffix(separator) for line in there]
     return [separator.join(cell if cell.strip() else "nan" for cell in line.split(separator)) for line in there]
+
+
+def line_scan(path: Path, points: int) -> InputError:
+    """Make the error for a file that holds a line."""
+    return InputError(f"surface.path: {path} holds a line scan ({points} points); a map (rows x columns) is needed")
+
+
+def step_of(path: Path, name: str, values: np.ndarray) -> float:
+    """Find the step of evenly spaced coordinates, negative where they decrease; raise InputError for others."""
+    step = (values[-1] - values[0]) / (values.size - 1)
+    even = values[0] + step * np.arange(values.size)
+    if not np.all(np.abs(values - even) <= _UNEVEN * abs(step)) or step == 0:
+        lengths = np.abs(np.diff(values))
+        raise InputError(
+            f"surface.path: the coordinate {name} of {path} is not evenly spaced (steps from "
+            f"{lengths.min():.6g} to {lengths.max():.6g}); resample the map on an even grid"
+        )
+    return float(step)
+
+
+def gridded(path: Path, points: np.ndarray) -> tuple[np.ndarray, tuple[float, float]]:
+    """Arrange points (x, y, height) in any order on their grid, NaN where there is none; return it and its periods."""
+    if len(points) < 4 or not np.all(np.isfinite(points[:, :2])):
+        raise InputError(f"surface.path: {path} holds {len(points)} points; expected a grid with finite x and y")
+    columns, dx = _places(path, "x", points[:, 0])
+    rows, dy = _places(path, "y", points[:, 1])
+    shape = (int(rows.max()) + 1, int(columns.max()) + 1)
+    if shape[0] * shape[1] > _SPARSEST * len(points):
+        raise InputError(
+            f"surface.path: the {len(points)} points of {path} are scattered, on no grid; interpolate them onto one"
+        )
+    if np.unique(rows * shape[1] + columns).size < len(points):
+        raise InputError(f"surface.path: {path} holds two heights for one place")
+    heights = np.full(shape, np.nan)
+    heights[rows, columns] = points[:, 2]
+    return heights, (shape[0] * dy, shape[1] * dx)
+
+
+def _places(path: Path, name: str, values: np.ndarray) -> tuple[np.ndarray, float]:
+    """Number of each coordinate along its axis, and the spacing."""
+    lowest, reach = float(values.min()), float(np.ptp(values))
+    gaps = np.diff(np.unique(values))
+    if gaps.size == 0:
+        raise InputError(f"surface.path: the points of {path} have one {name} only; expected at least 4")
+    gaps = gaps[gaps > 0.1 * np.median(gaps[gaps >= 0.5 * gaps.max()])]  # smaller ones are one place, rounded
+    steps = round(reach / float(np.median(gaps)))
+    if np.all(gaps < 1.5 * np.median(gaps)):  # no line is missing as a whole: their number is exact
+        steps = gaps.size
+    spacing = reach / steps
+    places = np.rint((values - lowest) / spacing).astype(int)
+    off = np.abs(values - lowest - spacing * places).max() / spacing
+    if off > _UNEVEN:
+        raise InputError(
+            f"surface.path: the coordinate {name} of {path} is not evenly spaced (off its place by {off:.2g} of a "
+            "step); resample the map on an even grid"
+        )
+    return places, spacing

@@ -1,4 +1,4 @@
-"""Isotropic roughness spectra: a self-affine target and that of a realised surface, with their moments.
+"""Isotropic roughness spectra: a self-affine target, a table and that of a realised surface, with their moments.
 
 Convention: C(q) = (2π)⁻² ∫ d²x <h(x) h(0)> exp(−i q·x), so that h_rms² = 2π ∫ q C dq. All that contact theories
 need is in the moments M_n(q) = ∫ q'ⁿ C dq' from the smallest wavevector to q.
@@ -139,22 +139,19 @@ class SelfAffineSpectrum(RoughnessSpectrum):
         decay = (np.maximum(q, self.roll_off) / self.roll_off) ** (-2 * (1 + self.hurst_exponent))
         return np.where((q >= self.low) & (q <= self.cutoff), self.plateau * decay, 0.0)
 
-    def moment(self, order: float, lower: float | None = None, upper: float | np.ndarray | None = None) -> np.ndarray:
+    def moment(self, order, lower=None, upper=None):
         a = self.low if lower is None else min(max(lower, self.low), self.cutoff)
         b = np.clip(self.cutoff if upper is None else upper, self.low, self.cutoff)
         return self.plateau * self._shape_moment(order, a, b)
 
-    def weighted_variance(
-        self, weight: Callable[[np.ndarray], np.ndarray], upper: float | np.ndarray | None = None
-    ) -> np.ndarray:
-        b = np.clip(self.cutoff if upper is None else upper, self.low, self.cutoff)
-        return integrated_variance(self.density, weight, b, self.band_edges(PIECES))
+    def weighted_variance(self, weight, upper=None):
+        return _integrated_variance(self, self.density, weight, upper, self.band_edges(PIECES))
 
     def _shape_moment(self, order: float, a: float, b: float | np.ndarray) -> np.ndarray:
         """∫ qⁿ C/C₀ dq from a to b, exact in each of the two power laws."""
         q0, decay = self.roll_off, 2 * (1 + self.hurst_exponent)
-        flat = power_integral(order, min(a, q0), np.minimum(b, q0))
-        falling = power_integral(order - decay, max(a, q0), np.maximum(b, q0)) * q0**decay
+        flat = _power_integral(order, min(a, q0), np.minimum(b, q0))
+        falling = _power_integral(order - decay, max(a, q0), np.maximum(b, q0)) * q0**decay
         return flat + falling
 
     def band_edges(self, count: int) -> np.ndarray:
@@ -165,16 +162,98 @@ class SelfAffineSpectrum(RoughnessSpectrum):
         return edges
 
 
-def integrated_variance(
-    density: Callable[[np.ndarray], np.ndarray],
-    weight: Callable[[np.ndarray], np.ndarray],
-    upper: float | np.ndarray,
-    ends: np.ndarray,
-) -> np.ndarray:
+@dataclass(frozen=True, eq=False)
+class TabulatedSpectrum(RoughnessSpectrum):
+    """C(q) on a table, a power law between neighbours, zero outside.
+
+    Moments are exact for these power laws: a self-affine spectrum needs no more than its corners.
+
+    Parameters
+    ----------
+    wavevectors : array_like, shape (n,)
+        q > 0, rising, two at least (1/m).
+    density : array_like, shape (n,)
+        C(q) > 0 in the convention of :mod:`contact_study.physics.roughness.spectrum`, h_rms² = 2π ∫ q C dq (m⁴).
+
+    Raises
+    ------
+    ValueError
+        If the table is no such table.
+
+    Examples
+    --------
+    >>> from theory import PerssonTheory, TabulatedSpectrum
+    >>> measured = TabulatedSpectrum([1e7, 1e8, 1e9], [1e-33, 1e-33, 1e-37])
+    >>> bool(PerssonTheory(measured, elasticity=93.7e9, work_of_adhesion=0.1).at_pressure(1e9).converged)
+    True
+    """
+
+    wavevectors: np.ndarray
+    density: np.ndarray
+
+    def __post_init__(self):
+        for name in ("wavevectors", "density"):
+            try:
+                given = np.array(getattr(self, name), dtype=float)
+            except (TypeError, ValueError):
+                raise ValueError(f"{name}: expected an array of numbers") from None
+            if given.ndim != 1 or given.size < 2 or not np.all(np.isfinite(given) & (given > 0)):
+                raise ValueError(f"{name}: expected two positive finite numbers at least, in one row")
+            object.__setattr__(self, name, given)
+        if self.wavevectors.shape != self.density.shape:
+            raise ValueError(
+                f"density: {self.density.size} numbers for {self.wavevectors.size} wavevectors; one each is needed"
+            )
+        if np.any(np.diff(self.wavevectors) <= 0):
+            raise ValueError("wavevectors: must rise")
+
+    @property
+    def limits(self) -> tuple[float, float]:
+        return float(self.wavevectors[0]), float(self.wavevectors[-1])
+
+    @cached_property
+    def _exponents(self) -> np.ndarray:
+        """Power of q in each piece."""
+        return np.diff(np.log(self.density)) / np.diff(np.log(self.wavevectors))
+
+    def density_at(self, wavevector: float | np.ndarray) -> np.ndarray:
+        """C(q) (m⁴), zero outside the table."""
+        q = np.asarray(wavevector, dtype=float)
+        low, high = self.limits
+        inside = np.exp(np.interp(np.log(np.clip(q, low, high)), np.log(self.wavevectors), np.log(self.density)))
+        return np.where((q >= low) & (q <= high), inside, 0.0)
+
+    def moment(self, order, lower=None, upper=None):
+        low, high = self.limits
+        below = 0.0 if lower is None else self._moment(order, np.clip(lower, low, high))
+        return self._moment(order, np.clip(high if upper is None else upper, low, high)) - below
+
+    def _moment(self, order: float, upper: np.ndarray) -> np.ndarray:
+        """∫ qⁿ C dq from the first wavevector, exact in each power law."""
+        q, powers = self.wavevectors, order + self._exponents
+        scale = self.density[:-1] * q[:-1] ** (order + 1)
+        whole = np.concatenate([[0.0], np.cumsum(scale * _power_integral(powers, 1.0, q[1:] / q[:-1]))])
+        piece = np.clip(np.searchsorted(q, upper, side="right") - 1, 0, q.size - 2)
+        return whole[piece] + scale[piece] * _power_integral(powers[piece], 1.0, upper / q[piece])
+
+    def weighted_variance(self, weight, upper=None):
+        ends = np.concatenate([self.wavevectors, self.band_edges(PIECES)])
+        return _integrated_variance(self, self.density_at, weight, upper, ends)
+
+    def band_edges(self, count: int) -> np.ndarray:
+        """Logarithmically spaced wavevectors."""
+        edges = np.geomspace(*self.limits, count + 1)
+        edges[0], edges[-1] = self.limits
+        return edges
+
+
+def _integrated_variance(spectrum, density, weight, upper, ends):
     """Integrate 2π w(q) q C dq up to upper limits by Gauss's rule on ln q, in pieces between ends and limits.
 
     q²C must be smooth and next to linear in each piece: corners of the density are among the ends.
     """
+    low, high = spectrum.limits
+    upper = np.clip(high if upper is None else upper, low, high)
     ends = np.unique(np.concatenate([np.ravel(upper), ends]))
     nodes, weights = np.polynomial.legendre.leggauss(6)
     half = 0.5 * np.diff(np.log(ends))
@@ -184,7 +263,7 @@ def integrated_variance(
     return 2 * np.pi * cumulative[np.searchsorted(ends, upper)]
 
 
-def power_integral(power: float | np.ndarray, a: float, b: float | np.ndarray) -> np.ndarray:
+def _power_integral(power: float | np.ndarray, a: float, b: float | np.ndarray) -> np.ndarray:
     """∫ q^power dq from a to b, without cancellation when power nears −1."""
     exponent = power + 1
     octaves = np.log(np.asarray(b) / a)
@@ -253,16 +332,16 @@ class RadialSpectrum(RoughnessSpectrum):
         """h_rms of this surface (m)."""
         return float(np.sqrt(self.variances.sum()))
 
-    def moment(self, order: float, lower: float | None = None, upper: float | np.ndarray | None = None) -> np.ndarray:
+    def moment(self, order, lower=None, upper=None):
         parts = self.variances * self.wavevectors ** (order - 1) / (2 * np.pi)
-        cumulative = np.concatenate([[0.0], np.cumsum(parts)])
-        below = 0.0 if lower is None else np.interp(lower, self.shell_edges, cumulative)
-        return np.interp(self.limits[1] if upper is None else upper, self.shell_edges, cumulative) - below
+        return self._below(upper, parts) - (0.0 if lower is None else self._below(lower, parts))
 
-    def weighted_variance(
-        self, weight: Callable[[np.ndarray], np.ndarray], upper: float | np.ndarray | None = None
-    ) -> np.ndarray:
-        cumulative = np.concatenate([[0.0], np.cumsum(self.variances * weight(self.wavevectors))])
+    def weighted_variance(self, weight, upper=None):
+        return self._below(upper, self.variances * weight(self.wavevectors))
+
+    def _below(self, upper: float | np.ndarray | None, parts: np.ndarray) -> np.ndarray:
+        """Sum what the shells have up to a wavevector."""
+        cumulative = np.concatenate([[0.0], np.cumsum(parts)])
         return np.interp(self.limits[1] if upper is None else upper, self.shell_edges, cumulative)
 
     def band_edges(self, count: int) -> np.ndarray:

@@ -1,4 +1,7 @@
-"""Description of a surface: its moments, its power spectrum and the self-affine law that fits it best."""
+"""Description of a surface: its moments, its power spectrum and the self-affine law that fits it best.
+
+The spectrum has the convention of :mod:`contact_study.physics.roughness.spectrum`, h_rms² = 2π ∫ q C dq.
+"""
 
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -8,55 +11,59 @@ import numpy as np
 from contact_study.numerics import fourier
 from contact_study.numerics.grid import Grid
 from contact_study.physics.height_maps import preparation
-from contact_study.physics.roughness.power_law import BANDS_PER_OCTAVE, PowerSpectrum, SelfAffineFit, self_affine_fit
 
 # Ratio of the jump across an edge to the difference of neighbouring lines up to which a map is periodic: scatter leaves
 # rarely more, and a jump of so much is a hundredth of the mean square slope of 400 lines.
 PERIODIC = 2.0
+BANDS_PER_OCTAVE = 8
+# Powers of q in C from 0 to −6; a self-affine surface has H from 0 to 1, noise and filters make others.
+_HURST = np.linspace(-1.0, 2.0, 301)
+_TAIL_POWERS = np.linspace(0.0, 8.0, 33)
+# A self-affine range is nothing below an octave.
+_SHORTEST_RANGE = BANDS_PER_OCTAVE
+# Relative departure of C of a real surface from any law. Without it the thousands of waves of the shortest bands,
+# known to a per cent, would decide alone.
+_DEPARTURE = 0.1
+
+
+@dataclass(frozen=True)
+class PowerSpectrum:
+    """Radial average of a power spectrum, in bands of an eighth of an octave; bands without a wave are left out."""
+
+    wavevectors: np.ndarray  # rms |q| of the waves of each band, up to the Nyquist wavevector of the coarser axis (1/m)
+    density: np.ndarray  # C (m⁴)
+    waves: np.ndarray  # independent amplitudes in each band: two a pair of waves of both signs
+
+
+@dataclass(frozen=True)
+class SelfAffineFit:
+    """A self-affine spectrum: flat up to the roll-off, C ∝ q^(−2−2H) from there to the cutoff."""
+
+    hurst_exponent: float  # outside 0 to 1 the spectrum is flatter or steeper than that of any self-affine surface
+    uncertainty: float  # its standard deviation
+    roll_off: float  # wavevectors (1/m) between which it was fitted
+    cutoff: float
+    density: float  # C at and below the roll-off (m⁴)
 
 
 @dataclass(frozen=True)
 class Roughness:
-    """A periodic surface as numbers.
-
-    Attributes
-    ----------
-    grid : Grid
-        Its points.
-    rms_height : float
-        About the mean (m).
-    rms_slope : float
-        √<|∇h|²> of the trigonometric polynomial through the points.
-    rms_curvature : float
-        Root mean square of its mean curvature, √<(∇²h)²>/2 (1/m).
-    edge_jump : float
-        Root-mean-square difference of heights across that edge of the cell where it is larger (m).
-    edge_ratio : float
-        The largest ratio of such a difference to that of neighbouring rows or columns inside.
-    spectrum : PowerSpectrum
-        Its spectrum.
-    made_by : tuple of float or None
-        Roll-off and cutoff of the self-affine law that it was made by (1/m).
-    between : PowerSpectrum or None
-        Spectrum of the waves between these.
-    """
+    """A periodic surface as numbers, derivatives those of the trigonometric polynomial through its points."""
 
     grid: Grid
-    rms_height: float
-    rms_slope: float
-    rms_curvature: float
-    edge_jump: float
-    edge_ratio: float
+    rms_height: float  # about the mean (m)
+    rms_slope: float  # √<|∇h|²>
+    rms_curvature: float  # of the mean curvature, √<(∇²h)²>/2 (1/m)
+    edge_jump: float  # rms difference of heights across that edge of the cell where it is larger (m)
+    edge_ratio: float  # largest ratio of such a difference to that of neighbouring rows or columns inside
     spectrum: PowerSpectrum
-    made_by: tuple[float, float] | None = None
-    between: PowerSpectrum | None = None
+    made_by: tuple[float, float] | None = None  # roll-off and cutoff of the self-affine law that it was made by (1/m)
+    between: PowerSpectrum | None = None  # spectrum of the waves between these
 
     @cached_property
     def fit(self) -> SelfAffineFit | None:
         """The self-affine law that fits best; None for a spectrum of too few octaves."""
-        if self.between is not None:
-            return self_affine_fit(self.between, self.made_by)
-        return self_affine_fit(self.spectrum)
+        return self_affine_fit(self.between or self.spectrum, self.made_by)
 
     @property
     def noise(self) -> tuple[float, float]:
@@ -151,3 +158,86 @@ def _power_spectrum(
     there = count > 0
     cell = (2 * np.pi) ** 2 / (grid.size[0] * grid.size[1])  # area of a wave in the plane of wavevectors
     return PowerSpectrum(np.sqrt(slope[there] / count[there]), height[there] / (count[there] * cell), count[there])
+
+
+def law_through(
+    spectrum: PowerSpectrum, hurst_exponent: float, uncertainty: float, roll_off: float, cutoff: float
+) -> SelfAffineFit:
+    """A law of these constants at the level of a spectrum."""
+    q = spectrum.wavevectors
+    weight = _weights(spectrum) * (q <= cutoff)
+    shape = np.maximum(q / roll_off, 1.0) ** (-2 - 2 * hurst_exponent)
+    level = float(np.sum(weight * spectrum.density / shape) / np.sum(weight))
+    return SelfAffineFit(hurst_exponent, uncertainty, roll_off, cutoff, level)
+
+
+def self_affine_fit(spectrum: PowerSpectrum, limits: tuple[float, float] | None = None) -> SelfAffineFit | None:
+    """Fit the self-affine law of a spectrum by likelihood, each wave's power being exponentially distributed about C.
+
+    That is the distribution of |h_q|² on a Gaussian surface (Whittle's likelihood of a spectrum); a band counts as
+    no more waves than its C is known by, see ``_DEPARTURE``. Beyond the cutoff C is another power law: next to
+    nothing, the flat floor of a measurement, or what edges leave. Roll-off and cutoff are those of the largest
+    likelihood, and taken for real only where they raise it by more than their number asks for (Schwarz' criterion).
+    H is the mean over all limits by their likelihood and its uncertainty the standard deviation, so that limits which
+    the spectrum leaves open count, too. Where even the best law misses the spectrum by more than chance, the likelihood
+    is widened by what it misses it by (deviance over degrees of freedom).
+
+    ``limits`` are roll-off and cutoff (1/m) where they are known, of a spectrum of the waves between them. None for
+    less than an octave, or no power; of unknown limits, less than two octaves.
+    """
+    q, known = spectrum.wavevectors, limits is not None
+    octaves = 1 if known else 2
+    if q.size <= _SHORTEST_RANGE or spectrum.density.max() <= 0 or np.log2(q[-1] / q[0]) < octaves * (1 - 1e-9):
+        return None
+    waves = _weights(spectrum)
+    # What rounding of a transform leaves of nothing.
+    power = np.maximum(spectrum.density / spectrum.density.max(), 1e-30)
+    own = waves * (np.log(power) + 1)  # cost of bands that no law covers
+    number, tail = np.cumsum(waves), _tails(q, waves, power)
+    penalty = 0.5 * np.log(number[-1])
+    tried, costs = [], []
+    for start in range(1 if known else q.size - _SHORTEST_RANGE):
+        shape = np.maximum(q / q[start], 1.0)[None, :] ** (-2 - 2 * _HURST[:, None])
+        # Sums up to each end, of every H.
+        level, curve = np.cumsum(waves * power / shape, axis=1), np.cumsum(waves * np.log(shape), axis=1)
+        for end in range(q.size - 1 if known else start + _SHORTEST_RANGE, q.size):
+            cost = curve[:, end] + number[end] * (np.log(level[:, end] / number[end]) + 1) + penalty * (start > 0)
+            if end + 1 < q.size:  # the cutoff divides a band, which no law covers
+                cost = cost + own[end + 1] + 2 * penalty
+            if end + 2 < q.size:
+                cost = cost + tail[end + 2] + 2 * penalty
+            tried.append((start, end))
+            costs.append(cost)
+    cost = np.stack(costs)
+    misfit = max(2 * (cost.min() - own.sum()) / max(q.size - (2 if known else 4), 1), 1.0)
+    likelihood = np.exp((cost.min() - cost) / misfit)
+    likelihood /= likelihood.sum()
+    hurst = float(np.sum(likelihood * _HURST))
+    spread = float(np.sqrt(np.sum(likelihood * (_HURST - hurst) ** 2)))
+    if limits is not None:
+        return law_through(spectrum, hurst, spread, *limits)
+    start, end = tried[int(np.argmin(cost.min(axis=1)))]
+    found = law_through(spectrum, hurst, spread, float(q[start]), float(q[end]))
+    # Squares of the wavevectors that part bands, of the last band by its mean square.
+    outer = np.append(q[:-1] * q[1:], 2 * q[-1] ** 2 - q[-2] * q[-1])
+    cutoff = outer[end]
+    if end + 1 < q.size:
+        # As far into the divided band, by its area, as its C is that of the law.
+        share = spectrum.density[end + 1] / (found.density * (q[end + 1] / q[start]) ** (-2 - 2 * hurst))
+        cutoff += min(share, 1.0) * (outer[end + 1] - outer[end])
+    return replace(found, cutoff=float(np.sqrt(cutoff)))
+
+
+def _weights(spectrum: PowerSpectrum) -> np.ndarray:
+    """Observations that a band counts as: pairs of amplitudes, up to 1/``_DEPARTURE``²."""
+    pairs = spectrum.waves / 2
+    return pairs / (1 + pairs * _DEPARTURE**2)
+
+
+def _tails(q: np.ndarray, waves: np.ndarray, power: np.ndarray) -> np.ndarray:
+    """Least cost of a power law through all bands from each one on."""
+    shape = (q / q[0])[None, :] ** -_TAIL_POWERS[:, None]
+    number, level, curve = (
+        np.cumsum(part[..., ::-1], axis=-1)[..., ::-1] for part in (waves, waves * power / shape, waves * np.log(shape))
+    )
+    return np.min(curve + number * (np.log(level / number) + 1), axis=0)

@@ -3,9 +3,7 @@
 Their keys in a study file live in :mod:`contact_study.study.schema.elasticity`, operators on grids with the solvers.
 """
 
-from contact_study.physics.solids.base import Elasticity, contact_modulus_of
-from contact_study.physics.solids.half_space import HalfSpace, Viscoelastic
-from contact_study.physics.solids.layer import Layer, Layered
+from contact_study.physics.solids.base import Elasticity, HalfSpace, Layer, Layered, Viscoelastic, contact_modulus_of
 from contact_study.physics.solids.tabulated import Measured, Tabulated
 
 __all__ = [

@@ -142,7 +142,7 @@ class Tabulated(Elasticity):
                 f"{grid.shape} points over {grid.size} m have other waves"
             )
         rows = np.rint(np.fft.fftfreq(grid.shape[0], 1 / grid.shape[0])).astype(int)
-        stiffness_q = self.table[rows, : grid.spectrum_shape[1]].copy()
+        stiffness_q = self.table[rows, : grid.spectrum_shape[1]]  # a copy
         stiffness_q[0, 0] = 0.0
         return stiffness_q
 

@@ -20,17 +20,13 @@ _DEGREES = {"mean": 0, "tilt": 1, "curvature": 2}
 
 @dataclass(frozen=True)
 class MeasuredMap:
-    """A prepared map.
+    """A prepared map."""
 
-    ``heights`` (m) about their mean on a ``grid``; ``filled`` is the fraction of missing points, ``unit`` that of the
-    heights and its source, ``sample`` describes the map before its edges were joined or faded.
-    """
-
-    heights: np.ndarray
+    heights: np.ndarray  # about their mean (m)
     grid: Grid
-    filled: float
-    unit: str
-    sample: Roughness
+    filled: float  # fraction of missing points
+    unit: str  # of the heights, and its source
+    sample: Roughness  # of the map before its edges were joined or faded
 
     @cached_property
     def roughness(self) -> Roughness:
@@ -59,25 +55,7 @@ class MeasuredSurface(BandLimitedSurface):
 
 @dataclass(frozen=True, kw_only=True)
 class MapPreparation:
-    """How a map becomes a periodic surface.
-
-    Parameters
-    ----------
-    crop : pair of pair of float, optional
-        Part [from, to] that is taken along y and x (m).
-    detrend : {"mean", "tilt", "curvature"}, optional
-        Least-squares surface that is subtracted.
-    fill : {"none", "harmonic"}, optional
-        Missing heights: refused, or continued from around them.
-    edges : {"periodic", "mirror", "window"}, optional
-        Edges: left as they are, joined to mirror images, or faded to the mean.
-    window_share : float, optional
-        Fraction of each side over which a window fades.
-    resample : tuple of int, optional
-        Points along y and x, by trigonometric interpolation.
-    lowpass : float, optional
-        Shortest wavelength that is kept (m).
-    """
+    """How a map becomes a periodic surface: the keys of a study of the same names, lengths in m."""
 
     crop: tuple[tuple[float, float], tuple[float, float]] | None = None
     detrend: str = "mean"
@@ -88,12 +66,9 @@ class MapPreparation:
     lowpass: float | None = None
 
     def prepare(self, path: Path, whole: HeightMap) -> MeasuredMap:
-        """Crop, detrend, fill and join the edges of a map that a file (named in messages) holds.
-
-        Raises InputError if the map does not fit what is asked for.
-        """
+        """Crop, detrend, fill and join the edges of a map of a file; InputError if it does not fit what is asked."""
         found = self._cropped(path, whole)
-        heights = found.heights
+        heights, own = found.heights, found.grid
         missing = float(np.mean(np.isnan(heights)))
         if missing and self.fill == "none":
             row, column = np.argwhere(np.isnan(heights))[0]
@@ -105,9 +80,8 @@ class MapPreparation:
             raise InputError(f"surface.crop: all heights of {path} in it are missing")
         if self.detrend != "mean":  # the mean is taken at the end, and what fills holes follows any constant
             heights = preparation.detrended(heights, _DEGREES[self.detrend])
-        heights = preparation.filled(heights, found.spacing)
-        alone, own = heights, Grid(found.shape, found.size)
-        size = found.size
+        alone = heights = preparation.filled(heights, own.spacing)
+        size = own.size
         if self.edges == "mirror":
             heights, size = preparation.mirrored(heights), (2 * size[0], 2 * size[1])
         elif self.edges == "window":
@@ -116,7 +90,11 @@ class MapPreparation:
             heights = fourier.interpolate(heights, self.resample)
         grid = Grid((heights.shape[0], heights.shape[1]), size)
         if self.lowpass is not None:
-            heights = preparation.lowpassed(heights, grid, self._shortest(grid))
+            if self.lowpass > min(size) / 2:
+                raise InputError(
+                    f"surface.lowpass = {self.lowpass:g} m: leaves less than two waves on a side of {min(size):g} m"
+                )
+            heights = preparation.lowpassed(heights, grid, self.lowpass)
         heights = heights - heights.mean()
         heights.setflags(write=False)
         coarser = 2 * max(grid.spacing) if max(grid.spacing) > max(own.spacing) * (1 + 1e-9) else None
@@ -127,7 +105,8 @@ class MapPreparation:
         if self.crop is None:
             return found
         parts, size = [], []
-        for axis, (low, high), count, step in zip("yx", self.crop, found.shape, found.spacing, strict=True):
+        grid = found.grid
+        for axis, (low, high), count, step in zip("yx", self.crop, grid.shape, grid.spacing, strict=True):
             # A point on a limit is meant, whatever the rounding of its unit.
             first, last = (int(np.ceil(limit / step - 1e-6)) for limit in (low, high))
             if last > count:
@@ -142,14 +121,6 @@ class MapPreparation:
             size.append((last - first) * step)
         return HeightMap(found.heights[parts[0], parts[1]], (size[0], size[1]), found.unit)
 
-    def _shortest(self, grid: Grid) -> float:
-        assert self.lowpass is not None
-        if self.lowpass > min(grid.size) / 2:
-            raise InputError(
-                f"surface.lowpass = {self.lowpass:g} m: leaves less than two waves on a side of {min(grid.size):g} m"
-            )
-        return self.lowpass
-
 
 def measured_surface(found: MeasuredMap, shape: tuple[int, int] | None) -> MeasuredSurface:
     """Make the trigonometric polynomial through a map, on the map's continuum grid or one of another shape."""
@@ -159,31 +130,25 @@ def measured_surface(found: MeasuredMap, shape: tuple[int, int] | None) -> Measu
 
 def measured_scales(found: MeasuredMap, shape: tuple[int, int] | None, lowpass: float | None) -> SurfaceScales:
     """Calculate the scales of a map on a continuum grid of a shape; ``lowpass`` is the shortest wave kept (m)."""
-    grid, heights = found.grid, found.heights
-    coefficients = fourier.transform(heights)
+    grid, own = found.grid, found.roughness
+    coefficients = fourier.transform(found.heights)
     lost = None
     if shape is not None and (shape[0] < grid.shape[0] or shape[1] < grid.shape[1]):
-        lost = _moments(fourier.resize_spectrum(coefficients, grid.shape, shape), Grid(shape, grid.size))
-    height, slope = _moments(coefficients, grid)
-    power = grid.variances(coefficients)
-    spectrum = spectrum_of_waves(grid.wavenumber.reshape(-1)[1:], power.reshape(-1)[1:])
+        coarser = Grid(shape, grid.size)
+        power = coarser.variances(fourier.resize_spectrum(coefficients, grid.shape, shape))
+        lost = float(np.sqrt(power.sum())), float(np.sqrt(np.sum(coarser.wavenumber**2 * power)))
+    spectrum = spectrum_of_waves(grid.wavenumber.reshape(-1)[1:], grid.variances(coefficients).reshape(-1)[1:])
     return SurfaceScales(
         grid.size,
         shape or grid.shape,
-        height,
-        slope,
-        float(np.ptp(heights)),
+        own.rms_height,
+        own.rms_slope,
+        float(np.ptp(found.heights)),
         max(2 * max(grid.spacing), lowpass or 0.0),
         spectrum,
         lost,
-        found.roughness,
+        own,
         found.sample,
         found.unit,
         found.filled,
     )
-
-
-def _moments(coefficients: np.ndarray, grid: Grid) -> tuple[float, float]:
-    """Rms height (m) and rms slope of a trigonometric polynomial, its mean apart."""
-    power = grid.variances(coefficients)
-    return float(np.sqrt(power.sum())), float(np.sqrt(np.sum(grid.wavenumber**2 * power)))

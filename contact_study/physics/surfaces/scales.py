@@ -15,49 +15,21 @@ from contact_study.physics.solids import Elasticity
 
 @dataclass(frozen=True)
 class SurfaceScales:
-    """Scales of a surface.
-
-    Attributes
-    ----------
-    size : tuple of float
-        Periods along y and x (m).
-    shape : tuple of int
-        Points of the continuum grid.
-    rms_height : float
-        Root-mean-square height (m).
-    rms_slope : float
-        √<|∇h|²>.
-    peak_to_valley : float
-        Highest minus lowest point (m); of a random surface one that few realisations exceed.
-    shortest_wave : float
-        Wavelength of the finest roughness (m), infinite if there is none.
-    spectrum : RoughnessSpectrum or None
-        Waves that have these heights and slopes; None if there are none.
-    lost : tuple of float or None
-        Height and slope of a map, as above, on a ``shape`` that cannot carry all of its waves.
-    measured, sample : Roughness or None
-        Description of a map from a file, repeated and alone.
-    unit : str
-        Unit of the heights of a map, and its source.
-    filled : float
-        Fraction of its points that were missing and filled.
-    apex_curvature : float or None
-        Mean curvature of a surface that is one asperity, whose waves are those of its edges (1/m).
-    """
+    """Scales of a surface in a cell of a size (y, x; m) on the shape of the continuum grid."""
 
     size: tuple[float, float]
     shape: tuple[int, int]
-    rms_height: float
-    rms_slope: float
-    peak_to_valley: float
-    shortest_wave: float
-    spectrum: RoughnessSpectrum | None = field(default=None, compare=False)
-    lost: tuple[float, float] | None = None
-    measured: Roughness | None = field(default=None, compare=False)
-    sample: Roughness | None = field(default=None, compare=False)
-    unit: str = ""
-    filled: float = 0.0
-    apex_curvature: float | None = None
+    rms_height: float  # (m)
+    rms_slope: float  # √<|∇h|²>
+    peak_to_valley: float  # highest minus lowest point (m); of a random surface one that few realisations exceed
+    shortest_wave: float  # wavelength of the finest roughness (m), infinite if there is none
+    spectrum: RoughnessSpectrum | None = field(default=None, compare=False)  # waves of these heights and slopes
+    lost: tuple[float, float] | None = None  # height and slope of a map on a shape that cannot carry all of its waves
+    measured: Roughness | None = field(default=None, compare=False)  # a map from a file, repeated
+    sample: Roughness | None = field(default=None, compare=False)  # the same alone
+    unit: str = ""  # of the heights of a map, and its source
+    filled: float = 0.0  # fraction of a map's points that were missing and filled
+    apex_curvature: float | None = None  # of a surface that is one asperity, whose waves are those of its edges (1/m)
 
     @property
     def pixel(self) -> float:

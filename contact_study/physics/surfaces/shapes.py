@@ -1,23 +1,22 @@
-"""Surfaces of one formula: the sphere of Hertz and JKR, and waves."""
+"""Surfaces that are made: the sphere of Hertz and JKR, waves, Gaussian surfaces of a self-affine spectrum."""
 
 from dataclasses import dataclass
 
 import numpy as np
 
+from contact_study.inputs.errors import InputError
 from contact_study.numerics.grid import Grid
+from contact_study.physics.roughness.spectrum import SelfAffineSpectrum
 from contact_study.physics.surfaces.scales import SurfaceScales, spectrum_of_waves
 from contact_study.physics.surfaces.surface import BandLimitedSurface, Surface
+
+# Mean number of places per surface that stand higher, or lie lower, than the peak-to-valley height allows for.
+_RARE = 0.01
 
 
 @dataclass(frozen=True)
 class Paraboloid(Surface):
-    """h = −r²/2R around the centre of the cell: the sphere of Hertz and JKR, exact at any number of points.
-
-    Parameters
-    ----------
-    radius : float
-        Radius of curvature R (m).
-    """
+    """h = −r²/2R around the centre of the cell, R (m): the sphere of Hertz and JKR, exact at any number of points."""
 
     radius: float
 
@@ -32,14 +31,11 @@ def paraboloid_scales(radius: float, size: tuple[float, float], shape: tuple[int
     """Calculate the scales of a paraboloid of a radius (m) in a cell of a size (m)."""
     y2, x2 = size[0] ** 2, size[1] ** 2
     # Moments of h = −r²/2R over the rectangle: <y²> = y2/12, the variance of y² is y2²/180.
-    height = np.sqrt((y2**2 + x2**2) / 180) / (2 * radius)
-    slope = np.sqrt((y2 + x2) / 12) / radius
+    height = float(np.sqrt((y2**2 + x2**2) / 180) / (2 * radius))
+    slope = float(np.sqrt((y2 + x2) / 12) / radius)
     peak = (y2 + x2) / (8 * radius)
-    waves = np.hstack([_waves(length, radius) for length in size])
-    spectrum = spectrum_of_waves(*waves)
-    return SurfaceScales(
-        size, shape, float(height), float(slope), peak, float("inf"), spectrum, apex_curvature=1 / radius
-    )
+    spectrum = spectrum_of_waves(*np.hstack([_waves(length, radius) for length in size]))
+    return SurfaceScales(size, shape, height, slope, peak, np.inf, spectrum, apex_curvature=1 / radius)
 
 
 def _waves(length: float, radius: float) -> np.ndarray:
@@ -74,9 +70,61 @@ def wavy_scales(
     """Calculate the scales of a wavy surface; parameters as :func:`wavy_surface`."""
     q_y, q_x = (2 * np.pi * mode / length for mode, length in zip(modes, size, strict=True))
     # <cos²> is one half along each axis that has waves.
-    height = amplitude * 0.5 ** (0.5 * np.count_nonzero(modes))
+    height = float(amplitude * 0.5 ** (0.5 * np.count_nonzero(modes)))
     wavenumber = float(np.hypot(q_y, q_x))
-    slope = float(height) * wavenumber
     spectrum = spectrum_of_waves(np.array([wavenumber]), np.array([height**2]))
-    shortest = 2 * np.pi / wavenumber
-    return SurfaceScales(size, shape, float(height), slope, 2 * amplitude, shortest, spectrum)
+    return SurfaceScales(size, shape, height, height * wavenumber, 2 * amplitude, 2 * np.pi / wavenumber, spectrum)
+
+
+def gaussian_surface(
+    spectrum: SelfAffineSpectrum, size: tuple[float, float], shape: tuple[int, int], seed: int, exact_height: bool
+) -> BandLimitedSurface:
+    """Draw a Gaussian surface: independent complex amplitudes of variance ∝ C(q), in order of |q|.
+
+    The order makes the surface of a seed independent of ``shape``, the points of the continuum grid, and keeps its long
+    waves when only the cutoff grows. The *expected* mean square on this discrete set of modes is rms_height², that of
+    the sample with ``exact_height``. Raises InputError if no mode of the spectrum fits the cell of periods ``size``
+    (m).
+    """
+    unit_y, unit_x = 2 * np.pi / size[0], 2 * np.pi / size[1]
+    # A mode on the limit belongs to the set whatever the rounding of 2π.
+    highest, lowest = spectrum.cutoff * (1 + 1e-9), spectrum.low * (1 - 1e-9)
+    rows, columns = int(highest / unit_y), int(highest / unit_x)
+    m_y, m_x = np.meshgrid(np.arange(-rows, rows + 1), np.arange(columns + 1), indexing="ij")
+    q = np.hypot(m_y * unit_y, m_x * unit_x)
+    independent = (q >= lowest) & (q <= highest) & ((m_x > 0) | (m_y > 0))
+    m_y, m_x, q = m_y[independent], m_x[independent], q[independent]
+    if q.size == 0:
+        raise InputError("surface: no mode between low_mode and cutoff_mode fits the cell")
+    order = np.lexsort((m_x, m_y, np.round(q / min(unit_y, unit_x), 9)))
+    m_y, m_x, q = m_y[order], m_x[order], q[order]
+    draws = np.random.default_rng(seed).standard_normal((q.size, 2))
+    variance = spectrum.density(np.clip(q, spectrum.low, spectrum.cutoff))
+    variance = variance * spectrum.rms_height**2 / (2 * variance.sum())  # each mode and its conjugate
+    amplitude = np.sqrt(variance / 2) * (draws[:, 0] + 1j * draws[:, 1])
+    if exact_height:
+        amplitude *= spectrum.rms_height / np.sqrt(2 * np.sum(np.abs(amplitude) ** 2))
+    native = (2 * rows + 1, 2 * columns + 1)
+    coefficients = np.zeros((native[0], columns + 1), complex)
+    coefficients[m_y % native[0], m_x] = amplitude
+    on_axis = m_x == 0
+    coefficients[-m_y[on_axis] % native[0], 0] = np.conj(amplitude[on_axis])
+    return BandLimitedSurface(size, shape, spectrum, coefficients, native)
+
+
+def gaussian_scales(spectrum: SelfAffineSpectrum, size: tuple[float, float], shape: tuple[int, int]) -> SurfaceScales:
+    """Calculate the scales that all surfaces of a spectrum share; parameters as :func:`gaussian_surface`."""
+    height, slope, shortest = spectrum.rms_height, spectrum.rms_slope, 2 * np.pi / spectrum.cutoff
+    peak = gaussian_peak_to_valley(height, slope, size[0] * size[1])
+    return SurfaceScales(size, shape, height, slope, peak, shortest, spectrum)
+
+
+def gaussian_peak_to_valley(rms_height: float, rms_slope: float, area: float) -> float:
+    """Highest minus lowest point (m) that few Gaussian surfaces of an area (m²) exceed."""
+    # A Gaussian surface stands above u rms heights at (2π)^(−3/2) A (ξ²/2 h_rms²) u exp(−u²/2) places in the mean,
+    # for large u (the Euler characteristic of the region above); ξ²/2 is the variance of the slope along one axis.
+    places = area * rms_slope**2 / (2 * rms_height**2) / (2 * np.pi) ** 1.5
+    u = 3.0
+    for _ in range(20):  # a contraction of factor 1/u² where places are many
+        u = float(np.sqrt(2 * np.log(max(places * u / _RARE, np.exp(2.0)))))
+    return 2 * u * rms_height

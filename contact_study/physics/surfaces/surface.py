@@ -14,15 +14,11 @@ from contact_study.physics.roughness.statistics import Roughness, roughness_of
 
 @dataclass(frozen=True)
 class Surface(ABC):
-    """A periodic height function of zero mean, toward the block.
+    """A periodic height function of zero mean, toward the block."""
 
-    ``size`` are its periods (y, x; m), ``shape`` the points of the continuum grid, ``spectrum`` the target of a random
-    one.
-    """
-
-    size: tuple[float, float]
-    shape: tuple[int, int]
-    spectrum: SelfAffineSpectrum | None
+    size: tuple[float, float]  # periods along y and x (m)
+    shape: tuple[int, int]  # points of the continuum grid
+    spectrum: SelfAffineSpectrum | None  # target of a random one
 
     @abstractmethod
     def heights(self, shape: tuple[int, int]) -> np.ndarray:
@@ -77,14 +73,10 @@ class Surface(ABC):
 
 @dataclass(frozen=True)
 class BandLimitedSurface(Surface):
-    """A trigonometric polynomial: refined, never changed, by more points.
+    """A trigonometric polynomial: refined, never changed, by more points."""
 
-    ``coefficients`` are h_q (m) in the layout of ``rfft2`` on ``native_shape`` points, the smallest grid for every
-    mode.
-    """
-
-    coefficients: np.ndarray
-    native_shape: tuple[int, int]
+    coefficients: np.ndarray  # h_q (m) in the layout of ``rfft2`` on the native shape
+    native_shape: tuple[int, int]  # the smallest grid for every mode
 
     def heights(self, shape: tuple[int, int]) -> np.ndarray:
         coefficients = fourier.resize_spectrum(self.coefficients, self.native_shape, shape)

@@ -17,8 +17,7 @@ import numpy as np
 
 from contact_study.inputs.units import length
 from contact_study.physics.height_maps.height_map import WIDEST
-from contact_study.physics.roughness.power_law import SelfAffineFit
-from contact_study.physics.roughness.statistics import Roughness
+from contact_study.physics.roughness.statistics import Roughness, SelfAffineFit
 from contact_study.physics.surfaces.scales import SurfaceScales
 from contact_study.study.case import Case
 

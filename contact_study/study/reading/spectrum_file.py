@@ -11,7 +11,7 @@ import numpy as np
 from contact_study.inputs import units
 from contact_study.inputs.errors import InputError
 from contact_study.inputs.files import refuse_endless
-from contact_study.physics.roughness.tabulated_spectrum import TabulatedSpectrum
+from contact_study.physics.roughness.spectrum import TabulatedSpectrum
 from contact_study.study.reading.tables import numbers_of, text_of
 
 if TYPE_CHECKING:

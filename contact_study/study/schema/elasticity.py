@@ -6,7 +6,7 @@ from typing import Any, ClassVar
 
 from contact_study.inputs.errors import InputError
 from contact_study.physics.solids import Elasticity, HalfSpace, Layer, Layered, Measured, Viscoelastic
-from contact_study.physics.solids.half_space import indentation_modulus, stiffnesses
+from contact_study.physics.solids.base import indentation_modulus, stiffnesses
 from contact_study.study.schema.keys import TaggedUnion, choice, key, quantity, sequence, text
 from contact_study.study.schema.sections import MaterialSection
 

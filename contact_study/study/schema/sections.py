@@ -6,7 +6,7 @@ import numpy as np
 
 from contact_study.inputs.errors import InputError
 from contact_study.inputs.units import is_a, unit_of
-from contact_study.physics.roughness.tabulated_spectrum import TabulatedSpectrum
+from contact_study.physics.roughness.spectrum import TabulatedSpectrum
 from contact_study.study.schema.keys import (
     choice,
     choices,

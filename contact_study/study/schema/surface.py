@@ -10,9 +10,7 @@ import numpy as np
 
 from contact_study.inputs.errors import InputError
 from contact_study.physics.height_maps.height_map import read_height_map
-from contact_study.physics.roughness.spectrum import SelfAffineSpectrum
-from contact_study.physics.roughness.tabulated_spectrum import TabulatedSpectrum
-from contact_study.physics.surfaces.gaussian import gaussian_peak_to_valley, gaussian_scales, gaussian_surface
+from contact_study.physics.roughness.spectrum import SelfAffineSpectrum, TabulatedSpectrum
 from contact_study.physics.surfaces.measured import (
     MapPreparation,
     MeasuredMap,
@@ -21,7 +19,15 @@ from contact_study.physics.surfaces.measured import (
     measured_surface,
 )
 from contact_study.physics.surfaces.scales import SurfaceScales
-from contact_study.physics.surfaces.shapes import Paraboloid, paraboloid_scales, wavy_scales, wavy_surface
+from contact_study.physics.surfaces.shapes import (
+    Paraboloid,
+    gaussian_peak_to_valley,
+    gaussian_scales,
+    gaussian_surface,
+    paraboloid_scales,
+    wavy_scales,
+    wavy_surface,
+)
 from contact_study.physics.surfaces.surface import BandLimitedSurface, Surface
 from contact_study.study.schema.keys import TaggedUnion, choice, integer, key, name_or_number, pair, quantity, text
 
