@@ -4,41 +4,20 @@ Each function draws on the axes it is given, or on those of a new figure, which 
 pyplot's state or any setting.
 """
 
-import importlib
-from typing import TYPE_CHECKING, Any
-
-if TYPE_CHECKING:
-    from contact_study.plots.atom_rows import atoms
-    from contact_study.plots.criteria import criteria_map
-    from contact_study.plots.curves import contact_area, mean_gap
-    from contact_study.plots.cuts import section
-    from contact_study.plots.densities import gap_distribution, stress_distribution, surface_spectrum
-    from contact_study.plots.deviation_map import deviations
-    from contact_study.plots.hysteresis import hysteresis_loop
-    from contact_study.plots.magnification import (
-        area_by_magnification,
-        detachment_stress,
-        effective_work_of_adhesion,
-        stress_by_magnification,
-    )
-    from contact_study.plots.maps import contact_map, gap_map, height_map, pressure_map
-
-_NAMES = {
-    "atom_rows": ("atoms",),
-    "criteria": ("criteria_map",),
-    "curves": ("contact_area", "mean_gap"),
-    "cuts": ("section",),
-    "densities": ("gap_distribution", "stress_distribution", "surface_spectrum"),
-    "deviation_map": ("deviations",),
-    "hysteresis": ("hysteresis_loop",),
-    "magnification": (
-        "area_by_magnification",
-        "detachment_stress",
-        "effective_work_of_adhesion",
-        "stress_by_magnification",
-    ),
-    "maps": ("contact_map", "gap_map", "height_map", "pressure_map"),
-}
+from contact_study.plots.atom_rows import atoms
+from contact_study.plots.criteria import criteria_map
+from contact_study.plots.curves import contact_area, mean_gap
+from contact_study.plots.cuts import section
+from contact_study.plots.densities import gap_distribution, stress_distribution, surface_spectrum
+from contact_study.plots.deviation_map import deviations
+from contact_study.plots.hysteresis import hysteresis_loop
+from contact_study.plots.magnification import (
+    area_by_magnification,
+    detachment_stress,
+    effective_work_of_adhesion,
+    stress_by_magnification,
+)
+from contact_study.plots.maps import contact_map, gap_map, height_map, pressure_map
 
 __all__ = [
     "area_by_magnification",
@@ -60,15 +39,3 @@ __all__ = [
     "stress_distribution",
     "surface_spectrum",
 ]
-
-
-def __getattr__(name: str) -> Any:
-    # Matplotlib is imported on first use.
-    for module, names in _NAMES.items():
-        if name in names:
-            return getattr(importlib.import_module(f"{__name__}.{module}"), name)
-    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-
-
-def __dir__() -> list[str]:
-    return sorted(__all__)

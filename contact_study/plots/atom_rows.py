@@ -7,7 +7,7 @@ from matplotlib.collections import EllipseCollection
 from matplotlib.colors import Normalize
 
 from contact_study.plots.selection import extent, one_state
-from contact_study.plots.style import DOUBLE, axes_of, length_unit, pressure_unit, styled
+from contact_study.plots.style import DOUBLE, axes_of, length_unit, picture, pressure_unit
 
 _SUBSTRATE = "#b0b0b0"
 _WIDTH = 40  # lattice constants that are shown across
@@ -23,34 +23,14 @@ NEEDED = (
 )
 
 
-@styled
+@picture('One state of the atomistic model with its atoms (``output.atoms = "surface"``).')
 def atoms(dataset: xr.Dataset, centre: tuple[float, float] | None = None, axes: Axes | None = None) -> Axes:
     """One row of atoms along x over the substrate's row below it: compression red, tension blue.
 
     Parameters
     ----------
-    dataset : xarray.Dataset
-        One state of the atomistic model with its atoms (``output.atoms = "surface"``), such as ``dataset.sel(step=3)``.
     centre : pair of float, optional
         Where to look, y and x (m), in the nearest row; by default at the atom under the largest tension.
-    axes : matplotlib.axes.Axes, optional
-        Where to draw.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
-        The axes drawn on.
-
-    Raises
-    ------
-    ValueError
-        If the atoms were not kept, or there is more than one state.
-
-    Examples
-    --------
-    >>> import xarray as xr
-    >>> from contact_study import plots
-    >>> plots.atoms(xr.open_dataset("md.nc"))  # doctest: +SKIP
     """
     state = one_state(dataset, *NEEDED)
     stress, (period_y, period) = state["normal_stress"].values, extent(state)

@@ -10,7 +10,7 @@ from matplotlib.ticker import LogLocator, NullFormatter
 
 from contact_study.physics.tabor import DMT_LIKE, JKR_LIKE
 from contact_study.plots.selection import label, require
-from contact_study.plots.style import COLOURS, DOUBLE, axes_of, styled
+from contact_study.plots.style import COLOURS, DOUBLE, axes_of, picture
 
 # Of a criterion: its variable, its name, its marker, and whether it was made for large Tabor parameters.
 _CRITERIA = (
@@ -22,7 +22,7 @@ _CRITERIA = (
 _BESIDE: dict[str, Any] = {"textcoords": "offset points", "ha": "right", "fontsize": 6.5, "color": "#606060"}
 
 
-@styled
+@picture("Of the theories, every point of its sweep a column, or ``theory.stickiness(...).to_dataset()``.")
 def criteria_map(dataset: xr.Dataset, axes: Axes | None = None, name: str = "") -> Axes:
     """Work of adhesion over the one that each criterion of sticking requires, against the Tabor parameter.
 
@@ -31,28 +31,8 @@ def criteria_map(dataset: xr.Dataset, axes: Axes | None = None, name: str = "") 
 
     Parameters
     ----------
-    dataset : xarray.Dataset
-        Of the theories: every point of its sweep is a column. So is what ``theory.stickiness(...).to_dataset()`` gives.
-    axes : matplotlib.axes.Axes, optional
-        Where to draw.
     name : str, optional
         What the columns are called, before the point of the sweep.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
-        The axes drawn on.
-
-    Raises
-    ------
-    ValueError
-        If the dataset has no such numbers, its law not attracting.
-
-    Examples
-    --------
-    >>> import xarray as xr
-    >>> from contact_study import plots
-    >>> plots.criteria_map(xr.open_dataset("theory.nc"))  # doctest: +SKIP
     """
     require(dataset, "finest_tabor_number", *(variable for variable, *_ in _CRITERIA))
     first = axes is None or not axes.has_data()

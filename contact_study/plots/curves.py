@@ -6,38 +6,18 @@ from matplotlib.axes import Axes
 
 from contact_study.plots.paths import Curve, Look, draw_path
 from contact_study.plots.selection import UNLOADING, fit_states, largest, lines, require
-from contact_study.plots.style import COLOURS, Unit, axes_of, length_unit, pressure_unit, styled
+from contact_study.plots.style import COLOURS, Unit, add_legend, axes_of, length_unit, picture, pressure_unit
 
 
-@styled
+@picture("Of any model.")
 def contact_area(dataset: xr.Dataset, axes: Axes | None = None, scale: str = "linear") -> Axes:
     """Relative contact area over pressure, a line for each point of the sweep; unloading hollow.
 
     Parameters
     ----------
-    dataset : xarray.Dataset
-        Of any model.
-    axes : matplotlib.axes.Axes, optional
-        Where to draw.
     scale : {"linear", "symlog", "log"}, optional
         Of the pressure. Logarithms of both signs beyond the smallest pressure ("symlog") show tension, too; "log"
         shows both axes so, and no tension.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
-        The axes drawn on.
-
-    Raises
-    ------
-    ValueError
-        If the dataset has no contact area, or the scale is unknown.
-
-    Examples
-    --------
-    >>> import xarray as xr
-    >>> from contact_study import plots
-    >>> plots.contact_area(xr.open_dataset("bem.nc"))  # doctest: +SKIP
     """
     pressure = pressure_unit(largest(dataset, "mean_pressure"))
     axes = _along_the_path(dataset, axes, "relative_contact_area", pressure, 1.0)
@@ -50,27 +30,14 @@ def contact_area(dataset: xr.Dataset, axes: Axes | None = None, scale: str = "li
     return axes
 
 
-@styled
+@picture("Of any model.")
 def mean_gap(dataset: xr.Dataset, axes: Axes | None = None, scale: str = "linear") -> Axes:
-    """Mean gap over pressure; parameters and errors as :func:`contact_area`, but the gap's axis stays linear.
+    """Mean gap over pressure, a line for each point of the sweep; unloading hollow.
 
     Parameters
     ----------
-    dataset : xarray.Dataset
-        A dataset of one case.
-    axes : matplotlib.axes.Axes, optional
-        Where to draw; a new figure by default.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
-        The axes drawn on.
-
-    Examples
-    --------
-    >>> import xarray as xr
-    >>> from contact_study import plots
-    >>> plots.mean_gap(xr.open_dataset("bem.nc"))  # doctest: +SKIP
+    scale : {"linear", "symlog", "log"}, optional
+        Of the pressure, as of :func:`contact_area`.
     """
     pressure = pressure_unit(largest(dataset, "mean_pressure"))
     gap = length_unit(largest(dataset, "mean_gap"))
@@ -93,8 +60,7 @@ def _along_the_path(dataset: xr.Dataset, axes: Axes | None, name: str, pressure:
             hollow |= bool(back[curve.finite].any())
     if hollow:
         axes.plot([], [], "o", color="#404040", mfc="white", ms=3.2, label="unloading")
-    if axes.get_legend_handles_labels()[1]:
-        axes.legend()
+    add_legend(axes)
     return axes
 
 

@@ -5,39 +5,19 @@ import xarray as xr
 from matplotlib.axes import Axes
 
 from contact_study.plots.selection import extent, one_state, touching
-from contact_study.plots.style import COLOURS, DOUBLE, axes_of, length_unit, styled
+from contact_study.plots.style import COLOURS, DOUBLE, axes_of, length_unit, picture
 
 _SUBSTRATE, _BLOCK = "#b0b0b0", "#d9e6f2"
 
 
-@styled
+@picture("One state of a simulation with its fields, such as ``dataset.sel(step=3)``.")
 def section(dataset: xr.Dataset, y: float | None = None, axes: Axes | None = None) -> Axes:
     """Section along x of one state: the rigid surface below, the deformed block above, contact marked.
 
     Parameters
     ----------
-    dataset : xarray.Dataset
-        One state of a simulation with its fields, such as ``dataset.sel(step=3)``.
     y : float, optional
         Where to cut (m), at the nearest line of points; by default through the highest point of the surface.
-    axes : matplotlib.axes.Axes, optional
-        Where to draw.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
-        The axes drawn on.
-
-    Raises
-    ------
-    ValueError
-        If the fields were not kept, there is more than one state, or ``y`` is outside the cell.
-
-    Examples
-    --------
-    >>> import xarray as xr
-    >>> from contact_study import plots
-    >>> plots.section(xr.open_dataset("bem.nc"))  # doctest: +SKIP
     """
     state = one_state(dataset, "gap", "height", "contact_distance")
     height, gap, contact = state["height"].values, state["gap"].values, touching(state)
@@ -66,10 +46,7 @@ def section(dataset: xr.Dataset, y: float | None = None, axes: Axes | None = Non
     marked = np.where(contact[row], surface, np.nan)
     axes.plot(x, marked, ".", color=COLOURS[1], ms=2.5, label="contact")
     axes.set(
-        xlim=(x[0], x[-1]),
-        ylim=(lowest, highest),
-        xlabel=rf"$x$ ({across.name})",
-        ylabel=f"height ({along.name})",
+        xlim=(x[0], x[-1]), ylim=(lowest, highest), xlabel=rf"$x$ ({across.name})", ylabel=f"height ({along.name})"
     )
     axes.grid(False)
     axes.legend(loc="upper center", bbox_to_anchor=(0.5, 1.16), ncols=3)

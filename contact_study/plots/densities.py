@@ -16,7 +16,16 @@ from contact_study.physics.roughness.statistics import (
     self_affine_fit,
 )
 from contact_study.plots.selection import extent, lines, one_state, require
-from contact_study.plots.style import COLOURS, Unit, axes_of, length_unit, pressure_unit, readable_decades, styled
+from contact_study.plots.style import (
+    COLOURS,
+    Unit,
+    add_legend,
+    axes_of,
+    length_unit,
+    picture,
+    pressure_unit,
+    readable_decades,
+)
 
 _ROUNDING = 1e-20  # of the largest C: what a transform leaves of waves that a surface does not have
 # Variables with the self-affine law of the surface.
@@ -24,64 +33,21 @@ _LAW = ("fitted_hurst_exponent", "fitted_hurst_exponent_error", "fitted_roll_off
 _LEAST = 1e-8  # of the largest density: theories' tails go on for ever
 
 
-@styled
+@picture("Of any model.")
 def stress_distribution(dataset: xr.Dataset, axes: Axes | None = None) -> Axes:
-    """Probability density of the local pressure, a line for each state: select those to be shown.
-
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        Of any model.
-    axes : matplotlib.axes.Axes, optional
-        Where to draw.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
-        The axes drawn on.
-
-    Raises
-    ------
-    ValueError
-        If the dataset has no such distribution.
-
-    Examples
-    --------
-    >>> import xarray as xr
-    >>> from contact_study import plots
-    >>> plots.stress_distribution(xr.open_dataset("bem.nc"))  # doctest: +SKIP
-    """
+    """Probability density of the local pressure, a line for each state: select those to be shown."""
     require(dataset, "pressure_pdf")
     return _densities(dataset, "pressure_pdf", "pressure_bin", pressure_unit, r"stress $\sigma$", r"P(\sigma)", axes)
 
 
-@styled
+@picture("Of any model.")
 def gap_distribution(dataset: xr.Dataset, axes: Axes | None = None) -> Axes:
-    """Probability density of the local gap; parameters and errors as :func:`stress_distribution`.
-
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        A dataset of one case.
-    axes : matplotlib.axes.Axes, optional
-        Where to draw; a new figure by default.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
-        The axes drawn on.
-
-    Examples
-    --------
-    >>> import xarray as xr
-    >>> from contact_study import plots
-    >>> plots.gap_distribution(xr.open_dataset("bem.nc"))  # doctest: +SKIP
-    """
+    """Probability density of the local gap."""
     require(dataset, "gap_pdf")
     return _densities(dataset, "gap_pdf", "gap_bin", length_unit, "gap $u$", "P(u)", axes)
 
 
-@styled
+@picture("One surface of a simulation with its fields.")
 def surface_spectrum(dataset: xr.Dataset, axes: Axes | None = None) -> Axes:
     """Power spectrum C(q) of the surface, averaged over directions and bands of an eighth of an octave.
 
@@ -89,29 +55,6 @@ def surface_spectrum(dataset: xr.Dataset, axes: Axes | None = None) -> Axes:
     whose edges do not meet it is the spectrum of the map joined to its mirror images.
 
     Convention: h_rms² = 2π ∫ q C dq.
-
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        One surface of a simulation with its fields.
-    axes : matplotlib.axes.Axes, optional
-        Where to draw.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
-        The axes drawn on.
-
-    Raises
-    ------
-    ValueError
-        If the heights were not kept, there is more than one surface, or it is flat.
-
-    Examples
-    --------
-    >>> import xarray as xr
-    >>> from contact_study import plots
-    >>> plots.surface_spectrum(xr.open_dataset("bem.nc"))  # doctest: +SKIP
     """
     surface = one_state(dataset, "height")
     grid = Grid(surface["height"].shape, extent(surface))
@@ -158,6 +101,5 @@ def _densities(
         drawn = np.where(pdf > _LEAST * peak, pdf, np.nan) * unit.size
         axes.semilogy(values / unit.size, drawn, color=COLOURS[number % len(COLOURS)], lw=1.0, label=words or None)
     axes.set(xlabel=f"{symbol} ({unit.name})", ylabel=rf"${density}$ (1/{unit.name})")
-    if axes.get_legend_handles_labels()[1]:
-        axes.legend()
+    add_legend(axes)
     return axes

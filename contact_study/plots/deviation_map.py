@@ -6,7 +6,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 
 from contact_study.plots.selection import UNLOADING, lines, require
-from contact_study.plots.style import DOUBLE, Unit, axes_of, length_unit, pressure_unit, styled
+from contact_study.plots.style import DOUBLE, axes_of, length_unit, pressure_unit, styled
 
 _DARK = 0.55  # of the colours' range, from which white letters read better
 
@@ -52,7 +52,7 @@ def deviations(
     chosen = dataset.sel(pair=pair)
     rows = list(lines(chosen, name, "step"))
     paths = [_path(part) for _, part in rows]
-    points = sorted({point for path in paths for point in path}, key=lambda point: (point[0], point[1]))
+    points = sorted({point for path in paths for point in path})
     values = np.full((len(rows), len(points)), np.nan)
     for row, (path, (_, part)) in enumerate(zip(paths, rows, strict=True)):
         for point, step in path.items():
@@ -66,9 +66,11 @@ def deviations(
             colour = "white" if abs(value) > _DARK * limit else "black"
             axes.annotate(f"{value:+.3g}", (column, row), ha="center", va="center", fontsize=7, color=colour)
     axes.set_yticks(range(len(rows)), [words for words, _ in rows])
-    axes.set_xticks(range(len(points)), _words(chosen, points))
-    what = "pressure" if _prescribed(chosen) == "applied_pressure" else "mean gap"
-    axes.set_xlabel(f"prescribed {what} ({_unit(chosen, points).name})")
+    what, unit_of = ("pressure", pressure_unit) if "applied_pressure" in chosen else ("mean gap", length_unit)
+    unit = unit_of(max((abs(value) for _, value in points), default=0.0))
+    words = (f"{value / unit.size:.4g}" + ("\nback" if side == UNLOADING else "") for side, value in points)
+    axes.set_xticks(range(len(points)), list(words))
+    axes.set_xlabel(f"prescribed {what} ({unit.name})")
     axes.set_title(f"{quantity.replace('_', ' ')}: {pair}", fontsize=8)
     axes.grid(False)
     axes.figure.colorbar(image, ax=axes, label="deviation (%)")
@@ -77,24 +79,10 @@ def deviations(
 
 def _path(part: xr.Dataset) -> dict[tuple[int, float], int]:
     """Branch and prescribed value of each point of one path -> its step; another case may have other points."""
-    name = _prescribed(part)
+    name = "applied_pressure" if "applied_pressure" in part else "applied_gap"
     values, branch = part[name].values, part["branch"].values
     return {
         (int(side), float(value)): step
         for step, (side, value) in enumerate(zip(branch, values, strict=True))
         if np.isfinite(value)
     }
-
-
-def _words(dataset: xr.Dataset, points: list[tuple[int, float]]) -> list[str]:
-    unit = _unit(dataset, points)
-    return [f"{value / unit.size:.4g}" + ("\nback" if side == UNLOADING else "") for side, value in points]
-
-
-def _unit(dataset: xr.Dataset, points: list[tuple[int, float]]) -> Unit:
-    unit_of = pressure_unit if _prescribed(dataset) == "applied_pressure" else length_unit
-    return unit_of(max((abs(value) for _, value in points), default=0.0))
-
-
-def _prescribed(dataset: xr.Dataset) -> str:
-    return "applied_pressure" if "applied_pressure" in dataset else "applied_gap"

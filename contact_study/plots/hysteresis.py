@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from scipy.integrate import trapezoid
 
 from contact_study.plots.selection import LOADING, UNLOADING, fit_states, largest, require
-from contact_study.plots.style import COLOURS, axes_of, length_unit, pressure_unit, styled
+from contact_study.plots.style import COLOURS, axes_of, length_unit, picture, pressure_unit
 
 # Of the rectangle about a loop; less than this of it is neither energy nor to be seen.
 _SEEN = 1e-5
@@ -17,35 +17,12 @@ _SEEN = 1e-5
 _Branch = tuple[np.ndarray, np.ndarray]
 
 
-@styled
+@picture("One point of the sweep of a simulation, loaded and unloaded.")
 def hysteresis_loop(dataset: xr.Dataset, axes: Axes | None = None) -> Axes:
     """Pressure over mean separation while loading and unloading, with the energy that the cycle dissipates.
 
     The energy is :func:`dissipated_energy`, shaded. Jump-in and pull-off are marked where the dataset has them, and the
     work of separation is named. Where the steps of the path were its own, all states they passed are shown.
-
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        One point of the sweep of a simulation, loaded and unloaded.
-    axes : matplotlib.axes.Axes, optional
-        Where to draw.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
-        The axes drawn on.
-
-    Raises
-    ------
-    ValueError
-        As :func:`dissipated_energy`.
-
-    Examples
-    --------
-    >>> import xarray as xr
-    >>> from contact_study import plots
-    >>> plots.hysteresis_loop(xr.open_dataset("bem.nc"))  # doctest: +SKIP
     """
     loop = _loop(dataset)
     pressure = pressure_unit(largest(dataset, "mean_pressure"))
@@ -60,19 +37,11 @@ def hysteresis_loop(dataset: xr.Dataset, axes: Axes | None = None) -> Axes:
         axes.fill_betweenx(loop.shared / pressure.size, back / length.size, forth / length.size, **options)
     else:
         axes.fill_between(loop.shared / length.size, back / pressure.size, forth / pressure.size, **options)
-    for branch, filled, words in ((loop.loading, True, "loading"), (loop.unloading, False, "unloading")):
-        along, separation = branch if loop.prescribed == "mean_pressure" else branch[::-1]
-        axes.plot(
-            separation / length.size,
-            along / pressure.size,
-            "o-",
-            color=COLOURS[0],
-            ms=3.2,
-            mfc=COLOURS[0] if filled else "white",
-            label=words,
-        )
-    for words, marker, (at, held) in _marks(dataset, loop):
-        axes.plot(at / length.size, held / pressure.size, marker, color=COLOURS[1], ms=6, zorder=4, label=words)
+    for branch, fill, words in ((loop.loading, COLOURS[0], "loading"), (loop.unloading, "white", "unloading")):
+        held, at = branch if loop.prescribed == "mean_pressure" else branch[::-1]
+        axes.plot(at / length.size, held / pressure.size, "o-", color=COLOURS[0], ms=3.2, mfc=fill, label=words)
+    for words, marker, (where, load) in _marks(dataset, loop):
+        axes.plot(where / length.size, load / pressure.size, marker, color=COLOURS[1], ms=6, zorder=4, label=words)
     axes.axhline(0, color="#909090", lw=0.7, zorder=1)
     axes.set(xlabel=f"mean separation ({length.name})", ylabel=rf"pressure $p$ ({pressure.name})")
     axes.legend()
@@ -84,17 +53,8 @@ def dissipated_energy(dataset: xr.Dataset) -> float:
 
     ∫(ū_loading − ū_unloading) dp where the pressure is prescribed, ∫(p_loading − p_unloading) dū where a distance is,
     over what both branches pass; by trapezoids through the points of the path, or all that steps of its own passed:
-    as exact as these are dense where the contact jumps.
-
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        One point of the sweep of a simulation, loaded and unloaded.
-
-    Raises
-    ------
-    ValueError
-        If there is more than one point of the sweep, no unloading, or nothing that both branches pass.
+    as exact as these are dense where the contact jumps. Raises ValueError if there is more than one point of the sweep,
+    no unloading, or nothing that both branches pass.
     """
     return _loop(dataset).energy
 

@@ -9,7 +9,7 @@ from matplotlib.colors import LogNorm
 from matplotlib.ticker import LogLocator, NullFormatter
 
 from contact_study.plots.selection import lines, require
-from contact_study.plots.style import COLOURS, Unit, axes_of, pressure_unit, styled
+from contact_study.plots.style import COLOURS, Unit, add_legend, axes_of, picture, pressure_unit
 
 _DECADES = 4  # of the density that colours distinguish
 
@@ -21,86 +21,24 @@ _ALONG = ("magnification", "magnification_index")
 _ZETA = r"magnification $\zeta$"
 
 
-@styled
+@picture("Of Persson's theory.")
 def area_by_magnification(dataset: xr.Dataset, axes: Axes | None = None) -> Axes:
-    """Apparent relative contact area A(ζ), a line for each state: select those to be shown.
-
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        Of Persson's theory.
-    axes : matplotlib.axes.Axes, optional
-        Where to draw.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
-        The axes drawn on.
-
-    Raises
-    ------
-    ValueError
-        If the dataset has no such quantity.
-
-    Examples
-    --------
-    >>> import xarray as xr
-    >>> from contact_study import plots
-    >>> plots.area_by_magnification(xr.open_dataset("theory.nc"))  # doctest: +SKIP
-    """
+    """Apparent relative contact area A(ζ), a line for each state: select those to be shown."""
     words = r"contact area $A(\zeta)/A_0$"
     axes = _curves(dataset, "relative_contact_area_at", lambda largest: Unit("", 1.0), words, axes)
     axes.set_ylim(0, None)
     return axes
 
 
-@styled
+@picture("Of Persson's theory.")
 def detachment_stress(dataset: xr.Dataset, axes: Axes | None = None) -> Axes:
-    """Detachment stress σ_a(ζ); parameters and errors as :func:`area_by_magnification`.
-
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        A dataset of one case.
-    axes : matplotlib.axes.Axes, optional
-        Where to draw; a new figure by default.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
-        The axes drawn on.
-
-    Examples
-    --------
-    >>> import xarray as xr
-    >>> from contact_study import plots
-    >>> plots.detachment_stress(xr.open_dataset("theory.nc"))  # doctest: +SKIP
-    """
+    """Detachment stress σ_a(ζ)."""
     return _curves(dataset, "detachment_stress", pressure_unit, r"detachment stress $\sigma_\mathrm{a}$", axes)
 
 
-@styled
+@picture("Of Persson's theory.")
 def effective_work_of_adhesion(dataset: xr.Dataset, axes: Axes | None = None) -> Axes:
-    """Effective work of adhesion γ_eff(ζ); parameters and errors as :func:`area_by_magnification`.
-
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        A dataset of one case.
-    axes : matplotlib.axes.Axes, optional
-        Where to draw; a new figure by default.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
-        The axes drawn on.
-
-    Examples
-    --------
-    >>> import xarray as xr
-    >>> from contact_study import plots
-    >>> plots.effective_work_of_adhesion(xr.open_dataset("theory.nc"))  # doctest: +SKIP
-    """
+    """Effective work of adhesion γ_eff(ζ)."""
     axes = _curves(
         dataset,
         "effective_work_of_adhesion",
@@ -108,40 +46,16 @@ def effective_work_of_adhesion(dataset: xr.Dataset, axes: Axes | None = None) ->
         r"work of adhesion $\gamma_\mathrm{eff}$",
         axes,
     )
-    low, high = axes.get_ylim()
-    if low < 0 < high:
+    if axes.get_ylim()[0] < 0 < axes.get_ylim()[1]:
         axes.axhline(0, color="#909090", lw=0.7, zorder=1)
     return axes
 
 
-@styled
+@picture("One state of Persson's theory, of a study with ``theory.magnifications``, such as ``dataset.sel(step=3)``.")
 def stress_by_magnification(dataset: xr.Dataset, axes: Axes | None = None) -> Axes:
     """Map of P(σ, ζ): how the stress distribution of one state spreads while the magnification grows.
 
     At ζ = 1 all stress is the mean pressure. Colours span four decades; smaller densities stay white.
-
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        One state of Persson's theory, of a study with ``theory.magnifications``, such as ``dataset.sel(step=3)``.
-    axes : matplotlib.axes.Axes, optional
-        Where to draw.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
-        The axes drawn on.
-
-    Raises
-    ------
-    ValueError
-        If P(σ, ζ) was not kept, or there is more than one state, or none in contact.
-
-    Examples
-    --------
-    >>> import xarray as xr
-    >>> from contact_study import plots
-    >>> plots.stress_by_magnification(xr.open_dataset("theory.nc"))  # doctest: +SKIP
     """
     if "pressure_pdf_at" not in dataset:
         raise ValueError("the dataset has no variable 'pressure_pdf_at'; it is kept with theory.magnifications = 48")
@@ -200,6 +114,5 @@ def _curves(dataset: xr.Dataset, name: str, unit_of: Callable[[float], Unit], wo
         )
     axes.set_ylabel(f"{words} ({unit.name})" if unit.name else words)
     _scale_magnification(axes)
-    if axes.get_legend_handles_labels()[1]:
-        axes.legend()
+    add_legend(axes)
     return axes

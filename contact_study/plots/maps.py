@@ -10,46 +10,25 @@ from matplotlib.axes import Axes
 from matplotlib.colors import ListedColormap
 
 from contact_study.plots.selection import extent, is_periodic, one_state, touching
-from contact_study.plots.style import COLOURS, Unit, axes_of, length_unit, pressure_unit, styled
+from contact_study.plots.style import COLOURS, axes_of, length_unit, picture, pressure_unit
 from contact_study.results.observables.clusters import cluster_map
 
 _NONE, _OTHERS = "#ffffff", "#9a9a9a"
 
 
-@styled
+_STATE = "One state of a simulation with its fields, such as ``dataset.sel(step=3)``."
+
+
+@picture("One surface: of a simulation with its fields, or any ``height`` over ``y`` and ``x`` (m).")
 def height_map(dataset: xr.Dataset, axes: Axes | None = None) -> Axes:
-    """Heights of the surface.
-
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        One surface: of a simulation with its fields, or any ``height`` over ``y`` and ``x`` (m).
-    axes : matplotlib.axes.Axes, optional
-        Where to draw.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
-        The axes drawn on.
-
-    Raises
-    ------
-    ValueError
-        If the heights were not kept, or there is more than one surface.
-
-    Examples
-    --------
-    >>> import xarray as xr
-    >>> from contact_study import plots
-    >>> plots.height_map(xr.open_dataset("bem.nc"))  # doctest: +SKIP
-    """
+    """Heights of the surface."""
     surface = one_state(dataset, "height")
     height = surface["height"].values
     unit = length_unit(float(np.abs(height).max()))
     return _map(surface, height / unit.size, axes, f"height ({unit.name})", cmap="viridis")
 
 
-@styled
+@picture(_STATE)
 def gap_map(
     dataset: xr.Dataset, axes: Axes | None = None, top: float | None = None, bar: Sequence[Axes] | None = ()
 ) -> Axes:
@@ -57,30 +36,10 @@ def gap_map(
 
     Parameters
     ----------
-    dataset : xarray.Dataset
-        One state of a simulation with its fields, such as ``dataset.sel(step=3)``.
-    axes : matplotlib.axes.Axes, optional
-        Where to draw.
     top : float, optional
         Gap at the end of the colours (m), by default the largest of the state.
     bar : sequence of matplotlib.axes.Axes, optional
         Maps with the same colours that share the bar of colours, these axes by default; None for no bar.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
-        The axes drawn on.
-
-    Raises
-    ------
-    ValueError
-        If the fields were not kept, or there is more than one state.
-
-    Examples
-    --------
-    >>> import xarray as xr
-    >>> from contact_study import plots
-    >>> plots.gap_map(xr.open_dataset("bem.nc"))  # doctest: +SKIP
     """
     state = one_state(dataset, "gap", "contact_distance")
     gap = np.ma.masked_array(state["gap"].values, touching(state))
@@ -88,40 +47,15 @@ def gap_map(
     top = float(gap.max()) if top is None and gap.count() else top or bottom
     unit = length_unit(top)
     colours = matplotlib.colormaps["cividis"].with_extremes(bad="black", under="black")
-    limits: dict[str, Any] = {
-        "vmin": bottom / unit.size,
-        "vmax": (top if top > bottom else bottom + unit.size) / unit.size,
-    }
+    limits = {"vmin": bottom / unit.size, "vmax": (top if top > bottom else bottom + unit.size) / unit.size}
     words = f"gap ({unit.name})" + (", contact black" if gap.mask.any() else "")
     below = "min" if gap.mask.any() else "neither"
     return _map(state, gap / unit.size, axes, words, below, bar, cmap=colours, **limits)
 
 
-@styled
+@picture(_STATE)
 def pressure_map(dataset: xr.Dataset, axes: Axes | None = None) -> Axes:
-    """Local pressure of one state: compression red, tension blue.
-
-    Parameters
-    ----------
-    dataset, axes
-        As :func:`gap_map`.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
-        The axes drawn on.
-
-    Raises
-    ------
-    ValueError
-        As :func:`gap_map`.
-
-    Examples
-    --------
-    >>> import xarray as xr
-    >>> from contact_study import plots
-    >>> plots.pressure_map(xr.open_dataset("bem.nc"))  # doctest: +SKIP
-    """
+    """Local pressure of one state: compression red, tension blue."""
     state = one_state(dataset, "pressure")
     pressure = state["pressure"].values
     largest = float(np.abs(pressure).max())
@@ -140,7 +74,7 @@ def pressure_map(dataset: xr.Dataset, axes: Axes | None = None) -> Axes:
     )
 
 
-@styled
+@picture(_STATE)
 def contact_map(dataset: xr.Dataset, axes: Axes | None = None, largest: int = len(COLOURS)) -> Axes:
     """Contact of one state: its largest clusters in colour, the others grey.
 
@@ -149,26 +83,8 @@ def contact_map(dataset: xr.Dataset, axes: Axes | None = None, largest: int = le
 
     Parameters
     ----------
-    dataset, axes
-        As :func:`gap_map`.
     largest : int, optional
         How many clusters have a colour, at most six.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
-        The axes drawn on.
-
-    Raises
-    ------
-    ValueError
-        As :func:`gap_map`.
-
-    Examples
-    --------
-    >>> import xarray as xr
-    >>> from contact_study import plots
-    >>> plots.contact_map(xr.open_dataset("bem.nc"))  # doctest: +SKIP
     """
     state = one_state(dataset, "gap", "contact_distance")
     clusters = cluster_map(touching(state), is_periodic(state))
@@ -195,13 +111,9 @@ def _map(
     """A field (y, x) at the true proportions of the cell; no words, no bar of colours."""
     axes = axes_of(axes, height=3.0)
     height, width = extent(state)
-    unit: Unit = length_unit(max(height, width))
+    unit = length_unit(max(height, width))
     image = axes.imshow(
-        field,
-        origin="lower",
-        extent=(0, width / unit.size, 0, height / unit.size),
-        interpolation="nearest",
-        **options,
+        field, origin="lower", extent=(0, width / unit.size, 0, height / unit.size), interpolation="nearest", **options
     )
     axes.set(xlabel=rf"$x$ ({unit.name})", ylabel=rf"$y$ ({unit.name})")
     axes.grid(False)

@@ -94,16 +94,7 @@ def smallest_resolved(curves: Sequence[Curve]) -> float:
 def path_segments(curve: Curve) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Lines that join the states of a curve in the order of the path, each once: two of them retraced hide dashes.
 
-    States that the axes do not show, being not finite, are passed over; one that is not ``fit`` ends the line.
-
-    Returns
-    -------
-    numpy.ndarray, shape (number, 2, 2)
-        Two ends (x, y) of every segment.
-    numpy.ndarray of bool, shape (number,)
-        Whether it leads to a state on unloading.
-    numpy.ndarray of bool, shape (states,)
-        Whether a line passes through a state.
+    Ends (x, y) of every segment, shape (n, 2, 2); whether it leads to unloading; whether a line passes each state.
     """
     ends: list[np.ndarray] = []
     unloading: list[bool] = []
@@ -118,14 +109,9 @@ def path_segments(curve: Curve) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 
 def error_band(curve: Curve) -> np.ndarray:
-    """The strip of one standard error to either side of a curve, between the states that its lines join.
+    """The strip of one standard error beside the lines of a curve: corners (x, y) along every segment, (n, 4, 2).
 
     Visible errors along both axes make no strip, and none has a state whose error is not known.
-
-    Returns
-    -------
-    numpy.ndarray, shape (number, 4, 2)
-        Corners (x, y) of the strip's part along every segment.
     """
     x_error, y_error = _visible(curve.x_error, curve.x), _visible(curve.y_error, curve.y)
     if (x_error is None) == (y_error is None):
@@ -149,13 +135,8 @@ def draw_path(axes: Axes, curve: Curve, look: Look, colour: Any, label: str = ""
             curve = replace(curve, x_error=None, y_error=None)
     for side, alpha in ((~back, 1.0), (back, 0.55 if look.faint_return else 1.0)):
         if side.any() and look.line != "none":
-            options: dict[str, Any] = {
-                "linestyles": [look.line],
-                "linewidths": look.line_width,
-                "alpha": alpha,
-                "zorder": order,
-            }
-            axes.add_collection(LineCollection(_chains(segments[side]), colors=colour, **options))
+            style: Any = {"linestyles": [look.line], "linewidths": look.line_width, "alpha": alpha, "zorder": order}
+            axes.add_collection(LineCollection(_chains(segments[side]), colors=colour, **style))
     for side, fill in ((~curve.back, "none" if look.hollow else colour), (curve.back, "white")):
         here = curve.fits & side & curve.finite
         if not look.marker:  # a line needs two states; one that stands alone is a dot

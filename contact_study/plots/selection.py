@@ -2,7 +2,7 @@
 
 import itertools
 import tomllib
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 
 import numpy as np
 import xarray as xr
@@ -14,13 +14,7 @@ LOADING, UNLOADING = 0, 1
 
 
 def require(dataset: xr.Dataset, *names: str) -> None:
-    """Check that a dataset has the variables to show.
-
-    Raises
-    ------
-    ValueError
-        If a variable is missing.
-    """
+    """Raise ValueError unless a dataset has the variables to show."""
     for name in names:
         if name not in dataset:
             hint = "; fields are kept with output.fields = true" if name in ("gap", "pressure", "height") else ""
@@ -29,13 +23,7 @@ def require(dataset: xr.Dataset, *names: str) -> None:
 
 
 def one_state(dataset: xr.Dataset, *names: str) -> xr.Dataset:
-    """The variables of a dataset that a map shows, for one state.
-
-    Raises
-    ------
-    ValueError
-        If a variable is missing, or the dataset holds more than one state.
-    """
+    """The one state of a dataset; ValueError if a variable is missing, or there are several states."""
     require(dataset, *names)
     squeezed = dataset.squeeze()
     for dim in squeezed[names[0]].dims:
@@ -84,8 +72,7 @@ def is_periodic(state: xr.Dataset) -> bool:
 def lines(dataset: xr.Dataset, name: str, *along: str) -> Iterator[tuple[str, xr.Dataset]]:
     """One dataset for each line of a picture, and a label that distinguishes it from the others."""
     dims = [str(dim) for dim in dataset[name].dims if dim not in along]
-    choices: Sequence[Sequence[object]] = [list(dataset[dim].values) for dim in dims]
-    for values in itertools.product(*choices):
+    for values in itertools.product(*(dataset[dim].values for dim in dims)):
         words = [label(dataset[dim], value) for dim, value in zip(dims, values, strict=True)]
         yield ", ".join(words), dataset.sel(dict(zip(dims, values, strict=True)))
 

@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import wraps
+from inspect import cleandoc
 from typing import ParamSpec, TypeVar
 
 import matplotlib
@@ -51,10 +52,57 @@ def styled(draw: Callable[Parameters, Drawn]) -> Callable[Parameters, Drawn]:
     return drawn
 
 
+_DOCUMENTATION = """
+Parameters
+----------
+dataset : xarray.Dataset
+    {dataset}
+{own}axes : matplotlib.axes.Axes, optional
+    Where to draw, by default a new figure.
+
+Returns
+-------
+matplotlib.axes.Axes
+    The axes drawn on.
+
+Raises
+------
+ValueError
+    If the dataset lacks what is to be shown, or holds more than that.
+
+Examples
+--------
+>>> import xarray as xr
+>>> from contact_study import plots
+>>> plots.{name}(xr.open_dataset("bem.nc"))  # doctest: +SKIP
+"""
+
+
+def picture(dataset: str) -> Callable[[Callable[Parameters, Drawn]], Callable[Parameters, Drawn]]:
+    """Make a styled picture of a function, and complete its docstring, which has its own parameters only.
+
+    ``dataset`` says what dataset it takes.
+    """
+
+    def made(draw: Callable[Parameters, Drawn]) -> Callable[Parameters, Drawn]:
+        summary, _, own = cleandoc(draw.__doc__ or "").partition("Parameters\n----------\n")
+        own = f"{own}\n" if own else ""
+        draw.__doc__ = summary.rstrip() + "\n" + _DOCUMENTATION.format(dataset=dataset, own=own, name=draw.__name__)
+        return styled(draw)
+
+    return made
+
+
 def readable_decades(axis: Axis) -> None:
     """Name 2 and 5 of a logarithmic axis, too, where it has few decades, and no more."""
     axis.set_minor_locator(LogLocator(subs=(2.0, 5.0)))
     axis.set_minor_formatter(LogFormatterSciNotation(minor_thresholds=(1.5, 1.5)))
+
+
+def add_legend(axes: Axes) -> None:
+    """Explain what has a name, if anything has."""
+    if axes.get_legend_handles_labels()[1]:
+        axes.legend()
 
 
 def axes_of(axes: Axes | None, width: float = SINGLE, height: float = 2.8) -> Axes:

@@ -23,9 +23,7 @@ PATH_RESULTS: dict[str, Variable] = {
     "jump_in_pressure": Variable("Pa", "mean pressure of the last state before the first jump-in", ()),
     "jump_in_separation": Variable("m", "mean separation of the last state before the first jump-in", ()),
     "work_of_separation": Variable(
-        "J m-2",
-        "work of separation of the last retraction per nominal area, from zero pressure on",
-        (),
+        "J m-2", "work of separation of the last retraction per nominal area, from zero pressure on", ()
     ),
 }
 

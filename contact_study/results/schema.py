@@ -42,14 +42,8 @@ AUTOCORRELATION_STATES = "_autocorrelation_states"
 # Unit (None: that of the mean) and meaning of each suffix.
 OF_A_MEAN: dict[str, tuple[str | None, str]] = {
     STANDARD_ERROR: (None, "standard error of the mean"),
-    AUTOCORRELATION_TIME: (
-        "s",
-        "integrated autocorrelation time (NaN: too few states)",
-    ),
-    AUTOCORRELATION_STATES: (
-        "1",
-        "integrated autocorrelation time in states (NaN: too few)",
-    ),
+    AUTOCORRELATION_TIME: ("s", "integrated autocorrelation time (NaN: too few states)"),
+    AUTOCORRELATION_STATES: ("1", "integrated autocorrelation time in states (NaN: too few)"),
 }
 
 # Suffix of the difference between a theory's quantity and that at half the resolution, without sign.

@@ -79,7 +79,7 @@ AUTOCORRELATION = Observable(
     {
         "contact_autocorrelation": Variable(
             "1", "share of the pairs of points a distance apart that are both in contact", ("step", "relative_distance")
-        ),
+        )
     },
     _read,
     averaged=False,  # rings without a lag have no mean

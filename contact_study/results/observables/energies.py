@@ -7,10 +7,7 @@ from contact_study.results.state import InterfaceState, Observable, Value, Varia
 
 
 def _read(state: InterfaceState, _: Bins) -> dict[str, Value]:
-    values: dict[str, Value] = {
-        "elastic_energy": state.elastic_energy,
-        "interaction_energy": state.interaction_energy,
-    }
+    values: dict[str, Value] = {"elastic_energy": state.elastic_energy, "interaction_energy": state.interaction_energy}
     if state.own_steps is not None:
         values["dissipated_energy"] = state.own_steps.dissipated
         values["dissipated_energy_resolution_error"] = state.own_steps.uncertain

@@ -35,9 +35,7 @@ class MaterialSection:
     youngs_modulus: float = key(quantity("Pa", positive=True), "Young's modulus E")
     poissons_ratio: float = key(quantity("1", minimum=-0.999, maximum=0.5), "Poisson's ratio ν")
     lattice_constant: float | None = key(
-        quantity("m", positive=True),
-        "lattice constant a of the block; divides surface.size (atoms, well_depth)",
-        None,
+        quantity("m", positive=True), "lattice constant a of the block; divides surface.size (atoms, well_depth)", None
     )
     atom_mass: float | None = key(
         quantity("kg", positive=True), "mass of a block atom, for atomistic.method = dynamics", None
@@ -65,9 +63,7 @@ class LoadingSection:
     control: str = key(choice("pressure", "gap", "approach"), "what is prescribed", "pressure")
     unload: bool = key(flag(), "go back through the path after its last point", False)
     adaptive: bool = key(
-        flag(),
-        "adaptive load steps: refine where the contact is unstable (continuum, adhesion)",
-        False,
+        flag(), "adaptive load steps: refine where the contact is unstable (continuum, adhesion)", False
     )
     resolution: float = key(
         quantity("1", positive=True, maximum=1.0),
@@ -154,10 +150,7 @@ class AtomisticSection:
     temperature: float = key(quantity("K", minimum=0.0), "temperature of the atoms, for sampling and dynamics", 0.0)
     cutoff: float = key(
         quantity(
-            "1",
-            minimum=2.0,
-            maximum=20.0,
-            why="the law's peak must lie within, and the switch to zero well beyond it",
+            "1", minimum=2.0, maximum=20.0, why="the law's peak must lie within, and the switch to zero well beyond it"
         ),
         "cutoff of the pair potential in units of interaction.length",
         4.0,
@@ -234,15 +227,11 @@ class TheorySection:
     wavevector_unit: str | None = key(text(), "unit of its q, where the file does not say it", None)
     density_unit: str | None = key(text(), "unit of its C(q), where the file does not say it", None)
     energy_weight: str = key(
-        choice("paper", "wang_mueser", "area"),
-        "weight W of the elastic energy in incomplete contact",
-        "paper",
+        choice("paper", "wang_mueser", "area"), "weight W of the elastic energy in incomplete contact", "paper"
     )
     beta: float = key(quantity("1", positive=True, maximum=1.0), "β of the paper's weight", 0.4)
     true_area: str = key(
-        choice("persson", "none", "lattice"),
-        "true over projected contact area, for the adhesion energy",
-        "persson",
+        choice("persson", "none", "lattice"), "true over projected contact area, for the adhesion energy", "persson"
     )
     alpha: float = key(quantity("1", positive=True), "α in σ_a² = α E* q γ_eff", 1.0)
     cap_detachment_stress: bool = key(flag(), "limit σ_a to the law's largest tensile stress", False)
@@ -310,11 +299,7 @@ class OutputSection:
         "none",
     )
     stiffness: bool = key(flag(), "contact_stiffness of every step of the continuum, by one linear solve more", False)
-    restart: bool = key(
-        flag(),
-        "keep the last state of each case, from which --resume lengthens its path",
-        True,
-    )
+    restart: bool = key(flag(), "keep the last state of each case, from which --resume lengthens its path", True)
     pressure_range: tuple[float, float] | None = key(
         pair(quantity("Pa"), names="[low, high]"), "range of pressure_pdf, default from modulus, slopes and law", None
     )

@@ -189,10 +189,7 @@ class MapFile(SurfaceSection):
     }
     height_key = "surface.height_unit"
 
-    path: str = key(
-        text(),
-        "height map, relative to the study file: NetCDF, npy, npz, text or an instrument's",
-    )
+    path: str = key(text(), "height map, relative to the study file: NetCDF, npy, npz, text or an instrument's")
     channel: str | int | None = key(
         name_or_number(), "name or number, from 0, of the map in a file that holds several", None
     )
@@ -361,8 +358,7 @@ class AbsentSurface(SurfaceSection):
 
 
 SURFACES = TaggedUnion(
-    "kind",
-    {"self_affine": SelfAffine, "file": MapFile, "sphere": Sphere, "wavy": Wavy, "flat": Flat},
+    "kind", {"self_affine": SelfAffine, "file": MapFile, "sphere": Sphere, "wavy": Wavy, "flat": Flat}
 )
 
 
