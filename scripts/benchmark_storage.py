@@ -20,7 +20,7 @@ import tomli_w
 
 from contact_study.campaign.dataset.file import DatasetReader
 from contact_study.campaign.store.case_file import CaseWriter
-from contact_study.results.step import Step
+from contact_study.results.state import Step
 from contact_study.study.bins import bins_of
 from contact_study.study.study import Study, make_study, read_study
 from scripts.harness import STUDY, Option, children_time, processor_time, program

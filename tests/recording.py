@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from contact_study.results.step import recorded
+from contact_study.results.observables import recorded
 from contact_study.study.bins import bins_of
 from contact_study.study.study import Study
 

@@ -11,7 +11,7 @@ from bem_adhesion.solution import Solution
 from bem_adhesion.study.adaptive import EnergyLedger, adaptive_step, ledger_of, passed_states
 from bem_adhesion.study.state import interface_state
 from contact_study.physics.surfaces.surface import Surface
-from contact_study.results.state import InterfaceState, OwnSteps
+from contact_study.results.state import InterfaceState
 from contact_study.study.case import Case
 
 # Unaccounted work of a step that counts as none, over the work of adhesion.
@@ -36,9 +36,10 @@ def path_of_equilibria(
         stiffness = contact.stiffness(solution) if case.output.stiffness and solution.converged else None
         found = interface_state(case, solution, surface.grid.spacing, stiffness)
         if ledger is not None:
+            losses = {"dissipated_energy": ledger.dissipated, "dissipated_energy_resolution_error": ledger.uncertain}
             found = replace(
                 found,
-                own_steps=OwnSteps(ledger.dissipated, ledger.uncertain),
+                further={**found.further, **losses},
                 passed=passed_states(passed, case.law.equilibrium_distance),
                 restart={**found.restart, "account": ledger.array},
             )

@@ -4,7 +4,7 @@ import numpy as np
 
 from bem_adhesion.solution import Solution
 from contact_study.physics.solids import Elasticity
-from contact_study.results.state import InterfaceState, Plasticity, SolverReport
+from contact_study.results.state import InterfaceState, SolverReport
 from contact_study.study.case import Case
 
 
@@ -24,6 +24,9 @@ def interface_state(
     """Return the state of a case's interface; ``spacing`` (m) along y and x, ``stiffness`` −dp/dū if known (Pa/m)."""
     gap, pressure, yielded = solution.gap, solution.pressure, solution.plastic_indentation
     separation = separation_of(solution, case.solid) - case.law.equilibrium_distance
+    further = {} if stiffness is None else {"contact_stiffness": stiffness}
+    if yielded is not None:  # the pressure on a yielding point is the hardness throughout
+        further["plastic_work"] = (case.material.hardness or 0.0) * float(np.mean(yielded))
     return InterfaceState(
         gap=gap,
         pressure=pressure,
@@ -35,7 +38,7 @@ def interface_state(
         report=SolverReport.of(solution, complementarity_residual=solution.complementarity_residual),
         restart={"state": solution.state},
         spacing=spacing,
-        contact_stiffness=stiffness,
-        plasticity=None if yielded is None else Plasticity(yielded, case.material.hardness or 0.0),
+        plastic_indentation=yielded,
+        further=further,
         periodic=case.elasticity.boundary == "periodic",
     )

@@ -13,7 +13,7 @@ from bem_adhesion.study.adaptive import ledger_of, passed_states
 from bem_adhesion.study.state import interface_state
 from contact_study.physics.solids import Viscoelastic
 from contact_study.physics.surfaces.surface import Surface
-from contact_study.results.state import InterfaceState, Relaxation
+from contact_study.results.state import InterfaceState
 from contact_study.study.case import Case
 
 
@@ -92,7 +92,7 @@ def path_in_time(
         found = interface_state(case, solution, surface.grid.spacing)
         yield replace(
             found,
-            relaxation=Relaxation(now.time, now.dissipated),
+            further={"time": now.time, "viscous_dissipation": now.dissipated},
             passed=passed_states(passed, case.law.equilibrium_distance),
             restart={**found.restart, "moment": now.array},
         )

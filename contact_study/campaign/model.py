@@ -17,8 +17,7 @@ if TYPE_CHECKING:
     from contact_study.numerics.distributions import Bins
     from contact_study.physics.surfaces.scales import SurfaceScales
     from contact_study.physics.surfaces.surface import Surface
-    from contact_study.results.state import Ensemble, InterfaceState, Value
-    from contact_study.results.step import Step
+    from contact_study.results.state import Ensemble, InterfaceState, Step, Value
     from contact_study.study.case import Case
     from contact_study.study.study import Study
 

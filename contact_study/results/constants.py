@@ -45,10 +45,7 @@ SPECTRUM_WAVEVECTOR = Variable("m-1", "roughness wavevector of the surface's own
 
 @dataclass(frozen=True)
 class InterfaceConstants:
-    """Constants of a case, given to a model or measured by it; None where a model has none.
-
-    Names, units and meanings are those of :data:`CONSTANTS`.
-    """
+    """Constants of a case, named as in :data:`CONSTANTS`; None where a model has none."""
 
     contact_modulus: float
     work_of_adhesion: float
@@ -74,27 +71,12 @@ def heights_on(grid: Grid, heights: np.ndarray) -> Mapping[str, Value]:
 
 
 def roughness_values(roughness: Roughness, sample: Roughness, filled: float) -> Mapping[str, Value]:
-    """Statistics of a surface by their names in a dataset.
+    """Statistics of a periodic surface, and of its sample alone, by their names in a dataset.
 
-    Parameters
-    ----------
-    roughness, sample : Roughness
-        Of the periodic surface, and of the sample alone (:attr:`.Surface.sample`).
-    filled : float
-        Fraction of the points of a measured map that were missing.
+    ``filled`` is the fraction of the points of a measured map that were missing.
     """
     grid, fit, spectrum = roughness.grid, sample.fit, roughness.spectrum
-    fitted = (
-        {}
-        if fit is None
-        else {
-            "fitted_hurst_exponent": fit.hurst_exponent,
-            "fitted_hurst_exponent_error": fit.uncertainty,
-            "fitted_roll_off": fit.roll_off,
-            "fitted_cutoff": fit.cutoff,
-        }
-    )
-    return {
+    values: dict[str, Value] = {
         "surface_points_y": grid.shape[0],
         "surface_points_x": grid.shape[1],
         "surface_size_y": grid.size[0],
@@ -103,7 +85,10 @@ def roughness_values(roughness: Roughness, sample: Roughness, filled: float) -> 
         "edge_jump": roughness.edge_jump,
         "edge_jump_ratio": roughness.edge_ratio,
         "filled_fraction": filled,
-        **fitted,
         "spectrum_wavevector": spectrum.wavevectors,
         "power_spectrum": spectrum.density,
     }
+    if fit is not None:
+        values["fitted_hurst_exponent"], values["fitted_hurst_exponent_error"] = fit.hurst_exponent, fit.uncertainty
+        values["fitted_roll_off"], values["fitted_cutoff"] = fit.roll_off, fit.cutoff
+    return values

@@ -12,7 +12,7 @@ import numpy as np
 
 from contact_study.inputs.errors import InputError
 from contact_study.numerics.gradient_flow import Advance, Instant, Overdamped, Status, StepControl, at_rest, follow
-from contact_study.results.state import Ensemble, InterfaceState, SlowMotion, SolverReport
+from contact_study.results.state import Ensemble, InterfaceState
 from contact_study.study.case import Case
 
 # First time step, in units of the relaxation time of the surface's longest wave.
@@ -33,7 +33,7 @@ class Moving(Overdamped[Found], Protocol[Found]):
     """A contact in overdamped motion: load as a mean pressure (Pa), drag in Pa/m, states in m."""
 
     def separated(self) -> np.ndarray:
-        """Return the state of surfaces out of reach of each other."""
+        """The state of surfaces out of reach of each other."""
 
     def standing(self, state: np.ndarray, load: float) -> Found:
         """Evaluate a state at rest; apart if it is out of reach and the load does not close the gap."""
@@ -71,18 +71,7 @@ def solve_path(
 ) -> Iterator[Ensemble]:
     """Yield the motion through each point of the path from number ``start`` on; its last state is the point's.
 
-    Parameters
-    ----------
-    case : Case
-        The case.
-    moving : Moving
-        The contact.
-    pace : StepControl
-        :func:`pace_of` the case.
-    restart : mapping, optional
-        State after the point before ``start``, or on the way to it; default: separation.
-    start : int, optional
-        First point of the path.
+    ``restart`` is the state after the point before ``start``, or on the way to it; by default the surfaces are apart.
     """
     at = _Place(at_rest(moving.separated(), 0.0, pace)) if restart is None else _Place.unpacked(restart)
     for number in range(start, len(case.path)):
@@ -117,44 +106,33 @@ class _Place:
 def _states(moving: Moving[Found], pace: StepControl, at: _Place, target: float) -> Iterator[InterfaceState]:
     """Yield the states on the way to a load and update ``at``; ends ready for the next load."""
     if target <= 0 and at.instant.steps == 0:
-        found = moving.standing(at.instant.state, target)
-        if found.apart:
-            slow = SlowMotion(at.instant.time, target)
-            yield replace(moving.described(found), slow_motion=slow, restart=at.packed)
+        first = moving.standing(at.instant.state, target)
+        if first.apart:
+            yield _timed(moving.described(first), at, at.instant.time, target)
             return
     for instant in follow(moving, at.instant, target, pace):
-        stuck = instant.fate is Status.STUCK
-        state = moving.described(moving.standing(instant.state, instant.load) if stuck else _known(instant))
+        fate = instant.fate
+        found = moving.standing(instant.state, instant.load) if fate is Status.STUCK else instant.found
+        assert found is not None
+        state = moving.described(found)
         at.instant = instant
         at.pairs += state.report.fft_pairs
         at.evaluations += state.report.force_evaluations or 0
-        report, slow = _report(at, state.report), SlowMotion(instant.time, instant.load)
-        if instant.fate is not Status.MOVING:
-            _settle(moving, pace, at)
-        yield replace(state, report=report, slow_motion=slow, restart=at.packed)
+        report = replace(
+            state.report,
+            converged=fate in (Status.AT_REST, Status.APART),
+            detached=fate is Status.APART,
+            iterations=instant.steps,
+            fft_pairs=at.pairs,
+            force_evaluations=None if state.report.force_evaluations is None else at.evaluations,
+            message=_MESSAGES[fate],
+        )
+        if fate is not Status.MOVING:
+            next_state, load = (moving.separated(), 0.0) if fate is Status.APART else (instant.state, instant.load)
+            at.instant, at.pairs, at.evaluations = at_rest(next_state, load, pace, instant.time), 0.0, 0
+        yield _timed(replace(state, report=report), at, instant.time, instant.load)
 
 
-def _known(instant: Instant[Found]) -> Found:
-    assert instant.found is not None
-    return instant.found
-
-
-def _report(at: _Place, of_step: SolverReport) -> SolverReport:
-    """Report the work so far and the status of the motion."""
-    fate = at.instant.fate
-    return replace(
-        of_step,
-        converged=fate in (Status.AT_REST, Status.APART),
-        detached=fate is Status.APART,
-        iterations=at.instant.steps,
-        fft_pairs=at.pairs,
-        force_evaluations=None if of_step.force_evaluations is None else at.evaluations,
-        message=_MESSAGES[fate],
-    )
-
-
-def _settle(moving: Moving[Found], pace: StepControl, at: _Place) -> None:
-    """Prepare for the next load: at rest, or out of reach."""
-    apart = at.instant.fate is Status.APART
-    state, load = (moving.separated(), 0.0) if apart else (at.instant.state, at.instant.load)
-    at.instant, at.pairs, at.evaluations = at_rest(state, load, pace, at.instant.time), 0.0, 0
+def _timed(state: InterfaceState, at: _Place, time: float, load: float) -> InterfaceState:
+    clock = {"overdamped_time": time, "overdamped_load": load}
+    return replace(state, further={**state.further, **clock}, restart=at.packed)

@@ -27,45 +27,31 @@ PATH_RESULTS: dict[str, Variable] = {
     ),
 }
 
+_PRESSURE, _SEPARATION, _ENERGY = range(3)
+
 
 @dataclass(frozen=True)
 class PathSeries:
-    """The equilibrium states that a path passes, in order.
+    """The equilibrium states that a path passes, in order."""
 
-    Parameters
-    ----------
-    pressure : numpy.ndarray, shape (n,)
-        Mean pressure (Pa), compression positive; the load where surfaces detached under it.
-    separation : numpy.ndarray, shape (n,)
-        Mean separation (m); infinite where surfaces detached under a load.
-    energy : numpy.ndarray, shape (n,), or None
-        Elastic and interaction energy per area (J/m²); None if points are too far apart to integrate or the solid
-        dissipates.
-    ends_apart : bool
-        Whether the path has contact, but not at its end.
-    points : numpy.ndarray of int, optional
-        Indices of the path's own points, between which it goes one way; default: all states.
-    """
+    # Mean pressure (Pa), the load where surfaces detached under it; mean separation (m), infinite there; elastic and
+    # interaction energy (J/m²). Without the energy, two columns, points are too far apart to integrate or the solid
+    # dissipates.
+    states: np.ndarray
+    ends_apart: bool = False  # whether the path has contact, but not at its end
+    points: np.ndarray | None = None  # numbers of the path's own points, between which it goes one way; default all
 
-    pressure: np.ndarray
-    separation: np.ndarray
-    energy: np.ndarray | None = None
-    ends_apart: bool = False
-    points: np.ndarray | None = None
-
-    def part(self, states: slice) -> "PathSeries":
-        """Some of the states."""
-        energy = None if self.energy is None else self.energy[states]
-        return PathSeries(self.pressure[states], self.separation[states], energy, self.ends_apart)
+    @property
+    def has_energy(self) -> bool:
+        """Whether the energy of the states is known."""
+        return self.states.shape[1] > _ENERGY
 
 
 def unaccounted(before: np.ndarray, after: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return the work that the energy does not account for, by the trapezoidal rule, and the exchanged work (J/m²).
 
-    Parameters
-    ----------
-    before, after : numpy.ndarray, shape (..., 3)
-        Mean pressure (Pa), mean separation (m) and energy (J/m²) of two states.
+    ``before`` and ``after``, shape (..., 3), are mean pressure (Pa), mean separation (m) and energy (J/m²) of two
+    states.
     """
     way = 0.5 * (after[..., 1] - before[..., 1])
     work = -(before[..., 0] + after[..., 0]) * way
@@ -75,25 +61,13 @@ def unaccounted(before: np.ndarray, after: np.ndarray) -> tuple[np.ndarray, np.n
 
 
 def undecided(before: np.ndarray, after: np.ndarray) -> np.ndarray:
-    """Uncertainty of the work of a step that is a jump (J/m²), as its position within the step is unknown.
-
-    Parameters
-    ----------
-    before, after : numpy.ndarray, shape (..., 3)
-        As of :func:`unaccounted`.
-    """
+    """Uncertainty of the work of a step that is a jump (J/m²), as its position within the step is unknown."""
     change = after - before
     return 0.5 * np.abs(change[..., 0] * change[..., 1])
 
 
 def lowest_between(before: np.ndarray, after: np.ndarray) -> np.ndarray:
-    """Lowest pressure (Pa) on a branch between two states: that of the parabola that stores the step's energy.
-
-    Parameters
-    ----------
-    before, after : numpy.ndarray, shape (..., 3)
-        As of :func:`unaccounted`; their separations differ.
-    """
+    """Lowest pressure (Pa) on a branch between two states: that of the parabola that stores the step's energy."""
     start, end = before[..., 0], after[..., 0]
     stored = (after[..., 2] - before[..., 2]) / (after[..., 1] - before[..., 1])
     # p = start + (end − start) t + bend t (1 − t), of mean (start + end)/2 + bend/6
@@ -106,41 +80,39 @@ def lowest_between(before: np.ndarray, after: np.ndarray) -> np.ndarray:
 def path_results(series: PathSeries, control: str) -> dict[str, float]:
     """Compute pull-off, jump-in and work of separation, by names of the schema, as far as the path has them.
 
-    Parameters
-    ----------
-    series : PathSeries
-        Its states.
-    control : {"pressure", "gap", "approach"}
-        Prescribed quantity. Under a prescribed pressure the surfaces detach below the pull-off pressure, and neither
-        jump-in nor a finite work of separation exists. At a prescribed distance the path passes the lowest pressure.
+    Under a prescribed pressure, ``control = "pressure"``, the surfaces detach below the pull-off pressure, and neither
+    jump-in nor a finite work of separation exists. At a prescribed distance the path passes the lowest pressure.
     """
-    if not series.pressure.size:  # no state of the path converged
+    if not len(series.states):  # no state of the path converged
         return {}
     if control == "pressure":
-        return _lost_under_load(series)
-    found = _lowest_of_retraction(series)
-    if series.energy is not None:
-        found |= _jump_in(series) | _work_of_separation(series)
+        return _lost_under_load(series.states)
+    approach, retraction = _first_approach(series), _last_retraction(series)
+    found = _lowest_of_retraction(retraction)
+    if series.has_energy:
+        found |= _jump_in(approach)
+        if series.ends_apart:
+            found |= _work_of_separation(retraction)
     return found
 
 
-def _lost_under_load(series: PathSeries) -> dict[str, float]:
+def _lost_under_load(states: np.ndarray) -> dict[str, float]:
     """The lowest pressure that was carried before one that was not, and the difference."""
-    apart = np.isinf(series.separation)
+    apart = np.isinf(states[:, _SEPARATION])
     last = np.flatnonzero(~apart[:-1] & apart[1:])
     if not last.size:
         return {}
     # Under no load surfaces that attract are held: this is known of every path.
-    held = np.minimum(series.pressure[last], 0.0)
+    held = np.minimum(states[last, _PRESSURE], 0.0)
     lowest = int(np.argmin(held))
     return {
         "pull_off_pressure": float(held[lowest]),
-        "pull_off_pressure_resolution_error": float(held[lowest] - series.pressure[last[lowest] + 1]),
+        "pull_off_pressure_resolution_error": float(held[lowest] - states[last[lowest] + 1, _PRESSURE]),
     }
 
 
-def _last_retraction(series: PathSeries) -> slice:
-    """The last retraction, from its turning point."""
+def _last_retraction(series: PathSeries) -> np.ndarray:
+    """The states of the last retraction, from its turning point."""
     points, distance = _points(series)
     end = len(points) - 1
     while end > 0 and distance[end] < distance[end - 1]:
@@ -148,11 +120,11 @@ def _last_retraction(series: PathSeries) -> slice:
     start = end
     while start > 0 and distance[start - 1] <= distance[start]:
         start -= 1
-    return slice(int(points[start]), int(points[end]) + 1)
+    return series.states[points[start] : points[end] + 1]
 
 
-def _first_approach(series: PathSeries) -> slice:
-    """The path up to its first turning point."""
+def _first_approach(series: PathSeries) -> np.ndarray:
+    """The states up to the path's first turning point."""
     points, distance = _points(series)
     start = 0
     while start + 1 < len(points) and distance[start + 1] >= distance[start]:
@@ -160,36 +132,31 @@ def _first_approach(series: PathSeries) -> slice:
     end = start
     while end + 1 < len(points) and distance[end + 1] <= distance[end]:
         end += 1
-    return slice(0, int(points[end]) + 1)
+    return series.states[: points[end] + 1]
 
 
 def _points(series: PathSeries) -> tuple[np.ndarray, np.ndarray]:
     """The path's points and their separations."""
-    points = np.arange(series.separation.size) if series.points is None else series.points
-    return points, series.separation[points]
+    points = np.arange(len(series.states)) if series.points is None else series.points
+    return points, series.states[points, _SEPARATION]
 
 
-def _lowest_of_retraction(series: PathSeries) -> dict[str, float]:
-    """The lowest state of the last retraction, and how far the pressure falls below it between its neighbours."""
-    retraction = series.part(_last_retraction(series))
-    pressure, separation = retraction.pressure, retraction.separation
+def _lowest_of_retraction(states: np.ndarray) -> dict[str, float]:
+    """The lowest state of a retraction, and how far the pressure falls below it between its neighbours."""
+    pressure, separation = states[:, _PRESSURE], states[:, _SEPARATION]
     lowest = int(np.argmin(pressure))
     if not (0 < lowest < pressure.size - 1 and pressure[lowest] < 0):
         return {}
+    found = {"pull_off_pressure": float(pressure[lowest])}
     near = slice(lowest - 1, lowest + 2)
     if not np.all(np.isfinite(separation[near])):  # torn off right after it: no parabola goes through infinity
-        return {"pull_off_pressure": float(pressure[lowest])}
+        return found
     below = _depth(separation[near], pressure[near])
-    if retraction.energy is not None:
-        below = max(below, float(pressure[lowest]) - _lowest_of_branches(retraction))
-    return {"pull_off_pressure": float(pressure[lowest]), "pull_off_pressure_resolution_error": below}
-
-
-def _lowest_of_branches(series: PathSeries) -> float:
-    """The lowest pressure along the branches, including between states."""
-    states = _states(series)
-    smooth = ~_jumps(series)[1] & (np.diff(series.separation) > 0)
-    return float(np.min(lowest_between(states[:-1][smooth], states[1:][smooth]), initial=series.pressure.min()))
+    if states.shape[1] > _ENERGY:
+        smooth = ~_jumps(states)[1] & (np.diff(separation) > 0)
+        between = lowest_between(states[:-1][smooth], states[1:][smooth])
+        below = max(below, float(pressure[lowest]) - float(np.min(between, initial=pressure.min())))
+    return {**found, "pull_off_pressure_resolution_error": below}
 
 
 def _depth(x: np.ndarray, y: np.ndarray) -> float:
@@ -200,49 +167,39 @@ def _depth(x: np.ndarray, y: np.ndarray) -> float:
     return float(slope**2 / (4 * curvature)) if curvature > 0 else 0.0
 
 
-def _states(series: PathSeries) -> np.ndarray:
-    """Pressure, separation and energy of every state, shape (n, 3)."""
-    assert series.energy is not None
-    return np.stack([series.pressure, series.separation, series.energy], axis=-1)
-
-
-def _jumps(series: PathSeries) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _jumps(states: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Loss of each step, whether it is a jump, and the uncertainty of a jump's work."""
-    assert series.energy is not None
-    states = _states(series)
     lost, exchanged = unaccounted(states[:-1], states[1:])
-    noise = _NOISE * np.abs(series.energy).max(initial=0.0)
+    noise = _NOISE * np.abs(states[:, _ENERGY]).max(initial=0.0)
     return lost, (lost > UNACCOUNTED * exchanged) & (lost > noise), undecided(states[:-1], states[1:])
 
 
-def _jump_in(series: PathSeries) -> dict[str, float]:
-    approach = series.part(_first_approach(series))
-    lost, jumped, unknown = _jumps(approach)
+def _jump_in(states: np.ndarray) -> dict[str, float]:
+    lost, jumped, unknown = _jumps(states)
     # Where the pressure only rises or only falls the rule errs by no more than this: beside balance, where little is
     # exchanged, points that meet a wall one by one lose as much, and no energy.
     proven = jumped & (lost > unknown)
     if not proven.any():
         return {}
     first = int(np.argmax(proven))
+    before, after = states[first, _SEPARATION], states[first + 1, _SEPARATION]
     return {
-        "jump_in_pressure": float(approach.pressure[first]),
-        "jump_in_separation": float(approach.separation[first]),
-        "jump_in_separation_resolution_error": float(approach.separation[first] - approach.separation[first + 1]),
+        "jump_in_pressure": float(states[first, _PRESSURE]),
+        "jump_in_separation": float(before),
+        "jump_in_separation_resolution_error": float(before - after),
     }
 
 
-def _work_of_separation(series: PathSeries) -> dict[str, float]:
-    """∫−p ds of the last retraction from p = 0 on: the energy stored by its branches plus the losses of its jumps.
+def _work_of_separation(states: np.ndarray) -> dict[str, float]:
+    """∫−p ds of a retraction from p = 0 on: the energy stored by its branches plus the losses of its jumps.
 
     The work is the energy of full separation, zero, minus that at p = 0, plus the jumps. A sum of p ds would add the
     errors of the trapezoidal rule along the branches.
     """
-    retraction = series.part(_last_retraction(series))
-    pressure, separation, energy = retraction.pressure, retraction.separation, retraction.energy
-    assert energy is not None
-    if not series.ends_apart or pressure.size < 2 or not (pressure < 0).any():
+    pressure, separation, energy = states.T
+    if pressure.size < 2 or not (pressure < 0).any():
         return {}
-    lost, jumped, unknown = _jumps(retraction)
+    lost, jumped, unknown = _jumps(states)
     first, begun = 0, float(energy[0])
     balances = np.flatnonzero((pressure[:-1] >= 0) & (pressure[1:] < 0))
     if balances.size:
@@ -259,26 +216,18 @@ def _work_of_separation(series: PathSeries) -> dict[str, float]:
 
 
 def series_of(steps: Sequence[Mapping[str, Any]], control: str) -> PathSeries:
-    """Make the series of a path from the quantities of its points.
-
-    Parameters
-    ----------
-    steps : sequence of mapping
-        Quantities of each point by names of the schema; passed states are used if all points have them.
-    control : str
-        What is prescribed.
-    """
+    """Make the series of a path from the quantities of its points; passed states are used if all points have them."""
     touching = [step["relative_contact_area"] > 0 for step in steps]
     ends_apart = any(touching) and not touching[-1]
     if all("passed_pressure" in step for step in steps):
-        pressure, separation, energy = (np.concatenate([step[f"passed_{name}"] for step in steps]) for name in PASSED)
+        states = np.stack([np.concatenate([step[f"passed_{name}"] for step in steps]) for name in PASSED], axis=-1)
         last = np.cumsum([len(step[f"passed_{PASSED[0]}"]) for step in steps]) - 1
         # A viscoelastic solid takes up work, so a loss is no jump.
-        books = energy if all("dissipated_energy" in step for step in steps) else None
+        books = states if all("dissipated_energy" in step for step in steps) else states[:, :_ENERGY]
         # A point that did not converge may have passed none.
-        return PathSeries(pressure, separation, books, ends_apart, np.unique(last[last >= 0]))
-    known = [step for step in steps if step["converged"]]
-    lost = np.array([bool(step["detached"]) for step in known], bool)
-    load = np.array([step["applied_pressure" if control == "pressure" else "mean_pressure"] for step in known])
-    separation = np.array([step["mean_separation"] for step in known])
-    return PathSeries(load, np.where(lost, np.inf, separation), ends_apart=ends_apart)
+        return PathSeries(books, ends_apart, np.unique(last[last >= 0]))
+    load = "applied_pressure" if control == "pressure" else "mean_pressure"
+    known = [
+        (step[load], np.inf if step["detached"] else step["mean_separation"]) for step in steps if step["converged"]
+    ]
+    return PathSeries(np.reshape(np.array(known, float), (-1, _ENERGY)), ends_apart)

@@ -1,8 +1,8 @@
-"""Records of a contact's states, and the entries of their quantities in a dataset."""
+"""States of a contact on their way from a model to a file, and the entries of their quantities in a dataset."""
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 
@@ -16,31 +16,8 @@ FLAG = {"flag_values": np.array([-1, 0, 1], np.int8), "flag_meanings": "absent n
 PASSED = ("pressure", "separation", "energy")
 
 
-class Solved(Protocol):
-    """Attributes of the solutions of all solvers."""
-
-    @property
-    def pressure(self) -> np.ndarray: ...
-    @property
-    def relative_contact_area(self) -> float: ...
-    @property
-    def mean_gap(self) -> float: ...
-    @property
-    def converged(self) -> bool: ...
-    @property
-    def detached(self) -> bool: ...
-    @property
-    def residual(self) -> float: ...
-    @property
-    def iterations(self) -> int: ...
-    @property
-    def fft_pairs(self) -> float: ...
-    @property
-    def message(self) -> str: ...
-
-
-def in_two_lines(solution: Solved) -> str:
-    """Summarise a solution for the prompt."""
+def in_two_lines(solution: Any) -> str:
+    """Summarise a solution of any solver for the prompt."""
     return (
         f"<{type(solution).__name__}: mean pressure {np.mean(solution.pressure):.4g} Pa, relative contact area "
         f"{solution.relative_contact_area:.4g}, mean gap {solution.mean_gap:.4g} m,\n "
@@ -51,43 +28,21 @@ def in_two_lines(solution: Solved) -> str:
 
 @dataclass(frozen=True)
 class SolverReport:
-    """Outcome and work of a solver for a state.
-
-    Attributes
-    ----------
-    converged : bool
-        Whether the tolerance is met.
-    detached : bool
-        Whether the surfaces are detached; never at a prescribed gap or approach.
-    residual : float
-        Error left in the equations, in units of their own scales.
-    iterations : int
-        Iterations of the solver.
-    fft_pairs : float
-        Pairs of Fourier transforms, in equivalents of the finest grid in double precision.
-    force_evaluations : int or None
-        Evaluations of the interface forces, if the model counts them.
-    message : str
-        Message on the step; empty if there is none.
-    complementarity_residual : float or None
-        Violation of the conditions of a wall, if the law has one beside its tractions.
-    acceptance_rate : float or None
-        Accepted fraction of the proposals of thermal sampling.
-    """
+    """Outcome and work of a solver for a state, by their names in a dataset; None where a model has none."""
 
     converged: bool
-    detached: bool
-    residual: float
+    detached: bool  # never at a prescribed gap or approach
+    residual: float  # in units of the equations' own scales
     iterations: int
-    fft_pairs: float
+    fft_pairs: float  # in equivalents of the finest grid in double precision
     force_evaluations: int | None = None
     message: str = ""
-    complementarity_residual: float | None = None
-    acceptance_rate: float | None = None
+    complementarity_residual: float | None = None  # of a law with a wall beside its tractions
+    acceptance_rate: float | None = None  # of the proposals of thermal sampling
 
     @classmethod
-    def of(cls, solution: Solved, **known: int | float | None) -> "SolverReport":
-        """Make the report on a solution, with further fields ``known``; a plain equilibrium has no message."""
+    def of(cls, solution: Any, **known: int | float | None) -> "SolverReport":
+        """Report on the solution of any solver, with further fields ``known``; a plain equilibrium has no message."""
         return cls(
             solution.converged,
             solution.detached,
@@ -102,16 +57,8 @@ class SolverReport:
 def usable(record: Any) -> Any:
     """Whether a state is converged and in contact: the one rule for every record of states.
 
-    Parameters
-    ----------
-    record : mapping
-        Quantities by name, of which ``relative_contact_area``, ``converged`` and ``detached`` count where present: an
-        :class:`xarray.Dataset`, or a mapping of arrays or numbers.
-
-    Returns
-    -------
-    bool, array or xarray.DataArray
-        Of the shape of these quantities.
+    Of the ``record``, a dataset or a mapping of arrays or numbers, the quantities ``relative_contact_area``,
+    ``converged`` and ``detached`` count where present.
     """
     there: Any = np.True_
     if "relative_contact_area" in record:
@@ -122,151 +69,49 @@ def usable(record: Any) -> Any:
 
 
 @dataclass(frozen=True)
-class ThermalMotion:
-    """Clock and energies of atoms in motion.
-
-    Attributes
-    ----------
-    time : float
-        Time since the motion began (s).
-    temperature : float
-        Kinetic, against a driven plane, of the velocities in the middle of time steps (K).
-    kinetic_energy : float
-        Of all nodes and the rigid plane against the substrate, of the velocities at the end of the time step, per
-        nominal area (J/m²).
-    mechanical_energy : float
-        That, the whole elastic and the interaction energy, and the load's, its pressure times the height of the rigid
-        plane over the substrate's mean plane (J/m²).
-    """
-
-    time: float
-    temperature: float
-    kinetic_energy: float
-    mechanical_energy: float
-
-
-@dataclass(frozen=True)
-class SlowMotion:
-    """Time of overdamped motion, over the friction of a unit of area (m/Pa), and mean pressure (Pa)."""
-
-    time: float
-    load: float
-
-
-@dataclass(frozen=True)
-class Plasticity:
-    """Plastic indentation of each point so far (m), shape (ny, nx), and hardness (Pa)."""
-
-    indentation: np.ndarray
-    hardness: float
-
-
-@dataclass(frozen=True)
-class Relaxation:
-    """Time of a viscoelastic solid since the path began (s), and its dissipated energy (J/m²)."""
-
-    time: float
-    dissipated: float
-
-
-@dataclass(frozen=True)
-class OwnSteps:
-    """Energy dissipated by jumps of a path with adaptive steps.
-
-    Attributes
-    ----------
-    dissipated : float
-        Per nominal area (J/m²).
-    uncertain : float
-        Uncertainty, as the position of a jump within its step is unknown (J/m²).
-    """
-
-    dissipated: float
-    uncertain: float
-
-
-@dataclass(frozen=True)
 class InterfaceState:
-    """State of a contact that a simulation yields for a point of the loading path.
+    """State of a contact that a simulation yields for a point of the loading path; fields have the shape (ny, nx)."""
 
-    Attributes
-    ----------
-    gap : numpy.ndarray, shape (ny, nx)
-        Local gap (m); infinite if the surfaces are detached under a load.
-    pressure : numpy.ndarray, shape (ny, nx)
-        Local pressure (Pa), compression positive.
-    contact : numpy.ndarray, shape (ny, nx)
-        Whether a point counts as contact.
-    equilibrium_distance : float
-        Distance of flat surfaces without load, from which mean gaps are measured (m).
-    mean_separation : float
-        Distance of the mean planes of block and surface minus the equilibrium distance (m).
-    elastic_energy, interaction_energy : float
-        Per nominal area (J/m²).
-    report : SolverReport
-        The solver's.
-    restart : mapping
-        State that the next point of the path starts from.
-    spacing : tuple of float or None
-        Distance of points along y and x (m).
-    contact_stiffness : float or None
-        −dp/dū (Pa/m), if the study asks for it.
-    own_steps : OwnSteps or None
-        Dissipation of a path with adaptive steps.
-    passed : numpy.ndarray, shape (n, 3), or None
-        Mean pressure (Pa), mean separation (m) and energy (J/m²) of each state since the last point, this one last, of
-        a path with steps between its points. Detached surfaces have the load and an infinite separation.
-    motion : ThermalMotion or None
-        Clock and energies of atoms in motion.
-    slow_motion : SlowMotion or None
-        Clock and load of overdamped motion.
-    atoms : mapping
-        The atoms one by one, as :mod:`contact_study.results.observables.atoms` names them, where the study asks for
-        them.
-    plasticity : Plasticity or None
-        Indentation of a contact with a hardness.
-    relaxation : Relaxation or None
-        Clock and dissipation of a viscoelastic solid.
-    periodic : bool
-        Whether the map continues at its opposite edges; False for free boundaries.
-    """
-
-    gap: np.ndarray
-    pressure: np.ndarray
-    contact: np.ndarray
-    equilibrium_distance: float
-    mean_separation: float
-    elastic_energy: float
+    gap: np.ndarray  # local (m); infinite if the surfaces are detached under a load
+    pressure: np.ndarray  # local (Pa), compression positive
+    contact: np.ndarray  # whether a point counts as contact
+    equilibrium_distance: float  # of flat surfaces without load, from which mean gaps are measured (m)
+    mean_separation: float  # distance of the mean planes of block and surface minus the equilibrium distance (m)
+    elastic_energy: float  # per nominal area (J/m²)
     interaction_energy: float
     report: SolverReport
-    restart: Mapping[str, np.ndarray] = field(default_factory=dict)
-    spacing: tuple[float, float] | None = None
-    contact_stiffness: float | None = None
-    own_steps: OwnSteps | None = None
+    restart: Mapping[str, np.ndarray] = field(default_factory=dict)  # from which the next point of the path starts
+    spacing: tuple[float, float] | None = None  # of points along y and x (m)
+    # Mean pressure (Pa), mean separation (m) and energy (J/m²) of each state since the last point, this one last, shape
+    # (n, 3), of a path with steps between its points. Detached surfaces have the load and an infinite separation.
     passed: np.ndarray | None = None
-    motion: ThermalMotion | None = None
-    slow_motion: SlowMotion | None = None
-    atoms: Mapping[str, np.ndarray] = field(default_factory=dict)
-    plasticity: Plasticity | None = None
-    relaxation: Relaxation | None = None
-    periodic: bool = True
+    plastic_indentation: np.ndarray | None = None  # so far (m), of a contact with a hardness
+    further: Mapping[str, float] = field(default_factory=dict)  # what only its model has, by names in a dataset
+    atoms: Mapping[str, np.ndarray] = field(default_factory=dict)  # one by one, where the study asks for them
+    periodic: bool = True  # whether the map continues at its opposite edges; False for free boundaries
 
 
 @dataclass(frozen=True)
 class Ensemble:
-    """States of one point of the loading path, to be averaged, or of which the last one counts.
+    """States of one point of the loading path, to be averaged, or of which the last one counts."""
 
-    Attributes
-    ----------
-    states : iterator of InterfaceState
-        One after the other, as often as they are to count; read once. The ``restart`` of each holds all that the next
-        one follows from; the ``report`` of the last one is the point's.
-    discarded : int or None, optional
-        How many of them come before those whose mean is taken; None: only the last one counts. The series has all.
-    """
-
+    # One after the other, as often as they are to count; read once. The ``restart`` of each holds all that the next one
+    # follows from; the ``report`` of the last one is the point's.
     states: Iterator[InterfaceState]
+    # How many of them come before those whose mean is taken; None: only the last one counts. The series has all.
     discarded: int | None = 0
+
+
+@dataclass(frozen=True)
+class Step:
+    """A finished point of a loading path, as it goes to disk."""
+
+    # Quantities by the keys of the schema, ``"name"`` or ``"label/name"``. A theory gives a distribution as a function
+    # of the bins' edges, shape (n + 1,), that returns the densities, shape (n,).
+    values: Mapping[str, Any]
+    fields: Mapping[str, np.ndarray] = field(default_factory=dict)  # over (y, x), and atoms, if the study keeps them
+    restart: Mapping[str, np.ndarray] = field(default_factory=dict)  # from which the next step starts
+    bins: Bins | None = None  # of its distributions, set by the campaign
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ from contact_study.campaign.memory import Need
 from contact_study.inputs.errors import InputError
 from contact_study.physics.surfaces.surface import Surface
 from contact_study.results.observables.atoms import block_nodes, surface_atoms
-from contact_study.results.state import Ensemble, InterfaceState, SolverReport, ThermalMotion
+from contact_study.results.state import Ensemble, InterfaceState, SolverReport
 from contact_study.study.case import Case
 from md_reference.block.condensed import element_matrix, lame_constants
 from md_reference.block.multiscale import MultiscaleBlock, NonlinearSpringBlock, level_layers, node_count
@@ -233,7 +233,12 @@ class _Run:
             interaction_energy=interaction,
             report=self._report(at, pressure, discarded, apart),
             spacing=(case.lattice.constant, case.lattice.constant),
-            motion=ThermalMotion(motion.time, temperature, kinetic, kinetic + whole + interaction + lifted),
+            further={
+                "time": motion.time,
+                "temperature": temperature,
+                "kinetic_energy": kinetic,
+                "mechanical_energy": kinetic + whole + interaction + lifted,
+            },
             atoms=self._atoms(motion) if apart or at.frame == at.frames else {},
         )
 

@@ -11,7 +11,7 @@ from contact_study.campaign.engines import CampaignError
 from contact_study.campaign.store import case_file
 from contact_study.campaign.store.case_file import CaseFile, CaseWriter, write_case
 from contact_study.numerics.distributions import Bins
-from contact_study.results.step import Step
+from contact_study.results.state import Step
 
 BINS = Bins.evenly((-1.0, 2.0, 3), (0.0, 1e-9, 4))
 

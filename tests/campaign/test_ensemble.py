@@ -7,7 +7,7 @@ from contact_study.campaign.worker.ensemble import Averages
 from contact_study.numerics.distributions import Bins
 from contact_study.numerics.time_series import statistics_of
 from contact_study.results.schema import AUTOCORRELATION_TIME, STANDARD_ERROR, variable_of
-from contact_study.results.state import InterfaceState, SolverReport, ThermalMotion
+from contact_study.results.state import InterfaceState, SolverReport
 
 
 def state(separation, time):
@@ -21,7 +21,7 @@ def state(separation, time):
         interaction_energy=0.0,
         report=SolverReport(True, False, 0.0, 1, 0.0),
         spacing=(1e-10, 1e-10),
-        motion=ThermalMotion(time, 300.0, 0.0, 0.0),
+        further={"time": time, "temperature": 300.0},
     )
 
 

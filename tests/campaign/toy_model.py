@@ -9,7 +9,7 @@ import numpy as np
 
 from contact_study.campaign.model import Model
 from contact_study.inputs.errors import InputError
-from contact_study.results.step import Step
+from contact_study.results.state import Step
 
 TOY = Model("toy", "continuum", "tests.campaign.toy_model", "a toy", "none", ignores=("atomistic", "theory"))
 MODEL = TOY

@@ -8,19 +8,11 @@ import pytest
 from contact_study.numerics.distributions import Bins
 from contact_study.numerics.grid import Grid
 from contact_study.results.constants import CONSTANTS, InterfaceConstants, heights_on
-from contact_study.results.observables import ENTRIES, OBSERVABLES, observed
+from contact_study.results.observables import ENTRIES, OBSERVABLES, observed, recorded
 from contact_study.results.observables.area import OVERCOUNT
+from contact_study.results.observables.mechanics import FURTHER
 from contact_study.results.schema import VARIABLES
-from contact_study.results.state import (
-    InterfaceState,
-    OwnSteps,
-    Plasticity,
-    Relaxation,
-    SlowMotion,
-    SolverReport,
-    ThermalMotion,
-)
-from contact_study.results.step import Step, recorded
+from contact_study.results.state import InterfaceState, SolverReport, Step
 
 BINS = Bins.evenly((-2e9, 4e9, 6), (0.0, 8e-10, 4))
 REPORT = SolverReport(converged=True, detached=False, residual=1e-9, iterations=12, fft_pairs=20.5, message="slow")
@@ -38,8 +30,7 @@ def state(**changes):
         "report": REPORT,
         "restart": {"state": np.arange(3.0)},
         "spacing": (2e-10, 1e-10),
-        "contact_stiffness": 3e18,
-        "own_steps": OwnSteps(0.02, 0.003),
+        "further": {"contact_stiffness": 3e18, "dissipated_energy": 0.02},
         "passed": np.array([[1e8, 3e-10, -0.1], [-1e8, np.inf, 0.0]]),
     }
     return InterfaceState(**{**content, **changes})
@@ -70,7 +61,6 @@ def test_observables_of_a_state_made_by_hand():
         "corrected_repulsive_area": pytest.approx(3 / 6 - OVERCOUNT * (2 + 4) / 6),  # the same points
         "contact_stiffness": 3e18,
         "dissipated_energy": 0.02,
-        "dissipated_energy_resolution_error": 0.003,
         "contact_percolates": True,
         "gap_percolates": True,
         "converged": True,
@@ -116,37 +106,18 @@ def test_force_evaluations_are_of_models_that_count_them():
     assert observed(state(report=report), BINS)["force_evaluations"] == 7
 
 
-def test_time_and_temperature_are_of_states_in_motion():
-    found = observed(state(motion=ThermalMotion(2e-12, 300.0, 0.02, 0.03)), BINS)
-    assert (found["time"], found["temperature"]) == (2e-12, 300.0)
-    assert (found["kinetic_energy"], found["mechanical_energy"]) == (0.02, 0.03)
-
-
 def test_what_has_given_way():
-    indentation = np.array([[1e-10, 0.0, 0.0], [5e-10, 0.0, 0.0]])
-    found = observed(state(plasticity=Plasticity(indentation, hardness=3e9)), BINS)
+    found = observed(state(plastic_indentation=np.array([[1e-10, 0.0, 0.0], [5e-10, 0.0, 0.0]])), BINS)
     assert found["relative_plastic_area"] == pytest.approx(2 / 6)
     assert found["mean_plastic_indentation"] == pytest.approx(1e-10)
-    assert found["plastic_work"] == pytest.approx(0.3)
-
-
-def test_time_and_dissipation_of_a_solid_that_relaxes():
-    found = observed(state(relaxation=Relaxation(time=2.5, dissipated=0.01)), BINS)
-    assert (found["time"], found["viscous_dissipation"]) == (2.5, 0.01)
 
 
 def test_names_are_spelt_once_and_have_entries():
     names = [name for observable in OBSERVABLES for name in observable.variables]
     assert len(names) == len(set(names))
     report = SolverReport(True, False, 0.0, 1, 0.0, 1, complementarity_residual=0.0, acceptance_rate=0.8)
-    plasticity = Plasticity(np.zeros((2, 3)), 1e9)
-    of_all = {
-        "motion": ThermalMotion(1e-12, 300.0, 0.02, 0.03),
-        "slow_motion": SlowMotion(2.0, 1e9),
-        "plasticity": plasticity,
-        "relaxation": Relaxation(2.0, 0.1),
-    }
-    found = observed(state(report=report, **of_all), BINS)
+    further = dict.fromkeys([*FURTHER.variables, "time"], 1.0)
+    found = observed(state(report=report, further=further, plastic_indentation=np.zeros((2, 3))), BINS)
     assert set(found) == set(names) == set(ENTRIES)
     for name, value in found.items():
         assert VARIABLES[name].dims[0] == "step", name

@@ -18,8 +18,7 @@ from contact_study.physics.surfaces.scales import SurfaceScales
 from contact_study.physics.surfaces.surface import Surface
 from contact_study.results.constants import InterfaceConstants
 from contact_study.results.schema import quantity_of
-from contact_study.results.state import Value
-from contact_study.results.step import Step
+from contact_study.results.state import Step, Value
 from contact_study.study.case import Case
 from contact_study.study.study import Study
 from contact_study.study.sweep import points

@@ -22,8 +22,7 @@ from contact_study.campaign.store import records
 from contact_study.campaign.store.files import write_aside
 from contact_study.campaign.store.records import Record
 from contact_study.numerics.distributions import Bins
-from contact_study.results.state import Value
-from contact_study.results.step import Step
+from contact_study.results.state import Step, Value
 
 _CONSTANTS, _NOTES, _STEP, _STATE, _PARTIAL = b"cons", b"note", b"step", b"stat", b"part"
 

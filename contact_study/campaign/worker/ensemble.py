@@ -16,8 +16,7 @@ from contact_study.results.schema import (
     TRAJECTORY,
     VARIABLES,
 )
-from contact_study.results.state import InterfaceState
-from contact_study.results.step import Step
+from contact_study.results.state import InterfaceState, Step
 
 _SERIES, _SUMS, _BINS, _FIELDS, _RESTART = "series/", "sum/", "bins", "fields", "restart/"
 

@@ -4,28 +4,16 @@ Quantities of a whole path are in :mod:`~contact_study.results.path_results`, th
 :mod:`~contact_study.results.constants`, those of the theories in :mod:`~contact_study.results.schema`.
 """
 
+from dataclasses import replace
+
 from contact_study.numerics.distributions import Bins
 from contact_study.results.observables.area import AREA
 from contact_study.results.observables.autocorrelation import AUTOCORRELATION
 from contact_study.results.observables.clusters import CLUSTERS
-from contact_study.results.observables.distributions import DISTRIBUTIONS
-from contact_study.results.observables.energies import ENERGIES
-from contact_study.results.observables.means import MEANS
-from contact_study.results.observables.motion import MOTION, TIME
-from contact_study.results.observables.solver_report import SOLVER_REPORT
-from contact_study.results.state import InterfaceState, Observable, Value, Variable
+from contact_study.results.observables.mechanics import FURTHER, MECHANICS, SOLVER_REPORT
+from contact_study.results.state import InterfaceState, Observable, Step, Value, Variable
 
-OBSERVABLES: list[Observable] = [
-    MEANS,
-    AREA,
-    ENERGIES,
-    DISTRIBUTIONS,
-    CLUSTERS,
-    AUTOCORRELATION,
-    MOTION,
-    TIME,
-    SOLVER_REPORT,
-]
+OBSERVABLES: list[Observable] = [MECHANICS, FURTHER, AREA, CLUSTERS, AUTOCORRELATION, SOLVER_REPORT]
 
 ENTRIES: dict[str, Variable] = {
     name: variable for observable in OBSERVABLES for name, variable in observable.variables.items()
@@ -38,3 +26,20 @@ AVERAGED: set[str] = {name for observable in OBSERVABLES if observable.averaged 
 def observed(state: InterfaceState, bins: Bins) -> dict[str, Value]:
     """Read every observable off a state, distributions on the given bins; returns values by name."""
     return {name: value for observable in OBSERVABLES for name, value in observable.read(state, bins).items()}
+
+
+def recorded(point: InterfaceState | Step, bins: Bins, fields: bool = False) -> Step:
+    """The step of a state, or of quantities of theories, every distribution on the bins.
+
+    ``fields`` says whether to keep the fields of a state; its atoms are always kept.
+    """
+    if isinstance(point, InterfaceState):
+        kept = {"gap": point.gap, "pressure": point.pressure} if fields else {}
+        if fields and point.plastic_indentation is not None:
+            kept["plastic_indentation"] = point.plastic_indentation
+        return Step(observed(point, bins), {**kept, **point.atoms}, point.restart, bins)
+    edges = bins.edges_of
+    values = {
+        key: value(edges[key.rpartition("/")[2]]) if callable(value) else value for key, value in point.values.items()
+    }
+    return replace(point, values=values, bins=bins)

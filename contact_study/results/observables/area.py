@@ -20,15 +20,7 @@ OVERCOUNT = (np.pi - 1 + np.log(2)) / 24
 
 
 def edge_sides(contact: np.ndarray, periodic: bool = True) -> tuple[int, int]:
-    """Count the sides along x and along y between cells in contact and others, across the edges of a periodic map too.
-
-    Parameters
-    ----------
-    contact : numpy.ndarray of bool, shape (ny, nx)
-        Whether a point is in contact.
-    periodic : bool, optional
-        Whether the map continues at its opposite edge.
-    """
+    """Sides along x and along y between cells in contact and others, across the edges of a periodic map too."""
     first = 0 if periodic else 1
     along_x = int(np.count_nonzero((contact != np.roll(contact, 1, axis=0))[first:]))
     along_y = int(np.count_nonzero((contact != np.roll(contact, 1, axis=1))[:, first:]))

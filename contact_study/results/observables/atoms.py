@@ -45,30 +45,19 @@ SITES: dict[str, Variable] = {
 def surface_atoms(
     displacement: np.ndarray, stress: np.ndarray, velocity: np.ndarray | None = None
 ) -> dict[str, np.ndarray]:
-    """Return the fields of the bottom layer's atoms by name.
+    """Return the fields of the bottom layer's atoms by name, of arrays of shape (3, ny, nx).
 
-    Parameters
-    ----------
-    displacement : numpy.ndarray, shape (3, ny, nx)
-        Displacement along x and y, and height over the substrate's mean plane (m).
-    stress : numpy.ndarray, shape (3, ny, nx)
-        Force of the substrate on each atom over its area (Pa).
-    velocity : numpy.ndarray, shape (3, ny, nx), optional
-        Velocity of atoms in motion (m/s).
+    Displacement along x and y and height over the substrate's mean plane (m), force of the substrate on each atom over
+    its area (Pa), and the velocity of atoms in motion (m/s).
     """
-    names = ("lateral_displacement_x", "lateral_displacement_y", "atom_height")
-    found = dict(zip(names, displacement, strict=True))
-    found |= zip(("shear_stress_x", "shear_stress_y", "normal_stress"), stress, strict=True)
-    if velocity is not None:
-        found |= zip(("velocity_x", "velocity_y", "velocity_z"), velocity, strict=True)
-    return {name: np.array(field) for name, field in found.items()}
+    given = [*displacement, *stress, *(() if velocity is None else velocity)]
+    return {name: np.array(field) for name, field in zip(ATOMS, given, strict=False)}
 
 
 def block_nodes(position: np.ndarray, velocity: np.ndarray) -> dict[str, np.ndarray]:
     """Return positions (m) and velocities (m/s) of an explicit block, shape (3, nodes) each, by name."""
-    found = dict(zip(("node_x", "node_y", "node_z"), position, strict=True))
-    found |= zip(("node_velocity_x", "node_velocity_y", "node_velocity_z"), velocity, strict=True)
-    return {name: np.array(field) for name, field in found.items()}
+    names = [name for name in ATOMS if name.startswith("node_")]
+    return {name: np.array(field) for name, field in zip(names, [*position, *velocity], strict=True)}
 
 
 def substrate_sites(heights: np.ndarray, size: tuple[float, float]) -> Mapping[str, Value]:

@@ -23,14 +23,12 @@ RELATIVE_DISTANCE = np.sqrt(RING_EDGES[1:] * RING_EDGES[:-1])
 @lru_cache(maxsize=2)
 def _rings(
     shape: tuple[int, int], spacing: tuple[float, float], periodic: bool
-) -> tuple[tuple[int, int], np.ndarray, np.ndarray]:
+) -> tuple[tuple[int, ...], np.ndarray, np.ndarray]:
     """Shape of the transforms, ring of each lag on it (RINGS beyond the largest), and pairs of each ring."""
     from scipy import fft  # slow to import
 
     # With free boundaries a map twice as large: no lag reaches across the edge.
-    padded = (
-        shape if periodic else (fft.next_fast_len(2 * shape[0] - 1, True), fft.next_fast_len(2 * shape[1] - 1, True))
-    )
+    padded = shape if periodic else tuple(fft.next_fast_len(2 * n - 1, True) for n in shape)
     steps = [np.minimum(np.arange(n), n - np.arange(n)) for n in padded]
     down, across = (step * d for step, d in zip(steps, spacing, strict=True))
     side = min(n * d for n, d in zip(shape, spacing, strict=True))
@@ -44,21 +42,9 @@ def _rings(
 
 
 def contact_autocorrelation(contact: np.ndarray, spacing: tuple[float, float], periodic: bool = True) -> np.ndarray:
-    """Average χ(x) χ(x + r) over all pairs of points of each ring of lags r.
+    """Average χ(x) χ(x + r) over all pairs of points of each ring of lags r, shape (RINGS,); NaN in one without a lag.
 
-    Parameters
-    ----------
-    contact : numpy.ndarray of bool, shape (ny, nx)
-        Whether a point is in contact.
-    spacing : tuple of float
-        Grid spacing along y and x (m).
-    periodic : bool, optional
-        Whether pairs reach across the edges of the map.
-
-    Returns
-    -------
-    numpy.ndarray, shape (RINGS,)
-        NaN in a ring without a lag.
+    ``spacing`` is that of the points along y and x (m).
     """
     from scipy import fft
 

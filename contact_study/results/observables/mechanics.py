@@ -1,0 +1,152 @@
+"""Means, distributions and energies of a state, what only its model has, and the work of the solver.
+
+Counts of work do not depend on the machine.
+"""
+
+import math
+from dataclasses import asdict
+
+import numpy as np
+
+from contact_study.numerics.distributions import Bins, probability_density
+from contact_study.results.state import FLAG, PASSED, InterfaceState, Observable, Value, Variable
+
+_PASSED_DIMS = ("step", "passed")
+
+
+def _read(state: InterfaceState, bins: Bins) -> dict[str, Value]:
+    pressure = float(np.mean(state.pressure))
+    values: dict[str, Value] = {
+        "mean_pressure": pressure,
+        "mean_gap": float(np.mean(state.gap)) - state.equilibrium_distance,
+        "mean_separation": state.mean_separation,
+        "elastic_energy": state.elastic_energy,
+        "interaction_energy": state.interaction_energy,
+        "pressure_pdf": probability_density(state.pressure, bins.pressure_edges),
+        "gap_pdf": probability_density(state.gap, bins.gap_edges),
+    }
+    if state.spacing is not None:
+        values["total_force"] = pressure * state.pressure.size * math.prod(state.spacing)
+    if state.passed is not None:
+        values |= {f"passed_{name}": column for name, column in zip(PASSED, state.passed.T, strict=True)}
+    if state.plastic_indentation is not None:
+        values["relative_plastic_area"] = float(np.mean(state.plastic_indentation > 0))
+        values["mean_plastic_indentation"] = float(np.mean(state.plastic_indentation))
+    return values
+
+
+MECHANICS = Observable(
+    {
+        "mean_pressure": Variable("Pa", "mean normal pressure at the interface, compression positive"),
+        "total_force": Variable("N", "mean pressure times the area of the cell, compression positive"),
+        "mean_gap": Variable("m", "mean local gap minus the law's equilibrium distance"),
+        "mean_separation": Variable(
+            "m",
+            "distance of the mean planes of block and surface minus the equilibrium distance",
+            attrs={"comment": "conjugate to the pressure; layer: plane of its undeformed surface"},
+        ),
+        "passed_pressure": Variable(
+            "Pa", "mean pressure of each state passed since the last point; detached: the load", _PASSED_DIMS
+        ),
+        "passed_separation": Variable(
+            "m", "mean separation of each state passed since the last point; detached: infinite", _PASSED_DIMS
+        ),
+        "passed_energy": Variable(
+            "J m-2", "elastic and interaction energy per nominal area of each state passed", _PASSED_DIMS
+        ),
+        "elastic_energy": Variable(
+            "J m-2",
+            "elastic energy per nominal area",
+            attrs={
+                "comment": "sampled atoms: includes thermal energy of the bottom layer; warm atoms in motion: includes "
+                "that of all nodes of the block"
+            },
+        ),
+        "interaction_energy": Variable("J m-2", "interaction energy per nominal area"),
+        "relative_plastic_area": Variable("1", "plastically deformed area so far over nominal area"),
+        "mean_plastic_indentation": Variable("m", "mean plastic indentation so far"),
+        "pressure_pdf": Variable("Pa-1", "probability density of the interfacial pressure", ("step", "pressure_bin")),
+        "gap_pdf": Variable("m-1", "probability density of the local gap", ("step", "gap_bin")),
+    },
+    _read,
+)
+
+FURTHER = Observable(
+    {
+        "contact_stiffness": Variable(
+            "Pa m-1",
+            "contact stiffness -dp/du of the linearised problem",
+            attrs={"comment": "u: mean gap; free boundaries: position of the undeformed surface"},
+        ),
+        "dissipated_energy": Variable("J m-2", "energy dissipated in jumps so far per nominal area, without pull-off"),
+        "dissipated_energy_resolution_error": Variable(
+            "J m-2", "uncertainty of dissipated_energy: position of a jump within its step"
+        ),
+        "plastic_work": Variable("J m-2", "plastic work so far per nominal area"),
+        "viscous_dissipation": Variable("J m-2", "energy dissipated by the viscoelastic solid so far per nominal area"),
+        "temperature": Variable(
+            "K",
+            "kinetic temperature of the nodes, driven plane: in its frame",
+            attrs={"comment": "by velocities in the middle of time steps"},
+        ),
+        "kinetic_energy": Variable(
+            "J m-2",
+            "kinetic energy of nodes and rigid plane per nominal area",
+            attrs={"comment": "by velocities at the end of time steps"},
+        ),
+        "mechanical_energy": Variable(
+            "J m-2",
+            "mechanical energy of atoms in motion and load per nominal area",
+            attrs={
+                "comment": "kinetic, whole elastic and interaction energy, and the potential of the load: applied "
+                "pressure times height of the rigid plane"
+            },
+        ),
+        "overdamped_time": Variable("m Pa-1", "time of overdamped motion over the friction of a unit of area"),
+        "overdamped_load": Variable("Pa", "mean pressure on a state in overdamped motion"),
+    },
+    lambda state, _: state.further,
+)
+
+SOLVER_REPORT = Observable(
+    {
+        "time": Variable("s", "time since the motion, or a path in time, began; of a point that of its last state"),
+        "converged": Variable("1", "whether the step met the tolerance", kind="flag", attrs=FLAG),
+        "detached": Variable(
+            "1",
+            "whether the surfaces are detached",
+            kind="flag",
+            attrs={
+                **FLAG,
+                "comment": "no contact carries the load, or no atom is in reach of a driven block; a continuum at a "
+                "prescribed gap or approach does not detach",
+            },
+        ),
+        "residual": Variable(
+            "1",
+            "error left in the equations of the model, in units of their own scales; see comment",
+            attrs={
+                "comment": "adhesive simulations: largest unbalanced stress over contact modulus, where surfaces touch "
+                "a wall only what it would have to pull; hard wall without adhesion: largest gap inside or penetration "
+                "outside the contact over rms height; Persson's theory: last change of the detachment stress over "
+                "contact modulus; gap-flow theory: mean traction minus pressure over contact modulus, an error of its "
+                "grid; edge flow: last change of a scale's mean response; atoms at a temperature: mean pressure minus "
+                "the applied one over contact modulus, NaN where sampled at a prescribed gap; atoms in motion without "
+                "one: largest unbalanced stress or missing load over contact modulus; driven block, which is not in "
+                "balance: largest unbalanced stress, including thermal forces"
+            },
+        ),
+        "complementarity_residual": Variable(
+            "1",
+            "violation of the conditions of a wall or a hardness, over the contact modulus",
+            attrs={"comment": "largest pull on the wall where surfaces touch, or pressure beyond a hardness"},
+        ),
+        "iterations": Variable("1", "iterations of the solver", kind="count"),
+        "fft_pairs": Variable("1", "pairs of Fourier transforms, in double-precision pairs of the finest grid"),
+        "force_evaluations": Variable("1", "evaluations of the interface forces", kind="count"),
+        "acceptance_rate": Variable("1", "accepted fraction of the proposals of thermal sampling"),
+        "message": Variable("1", "message of the solver on the step", kind="text"),
+    },
+    lambda state, _: {name: value for name, value in asdict(state.report).items() if value is not None},
+    averaged=False,
+)
