@@ -9,7 +9,7 @@ import matplotlib.pyplot as plt
 
 from contact_study import run
 
-temperatures = [100, 300, 600]  # K
+temperatures = [75, 150, 300]  # K
 study = {
     "surface": {
         "kind": "self_affine",
@@ -22,7 +22,7 @@ study = {
     "interaction": {"work_of_adhesion": "0.69 J/m^2", "length": "3.28 angstrom", "contact_distance": "3.68 angstrom"},
     "loading": {"path": ["1 GPa"]},
     "atomistic": {"method": "sampling"},
-    "sampling": {"trajectories": 60, "equilibration": 20},
+    "sampling": {"trajectories": 100, "equilibration": 20},
     "sweep": {"atomistic.temperature": [f"{kelvin} K" for kelvin in temperatures]},
 }
 found = run(study, "atomistic").isel(step=0)

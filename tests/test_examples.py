@@ -25,11 +25,10 @@ SMALLER = {
         "atoms, spacing, modulus, poisson, well, r0 = 32",
     ),
     "pictures": ("[192, 192]", "[96, 96]"),
-    "room_temperature": ('"trajectories": 60, "equilibration": 20', '"trajectories": 4, "equilibration": 10'),
 }
 
 
-SLOW = {"cluster": pytest.mark.validation}  # its workers take 10 s to start
+SLOW = dict.fromkeys(("cluster", "room_temperature"), pytest.mark.validation)  # 10 s and more
 
 
 @pytest.mark.parametrize("example", [pytest.param(e, marks=SLOW.get(e.stem, ()), id=e.stem) for e in EXAMPLES])
