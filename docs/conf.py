@@ -13,6 +13,7 @@ extensions = [
     "myst_parser",
     "numpydoc",
     "sphinx.ext.autodoc",
+    "sphinx.ext.autosummary",
     "sphinx.ext.mathjax",
     "sphinx.ext.viewcode",
     "sphinx_gallery.gen_gallery",
@@ -22,12 +23,11 @@ root_doc = "index"
 exclude_patterns = ["_build", "gallery/*.ipynb", "gallery/*.py", "gallery/*.md5", "sg_execution_times.rst"]
 html_theme = "furo"
 html_title = "bem-adhesion"
-templates_path = []
+templates_path = ["templates"]
 
 myst_heading_anchors = 3
 myst_enable_extensions = ["dollarmath"]
 
-autodoc_member_order = "groupwise"
 numpydoc_show_class_members = False
 numpydoc_class_members_toctree = False
 
@@ -46,17 +46,3 @@ sphinx_gallery_conf = {
 
 # Examples draw with pyplot, of which the gallery takes the figures; on a machine without a display nothing is shown.
 warnings.filterwarnings("ignore", message="FigureCanvasAgg is non-interactive")
-
-
-def setup(app):
-    """Describe a class once, where several packages hand out the same one."""
-    described = set()
-
-    def skip(app, what, name, obj, skip, options):
-        if what != "module" or not isinstance(obj, type):
-            return None
-        again = obj in described
-        described.add(obj)
-        return True if again else None
-
-    app.connect("autodoc-skip-member", skip)

@@ -1,6 +1,7 @@
 """Links of the documentation lead somewhere, what it says to type exists, and its sources were read."""
 
 import csv
+import importlib
 import re
 from pathlib import Path
 
@@ -108,3 +109,12 @@ def test_questions_of_users_have_answers():
     for one in questions:
         section = section_of(ROOT / "docs" / f"{one['page']}.md", one["anchor"])
         assert one["words"].lower() in section.lower(), one
+
+
+def test_every_public_name_has_a_page_of_its_own():
+    listed = set(re.findall(r"^   ([a-z_]+(?:\.\w+)+)$", (ROOT / "docs" / "api.md").read_text(), re.MULTILINE))
+    packages = ("contact_study", "contact_study.plots", "bem_adhesion", "md_reference", "theory")
+    public = {f"{name}.{one}" for name in packages for one in importlib.import_module(name).__all__}
+    # The theories hand out laws and solids of bem_adhesion, which have their pages there.
+    shared = {f"theory.{one}" for one in importlib.import_module("bem_adhesion").__all__}
+    assert listed == {name for name in public - shared if not name.endswith("__version__")}
