@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from contact_study.inputs.units import length
-from contact_study.physics.laws.base import TractionLaw
+from contact_study.physics.laws import TractionLaw
 
 TOO_COARSE = "grid too coarse"
 """First words of a warning."""

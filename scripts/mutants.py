@@ -54,7 +54,6 @@ TESTS = {
     "bem_adhesion/linear/conjugate_gradients.py": "test_adhesive.py ",
     "bem_adhesion/adhesive/multigrid.py": "test_loading.py ",
     "bem_adhesion/kernels/law.py": "test_kernels.py ",
-    "bem_adhesion/kernels/lennard_jones.py": "test_kernels.py ",
     "md_reference/statics/step_limiter.py": "test_equilibrium.py ",
     "contact_study/physics/height_maps/preparation.py": "test_preparation.py ",
     "contact_study/physics/height_maps/height_map.py": "test_surface.py test_map_files.py",

@@ -1,10 +1,7 @@
 """Adhesive contact of one rough surface under prescribed pressure, mean gap or approach, step after step.
 
-Each step is a function of the displacement it starts from and of its target, nothing else. Loading and unloading
-branches differ where the energy has several minima; the path decides between them. A path begins with separated
-surfaces, which only a positive pressure (or a prescribed gap) brings together: a step under tension from there ends
-with :attr:`Outcome.APART`. Under tension an equilibrium need not exist: the step then ends with
-:attr:`Outcome.DETACHED`, and the next begins from separation again.
+Each step is a function of the displacement it starts from and of its target; where the energy has several minima the
+path decides between them. Only a positive pressure, or a prescribed gap, brings separated surfaces together.
 """
 
 from dataclasses import replace
@@ -13,25 +10,29 @@ from threading import RLock
 import numpy as np
 
 from bem_adhesion.adhesive.multigrid import MultigridSolver
-from bem_adhesion.adhesive.options import AdhesiveOptions
-from bem_adhesion.arguments import check_arguments, require_solution
 from bem_adhesion.kernels.law import blocks
 from bem_adhesion.kernels.local_energy import LocalEnergy
 from bem_adhesion.linear.preconditioner import typical_wavenumber
 from bem_adhesion.operators.fourier import periodic
 from bem_adhesion.operators.free_space import Window
-from bem_adhesion.operators.load import HeightLoad
+from bem_adhesion.operators.load import Load
 from bem_adhesion.operators.trace import Trace
-from bem_adhesion.solution import NewtonResult, Outcome, Solution
+from bem_adhesion.solution import NewtonResult, Outcome, Solution, check_arguments, require_solution
 from contact_study.numerics.arguments import step_arguments
 from contact_study.numerics.exclusive import in_turn
 from contact_study.numerics.grid import Grid
 from contact_study.numerics.inner_product import inner_product
-from contact_study.physics.laws.base import TractionLaw
+from contact_study.physics.laws import TractionLaw
 from contact_study.physics.solids import Elasticity, elasticity_of
 
 # Tension that counts as none, in units of the law's peak: the gap at which it has fallen to this is out of reach.
 NO_TENSION = 1e-3
+# Stiffness that separates core and tail in the preconditioner, over the geometric mean of the law's strongest softening
+# and of the solid at the surface's typical wavenumber.
+PRECONDITIONER_SHIFT = 0.22
+GAP_CORRECTIONS = 20  # of the spring's end under gap control
+APPROACH_REFINEMENTS = 5  # solves at smaller and smaller tolerance until an approach is reached
+TOUCHING = 1e-14  # rounding of a gap of zero outside a wall, over the largest height
 
 
 def reach(law: TractionLaw) -> float:
@@ -72,7 +73,6 @@ class AdhesiveContact:
         threads: int = 1,
         window: Window | None = None,
         trace: Trace | None = None,
-        options: AdhesiveOptions | None = None,
     ):
         self.turn = RLock()
         self.elasticity = elasticity_of(elasticity)
@@ -82,7 +82,6 @@ class AdhesiveContact:
         self.control = control
         self.tolerance = tolerance
         self.max_iterations = max_iterations
-        self.options = options or AdhesiveOptions()
         self._reach = reach(law)
         self._length = law.length
         self._law = law.scaled(self._length, self.elasticity.contact_modulus)
@@ -93,7 +92,7 @@ class AdhesiveContact:
         typical_stiffness = float(solid.stiffness(self._typical_wavenumber()))
         # Without softening there is no tail: the shift then only separates points that touch from those that do not.
         softening = self._law.strongest_softening or self._law.equilibrium_stiffness
-        shift = self.options.preconditioner_shift * np.sqrt(softening * typical_stiffness)
+        shift = PRECONDITIONER_SHIFT * np.sqrt(softening * typical_stiffness)
         self._spring = 0.0
         if control == "gap":
             # As stiff as the solid's stiffest wave: stiffer would only spread the spectrum of the operator.
@@ -101,10 +100,8 @@ class AdhesiveContact:
         elif control == "approach":
             self._spring = solid.mean_stiffness_on(self._grid)
         make_operator = periodic(solid, self._spring, threads, trace)
-        self.levels = MultigridSolver(
-            self._grid, make_operator, self._law, shift, window, subdomains=solid.on_any_grid, options=self.options
-        )
-        self._heights = HeightLoad.on(self.levels.finest.solid, height, 1 / self._length)
+        self.levels = MultigridSolver(self._grid, make_operator, self._law, shift, window, subdomains=solid.on_any_grid)
+        self._heights = Load.of_heights(self.levels.finest.solid, height, 1 / self._length)
 
     def _typical_wavenumber(self) -> float:
         inside, (dy, dx) = self._window.inside(self.height) / self._length, self._grid.spacing
@@ -147,7 +144,7 @@ class AdhesiveContact:
         if self.law.has_wall:
             # A displacement that was stored and read has a rounding.
             over_surface = self._window.inside(gap)
-            touching = self.options.touching * max(self.height.max(), -self.height.min()) / self._length
+            touching = TOUCHING * max(self.height.max(), -self.height.min()) / self._length
             over_surface[np.abs(over_surface) <= touching] = 0.0
         return gap
 
@@ -179,7 +176,7 @@ class AdhesiveContact:
         load = self._load(pressure)
         return self.levels.solve(gap, load, tolerance or self.tolerance, self.max_iterations, first_contact)
 
-    def _load(self, pressure: float) -> HeightLoad:
+    def _load(self, pressure: float) -> Load:
         """Return the load at a mean pressure, in units of the contact modulus."""
         return replace(self._heights, pressure=pressure)
 
@@ -193,7 +190,7 @@ class AdhesiveContact:
         previous: tuple[float, float] | None = None
         iterations = 0
         outcome = Outcome.ITERATION_LIMIT
-        for _ in range(self.options.gap_corrections):
+        for _ in range(GAP_CORRECTIONS):
             result = self._solve(gap, -self._spring * end, first_contact, tolerance)
             if result.iterations == 0:  # the tolerance does not resolve the last correction
                 tolerance *= 0.1
@@ -214,7 +211,7 @@ class AdhesiveContact:
     def _hold_approach(self, gap: np.ndarray, plane: float, first_contact: bool) -> NewtonResult:
         """Solve until the undeformed surface is at its height, too: a small residual may move a soft mean far."""
         tolerance, iterations = self.tolerance, 0
-        for _ in range(self.options.approach_refinements):
+        for _ in range(APPROACH_REFINEMENTS):
             result = self._solve(gap, -self._spring * plane, first_contact, tolerance)
             iterations += result.iterations
             pressure, _ = self._pressure(result.gap * self._length, result.reaction)

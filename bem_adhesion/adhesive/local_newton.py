@@ -1,66 +1,58 @@
-"""Relaxation in subdomains: the contact on the few parts of a grid that are far from balance.
+"""Relaxation in subdomains: where a patch jumps, its edge moves for tens of Newton steps while all else rests.
 
-Where a patch of the contact jumps in or out, its edge moves for tens of Newton steps while all else rests.
-:class:`LocalNewton` takes three of four of these steps on a periodic subdomain of a quarter of the grid's points along
-each axis, at a sixteenth of the work. Its load balances the whole contact's residual at the start,
+Three of four of these steps are on a periodic subdomain of a quarter of the grid's points along each axis, whose load
+balances the whole contact's residual at the start,
 
     K' (d − d₀) + φ'(d) + (K d₀ + load) = 0,
 
-K' the solid on the subdomain, so that only the *change* of the gap is elastic there. Springs anchor the rim. A change
-of compact support V = ∫ (d − d₀) acts at a distance r by E* V / 2π r³; the next Newton step of the whole corrects for
-what K' lacks of it.
+K' the solid on the subdomain: only the *change* of the gap is elastic there. Springs anchor the rim. The next Newton
+step of the whole corrects for what K' lacks.
 """
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
 from bem_adhesion.adhesive.newton import NewtonSolver
-from bem_adhesion.adhesive.options import NewtonOptions, SubdomainOptions
 from bem_adhesion.operators.fourier import MakeOperator
 from bem_adhesion.operators.load import Load
 from contact_study.numerics.grid import Grid
 from contact_study.numerics.kernel import kernel
 from contact_study.numerics.memory import Memory
-from contact_study.physics.laws.base import TractionLaw
+from contact_study.physics.laws import TractionLaw
+
+# Tiles along an axis of the grid and of a subdomain; one tile at each rim is held.
+TILES, TILES_OF_SUBDOMAIN = 32, 8
+FEWEST_POINTS = 64  # along an axis of a subdomain, below which little work can be saved
+SHARE = 0.2  # fraction of the largest residual above which a point is out of balance
+MOST = 4  # subdomains
+STEPS = 3  # Newton steps in one subdomain before the whole takes one; more may end in another state
 
 
 class LocalNewton:
     """A corrector of :class:`NewtonSolver` that relaxes subdomains of its grid."""
 
     def __init__(
-        self,
-        grid: Grid,
-        make_operator: MakeOperator,
-        law: TractionLaw,
-        shift: float,
-        memory: Memory | None = None,
-        newton: NewtonOptions | None = None,
-        options: SubdomainOptions | None = None,
+        self, grid: Grid, make_operator: MakeOperator, law: TractionLaw, shift: float, memory: Memory | None = None
     ):
-        self.options = options or SubdomainOptions()
-        self._tile = grid.shape[0] // self.options.tiles, grid.shape[1] // self.options.tiles
-        rows, columns = (self.options.tiles_of_subdomain * tile for tile in self._tile)
+        self._tile = grid.shape[0] // TILES, grid.shape[1] // TILES
+        rows, columns = (TILES_OF_SUBDOMAIN * tile for tile in self._tile)
         dy, dx = grid.spacing
         subdomain = Grid((rows, columns), (rows * dy, columns * dx))
-        self.solver = NewtonSolver(subdomain, make_operator, law, shift, memory=memory, options=newton)
-        down, across = (_ramp(points, self.options.tiles_of_subdomain) for points in (rows, columns))
+        self.solver = NewtonSolver(subdomain, make_operator, law, shift, memory=memory)
+        down, across = _ramp(rows), _ramp(columns)
         self._springs = self.solver.solid.largest * np.maximum(down[:, None], across[None, :]) ** 2
 
     @staticmethod
-    def fits(grid: Grid, options: SubdomainOptions) -> bool:
+    def fits(grid: Grid) -> bool:
         """Return whether a grid has enough points."""
-        return min(grid.shape) * options.tiles_of_subdomain >= options.fewest_points * options.tiles
-
-    def equivalent_pairs(self, grid: Grid) -> float:
-        """Return the transform pairs so far, as float64 pairs on ``grid``."""
-        return self.solver.equivalent_pairs(grid)
+        return min(grid.shape) * TILES_OF_SUBDOMAIN >= FEWEST_POINTS * TILES
 
     def correct(
         self, gap: np.ndarray, pressing: np.ndarray, load: Load, right_side: np.ndarray, out: np.ndarray
     ) -> bool:
-        """Relax a gap where it is far from balance, see :meth:`Corrector.correct`."""
-        solver, options = self.solver, self.options
-        corners = find_subdomains(_largest_of_tiles(right_side, self._tile), solver.options.close, options)
+        """Write a gap that is relaxed where it is far from balance into ``out``; return whether there is one."""
+        solver, close = self.solver, self.solver.options.close
+        corners = find_subdomains(_largest_of_tiles(right_side, self._tile), close)
         if corners is None:
             return False
         out[...] = gap
@@ -72,14 +64,14 @@ class LocalNewton:
             # Where subdomains overlap, the next starts from the result of the last.
             start = out[here]
             solver.set_anchor_springs(self._springs, start, stalls=False)
-            out[here] = solver.solve(start, local_load, solver.options.close, options.steps).gap
+            out[here] = solver.solve(start, local_load, close, STEPS).gap
         return True
 
 
-def _ramp(points: int, tiles: int) -> np.ndarray:
+def _ramp(points: int) -> np.ndarray:
     """Return one at both ends, falling to zero over a tile."""
     from_end = np.minimum(np.arange(points), np.arange(points)[::-1])
-    return np.maximum(1 - from_end / (points // tiles), 0)
+    return np.maximum(1 - from_end / (points // TILES_OF_SUBDOMAIN), 0)
 
 
 def _largest_of_tiles(field: np.ndarray, tile: tuple[int, int]) -> np.ndarray:
@@ -100,19 +92,19 @@ def _raise_to_largest(field, rows, columns, largest):
             of_row[tile] = found
 
 
-def find_subdomains(largest: np.ndarray, close: float, options: SubdomainOptions) -> list[tuple[int, int]] | None:
+def find_subdomains(largest: np.ndarray, close: float) -> list[tuple[int, int]] | None:
     """Find subdomains within whose rims all tiles out of balance lie; None if there are none or too many.
 
     Each is given by its first tile. ``largest`` is the residual of each tile; below ``close`` it is in balance.
     The worst tile is in the subdomain that contains most others, or is in the middle of it.
     """
-    inside = np.arange(1, options.tiles_of_subdomain - 1)
+    inside = np.arange(1, TILES_OF_SUBDOMAIN - 1)
     from_middle = np.abs(inside - inside.mean())
-    active = largest > max(options.share * largest.max(), close)
+    active = largest > max(SHARE * largest.max(), close)
     corners: list[tuple[int, int]] = []
     magnitude = np.where(active, largest, 0.0)
     while magnitude.any():
-        if len(corners) == options.most:
+        if len(corners) == MOST:
             return None
         worst = np.unravel_index(magnitude.argmax(), magnitude.shape)
         around = np.pad(active, (0, inside.size), mode="wrap")[1:, 1:]

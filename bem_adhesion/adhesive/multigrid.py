@@ -1,13 +1,9 @@
 """A load step over grids: predicted on coarser grids, solved on the finest, and checked for saddles.
 
 Full approximation: the coarse grid solves for the *change* of the gap, with the fine grid's residual on its right
-side, so that the prediction is exact in everything the coarse grid resolves (A. Brandt, Math. Comp. 31, 333 (1977)).
-One prediction a load step: repeated cycles end in another minimum of the non-convex energy, or in none.
-
-Where a patch of the contact jumps in or out, each grid does so at its own load, the coarse one usually too early, and
-the energy does not help: the state behind the jump is the lower one. A prediction must not decide such a jump. It
-therefore stays behind the load by more than the loads of two grids differ, and the rest of the way is one step along
-the tangent; the fine grid alone decides jumps there. A prediction that does not converge or detaches is dropped.
+side (A. Brandt, Math. Comp. 31, 333 (1977)). Each grid jumps at its own load, the coarse one usually too early, into a
+state of lower energy. A prediction therefore stays behind the load by more than the loads of two grids differ, and goes
+the rest of the way by a step along the tangent; the fine grid alone decides jumps there.
 """
 
 from dataclasses import replace
@@ -16,7 +12,7 @@ import numpy as np
 
 from bem_adhesion.adhesive.local_newton import LocalNewton
 from bem_adhesion.adhesive.newton import NewtonSolver
-from bem_adhesion.adhesive.options import AdhesiveOptions, MultigridOptions
+from bem_adhesion.adhesive.options import MultigridOptions
 from bem_adhesion.operators.fourier import MakeOperator
 from bem_adhesion.operators.free_space import Window
 from bem_adhesion.operators.load import Load
@@ -25,7 +21,7 @@ from bem_adhesion.solution import NewtonResult, Outcome
 from contact_study.numerics.grid import Grid
 from contact_study.numerics.kernel import kernel
 from contact_study.numerics.memory import Memory
-from contact_study.physics.laws.base import TractionLaw
+from contact_study.physics.laws import TractionLaw
 
 
 @kernel
@@ -61,18 +57,14 @@ class MultigridSolver:
         window: Window | None = None,
         memory: Memory | None = None,
         subdomains: bool = True,
-        options: AdhesiveOptions | None = None,
     ):
-        options = options or AdhesiveOptions()
-        self.options = options.multigrid or MultigridOptions.of(law)
-        self.finest = NewtonSolver(grid, make_operator, law, shift, window, memory, options.newton)
+        self.options = MultigridOptions.of(law)
+        self.finest = NewtonSolver(grid, make_operator, law, shift, window, memory)
         idle = self.finest.idle
         # A subdomain is periodic and held by its rim alone: not under free boundaries, nor with a spring on its mean.
         subdomains = subdomains and window is None and self.finest.solid.mean_stiffness == 0
-        if subdomains and LocalNewton.fits(grid, options.subdomains):
-            self.finest.corrector = LocalNewton(
-                grid, make_operator, law, shift, Memory(idle), options.newton, options.subdomains
-            )
+        if subdomains and LocalNewton.fits(grid):
+            self.finest.corrector = LocalNewton(grid, make_operator, law, shift, Memory(idle))
         self.points_per_process_zone = process_zone(1.0, law) / max(grid.spacing)
         self.coarser: MultigridSolver | None = None
         half = grid.with_shape((grid.shape[0] // 2, grid.shape[1] // 2))
@@ -80,9 +72,7 @@ class MultigridSolver:
         resolved = self.points_per_process_zone >= 2 * self.options.points_for_prediction
         if even and min(half.shape) >= self.options.fewest_points and resolved:
             coarse_window = None if window is None else window.halved
-            self.coarser = MultigridSolver(
-                half, make_operator, law, shift, coarse_window, Memory(idle), subdomains, options
-            )
+            self.coarser = MultigridSolver(half, make_operator, law, shift, coarse_window, Memory(idle), subdomains)
 
     def equivalent_pairs(self, grid: Grid) -> float:
         """Return the transform pairs so far on all grids, as float64 pairs on ``grid``."""
@@ -150,7 +140,8 @@ class MultigridSolver:
         start = np.ascontiguousarray(gap[::2, ::2])
         coarse_load = coarser.finest.load_for(self.finest.solid.field[::2, ::2], start, load.pressure)
         tolerance = options.coarse_tolerance
-        result = coarser._descend(start, coarse_load - behind, tolerance, max_iterations, first_contact, start)
+        lagging = replace(coarse_load, pressure=coarse_load.pressure - behind)
+        result = coarser._descend(start, lagging, tolerance, max_iterations, first_contact, start)
         if result.outcome is not Outcome.CONVERGED:
             return gap
         reached = result.gap

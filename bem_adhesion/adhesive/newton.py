@@ -1,59 +1,42 @@
 """Newton descent of an adhesive contact on one grid, under any traction-separation law.
 
-The gap d minimises ½<d, K d> + <φ(d)> + <load·d>: K is the elastic solid, φ the law, and the load K h + p the pressure
-that flattens the heights h and the nominal one (:mod:`bem_adhesion.operators.load`). The energy is not convex; the
-solver descends from the given state into the minimum next to it.
+The gap d minimises ½<d, K d> + <φ(d)> + <load·d>: K is the elastic solid, φ the law. The energy is not convex; the
+solver descends from the given state into the minimum next to it. Negative curvature of the law is multiplied by
+1 − damping when a linear solve finds a descent of the whole quadratic model, and restored after successful steps.
 
-Linear problems are solved inexactly in float32 (:mod:`bem_adhesion.linear.conjugate_gradients`). Negative curvature of
-the law is multiplied by 1 − damping when a linear solve finds a descent of the whole quadratic model, and restored
-after successful steps.
+The residual is formed in float64; between two full evaluations K d follows the changes of d by transforms in float32.
+Stresses are in units of the contact modulus; lengths in any unit that makes them of order one.
 """
 
 from functools import partial
-from typing import NamedTuple, Protocol
+from typing import Any
 
 import numpy as np
 
-from bem_adhesion.adhesive.energy import ContactEnergy
 from bem_adhesion.adhesive.options import NewtonOptions
-from bem_adhesion.kernels.local_energy import EnergyAndGradient
+from bem_adhesion.kernels.local_energy import EnergyAndGradient, LocalEnergy
 from bem_adhesion.linear.conjugate_gradients import LinearisedContact
-from bem_adhesion.linear.contact_stiffness import mean_stiffness
 from bem_adhesion.linear.preconditioner import preconditioner_for
 from bem_adhesion.operators.fourier import MakeOperator
 from bem_adhesion.operators.free_space import Window
 from bem_adhesion.operators.load import Load
 from bem_adhesion.solution import NewtonResult, Outcome
-from contact_study.numerics.balance import Excess
+from contact_study.numerics.balance import ROUNDING, Excess, excess
 from contact_study.numerics.grid import Grid
 from contact_study.numerics.inner_product import inner_product
 from contact_study.numerics.memory import Memory
-from contact_study.physics.laws.base import TractionLaw
+from contact_study.physics.laws import TractionLaw
+
+# Upper bound of the rounding of K times a change in float32, as a fraction of the largest change times the largest K;
+# K d is formed again where the rounding since the last time may exceed this share of the residual.
+CHANGE_ROUNDING, SHARE_OF_RESIDUAL = 3e-7, 0.1
 
 
-class Corrector(Protocol):
-    """A cheaper correction of a state that is far from balance in parts of the grid."""
+class NewtonSolver:
+    """The discretised contact on one grid; ``shift`` is that of :class:`LinearisedContact`.
 
-    def correct(
-        self, gap: np.ndarray, pressing: np.ndarray, load: Load, right_side: np.ndarray, out: np.ndarray
-    ) -> bool:
-        """Write a gap closer to balance into ``out``; return whether there is one."""
-
-    def equivalent_pairs(self, grid: Grid) -> float:
-        """Return the transform pairs so far, as float64 pairs on ``grid``."""
-
-
-class _Step(NamedTuple):
-    """Damping that a Newton step used, and whether it had to be raised for it."""
-
-    damping: float
-    raised: bool
-
-
-class NewtonSolver(ContactEnergy):
-    """A :class:`ContactEnergy` with its Newton descent; ``shift`` is that of :class:`LinearisedContact`.
-
-    Its ``idle`` memory is free for another solver between two linear solves.
+    At the last gap the field of ``solid`` is K d with the load's field, and ``curvature`` is φ''. Its ``idle`` memory
+    is free for another solver between two linear solves.
     """
 
     def __init__(
@@ -64,23 +47,30 @@ class NewtonSolver(ContactEnergy):
         shift: float,
         window: Window | None = None,
         memory: Memory | None = None,
-        options: NewtonOptions | None = None,
     ):
         memory = memory or Memory()
-        super().__init__(grid, make_operator, law, window, memory)
-        self.options = options or NewtonOptions.of(law)
-        self.corrector: Corrector | None = None
+        make = partial(make_operator, memory=memory)
+        self.grid = grid
+        self.law = law
+        self.window = window or Window(grid.shape)
+        self.options = NewtonOptions.of(law)
+        self.solid = make(grid, np.float64)
+        self._single = make(grid, np.float32)
+        self.local = LocalEnergy(law, self.solid.largest, window)
+        self._rounded = 0.0
+        self.curvature = memory.array(grid.shape, np.float32)
+        self._right_side = memory.array(grid.shape, np.float32)
+        self.corrector: Any = None  # a LocalNewton, which is made of solvers as this one
         self._stalls = False
         self._saddle_steps = 0  # in a row
-        make = partial(make_operator, memory=memory)
-        self._preconditioner = preconditioner_for(self._single, make, shift, self.options.short_waves)
-        self._linearised = LinearisedContact(self._single, shift, self._preconditioner, memory)
+        inverse, self._coarser = preconditioner_for(self._single, make, shift, self.options.short_waves)
+        self._linearised = LinearisedContact(self._single, shift, inverse, memory)
         self.idle = self._linearised.idle
 
     def equivalent_pairs(self, grid: Grid) -> float:
         """Return the transform pairs so far, as float64 pairs on ``grid``."""
-        single = self._single.equivalent_pairs(grid) + self._preconditioner.equivalent_pairs(grid)
-        local = self.corrector.equivalent_pairs(grid) if self.corrector else 0.0
+        single = self._single.equivalent_pairs(grid) + sum(each.equivalent_pairs(grid) for each in self._coarser)
+        local = self.corrector.solver.equivalent_pairs(grid) if self.corrector else 0.0
         return self.solid.equivalent_pairs(grid) + single + local
 
     def set_anchor_springs(self, stiffness: float | np.ndarray, anchor: np.ndarray, stalls: bool = True) -> None:
@@ -88,8 +78,91 @@ class NewtonSolver(ContactEnergy):
 
         Where negative curvature remains, a solve then stalls, or continues without ``stalls``.
         """
-        self.local.set_anchor_springs(stiffness, anchor)
-        self._stalls = self.local.anchored and stalls
+        self.local.springs = (stiffness, anchor) if np.any(stiffness) else None
+        self._stalls = self.local.springs is not None and stalls
+
+    def imbalance_at(self, gap: np.ndarray, load: Load) -> tuple[EnergyAndGradient, bool]:
+        """Evaluate a gap; return its energy and gradient, and whether the surfaces detach from there."""
+        state = self._evaluate(gap, load)
+        return state, self._is_detaching(gap, state)
+
+    def press(self, gap: np.ndarray, load: Load) -> np.ndarray:
+        """Write K d and the load's field into the field of the solid, from which a solve may continue."""
+        self._rounded = 0.0
+        return load.press(gap, self.solid)
+
+    def load_for(self, pressing: np.ndarray, gap: np.ndarray, pressure: float) -> Load:
+        """Make the load whose field and K d of a gap add up to ``pressing``; a solve may continue from them."""
+        self._rounded = 0.0
+        self.solid.field[...] = gap
+        load = Load(pressing - self.solid.apply(self.solid.stiffness), pressure=pressure)
+        self.solid.field[...] = pressing
+        return load
+
+    def interpolate(self, coarser: "NewtonSolver", values: np.ndarray) -> np.ndarray:
+        """Interpolate a field on a coarser grid to single precision, into a buffer that a solve overwrites."""
+        coarser._single.field[...] = values
+        return self._single.interpolate(coarser._single)
+
+    def imbalance(self, gap: np.ndarray, load: Load) -> float:
+        """Return the mean of K d + φ'(d) + load over the free points, for a gap that was evaluated last."""
+        return self.local.imbalance(self.solid.field, gap, load.pressure)
+
+    def excess_of(self, state: EnergyAndGradient, gap: np.ndarray, load: Load, tolerance: float) -> Excess:
+        """Compare the residual at a gap that was evaluated last with what is allowed, see :func:`excess`."""
+        pressure = 0.0 if self.solid.mean_stiffness else load.pressure  # a spring on the mean carries the rest
+        missing = state.total / gap.size
+        if state.largest > tolerance:  # whatever the stress
+            return excess(tolerance, state.largest, missing, pressure)
+        field = self.solid.field
+        stress = max(float(field.max()) + load.pressure, -float(field.min()) - load.pressure)
+        return excess(tolerance, state.largest, missing, pressure, stress, self.rounding(gap), gap.size)
+
+    def rounding(self, gap: np.ndarray) -> float:
+        """Return the residual that the rounding of a gap leaves."""
+        return ROUNDING * self.solid.largest * float(gap.max())
+
+    def _evaluate(self, gap: np.ndarray, load: Load) -> EnergyAndGradient:
+        """Evaluate energy and gradient; fill curvature, right side, and the field of the solid as :meth:`press`."""
+        self.press(gap, load)
+        return self._pressed(gap, load)
+
+    def _evaluate_change(self, gap: np.ndarray, new: np.ndarray, load: Load) -> EnergyAndGradient:
+        """Evaluate as :meth:`_evaluate` at a new gap, by the change from the one that was evaluated last."""
+        change = self._single.field
+        np.subtract(new, gap, out=change, casting="same_kind")
+        largest = max(float(change.max()), -float(change.min()))
+        self.solid.field += self._single.apply(self._single.stiffness)
+        self._rounded += CHANGE_ROUNDING * largest * self.solid.largest
+        return self._pressed(new, load)
+
+    def _undo_change(self) -> None:
+        """Restore the solid's field before the last change."""
+        self.solid.field -= self._single.field
+
+    def _evaluate_from(self, known: np.ndarray | None, gap: np.ndarray, load: Load) -> EnergyAndGradient:
+        """Evaluate as :meth:`_evaluate`, from the gap that was pressed last, if there is one."""
+        if known is None:
+            return self._evaluate(gap, load)
+        if known is gap:
+            return self._pressed(gap, load)
+        return self._unless_rounded(self._evaluate_change(known, gap, load), gap, load)
+
+    def _unless_rounded(self, state: EnergyAndGradient, gap: np.ndarray, load: Load) -> EnergyAndGradient:
+        """Return the state, evaluated again where rounding may show in its residual."""
+        return self._evaluate(gap, load) if self._rounded > SHARE_OF_RESIDUAL * state.largest else state
+
+    def _pressed(self, gap: np.ndarray, load: Load) -> EnergyAndGradient:
+        """Evaluate energy and gradient at a gap whose K d is in the solid's field."""
+        return self.local.energy_and_gradient(self.solid.field, gap, load, self._right_side, self.curvature)
+
+    def _is_detaching(self, gap: np.ndarray, state: EnergyAndGradient) -> bool:
+        """Return whether a tension separates the surfaces with every point beyond the peak of the law.
+
+        The mean gap then has negative curvature and an outward gradient, and both persist at any larger gap.
+        """
+        tension = self.solid.mean_stiffness == 0 and state.total < 0 and self.local.springs is None
+        return tension and bool(self.window.inside(gap).min() > self.law.peak_distance)
 
     def solve(
         self,
@@ -118,23 +191,20 @@ class NewtonSolver(ContactEnergy):
         def excess_of(state: EnergyAndGradient) -> Excess:
             return self.excess_of(state, gap, load, tolerance) if carries else Excess(state.largest / tolerance, 0.0)
 
-        while True:
+        outcome = None
+        while outcome is None:
             excess = excess_of(state)
-            rounded = self._rounded * excess.residual > self.options.share_of_tolerance * state.largest
-            if excess.balanced and rounded:
+            if excess.balanced and self._rounded * excess.residual > self.options.share_of_tolerance * state.largest:
                 state = self._evaluate(gap, load)
                 excess = excess_of(state)
             self.solid.mark("iteration", state.largest)
             if excess.balanced:
                 outcome = Outcome.CONVERGED
-                break
-            if self._is_detaching(gap, state):
+            elif self._is_detaching(gap, state):
                 outcome = Outcome.DETACHED
-                break
-            if iteration == max_iterations:
+            elif iteration == max_iterations:
                 outcome = Outcome.ITERATION_LIMIT
-                break
-            if stepped and self._correct(gap, load, state, trial):
+            elif stepped and self._correct(gap, load, state, trial):
                 stepped = False
                 corrected = self._evaluate_change(gap, trial, load)
                 if corrected.energy < state.energy:
@@ -142,38 +212,41 @@ class NewtonSolver(ContactEnergy):
                 else:
                     self._undo_change()
                     state = self._pressed(gap, load)
-                continue
-            stepped = True
-            iteration += 1
-            removed = first_contact and state.largest > self.options.first_contact_residual
-            taken = self._newton_step(gap, state, 1.0 if removed else damping, excess)
-            if taken is None:
-                outcome = Outcome.STALLED
-                break
-            new_state, fraction = self._line_search(gap, load, state, trial)
-            if new_state is None:
-                if taken.damping == 1:
+            else:
+                stepped = True
+                iteration += 1
+                removed = first_contact and state.largest > self.options.first_contact_residual
+                taken = self._newton_step(gap, state, 1.0 if removed else damping, excess)
+                if taken is None:
                     outcome = Outcome.STALLED
                     break
-                damping = 1.0
-                state = self._pressed(gap, load)  # the trials have overwritten curvature and right side
-                continue
-            if not removed:
-                damping = self._next_damping(taken, fraction)
-            gap, trial = trial, gap
-            state = new_state
+                used, raised = taken
+                new_state, fraction = self._line_search(gap, load, state, trial)
+                if new_state is not None:
+                    damping = damping if removed else self._next_damping(used, raised, fraction)
+                    gap, trial, state = trial, gap, new_state
+                elif used == 1:
+                    outcome = Outcome.STALLED
+                else:
+                    damping = 1.0
+                    state = self._pressed(gap, load)  # the trials have overwritten curvature and right side
         # The solver has evaluated this gap last.
         reaction = self.local.reaction(self.solid.field, gap, load.pressure)
         return NewtonResult(gap, reaction, state.largest, iteration, outcome)
 
     def _correct(self, gap: np.ndarray, load: Load, state: EnergyAndGradient, out: np.ndarray) -> bool:
         """Let the corrector write a gap closer to balance into ``out``; return whether it did."""
-        if self.corrector is None or state.largest <= self.options.subdomain_residual or self.local.anchored:
+        if self.corrector is None or state.largest <= self.options.subdomain_residual or self.local.springs is not None:
             return False
         return self.corrector.correct(gap, self.solid.field, load, self._right_side, out)
 
-    def _newton_step(self, gap: np.ndarray, state: EnergyAndGradient, damping: float, excess: Excess) -> _Step | None:
-        """Compute a step in ``_linearised.solution``; None where springs leave negative curvature."""
+    def _newton_step(
+        self, gap: np.ndarray, state: EnergyAndGradient, damping: float, excess: Excess
+    ) -> tuple[float, bool] | None:
+        """Compute a step in ``_linearised.solution``; None where springs leave negative curvature.
+
+        Returns the damping that it used, and whether it was raised for it.
+        """
         # While points jump in, the mean pressure may wait.
         light = excess.load > excess.residual and state.largest < self.options.close
         taken = self._curved_step(state, damping, excess, light)
@@ -182,7 +255,9 @@ class NewtonSolver(ContactEnergy):
             self._shorten_fall(gap, abs(state.total))
         return taken
 
-    def _curved_step(self, state: EnergyAndGradient, damping: float, excess: Excess, light: bool) -> _Step | None:
+    def _curved_step(
+        self, state: EnergyAndGradient, damping: float, excess: Excess, light: bool
+    ) -> tuple[float, bool] | None:
         """Compute a step as :meth:`_newton_step`; under a light load reduce its mean as well as the residual."""
         options, raised = self.options, False
         while True:
@@ -195,7 +270,7 @@ class NewtonSolver(ContactEnergy):
             self.local.hold(self.curvature, self._linearised.direction)
             if not result.negative_curvature:
                 self._saddle_steps = self._saddle_steps if damping else 0
-                return _Step(damping, raised)
+                return damping, raised
             if self._stalls:
                 return None
             if damping == 1:
@@ -203,23 +278,22 @@ class NewtonSolver(ContactEnergy):
                 # nothing acts on the mean gap. What was reached before is a descent.
                 if result.iterations == 1:
                     self._linearised.solution[...] = self._along_direction(self.law.length)
-                return _Step(damping, raised)
+                return damping, raised
             near_saddle = state.largest < options.saddle_residual and self._saddle_steps < options.saddle_steps
             if damping == 0 and not raised and near_saddle:
                 self._saddle_steps += 1
                 self._linearised.solution += self._along_direction(options.saddle_step * self.law.length)
-                return _Step(damping, raised)
+                return damping, raised
             damping = self._more_damping(damping)
             raised = True
 
-    def _next_damping(self, taken: _Step, fraction: float) -> float:
+    def _next_damping(self, damping: float, raised: bool, fraction: float) -> float:
         """Choose the damping after a step of which the line search took a fraction."""
         if fraction < 1:
-            return self._more_damping(taken.damping)
-        if taken.raised:
-            return taken.damping
-        strong = taken.damping > 0.9 * self.options.damping_start
-        return taken.damping * self.options.damping_decay if strong else 0.0
+            return self._more_damping(damping)
+        if raised:
+            return damping
+        return damping * self.options.damping_decay if damping > 0.9 * self.options.damping_start else 0.0
 
     def _more_damping(self, damping: float) -> float:
         return min(1.0, max(self.options.damping_growth * damping, self.options.damping_start))
@@ -301,9 +375,9 @@ class NewtonSolver(ContactEnergy):
         return None
 
     def mean_stiffness(self, gap: np.ndarray) -> float:
-        """Return −dp/dū at an equilibrium, see :func:`~bem_adhesion.linear.contact_stiffness.mean_stiffness`."""
+        """Return −dp/dū at an equilibrium, see :meth:`LinearisedContact.mean_stiffness`."""
         self.local.evaluate(gap, np.empty_like(gap), self.curvature)
-        return mean_stiffness(self._linearised, self.curvature, self.local.pin(self.curvature, gap))
+        return self._linearised.mean_stiffness(self.curvature, self.local.pin(self.curvature, gap))
 
     def follow_tangent(
         self, gap: np.ndarray, load: Load, limit: float, steps: int = 1, known: np.ndarray | None = None

@@ -3,10 +3,10 @@
 Residuals and stiffnesses are in units of the contact modulus, lengths in units of the law's length.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 from contact_study.numerics.multigrid import SHORT_WAVES
-from contact_study.physics.laws.base import TractionLaw
+from contact_study.physics.laws import TractionLaw
 
 
 @dataclass(frozen=True)
@@ -52,19 +52,6 @@ class NewtonOptions:
 
 
 @dataclass(frozen=True)
-class SubdomainOptions:
-    """Constants of the relaxation in subdomains."""
-
-    # Tiles along an axis of the grid and of a subdomain; one tile at each rim is held.
-    tiles: int = 32
-    tiles_of_subdomain: int = 8
-    fewest_points: int = 64  # along an axis of a subdomain, below which little work can be saved
-    share: float = 0.2  # fraction of the largest residual above which a point is out of balance
-    most: int = 4  # subdomains
-    steps: int = 3  # Newton steps in one subdomain before the whole takes one; more may end in another state
-
-
-@dataclass(frozen=True)
 class MultigridOptions:
     """Constants of the prediction on coarser grids."""
 
@@ -88,18 +75,3 @@ class MultigridOptions:
     def of(cls, law: TractionLaw) -> "MultigridOptions":
         """Return the defaults for a law; at contact edges with a wall interpolation leaves a residual of 0.3."""
         return cls(coarse_tolerance=1e-2) if law.has_wall else cls()
-
-
-@dataclass(frozen=True)
-class AdhesiveOptions:
-    """Constants of an adhesive contact; None chooses the defaults of the law."""
-
-    newton: NewtonOptions | None = None
-    multigrid: MultigridOptions | None = None
-    subdomains: SubdomainOptions = field(default_factory=SubdomainOptions)
-    # Stiffness that separates core and tail in the preconditioner, over the geometric mean of the law's strongest
-    # softening and of the solid at the surface's typical wavenumber.
-    preconditioner_shift: float = 0.22
-    gap_corrections: int = 20  # of the spring's end under gap control
-    approach_refinements: int = 5  # solves at smaller and smaller tolerance until an approach is reached
-    touching: float = 1e-14  # rounding of a gap of zero outside a wall, over the largest height

@@ -6,13 +6,12 @@ from typing import Any
 import numpy as np
 
 from bem_adhesion.adhesive.contact import AdhesiveContact
-from bem_adhesion.arguments import require_solution
 from bem_adhesion.hard_wall.contact import HardWallContact
 from bem_adhesion.operators.free_space import FreeHalfSpace, Window, padded_grid
-from bem_adhesion.solution import Solution
+from bem_adhesion.solution import Solution, require_solution
 from contact_study.numerics.arguments import step_arguments
 from contact_study.numerics.grid import Grid
-from contact_study.physics.laws.base import TractionLaw
+from contact_study.physics.laws import TractionLaw
 from contact_study.physics.solids import Elasticity, HalfSpace, elasticity_of
 
 

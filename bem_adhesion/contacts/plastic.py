@@ -1,11 +1,8 @@
 """Contact with a hard wall that yields: the pressure cannot exceed a hardness, and the indentation is permanent.
 
-Points under the hardness H are indented as the load requires and keep the indentation w, whichever of the two bodies
-yields; the rigid surface of the next step is h − w. Within a step w grows only where p = H, so that the step is one
-convex problem with one solution, see :mod:`bem_adhesion.hard_wall.plastic_active_set`: an elastic-perfectly plastic
-contact, as in Persson's theory of elastoplastic contact (B. N. J. Persson, J. Chem. Phys. 115, 3840 (2001)). Unloading
-is elastic, and so is reloading up to the same load. The work done on the plastic layer is H <w>: a point yields at the
-pressure H from beginning to end.
+Points under the hardness H keep their indentation w; the rigid surface of the next step is h − w. A step is that of
+:mod:`bem_adhesion.hard_wall.active_set`, unloading is elastic (B. N. J. Persson, J. Chem. Phys. 115, 3840
+(2001)), and the work done on the plastic layer is H <w>.
 """
 
 from collections.abc import Callable
@@ -13,10 +10,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from bem_adhesion.arguments import require_solution
 from bem_adhesion.contacts.free_boundary import FreeBoundaryContact
 from bem_adhesion.hard_wall.contact import HardWallContact
-from bem_adhesion.solution import Solution
+from bem_adhesion.solution import Solution, require_solution
 from contact_study.numerics.arguments import step_arguments
 
 MakeWall = Callable[..., HardWallContact | FreeBoundaryContact]

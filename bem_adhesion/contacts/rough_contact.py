@@ -17,7 +17,7 @@ from bem_adhesion.solution import Solution
 from contact_study.inputs.units import length
 from contact_study.numerics.arguments import field, grid_of, positive
 from contact_study.numerics.grid import Grid
-from contact_study.physics.laws.base import TractionLaw
+from contact_study.physics.laws import TractionLaw
 from contact_study.physics.solids import Elasticity, Viscoelastic, elasticity_of
 
 
@@ -172,9 +172,8 @@ def rough_contact(
         raise ValueError("elasticity: a viscoelastic solid needs times; use ViscoelasticContact")
     heights = field("height", height)
     grid = grid_of(heights, size)
-    made = contact_between(
-        heights, grid, elasticity, law, control, tolerance, max_iterations, threads, boundary, hardness, trace
-    )
+    options = {"tolerance": tolerance, "max_iterations": max_iterations, "threads": threads, "trace": trace}
+    made = contact_between(heights, grid, elasticity, law, boundary, hardness, control=control, **options)
     warn_of_coarse_grid(grid, elasticity_of(elasticity), law)
     return made
 
@@ -198,18 +197,12 @@ def contact_between(
     grid: Grid,
     elasticity: Elasticity | float,
     law: TractionLaw,
-    control: str = "pressure",
-    tolerance: float | None = None,
-    max_iterations: int | None = None,
-    threads: int = 1,
     boundary: str = "periodic",
     hardness: float | None = None,
-    trace: Trace | None = None,
+    **options: Any,
 ) -> Contact:
     """Return the contact as :func:`rough_contact`, without a copy of the heights and without a warning."""
-    options: dict[str, Any] = {"control": control, "threads": threads, "trace": trace}
-    limits = {"tolerance": tolerance, "max_iterations": max_iterations}
-    options |= {key: value for key, value in limits.items() if value is not None}
+    options = {key: value for key, value in options.items() if value is not None}
     if not isinstance(law, TractionLaw):
         raise ValueError(
             f"law = {law!r}: must be a law such as LennardJones104(work_of_adhesion, length) or HardWall()"

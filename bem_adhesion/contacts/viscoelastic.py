@@ -1,18 +1,12 @@
 """Contact of a linear viscoelastic half-space, in steps of time.
 
 A branch of modulus E_i and time τ_i has the displacement h_i, h_i' = u' − h_i/τ_i. Over a step Δt in which the surface
-u moves at a constant rate this is exact (the usual update of a Prony series, after R. L. Taylor, K. S. Pister & G. L.
-Goudreau (1970)):
+u moves at a constant rate this is exact (R. L. Taylor, K. S. Pister & G. L. Goudreau (1970)):
 
     h_i → e_i h_i + a_i (u_new − u),    e_i = exp(−Δt/τ_i),    a_i = (1 − e_i) τ_i/Δt,
 
-so that the pressure at its end is that of an *elastic* half-space of modulus E = E_∞ + Σ E_i a_i under the displacement
-u_new + v,
-
-    p = (E q/2) (u_new + v),    v = Σ E_i (e_i h_i − a_i u)/E,
-
-v known. A step of time is one contact of that solid with the heights h + v, by the solvers for elastic solids and any
-law. The method is of second order in Δt, and exact where the surface does move at a constant rate.
+so that the pressure at its end is that of an *elastic* half-space of modulus E = E_∞ + Σ E_i a_i against the heights
+h + v, v = Σ E_i (e_i h_i − a_i u)/E. The method is of second order in Δt.
 """
 
 from dataclasses import replace
@@ -23,7 +17,7 @@ from bem_adhesion.contacts.rough_contact import Contact, contact_between, warn_o
 from bem_adhesion.solution import Solution
 from contact_study.numerics import fourier
 from contact_study.numerics.arguments import field, grid_of, positive, step_arguments
-from contact_study.physics.laws.base import TractionLaw
+from contact_study.physics.laws import TractionLaw
 from contact_study.physics.solids import HalfSpace, Viscoelastic
 
 

@@ -1,27 +1,35 @@
-"""Primal-dual active set for the contact of an elastic solid with a hard wall, nested over grids.
+"""Active sets for the contact of an elastic solid with a hard wall, nested over grids.
 
-Find the pressure p with
+Find the pressure p with gap = C p − h − offset >= 0, p >= 0, gap p = 0 and a given mean, C = 1/K(q). On a trial contact
+set A solve C_AA p = h + offset; points of A that pull leave it, points outside that penetrate enter, both judged on the
+same solved state (M. Hintermüller, K. Ito & K. Kunisch, SIAM J. Optim. 13, 865 (2002)): one change after the other can
+cycle. A linear solve is a few iterations of conjugate gradients in single precision for a *correction* of p, with the
+preconditioner of :mod:`bem_adhesion.hard_wall.preconditioner`; the residual is computed in double precision every time.
 
-    gap = C p − h − offset >= 0,    p >= 0,    gap p = 0,    <p> = mean pressure,
-
-C = 1/K(q) the compliance of the solid. On a trial contact set A solve C_AA p = h + offset at the given mean;
-points of A that pull leave it, points outside that penetrate enter, both judged on the same solved state
-(M. Hintermüller, K. Ito & K. Kunisch, SIAM J. Optim. 13, 865 (2002)). K = C⁻¹ is nearly an M-matrix, for which that
-iteration is monotone; judging one change after the other can cycle on surfaces rough at the scale of a point.
-
-Each linear solve is a few iterations of conjugate gradients in single precision for a *correction* of p; the residual
-is computed in double precision every time, so that rounding does not accumulate. The preconditioner is K between a
-smooth extension from the contact set and its transpose (:mod:`bem_adhesion.hard_wall.preconditioner`).
+With a bound, the hardness, p minimises ½<p, C p> − <p, h> at 0 <= p <= bound, a convex problem with one solution, that
+of a rigid-perfectly plastic surface layer: indentation = −gap >= 0 where p = bound. The free points (between the
+bounds, or at one of them and pushed inwards) take a step of the same conjugate gradients. It is cut off at the bounds,
+the load restored by a shift of the free points, and the step shortened, and finally turned along the gradient, until
+the energy falls (D. P. Bertsekas, SIAM J. Control Optim. 20, 221 (1982)): the iteration cannot cycle.
 """
+
+from collections.abc import Iterator
+from functools import cached_property
 
 import numpy as np
 
 from bem_adhesion.hard_wall import kernels
-from bem_adhesion.hard_wall.options import ActiveSetOptions
 from bem_adhesion.hard_wall.preconditioner import Extension
-from bem_adhesion.operators.fourier import MakeOperator, Operator
+from bem_adhesion.operators.fourier import MakeOperator
 from bem_adhesion.solution import Outcome
 from contact_study.numerics.grid import Grid
+
+# Points along the shorter side down to which grids are halved, and tolerance on all grids but the finest.
+COARSEST, COARSE_TOLERANCE = 32, 1e-2
+# Relative difference of equal energies, and fractions of a step that are tried.
+ENERGY_ROUNDING, FRACTIONS = 1e-13, (1.0, 0.5, 0.25)
+# Conjugate gradients on one contact set: reduction of the residual, and limit, about twice what that takes.
+REDUCTION, INNER_ITERATIONS = 0.03, 15
 
 
 class ContactLevel:
@@ -31,33 +39,27 @@ class ContactLevel:
     Heights of minus infinity are points without a surface.
     """
 
-    def __init__(
-        self, heights: np.ndarray, grid: Grid, make_operator: MakeOperator, options: ActiveSetOptions | None = None
-    ):
+    def __init__(self, heights: np.ndarray, grid: Grid, make_operator: MakeOperator, bound: float = np.inf):
         self.heights = heights
         self.grid = grid
-        self.options = options or ActiveSetOptions()
         self._make_operator = make_operator
         self._double = make_operator(grid, np.float64)
-        self._single = make_operator(grid, np.float32)
+        self.single = make_operator(grid, np.float32)
         self.contact = np.ones(grid.shape, bool)
         self.pressure = np.empty(grid.shape)
         self._extension = Extension(self.contact)
         self._residual = np.empty(grid.shape, np.float32)
         self._direction = np.empty(grid.shape, np.float32)
         self._pairs_below = 0.0
+        self._bound = bound
+        self._offset: float | None = None  # of surface and heights, once points are at the bound
         present = np.isfinite(heights)
         self._absent = None if present.all() else ~present  # a periodic surface needs no memory for it
         self._largest_height = max(float(heights.max()), -float(heights.min(where=present, initial=0.0)))
 
-    @property
-    def single(self) -> Operator:
-        """The solid in single precision."""
-        return self._single
-
     def equivalent_pairs(self, grid: Grid) -> float:
         """Return the transform pairs so far on this level and below, as float64 pairs on ``grid``."""
-        here = self._double.equivalent_pairs(grid) + self._single.equivalent_pairs(grid)
+        here = self._double.equivalent_pairs(grid) + self.single.equivalent_pairs(grid)
         return here + self._pairs_below * self.grid.points / grid.points
 
     def start(self, mean_pressure: float, max_iterations: int) -> bool:
@@ -66,20 +68,17 @@ class ContactLevel:
         The coarser levels are made again each time: keeping them would cost a third more memory.
         """
         rows, columns = self.grid.shape
-        if rows % 2 or columns % 2 or min(rows, columns) < 2 * self.options.coarsest:
+        if rows % 2 or columns % 2 or min(rows, columns) < 2 * COARSEST:
             return self.start_from_full_contact(mean_pressure)
-        coarser = self._coarser(np.ascontiguousarray(self.heights[::2, ::2]))
+        heights = np.ascontiguousarray(self.heights[::2, ::2])
+        grid = self.grid.with_shape((rows // 2, columns // 2))
+        coarser = ContactLevel(heights, grid, self._make_operator, self._bound)
         full_contact = coarser.start(mean_pressure, max_iterations)
         if not full_contact:
-            coarser.solve(mean_pressure, self.options.coarse_tolerance, max_iterations)
+            coarser.solve(mean_pressure, COARSE_TOLERANCE, max_iterations)
             self.start_from(coarser.refine(), mean_pressure)
         self._pairs_below += coarser.equivalent_pairs(self.grid)
         return full_contact and self.start_from_full_contact(mean_pressure)
-
-    def _coarser(self, heights: np.ndarray) -> "ContactLevel":
-        """Return the same problem on a coarser grid."""
-        grid = self.grid.with_shape((heights.shape[0], heights.shape[1]))
-        return ContactLevel(heights, grid, self._make_operator, self.options)
 
     def start_from_full_contact(self, mean_pressure: float) -> bool:
         """Start from the pressure of full contact cut off at zero; return whether this is already the solution."""
@@ -103,9 +102,24 @@ class ContactLevel:
         np.maximum(pressure, 0, out=self.pressure)
         np.greater(self.pressure, 0, out=self.contact)
         self.pressure *= mean_pressure / self.pressure.mean()
+        if pressure.max() >= self._bound:
+            np.maximum(pressure, 0, out=self.pressure)
+            self._bring_within(mean_pressure)
 
     def solve(self, mean_pressure: float, tolerance: float, max_iterations: int) -> tuple[float, int, Outcome]:
         """Solve from the present pressure; return residual, iterations and outcome."""
+        self._offset = None
+        iterations = 0
+        if not self.pressure.max() >= self._bound:
+            residual, iterations, outcome = self._solve_unbounded(mean_pressure, tolerance, max_iterations)
+            if not self.exceeds_bound():
+                return residual, iterations, outcome
+        residual, more, outcome = self._solve_bounded(mean_pressure, tolerance, max_iterations)
+        return residual, iterations + more, outcome
+
+    def _solve_unbounded(
+        self, mean_pressure: float, tolerance: float, max_iterations: int
+    ) -> tuple[float, int, Outcome]:
         heights, contact = self.heights.reshape(-1), self.contact.reshape(-1)
         residual = self._residual.reshape(-1)
         rounding = 4 * np.finfo(float).eps * self._largest_height
@@ -138,13 +152,13 @@ class ContactLevel:
 
     def _drop_tension(self, mean_pressure: float) -> int:
         """Remove points that pull from the contact set, keep the load, update the displacement; return their number."""
-        change = self._single.field
+        change = self.single.field
         pressure = self.pressure.reshape(-1)
         left, total = kernels.leave(pressure, self.contact.reshape(-1), change.reshape(-1))
         factor = mean_pressure * self.grid.points / total
         if left:
             kernels.rescale(pressure, factor, change.reshape(-1))
-            self._double.field += self._single.apply(self._single.compliance)
+            self._double.field += self.single.apply(self.single.compliance)
         else:  # single precision lets the load drift in its last digits
             self.pressure *= factor
             self._double.field *= factor
@@ -152,46 +166,136 @@ class ContactLevel:
 
     def _correct(self, largest: float, floor: float) -> None:
         """Close the gap of the contact set at the same load by conjugate gradients for the pressure."""
-        buffer = self._single.field
+        buffer = self.single.field
         flat = buffer.reshape(-1)
         contact, pressure = self.contact.reshape(-1), self.pressure.reshape(-1)
         residual, direction = self._residual.reshape(-1), self._direction.reshape(-1)
-        target = max(self.options.reduction * largest, floor)
-        self._single.mark("extension")
+        target = max(REDUCTION * largest, floor)
+        self.single.mark("extension")
         self._extension.update()
-        self._single.mark("points")
+        self.single.mark("points")
         direction[...] = 0
         previous = np.inf
-        for _ in range(self.options.inner_iterations):
+        for _ in range(INNER_ITERATIONS):
             if largest <= target:
                 return
-            self._single.mark("extension")
+            self.single.mark("extension")
             self._extension.extend(self._residual, buffer)
-            self._single.apply(self._single.stiffness)
-            self._single.mark("extension")
+            self.single.apply(self.single.stiffness)
+            self.single.mark("extension")
             self._extension.transpose(buffer)
-            self._single.mark("points")
+            self.single.mark("points")
             mean, product = kernels.products(flat, residual, contact)
             kernels.turn(flat, mean, product / previous, contact, direction)
             previous = product
-            response = self._single.apply(self._single.compliance).reshape(-1)
+            response = self.single.apply(self.single.compliance).reshape(-1)
             largest = kernels.advance(pressure, residual, direction, response, contact, product)
 
     def exceeds_bound(self) -> bool:
-        """Return whether the present pressure exceeds a bound somewhere; never, without a bound."""
-        return False
+        """Return whether the present pressure exceeds the bound somewhere."""
+        return bool(self.pressure.max() > self._bound)
+
+    def _solve_bounded(self, mean_pressure: float, tolerance: float, max_iterations: int) -> tuple[float, int, Outcome]:
+        """Solve from the present pressure with the bound; return residual, iterations and outcome."""
+        heights, contact, pressure = self.heights.reshape(-1), self.contact.reshape(-1), self.pressure.reshape(-1)
+        floor = max(0.3 * tolerance, 4 * np.finfo(float).eps * self._largest_height)
+        bound, total = self._bound, mean_pressure * self.grid.points
+        self._bring_within(mean_pressure)
+        displacement = self._displaced()
+        energy = kernels.energy(displacement, heights, pressure)
+        iteration = 0
+        while True:
+            self._offset = self._multiplier(displacement, total)
+            error = kernels.judge(displacement, heights, self._offset, pressure, bound, contact)
+            self._double.mark("iteration", error)
+            if error <= tolerance:
+                return error, iteration, Outcome.CONVERGED
+            if iteration == max_iterations:
+                return error, iteration, Outcome.ITERATION_LIMIT
+            iteration += 1
+            before = pressure.copy()
+            # A punch sinks in by more than its heights: its energy is the scale there.
+            scale = max(total * self._largest_height, abs(energy))
+            allowed = energy + ENERGY_ROUNDING * scale
+            for trial in self._trials(displacement, floor):
+                pressure[...] = trial
+                kernels.carry(pressure, contact, bound, total)
+                displacement = self._displaced()
+                energy = kernels.energy(displacement, heights, pressure)
+                if energy <= allowed:
+                    break
+            else:
+                pressure[...] = before
+                self._displaced()
+                return error, iteration, Outcome.STALLED
+
+    def _multiplier(self, displacement: np.ndarray, total: float) -> float:
+        """Return the offset at which a step along the gradient, brought within the bounds, keeps the load.
+
+        At the solution it is that of the points between the bounds; where there are few, those at the bounds decide.
+        """
+        stiffness = self.single.largest
+        moved = np.empty(displacement.size)
+        heights, pressure = self.heights.reshape(-1), self.pressure.reshape(-1)
+        present = kernels.descended(displacement, heights, pressure, stiffness, moved)
+        return kernels.balancing_shift(moved, present, self._bound, total)[0] / stiffness
+
+    def _trials(self, displacement: np.ndarray, floor: float) -> Iterator[np.ndarray]:
+        """Yield pressures to try, flat, before they are brought within the bounds.
+
+        Steps of conjugate gradients first. They may fail where almost no point is between its bounds; along the
+        projected gradient the energy falls once the step is as short as the solid's longest wave is soft.
+        """
+        pressure, heights, contact = self.pressure.reshape(-1), self.heights.reshape(-1), self.contact.reshape(-1)
+        residual = self._residual.reshape(-1)
+        mean = kernels.offset(displacement, heights, contact)
+        largest = kernels.residual(displacement, heights, mean, contact, residual)
+        before, downhill = pressure.copy(), residual.copy()
+        self._correct(largest, floor)
+        change = pressure - before
+        for fraction in FRACTIONS:
+            yield before + fraction * change
+        length = self.single.largest
+        while length > self._softest:
+            yield before + length * downhill
+            length *= 0.5
+
+    @cached_property
+    def _softest(self) -> float:
+        """Half the smallest stiffness of a wave."""
+        stiffness_q = self._double.stiffness * self.grid.points
+        return 0.5 * float(stiffness_q[stiffness_q > 0].min())
+
+    def _displaced(self) -> np.ndarray:
+        """Return the displacement under the present pressure, flat."""
+        self._double.field[...] = self.pressure
+        return self._double.apply(self._double.compliance).reshape(-1)
+
+    def _bring_within(self, mean_pressure: float) -> None:
+        """Bring the pressure within the bounds: on its own contact set if that can carry the load, else everywhere."""
+        total = mean_pressure * self.grid.points
+        np.greater(self.pressure, 0, out=self.contact)
+        if self._bound * np.count_nonzero(self.contact) <= total:
+            np.isfinite(self.heights, out=self.contact)
+        kernels.carry(self.pressure.reshape(-1), self.contact.reshape(-1), self._bound, total)
 
     def indentation(self) -> np.ndarray | None:
         """Return the plastic indentation of each point; None without any."""
-        return None
+        if self._offset is None:
+            return None
+        return np.where(self.pressure >= self._bound, np.maximum(self.heights - self.surface(), 0), 0.0)
 
     def surface(self) -> np.ndarray:
         """Return the position of the solid's surface at the end of :meth:`solve`."""
         displacement = self._double.field
+        if self._offset is not None:
+            return displacement - self._offset
         return displacement - np.mean((displacement - self.heights)[self.contact])
 
     def gap(self) -> np.ndarray:
         """Return the gap at the end of :meth:`solve`: zero in contact, infinite without a surface."""
+        if self._offset is not None:
+            return np.where(self.pressure > 0, 0.0, np.maximum(self.surface() - self.heights, 0))
         gap = self._double.field - self.heights
         gap -= gap[self.contact].mean()
         gap[self.contact] = 0
@@ -200,11 +304,15 @@ class ContactLevel:
     def refine(self) -> np.ndarray:
         """Return the pressure for the grid of twice as many points along each side, negative out of contact.
 
-        The gap enters as the tension that would close it over one spacing, so that the edge of contact is between the
-        points.
+        The gap enters as the tension that would close it over one spacing, and an indentation as the pressure that
+        would have made it, so that the edges of contact and of yielding are between the points.
         """
         # A wave of two spacings along an axis is √2 less stiff than the one along the diagonal.
-        signed = np.where(self.contact, self.pressure, -self._single.largest / np.sqrt(2) * self.gap())
+        stiffness, indentation, gap = self.single.largest / np.sqrt(2), self.indentation(), self.gap()
+        if indentation is None:
+            signed = np.where(self.contact, self.pressure, -stiffness * gap)
+        else:
+            signed = self.pressure + stiffness * (indentation - gap)
         refined = np.empty((2 * self.grid.shape[0], 2 * self.grid.shape[1]))
         kernels.refine(signed, refined)
         return refined

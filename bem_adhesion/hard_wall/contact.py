@@ -1,67 +1,43 @@
-"""Contact of an elastic solid with a rigid rough surface without adhesion.
+"""Contact of an elastic solid with a rigid rough surface without adhesion, at a mean pressure, mean gap or approach.
 
-Pressure and gap satisfy the Signorini conditions, gap >= 0, pressure >= 0, gap × pressure = 0, at every point of the
-grid, for a given mean pressure, mean gap or approach. The algorithm is in :mod:`bem_adhesion.hard_wall.active_set`; gap
-and approach are found as the pressure that leads to them.
+The algorithm is in :mod:`bem_adhesion.hard_wall.active_set`; gap and approach are found as the pressure that leads to
+them.
 """
 
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
+from threading import RLock
 
 import numpy as np
 
-from bem_adhesion.arguments import check_arguments
-from bem_adhesion.hard_wall.options import HardWallOptions
-from bem_adhesion.hard_wall.pressure_controlled import PressureControlledWall
+from bem_adhesion.hard_wall.active_set import ContactLevel
+from bem_adhesion.kernels.law import PINNED
+from bem_adhesion.linear.conjugate_gradients import LinearisedContact
+from bem_adhesion.linear.preconditioner import typical_wavenumber
+from bem_adhesion.operators.fourier import periodic
 from bem_adhesion.operators.trace import Trace
-from bem_adhesion.solution import Outcome, Solution
-from contact_study.numerics.arguments import step_arguments
+from bem_adhesion.solution import Outcome, Solution, check_arguments, require_solution
+from contact_study.numerics.arguments import positive, step_arguments
 from contact_study.numerics.exclusive import in_turn
 from contact_study.numerics.grid import Grid
+from contact_study.numerics.inner_product import inner_product
+from contact_study.physics.laws import HardWall
 from contact_study.physics.solids import Elasticity, elasticity_of
 
-
-def find_pressure(
-    press: Callable[[np.ndarray, float], Solution],
-    state: np.ndarray,
-    excess: Callable[[Solution], float],
-    tolerance: float,
-    first: float,
-    most: float,
-    stride: float = 2.0,
-) -> Solution:
-    """Find the state at the pressure at which an excess distance, which falls with the pressure, vanishes.
-
-    Within ``tolerance`` (m) it is zero. Where it is positive even at the largest pressure (Pa) the state is that one.
-    """
-    start = state
-    latest: tuple[float, Solution] | None = None
-
-    def at(log_pressure: float) -> Solution:
-        nonlocal start, latest
-        found = press(start, float(np.exp(log_pressure)))
-        start, latest = found.state, (log_pressure, found)
-        return found
-
-    @cache
-    def left(log_pressure: float) -> float:
-        away = excess(at(log_pressure))
-        return away if abs(away) > tolerance else 0.0
-
-    top = float(np.log(most))
-    low = high = min(float(np.log(first)), top)
-    while left(low) < 0:
-        low, high = low - stride, low
-    while left(high) > 0 and high < top:
-        low, high = high, min(high + stride, top)
-    from scipy.optimize import brentq  # slow to import
-
-    root = high if left(high) >= 0 else brentq(left, low, high, xtol=1e-15, rtol=1e-14)
-    return latest[1] if latest and latest[0] == root else at(root)
+# Relative change of the mean pressure, times points along the longer side, up to which an earlier state is a better
+# start than the coarser grids.
+SIMILAR_LOAD = 16
+# Unit of errors of a nearly flat punch, over its displacement.
+SHARE_OF_PUNCH = 1e-3
+# Search for a pressure: largest over the hardness (no point of a grid is open then), first over that of a closed
+# approach, and step in the logarithm until the root is between two pressures.
+LARGEST_SHARE, FIRST_SHARE, STRIDE = 1 - 1e-9, 1e-3, 2.0
+# Relative difference from the hardness of one of many points that yield.
+AT_HARDNESS = 1e-8
 
 
-class HardWallContact(PressureControlledWall):
+class HardWallContact:
     """One rough surface against an elastic solid, for any number of loads.
 
     Parameters as for :func:`rough_contact`; heights of minus infinity are points without a surface, see
@@ -84,13 +60,64 @@ class HardWallContact(PressureControlledWall):
         hardness: float | None = None,
         unit: float | None = None,
         trace: Trace | None = None,
-        options: HardWallOptions | None = None,
     ):
-        solid = elasticity_of(elasticity)
-        heights = np.where(np.isneginf(height), 0.0, height)
-        check_arguments(heights, grid, control, tolerance, max_iterations, solid)
-        super().__init__(height, grid, solid, tolerance, max_iterations, threads, hardness, unit, trace, options)
+        self.elasticity = elasticity_of(elasticity)
+        finite = ~np.isneginf(height)
+        check_arguments(np.where(finite, height, 0.0), grid, control, tolerance, max_iterations, self.elasticity)
+        self.turn = RLock()
         self.control = control
+        self.tolerance = tolerance
+        self.max_iterations = max_iterations
+        self.grid = grid
+        self.hardness = np.inf if hardness is None else positive("hardness", hardness, "Pa")
+        self._height = height
+        self._bounded = bool(finite.all())
+        present = height if self._bounded else height[finite]
+        self._share = present.size / height.size
+        self._mean_height = float(present.mean())
+        rms_height = float(present.std())
+        self._unit = unit or rms_height
+        self._rounding = float(np.finfo(float).eps * max(present.max(), -present.min()))
+        self._flat = self._bounded and rms_height <= self._rounding
+        self._threads, self._trace = threads, trace
+        self._unit_of_level = self._pairs_of_levels = 0.0
+        if not self._flat:
+            self._scale_to(self._unit or max(grid.size))
+
+    def _scale_to(self, unit: float) -> None:
+        """Make a level in this unit of heights (m)."""
+        if unit == self._unit_of_level:
+            return
+        self._pairs_of_levels = self._pairs()
+        period, modulus = max(self.grid.size), self.elasticity.contact_modulus
+        self._unit_of_level, self._pressure_unit = unit, modulus * unit / period
+        grid = Grid(self.grid.shape, (self.grid.size[0] / period, self.grid.size[1] / period))
+        heights = self._height - self._mean_height
+        heights /= unit
+        make_operator = periodic(self.elasticity.scaled(period, modulus), threads=self._threads, trace=self._trace)
+        self._level = ContactLevel(heights, grid, make_operator, self.hardness / self._pressure_unit)
+
+    def _unit_at(self, displacement: float) -> float:
+        """Return the unit of errors at a displacement of a punch (m)."""
+        return self._unit if self._bounded else max(self._unit, SHARE_OF_PUNCH * displacement)
+
+    def separated(self) -> np.ndarray:
+        """Return the state without contact: zero pressure (Pa), read-only."""
+        return np.broadcast_to(0.0, self.grid.shape)
+
+    @in_turn
+    def stiffness(self, solution: Solution) -> float:
+        """Return −dp/dū of a state of this contact (Pa/m): zero without contact, infinite in full contact."""
+        require_solution(solution)
+        touching = solution.state > 0
+        if self._flat or touching.all():
+            return np.inf if touching.all() else 0.0
+        single = self._level.single
+        shift = typical_wavenumber(np.where(np.isfinite(self._height), self._height, self._mean_height), self.grid)
+        shift *= 0.5 * max(self.grid.size)  # K of that wave in units of the modulus over the period
+        curvature = np.where(touching, np.float32(PINNED * single.largest), np.float32(0))
+        found = LinearisedContact(single, shift).mean_stiffness(curvature, touching)
+        return found * self.elasticity.contact_modulus / max(self.grid.size)
 
     @in_turn
     def step(self, state: np.ndarray | Solution, target: float) -> Solution:
@@ -117,6 +144,29 @@ class HardWallContact(PressureControlledWall):
         if self.control == "gap" and target == 0 and np.isfinite(self.hardness):
             raise ValueError("target = 0: with a hardness surfaces close at no one pressure; give a gap above zero")
 
+    def _at_pressure(self, state: np.ndarray, mean_pressure: float) -> Solution:
+        if self._flat:
+            return self._solution(np.full(self.grid.shape, mean_pressure), np.zeros(self.grid.shape))
+        if mean_pressure == 0:
+            return self._apart(float(self._height.max()))
+        unit = self._unit_at(mean_pressure / self._share * max(self.grid.size) / self.elasticity.contact_modulus)
+        self._scale_to(unit)
+        level, load = self._level, mean_pressure / self._pressure_unit
+        # An earlier state, without its tension, that carries nearly that load.
+        carried = float(np.maximum(state, 0).mean())
+        if carried > 0 and abs(carried / mean_pressure - 1) * max(state.shape) <= SIMILAR_LOAD:
+            level.start_from(state, load)
+        elif level.start(load, self.max_iterations) and not level.exceeds_bound():  # full contact
+            return self._solution(level.pressure * self._pressure_unit, np.zeros(self.grid.shape))
+        end = level.solve(load, self.tolerance, self.max_iterations)
+        gap, indentation, surface = level.gap(), level.indentation(), None
+        gap *= unit
+        if indentation is not None:
+            indentation *= unit
+        if not self._bounded or indentation is not None:
+            surface = level.surface() * unit + self._mean_height
+        return self._solution(level.pressure * self._pressure_unit, gap, *end, surface, indentation)
+
     def _at_gap(self, state: np.ndarray, mean_gap: float) -> Solution:
         """Find the pressure that leaves that gap."""
         if self._flat or mean_gap >= self._height.max() - self._mean_height:
@@ -128,10 +178,10 @@ class HardWallContact(PressureControlledWall):
         def excess(found: Solution) -> float:
             return float(found.gap.mean()) - mean_gap
 
-        most = min(least_full, self.options.largest_share * self.hardness)
+        most = min(least_full, LARGEST_SHARE * self.hardness)
         # Contact falls about exponentially with the gap, on the scale of the rms height.
         first = most * np.exp(-mean_gap / self._unit)
-        found = self._search(state, excess, self.tolerance * self._unit, first, most)
+        found = self._find_pressure(state, excess, self.tolerance * self._unit, first, most)
         # Points that have yielded have no gap.
         moving = float(np.mean(found.pressure <= 0.5 * self.hardness))
         return self._correct_position(found, excess(found), self._unit, moving)
@@ -147,21 +197,47 @@ class HardWallContact(PressureControlledWall):
         def excess(found: Solution) -> float:
             return float(found.displacement.mean()) - float(found.pressure.mean()) / stiffness - plane
 
-        first = float(state.mean()) or self.options.first_share * stiffness * approach
+        first = float(state.mean()) or FIRST_SHARE * stiffness * approach
         uniform = stiffness * (self._mean_height - plane)
         if self._flat or (self._bounded and uniform >= self._least_full_contact_pressure()):
             first = uniform  # of full contact
         unit = self._unit_at(approach) or approach
         # A share of small approaches: near first touch the surface is known to rounding.
         tolerance = self.tolerance * min(unit, approach)
-        most = self.options.largest_share * self._share * self.hardness
-        found = self._search(state, excess, tolerance, first, most)
+        found = self._find_pressure(state, excess, tolerance, first, LARGEST_SHARE * self._share * self.hardness)
         return self._correct_position(found, excess(found), unit)
 
-    def _search(
+    def _find_pressure(
         self, state: np.ndarray, excess: Callable[[Solution], float], tolerance: float, first: float, most: float
     ) -> Solution:
-        return find_pressure(self._at_pressure, state, excess, tolerance, first, most, self.options.stride)
+        """Find the state at the pressure at which an excess distance, which falls with the pressure, vanishes.
+
+        Within ``tolerance`` (m) it is zero. Where it is positive even at the largest pressure (Pa) the state is that
+        one.
+        """
+        latest: tuple[float, Solution] | None = None
+
+        def at(log_pressure: float) -> Solution:
+            nonlocal latest
+            found = self._at_pressure(latest[1].state if latest else state, float(np.exp(log_pressure)))
+            latest = log_pressure, found
+            return found
+
+        @cache
+        def left(log_pressure: float) -> float:
+            away = excess(at(log_pressure))
+            return away if abs(away) > tolerance else 0.0
+
+        top = float(np.log(most))
+        low = high = min(float(np.log(first)), top)
+        while left(low) < 0:
+            low, high = low - STRIDE, low
+        while left(high) > 0 and high < top:
+            low, high = high, min(high + STRIDE, top)
+        from scipy.optimize import brentq  # slow to import
+
+        root = high if left(high) >= 0 else brentq(left, low, high, xtol=1e-15, rtol=1e-14)
+        return latest[1] if latest and latest[0] == root else at(root)
 
     def _correct_position(self, found: Solution, excess: float, unit: float, moving: float = 1.0) -> Solution:
         """Return the solution, or the state between two where surfaces approach at the same pressure.
@@ -174,7 +250,7 @@ class HardWallContact(PressureControlledWall):
         if np.isinf(self.hardness):
             return replace(found, outcome=Outcome.ITERATION_LIMIT)
         lift = -excess / moving
-        near_hardness = (2 * self.options.largest_share - 1) * self._share * self.hardness
+        near_hardness = (2 * LARGEST_SHARE - 1) * self._share * self.hardness
         if lift < 0 and float(found.pressure.mean()) > near_hardness:
             return self._all_yielded(found, lift)
         return self._moved(found, lift)
@@ -190,27 +266,64 @@ class HardWallContact(PressureControlledWall):
         gap = np.where(yields, 0.0, found.gap + lift)
         indentation = np.zeros(self.grid.shape) if found.plastic_indentation is None else found.plastic_indentation
         indentation = np.where(yields, indentation - lift, 0.0)
-        if np.abs(away).max() > self.options.at_hardness * self.hardness or gap.min() < 0 or indentation.min() < 0:
+        if np.abs(away).max() > AT_HARDNESS * self.hardness or gap.min() < 0 or indentation.min() < 0:
             return replace(found, outcome=Outcome.ITERATION_LIMIT)
-        return self._solution(
-            np.where(yields, self.hardness, 0.0),
-            gap,
-            found.residual,
-            found.iterations,
-            surface=found.displacement + lift,
-            indentation=indentation,
-        )
+        end = found.residual, found.iterations, Outcome.CONVERGED
+        pressure = np.where(yields, self.hardness, 0.0)
+        return self._solution(pressure, gap, *end, found.displacement + lift, indentation)
 
     def _all_yielded(self, found: Solution, lift: float) -> Solution:
         """Move the solid where every point yields: flagged, as no load holds the surfaces there."""
         there = np.isfinite(self._height)
         surface = found.displacement + lift
-        return self._solution(
-            np.where(there, self.hardness, 0.0),
-            np.where(there, 0.0, np.inf),
-            found.residual,
-            found.iterations,
-            Outcome.YIELDED,
-            surface,
-            np.where(there, np.maximum(self._height - surface, 0.0), 0.0),
+        pressure, gap = np.where(there, self.hardness, 0.0), np.where(there, 0.0, np.inf)
+        indentation = np.where(there, np.maximum(self._height - surface, 0.0), 0.0)
+        return self._solution(pressure, gap, found.residual, found.iterations, Outcome.YIELDED, surface, indentation)
+
+    def _pairs(self) -> float:
+        """Return the transform pairs so far, as float64 pairs on the grid."""
+        if not self._unit_of_level:
+            return 0.0
+        return self._pairs_of_levels + self._level.equivalent_pairs(self._level.grid)
+
+    def _least_full_contact_pressure(self) -> float:
+        return self._level.least_full_contact_pressure() * self._pressure_unit
+
+    def _apart(self, plane: float) -> Solution:
+        """Return the solution without contact, the solid's surface at a height (m)."""
+        surface = np.full(self.grid.shape, plane)
+        return self._solution(np.zeros(self.grid.shape), surface - self._height, surface=surface)
+
+    def _solution(
+        self,
+        pressure: np.ndarray,
+        gap: np.ndarray,
+        residual: float = 0.0,
+        iterations: int = 0,
+        outcome: Outcome = Outcome.CONVERGED,
+        surface: np.ndarray | None = None,
+        indentation: np.ndarray | None = None,
+    ) -> Solution:
+        displacement = self._height + gap if surface is None else surface
+        work = inner_product(pressure, displacement) / self.grid.points
+        elastic_energy = 0.5 * float(work - pressure.mean() * displacement.mean())
+        elastic_energy += self.elasticity.compression_energy(float(pressure.mean()))
+        beyond = None
+        if np.isfinite(self.hardness):
+            beyond = max(0.0, -float(pressure.min()), float(pressure.max()) - self.hardness)
+            beyond /= self.elasticity.contact_modulus
+        return Solution(
+            pressure,
+            displacement,
+            gap,
+            pressure,
+            elastic_energy,
+            0.0,
+            residual,
+            iterations,
+            0.0,
+            outcome,
+            complementarity_residual=beyond,
+            plastic_indentation=indentation,
+            law=HardWall(),
         )

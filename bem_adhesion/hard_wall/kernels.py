@@ -1,8 +1,4 @@
-"""Loops over the points of a hard wall, each fused to one or two sweeps through memory.
-
-Arrays are flat unless stated, of one size; ``contact`` marks the contact set. With a bound to the pressure, points at
-zero may have a gap, points at the bound may be indented, and between the bounds surfaces touch.
-"""
+"""Loops over the points of a hard wall: flat arrays unless stated, of one size; ``contact`` marks the contact set."""
 
 import numpy as np
 

@@ -1,19 +1,13 @@
 """Smooth extension of a field from a contact set to the whole surface: the core of the hard-wall preconditioner.
 
-On a contact set A the compliance C_AA must be inverted. The stiffness K = C⁻¹ of the whole surface gives the inverse as
-a minimum over extensions E of a field from A to everywhere, C_AA⁻¹ = min_E Eᵀ K E. Any stable extension gives a
-preconditioner Eᵀ K E for one pair of transforms (as in S. V. Nepomnyaschikh's fictitious-space lemma). Extension by
-zero, Eᵀ K E = K_AA, is poor for many small islands of contact, because K couples strongly across their edges. Here
-local averages fill the gaps between islands.
-
-With m_l and c_l the averages of the field (zero outside A) and of A's indicator over cells of 2^l points, and U the
-bilinear interpolation to the next finer cells,
+The inverse of the compliance on a contact set is a minimum over extensions E of a field from there to everywhere,
+C_AA⁻¹ = min_E Eᵀ K E; any stable extension gives a preconditioner for one pair of transforms. With m_l and c_l the
+averages of the field (zero outside A) and of A's indicator over cells of 2^l points, and U the bilinear interpolation
+to the next finer cells,
 
     e_l = m_l + (1 − c_l) U e_{l+1},        E r = e_0,
 
-so a point of A keeps its value, a hole has the average of its neighbourhood, and the extension of a single island
-decays with distance as the island's share of the cell. E is linear and local; E and its exact transpose each cost about
-two passes over memory.
+so that a hole has the average of its neighbourhood and the extension of an island decays with distance.
 """
 
 from itertools import pairwise

@@ -1,15 +1,16 @@
-"""Kernels of a traction-separation law for a Newton solver: energy and derivatives, gradient, and where a step ends.
+"""Kernels of laws for a Newton solver: energy and derivatives, gradient, and where a step ends.
 
-:class:`LawKernels` calls the functions of any law with a repulsive core. Laws that large grids need have compiled
-kernels with the same meaning; laws outside a wall are in :mod:`bem_adhesion.kernels.wall`.
+A wall's gap >= 0 is kept by projection: a point that is pressed against the wall is held, it leaves the linear solve;
+all others move, and stop at the wall (D. P. Bertsekas, SIAM J. Control Optim. 20, 221 (1982)).
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from functools import cache
 
 import numpy as np
 
 from contact_study.numerics.kernel import kernel
-from contact_study.physics.laws.base import TractionLaw
+from contact_study.physics.laws import Dugdale, Exponential, LennardJones, TractionLaw
 
 # Pressure at which a point ends that enters repulsion in one step, in units of the law's peak: it holds the point there
 # and its overshoot does not decide the line search (research/notes/adhesive_solver.md).
@@ -19,6 +20,15 @@ LANDING = 0.35
 CAUTION = 1.0
 # Points at a time: arrays between two loops over so many stay in the cache.
 BLOCK = 32768
+# Stiffness of a held point over the largest of the solid: infinite to the accuracy of a linear solve in a descent, and
+# far from the rounding of single precision; and, larger, where a contact stiffness is computed.
+HELD, PINNED = 1e3, 1e6
+# Smaller exponents are raised to it: where an exponential rounds to zero it takes fourteen times as long.
+LEAST_EXPONENT = -700.0
+# Negligible beside one in double precision.
+NO_SUMMAND = 1e-17
+# s^(m+6) at which tangents bound the root of s^(m+6) − s^m = y from above.
+_TANGENTS = (1.0, 1.1**11, 1.25**11, 1.6**11)
 
 
 def blocks(field: np.ndarray) -> Iterator[slice]:
@@ -28,12 +38,9 @@ def blocks(field: np.ndarray) -> Iterator[slice]:
 
 
 @kernel
-def _gradient(pressing, gap, traction, pressure, equilibrium, peak, right_side, curvature):
+def law_gradient(pressing, gap, traction, pressure, right_side, curvature, equilibrium, peak):
     """Write −(pressing + φ' + pressure); raise the curvature of points beyond the peak that are out of balance."""
-    energy = 0.0
-    largest = 0.0
-    square = 0.0
-    total = 0.0
+    energy = largest = square = total = 0.0
     for i in range(gap.shape[0]):
         for j in range(gap.shape[1]):
             d = gap[i, j]
@@ -48,22 +55,11 @@ def _gradient(pressing, gap, traction, pressure, equilibrium, peak, right_side, 
     return energy, largest, square, total
 
 
-def free_gradient(
-    pressing: np.ndarray,
-    gap: np.ndarray,
-    traction: np.ndarray,
-    pressure: float,
-    right_side: np.ndarray,
-    curvature: np.ndarray,
-) -> tuple[float, float, float, float]:
-    """Form the gradient as :meth:`LawKernels.gradient` for points on which no law acts."""
-    return _gradient(pressing, gap, traction, pressure, 0.0, np.inf, right_side, curvature)
-
-
 class LawKernels:
-    """Kernels of any law."""
+    """Kernels of any law with a repulsive core; ``margin`` is added to a gap whose relative change is limited (m)."""
 
     margin = 0.0
+    held: np.float32 | None = None  # the curvature of a point that a wall holds
 
     def __init__(self, law: TractionLaw):
         self.law = law
@@ -93,7 +89,7 @@ class LawKernels:
         law = self.law
         # Repulsion alone is convex: it needs no caution, and its peak is not beyond its equilibrium.
         peak = law.peak_distance if law.attracts else np.inf
-        return _gradient(pressing, gap, traction, pressure, law.equilibrium_distance, peak, right_side, curvature)
+        return law_gradient(pressing, gap, traction, pressure, right_side, curvature, law.equilibrium_distance, peak)
 
     def advance(self, gap: np.ndarray, step: np.ndarray, limit: float, out: np.ndarray) -> None:
         """Write the gap after a Newton step, moving each point in the variable in which it is nearly linear.
@@ -122,3 +118,171 @@ def _advance(law: TractionLaw, gap: np.ndarray, step: np.ndarray, limit: float, 
     pressed = traction < 0
     moved[pressed] = law.repulsive_gap(traction[pressed])
     out[near] = moved
+
+
+@kernel
+def _wall_gradient(pressing, gap, traction, pressure, margin, held, right_side, curvature):
+    """Form the gradient outside a wall; held points are balanced and have the curvature ``held``."""
+    energy = largest = square = total = 0.0
+    for i in range(gap.shape[0]):
+        for j in range(gap.shape[1]):
+            d = gap[i, j]
+            gradient = pressing[i, j] + traction[i, j] + pressure
+            energy += (0.5 * pressing[i, j] + pressure) * d
+            if d == 0.0 and gradient > 0.0:
+                right_side[i, j] = 0.0
+                curvature[i, j] = held
+            else:
+                right_side[i, j] = -gradient
+                curvature[i, j] += CAUTION * abs(gradient) / (d + margin)
+                largest = max(largest, abs(gradient))
+                square += gradient * gradient
+                total += gradient
+    return energy, largest, square, total
+
+
+@kernel
+def _wall_advance(gap, step, limit, margin, out):
+    """Add each step, limited to the fraction ``limit`` of gap and margin, and stop at the wall."""
+    for i in range(gap.size):
+        d = gap[i]
+        most = limit * (d + margin)
+        out[i] = max(d + min(max(step[i], -most), most), 0.0)
+
+
+class WallKernels(LawKernels):
+    """Kernels of any law outside a wall."""
+
+    def __init__(self, law: TractionLaw, largest: float):
+        super().__init__(law)
+        self.margin = law.length
+        self.held = np.float32(HELD * largest)
+
+    def gradient(self, pressing, gap, traction, pressure, right_side, curvature):
+        return _wall_gradient(pressing, gap, traction, pressure, self.margin, self.held, right_side, curvature)
+
+    def advance(self, gap, step, limit, out):
+        _wall_advance(gap.reshape(-1), step.reshape(-1), limit, self.margin, out.reshape(-1))
+
+
+class ExponentialKernels(WallKernels):
+    """Kernels of the exponential law, by one exponential a point: NumPy's is vectorised, unlike a compiled loop's."""
+
+    def evaluate(self, gap, traction, stiffness):
+        law, total = self.law, 0.0
+        for here in blocks(gap):
+            tension = np.multiply(gap[here], -1 / law.length, out=traction[here])
+            np.maximum(tension, LEAST_EXPONENT, out=tension)
+            np.exp(tension, out=tension)
+            tension *= law.work_of_adhesion / law.length
+            np.multiply(tension, -1 / law.length, out=stiffness[here], casting="same_kind")
+            total -= law.length * float(tension.sum())
+        return total
+
+
+class DugdaleKernels(WallKernels):
+    """Kernels of Dugdale's law, by one exponential and one logarithm a point."""
+
+    law: Dugdale
+
+    def evaluate(self, gap, traction, stiffness):
+        law, total = self.law, 0.0
+        for here in blocks(gap):
+            past = (gap[here] - law.length) / law.width
+            exponent = np.maximum(-np.abs(past), LEAST_EXPONENT)
+            fading = np.exp(exponent, out=exponent)
+            share = 1 / (1 + fading)
+            faded = share * fading
+            np.multiply(law.plateau, np.where(past > 0, faded, share), out=traction[here])
+            np.multiply(-law.plateau / law.width * share, faded, out=stiffness[here], casting="same_kind")
+            # Off the ramp, where most points are, the logarithm vanishes.
+            total += float(np.log1p(fading[fading > NO_SUMMAND]).sum() - np.minimum(past, 0.0).sum())
+        return -law.plateau * law.width * total
+
+
+@cache
+def _evaluation(exponent: int) -> Callable[..., float]:
+    """Compile :meth:`LawKernels.evaluate` for one exponent: as an argument it keeps loops from being vectorised."""
+    low, high = float(exponent), exponent + 6.0
+    attraction, repulsion = 1 / (exponent - 1), 1 / (exponent + 5)
+
+    @kernel
+    def evaluate(gap, length, prefactor, traction, stiffness):
+        """Fill flat arrays; return r0 Σ [s^(m+5)/(m + 5) − s^(m−1)/(m − 1)]."""
+        total = 0.0
+        for i in range(gap.size):
+            s = length / gap[i]
+            power, s6 = s**exponent, s**6
+            traction[i] = prefactor * power * (1.0 - s6)
+            stiffness[i] = prefactor / length * power * s * (high * s6 - low)
+            total += power * gap[i] * (repulsion * s6 - attraction)
+        return total
+
+    return evaluate
+
+
+@cache
+def _advancing(exponent: int) -> Callable[..., None]:
+    """Compile :meth:`LawKernels.advance` for one exponent."""
+    low, high = float(exponent), exponent + 6.0
+    touching = [each ** (1 / high) for each in _TANGENTS]
+    (s0, y0, k0), (s1, y1, k1), (s2, y2, k2), (s3, y3, k3) = (
+        (s, s**high - s**low, high * s ** (high - 1) - low * s ** (low - 1)) for s in touching
+    )
+
+    @kernel
+    def advance(gap, step, limit, length, landing, out):
+        """Take a Newton step over flat arrays; tractions in units of the prefactor."""
+        tangent = 6.0 / length
+        for i in range(gap.size):
+            d = gap[i]
+            x = step[i]
+            s = length / d
+            power, s6 = s**exponent, s**6
+            moved = min(max(x, -limit * d), limit * d) + d
+            if d < length:
+                y = power * (s6 - 1.0) - power * s * (high * s6 - low) * x / length
+                moved = length + min(-y / tangent, limit * length)
+            else:
+                y = min(tangent * (length - moved), landing)
+            # s^(m+6) − s^m = y for s >= 1. The root is a concave function of y, so its tangents bound it from above,
+            # as does the linear step; Newton descends from there.
+            y_root = max(y, 0.0)
+            root = min(s0 + (y_root - y0) / k0, s1 + (y_root - y1) / k1)
+            root = min(root, min(s2 + (y_root - y2) / k2, s3 + (y_root - y3) / k3))
+            if d < length:
+                root = min(root, max(s - s * x / d, s))
+            for _ in range(3):
+                power, s6 = root**exponent, root**6
+                root -= (power * (s6 - 1.0) - y_root) * root / (power * (high * s6 - low))
+            out[i] = length / root if y > 0.0 else moved
+
+    return advance
+
+
+class LennardJonesKernels(LawKernels):
+    """Kernels of a Lennard-Jones law, compiled."""
+
+    law: LennardJones
+
+    def evaluate(self, gap, traction, stiffness):
+        law = self.law
+        evaluate = _evaluation(law.exponent)
+        total = evaluate(gap.reshape(-1), law.length, law.prefactor, traction.reshape(-1), stiffness.reshape(-1))
+        return law.prefactor * float(total)
+
+    def advance(self, gap, step, limit, out):
+        law, advance = self.law, _advancing(self.law.exponent)
+        landing = LANDING * law.peak_tensile_stress / law.prefactor
+        advance(gap.reshape(-1), step.reshape(-1), limit, law.length, landing, out.reshape(-1))
+
+
+def kernels_of(law: TractionLaw, largest: float = 1.0) -> LawKernels:
+    """Return the kernels of a law, compiled ones where they exist; ``largest`` is the solid's stiffness (Pa/m)."""
+    if isinstance(law, LennardJones):
+        return LennardJonesKernels(law)
+    if isinstance(law, Exponential):
+        return ExponentialKernels(law, largest)
+    if isinstance(law, Dugdale):
+        return DugdaleKernels(law, largest)
+    return WallKernels(law, largest) if law.has_wall else LawKernels(law)

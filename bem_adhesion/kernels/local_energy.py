@@ -5,13 +5,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from bem_adhesion.kernels.law import LawKernels, blocks, free_gradient
-from bem_adhesion.kernels.lennard_jones import LennardJonesKernels
-from bem_adhesion.kernels.wall import HELD, PINNED, DugdaleKernels, ExponentialKernels, WallKernels
+from bem_adhesion.kernels.law import HELD, PINNED, blocks, kernels_of, law_gradient
 from bem_adhesion.operators.free_space import Window
 from bem_adhesion.operators.load import Load
 from contact_study.numerics.inner_product import inner_product
-from contact_study.physics.laws import Dugdale, Exponential, LennardJones, TractionLaw
+from contact_study.physics.laws import TractionLaw
 
 
 class EnergyAndGradient(NamedTuple):
@@ -23,39 +21,20 @@ class EnergyAndGradient(NamedTuple):
     total: float
 
 
-def kernels_of(law: TractionLaw, largest: float = 1.0) -> LawKernels:
-    """Return the kernels of a law, compiled ones where they exist; ``largest`` is the solid's stiffness (Pa/m)."""
-    if isinstance(law, LennardJones):
-        return LennardJonesKernels(law)
-    if isinstance(law, Exponential):
-        return ExponentialKernels(law, largest)
-    if isinstance(law, Dugdale):
-        return DugdaleKernels(law, largest)
-    return WallKernels(law, largest) if law.has_wall else LawKernels(law)
-
-
 class LocalEnergy:
     """Energy of all points of an interface, its derivatives, and Newton steps in it.
 
     Outside the window no law acts and no step is limited. A wall needs the largest stiffness of the solid (Pa/m).
-    ``margin`` is added to a gap where a relative change of it is limited (m).
+    ``springs`` hold every point to a gap: their stiffness (Pa/m), and that gap (m).
     """
 
+    springs: tuple[float | np.ndarray, np.ndarray] | None = None
+
     def __init__(self, law: TractionLaw, largest: float = 1.0, window: Window | None = None):
-        self.law = law
         self._kernels = kernels_of(law, largest)
         self._window = window
-        self._held = self._kernels.held if isinstance(self._kernels, WallKernels) else None
-        self._springs: tuple[float | np.ndarray, np.ndarray] | None = None
+        self._held = self._kernels.held
         self.margin = self._kernels.margin
-
-    @property
-    def anchored(self) -> bool:
-        return self._springs is not None
-
-    def set_anchor_springs(self, stiffness: float | np.ndarray, anchor: np.ndarray) -> None:
-        """Hold every point to a gap (m) by a spring (Pa/m); remove the springs where all are zero."""
-        self._springs = (stiffness, anchor) if np.any(stiffness) else None
 
     def evaluate(self, gap: np.ndarray, traction: np.ndarray, stiffness: np.ndarray) -> float:
         """Write φ' and φ'' of the law, with the springs' part of φ'; return Σ φ over all points (J/m²)."""
@@ -69,8 +48,8 @@ class LocalEnergy:
             stiffness[...] = 0
             self._window.inside(traction)[...] = own_traction
             self._window.inside(stiffness)[...] = own_stiffness
-        if self._springs is not None:
-            spring, anchor = self._springs
+        if self.springs is not None:
+            spring, anchor = self.springs
             stretch = gap - anchor
             pull = spring * stretch
             potential += 0.5 * inner_product(pull, stretch)
@@ -92,20 +71,20 @@ class LocalEnergy:
         else:
             rows, columns = self._window.slices
 
-            def form(gradient: Callable[..., Any], here: Any) -> Any:
+            def form(here: Any, gradient: Callable[..., Any], *constants: float) -> Any:
                 fields = pressing[here], gap[here], traction[here]
-                return gradient(*fields, pressure, right_side[here], curvature[here])
+                return gradient(*fields, pressure, right_side[here], curvature[here], *constants)
 
-            energy, largest, square, total = form(self._kernels.gradient, (rows, columns))
+            energy, largest, square, total = form((rows, columns), self._kernels.gradient)
             for here in ((rows, slice(columns.stop, None)), (slice(rows.stop, None), slice(None))):
-                found = form(free_gradient, here)
+                found = form(here, law_gradient, 0.0, np.inf)
                 energy, largest = energy + found[0], max(largest, found[1])
                 square, total = square + found[2], total + found[3]
             result = energy, largest, square, total
-        if self._springs is not None:
+        if self.springs is not None:
             free = np.ones_like(curvature)
             self.hold(curvature, free)
-            curvature += np.asarray(self._springs[0], np.float32) * free
+            curvature += np.asarray(self.springs[0], np.float32) * free
         return result
 
     def energy_and_gradient(
@@ -187,7 +166,7 @@ class LocalEnergy:
 
     def _blocks(self, gap: np.ndarray) -> Iterable[tuple[slice, np.ndarray]]:
         """Yield rows, and memory for a field on them; window and springs take all rows at once."""
-        if self._window is not None or self._springs is not None:
+        if self._window is not None or self.springs is not None:
             yield slice(None), np.empty_like(gap)
             return
         scratch = None

@@ -5,35 +5,35 @@ negative where they attract (the tail). A weight b² = c / (D⁺ + c) separates 
 
     z = (1 − b²) / (D⁺ + ½ K_max) r + b (K + c)⁻¹ b r
 
-inverts D in the core and K in the tail, with one pair of transforms. The iteration count does not depend on the grid.
-All arrays are in float32: the outer Newton iteration restores float64.
+inverts D in the core and K in the tail, with one pair of transforms, whatever the grid. All arrays are in float32.
 """
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
-from bem_adhesion.linear.preconditioner import FourierPreconditioner, Preconditioner
-from bem_adhesion.operators.fourier import Operator
+from bem_adhesion.linear.preconditioner import FourierPreconditioner
+from bem_adhesion.operators.fourier import PeriodicOperator
 from contact_study.numerics.inner_product import inner_product
 from contact_study.numerics.kernel import kernel
 from contact_study.numerics.memory import Memory
+from contact_study.numerics.multigrid import Inverse
 
 # Rounding of float32: an energy of a direction s below this fraction of the terms that it is the sum of is negative;
 # above this fraction of |s|² the terms need not be computed.
 CURVATURE_ROUNDING = 1e-7
+# Reduction and iterations of a contact stiffness.
+STIFFNESS_REDUCTION, STIFFNESS_ITERATIONS = 1e-4, 400
 
 
 @kernel
 def _begin(right_side, curvature, shift, grid, residual, direction, solution, buffer):
     """Start from zero: residual = right side, buffer = b·residual; return Σ residual² and the core part of Σ r z."""
-    square = 0.0
-    core_product = 0.0
+    square = core_product = 0.0
     zero = right_side.dtype.type(0)
     one = right_side.dtype.type(1)
     for i in range(right_side.shape[0]):
-        row = zero
-        core_row = zero
+        row = core_row = zero
         for j in range(right_side.shape[1]):
             r = right_side[i, j]
             d = max(curvature[i, j], zero)
@@ -52,13 +52,11 @@ def _begin(right_side, curvature, shift, grid, residual, direction, solution, bu
 @kernel
 def _direct(curvature, residual, shift, grid, softening, beta, direction, buffer):
     """Write the new direction s = z + β s, also into the buffer; return Σ D s² and Σ s²."""
-    product = 0.0
-    square = 0.0
+    product = square = 0.0
     zero = residual.dtype.type(0)
     one = residual.dtype.type(1)
     for i in range(residual.shape[0]):
-        row = zero
-        square_row = zero
+        row = square_row = zero
         for j in range(residual.shape[1]):
             d = curvature[i, j]
             positive = max(d, zero)
@@ -81,13 +79,11 @@ def _descend(curvature, shift, grid, softening, alpha, direction, solution, resi
 
     The buffer holds K s before, b r after.
     """
-    square = 0.0
-    core_product = 0.0
+    square = core_product = 0.0
     zero = residual.dtype.type(0)
     one = residual.dtype.type(1)
     for i in range(residual.shape[0]):
-        row = zero
-        core_row = zero
+        row = core_row = zero
         for j in range(residual.shape[1]):
             d = curvature[i, j]
             positive = max(d, zero)
@@ -105,8 +101,7 @@ def _descend(curvature, shift, grid, softening, alpha, direction, solution, resi
     return square, core_product
 
 
-@dataclass(frozen=True)
-class LinearResult:
+class LinearResult(NamedTuple):
     """Iterations of a linear solve, and whether it stopped at a direction of negative curvature."""
 
     iterations: int
@@ -122,9 +117,9 @@ class LinearisedContact:
 
     def __init__(
         self,
-        operator: Operator,
+        operator: PeriodicOperator,
         shift: float,
-        preconditioner: Preconditioner | None = None,
+        preconditioner: Inverse | None = None,
         memory: Memory | None = None,
     ):
         self.operator = operator
@@ -178,3 +173,40 @@ class LinearisedContact:
         local = inner_product(softened * self.direction, self.direction)
         # K of a field that is nearly uniform is itself rounding.
         return CURVATURE_ROUNDING * (local + elastic + CURVATURE_ROUNDING * self.operator.largest * length)
+
+    def mean_stiffness(self, curvature: np.ndarray, held: np.ndarray) -> float:
+        """Return −dp/dū, mean pressure over mean displacement (Pa/m): negative where tension falls with the gap.
+
+        Under a pressure that grows by dp every free point follows its balance, (K + φ'') x = −dp; φ'' is very large
+        where a wall has ``held`` points. Among all x of one mean that hold them, the one in balance has the least
+        energy, so that the error of −dp/dū = <x, (K + φ'') x> / <x>² is the square of the error of x. The solve starts
+        with the rigid displacement of the free points and removes what is out of balance except a constant, which is
+        dp. A spring of the control on the mean takes up a constant, too, and is not included.
+
+        Zero where no force acts, infinite where a wall holds all points, NaN at a fold or without convergence.
+        """
+        if held.all():
+            return np.inf
+        if not held.any() and not curvature.any():
+            return 0.0
+        local = np.where(held, np.float32(0), curvature)
+        displacement = (~held).astype(float)
+        right_side = -(self._flexure(displacement) + local)
+        right_side -= right_side.mean(where=~held, dtype=float)
+        right_side[held] = 0
+        largest = float(np.abs(right_side).max())
+        if largest > 0:
+            # At unit size: squares of a very small tail underflow in single precision.
+            unit = right_side / np.float32(largest)
+            result = self.solve(unit, curvature, 1.0, STIFFNESS_REDUCTION, STIFFNESS_ITERATIONS)
+            if result.negative_curvature or result.iterations == STIFFNESS_ITERATIONS:
+                return np.nan
+            displacement += np.where(held, 0, largest * self.solution.astype(float))
+        bent, flexure = displacement - displacement.mean(), self._flexure(displacement)
+        energy = inner_product(bent, flexure) + inner_product(displacement, local * displacement)
+        return float(energy / displacement.size / displacement.mean() ** 2)
+
+    def _flexure(self, displacement: np.ndarray) -> np.ndarray:
+        """Return K x without a spring on the mean; its rounding is that of the bending part of x."""
+        self.operator.field[...] = displacement - displacement.mean()
+        return self.operator.apply(self.operator.stiffness)

@@ -1,11 +1,11 @@
-"""Linear maps of an elastic solid on a grid, and the periodic solid that applies them by Fourier transforms.
+"""The periodic elastic solid on a grid: linear maps applied by Fourier transforms.
 
-A solver receives a function that makes an :class:`Operator` for any grid and precision. Its coarser grids therefore
-have the same solid, and the solver does not depend on the kind of solid.
+A solver receives a function that makes the operator for any grid and precision, so that its coarser grids have the same
+solid.
 """
 
+from collections.abc import Callable
 from functools import cached_property
-from typing import Any, Protocol
 
 import numpy as np
 
@@ -15,71 +15,6 @@ from contact_study.numerics.grid import Grid
 from contact_study.numerics.kernel import kernel
 from contact_study.numerics.memory import Memory, Scratch
 from contact_study.physics.solids import Elasticity
-
-Map = Any
-"""A linear map of an operator's field, prepared by the operator that applies it."""
-
-
-class Operator(Protocol):
-    """The elastic solid on a grid, in one floating-point precision, with its buffer.
-
-    Write into :attr:`field`, apply a map, read the result there: no copies. The maps are ``stiffness``, K:
-    displacement (m) to the pressure that holds it (Pa), symmetric and positive; and ``compliance``: pressure to a
-    displacement of zero mean. ``largest`` is the largest eigenvalue of K on this grid, ``mean_stiffness`` that of the
-    mean displacement, zero where the load prescribes the mean (Pa/m).
-    """
-
-    grid: Grid
-    field: np.ndarray
-    mean_stiffness: float
-
-    @property
-    def stiffness(self) -> Map: ...
-    @property
-    def compliance(self) -> Map: ...
-    @property
-    def largest(self) -> float: ...
-
-    def inverse_shifted(self, shift: float) -> Map:
-        """Prepare (K + shift)⁻¹ for a uniform shift (Pa/m), or a symmetric positive map close to it."""
-
-    def apply(self, linear_map: Map) -> np.ndarray:
-        """Apply a map to :attr:`field` in place; return the field."""
-
-    def apply_and_sum(self, linear_map: Map) -> float:
-        """Apply a map as :meth:`apply`; return the inner product of input and result."""
-
-    def interpolate(self, coarser: Any) -> np.ndarray:
-        """Interpolate the field of the same operator on a coarser grid, destroying it, into :attr:`field`."""
-
-    def equivalent_pairs(self, grid: Grid) -> float:
-        """Return the work so far in float64 transform pairs on ``grid``.
-
-        A pair in float32 counts one half, a coarser grid in proportion to its points. The count does not depend on the
-        machine.
-        """
-
-    def mark(self, phase: Phase, residual: float | None = None) -> None:
-        """Report a phase to the trace, if the operator was made with one."""
-
-
-class MakeOperator(Protocol):
-    """Make the operator of a solid on a grid in ``numpy.float64`` or ``numpy.float32``; memory holds its field."""
-
-    def __call__(self, grid: Grid, dtype: type, memory: Memory | None = None) -> Operator: ...
-
-
-def periodic(
-    elasticity: Elasticity, mean_stiffness: float = 0.0, threads: int = 1, trace: Trace | None = None
-) -> MakeOperator:
-    """Return a maker of :class:`PeriodicOperator`; all operators that it makes share one spectrum."""
-    scratch = Scratch()
-    reporter = None if trace is None else Reporter(trace)
-
-    def make(grid: Grid, dtype: type, memory: Memory | None = None) -> Operator:
-        return PeriodicOperator(grid, elasticity, dtype, mean_stiffness, threads, scratch, memory, reporter)
-
-    return make
 
 
 @kernel
@@ -116,7 +51,10 @@ def _multiply_and_sum(spectrum, factors, has_nyquist_column):
 class PeriodicOperator:
     """A solid repeated with the period of the grid: its maps are factors in Fourier space, one transform pair each.
 
-    A ``mean_stiffness``, K at q = 0 (Pa/m), adds a spring on the mean displacement.
+    Write into :attr:`field`, apply a map, read the result there: no copies. The maps are ``stiffness``, K: displacement
+    (m) to the pressure that holds it (Pa), symmetric and positive; and ``compliance``: pressure to a displacement of
+    zero mean. ``largest`` is the largest eigenvalue of K on this grid; a ``mean_stiffness``, K at q = 0 (Pa/m), adds a
+    spring on the mean displacement.
     """
 
     def __init__(
@@ -139,6 +77,7 @@ class PeriodicOperator:
         self.field = self._transform.field
 
     def mark(self, phase: Phase, residual: float | None = None) -> None:
+        """Report a phase to the trace, if there is one."""
         if self._reporter is not None:
             self._reporter.mark(phase, self.grid.shape, residual)
 
@@ -171,14 +110,17 @@ class PeriodicOperator:
         return self._factors(1 / self._stiffness_q(np.inf))
 
     def inverse_shifted(self, shift: float) -> np.ndarray:
+        """Prepare (K + shift)⁻¹ for a uniform shift (Pa/m)."""
         return self._factors(1 / (self._stiffness_q(self.mean_stiffness) + shift))
 
     def apply(self, linear_map: np.ndarray) -> np.ndarray:
+        """Apply a map to :attr:`field` in place; return the field."""
         self._transform.forward()
         _multiply_spectrum(self._transform.spectrum, linear_map)
         return self._transform.backward()
 
     def apply_and_sum(self, linear_map: np.ndarray) -> float:
+        """Apply a map as :meth:`apply`; return the inner product of input and result."""
         # The sum is formed on the spectrum, before the result exists in real space: the passes around it can be fused.
         self._transform.forward()
         total = _multiply_and_sum(self._transform.spectrum, linear_map, self.grid.shape[1] % 2 == 0)
@@ -186,6 +128,7 @@ class PeriodicOperator:
         return total
 
     def interpolate(self, coarser: "PeriodicOperator") -> np.ndarray:
+        """Interpolate the field of the same operator on a coarser grid, destroying it, into :attr:`field`."""
         return self._transform.interpolate(coarser._transform)
 
     @property
@@ -194,5 +137,26 @@ class PeriodicOperator:
         return self._transform.pairs
 
     def equivalent_pairs(self, grid: Grid) -> float:
+        """Return the pairs so far as float64 pairs on ``grid``, whatever the machine.
+
+        A pair in float32 counts one half, a coarser grid in proportion to its points.
+        """
         weight = self._transform.dtype.itemsize / np.dtype(np.float64).itemsize
         return self.pairs * weight * self.grid.points / grid.points
+
+
+MakeOperator = Callable[..., PeriodicOperator]
+"""Make the operator of a solid on a grid in ``numpy.float64`` or ``numpy.float32``; ``memory`` holds its field."""
+
+
+def periodic(
+    elasticity: Elasticity, mean_stiffness: float = 0.0, threads: int = 1, trace: Trace | None = None
+) -> MakeOperator:
+    """Return a maker of :class:`PeriodicOperator`; all operators that it makes share one spectrum."""
+    scratch = Scratch()
+    reporter = None if trace is None else Reporter(trace)
+
+    def make(grid: Grid, dtype: type, memory: Memory | None = None) -> PeriodicOperator:
+        return PeriodicOperator(grid, elasticity, dtype, mean_stiffness, threads, scratch, memory, reporter)
+
+    return make

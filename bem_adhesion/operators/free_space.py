@@ -1,22 +1,14 @@
 """A half-space under a surface of finite extent: free boundaries by padded convolution.
 
 The displacement of a pressure that is uniform on each cell of the grid is its convolution with that of one cell,
+C(x, y) = (1/πE*) ∫∫ dξ dη / √((x−ξ)² + (y−η)²), in closed form (A. E. H. Love, Phil. Trans. R. Soc. A 228, 377 (1929);
+K. L. Johnson, Contact Mechanics, Cambridge 1985, sec. 3.3). On a periodic grid of twice the extent, with C by the
+shorter way around, the periodic convolution of a pressure that vanishes outside the surface is the free one inside it,
+exactly (R. W. Hockney, Methods Comput. Phys. 9, 135 (1970)). All wavevectors of this C are positive: its inverse is the
+stiffness of one more periodic solid, and the law acts only in its :class:`Window`.
 
-    C(x, y) = (1/πE*) ∫∫ dξ dη / √((x−ξ)² + (y−η)²),
-
-in closed form (A. E. H. Love, Phil. Trans. R. Soc. A 228, 377 (1929); K. L. Johnson, Contact Mechanics, Cambridge 1985,
-sec. 3.3; the tests compare it with the integral). On a periodic grid of twice the extent, with C by the shorter way
-around, the periodic convolution of a pressure that vanishes outside the surface is the free one inside it, exactly
-(R. W. Hockney, Methods Comput. Phys. 9, 135 (1970)). All wavevectors of this C are positive, so that its inverse is a
-stiffness: the half-space is one more periodic solid on the larger grid, and the law acts only in its :class:`Window`.
-The padding balances to zero pressure.
-
-The load does not determine the mean over the large grid: C̄ = 1/K(q=0) connects it with the undeformed surface,
-
-    position of the undeformed surface = <displacement> − <p> / K(q=0).
-
-With this stiffness the approach is prescribed; without it, and with the uniform pressure <p> instead, the energy is
-least at that position, and the force is prescribed. Both are exact.
+The undeformed surface is at <displacement> − <p> / K(q=0). With this stiffness of the mean the approach is prescribed;
+without it, and with the uniform pressure <p> instead, the force.
 """
 
 from dataclasses import dataclass
@@ -64,16 +56,12 @@ class FreeHalfSpace(HalfSpace):
     """A half-space under the first quarter of a padded grid; its K on that grid is the inverse of Love's C."""
 
     def stiffness_on(self, grid: Grid) -> np.ndarray:
-        stiffness_q = self._stiffness_q(grid)
+        stiffness_q = 1 / np.fft.rfft2(self._compliance(grid)).real
         stiffness_q[0, 0] = 0.0
         return stiffness_q
 
     def mean_stiffness_on(self, grid: Grid) -> float:
-        """Return the stiffness of the mean displacement of a padded grid (Pa/m)."""
         return float(1 / np.sum(self._compliance(grid)))
-
-    def _stiffness_q(self, grid: Grid) -> np.ndarray:
-        return 1 / np.fft.rfft2(self._compliance(grid)).real
 
     def _compliance(self, grid: Grid) -> np.ndarray:
         """Return the displacement under a unit pressure on the first cell, by the shorter way around (m/Pa)."""

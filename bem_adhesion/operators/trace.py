@@ -1,16 +1,15 @@
 """Reports of a solver's work while it runs: a callback for progress, benchmarks and tests.
 
-A solver marks each change of phase. A trace that reads the clock at each mark has the time of every phase; solves
-without a trace run the same code as before.
+A trace that reads the clock at each mark has the time of every phase; solves without one run the same code as before.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Literal, Protocol
+from typing import Any, Literal
 
 import numpy as np
 
 from contact_study.numerics.fourier import RealTransform
-from contact_study.numerics.memory import Memory, Scratch
 
 Phase = Literal["transform", "spectrum", "extension", "points", "iteration"]
 
@@ -31,10 +30,8 @@ class Progress:
     residual: float | None = None
 
 
-class Trace(Protocol):
-    """A function that a solver calls at each mark."""
-
-    def __call__(self, progress: Progress) -> None: ...
+Trace = Callable[[Progress], None]
+"""A function that a solver calls at each mark."""
 
 
 class Reporter:
@@ -46,43 +43,28 @@ class Reporter:
         self.finest = 0
 
     def mark(self, phase: Phase, shape: tuple[int, int], residual: float | None = None) -> None:
-        """Call the trace."""
         self._trace(Progress(phase, self._pairs, shape, residual))
 
-    def count(self, pairs: float, transform: RealTransform) -> None:
-        """Add pairs of a transform."""
+    def around(self, transform: RealTransform, work: Callable[[], np.ndarray], then: Phase) -> np.ndarray:
+        """Do one transform between two marks, and count it."""
+        self.mark("transform", transform.field.shape)
         weight = transform.dtype.itemsize / np.dtype(np.float64).itemsize
-        self._pairs += pairs * weight * transform.points / self.finest
+        self._pairs += 0.5 * weight * transform.points / self.finest
+        result = work()
+        self.mark(then, transform.field.shape)
+        return result
 
 
 class TracedTransform(RealTransform):
     """A transform that marks its beginning and its end."""
 
-    def __init__(
-        self,
-        reporter: Reporter,
-        shape: tuple[int, int],
-        dtype: type,
-        threads: int,
-        scratch: Scratch | None,
-        memory: Memory | None,
-    ):
-        super().__init__(shape, dtype, threads, scratch, memory)
+    def __init__(self, reporter: Reporter, *arguments: Any):
+        super().__init__(*arguments)
         self._reporter = reporter
         reporter.finest = max(reporter.finest, self.points)
 
     def forward(self) -> np.ndarray:
-        self._begin()
-        result = super().forward()
-        self._reporter.mark("spectrum", self.field.shape)
-        return result
+        return self._reporter.around(self, super().forward, "spectrum")
 
     def backward(self) -> np.ndarray:
-        self._begin()
-        result = super().backward()
-        self._reporter.mark("points", self.field.shape)
-        return result
-
-    def _begin(self) -> None:
-        self._reporter.mark("transform", self.field.shape)
-        self._reporter.count(0.5, self)
+        return self._reporter.around(self, super().backward, "points")

@@ -1,15 +1,10 @@
 """Adaptive load steps: short where the state jumps, long where it follows the load.
 
-Between two states in equilibrium the load does the work −∫p ds, s the separation of the mean planes, and along a branch
-all of it is stored. The difference D = −∫p ds − ΔU > 0 by the trapezoidal rule was dissipated in a jump, or the step
-was too long for the rule. A step that leaves more than a given share unaccounted for, or that does not converge, is
-halved, down to the least step. The remaining D is that of a jump, whose place is known to the least step; D is added to
-the ledger, with half the product of the changes of pressure and separation as its uncertainty. A step that succeeds is
-followed by one twice as long.
-
-On unloading the largest tension is the pull-off. A step is also halved where its stored energy shows that the tension
-was larger within it than at its ends. Of two steps next to the largest tension the longer one is halved until the
-tension hardly changes in them.
+Between two states the load does the work −∫p ds, s the separation of the mean planes, and along a branch all of it is
+stored. The difference D = −∫p ds − ΔU by the trapezoidal rule was dissipated in a jump, or the step was too long for
+the rule. A step that leaves more than a given share unaccounted for, that does not converge, or that passes over the
+largest tension is halved, down to the least step; D that remains is that of a jump. A step that succeeds is followed by
+one twice as long.
 """
 
 from collections.abc import Sequence
@@ -23,15 +18,9 @@ from bem_adhesion.study.state import separation_of
 from contact_study.physics.solids import Elasticity
 from contact_study.results.path_results import UNACCOUNTED, lowest_between, unaccounted, undecided
 
-
-@dataclass(frozen=True)
-class AdaptiveOptions:
-    """Constants of adaptive steps."""
-
-    # First step over the way between two points: the error of the trapezoidal rule could hide a jump in all of it.
-    first_step: float = 0.25
-    unaccounted: float = UNACCOUNTED  # share of the exchanged work that a step without a jump may leave
-    passed_over: float = 0.01  # relative excess of the tension between two states over that at both
+# First step over the way between two points: the error of the trapezoidal rule could hide a jump in all of it.
+FIRST_STEP = 0.25
+PASSED_OVER = 0.01  # relative excess of the tension between two states over that at both
 
 
 @dataclass(frozen=True)
@@ -54,7 +43,7 @@ class EnergyLedger:
     @property
     def array(self) -> np.ndarray:
         """Numbers to store between the points of a path."""
-        return np.array([float(value) for value in astuple(self)])
+        return np.array(astuple(self), float)
 
     @classmethod
     def of(cls, array: np.ndarray) -> "EnergyLedger":
@@ -94,7 +83,6 @@ def adaptive_step(
     least: float,
     solid: Elasticity,
     noise: float = 0.0,
-    options: AdaptiveOptions | None = None,
 ) -> tuple[Solution, list[EnergyLedger]]:
     """Go from one point of a path to the next in steps for which the work of the load is accounted for.
 
@@ -109,8 +97,7 @@ def adaptive_step(
     list of EnergyLedger
         Ledgers of all states passed, from ``before`` to the last that converged.
     """
-    options = options or AdaptiveOptions()
-    passed, length = [before], options.first_step * (target - before.position)
+    passed, length = [before], FIRST_STEP * (target - before.position)
     earlier = None  # the state at the start of the last step
     pairs, iterations, torn = 0.0, 0, False
     while True:
@@ -121,10 +108,10 @@ def adaptive_step(
         new = ledger_of(found, target if last else now.position + length, solid, now)
         lost, exchanged = map(float, unaccounted(now.state, new.state)) if new.attached else (0.0, 0.0)
         detached = now.attached and not new.attached
-        jumped = detached or abs(lost) > max(options.unaccounted * exchanged, noise)
+        jumped = detached or abs(lost) > max(UNACCOUNTED * exchanged, noise)
         way = new.position - now.position
-        stronger = _skips_pull_off(now, new, noise, options.passed_over)
-        if found.converged and len(passed) > 1 and _turns_too_sharply(passed[-2], now, new, options.passed_over):
+        stronger = _skips_pull_off(now, new, noise)
+        if found.converged and len(passed) > 1 and _turns_too_sharply(passed[-2], now, new):
             way_before = now.position - passed[-2].position
             stronger |= abs(way) >= abs(way_before)
             if abs(way_before) > max(abs(way), least) and earlier is not None:
@@ -149,20 +136,16 @@ def adaptive_step(
             return replace(found, fft_pairs=pairs, iterations=iterations, outcome=outcome), passed
 
 
-def _skips_pull_off(
-    before: EnergyLedger, after: EnergyLedger, noise: float, share: float = AdaptiveOptions.passed_over
-) -> bool:
+def _skips_pull_off(before: EnergyLedger, after: EnergyLedger, noise: float) -> bool:
     """Return whether the tension within a step outwards exceeds that at its ends, beyond noise (J/m²)."""
     way = after.separation - before.separation
     if not (before.attached and after.attached) or way <= 0:
         return False
     lowest = float(lowest_between(before.state, after.state))
-    return min(before.pressure, after.pressure) - lowest > max(-share * lowest, noise / way)
+    return min(before.pressure, after.pressure) - lowest > max(-PASSED_OVER * lowest, noise / way)
 
 
-def _turns_too_sharply(
-    before: EnergyLedger, lowest: EnergyLedger, after: EnergyLedger, share: float = AdaptiveOptions.passed_over
-) -> bool:
+def _turns_too_sharply(before: EnergyLedger, lowest: EnergyLedger, after: EnergyLedger) -> bool:
     """Return whether steps outwards on both sides of the largest tension are too long to determine it."""
     if not (before.attached and lowest.attached and after.attached):
         return False
@@ -171,4 +154,4 @@ def _turns_too_sharply(
     if not outwards or lowest.pressure >= min(pressures):
         return False
     # The minimum of a parabola through three points is lower by at most an eighth of the height of the outer ones.
-    return max(pressures) - lowest.pressure > -8 * share * lowest.pressure
+    return max(pressures) - lowest.pressure > -8 * PASSED_OVER * lowest.pressure

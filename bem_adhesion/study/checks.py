@@ -47,20 +47,14 @@ def _unresolved_layer(study: Study, scales: Sequence[SurfaceScales]) -> list[str
 
 
 def _unresolved_law(study: Study, scales: Sequence[SurfaceScales]) -> list[str]:
-    """Return a line if the grid does not resolve the law.
+    """Return a line if the grid does not resolve the law, with the smallest E* of its waves.
 
-    A grid coarser than a quarter of the process zone E*Δγ/σ_max² traps contact edges between its points: its hysteresis
-    is then not the continuum's. E* is the smallest of the grid's waves, hence a bound for layered solids.
-
-    Raises
-    ------
-    InputError
-        If the grid is so coarse that law and surface have nothing to do with each other.
+    Raises InputError if it is so coarse that law and surface have nothing to do with each other.
     """
     unresolved = []
     for case, scale in zip(study.cases, scales, strict=True):
         if case.law.attracts:
-            zone = process_zone(_modulus(case, scale), case.law)
+            zone = process_zone(case.solid.softest_modulus(*scale.grid_waves), case.law)
             if not resolves(scale.pixel, zone):
                 unresolved.append((scale.pixel / zone, zone, case, scale))
             reach = max(zone, case.law.length)
@@ -137,8 +131,3 @@ def _cost(case: Case, scale: SurfaceScales, reach: float) -> str:
     share = reach / scale.rms_height
     blurred = f", {share:.2g} of the rms height" if share > SHARE_OF_HEIGHT * (1 + 1e-9) else ""
     return f"Tabor parameter {tabor_parameter(*constants, reach):.2g}, a sphere's pull-off {change:+.2g} %{blurred}"
-
-
-def _modulus(case: Case, scale: SurfaceScales) -> float:
-    """Return E* of the wave of the grid for which the solid is softest (Pa)."""
-    return case.solid.softest_modulus(*scale.grid_waves)

@@ -26,8 +26,11 @@ def path_of_equilibria(
 ) -> Iterator[InterfaceState]:
     """Yield the equilibrium at each point of a case's path; parameters as for :func:`solve_path`."""
     contact = _contact_of(case, surface)
-    state = contact.separated() if restart is None else restart["state"]
-    ledger = _first_ledger(case, state) if restart is None else _restored_ledger(restart)
+    state, ledger = contact.separated() if restart is None else restart["state"], None
+    if restart is not None:
+        ledger = EnergyLedger.of(restart["account"]) if "account" in restart else None
+    elif case.least_step is not None and case.loading.control == "pressure":  # with another control after one step
+        ledger = EnergyLedger(0.0, 0.0, float(state.mean()), 0.0, False)
     # A flat punch has no surface beyond its rim.
     warned = set() if np.ptp(surface.sampled) else {"contact", "tension"}
     for number, (value, _) in enumerate(case.path[start:], start):
@@ -64,30 +67,18 @@ def _next(
 
 
 def _contact_of(case: Case, surface: Surface) -> Contact:
-    solver = case.solver
     return contact_between(
         surface.sampled,
         surface.grid,
         case.solid,
         case.law,
-        case.loading.control,
-        solver.tolerance,
-        solver.max_iterations,
-        max(1, solver.threads),
         case.elasticity.boundary,
         case.material.hardness,
+        control=case.loading.control,
+        tolerance=case.solver.tolerance,
+        max_iterations=case.solver.max_iterations,
+        threads=max(1, case.solver.threads),
     )
-
-
-def _first_ledger(case: Case, separated: np.ndarray) -> EnergyLedger | None:
-    """Return the ledger of separated surfaces on an adaptive path; with another control None."""
-    if case.least_step is None or case.loading.control != "pressure":
-        return None
-    return EnergyLedger(0.0, 0.0, float(separated.mean()), 0.0, False)
-
-
-def _restored_ledger(restart: Mapping[str, np.ndarray]) -> EnergyLedger | None:
-    return EnergyLedger.of(restart["account"]) if "account" in restart else None
 
 
 def _warn_of_rim(case: Case, number: int, found: InterfaceState, warned: set[str]) -> None:

@@ -2,7 +2,8 @@
 
 import warnings
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -17,23 +18,12 @@ from contact_study.results.state import InterfaceState
 from contact_study.study.case import Case
 
 
-@dataclass(frozen=True)
-class TimeState:
+class TimeState(NamedTuple):
     """Load on a path in time, time since its start (s), and energy dissipated so far (J/m²)."""
 
     position: float
     time: float = 0.0
     dissipated: float = 0.0
-
-    @property
-    def array(self) -> np.ndarray:
-        """Numbers to store between the points of a path."""
-        return np.array([self.position, self.time, self.dissipated])
-
-    @classmethod
-    def of(cls, array: np.ndarray) -> "TimeState":
-        """Restore a state from its :attr:`array`."""
-        return cls(*map(float, array))
 
 
 def steps_in_time(
@@ -82,7 +72,7 @@ def path_in_time(
         out_of_reach = contact.first_gap - case.law.equilibrium_distance
         state, now = contact.separated(), TimeState(0.0 if loading.control == "pressure" else out_of_reach)
     else:
-        state, now = restart["state"], TimeState.of(restart["moment"])
+        state, now = restart["state"], TimeState(*map(float, restart["moment"]))
     for (target, _), duration in list(zip(case.path, case.durations, strict=True))[start:]:
         passed = []
         for solution, moment in steps_in_time(contact, state, now, target, duration, loading.time_steps):
@@ -94,5 +84,5 @@ def path_in_time(
             found,
             further={"time": now.time, "viscous_dissipation": now.dissipated},
             passed=passed_states(passed, case.law.equilibrium_distance),
-            restart={**found.restart, "moment": now.array},
+            restart={**found.restart, "moment": np.array(now)},
         )

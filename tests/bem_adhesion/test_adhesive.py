@@ -10,7 +10,7 @@ from bem_adhesion.adhesive.multigrid import MultigridSolver
 from bem_adhesion.adhesive.newton import NewtonSolver
 from bem_adhesion.linear.conjugate_gradients import LinearisedContact
 from bem_adhesion.operators.fourier import PeriodicOperator, periodic
-from bem_adhesion.operators.load import FieldLoad
+from bem_adhesion.operators.load import Load
 from bem_adhesion.process_zone import process_zone
 from bem_adhesion.solution import Outcome
 from contact_study.numerics.grid import Grid
@@ -51,7 +51,7 @@ def test_gradient_is_that_of_the_energy_to_second_order():
 
     assert np.log2(error(2e-3) / error(1e-3)) == pytest.approx(2.0, abs=0.1)
     solver = NewtonSolver(grid, periodic(UNIT), the_law, 0.01)
-    state = solver._evaluate(gap, FieldLoad(load - 0.01, pressure=0.01))  # a field and a number
+    state = solver._evaluate(gap, Load(load - 0.01, pressure=0.01))  # a field and a number
     assert state.energy == pytest.approx(energy_and_gradient(gap, load, stiffness_q, the_law)[0], rel=1e-13)
     assert state.largest == pytest.approx(np.abs(gradient).max(), rel=1e-12)
     assert state.square == pytest.approx(np.sum(gradient**2), rel=1e-12)
@@ -114,7 +114,7 @@ def test_flat_surfaces_part_at_the_peak_of_the_law(fraction, outcome):
 def test_same_state_as_an_independent_minimisation(ratio):
     grid, the_law, load, gap = scaled_problem(30, ratio, size=150e-10)
     solver = NewtonSolver(grid, periodic(UNIT), the_law, 0.01)
-    found = solver.solve(gap, FieldLoad(load), 1e-8, 500)
+    found = solver.solve(gap, Load(load), 1e-8, 500)
     assert found.outcome is Outcome.CONVERGED
     stiffness_q = UNIT.stiffness_on(grid)
     # The true residual by independent code, not the solver's word.
@@ -138,7 +138,7 @@ def test_two_level_and_single_grid_solvers_end_in_the_same_state():
     single = NewtonSolver(grid, periodic(UNIT), the_law, 0.01)
     double = MultigridSolver(grid, periodic(UNIT), the_law, 0.01)
     assert double.coarser is not None
-    one, two = (solver.solve(gap.copy(), FieldLoad(load), 1e-10, 500) for solver in (single, double))
+    one, two = (solver.solve(gap.copy(), Load(load), 1e-10, 500) for solver in (single, double))
     assert one.outcome is two.outcome is Outcome.CONVERGED
     # 1e-10 E* over the softest stiffness.
     np.testing.assert_allclose(one.gap, two.gap, atol=1e-7)
@@ -187,13 +187,13 @@ def test_harder_law_needs_no_new_constants():
 
 def test_not_a_number_is_never_taken_for_a_solution():
     grid, the_law, load, gap = scaled_problem(26, 1.0)
-    found = NewtonSolver(grid, periodic(UNIT), the_law, 0.01).solve(gap, FieldLoad(np.nan * load), 1e-8, 20)
+    found = NewtonSolver(grid, periodic(UNIT), the_law, 0.01).solve(gap, Load(np.nan * load), 1e-8, 20)
     assert found.outcome in (Outcome.STALLED, Outcome.ITERATION_LIMIT)
 
 
 def test_a_residual_by_changes_is_that_of_the_gap_within_what_it_says():
     grid, the_law, field, start = scaled_problem(128, 4.0)
-    load = FieldLoad(field)
+    load = Load(field)
     solver = NewtonSolver(grid, periodic(UNIT), the_law, 0.02)
     result = solver.solve(start, load, 1e-8, 500)
     assert result.outcome is Outcome.CONVERGED
@@ -215,7 +215,7 @@ def test_a_residual_by_changes_is_that_of_the_gap_within_what_it_says():
 
 def test_a_solve_leaves_its_start_alone_unless_it_is_given_away():
     grid, the_law, field, start = scaled_problem(64, 4.0)
-    load, near = FieldLoad(field), start - 0.01
+    load, near = Load(field), start - 0.01
     solver = NewtonSolver(grid, periodic(UNIT), the_law, 0.02)
     given = start.copy(), near.copy()
     solver.press(near, load)

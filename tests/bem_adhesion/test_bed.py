@@ -2,9 +2,10 @@ import numpy as np
 import pytest
 
 from bem_adhesion.linear.conjugate_gradients import LinearisedContact
-from bem_adhesion.linear.preconditioner import FourierPreconditioner, TwoLevelPreconditioner, preconditioner_for
+from bem_adhesion.linear.preconditioner import FourierPreconditioner, preconditioner_for
 from bem_adhesion.operators.fourier import periodic
 from contact_study.numerics.grid import Grid
+from contact_study.numerics.multigrid import HalvedInverse
 from contact_study.physics.solids import HalfSpace
 
 SHIFT = 0.02
@@ -14,7 +15,7 @@ GRID = Grid((128, 64), (120.0, 70.0))
 
 def beds(grid=GRID):
     operator = MAKE(grid, np.float32)
-    return FourierPreconditioner(operator, SHIFT), preconditioner_for(operator, MAKE, SHIFT)
+    return FourierPreconditioner(operator, SHIFT), preconditioner_for(operator, MAKE, SHIFT)[0]
 
 
 def applied(bed, field):
@@ -25,7 +26,7 @@ def applied(bed, field):
 
 def test_the_halved_bed_is_symmetric_and_knows_its_energy():
     _, bed = beds()
-    assert isinstance(bed, TwoLevelPreconditioner)
+    assert isinstance(bed, HalvedInverse)
     one, other = np.random.default_rng(0).standard_normal((2, *GRID.shape))
     energy, of_one = applied(bed, one)
     _, of_other = applied(bed, other)
@@ -56,7 +57,7 @@ def test_conjugate_gradients_need_as_many_iterations(seed):
     right_side = np.ones(GRID.shape, np.float32)  # a change of the load
     full = LinearisedContact(operator, SHIFT)
     expected = full.solve(right_side, curvature, 1.0, 1e-3, 60)
-    halved = LinearisedContact(operator, SHIFT, preconditioner_for(operator, MAKE, SHIFT))
+    halved = LinearisedContact(operator, SHIFT, preconditioner_for(operator, MAKE, SHIFT)[0])
     found = halved.solve(right_side, curvature, 1.0, 1e-3, 60)
     assert not found.negative_curvature
     assert found.iterations <= expected.iterations + 1
@@ -66,15 +67,14 @@ def test_conjugate_gradients_need_as_many_iterations(seed):
 
 def test_transforms_of_the_coarser_grids_are_counted():
     operator = MAKE(GRID, np.float32)
-    bed = preconditioner_for(operator, MAKE, SHIFT)
+    bed, (coarser,) = preconditioner_for(operator, MAKE, SHIFT)
     bed.apply_and_sum()
     # In single precision, and no coarser than 32 points along an axis: one halving here.
-    assert bed.equivalent_pairs(GRID) == 0.5 / 4
+    assert coarser.equivalent_pairs(GRID) == 0.5 / 4
     assert operator.pairs == 0
 
 
 @pytest.mark.parametrize("shape", [(64, 65), (62, 64), (32, 128)])
 def test_grids_that_cannot_be_halved_keep_their_transforms(shape):
-    assert isinstance(
-        preconditioner_for(MAKE(Grid(shape, (60.0, 60.0)), np.float32), MAKE, SHIFT), FourierPreconditioner
-    )
+    operator = MAKE(Grid(shape, (60.0, 60.0)), np.float32)
+    assert isinstance(preconditioner_for(operator, MAKE, SHIFT)[0], FourierPreconditioner)

@@ -6,9 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from bem_adhesion.kernels import law as law_kernels
-from bem_adhesion.kernels.law import LawKernels
-from bem_adhesion.kernels.local_energy import kernels_of
-from bem_adhesion.kernels.wall import WallKernels
+from bem_adhesion.kernels.law import LawKernels, WallKernels, kernels_of
 from contact_study.physics.laws import Dugdale, Exponential
 from tests.laws_of_all_kinds import EVERY_LAW
 from tests.study.test_laws import gaps, laws

@@ -1,11 +1,13 @@
 """Two ways to write one load on the solid: its field, and the heights that it flattens."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from bem_adhesion.kernels.law import blocks
 from bem_adhesion.operators.fourier import periodic
-from bem_adhesion.operators.load import FieldLoad, HeightLoad
+from bem_adhesion.operators.load import Load
 from contact_study.numerics.grid import Grid
 from contact_study.physics.solids import HalfSpace
 
@@ -22,7 +24,7 @@ def both(solid, pressure):
     height = np.random.default_rng(0).standard_normal(GRID.shape)
     solid.field[...] = UNIT * height
     field = solid.apply(solid.stiffness).copy()
-    return FieldLoad(field) - -pressure, HeightLoad.on(solid, height, UNIT) - -pressure
+    return Load(field, pressure=pressure), replace(Load.of_heights(solid, height, UNIT), pressure=pressure)
 
 
 def test_both_press_alike(solid):
@@ -53,4 +55,4 @@ def test_the_heights_alone_press_what_flattens_them(solid):
     by_field, by_height = both(solid, 0.0)
     nothing = np.zeros(GRID.shape)
     np.testing.assert_allclose(by_height.press(nothing, solid), by_field.field, atol=1e-14)
-    assert by_height.energy == pytest.approx(-0.5 * UNIT * np.vdot(by_field.field, by_height.height), rel=1e-14)
+    assert by_height.energy == pytest.approx(-0.5 * UNIT * np.vdot(by_field.field, by_height.field), rel=1e-14)

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from bem_adhesion.adhesive.contact import AdhesiveContact, reach, typical_wavenumber
-from bem_adhesion.adhesive.options import AdhesiveOptions, MultigridOptions
+from bem_adhesion.adhesive.options import MultigridOptions
 from bem_adhesion.solution import Outcome
 from contact_study.numerics.grid import Grid
 from contact_study.physics.laws.lennard_jones import LennardJones93, LennardJones104
@@ -201,10 +201,8 @@ def test_a_fine_grid_takes_tangent_steps_until_its_interpolation_is_what_is_left
     length, points = 60.0, 2048
     grid = Grid((16, points), (16 * length / points, length))
     height = np.broadcast_to(1.5 * np.cos(2 * np.pi * grid.coordinates[1] / length), grid.shape).copy()
-    once = AdhesiveOptions(multigrid=MultigridOptions(tangent_steps=1))
-    contact, plain = (
-        AdhesiveContact(height, grid, 1.0, LennardJones104(0.1, 1.0), options=options) for options in (None, once)
-    )
+    contact, plain = (AdhesiveContact(height, grid, 1.0, LennardJones104(0.1, 1.0)) for _ in range(2))
+    plain.levels.options = MultigridOptions(tangent_steps=1)
     assert contact.levels.coarser.points_per_process_zone > MultigridOptions.points_for_steps
     state = contact.step(contact.separated(), 0.01).state
     many, one = contact.step(state, 0.02), plain.step(state, 0.02)

@@ -2,11 +2,11 @@ import numpy as np
 import pytest
 
 from bem_adhesion.adhesive.contact import AdhesiveContact
-from bem_adhesion.adhesive.local_newton import LocalNewton, _largest_of_tiles, find_subdomains
+from bem_adhesion.adhesive.local_newton import MOST, LocalNewton, _largest_of_tiles, find_subdomains
 from bem_adhesion.adhesive.newton import NewtonSolver
-from bem_adhesion.adhesive.options import NewtonOptions, SubdomainOptions
+from bem_adhesion.adhesive.options import NewtonOptions
 from bem_adhesion.operators.fourier import periodic
-from bem_adhesion.operators.load import FieldLoad
+from bem_adhesion.operators.load import Load
 from bem_adhesion.solution import Outcome
 from contact_study.numerics.grid import Grid
 from contact_study.physics.solids import HalfSpace
@@ -20,7 +20,7 @@ CLOSE = NewtonOptions.close
 
 
 def corners_of(tiles):
-    return find_subdomains(tiles, CLOSE, SubdomainOptions())
+    return find_subdomains(tiles, CLOSE)
 
 
 @pytest.mark.parametrize("place", [(0, 3), (130, 85)])  # one of them around the corner of the cell
@@ -32,7 +32,7 @@ def test_a_place_out_of_balance_relaxes_as_in_the_whole(place):
     away = [np.minimum((i - at) % POINTS, (at - i) % POINTS) for i, at in zip((y, x), place, strict=True)]
     bump = 0.05 * np.exp(-(away[0] ** 2 + away[1] ** 2) / 50.0)
     start = np.full(grid.shape, 1.0)  # flat surfaces at the law's equilibrium
-    load = FieldLoad(-the_law.traction(start) + bump)
+    load = Load(-the_law.traction(start) + bump)
     assert whole.imbalance_at(start, load)[0].largest == pytest.approx(0.05)
 
     local, out = LocalNewton(grid, periodic(UNIT), the_law, 0.05), np.empty_like(start)
@@ -44,7 +44,7 @@ def test_a_place_out_of_balance_relaxes_as_in_the_whole(place):
     beyond = (away[0] > 44) | (away[1] > 44)  # a square has 64 points, and the bump is in its middle part
     assert not (out != start)[beyond].any()
     assert whole.imbalance_at(out, load)[0].largest < 1.2 * CLOSE
-    assert 0 < local.equivalent_pairs(grid) < 2  # some ten pairs on a sixteenth of the points
+    assert 0 < local.solver.equivalent_pairs(grid) < 2  # some ten pairs on a sixteenth of the points
 
 
 def test_the_rim_stays_where_nothing_else_holds_it():
@@ -54,7 +54,7 @@ def test_the_rim_stays_where_nothing_else_holds_it():
     start = np.full(grid.shape, the_law.peak_distance)  # there the law has no stiffness
     push = np.zeros(grid.shape)
     push[120:128, 120:128] = 0.02
-    load = FieldLoad(push - the_law.traction(start))
+    load = Load(push - the_law.traction(start))
     whole.imbalance_at(start, load)
     local, out = LocalNewton(grid, periodic(UNIT), the_law, 0.05), np.empty_like(start)
     assert local.correct(start, whole.solid.field.copy(), load, whole._right_side, out)
@@ -68,7 +68,7 @@ def test_springs_that_hold_the_rim_leave_negative_curvature_to_the_descent():
     the_law = law().scaled(law().length, E_STAR)
     contact = NewtonSolver(Grid((32, 32), (16.0, 16.0)), periodic(UNIT), the_law, 0.05)
     start = np.full(contact.grid.shape, 1.3)  # beyond the peak: balanced, but for a push, and unstable
-    load = FieldLoad(-the_law.traction(start), pressure=1e-4)
+    load = Load(-the_law.traction(start), pressure=1e-4)
     for stalls, outcome in [(True, Outcome.STALLED), (False, Outcome.CONVERGED)]:
         contact.set_anchor_springs(np.full(contact.grid.shape, 1e-3), start, stalls)
         assert contact.solve(start, load, 1e-8, 100).outcome is outcome
@@ -87,7 +87,7 @@ def test_squares_cover_what_is_out_of_balance_and_are_few():
     pair[10, 10], pair[10, 15], pair[5, 10] = 1.0, 0.5, 0.5
     assert corners_of(pair) == [(4, 9)]  # the one that has all three within its rim
     many = np.zeros((32, 32))
-    many[:: 32 // SubdomainOptions.most, ::8] = 1.0
+    many[:: 32 // MOST, ::8] = 1.0
     assert corners_of(many) is None
     assert corners_of(0.5 * CLOSE * tiles) is None
 

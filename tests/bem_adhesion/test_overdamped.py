@@ -7,8 +7,8 @@ import pytest
 import xarray as xr
 
 import contact_study
-from bem_adhesion.contacts.overdamped import OverdampedContact
 from bem_adhesion.study.model import solve_path
+from bem_adhesion.study.overdamped import OverdampedContact
 from contact_study.campaign.worker import case_run
 from contact_study.numerics.gradient_flow import Status, at_rest, follow
 from contact_study.results.overdamped_path import pace_of
@@ -42,7 +42,7 @@ class Motion:
         self.start = self.height.max() - self.height + 1.1 * R0
 
     def contact(self, allowed):
-        return OverdampedContact(self.height, self.surface.grid, self.case.solid, self.case.law, allowed=allowed)
+        return OverdampedContact(self.case, self.surface, allowed)
 
     def implicit(self, step_error, rate=AT_ONCE, start=None):
         given = dataclasses.replace(self.case.overdamped, step_error=step_error, loading_rate=rate)

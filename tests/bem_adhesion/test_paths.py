@@ -11,7 +11,6 @@ from bem_adhesion import Dugdale, HardWall, LennardJones104, rough_contact
 from bem_adhesion.adhesive.contact import reach
 from bem_adhesion.solution import Outcome, Solution
 from bem_adhesion.study.adaptive import (
-    AdaptiveOptions,
     EnergyLedger,
     _skips_pull_off,
     _turns_too_sharply,
@@ -149,15 +148,18 @@ def test_a_jump_is_not_lost_in_what_the_rule_leaves_of_a_long_way():
     assert passed[-1].uncertain < 0.01**2
 
 
-LOSSY = AdaptiveOptions(unaccounted=np.inf)  # unaccounted work shortens steps, too
+@pytest.fixture
+def lossy(monkeypatch):
+    monkeypatch.setattr("bem_adhesion.study.adaptive.UNACCOUNTED", np.inf)  # unaccounted work shortens steps, too
 
 
 @pytest.mark.parametrize("begin", [0.0, 0.3, 0.5, 0.7])
+@pytest.mark.usefixtures("lossy")
 def test_the_strongest_pull_is_not_passed_over(begin):
     contact = passing()
     found = contact.step(np.zeros((2, 2)), begin)
     account = EnergyLedger(begin, float(found.pressure.mean()), begin, found.elastic_energy, True)
-    _, passed = adaptive_step(contact, found.state, account, 8.0, 1e-3, HalfSpace(1.0), options=LOSSY)
+    _, passed = adaptive_step(contact, found.state, account, 8.0, 1e-3, HalfSpace(1.0))
     # A hundredth, and what the parabola leaves.
     assert min(at.pressure for at in passed) < -0.98
     assert passed[-1].position == 8.0
@@ -166,12 +168,13 @@ def test_the_strongest_pull_is_not_passed_over(begin):
 
 
 @pytest.mark.parametrize("first", [0.6, 0.9, 1.2, 1.7, 2.4])
+@pytest.mark.usefixtures("lossy")
 def test_of_two_steps_about_the_strongest_pull_the_longer_is_taken_back(first, monkeypatch):
     """Where energies say nothing of what is between, as where every step loses a little."""
     monkeypatch.setattr("bem_adhesion.study.adaptive._skips_pull_off", lambda *_: False)
     account = EnergyLedger(0.0, 0.0, 0.0, 0.0, True)
     contact = passing()
-    _, passed = adaptive_step(contact, np.zeros((2, 2)), account, 4 * first, 1e-3, HalfSpace(1.0), options=LOSSY)
+    _, passed = adaptive_step(contact, np.zeros((2, 2)), account, 4 * first, 1e-3, HalfSpace(1.0))
     assert min(at.pressure for at in passed) < -0.98
     distances = [at.position for at in passed]
     assert distances == sorted(distances), "a step that was taken back is in no book"
