@@ -6,6 +6,7 @@ from functools import cached_property
 import numpy as np
 from numba import njit
 
+from contact_study.numerics.inner_product import inner_product
 from contact_study.physics.laws.base import TractionLaw
 from contact_study.physics.roughness.spectrum import RoughnessSpectrum
 from contact_study.physics.solids import Elasticity
@@ -51,7 +52,7 @@ class GapNodes:
     def mean_stress(self, cubics: np.ndarray) -> float:
         """Mean of the distribution that :meth:`stress_masses` sorts into bins, in units of the modulus."""
         stress = self._stress
-        return float(self._shares(cubics) @ (0.5 * (stress[1:] + stress[:-1])))
+        return inner_product(self._shares(cubics), 0.5 * (stress[1:] + stress[:-1]))
 
     def stress_masses(self, cubics: np.ndarray, bins: np.ndarray) -> np.ndarray:
         """Area in each bin of the stress σ = −φ'(u), shape (m,) for m + 1 rising ends in units of the modulus.
