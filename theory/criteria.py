@@ -2,7 +2,8 @@
 
 A surface sticks by a criterion whose ratio is above one. The criteria use the spectrum of the surface, and of the law
 its work of adhesion Δγ, cohesive strength σ_max and range Δr = Δγ/σ_max. They were made for opposite limits of the
-local Tabor parameter and may disagree; the gap flow and the edge flow use the whole law.
+local Tabor parameter and may disagree; the gap flow and the edge flow use the whole law. A number for the elasticity is
+the contact modulus E* of a half-space (Pa); Δγ is in J/m², gaps and ranges are in m.
 """
 
 from collections.abc import Callable
@@ -20,7 +21,7 @@ from contact_study.physics.solids import Elasticity, elasticity_of
 from theory.datasets import dataset_of
 from theory.non_adhesive.closed_forms import low_pressure_asymptote
 from theory.non_adhesive.gap_distribution import attracted_at_light_load
-from theory.persson.interface import true_area_factor
+from theory.persson.theory import true_area_factor
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -39,18 +40,7 @@ def persson_tosatti_ratio(
 
     B. N. J. Persson, E. Tosatti, J. Chem. Phys. 115, 5597 (2001): Δγ A − U_el is the effective work of adhesion of a
     solid in full contact. It holds for attraction of no range, at large Tabor parameters; partial contact may stick
-    below.
-
-    Parameters
-    ----------
-    spectrum : RoughnessSpectrum
-        Roughness.
-    elasticity : Elasticity or float
-        The solid; a number is the contact modulus E* of a half-space (Pa), for which the energy is (π/2) E* ∫ q² C dq.
-    work_of_adhesion : float
-        Δγ (J/m²).
-    true_area : bool, optional
-        Count the true area S of the surface, not its projection.
+    below. S is the true area of the surface, or if not so asked its projection.
     """
     factor = float(true_area_factor(np.array(spectrum.rms_slope))) if true_area else 1.0
     return work_of_adhesion * factor / float(spectrum.full_contact_energy(elasticity_of(elasticity).stiffness))
@@ -64,14 +54,8 @@ def pastewka_robbins_ratio(
     After L. Pastewka, M. O. Robbins, PNAS 111, 3298 (2014). Experimental: not compared with their equation. It follows
     from the gap x^(3/2) outside a patch whose edge has the slope h', with κ = 2 and the diameter d = 4h'/h'' of a
     contact patch, h'' the rms mean curvature. It holds for weak attraction (small Tabor parameters) of a range that is
-    short against h'd, at contact of few per cent.
-
-    Parameters
-    ----------
-    spectrum, elasticity, work_of_adhesion
-        As :func:`persson_tosatti_ratio`; of a solid other than a half-space the modulus of its finest waves is taken.
-    attraction_range : float
-        Δr, the work of adhesion over the largest tension (m).
+    short against h'd, at contact of few per cent. Of a solid other than a half-space the modulus of its finest waves is
+    taken; Δr is the work of adhesion over the largest tension.
     """
     reach = positive("attraction_range", attraction_range, "m")
     finest = spectrum.limits[1]
@@ -93,11 +77,6 @@ def dmt_tension_ratio(
     parameters. Waves whose height is below the range hardly change it. G. Violano, L. Afferrante, A. Papangelo,
     M. Ciavarella, J. Adhesion (2019), doi:10.1080/00218464.2019.1685384, start from the same
     picture; their equation is another one.
-
-    Parameters
-    ----------
-    spectrum, elasticity, work_of_adhesion, attraction_range
-        As :func:`pastewka_robbins_ratio`, for any solid.
     """
     area = attracted_at_light_load(spectrum, elasticity, attraction_range, regularised=False)
     return work_of_adhesion / attraction_range * area
@@ -106,12 +85,7 @@ def dmt_tension_ratio(
 def attracted_area(mean_gap: np.ndarray | float, rms_height: float, attraction_range: float) -> np.ndarray:
     """Share of a Gaussian surface with a gap to a plane between zero and the range, a difference of bearing areas.
 
-    Parameters
-    ----------
-    mean_gap : float or numpy.ndarray
-        ū, of the plane over the mean of the heights (m).
-    rms_height, attraction_range : float
-        h_rms and Δr (m).
+    The mean gap ū is that of the plane over the mean of the heights.
     """
     gap = np.asarray(mean_gap, dtype=float)
     return ndtr(-(gap - attraction_range) / rms_height) - ndtr(-gap / rms_height)
@@ -130,13 +104,6 @@ def bearing_area_pressure(
     the light-load limit p₀ e^(−ū/u₀) of :func:`theory.non_adhesive.closed_forms.low_pressure_asymptote`. Experimental:
     not compared with the paper's numbers. Attraction does not deform the surface. It holds for hard solids, at small
     Tabor parameters, and for gaps above half of the rms height.
-
-    Parameters
-    ----------
-    mean_gap : float or numpy.ndarray
-        ū (m).
-    spectrum, elasticity, work_of_adhesion, attraction_range
-        As :func:`pastewka_robbins_ratio`.
     """
     return _bearing_area_curve(spectrum, elasticity, work_of_adhesion, attraction_range)(np.asarray(mean_gap, float))
 
@@ -145,9 +112,8 @@ def bearing_area_pull_off(
     spectrum: RoughnessSpectrum, elasticity: Elasticity | float, work_of_adhesion: float, attraction_range: float
 ) -> float:
     """Lowest pressure of the bearing-area model (Pa), zero where it never pulls; as :func:`bearing_area_pressure`."""
-    height = float(np.sqrt(spectrum.mean_square_height))
-    lowest = _lowest(_bearing_area_curve(spectrum, elasticity, work_of_adhesion, attraction_range), height)
-    return min(lowest, 0.0)
+    curve = _bearing_area_curve(spectrum, elasticity, work_of_adhesion, attraction_range)
+    return min(_lowest(curve, float(np.sqrt(spectrum.mean_square_height))), 0.0)
 
 
 def _bearing_area_curve(
@@ -203,17 +169,9 @@ def local_tabor_number(
     """μ = (R Δγ²/E*² z₀³)^(1/3) of the roughness up to a wavevector, whose curvature 1/R is half its rms Laplacian.
 
     A Tabor parameter that depends on the scale is that of B. N. J. Persson, M. Scaraggi, J. Chem. Phys. 141, 124701
-    (2014); adhesion is DMT-like where it is below about 0.1 and JKR-like above about 3. The whole
-    Δγ is taken at every scale, and of a solid other than a half-space the modulus of the waves there.
-
-    Parameters
-    ----------
-    wavevector : float or numpy.ndarray
-        q (1/m); where the spectrum has no roughness up to it, being its smallest, the number is NaN.
-    spectrum, elasticity, work_of_adhesion
-        As :func:`persson_tosatti_ratio`.
-    length : float
-        z₀, the law's equilibrium distance, or the range of one outside a wall (m).
+    (2014); adhesion is DMT-like where it is below about 0.1 and JKR-like above about 3. The whole Δγ is taken at every
+    scale, and of a solid other than a half-space the modulus of the waves there. z₀ is the law's equilibrium distance,
+    or the range of one outside a wall. At the smallest wavevector, with no roughness yet, it is NaN.
     """
     q = np.asarray(wavevector, dtype=float)
     curvature = 0.5 * np.sqrt(2 * np.pi * spectrum.moment(5, upper=q))

@@ -23,18 +23,9 @@ def dataset_of(
 ) -> "xr.Dataset":
     """The dataset of one state.
 
-    Parameters
-    ----------
-    labels : tuple of str
-        Theory, and metastable branch if it is one.
-    quantities : mapping
-        Values by their names in the schema; distributions as functions from the edges of bins to the means in them.
-    edges : mapping
-        Edges of the bins by the name of the distribution; None for as many even ones as there are by default.
-    ranges : mapping
-        Lowest and highest edge of those.
-    further : mapping, optional
-        Coordinates of dimensions that are not bins, such as ``wavevector`` (1/m).
+    Quantities go by their names in the schema; distributions are functions from the edges of bins to the means in them.
+    Their edges, or where None is given the range of as many even ones as there are by default, go by the same names.
+    ``further`` has coordinates of dimensions that are not bins, such as ``wavevector`` (1/m).
     """
     import xarray as xr  # slow to import
 

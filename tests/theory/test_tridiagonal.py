@@ -44,7 +44,7 @@ def test_the_response_solves_its_two_coupled_equations(nodes, kernel):
     weights, gradients = random.uniform(0.5, 1, (2, 2, nodes))
     answer, rows = np.empty(nodes), np.empty((7, nodes))
     cell = differences(x)[4]
-    _respond(x, cell, stiffness, modulation, square, kernel, curvature, weights, gradients, answer, rows)
+    _respond(x, cell, (stiffness, modulation, square), kernel, curvature, weights, gradients, answer, rows)
     # X = −(P q²)⁻¹ ∂ M ∂ on the inner nodes, with no flux to the nodes at the ends.
     inner = slice(1, nodes - 1)
     share, mean = weights.mean(axis=0), gradients.mean(axis=0)

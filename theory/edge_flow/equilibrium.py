@@ -7,7 +7,7 @@ nodes as on coarse ones. Its slowest modes are a few smooth ones (one near −2.
 circle under strong adhesion), which Anderson's acceleration deals with; ln f is mixed, weighted by its area.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
@@ -25,63 +25,37 @@ KERNEL = (0.25, 0.0, 4.0)
 
 @dataclass(frozen=True)
 class EdgeFlowOptions:
-    """Numerical choices of the edge flow; the defaults serve all surfaces and laws that were tried.
+    """Numerical choices of the edge flow; the defaults serve all surfaces and laws that were tried."""
 
-    Attributes
-    ----------
-    least, largest : float
-        Bounds of the response f.
-    sharp_scales : int
-        Coarse scales in which the distribution is still sharp, taken by the implicit Euler method.
-    unseen_area : float
-        Area per scale below which the change of a node does not count.
-    step : float
-        Largest change of ln f in an iteration.
-    restarts : int
-        Halvings of an iteration that leads to no numbers.
-    extrapolation : float
-        Largest change of ln f by which a start is extrapolated.
-    bands : int
-        Bands in which the variance is tabulated, to be cut into scales.
-    finest_variance : float
-        A scale has no more variance than all finer ones and this, in squares of the law's length.
-    widest_band : float
-        Width of a scale in ln q at most.
-    modulation : float
-        Wavenumber of a modulation, in those of the wave, at which solids are compared with the half-space.
-    weakest, growth, least_growth : float
-        Part of the law from which adhesion is grown at one mean gap, and its growth at first and least.
-    gap_ratio : float
-        Ratio of the distances to the lowest node from one mean gap of the curve to the next.
-    halvings, lost, fewest : int
-        Halvings of that step, states lost in a row that end the curve, and fewest states of a piece.
-    bounded_area, more_scales : float, int
-        Area of a scale in which the growth of the gradients may be bounded, and how many times as many scales follow
-        where it is larger or states are lost.
-    starts : tuple of float
-        Parts of the distance at which the approach ended where adhesion is grown instead.
-    """
-
+    # Bounds of the response f.
     least: float = 1e-3
     largest: float = 20.0
+    # Coarse scales in which the distribution is still sharp, taken by the implicit Euler method.
     sharp_scales: int = 6
-    unseen_area: float = 1e-9
-    step: float = 1.0
-    restarts: int = 3
-    extrapolation: float = 0.2
-    bands: int = 20000
+    unseen_area: float = 1e-9  # area per scale below which the change of a node does not count
+    step: float = 1.0  # largest change of ln f in an iteration
+    restarts: int = 3  # halvings of an iteration that leads to no numbers
+    extrapolation: float = 0.2  # largest change of ln f by which a start is extrapolated
+    bands: int = 20000  # in which the variance is tabulated, to be cut into scales
+    # A scale has no more variance than all finer ones and this, in squares of the law's length; its width in ln q.
     finest_variance: float = 0.01
     widest_band: float = 0.25
+    # Wavenumber of a modulation, in those of the wave, at which solids are compared with the half-space.
     modulation: float = 2.0
+    # Part of the law from which adhesion is grown at one mean gap, and its growth at first and least.
     weakest: float = 0.05
     growth: float = 1.5
     least_growth: float = 1.1
+    # Ratio of the distances to the lowest node from one mean gap of the curve to the next, and halvings of that step.
     gap_ratio: float = 0.85
     halvings: int = 3
-    lost: int = 3
-    fewest: int = 4
+    lost: int = 3  # states lost in a row that end the curve
+    fewest: int = 4  # states of a piece
+    # Area of a scale in which the growth of the gradients may be bounded, and how many times as many scales follow
+    # where it is larger or states are lost.
     bounded_area: float = 0.1
     more_scales: int = 3
+    # Parts of the distance at which the approach ended where adhesion is grown instead.
     starts: tuple[float, ...] = (0.7, 0.45, 0.25, 0.1, 0.04)
 
 
@@ -90,53 +64,27 @@ _DEFAULT = EdgeFlowOptions()
 
 @dataclass(frozen=True)
 class Scales:
-    """Steps of the roughness from fine to coarse, in units of a length and a modulus.
+    """Steps of the roughness from fine to coarse, shape (k,) each, in units of a length and a modulus."""
 
-    Attributes
-    ----------
-    stiffness : numpy.ndarray, shape (k,)
-        K, the mean over the height variance, which makes the energy of full contact exact.
-    modulation : numpy.ndarray, shape (k,)
-        g, what a modulation of the wave costs compared with a half-space: 1 there, 0 on springs.
-    square : numpy.ndarray, shape (k,)
-        q², the mean over the height variance, which makes the mean-square slope exact.
-    steps : numpy.ndarray, shape (k,)
-        Height variance Δm.
-    """
-
-    stiffness: np.ndarray
-    modulation: np.ndarray
-    square: np.ndarray
-    steps: np.ndarray
+    stiffness: np.ndarray  # K, the mean over the height variance, which makes the energy of full contact exact
+    modulation: np.ndarray  # g, the cost of a modulation compared with a half-space: 1 there, 0 on springs
+    square: np.ndarray  # q², the mean over the height variance, which makes the mean-square slope exact
+    steps: np.ndarray  # height variance Δm
 
 
 def scales_of(
     spectrum: RoughnessSpectrum, solid: Elasticity, length: float, count: int, options: EdgeFlowOptions = _DEFAULT
 ) -> Scales:
-    """Steps that are short at both ends of the variance, where the data are sharp.
+    """Steps in units of ``length`` (m), short at both ends of the variance, where the data are sharp.
 
-    A long finest step would make the solution fold over in ū.
-
-    Parameters
-    ----------
-    spectrum : RoughnessSpectrum
-        Roughness.
-    solid : Elasticity
-        The solid.
-    length : float
-        Unit of length (m); that of stresses is the contact modulus.
-    count : int
-        Number of steps, before those of wide bands are cut.
-    options : EdgeFlowOptions, optional
-        Numerical choices.
+    A long finest step would make the solution fold over in ū; wide bands are cut into more than ``count``.
     """
     bands = spectrum.band_edges(options.bands)
     below = 2 * np.pi * spectrum.moment(1, upper=bands)
     rising = np.concatenate([[True], np.diff(below) > 0])
     shares = 0.5 * (1 + np.cos(np.pi * np.arange(count + 1) / count))  # of the variance that is coarser
-    edges = _shortened(
-        np.interp(shares * below[-1], below[rising], bands[rising]), bands, below[-1] - below, length, options
-    )
+    edges = np.interp(shares * below[-1], below[rising], bands[rising])
+    edges = _shortened(edges, bands, below[-1] - below, length, options)
     variance = -2 * np.pi * np.diff(spectrum.moment(1, upper=edges))
     # Differences of sums over all waves may be off by their rounding, where steps are as small.
     square = -2 * np.pi * np.diff(spectrum.moment(3, upper=edges)) / variance
@@ -159,10 +107,8 @@ def _shortened(
 
     The stress is in the short waves, of which a wide band has most of its decades in a small share of the variance.
     """
-    doublings, octaves = (
-        np.log2(1 + finer / (options.finest_variance * length**2)),
-        np.log(bands[-1] / bands) / options.widest_band,
-    )
+    doublings = np.log2(1 + finer / (options.finest_variance * length**2))
+    octaves = np.log(bands[-1] / bands) / options.widest_band
     pieces = np.ones(edges.size - 1)
     for measure in (doublings, octaves):
         pieces = np.maximum(pieces, np.diff(np.interp(edges, bands, measure)) - 1e-6)
@@ -179,13 +125,6 @@ def modulation_cost(solid: Elasticity, wavenumber: np.ndarray) -> np.ndarray:
     A modulation p of a wave q makes waves q + p. In second order 1/(K(q) + c) becomes the mean of 1/(K(|q + p|) + c)
     over directions, by which K(q) seems to grow. Its growth at p = 2q and c = K(q) is divided by the half-space's;
     where long waves are the stiffer ones, as on a thin incompressible layer, a modulation is taken to cost nothing.
-
-    Parameters
-    ----------
-    solid : Elasticity
-        The solid.
-    wavenumber : numpy.ndarray
-        q (1/m).
     """
     angles = (np.arange(64) + 0.5) * np.pi / 64  # the midpoint rule converges exponentially on a period
     together = np.sqrt(1 + _DEFAULT.modulation**2 + 2 * _DEFAULT.modulation * np.cos(angles))
@@ -199,33 +138,15 @@ def modulation_cost(solid: Elasticity, wavenumber: np.ndarray) -> np.ndarray:
 
 @dataclass(frozen=True)
 class Equilibrium:
-    """The state at one mean gap.
-
-    Attributes
-    ----------
-    gap : float
-        Mean gap ū.
-    weights : numpy.ndarray, shape (n,)
-        Share of the area at each node.
-    elastic : float
-        Elastic energy.
-    change : float
-        Largest change of a scale's mean response in the last sweep.
-    sweeps : int
-        Sweeps that it took.
-    response : numpy.ndarray, shape (k, n)
-        f of each scale.
-    bounded : float
-        Largest area of a scale whose step is too long for the growth of the gradients.
-    """
+    """The state at one mean gap ū."""
 
     gap: float
-    weights: np.ndarray
-    elastic: float
-    change: float
+    weights: np.ndarray  # share of the area at each node, shape (n,)
+    elastic: float  # energy
+    change: float  # largest one of a scale's mean response in the last sweep
     sweeps: int
-    response: np.ndarray
-    bounded: float = 0.0
+    response: np.ndarray  # f of each scale, shape (k, n)
+    bounded: float = 0.0  # largest area of a scale whose step is too long for the growth of the gradients
 
     @cached_property
     def logarithm(self) -> np.ndarray:
@@ -233,33 +154,18 @@ class Equilibrium:
         return np.log(self.response)
 
 
+Piece = tuple[Equilibrium, ...]
+
+
 @dataclass(frozen=True)
 class Problem:
-    """A law on nodes of the gap, and the roughness that it is in equilibrium with.
-
-    Parameters
-    ----------
-    gaps : numpy.ndarray, shape (n,)
-        Nodes of the gap.
-    traction : numpy.ndarray, shape (n,)
-        φ' at the nodes.
-    scales : Scales
-        Steps of the roughness, in the units of both.
-    tolerance : float
-        Largest change of a scale's mean response in the last sweep.
-    iterations : int
-        Sweeps of a state at most.
-    kernel : tuple of float
-        Slope, level and pole of κ.
-    options : EdgeFlowOptions, optional
-        Numerical choices.
-    """
+    """A law on nodes of the gap, φ' at these, and the roughness that it is in equilibrium with, in its units."""
 
     gaps: np.ndarray
     traction: np.ndarray
     scales: Scales
-    tolerance: float
-    iterations: int
+    tolerance: float  # largest change of a scale's mean response in the last sweep
+    iterations: int  # sweeps of a state at most
     kernel: tuple[float, float, float] = KERNEL
     options: EdgeFlowOptions = _DEFAULT
 
@@ -290,18 +196,16 @@ class Problem:
 
     def grown(self, gap: float) -> Equilibrium:
         """The state at a mean gap, followed from a weaker law of the same range to the law itself."""
-        weaker = replace(self, traction=self.options.weakest * self.traction)
-        states, strength, growth = [weaker.solve(gap, weaker.local())], self.options.weakest, self.options.growth
-        while strength < 1 and growth > self.options.least_growth and states[-1].change <= self.tolerance:
+        options = self.options
+        weaker = replace(self, traction=options.weakest * self.traction)
+        states, strength, growth = [weaker.solve(gap, weaker.local())], options.weakest, options.growth
+        while strength < 1 and growth > options.least_growth and states[-1].change <= self.tolerance:
             stronger = min(growth * strength, 1.0)
             start = states[-1].response
             if len(states) > 1:
-                further = np.clip(
-                    states[-1].logarithm - states[-2].logarithm, -self.options.extrapolation, self.options.extrapolation
-                )
-                start = np.exp(
-                    np.clip(states[-1].logarithm + further, np.log(self.options.least), np.log(self.options.largest))
-                )
+                further = states[-1].logarithm - states[-2].logarithm
+                further = states[-1].logarithm + np.clip(further, -options.extrapolation, options.extrapolation)
+                start = np.exp(np.clip(further, np.log(options.least), np.log(options.largest)))
             state = replace(self, traction=stronger * self.traction).solve(gap, start)
             if state.change <= self.tolerance:
                 states, strength = [states[-1], state], stronger
@@ -311,53 +215,133 @@ class Problem:
 
     def solve(self, gap: float, response: np.ndarray) -> Equilibrium:
         """The state at a mean gap, from a first response."""
-        x, scales = self.gaps, self.scales
+        x, scales, options = self.gaps, self.scales, self.options
+        bounds = options.least, options.largest
         start = np.zeros(x.size)
         right = min(max(int(np.searchsorted(x, gap)), 1), x.size - 1)
         share = (gap - x[right - 1]) / (x[right] - x[right - 1])
         start[right - 1], start[right] = 1 - share, share
         weights, gradients = np.empty((2, scales.steps.size + 1, x.size))
-        answer, f = np.empty_like(response), np.empty_like(response)
+        answer, f, weight = (np.empty_like(response) for _ in range(3))
         factors = np.empty((scales.steps.size, 3, x.size))
-        weight = np.empty_like(f)
+        along = scales.stiffness, scales.modulation, scales.square, scales.steps, self.kernel, self.traction, start
         elastic = 0.0
 
         def update(logarithm: np.ndarray) -> tuple[np.ndarray, np.ndarray, float]:
             nonlocal elastic
             np.exp(logarithm, out=f)
-            elastic = sweep(
-                x,
-                self._geometry,
-                scales.stiffness,
-                scales.modulation,
-                scales.square,
-                scales.steps,
-                self.kernel,
-                self.traction,
-                start,
-                self.options.sharp_scales,
-                f,
-                weights,
-                gradients,
-                answer,
-                factors,
-            )
-            change = compare(
-                weights, f, answer, self.options.least, self.options.largest, self.options.unseen_area, weight
-            )
+            elastic = sweep(x, self._geometry, *along, options.sharp_scales, f, weights, gradients, answer, factors)
+            change = compare(weights, f, answer, *bounds, options.unseen_area, weight)
             residual = np.log(answer)
             residual -= logarithm
             return residual, weight, change
 
         logarithm, change, count = accelerated(
             update,
-            np.log(np.clip(response, self.options.least, self.options.largest)),
-            (np.log(self.options.least), np.log(self.options.largest)),
+            np.log(np.clip(response, *bounds)),
+            (np.log(options.least), np.log(options.largest)),
             self.tolerance,
             self.iterations,
-            largest_step=self.options.step,
-            restarts=self.options.restarts,
+            largest_step=options.step,
+            restarts=options.restarts,
         )
         found = np.exp(logarithm)
-        bounded = float(bounded_area(self._geometry, scales.steps, self.options.sharp_scales, found, weights))
+        bounded = float(bounded_area(self._geometry, scales.steps, options.sharp_scales, found, weights))
         return Equilibrium(gap, weights[0].copy(), elastic, change, count, found, bounded)
+
+
+def curve(problem: Problem, far: float, near: float, highest: float, thorough: bool) -> tuple[tuple[Piece, ...], int]:
+    """Pieces of the curve, from far to contact with falling mean gaps in each, and how many states were lost.
+
+    The first piece is the approach, with states that are not converged if it is the only one.
+
+    It begins ``far`` away and ends at a gap of ``near`` and a pressure of ``highest``. If ``thorough``, states are
+    sought elsewhere where the approach ends early.
+    """
+
+    def passed(state: Equilibrium) -> bool:
+        return bool(state.gap <= near and -(state.weights @ problem.traction) >= highest)
+
+    x, options = problem.gaps, problem.options
+    pieces: list[Piece] = []
+
+    def keep(states: list[Equilibrium]) -> bool:
+        if len(states) >= options.fewest:
+            pieces.append(tuple(states))
+        return len(states) >= options.fewest
+
+    first = min(int(np.searchsorted(x, far)), x.size - 2)
+    approached, ended = _follow(problem, problem.solve(float(x[first]), problem.local()), -1, passed, options.lost)
+    if not (ended and thorough):
+        return (tuple(approached),), 0
+    sound = _sound(problem, approached)
+    keep(sound)
+    lost = len(approached) - len(sound)
+    last = sound[-1].gap if sound else float(x[first])
+    for part in options.starts:
+        node = max(int(np.searchsorted(x, x[0] + part * (last - x[0]))), 1)
+        start = problem.grown(float(x[node]))
+        if start.change > problem.tolerance:
+            lost += 1
+            continue
+        above = last
+        farther, _ = _follow(problem, start, 1, lambda state: state.gap >= above, 1)  # noqa: B023
+        nearer, ended = _follow(problem, start, -1, passed, options.lost)
+        both = [*reversed(_sound(problem, farther)[1:]), *_sound(problem, nearer)]
+        both = [state for state in both if state.gap < above]
+        lost += ended * options.lost
+        if keep(both):
+            last = both[-1].gap
+        if not ended:
+            break
+    if ended:
+        # The flat block's own pressure is passed, and two nodes more.
+        beyond = np.flatnonzero((x <= near) & (-problem.traction >= highest))
+        node = max(int(beyond[-1]) - 2, 1) if beyond.size else 1
+        start = problem.solve(float(x[node]), problem.local())
+        outward, _ = _follow(problem, start, 1, lambda state: state.gap >= last, 1)
+        keep([state for state in reversed(_sound(problem, outward)) if state.gap < last])
+    return (tuple(pieces), lost) if pieces else ((tuple(approached),), 0)
+
+
+def _sound(problem: Problem, states: list[Equilibrium]) -> list[Equilibrium]:
+    return [state for state in states if state.change <= problem.tolerance]
+
+
+def _follow(
+    problem: Problem, start: Equilibrium, way: int, passed: Callable[[Equilibrium], bool], patience: int
+) -> tuple[list[Equilibrium], bool]:
+    """States from one on towards contact (way −1) or away from it (1), and whether the last ones were lost.
+
+    They are followed until two have passed, one more than asked for: a spline is at its best between its points. They
+    lie on nodes: a mean gap between nodes begins as a little scatter about it, whose energy depends on where
+    between and would stand in the pressure as a ripple. As many lost in a row as the patience end it.
+    """
+    x, options = problem.gaps, problem.options
+    node = int(np.argmin(np.abs(x - start.gap)))
+    found = [start]
+    sound = found.copy()
+    beyond = lost = 0
+
+    def solved_at(gap: float) -> Equilibrium:
+        return problem.solve(gap, problem.between(sound, gap))
+
+    while beyond < 2 and lost < patience and 1 < node + (way > 0) < x.size - 1:
+        before = node
+        aim = int(np.searchsorted(x, x[0] + options.gap_ratio**-way * (x[before] - x[0])))
+        node = before + way * max(way * (aim - before), 1)
+        node = min(max(node, 1), x.size - 2)
+        state = solved_at(float(x[node]))
+        for _ in range(options.halvings):
+            if state.change <= problem.tolerance or abs(node - before) == 1:
+                break
+            node = before + way * (abs(node - before) // 2)
+            state = solved_at(float(x[node]))
+        found.append(state)
+        if state.change <= problem.tolerance:
+            sound = [sound[-1], state]
+            lost = 0
+        else:
+            lost += 1
+        beyond += passed(state)
+    return found, lost >= patience

@@ -38,8 +38,7 @@ from contact_study.numerics.arguments import finite
 from contact_study.physics.laws.base import TractionLaw
 from contact_study.physics.roughness.spectrum import RoughnessSpectrum
 from contact_study.physics.solids import Elasticity, elasticity_of
-from theory.edge_flow.curve import Piece, curve
-from theory.edge_flow.equilibrium import KERNEL, EdgeFlowOptions, Equilibrium, Problem, scales_of
+from theory.edge_flow.equilibrium import KERNEL, EdgeFlowOptions, Equilibrium, Piece, Problem, curve, scales_of
 from theory.gap_flow.gap_grid import GapNodes, nodes_even_in_stress
 from theory.gap_flow.pressure_curve import PressureCurve, core_of, positions
 from theory.gap_flow.state import GapState
@@ -169,13 +168,7 @@ class EdgeFlow(PressureCurve):
         return float("nan")
 
     def states(self, mean_gaps: np.ndarray) -> list[GapState]:
-        """Distribution of the local gap at each mean gap (m), each solved from its neighbours on the curve.
-
-        Raises
-        ------
-        ValueError
-            If a mean gap is no number or outside the curve.
-        """
+        """Distribution of the local gap at each mean gap (m), each solved from its neighbours on the curve."""
         return [self._state(gap) for gap in positions(mean_gaps, self.mean_gap[0], self.mean_gap[-1])]
 
     def _state(self, mean_gap: float) -> GapState:
@@ -282,9 +275,8 @@ def edge_flow(
     x = nodes.gaps
     traction = np.array(reduced.traction(x), dtype=float)
     deviation = float(np.sqrt(spectrum.full_contact_stress_variance(solid.stiffness))) / modulus
-    if highest_pressure is None:
-        highest = max(_WHOLE_CONTACT * deviation, reduced.peak_tensile_stress)
-    else:
+    highest = max(_WHOLE_CONTACT * deviation, reduced.peak_tensile_stress)
+    if highest_pressure is not None:
         highest = finite("highest_pressure", highest_pressure, "Pa") / modulus
     # Local pressures scatter about the mean one, and the nodes must hold them.
     reach = float(-traction[0]) - 5 * deviation
@@ -296,15 +288,15 @@ def edge_flow(
         raise ValueError(f"smallest_gap = {smallest_gap:g} m: the nodes begin at {x[0] * length:.6g} m")
     share = law.work_of_adhesion / float(spectrum.full_contact_energy(solid.stiffness))
     for count in (scales, options.more_scales * scales):
-        problem = Problem(
-            x, traction, scales_of(spectrum, solid, length, count, options), tolerance, iterations, kernel, options
-        )
-        softening = reduced.strongest_softening / float(problem.scales.stiffness[0])
+        steps = scales_of(spectrum, solid, length, count, options)
+        problem = Problem(x, traction, steps, tolerance, iterations, kernel, options)
+        softening = reduced.strongest_softening / float(steps.stiffness[0])
         limit = (
             f"{share:.2g} of the energy of full contact, softening {softening:.2g} times the finest wave's stiffness"
         )
-        pieces, lost = curve(problem, far, near, highest, count > scales)
-        flow = EdgeFlow(reduced, length, modulus, pieces, lost, limit, problem, nodes)
+        flow = EdgeFlow(
+            reduced, length, modulus, *curve(problem, far, near, highest, count > scales), limit, problem, nodes
+        )
         if flow.converged:
             break
     return flow

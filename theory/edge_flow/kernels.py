@@ -60,35 +60,11 @@ def sweep(
 ):
     """Follow the distribution from coarse to fine and the traction back; every scale's response to what they find.
 
-    Parameters
-    ----------
-    x : numpy.ndarray, shape (n,)
-        Nodes of the gap.
-    geometry : numpy.ndarray, shape (5, n)
-        Their :func:`differences`.
-    stiffness, modulation, square, steps : numpy.ndarray, shape (k,)
-        K, the cost g of its modulation, q² and Δm of each scale.
-    kernel : tuple of float
-        Slope, level and pole of the cost of a modulation on a half-space.
-    traction : numpy.ndarray, shape (n,)
-        φ' at the nodes.
-    start : numpy.ndarray, shape (n,)
-        Weights at the mean gap.
-    sharp : int
-        Coarse scales taken by the Euler method.
-    response : numpy.ndarray, shape (k, n)
-        f of each scale, the share of a wave by which the gap changes.
-    weights, gradients : numpy.ndarray, shape (k + 1, n)
-        Filled with the weights P and the densities M = P <|∇u|²> finer than each scale; the last row is the coarsest.
-    answer : numpy.ndarray, shape (k, n)
-        Filled with the response of equilibrium to these weights and tractions.
-    factors : numpy.ndarray, shape (k, 3, n)
-        Room for the factors of each scale's diffusion, which the traction needs as the distribution does, transposed.
-
-    Returns
-    -------
-    float
-        Elastic energy of all scales.
+    Filled are ``weights`` P and ``gradients`` M = P <|∇u|²> finer than each scale, shape (k + 1, n), the last row the
+    coarsest; ``answer``, the response f of equilibrium to these weights and tractions, shape (k, n); and ``factors``,
+    shape (k, 3, n), those of each scale's diffusion, which the traction needs as the distribution does, transposed.
+    Given are φ' at the nodes, the weights at the mean gap to start from, and how many coarse scales are taken by the
+    Euler method. Returns the elastic energy of all scales.
     """
     n = x.size
     early, late, curvature, rows = np.empty(n), np.empty(n), np.empty(n), np.empty((7, n))
@@ -106,19 +82,8 @@ def sweep(
             solve(inverse, inward, outward, late)
         _slope(geometry, mean, late, curvature)
         mean[:] = late
-        _respond(
-            x,
-            geometry[4],
-            stiffness[k],
-            modulation[k],
-            square[k],
-            kernel,
-            curvature,
-            weights[k : k + 2],
-            gradients[k : k + 2],
-            answer[k],
-            rows,
-        )
+        scale = stiffness[k], modulation[k], square[k]
+        _respond(x, geometry[4], scale, kernel, curvature, weights[k : k + 2], gradients[k : k + 2], answer[k], rows)
         stored = 0.0
         for i in range(n):
             here = 0.5 * (weights[k, i] + weights[k + 1, i])
@@ -216,17 +181,15 @@ def _distribute(geometry, square, steps, start, sharp, response, weights, gradie
 
 
 @njit(cache=True, error_model="numpy", fastmath={"contract", "arcp", "nsz"})
-def _respond(x, cell, stiffness, modulation, square, kernel, curvature, weights, gradients, answer, rows):
+def _respond(x, cell, scale, kernel, curvature, weights, gradients, answer, rows):
     """Solve for the response f by elimination of two-by-two blocks.
 
-    K [(1 − g + g t + g s X) f + g (1 − t) z] + c f = K, (X + b) z = b f.
-
-    s, t and b are slope, level and pole of the kernel.
-
+    K [(1 − g + g t + g s X) f + g (1 − t) z] + c f = K and (X + b) z = b f; s, t, b: slope, level, pole.
     X = −(P q²)⁻¹ ∂ M ∂ with the means of P and M over the scale. Rows are times P, so that a node without weight has
     no equation of its own; it is given the response of its curvature. Blocks are eliminated from both ends inward.
     """
     n = x.size
+    stiffness, modulation, square = scale
     slope, level, pole = kernel
     slope *= modulation
     # Block of each node, its right side, and the coupling to the next node: M over q² and the distance.

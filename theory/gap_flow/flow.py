@@ -43,17 +43,10 @@ class GapFlowOptions:
     Where two states coexist, a step throws an area of the square root of its variance across the end of coexistence,
     which is put back onto its last node. Finer steps spread it again; the first, which nothing follows on the way back,
     must spread by less than the distance of two nodes.
-
-    Attributes
-    ----------
-    first_variance : float
-        Height variance of the first step, in squares of the law's length.
-    growth : float
-        Growth of the steps after it, times the number of scales, until the bands of the spectrum are shorter.
     """
 
-    first_variance: float = 1e-5
-    growth: float = 500
+    first_variance: float = 1e-5  # height variance of the first step, in squares of the law's length
+    growth: float = 500  # of the steps after it, times the number of scales, until the spectrum's bands are shorter
 
 
 _DEFAULT = GapFlowOptions()
@@ -126,13 +119,7 @@ class GapFlow(PressureCurve):
         return -np.diff(self.energy) / np.diff(self.gaps) * self.contact_modulus
 
     def states(self, mean_gaps: np.ndarray) -> list[GapState]:
-        """Distribution of the local gap at each mean gap (m), all in one pass from coarse to fine.
-
-        Raises
-        ------
-        ValueError
-            If a mean gap is no number or outside the nodes of the flow.
-        """
+        """Distribution of the local gap at each mean gap (m), all in one pass from coarse to fine."""
         asked = positions(mean_gaps, self.gaps[0] * self.length, self.gaps[-1] * self.length)
         reduced = asked / self.length
         weights = np.zeros((self.gaps.size, reduced.size))

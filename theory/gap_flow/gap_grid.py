@@ -27,21 +27,11 @@ _TABLE = 40001
 
 @dataclass(frozen=True, eq=False)
 class GapNodes:
-    """Nodes that all states of a curve share.
-
-    Attributes
-    ----------
-    law : TractionLaw
-        The law, in units of its length and the contact modulus.
-    gaps : numpy.ndarray, shape (n,)
-        Rising nodes of the local gap in units of that length.
-    between : numpy.ndarray, shape (n - 1,), optional
-        Where the interval of one node ends and that of the next begins; by default halfway.
-    """
+    """Nodes that all states of a curve share, in units of a length and the contact modulus."""
 
     law: TractionLaw
-    gaps: np.ndarray
-    between: np.ndarray | None = None
+    gaps: np.ndarray  # rising nodes of the local gap, shape (n,)
+    between: np.ndarray | None = None  # where their intervals meet, shape (n - 1,); by default halfway
 
     @cached_property
     def edges(self) -> np.ndarray:
@@ -57,16 +47,9 @@ class GapNodes:
     def stress_masses(self, cubics: np.ndarray, bins: np.ndarray) -> np.ndarray:
         """Area in each bin of the stress σ = −φ'(u), shape (m,) for m + 1 rising ends in units of the modulus.
 
-        In each piece of an interval the area is spread evenly over its stresses, of which the steep repulsion holds
-        many.
-
-        Parameters
-        ----------
-        cubics : numpy.ndarray, shape (4, n)
-            Area below a gap in each interval, as coefficients of the distance from its lower end, the third power
-            first.
-        bins : numpy.ndarray, shape (m + 1,)
-            Ends of the bins.
+        The area below a gap comes as cubics of the distance from the lower end of each interval, shape (4, n), the
+        third power first. In each piece of an interval it is spread evenly over its stresses, of which the steep
+        repulsion holds many.
         """
         masses = np.zeros(bins.size - 1)
         _spread(self._stress, self._shares(cubics), bins, masses)
@@ -100,13 +83,7 @@ def nodes_even_in_stress(
 
     The repulsion is so steep that nodes of the gap alone leave few to stresses which decide the mean. These nodes are
     spaced evenly in a sum of the two coordinates, and so are the ends of their intervals.
-
-    Parameters
-    ----------
-    spectrum, solid, law, length, largest_gap
-        As for :func:`gap_nodes`.
-    count : int
-        Nodes for roughness of the law's own size; wider ranges have more, as many for each factor of e.
+    ``count`` is for roughness of the law's own size; wider ranges have more nodes, as many for each factor of e.
     """
     lowest, steps = _reach(spectrum, solid, law, length, largest_gap)
     count = int(np.ceil(count * max(steps / _USUAL_STEPS, 1)))

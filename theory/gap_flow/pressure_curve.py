@@ -28,13 +28,7 @@ class PressureCurve(ABC):
 
     @abstractmethod
     def states(self, mean_gaps: np.ndarray) -> list[GapState]:
-        """Distribution of the local gap at each mean gap (m).
-
-        Raises
-        ------
-        ValueError
-            If a mean gap is no number or outside the nodes of the flow.
-        """
+        """Distribution of the local gap at each mean gap (m); ValueError outside the nodes of the flow."""
 
     @property
     def _from_contact(self) -> bool:
@@ -55,12 +49,8 @@ class PressureCurve(ABC):
         """Mean gap, from the law's zero, at a pressure (m); NaN where no stable state carries it.
 
         Of several stable states (p falling with ū) it is the one of the largest gap, which an approaching block meets
-        first, or on an unloading branch of the smallest, which a retracting block leaves last.
-
-        Raises
-        ------
-        ValueError
-            If the pressure is no number, or higher than the nodes of the flow reach.
+        first, or on an unloading branch of the smallest, which a retracting block leaves last. ValueError if the
+        pressure is no number, or higher than the nodes of the flow reach.
         """
         p, gap = self.pressure, self.mean_gap
         finite("pressure", pressure, "Pa")
@@ -83,10 +73,7 @@ class PressureCurve(ABC):
     def at_pressure(self, pressure: float) -> GapState:
         """The distribution of gaps at a mean pressure (Pa), of the stable state that :meth:`gap_at` chooses.
 
-        Raises
-        ------
-        ValueError
-            If the pressure is no number, no stable state carries it, or it is higher than the nodes of the flow reach.
+        ValueError if there is none.
         """
         gap = self.gap_at(pressure)
         if np.isnan(gap):
@@ -97,26 +84,14 @@ class PressureCurve(ABC):
 
 
 def core_of(law: TractionLaw) -> float:
-    """The equilibrium distance, at which a law's core ends (m).
-
-    Raises
-    ------
-    ValueError
-        If there is a wall or nothing in place of a core: a flow of the local gap goes through the whole law.
-    """
+    """The equilibrium distance, at which a law's core ends (m); ValueError if there is a wall in its place."""
     if law.has_wall:
         raise ValueError(f"law: {law.title}: has a wall, which no flow of the local gap goes through; take a core")
     return law.equilibrium_distance
 
 
 def positions(mean_gaps: np.ndarray, lowest: float, highest: float) -> np.ndarray:
-    """Mean gaps (m) as an array; those outside the two ends, or no numbers, are refused.
-
-    Raises
-    ------
-    ValueError
-        If there are such.
-    """
+    """Mean gaps (m) as an array; ValueError if one is outside the two ends, or no number."""
     asked = np.atleast_1d(np.asarray(mean_gaps, dtype=float))
     wrong = ~((asked >= lowest) & (asked <= highest))
     if wrong.any():

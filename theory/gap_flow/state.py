@@ -25,15 +25,7 @@ _NO_WEIGHT = 1e-200
 
 
 def cumulatives(nodes: GapNodes, weights: np.ndarray) -> list[PPoly]:
-    """Area below a gap of every state, monotone between the ends of the nodes' intervals.
-
-    Parameters
-    ----------
-    nodes : GapNodes
-        The nodes.
-    weights : numpy.ndarray, shape (states, n)
-        Fraction of the area at each node.
-    """
+    """Area below a gap of every state from its weights, shape (states, n), monotone between the intervals' ends."""
     # Quotients of the interpolation overflow where a weight is next to no number.
     seen = np.where(np.abs(weights) > _NO_WEIGHT, weights, 0.0)
     below = np.concatenate([np.zeros((len(seen), 1)), np.cumsum(seen, axis=1)], axis=1)
@@ -158,12 +150,7 @@ class GapState:
     def quantities(self, contact_distance: float | None = None) -> dict[str, Any]:
         """Everything that is read off the state, by its name in a dataset; distributions as functions of bin edges.
 
-        The mean gap is from the law's equilibrium distance, as in all datasets.
-
-        Parameters
-        ----------
-        contact_distance : float, optional
-            Gaps below it count as contact (m); by default those within the law's own contact distance.
+        The mean gap is from the law's equilibrium distance, as in all datasets; arguments as :meth:`to_dataset`.
         """
         own = self.law.contact_distance * self.length
         return {
@@ -196,11 +183,6 @@ class GapState:
             Gaps below it count as contact (m); by default those within the law's own contact distance.
         pressure_edges, gap_edges : numpy.ndarray, optional
             Edges of the bins of both distributions (Pa, m); by default even ones over all but a billionth of the area.
-
-        Raises
-        ------
-        ValueError
-            If edges do not rise.
         """
         held = np.flatnonzero(self.weights > _SEEN)
         low, high = (float(self.nodes.edges[end]) for end in (held[0], held[-1] + 1))

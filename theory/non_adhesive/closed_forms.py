@@ -17,28 +17,12 @@ _gauss = cache(roots_legendre)
 
 
 def relative_contact_area(pressure: np.ndarray | float, stress_variance: np.ndarray | float) -> np.ndarray:
-    """A/A₀ = erf(p/√(2s)).
-
-    Parameters
-    ----------
-    pressure : float or numpy.ndarray
-        p >= 0 (Pa).
-    stress_variance : float or numpy.ndarray
-        s at the magnification studied (Pa²).
-    """
+    """A/A₀ = erf(p/√(2s)) at a pressure p >= 0 (Pa) and the stress variance s of the magnification (Pa²)."""
     return erf(np.asarray(pressure) / np.sqrt(2 * np.asarray(stress_variance)))
 
 
 def stress_density(stress: np.ndarray, pressure: float, stress_variance: float) -> np.ndarray:
-    """P(σ) = (2πs)^(−½) [e^(−(σ−p)²/2s) − e^(−(σ+p)²/2s)] for σ >= 0, without the δ of non-contact (1/Pa).
-
-    Parameters
-    ----------
-    stress : numpy.ndarray
-        σ (Pa); the density is zero where σ < 0.
-    pressure, stress_variance : float
-        p (Pa) and s (Pa²).
-    """
+    """P(σ) = (2πs)^(−½) [e^(−(σ−p)²/2s) − e^(−(σ+p)²/2s)] for σ >= 0, without the δ of non-contact (1/Pa)."""
     stress = np.asarray(stress, dtype=float)
     direct = np.exp(-((stress - pressure) ** 2) / (2 * stress_variance))
     image = np.exp(-((stress + pressure) ** 2) / (2 * stress_variance))
@@ -57,20 +41,8 @@ def mean_gap(
         ū = (2/√π) ∫ dU w ∫_p^∞ (dp'/p') [β + 3(1−β) erf²(wp')] e^(−(wp')²),     w = (2s)^(−½)
 
     with the energy dU = π K q C dq of full contact. Its stress variance is s(q) = 2π ∫_{q_L}^q K² q' C dq'. A
-    half-space, K = E* q/2, gives the paper's √π ∫ dq q²C (E*w) … with E*w = (π ∫ q'³C dq')^(−½).
-
-    Parameters
-    ----------
-    pressure : float or numpy.ndarray
-        p > 0 (Pa).
-    spectrum : RoughnessSpectrum
-        Roughness.
-    elasticity : Elasticity or float
-        The solid; a number is the contact modulus E* of a half-space (Pa).
-    beta : float, optional
-        β of the weight.
-    bands : int, optional
-        Bands in which the integral over q is done by Gauss's rule in the deviation of the stress.
+    half-space, K = E* q/2, gives the paper's √π ∫ dq q²C (E*w) … with E*w = (π ∫ q'³C dq')^(−½). The integral over q
+    is done by Gauss's rule in the deviation of the stress, in as many bands as asked.
     """
     stress, energy = stress_and_energy_points(spectrum, elasticity_of(elasticity), bands)
     given = np.atleast_1d(np.asarray(pressure, dtype=float))

@@ -30,32 +30,16 @@ if TYPE_CHECKING:
     import xarray as xr
 
 
-@dataclass(frozen=True)
-class GapDistributionOptions:
-    """Constants of the sums over the spectrum.
+# Bands of the spectrum, and parts of the area that leave contact one after the other: as many of equal area and of
+# equal ratios. Where little area leaves contact u₁ of a single ζ has no bound.
+_BANDS, _PARTS = 100, 50
 
-    Attributes
-    ----------
-    bands, parts : int
-        Bands of the spectrum, and parts of the area that leave contact one after the other: as many of equal area and
-        of equal ratios. Where little area leaves contact u₁ of a single ζ has no bound.
-    first : float
-        Smallest share of the stress variance, or of the spectrum's width, that is resolved. Under light load what
-        leaves contact earlier lies too far away to matter.
-    reach : float
-        Deviations of a part's Gaussian that hold all but a billionth of it.
-    bins : int
-        Bins of the gap in the sum over a law's traction.
-    """
+# Smallest share of the stress variance, or of the spectrum's width, that is resolved. Under light load what leaves
+# contact earlier lies too far away to matter.
+_FIRST = 1e-12
 
-    bands: int = 100
-    parts: int = 50
-    first: float = 1e-12
-    reach: float = 6.0
-    bins: int = 4000
-
-
-_OPTIONS = GapDistributionOptions()
+# Deviations of a part's Gaussian that hold all but a billionth of it, and bins of the gap in the sum over a traction.
+_REACH, _BINS = 6.0, 4000
 
 # Deviation of a part that lies deep under contact and has a gap of zero (m).
 _LEAST = 1e-100
@@ -108,15 +92,7 @@ class GapDistribution:
     def to_dataset(self, gap_edges: np.ndarray | None = None) -> "xr.Dataset":
         """Give the state in the schema of ``theory.nc``, with the contact in the bin of P(u) that begins at zero.
 
-        Parameters
-        ----------
-        gap_edges : numpy.ndarray, optional
-            Edges of the bins (m); by default even ones over all but a billionth of the area.
-
-        Raises
-        ------
-        ValueError
-            If edges do not rise.
+        Without edges of the bins (m) there are even ones over all but a billionth of the area.
         """
 
         def with_contact(edges: np.ndarray) -> np.ndarray:
@@ -132,7 +108,7 @@ class GapDistribution:
                 "gap_pdf": with_contact,
             },
             {"gap_pdf": gap_edges},
-            {"gap_pdf": (0.0, float(np.max(self.centres + _OPTIONS.reach * self.widths)))},
+            {"gap_pdf": (0.0, float(np.max(self.centres + _REACH * self.widths)))},
         )
 
 
@@ -187,7 +163,7 @@ def gap_distribution(
     whole = int(np.flatnonzero(left == left[0])[-1])  # the last wavevector that leaves the area whole
     if whole == q.size - 1:
         raise ValueError(f"pressure = {pressure:g} Pa: presses the roughness flat, and leaves no gap to distribute")
-    steps = np.linspace(0.0, 1.0, _OPTIONS.parts + 1)[1:-1]
+    steps = np.linspace(0.0, 1.0, _PARTS + 1)[1:-1]
     # Under light load all of the area that matters is in the last of the equal parts: as many in equal ratios.
     wanted = np.concatenate([left[0] + steps * (left[-1] - left[0]), left[0] * (left[-1] / left[0]) ** steps])
     ends = np.interp(-np.unique(wanted)[::-1], -left[whole:], q[whole:])
@@ -207,22 +183,13 @@ def attracted_at_light_load(
 
     At a magnification that carries the stress variance s the area in contact is √(2/πs) for every unit of pressure,
     under √(πs/2): neither depends on the pressure. The sum is that of :func:`gap_distribution`, for an infinite
-    surface.
-
-    Parameters
-    ----------
-    spectrum, elasticity, regularised, beta
-        As :func:`gap_distribution`.
-    attraction_range : float
-        Gap up to which the area counts (m).
+    surface, up to a gap of the ``attraction_range`` (m).
     """
     reach = positive("attraction_range", attraction_range, "m")
     solid = elasticity_of(elasticity)
     q, stress = _stress(spectrum, solid)
-    rough = stress > _OPTIONS.first * stress[-1]
-    shares = np.concatenate(
-        [np.geomspace(_OPTIONS.first, 0.5, _OPTIONS.parts + 1), 1 - np.geomspace(0.5, 1e-3, _OPTIONS.parts)[1:]]
-    )
+    rough = stress > _FIRST * stress[-1]
+    shares = np.concatenate([np.geomspace(_FIRST, 0.5, _PARTS + 1), 1 - np.geomspace(0.5, 1e-3, _PARTS)[1:]])
     ends = np.exp(np.interp(np.log(shares * stress[-1]), np.log(stress[rough]), np.log(q[rough])))
     areas, centres, widths = _parts(
         spectrum,
@@ -263,7 +230,7 @@ def dmt_limit(distribution: GapDistribution, law: TractionLaw) -> float:
     True
     """
     reach = float(np.max(np.abs(distribution.centres) + 9 * distribution.widths)) / law.length
-    edges = law.length * np.concatenate([[0.0], np.geomspace(1e-4, max(reach, 1.0), _OPTIONS.bins)])
+    edges = law.length * np.concatenate([[0.0], np.geomspace(1e-4, max(reach, 1.0), _BINS)])
     mass = np.diff(distribution.fraction_below(edges))
     middle = 0.5 * (edges[1:] + edges[:-1])
     return distribution.pressure - float(mass @ law.traction(law.equilibrium_distance + middle))
@@ -271,9 +238,9 @@ def dmt_limit(distribution: GapDistribution, law: TractionLaw) -> float:
 
 def _stress(spectrum: RoughnessSpectrum, solid: Elasticity) -> tuple[np.ndarray, np.ndarray]:
     """Wavevectors that divide the spectrum finely, above all at its beginning (1/m), and the stress variance there."""
-    edges = spectrum.band_edges(_OPTIONS.bands)
-    first = edges[0] + (edges[-1] - edges[0]) * np.geomspace(_OPTIONS.first, 1e-2, 20 * _OPTIONS.bands)
-    q = np.unique(np.concatenate([edges, first, np.geomspace(edges[0], edges[-1], 100 * _OPTIONS.bands)]))
+    edges = spectrum.band_edges(_BANDS)
+    first = edges[0] + (edges[-1] - edges[0]) * np.geomspace(_FIRST, 1e-2, 20 * _BANDS)
+    q = np.unique(np.concatenate([edges, first, np.geomspace(edges[0], edges[-1], 100 * _BANDS)]))
     return q, spectrum.full_contact_stress_variance(solid.stiffness, q)
 
 
@@ -291,7 +258,7 @@ def _parts(
     ``contact`` gives the area in contact at stress variances, ``local`` the pressure on such an area.
     """
     ends = np.unique(ends)
-    q = np.unique(np.concatenate([spectrum.band_edges(_OPTIONS.bands), ends]))
+    q = np.unique(np.concatenate([spectrum.band_edges(_BANDS), ends]))
     variance = spectrum.full_contact_stress_variance(solid.stiffness, q)
     energy = spectrum.full_contact_energy(solid.stiffness, q)
     first = np.searchsorted(q, ends)

@@ -38,15 +38,10 @@ class BackgroundTask(Generic[Result]):
 
 
 class BackgroundExecutor:
-    """Threads beside the one that asks; results do not depend on how many.
+    """Threads beside the one that asks, which counts as one of them; results do not depend on how many.
 
     Warnings are caught for a whole process: work may not catch them. It may ask for the result of work that asks for
-    none.
-
-    Parameters
-    ----------
-    threads : int
-        That are busy at a time, the one that asks among them; with one alone work is done when it is asked for.
+    none. With one thread alone work is done when it is asked for.
     """
 
     def __init__(self, threads: int):

@@ -25,36 +25,11 @@ def accelerated(
 ) -> tuple[np.ndarray, float, int]:
     """Iterate until the change that ``update`` reports is within the tolerance.
 
-    Parameters
-    ----------
-    update : callable
-        The residual, image less argument, of values, the weight of each in the least squares, and the change to be
-        stopped at.
-    values : numpy.ndarray
-        First values; they are not changed.
-    bounds : pair of float
-        Where values are kept.
-    tolerance : float
-        Largest change of the last iteration.
-    iterations : int
-        Updates at most.
-    mixing : float, optional
-        Share of the residual that a step takes in directions which are not remembered.
-    memory : int, optional
-        States that are remembered.
-    largest_step : float, optional
-        Largest change of a value in a step.
-    restarts : int, optional
-        How often in a row a step that leads to no numbers is halved and the remembered states are dropped.
-
-    Returns
-    -------
-    values : numpy.ndarray
-        Those of the last update.
-    change : float
-        Its change; infinite if the next values were no numbers.
-    count : int
-        Updates made.
+    ``update`` gives the residual, image less argument, of values, the weight of each in the least squares, and the
+    change to be stopped at. Values are kept within the bounds. A step takes the share ``mixing`` of the residual in
+    directions which are not among the ``memory`` last ones; one that leads to no numbers is halved up to ``restarts``
+    times in a row. Returned are the values of the last update, its change, infinite if the next values were no numbers,
+    and the count of updates.
     """
     residual, weight, change = update(values)
     count, held, oldest = 1, 0, 0

@@ -8,14 +8,9 @@ from numba import njit
 
 @njit(cache=True, error_model="numpy", fastmath={"contract", "arcp", "nsz"})
 def factorise(lower, diagonal, upper, inverse, inward, outward):
-    """Eliminate the rows of a matrix of n >= 2.
+    """Eliminate a matrix of n >= 2 rows; the first lower and the last upper element are not read.
 
-    Parameters
-    ----------
-    lower, diagonal, upper : numpy.ndarray, shape (n,)
-        Row i reads lower[i], diagonal[i], upper[i]; the first lower and the last upper are not read.
-    inverse, inward, outward : numpy.ndarray, shape (n,)
-        Filled with the inverse of the pivots, and the factors of elimination and of its way back.
+    Filled are the inverse of the pivots, and the factors of elimination inward and of its way back.
     """
     n = inverse.size
     middle = n // 2

@@ -27,33 +27,19 @@ _GAMMA = 1 - 1 / np.sqrt(2)
 
 @dataclass(frozen=True)
 class DiffusionOptions:
-    """Constants of the cells, in standard deviations of the last stress unless stated otherwise.
+    """Constants of the cells, in standard deviations of the last stress unless stated otherwise."""
 
-    Attributes
-    ----------
-    reach : float
-        Deviations outside which 1e-12 of a Gaussian lies.
-    safe_distance : float
-        Deviations of its current stress that a contact keeps from detaching where none of it is lost; 1e-23 of a
-        Gaussian lies beyond ten.
-    coarsest, finest : float
-        Bounds of the stress up to which cells are nearly equal.
-    share_of_start : float
-        That stress over the distance of the boundary at the start, between the bounds.
-    first_deviations : float
-        Lower bound of that stress, too, in deviations at the first node. In narrower cells the first step in s is so
-        long that SDIRK2 leaves negative masses.
-    first_distance : float
-        Distance at the start, over that stress, beyond which the boundary is moved closer.
-    """
-
-    reach: float = 7.0
+    reach: float = 7.0  # deviations outside which 1e-12 of a Gaussian lies
+    # Deviations of its current stress that a contact keeps from detaching where none of it is lost: beyond, 1e-23.
     safe_distance: float = 10.0
+    # Bounds of the stress up to which cells are nearly equal, and that stress over the boundary's first distance.
     coarsest: float = 0.3
     finest: float = 1e-5
     share_of_start: float = 3.0
+    # Its lower bound, too, in deviations at the first node: in narrower cells the first step in s is so long that
+    # SDIRK2 leaves negative masses.
     first_deviations: float = 250.0
-    first_distance: float = 3.0
+    first_distance: float = 3.0  # distance at the start, over that stress, beyond which the boundary is moved closer
 
 
 _DEFAULT = DiffusionOptions()
@@ -61,24 +47,12 @@ _DEFAULT = DiffusionOptions()
 
 @dataclass(frozen=True)
 class StressDistribution:
-    """P(σ) of the contact at the end of the diffusion, and its history.
+    """P(σ) of the contact at the end of the diffusion, and its history."""
 
-    Attributes
-    ----------
-    contact : numpy.ndarray, shape (n,)
-        Relative contact area ∫ P dσ at each node of the variance.
-    edges : numpy.ndarray, shape (m + 1,)
-        Cell edges of the stress, from −σ_a upward, compression positive.
-    density : numpy.ndarray, shape (m,)
-        P in each cell, per unit of stress.
-    edge_stress : float
-        −∫ σ_a g ds with g the absorbed flux: the mean stress that left with the detached area, which is tension.
-    """
-
-    contact: np.ndarray
-    edges: np.ndarray
-    density: np.ndarray
-    edge_stress: float
+    contact: np.ndarray  # relative area ∫ P dσ at each node of the variance
+    edges: np.ndarray  # of the cells of stress, from −σ_a upward, compression positive, shape (m + 1,)
+    density: np.ndarray  # P in each cell, per unit of stress, shape (m,)
+    edge_stress: float  # −∫ σ_a g ds, g the absorbed flux: the mean stress that left with the detached area, tension
 
     @property
     def contact_stress(self) -> float:
@@ -101,23 +75,15 @@ def diffuse(
 ) -> StressDistribution:
     """Stress distribution of a contact under a pressure, in units where the last variance is about one.
 
-    A contact that never comes near the boundary stays whole, and its distribution is the Gaussian of full contact.
-
-    Parameters
-    ----------
-    pressure : float
-        Mean pressure p: P starts as δ(σ − p).
-    variance : numpy.ndarray, shape (n,)
-        Increasing nodes of s, from zero.
-    detachment_stress : numpy.ndarray, shape (n,)
-        σ_a >= 0 at the nodes, linear between them.
-    cells : int, optional
-        Number of stress cells.
-    options : DiffusionOptions, optional
-        Constants.
+    P starts as δ(σ − p) at a variance of zero; σ_a >= 0 is linear between the rising nodes of the variance. A contact
+    that never comes near the boundary stays whole, and its distribution is the Gaussian of full contact.
     """
     if np.min(pressure + detachment_stress - options.safe_distance * np.sqrt(variance)) > 0:
-        return _full_contact(pressure, variance, cells, options.reach)
+        deviations = np.linspace(-options.reach, options.reach, cells + 1)
+        mass = np.diff(ndtr(deviations))
+        mass /= mass.sum()
+        edges = pressure + np.sqrt(variance[-1]) * deviations
+        return StressDistribution(np.ones(variance.size), edges, mass / np.diff(edges), 0.0)
     finest = max(options.finest, options.first_deviations * np.sqrt(variance[1]))
     scale = float(np.clip(options.share_of_start * (pressure + detachment_stress[0]), finest, options.coarsest))
     # A contact cannot lose anything to a boundary farther away than its own deviations reach. There the boundary is
@@ -125,27 +91,15 @@ def diffuse(
     distance = options.reach * np.sqrt(variance + (options.first_distance * scale / options.reach) ** 2)
     boundary = np.minimum(detachment_stress, np.maximum(distance - pressure, 0.0))
     start = pressure + boundary[0]
-    faces = graded(max(pressure + boundary.max(), 0.0) + options.reach * np.sqrt(variance[-1]), cells, scale)
+    # Cells are nearly equal up to the scale, wider in proportion to the distance beyond.
+    reach = max(pressure + boundary.max(), 0.0) + options.reach * np.sqrt(variance[-1])
+    faces = scale * np.sinh(np.linspace(0, np.arcsinh(reach / scale), cells + 1))
     mass, contact = np.zeros(cells), np.zeros(variance.size)
     edge_stress = min(pressure, 0.0)
     if start > 0:
         _split_delta(start, faces, mass)
         edge_stress = _march(variance, boundary, faces, mass, contact)
     return StressDistribution(contact, faces - boundary[-1], mass / np.diff(faces), edge_stress)
-
-
-def _full_contact(pressure: float, variance: np.ndarray, cells: int, reach: float) -> StressDistribution:
-    """The Gaussian of full contact in equal cells."""
-    deviations = np.linspace(-reach, reach, cells + 1)
-    mass = np.diff(ndtr(deviations))
-    mass /= mass.sum()
-    edges = pressure + np.sqrt(variance[-1]) * deviations
-    return StressDistribution(np.ones(variance.size), edges, mass / np.diff(edges), 0.0)
-
-
-def graded(reach: float, cells: int, scale: float) -> np.ndarray:
-    """Cell faces from 0 to ``reach``: nearly equal up to ``scale``, wider in proportion to the distance beyond."""
-    return scale * np.sinh(np.linspace(0, np.arcsinh(reach / scale), cells + 1))
 
 
 def _split_delta(start: float, faces: np.ndarray, mass: np.ndarray) -> None:

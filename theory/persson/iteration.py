@@ -16,29 +16,14 @@ from theory.persson.diffusion import StressDistribution
 
 @dataclass(frozen=True)
 class IterationOptions:
-    """Constants of the iteration.
+    """Constants of the iteration."""
 
-    Attributes
-    ----------
-    tolerance : float
-        Largest change of σ_a over the stress scale at the end, four digits below the error of the nodes.
-    max_iterations : int
-        Largest number of diffusions.
-    accelerated, memory : int
-        Diffusions after which the acceleration is given up, and states that it uses. With more states it fails near
-        the sticking threshold.
-    relaxation : float
-        Largest share of the change that the damped iteration takes.
-    patience : int
-        Diffusions in which the smallest change of the damped iteration has to halve.
-    """
-
-    tolerance: float = 1e-7
-    max_iterations: int = 400
-    accelerated: int = 40
-    memory: int = 3
-    relaxation: float = 0.8
-    patience: int = 200
+    tolerance: float = 1e-7  # largest change of σ_a over the stress scale, four digits below the error of the nodes
+    max_iterations: int = 400  # diffusions at most
+    accelerated: int = 40  # diffusions after which the acceleration is given up
+    memory: int = 3  # states that it uses; with more it fails near the sticking threshold
+    relaxation: float = 0.8  # largest share of the change that the damped iteration takes
+    patience: int = 200  # diffusions in which the smallest change of the damped iteration has to halve
 
 
 @dataclass(frozen=True)
@@ -53,56 +38,18 @@ class FixedPoint:
 
 
 Response = Callable[[np.ndarray], tuple[StressDistribution, np.ndarray]]
+Root = Callable[[np.ndarray], np.ndarray]
 
 
 def iterate(
-    respond: Response,
-    root: Callable[[np.ndarray], np.ndarray],
-    stress: np.ndarray,
-    scale: float,
-    one_state: bool,
-    options: IterationOptions,
+    respond: Response, root: Root, stress: np.ndarray, scale: float, one_state: bool, options: IterationOptions
 ) -> FixedPoint:
-    """Find the σ_a that the distribution under it asks for.
+    """The σ_a that the distribution under it asks for; FloatingPointError if an iterate is not finite.
 
-    Parameters
-    ----------
-    respond : callable
-        The distribution under a σ_a (Pa), and the square of σ_a that follows from it (Pa²).
-    root : callable
-        σ_a from its square, which may be negative.
-    stress : numpy.ndarray
-        First σ_a at the magnifications (Pa).
-    scale : float
-        Stress scale (Pa).
-    one_state : bool
-        Whether there is one state only, so that any way to it will do.
-    options : IterationOptions
-        Constants.
-
-    Raises
-    ------
-    FloatingPointError
-        If an iterate is not finite.
+    ``respond`` gives the distribution under a σ_a (Pa) and the square of the σ_a that follows from it (Pa²), which may
+    be negative; ``root`` makes σ_a of that. Where there is ``one_state`` only, any way to it will do.
     """
-    spent = 0
-    if one_state:
-        found = _accelerate(respond, root, stress, scale, options)
-        if found.change <= options.tolerance or found.iterations >= options.max_iterations:
-            return found
-        stress, spent = found.stress, found.iterations
-    return _damp(respond, root, stress, scale, spent, options)
-
-
-def _accelerate(
-    respond: Response,
-    root: Callable[[np.ndarray], np.ndarray],
-    stress: np.ndarray,
-    scale: float,
-    options: IterationOptions,
-) -> FixedPoint:
-    """Anderson's acceleration of σ_a², which is smooth, continued below zero, where σ_a is not."""
-    used = stress
+    used, spent = stress, 0
     distribution: StressDistribution
 
     def update(square: np.ndarray) -> tuple[np.ndarray, np.ndarray, float]:
@@ -115,20 +62,18 @@ def _accelerate(
         weight = ((square > 0) | (found > 0)).astype(float)
         return found - square, weight, change
 
-    limit = min(options.max_iterations, options.accelerated)
-    bounds = (-np.inf, np.inf)
-    start = (stress / scale) ** 2
-    _, change, count = accelerated(update, start, bounds, options.tolerance, limit, mixing=1.0, memory=options.memory)
-    return FixedPoint(used, distribution, change, count)
+    if one_state:
+        # σ_a² is smooth, continued below zero, where σ_a is not.
+        limit = min(options.max_iterations, options.accelerated)
+        start, bounds = (stress / scale) ** 2, (-np.inf, np.inf)
+        _, change, spent = accelerated(update, start, bounds, options.tolerance, limit, 1.0, options.memory)
+        if change <= options.tolerance or spent >= options.max_iterations:
+            return FixedPoint(used, distribution, change, spent)
+    return _damp(respond, root, used, scale, spent, options)
 
 
 def _damp(
-    respond: Response,
-    root: Callable[[np.ndarray], np.ndarray],
-    stress: np.ndarray,
-    scale: float,
-    spent: int,
-    options: IterationOptions,
+    respond: Response, root: Root, stress: np.ndarray, scale: float, spent: int, options: IterationOptions
 ) -> FixedPoint:
     """Iterate σ_a with less relaxation at magnifications where the change alternates.
 

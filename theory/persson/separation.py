@@ -7,16 +7,16 @@ diverges, too: ū exists for p > 0 only, and :func:`energy_defect` gives that de
 """
 
 import warnings
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from theory.persson.gap_integral import GapIntegral
+from theory.persson.contact import PerssonContact, gap_integral
 from theory.persson.iteration import IterationOptions
-from theory.persson.theory import PerssonContact, PerssonTheory, gap_integral
+from theory.persson.theory import PerssonTheory
 
 TOLERANCE, MAX_ITERATIONS = IterationOptions.tolerance, IterationOptions.max_iterations
 
@@ -68,17 +68,11 @@ class SeparationCurve:
         return all(contact.converged for contact in self.contacts[first:])
 
     def mean_gap(self, pressure: np.ndarray | float) -> np.ndarray:
-        """ū at pressures within the sweep (m); NaN where p <= 0.
-
-        Warns
-        -----
-        NegativeSeparation
-            Where ū < 0; the value is kept.
-        """
+        """ū at pressures within the sweep (m); NaN where p <= 0, with a NegativeSeparation warning where ū < 0."""
         p = np.asarray(pressure, dtype=float)
         swept = (p > 0) & (p >= self.pressure[0] * (1 - 1e-12))
         x = np.log(np.where(swept, np.minimum(p, self.pressure[-1]), self.pressure[-1]))
-        gap = np.where(swept, self._integral.gap(x), np.nan)
+        gap = np.where(swept, self._integral(x), np.nan)
         if np.any(gap < 0):
             warnings.warn(
                 f"mean separation down to {np.nanmin(gap):.3g} m: strong adhesion, U(p) is not monotonic",
@@ -93,7 +87,7 @@ class SeparationCurve:
         return self.contacts[0].theory.detachment_stress(self._effective_work(x))
 
     @cached_property
-    def _integral(self) -> GapIntegral:
+    def _integral(self) -> Callable[[np.ndarray], np.ndarray]:
         return gap_integral(self.contacts)
 
     @cached_property
@@ -125,17 +119,12 @@ def separation_curve(
     Returns
     -------
     SeparationCurve
-        The states and the mean gap over pressure; see there for an example.
+        The states and the mean gap over pressure, with a NotConverged warning if states did not converge.
 
     Raises
     ------
     ValueError
         If ``lowest`` is not positive or beyond full contact.
-
-    Warns
-    -----
-    NotConverged
-        If states of the sweep did not converge.
 
     Examples
     --------
@@ -173,12 +162,8 @@ def energy_defect(theory: PerssonTheory, tolerance: float = TOLERANCE, max_itera
     Returns
     -------
     float
-        dU/dp (m): zero without sticking; otherwise it makes ū diverge as p falls.
-
-    Warns
-    -----
-    NotConverged
-        If one of the three states did not converge.
+        dU/dp (m): zero without sticking; otherwise it makes ū diverge as p falls. A NotConverged warning comes with one
+        of the three states that did not converge.
 
     Examples
     --------
@@ -224,12 +209,7 @@ def pull_off_pressure(
     Returns
     -------
     float
-        Pressure <= 0 (Pa); zero where nothing sticks.
-
-    Warns
-    -----
-    NotConverged
-        If a state of the search did not converge.
+        Pressure <= 0 (Pa); zero where nothing sticks. A NotConverged warning comes with states that did not converge.
 
     Examples
     --------

@@ -18,25 +18,45 @@ springs the crack condition is then exact: the energy σ²/2K of a spring is rel
 A(q) and σ_a(q) depend on each other at all magnifications: :mod:`theory.persson.iteration` finds them.
 """
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
+from scipy.special import erfcx
 
-from contact_study.numerics.arguments import finite
-from theory.datasets import dataset_of
-from theory.persson.diffusion import StressDistribution, diffuse
-from theory.persson.gap_integral import GapIntegral
-from theory.persson.interface import Interface
+from contact_study.numerics.arguments import finite, positive
+from contact_study.physics.roughness.spectrum import RoughnessSpectrum
+from contact_study.physics.solids import Elasticity, elasticity_of
+from theory.persson.contact import PerssonContact
+from theory.persson.diffusion import DiffusionOptions, StressDistribution, diffuse
 from theory.persson.iteration import IterationOptions, iterate
 
-if TYPE_CHECKING:
-    import xarray as xr
+ENERGY_WEIGHTS = ("paper", "wang_mueser", "area")
+TRUE_AREAS = ("persson", "none", "lattice")
 
 
 @dataclass(frozen=True)
-class PerssonTheory(Interface):
+class PerssonOptions:
+    """Constants of the numerics."""
+
+    # Share of the nodes that is even in this power of the stress variance; the others are even in ln q. Under light
+    # load contact is lost where the variance is p².
+    early_share: float = 0.4
+    early_power: float = 1 / 6
+    # Smallest distance from the first wavevector that nodes resolve, over the width of the spectrum.
+    nearest: float = 1e-14
+    # Share of the stress variance below which roughness is left out: filtered maps have shells down to the rounding.
+    negligible: float = 1e-9
+    full_contact: float = 7.0  # pressure beyond which contact is full to 1e-12, over the stress scale
+    balance: float = 0.02  # largest error of the stress balance of a converged state, over the pressure
+    least_pressure: float = 1e-6  # its bound is that of this pressure where p is smaller, over the stress scale
+    diffusion: DiffusionOptions = field(default_factory=DiffusionOptions)
+    iteration: IterationOptions = field(default_factory=IterationOptions)
+
+
+@dataclass(frozen=True)
+class PerssonTheory:
     """Describe an interface to Persson's theory; the defaults are the paper's.
 
     Parameters
@@ -77,13 +97,118 @@ class PerssonTheory(Interface):
     True
     """
 
+    spectrum: RoughnessSpectrum
+    elasticity: Elasticity | float
+    work_of_adhesion: float
+    energy_weight: str = "paper"
+    beta: float = 0.4
+    true_area: str = "persson"
+    alpha: float = 1.0
+    stress_cap: float = np.inf
+    nodes: int = 200
+    cells: int = 300
+    options: PerssonOptions = field(default_factory=PerssonOptions)
+
+    def __post_init__(self):
+        if finite("work_of_adhesion", self.work_of_adhesion, "J/m²") < 0:
+            raise ValueError(f"work_of_adhesion = {self.work_of_adhesion!r}: must not be negative, in J/m²")
+        for name in ("alpha", "nodes", "cells"):
+            positive(name, getattr(self, name), "1")
+        if self.energy_weight not in ENERGY_WEIGHTS:
+            raise ValueError(f"energy_weight = {self.energy_weight!r}: expected one of {', '.join(ENERGY_WEIGHTS)}")
+        if self.true_area not in TRUE_AREAS:
+            raise ValueError(f"true_area = {self.true_area!r}: expected one of {', '.join(TRUE_AREAS)}")
+
+    @cached_property
+    def solid(self) -> Elasticity:
+        """The elastic solid."""
+        return elasticity_of(self.elasticity)
+
+    @cached_property
+    def wavevectors(self) -> np.ndarray:
+        """Magnifications from the smallest to the largest wavevector with roughness, shape (nodes + 1,) (1/m).
+
+        They equidistribute 0.4 (s/s₁)^(1/6) + 0.6 ln q. Octaves that add no stress variance get no nodes, so that s
+        grows from each to the next.
+        """
+        options = self.options
+        fine = self.spectrum.band_edges(100 * self.nodes)
+        near = fine[0] + (fine[-1] - fine[0]) * np.geomspace(options.nearest, 1e-2, 20 * self.nodes)
+        fine = np.unique(np.concatenate([fine, near, np.geomspace(fine[0], fine[-1], 100 * self.nodes)]))
+        share = np.maximum.accumulate(self.spectrum.full_contact_stress_variance(self.solid.stiffness, fine))
+        share /= share[-1]
+        end = int(np.argmax(share >= 1 - options.negligible)) + 1
+        fine, share = fine[:end], share[:end]
+        octaves = np.diff(np.log(fine))
+        octaves[np.diff(share) < options.negligible * octaves / octaves.sum()] = 0.0
+        late = np.concatenate([[0.0], np.cumsum(octaves)]) / octaves.sum()
+        measure = options.early_share * share**options.early_power + (1 - options.early_share) * late
+        return np.interp(np.linspace(0, measure[-1], self.nodes + 1), measure, fine)
+
+    @cached_property
+    def _stiffness(self) -> np.ndarray:
+        """K at the magnifications (Pa/m)."""
+        return self.solid.stiffness(self.wavevectors)
+
+    @cached_property
+    def stress_variance(self) -> np.ndarray:
+        """s(q) at the magnifications (Pa²)."""
+        return self.spectrum.full_contact_stress_variance(self.solid.stiffness, self.wavevectors)
+
+    @property
+    def stress_scale(self) -> float:
+        """√s(q₁), the standard deviation of the stress in full contact (Pa)."""
+        return float(np.sqrt(self.stress_variance[-1]))
+
+    @cached_property
+    def area_factor(self) -> np.ndarray:
+        """True over projected area of conformal contact at the magnifications."""
+        if self.true_area == "none":
+            return np.ones(self.nodes + 1)
+        slope = np.sqrt(2 * np.pi * self.spectrum.moment(3, upper=self.wavevectors))
+        return true_area_factor(slope) if self.true_area == "persson" else mean_cosine(slope)
+
+    @cached_property
+    def _energy_parts(self) -> np.ndarray:
+        """Full-contact elastic energy of the roughness between neighbouring magnifications (J/m²)."""
+        return np.diff(self.spectrum.full_contact_energy(self.solid.stiffness, self.wavevectors))
+
+    @property
+    def full_contact_energy(self) -> float:
+        """Interfacial energy U at infinite pressure: U_full − Δγ S (J/m²)."""
+        return float(self._energy_parts.sum() - self.work_of_adhesion * self.area_factor[-1])
+
+    def elastic_energy(self, contact: np.ndarray) -> np.ndarray:
+        """U_el(q) at the magnifications from A(q) (J/m²)."""
+        weight = energy_weight(contact, self.energy_weight, self.beta)
+        parts = self._energy_parts * 0.5 * (weight[1:] + weight[:-1])
+        return np.concatenate([np.cumsum(parts[::-1])[::-1], [0.0]])
+
+    def effective_work_of_adhesion(self, contact: np.ndarray) -> np.ndarray:
+        """γ_eff(q) from A(q), zero where nothing is in contact (J/m²)."""
+        true_area = contact * self.area_factor
+        gain = self.work_of_adhesion * true_area[-1] - self.elastic_energy(contact)
+        return np.divide(gain, true_area, out=np.zeros_like(gain), where=true_area > 0)
+
+    def detachment_stress(self, effective_work: np.ndarray) -> np.ndarray:
+        """σ_a(q) from γ_eff(q) (Pa)."""
+        return self.stress_of_square(self.stress_square(effective_work))
+
+    def stress_square(self, effective_work: np.ndarray) -> np.ndarray:
+        """2α K γ_eff, the square of σ_a where nothing caps it; negative where γ_eff is (Pa²)."""
+        return 2 * self.alpha * self._stiffness * effective_work
+
+    def stress_of_square(self, square: np.ndarray) -> np.ndarray:
+        """σ_a (Pa) from :meth:`stress_square`."""
+        return np.minimum(np.sqrt(np.maximum(square, 0.0)), self.stress_cap)
+
     def at_pressure(
         self,
         pressure: float,
         start: np.ndarray | str = "adhered",
         tolerance: float = IterationOptions.tolerance,
         max_iterations: int = IterationOptions.max_iterations,
-    ) -> "PerssonContact":
+    ) -> PerssonContact:
         """Find the contact at a mean pressure, on the branch that ``start`` leads to.
 
         Parameters
@@ -97,21 +222,17 @@ class PerssonTheory(Interface):
             Largest change of σ_a over the stress scale at the end of the iteration.
         max_iterations : int, optional
             Largest number of diffusions. An iteration whose change stops falling ends earlier.
-
-        Returns
-        -------
-        PerssonContact
-            The state, with ``converged`` and ``advice``.
-
-        Raises
-        ------
-        ValueError
-            If the pressure is not finite.
-        FloatingPointError
-            If the contact area or the detachment stress is not a finite number.
         """
         finite("pressure", pressure, "Pa")
-        scale, stress = self.stress_scale, self._first_detachment_stress(start)
+        scale = self.stress_scale
+        if isinstance(start, str):
+            if start not in ("adhered", "detached"):
+                raise ValueError(f"start = {start!r}: expected an array, 'adhered' or 'detached'")
+            stress = np.zeros(self.nodes + 1)
+            if start == "adhered":
+                stress = self.detachment_stress(stress + self.work_of_adhesion)
+        else:
+            stress = start.copy()
         variance = self.stress_variance / scale**2
 
         def respond(stress: np.ndarray) -> tuple[StressDistribution, np.ndarray]:
@@ -130,29 +251,14 @@ class PerssonTheory(Interface):
             )
         return contact if contact.balanced else replace(contact, converged=False)
 
-    def _first_detachment_stress(self, start: np.ndarray | str) -> np.ndarray:
-        if isinstance(start, np.ndarray):
-            return start.copy()
-        if start == "adhered":
-            return self.detachment_stress(np.full(self.nodes + 1, self.work_of_adhesion))
-        if start == "detached":
-            return np.zeros(self.nodes + 1)
-        raise ValueError(f"start = {start!r}: expected an array, 'adhered' or 'detached'")
-
     def sweep(
         self,
         lowest: float,
         per_decade: int = 12,
         tolerance: float = IterationOptions.tolerance,
         max_iterations: int = IterationOptions.max_iterations,
-    ) -> tuple["PerssonContact", ...]:
-        """States at rising pressures from ``lowest`` (Pa) to full contact, solved from there downward.
-
-        Raises
-        ------
-        ValueError
-            If ``lowest`` is not positive or beyond full contact.
-        """
+    ) -> tuple[PerssonContact, ...]:
+        """States at rising pressures from ``lowest`` (Pa) to full contact, solved from there downward."""
         highest = self.options.full_contact * self.stress_scale
         if not 0 < lowest < highest:
             raise ValueError(f"lowest = {lowest:g} Pa: must lie between 0 and full contact at {highest:g} Pa")
@@ -163,7 +269,7 @@ class PerssonTheory(Interface):
         return tuple(reversed(contacts))
 
 
-def _extrapolated(contacts: Sequence["PerssonContact"]) -> np.ndarray | str:
+def _extrapolated(contacts: Sequence[PerssonContact]) -> np.ndarray | str:
     """First σ_a of the next state of a sweep, from up to three before: γ_eff as a polynomial of ln p."""
     if not contacts:
         return "adhered"
@@ -173,223 +279,22 @@ def _extrapolated(contacts: Sequence["PerssonContact"]) -> np.ndarray | str:
     return contacts[-1].theory.detachment_stress(np.asarray(work))
 
 
-@dataclass(frozen=True)
-class PerssonContact:
-    """Hold the state of contact at one pressure, which :meth:`PerssonTheory.at_pressure` returns.
-
-    Attributes
-    ----------
-    theory : PerssonTheory
-        The interface.
-    pressure : float
-        p, compression positive (Pa).
-    detachment_stress : numpy.ndarray
-        σ_a at the theory's magnifications (Pa).
-    distribution : StressDistribution
-        P(σ) at the highest magnification and A(q), in units of ``theory.stress_scale``.
-    converged : bool
-        Whether the residual met the tolerance and the stresses balance.
-    stalled : bool
-        Whether the iteration ended because its change stopped falling.
-    residual : float
-        Largest change of σ_a in the last iteration over ``theory.stress_scale``.
-    iterations : int
-        Diffusions solved.
-
-    Examples
-    --------
-    >>> from theory import PerssonTheory, SelfAffineSpectrum
-    >>> theory = PerssonTheory(SelfAffineSpectrum(0.8, 1e-9, 6e7, 1.8e8, 7.2e8), 93.7e9, 0.1)
-    >>> contact = theory.at_pressure(1e9)
-    >>> round(contact.stress_balance, 6), bool(contact.contact_stress > 1e9 > contact.edge_stress)
-    (1.0, True)
-    """
-
-    theory: PerssonTheory
-    pressure: float
-    detachment_stress: np.ndarray
-    distribution: StressDistribution
-    converged: bool
-    stalled: bool
-    residual: float
-    iterations: int
-
-    @property
-    def contact(self) -> np.ndarray:
-        """A(q)/A₀ at the magnifications."""
-        return self.distribution.contact
-
-    @property
-    def relative_contact_area(self) -> float:
-        """A(q₁)/A₀, the real contact area."""
-        return float(self.distribution.contact[-1])
-
-    @property
-    def detached(self) -> bool:
-        """True without contact: at no pressure the iteration ends near zero area, not on it."""
-        return self.pressure <= 0 and self.relative_contact_area < 1e-6
-
-    @property
-    def advice(self) -> str:
-        """The remedy for a state that did not converge."""
-        if not self.balanced:
-            return (
-                f"contact and edges carry {self.stress_balance:.3g} times the pressure, and not one within "
-                f"{self.theory.options.balance:g}; use more cells (PerssonTheory(cells=...)) or a higher pressure"
-            )
-        return "the iteration oscillates; lower theory.alpha" if self.stalled else "raise solver.max_iterations"
-
-    @property
-    def effective_work_of_adhesion(self) -> np.ndarray:
-        """γ_eff at the magnifications (J/m²)."""
-        return self.theory.effective_work_of_adhesion(self.contact)
-
-    @property
-    def elastic_energy(self) -> float:
-        """U_el(q_L) per nominal area (J/m²)."""
-        return float(self.theory.elastic_energy(self.contact)[0])
-
-    @property
-    def adhesion_energy(self) -> float:
-        """−Δγ A*(q₁) per nominal area (J/m²)."""
-        theory = self.theory
-        return float(-theory.work_of_adhesion * self.relative_contact_area * theory.area_factor[-1])
-
-    @property
-    def energy(self) -> float:
-        """Interfacial energy U = U_el − Δγ A* (J/m²)."""
-        return self.elastic_energy + self.adhesion_energy
-
-    @property
-    def contact_stress(self) -> float:
-        """Mean stress carried inside the contact, ∫ σ P dσ (Pa)."""
-        return self.distribution.contact_stress * self.theory.stress_scale
-
-    @property
-    def edge_stress(self) -> float:
-        """Mean stress carried at detached edges, −∫ σ_a g ds <= 0 (Pa); with the contact's it makes the pressure."""
-        return self.distribution.edge_stress * self.theory.stress_scale
-
-    @property
-    def stress_balance(self) -> float:
-        """Stress carried by contact and edges over the applied pressure: one, but for the cells; NaN at p = 0."""
-        return (self.contact_stress + self.edge_stress) / self.pressure if self.pressure else np.nan
-
-    @property
-    def balanced(self) -> bool:
-        """True if contact and edges carry the applied pressure within the bound of the options."""
-        error = self.contact_stress + self.edge_stress - self.pressure
-        options = self.theory.options
-        least = options.least_pressure * self.theory.stress_scale
-        return abs(error) <= options.balance * max(abs(self.pressure), least)
-
-    def pressure_density(self, edges: np.ndarray) -> np.ndarray:
-        """Mean of P(σ) in bins (1/Pa), shape (n,) for n + 1 edges (Pa)."""
-        scale = self.theory.stress_scale
-        return self.distribution.bin_averages(np.asarray(edges) / scale) / scale
-
-    def stress_density(self, edges: np.ndarray, wavevector: float) -> np.ndarray:
-        """Mean of P(σ) in bins without the roughness above a wavevector (1/Pa).
-
-        Parameters
-        ----------
-        edges : numpy.ndarray, shape (n + 1,)
-            Edges of the bins (Pa).
-        wavevector : float
-            q above the first magnification, up to the last (1/m).
-
-        Raises
-        ------
-        ValueError
-            If q is outside the magnifications.
-        """
-        theory, scale = self.theory, self.theory.stress_scale
-        first, last = theory.wavevectors[[0, -1]]
-        rounding = 1e-9  # of a last wavevector that is a product
-        if not first < finite("wavevector", wavevector, "1/m") <= last * (1 + rounding):
-            raise ValueError(
-                f"wavevector = {wavevector:g} 1/m: the magnifications go from above {first:.6g} to {last:.6g}"
-            )
-        at = min(wavevector, last)
-        end = theory.spectrum.full_contact_stress_variance(theory.solid.stiffness, np.array([at]))[0]
-        # In the scheme σ_a is linear in the variance between two nodes.
-        below = theory.stress_variance[theory.wavevectors < at]
-        variance = np.append(below[below < end], end) / scale**2
-        stress = self.detachment_stress if theory.work_of_adhesion else np.zeros_like(self.detachment_stress)
-        boundary = np.interp(variance * scale**2, theory.stress_variance, stress)
-        # The cells are graded for a last variance of one.
-        unit = np.sqrt(variance[-1])
-        cells, options = theory.cells, theory.options.diffusion
-        part = diffuse(self.pressure / scale / unit, variance / unit**2, boundary / scale / unit, cells, options)
-        return part.bin_averages(np.asarray(edges) / scale / unit) / scale / unit
-
-    def stress_densities(self, zetas: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
-        """P(σ, ζ) as a function from edges (m + 1,) of bins (Pa) to means (n, m) (1/Pa), at ζ = q/q_L above one."""
-        first = self.theory.wavevectors[0]
-        if self.detached:
-            return lambda edges: np.zeros((zetas.size, edges.size - 1))
-        return lambda edges: np.array([self.stress_density(edges, float(zeta * first)) for zeta in zetas])
-
-    def quantities(self) -> dict[str, Any]:
-        """All values but the mean gap by their names in a dataset; distributions are functions of bin edges."""
-        return {
-            "mean_pressure": self.pressure,
-            "relative_contact_area": self.relative_contact_area,
-            "elastic_energy": self.elastic_energy,
-            "interaction_energy": self.adhesion_energy,
-            "pressure_pdf": self.pressure_density,
-            "contact_stress": self.contact_stress,
-            "edge_stress": self.edge_stress,
-            "stress_balance": self.stress_balance,
-            "relative_contact_area_at": self.contact,
-            "detachment_stress": self.detachment_stress,
-            "effective_work_of_adhesion": self.effective_work_of_adhesion,
-            "converged": self.converged,
-            "detached": self.detached,
-            "residual": self.residual * self.theory.stress_scale / self.theory.solid.contact_modulus,
-            "iterations": self.iterations,
-        }
-
-    def to_dataset(
-        self, pressure_edges: np.ndarray | None = None, magnifications: np.ndarray | None = None
-    ) -> "xr.Dataset":
-        """Give the state in the schema of ``theory.nc``, without the dimension of a path.
-
-        The mean gap takes some forty states at higher pressures.
-
-        Parameters
-        ----------
-        pressure_edges : numpy.ndarray, optional
-            Edges of the bins of P(σ) (Pa); by default even ones over the whole distribution.
-        magnifications : numpy.ndarray, optional
-            ζ = q/q_L, above one, for P(σ, ζ) in ``pressure_pdf_at``.
-
-        Returns
-        -------
-        xarray.Dataset
-            The quantities of the state.
-
-        Raises
-        ------
-        ValueError
-            If edges do not rise, or a magnification is not one of the spectrum.
-        """
-        theory, gap = self.theory, np.nan
-        if self.pressure > 0 and not self.detached:
-            swept = theory.sweep(min(self.pressure, theory.stress_scale))
-            gap = float(gap_integral(swept).gap(np.log(self.pressure)))
-        ends = self.distribution.edges[[0, -1]] * theory.stress_scale
-        quantities = {**self.quantities(), "mean_gap": gap}
-        coordinates = {"wavevector": theory.wavevectors}
-        if magnifications is not None:
-            coordinates["magnification"] = np.asarray(magnifications, dtype=float)
-            quantities["pressure_pdf_at"] = self.stress_densities(coordinates["magnification"])
-        names = ("pressure_pdf", "pressure_pdf_at")
-        ranges = dict.fromkeys(names, (float(ends[0]), float(ends[1])))
-        return dataset_of(("persson",), quantities, dict.fromkeys(names, pressure_edges), ranges, coordinates)
+def energy_weight(contact: np.ndarray, kind: str, beta: float) -> np.ndarray:
+    """Share W(A) of the full-contact elastic energy that incomplete contact stores."""
+    if kind == "paper":
+        return contact * (beta + (1 - beta) * contact**2)
+    if kind == "wang_mueser":
+        return contact * (5 / 9 - 2 / 9 * contact**2 + 2 / 3 * contact**4)
+    return contact.copy()
 
 
-def gap_integral(contacts: Sequence[PerssonContact]) -> GapIntegral:
-    """The mean gap over ln p from states at rising pressures."""
-    pressure, energy = (np.array([getattr(each, name) for each in contacts]) for name in ("pressure", "energy"))
-    return GapIntegral(pressure, energy, contacts[-1].theory.full_contact_energy)
+def true_area_factor(rms_slope: np.ndarray) -> np.ndarray:
+    """S(ξ) = ∫₀^∞ √(1+ξ²x) e^(−x) dx = 1 + (√π/2) ξ e^(1/ξ²) erfc(1/ξ), <√(1+|∇h|²)> of a Gaussian surface."""
+    inverse = 1 / np.maximum(rms_slope, 1e-150)  # ξ = 0 is the limit, without a division by zero
+    return 1 + 0.5 * np.sqrt(np.pi) * rms_slope * erfcx(inverse)
+
+
+def mean_cosine(rms_slope: np.ndarray) -> np.ndarray:
+    """∫₀^∞ e^(−x)/√(1+ξ²x) dx = (√π/ξ) e^(1/ξ²) erfc(1/ξ), <1/√(1+|∇h|²)> of a Gaussian surface."""
+    inverse = 1 / np.maximum(rms_slope, 1e-150)
+    return np.sqrt(np.pi) * inverse * erfcx(inverse)

@@ -5,8 +5,7 @@ between.
 """
 
 import warnings
-from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import replace
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy as np
@@ -14,8 +13,6 @@ import numpy as np
 from contact_study.results.schema import RESOLUTION_ERROR, quantity_of
 from theory.persson.separation import NegativeSeparation, NotConverged
 from theory.study.case_theories import CaseTheories
-
-_COARSENING = 2
 
 # Quantities with an error, and the words of a warning.
 _JUDGED = {
@@ -30,21 +27,15 @@ class Unresolved(UserWarning):
     """States of a theory whose estimated error of resolution exceeds ``theory.accuracy``."""
 
 
-def coarse(every: Iterable[CaseTheories]) -> tuple[CaseTheories, ...]:
-    """The same theories on half the nodes, cells and scales."""
-    return tuple(replace(theories, coarsening=_COARSENING) for theories in every)
-
-
 def quietly(values: Iterator[dict[str, Any]]) -> Iterator[dict[str, Any]]:
     """Values of coarse theories without their warnings, which the fine ones repeat where they matter."""
     while True:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", NotConverged)
             warnings.simplefilter("ignore", NegativeSeparation)
-            try:
-                found = next(values)
-            except StopIteration:
-                return
+            found = next(values, None)
+        if found is None:
+            return
         yield found
 
 
@@ -53,24 +44,10 @@ def errors(
 ) -> tuple[dict[str, Any], dict[str, tuple[float, str]]]:
     """Estimated errors of a point's states, and whether they are within the accuracy.
 
-    Parameters
-    ----------
-    fine, coarser : mapping
-        Values of the point at both resolutions, by the names of their quantities.
-    theories : CaseTheories
-        The theories at the finer one. Errors of gaps are compared with the rms height, those of pressures with the
-        stress of full contact; the prescribed quantity has none.
-    accuracy : float
-        Largest error, in the area over the area.
-
-    Returns
-    -------
-    found : dict
-        For each state, ``…_resolution_error`` of its quantities, in their units, and the flag ``resolved``. In
-        Persson's theory this also needs a ``stress_balance`` of one within the accuracy. A quantity that exists at one
-        of the two resolutions only has the error NaN, and is not resolved.
-    worst : dict
-        For each state that is not resolved, its largest error in the units of the accuracy and its words.
+    Found are for each state ``…_resolution_error`` of its quantities, in their units, and the flag ``resolved``, which
+    in Persson's theory needs a ``stress_balance`` of one, too. The worst error of each state that is not resolved comes
+    with its words. Areas are compared with themselves, gaps with the rms height, pressures with the stress of full
+    contact; the prescribed quantity has no error. One that exists at one of the two resolutions only has the error NaN.
     """
     scales = {
         "mean_gap": float(np.sqrt(theories.spectrum.mean_square_height)),
@@ -103,13 +80,7 @@ def errors(
 
 
 def warn(missed: Mapping[str, list[tuple[float, str]]], points: int, accuracy: float) -> None:
-    """One warning for each theory that misses the accuracy somewhere on the path.
-
-    Warns
-    -----
-    Unresolved
-        If there is one.
-    """
+    """One warning for each theory that misses the accuracy somewhere on the path."""
     for state, cases in missed.items():
         share, words = max(cases)
         size = f"{share:.2g} {words}" if np.isfinite(share) else "a state that half the resolution does not find"

@@ -4,7 +4,8 @@ import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
-from functools import cached_property, lru_cache, partial
+from functools import cached_property, partial
+from typing import Any
 
 import numpy as np
 
@@ -26,30 +27,19 @@ _FINEST_TOLERANCE = 1e-11
 # Reach of the edge flow's curve over the path's highest pressure.
 _RESERVE = 1.1
 
+# The last case, its surface and its theories.
+_kept: list[Any] = []
+
 
 @dataclass(frozen=True)
 class CaseTheories:
-    """The theories of a case with one spectrum.
-
-    Attributes
-    ----------
-    case : Case
-        The case.
-    spectrum : RoughnessSpectrum
-        Roughness.
-    other : str
-        The spectrum's name in the study where it is not the first one; otherwise empty.
-    coarsening : int
-        Divisor of the default nodes, cells and scales.
-    ahead : BackgroundExecutor
-        Threads that may begin with the flows.
-    """
+    """The theories of a case with one spectrum."""
 
     case: Case
     spectrum: RoughnessSpectrum
-    other: str = ""
-    coarsening: int = 1
-    ahead: BackgroundExecutor = field(default_factory=lambda: BackgroundExecutor(1))
+    other: str = ""  # the spectrum's name in the study where it is not the first one
+    coarsening: int = 1  # divisor of the default nodes, cells and scales
+    ahead: BackgroundExecutor = field(default_factory=lambda: BackgroundExecutor(1))  # that may begin with the flows
 
     def named(self, quantity: str) -> str:
         """The name of a theory's quantity, ``"gap_flow/mean_gap"``, with the spectrum where that is not the first."""
@@ -70,18 +60,10 @@ class CaseTheories:
     def persson(self) -> PerssonTheory:
         """Persson's theory with the choices of the case."""
         chosen, law = self.case.theory, self.case.law
-        return PerssonTheory(
-            self.spectrum,
-            self.case.solid,
-            law.work_of_adhesion,
-            chosen.energy_weight,
-            chosen.beta,
-            chosen.true_area,
-            chosen.alpha,
-            law.peak_tensile_stress if chosen.cap_detachment_stress else np.inf,
-            PerssonTheory.nodes // self.coarsening,
-            PerssonTheory.cells // self.coarsening,
-        )
+        choices = chosen.energy_weight, chosen.beta, chosen.true_area, chosen.alpha
+        cap = law.peak_tensile_stress if chosen.cap_detachment_stress else np.inf
+        resolution = PerssonTheory.nodes // self.coarsening, PerssonTheory.cells // self.coarsening
+        return PerssonTheory(self.spectrum, self.case.solid, law.work_of_adhesion, *choices, cap, *resolution)
 
     @property
     def effort(self) -> tuple[float, int]:
@@ -140,10 +122,7 @@ class CaseTheories:
     def edge_flow(self) -> EdgeFlow | None:
         """The edge flow as far as the path needs it; None for laws with a hard wall, or where the study asks for none.
 
-        Raises
-        ------
-        InputError
-            If a point of the path is beyond any contact.
+        InputError if a point of the path is beyond any contact.
         """
         try:
             return None if self._edge_flow_begun is None else self._edge_flow_begun.result()
@@ -191,24 +170,21 @@ def _too_close(case: Case, limit: str) -> str:
 
 
 def case_theories(case: Case, surface: Surface) -> tuple[CaseTheories, ...]:
-    """The theories of a case for each spectrum, kept until another case or surface follows.
-
-    Raises
-    ------
-    InputError
-        If a height map is flat.
-    """
-    return _kept(_Asked(case, surface))
+    """The theories of a case for each spectrum, kept until another case or surface follows."""
+    if not (_kept and _kept[0] is case and _kept[1] is surface):
+        ahead = BackgroundExecutor(case.solver.threads)
+        every = tuple(
+            CaseTheories(case, roughness(case, surface, kind), kind if number else "", ahead=ahead)
+            for number, kind in enumerate(case.spectra)
+        )
+        _kept[:] = case, surface, every
+        for theories in every:
+            theories.begin()
+    return _kept[2]
 
 
 def roughness(case: Case, surface: Surface, kind: str) -> RoughnessSpectrum:
-    """The roughness of one kind of spectrum of a case.
-
-    Raises
-    ------
-    InputError
-        If a height map is flat.
-    """
+    """The roughness of one kind of spectrum of a case; InputError if a height map is flat."""
     if kind == "table":
         return case.theory.table()
     if kind == "analytic" and surface.spectrum is not None:
@@ -217,30 +193,3 @@ def roughness(case: Case, surface: Surface, kind: str) -> RoughnessSpectrum:
         return surface.measured_spectrum()
     except ValueError as error:
         raise InputError(f"surface: {error}") from None
-
-
-@dataclass(frozen=True, eq=False)
-class _Asked:
-    """Arguments of a cached function that hold arrays, compared by identity."""
-
-    case: Case
-    surface: Surface
-
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, _Asked) and self.case is other.case and self.surface is other.surface
-
-    def __hash__(self) -> int:
-        return hash((id(self.case), id(self.surface)))
-
-
-@lru_cache(maxsize=1)
-def _kept(asked: _Asked) -> tuple[CaseTheories, ...]:
-    case = asked.case
-    ahead = BackgroundExecutor(case.solver.threads)
-    every = tuple(
-        CaseTheories(case, roughness(case, asked.surface, kind), kind if number else "", ahead=ahead)
-        for number, kind in enumerate(case.spectra)
-    )
-    for theories in every:
-        theories.begin()
-    return every

@@ -43,13 +43,7 @@ def gap_flow_paths(theories: CaseTheories) -> list[PathValues]:
 
 
 def edge_flow_paths(theories: CaseTheories, start: int = 0) -> list[PathValues]:
-    """Values at the points from number ``start`` on, in a list of one; none outside a wall.
-
-    Raises
-    ------
-    InputError
-        If a point of the path is beyond any contact.
-    """
+    """Values at the points from number ``start`` on, in a list of one; none outside a wall."""
     flow = theories.edge_flow
     with theories.naming_the_spectrum():
         return [] if flow is None else [_edge_flow_values(theories.case, flow, theories.ahead, start)]
@@ -63,6 +57,11 @@ def flow_name(branch: str, quantity: str) -> str:
 def nowhere(edges: np.ndarray) -> np.ndarray:
     """Distribution of what is nowhere within any bins."""
     return np.zeros(edges.size - 1)
+
+
+def undefined(edges: np.ndarray) -> np.ndarray:
+    """Distribution that is not known in any bin."""
+    return np.full(edges.size - 1, np.nan)
 
 
 def _gap_flow_values(case: Case, flow: GapFlow, state: GapState | None) -> dict[str, Any]:
@@ -116,22 +115,18 @@ def _come_off(converged: bool) -> dict[str, Any]:
         "relative_repulsive_area": 0.0,
         "local_mean_pressure": 0.0,
         "stress_balance": float("nan"),
-        "pressure_pdf": nowhere,
-        "gap_pdf": nowhere,
+        **dict.fromkeys(("pressure_pdf", "gap_pdf"), nowhere),
     }
 
 
 def _not_found(gap: float, limit: str) -> dict[str, Any]:
     """Quantities of a state that the iteration did not find: NaN, and flagged."""
-    unknown: Callable[[np.ndarray], np.ndarray] = lambda edges: np.full(edges.size - 1, np.nan)  # noqa: E731
     names = ("mean_pressure", "relative_contact_area", "relative_repulsive_area", "elastic_energy")
+    further = ("interaction_energy", "local_mean_pressure", "stress_balance", "residual")
     return {
-        **dict.fromkeys(
-            (*names, "interaction_energy", "local_mean_pressure", "stress_balance", "residual"), float("nan")
-        ),
+        **dict.fromkeys((*names, *further), float("nan")),
+        **dict.fromkeys(("pressure_pdf", "gap_pdf"), undefined),
         "mean_gap": gap,
-        "pressure_pdf": unknown,
-        "gap_pdf": unknown,
         "converged": False,
         "detached": False,
         "message": f"adhesion is too strong for the edge flow ({limit}); {REMEDY}",

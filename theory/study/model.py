@@ -6,6 +6,7 @@ them; ``edge_flow`` is the edge flow.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from itertools import islice
 from typing import Any
 
@@ -45,13 +46,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def check(case: Case) -> None:
-    """Make sure that there is a spectrum to work with.
-
-    Raises
-    ------
-    InputError
-        If the case lacks roughness or a spectrum, or has a solid, boundary or control that the theories do not treat.
-    """
+    """InputError if a case lacks roughness or a spectrum, or has what the theories do not treat."""
     case.require_gap()
     kind = case.surface.kind
     if case.elasticity.kind == "viscoelastic":
@@ -71,10 +66,7 @@ def check(case: Case) -> None:
 def review(study: Study, scales: Sequence[SurfaceScales]) -> list[str]:
     """Warn of roughness that is too coarse for the law, in one line for the whole study.
 
-    Raises
-    ------
-    InputError
-        If the detachment stress exceeds the stress of the roughness so far that the surface is flat to the law.
+    InputError if the detachment stress exceeds the stress of the roughness so far that the surface is flat to the law.
     """
     coarse = []
     for case, scale in zip(study.cases, scales, strict=True):
@@ -148,38 +140,18 @@ def constants(case: Case, surface: Surface) -> dict[str, Value]:
 def solve_path(
     case: Case, surface: Surface, restart: Mapping[str, np.ndarray] | None = None, start: int = 0
 ) -> Iterator[Step]:
-    """Yield a step for each path point from number ``start`` on.
+    """Yield a step for each path point from number ``start`` on, with ``restart`` that of the point before.
 
     Each state of Persson's theory starts from the one before, since under tension the branch matters. The first starts
     from the adhered branch, as in the paper.
-
-    Parameters
-    ----------
-    case : Case
-        The case.
-    surface : Surface
-        Its surface.
-    restart : mapping, optional
-        ``Step.restart`` of point ``start`` − 1; None at the first.
-    start : int, optional
-        Number of the first point to solve.
-
-    Raises
-    ------
-    InputError
-        If the surface has no spectrum, or a point of the path is beyond any contact.
-
-    Warns
-    -----
-    Unresolved
-        If a theory's resolution misses ``theory.accuracy``.
     """
     every, accuracy = case_theories(case, surface), case.theory.accuracy
     found = _along(every, restart or {}, start)
     if accuracy is None:
         yield from (Step(values, restart=state) for values, state in found)
         return
-    coarser = resolution.quietly(values for values, _ in _along(resolution.coarse(every), {}, 0))
+    halved = tuple(replace(theories, coarsening=2) for theories in every)
+    coarser = resolution.quietly(values for values, _ in _along(halved, {}, 0))
     missed: dict[str, list[tuple[float, str]]] = {}
     both = zip(found, islice(coarser, start, None), strict=True)
     for number, ((values, state), others) in enumerate(both, start):

@@ -1,16 +1,17 @@
 """States of Persson's theory at each point of a loading path."""
 
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 from scipy.optimize import brentq
 
+from theory.persson.contact import PerssonContact
 from theory.persson.separation import NegativeSeparation, SeparationCurve, separation_curve
-from theory.persson.theory import PerssonContact, PerssonTheory
+from theory.persson.theory import PerssonTheory
 from theory.study.case_theories import CaseTheories
-from theory.study.gap_paths import DETACHED, nowhere
+from theory.study.gap_paths import DETACHED, nowhere, undefined
 
 _UNSOUND_GAP = "the mean gap depends on states at higher pressures that did not converge"
 
@@ -55,7 +56,8 @@ def persson_path(
         if asked:
             zetas = magnifications(theory, asked)
             known = not np.isnan(pressures[number])
-            values["pressure_pdf_at"] = contact.stress_densities(zetas) if known else _undefined((asked,))
+            unknown = lambda edges: np.tile(undefined(edges), (asked, 1))  # noqa: E731
+            values["pressure_pdf_at"] = contact.stress_densities(zetas) if known else unknown
         yield values, stress
 
 
@@ -126,9 +128,8 @@ def _persson_values(contact: PerssonContact) -> dict[str, Any]:
     if contact.detached:
         return DETACHED | {
             **{name: np.zeros(_STORED_WAVEVECTORS) for name in _RESOLVED},
+            **dict.fromkeys(("contact_stress", "edge_stress"), 0.0),
             "pressure_pdf": nowhere,
-            "contact_stress": 0.0,
-            "edge_stress": 0.0,
             "message": "detached: the adhered branch ends above this pressure",
             "stress_balance": np.nan,
             "iterations": contact.iterations,
@@ -138,9 +139,7 @@ def _persson_values(contact: PerssonContact) -> dict[str, Any]:
     if contact.pressure <= 0:
         message = "the theory's mean gap diverges at zero pressure and is not defined under tension"
     elif not contact.converged:
-        message = (
-            contact.advice if not contact.balanced else f"the detachment stress did not converge; {contact.advice}"
-        )
+        message = "the detachment stress did not converge; " * contact.balanced + contact.advice
     values = contact.quantities() | {"message": message}
     return values | {name: np.interp(stored, nodes, values[name]) for name in _RESOLVED}
 
@@ -151,15 +150,10 @@ def _unreachable(gap: float) -> dict[str, Any]:
     lost: dict[str, Any] = dict.fromkeys((*names, "edge_stress", "stress_balance", "residual"), float("nan"))
     return lost | {
         **{name: np.full(_STORED_WAVEVECTORS, np.nan) for name in _RESOLVED},
-        "pressure_pdf": _undefined(),
+        "pressure_pdf": undefined,
         "mean_gap": gap,
         "converged": False,
         "detached": False,
         "message": "the theory has no pressure for this mean gap",
         "iterations": 0,
     }
-
-
-def _undefined(shape: tuple[int, ...] = ()) -> Callable[[np.ndarray], np.ndarray]:
-    """A distribution without values, as a function of the edges of bins."""
-    return lambda edges: np.full((*shape, edges.size - 1), np.nan)

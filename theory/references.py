@@ -1,7 +1,15 @@
-"""A paraboloid of radius R on a half-space of contact modulus E*, with the work of adhesion w.
+"""Contacts with analytic solutions, to hold a calculation against: a paraboloid, and waves in one and two directions.
 
-Hertz: no adhesion. JKR: adhesion of no range, for a large Tabor parameter. DMT: adhesion outside a contact of Hertz's
-shape, for a small one. Maugis: a constant tension up to a finite range, from the one limit to the other.
+All in SI; pressures and forces are positive in compression. Arguments are numbers or arrays that broadcast; a
+ValueError names one that is not possible.
+
+A paraboloid of radius R (m) is pressed on a half-space of contact modulus E* (Pa) by a force F (N), with the work of
+adhesion w (J/m²). Hertz: no adhesion. JKR: adhesion of no range, for a large Tabor parameter. DMT: adhesion outside a
+contact of Hertz's shape, for a small one. Maugis: a constant tension up to a finite range, from the one to the other.
+
+Waves h cos(2πx/λ), and Δ cos(2πx/λ) cos(2πy/λ), an egg box, have amplitudes and wavelength in m: peak to valley they
+measure 2h and 2Δ. The first is solved at every pressure, with and without adhesion of no range; of the egg box both
+limits are known. Relative pressures p/p* and areas 2a/λ or A/A₀ lie between 0 and 1.
 """
 
 import numpy as np
@@ -9,22 +17,32 @@ from scipy.optimize import minimize_scalar
 
 Number = float | np.ndarray
 
+__all__ = [
+    "dmt_contact_radius",
+    "dmt_pull_off_force",
+    "egg_box_full_contact_pressure",
+    "egg_box_heavy_area",
+    "egg_box_light_area",
+    "hertz_approach",
+    "hertz_contact_radius",
+    "hertz_pressure",
+    "jkr_approach",
+    "jkr_contact_radius",
+    "jkr_pull_off_force",
+    "maugis_dugdale_contact",
+    "maugis_dugdale_pull_off",
+    "maugis_parameter",
+    "tabor_parameter",
+    "wave_adhesion",
+    "wave_full_contact_pressure",
+    "wave_relative_area",
+    "wave_relative_mean_gap",
+    "wave_relative_pressure",
+]
+
 
 def hertz_contact_radius(force: Number, radius: Number, contact_modulus: Number) -> Number:
-    """a = (3FR/4E*)^(1/3) (m). H. Hertz, J. reine angew. Math. 92, 156 (1882).
-
-    Parameters
-    ----------
-    force : float or numpy.ndarray
-        F >= 0 (N).
-    radius, contact_modulus : float or numpy.ndarray
-        R (m) and E* (Pa).
-
-    Raises
-    ------
-    ValueError
-        If the force pulls, or a radius or modulus is not positive.
-    """
+    """a = (3FR/4E*)^(1/3) (m), F >= 0. H. Hertz, J. reine angew. Math. 92, 156 (1882)."""
     _check("force", force, least=0.0)
     _positive(radius=radius, contact_modulus=contact_modulus)
     return np.cbrt(3 * np.asarray(force) * radius / (4 * np.asarray(contact_modulus)))
@@ -48,21 +66,8 @@ def hertz_pressure(distance: Number, force: Number, radius: Number, contact_modu
 def jkr_contact_radius(force: Number, radius: Number, contact_modulus: Number, work_of_adhesion: Number) -> Number:
     """a³ = (3R/4E*)[F + 3πwR + √(6πwRF + 9π²w²R²)], the stable branch (m).
 
-    K. L. Johnson, K. Kendall, A. D. Roberts, Proc. R. Soc. A 324, 301–313 (1971). Tabor parameter above about 3.
-
-    Parameters
-    ----------
-    force : float or numpy.ndarray
-        F, no lower than the pull-off (N).
-    radius, contact_modulus : float or numpy.ndarray
-        R (m) and E* (Pa).
-    work_of_adhesion : float or numpy.ndarray
-        w >= 0 (J/m²).
-
-    Raises
-    ------
-    ValueError
-        If the force is below the pull-off, or another number is not possible.
+    K. L. Johnson, K. Kendall, A. D. Roberts, Proc. R. Soc. A 324, 301–313 (1971). Tabor parameter above about 3; the
+    force F is no lower than the pull-off.
     """
     _positive(radius=radius, contact_modulus=contact_modulus)
     wpr = 3 * np.pi * np.asarray(_check("work_of_adhesion", work_of_adhesion, least=0.0)) * radius
@@ -97,15 +102,7 @@ def dmt_pull_off_force(radius: Number, work_of_adhesion: Number) -> Number:
 
 
 def tabor_parameter(radius: Number, contact_modulus: Number, work_of_adhesion: Number, length: Number) -> Number:
-    """μ = (Rw²/E*²z₀³)^(1/3). D. Tabor, J. Colloid Interface Sci. 58, 2–13 (1977).
-
-    Parameters
-    ----------
-    radius, contact_modulus, work_of_adhesion : float or numpy.ndarray
-        R (m), E* (Pa) and w (J/m²).
-    length : float or numpy.ndarray
-        z₀, the equilibrium distance of the law (m).
-    """
+    """μ = (Rw²/E*²z₀³)^(1/3), z₀ the equilibrium distance (m). D. Tabor, J. Colloid Interface Sci. 58, 2–13 (1977)."""
     _positive(radius=radius, contact_modulus=contact_modulus, length=length)
     return np.cbrt(radius * np.asarray(work_of_adhesion) ** 2 / (np.asarray(contact_modulus) ** 2 * length**3))
 
@@ -115,14 +112,7 @@ def maugis_parameter(
 ) -> Number:
     """λ = 2σ₀ (9R/16πwE*²)^(1/3). D. Maugis, J. Colloid Interface Sci. 150, 243–269 (1992).
 
-    With the peak of a 9-3 law for σ₀ this is 1.1570 μ, with that of the 10-4 law 2.125 μ.
-
-    Parameters
-    ----------
-    radius, contact_modulus, work_of_adhesion : float or numpy.ndarray
-        R (m), E* (Pa) and w (J/m²).
-    peak_tensile_stress : float or numpy.ndarray
-        σ₀, the constant tension (Pa).
+    With the peak of a 9-3 law for the constant tension σ₀ (Pa) this is 1.1570 μ, with that of the 10-4 law 2.125 μ.
     """
     _positive(radius=radius, contact_modulus=contact_modulus, work_of_adhesion=work_of_adhesion)
     scale = np.cbrt(9 * radius / (16 * np.pi * np.asarray(work_of_adhesion) * np.asarray(contact_modulus) ** 2))
@@ -130,21 +120,10 @@ def maugis_parameter(
 
 
 def maugis_dugdale_contact(maugis_parameter: float, zone: Number) -> tuple[np.ndarray, np.ndarray]:
-    """Load and contact radius along the curve of equilibrium, from the width of the process zone.
+    """F/πwR and a/(3πwR²/4E*)^(1/3) along the curve of equilibrium, from the width of the process zone.
 
-    Parameters
-    ----------
-    maugis_parameter : float
-        λ > 0, see :func:`maugis_parameter`, also for the source.
-    zone : float or numpy.ndarray
-        m − 1 > 0, with m = c/a the outer over the inner radius of the zone.
-
-    Returns
-    -------
-    load : numpy.ndarray
-        F in units of πwR.
-    contact_radius : numpy.ndarray
-        a in units of (3πwR²/4E*)^(1/3).
+    λ > 0 is that of :func:`maugis_parameter`, also for the source; the zone is m − 1 > 0 with m = c/a, its outer over
+    its inner radius.
     """
     _positive(maugis_parameter=maugis_parameter, zone=zone)
     m = 1 + np.asarray(zone)
@@ -179,3 +158,60 @@ def _check(name: str, value: Number, least: Number | None = None) -> Number:
         bound = "positive" if least is None else f"at least {float(np.min(least)):g}"
         raise ValueError(f"{name} = {value!r}: must be finite and {bound}")
     return value
+
+
+def wave_full_contact_pressure(amplitude: Number, wavelength: Number, contact_modulus: Number) -> Number:
+    """p* = πE*h/λ (Pa), which closes the wave. H. M. Westergaard, J. Appl. Mech. 6, A49–A53 (1939)."""
+    return np.pi * contact_modulus * amplitude / wavelength
+
+
+def wave_relative_area(relative_pressure: Number) -> np.ndarray:
+    """2a/λ = (2/π) arcsin √(p/p*) without adhesion, from p/p*; the same source."""
+    given = _share("relative_pressure", relative_pressure)
+    return 2 / np.pi * np.arcsin(np.sqrt(given))
+
+
+def wave_relative_pressure(relative_area: Number, adhesion: Number = 0.0) -> np.ndarray:
+    """p/p* = sin²(πa/λ) − α √tan(πa/λ), short-range adhesion α.
+
+    From 2a/λ and α, see :func:`wave_adhesion`. K. L. Johnson, Int. J. Solids Struct. 32, 423–430 (1995),
+    doi:10.1016/0020-7683(94)00111-9.
+    """
+    angle = np.pi * _share("relative_area", relative_area) / 2
+    return np.sin(angle) ** 2 - adhesion * np.sqrt(np.tan(angle))
+
+
+def wave_adhesion(amplitude: Number, wavelength: Number, contact_modulus: Number, work_of_adhesion: Number) -> Number:
+    """α = √(2wλ/π²E*h²); source as :func:`wave_relative_pressure`.
+
+    The wave snaps into full contact without load for α > 0.57.
+    """
+    return np.sqrt(2 * work_of_adhesion * wavelength / (np.pi**2 * contact_modulus * amplitude**2))
+
+
+def wave_relative_mean_gap(relative_area: Number, relative_pressure: Number) -> np.ndarray:
+    """ū/h = cos²(πa/λ) + 2(p/p*) ln sin(πa/λ) with or without adhesion; source as :func:`wave_relative_pressure`."""
+    angle = np.pi * _share("relative_area", relative_area) / 2
+    return np.cos(angle) ** 2 + 2 * relative_pressure * np.log(np.sin(angle))
+
+
+def egg_box_full_contact_pressure(amplitude: Number, wavelength: Number, contact_modulus: Number) -> Number:
+    """p* = √2 πE*Δ/λ (Pa). K. L. Johnson, J. A. Greenwood, J. G. Higginson, Int. J. Mech. Sci. 27, 383–396 (1985)."""
+    return np.sqrt(2) * np.pi * contact_modulus * amplitude / wavelength
+
+
+def egg_box_light_area(relative_pressure: Number) -> np.ndarray:
+    """A/A₀ = π(3p/8πp*)^(2/3) for p ≪ p*: Hertz on each of the two summits of a cell; the same source."""
+    return np.pi * np.cbrt(3 * _share("relative_pressure", relative_pressure) / (8 * np.pi)) ** 2
+
+
+def egg_box_heavy_area(relative_pressure: Number) -> np.ndarray:
+    """A/A₀ = 1 − (3/2π)(1 − p/p*) for p → p*: a pressurised penny-shaped crack at each hollow; the same source."""
+    return 1 - 3 / (2 * np.pi) * (1 - _share("relative_pressure", relative_pressure))
+
+
+def _share(name: str, value: Number) -> np.ndarray:
+    given = np.asarray(value, dtype=float)
+    if not np.all((given >= 0) & (given <= 1)):
+        raise ValueError(f"{name} = {value!r}: must lie between 0 and 1")
+    return given

@@ -1,0 +1,237 @@
+"""A state of Persson's theory, and the mean gap that follows from states at rising pressures."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+from contact_study.numerics.arguments import finite
+from theory.datasets import dataset_of
+from theory.persson.diffusion import StressDistribution, diffuse
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from theory.persson.theory import PerssonTheory
+
+
+@dataclass(frozen=True)
+class PerssonContact:
+    """Hold the state of contact at one pressure, which :meth:`theory.PerssonTheory.at_pressure` returns.
+
+    Attributes
+    ----------
+    theory : PerssonTheory
+        The interface.
+    pressure : float
+        p, compression positive (Pa).
+    detachment_stress : numpy.ndarray
+        σ_a at the theory's magnifications (Pa).
+    distribution : StressDistribution
+        P(σ) at the highest magnification and A(q), in units of ``theory.stress_scale``.
+    converged : bool
+        Whether the residual met the tolerance and the stresses balance.
+    stalled : bool
+        Whether the iteration ended because its change stopped falling.
+    residual : float
+        Largest change of σ_a in the last iteration over ``theory.stress_scale``.
+    iterations : int
+        Diffusions solved.
+
+    Examples
+    --------
+    >>> from theory import PerssonTheory, SelfAffineSpectrum
+    >>> theory = PerssonTheory(SelfAffineSpectrum(0.8, 1e-9, 6e7, 1.8e8, 7.2e8), 93.7e9, 0.1)
+    >>> contact = theory.at_pressure(1e9)
+    >>> round(contact.stress_balance, 6), bool(contact.contact_stress > 1e9 > contact.edge_stress)
+    (1.0, True)
+    """
+
+    theory: "PerssonTheory"
+    pressure: float
+    detachment_stress: np.ndarray
+    distribution: StressDistribution
+    converged: bool
+    stalled: bool
+    residual: float
+    iterations: int
+
+    @property
+    def contact(self) -> np.ndarray:
+        """A(q)/A₀ at the magnifications."""
+        return self.distribution.contact
+
+    @property
+    def relative_contact_area(self) -> float:
+        """A(q₁)/A₀, the real contact area."""
+        return float(self.distribution.contact[-1])
+
+    @property
+    def detached(self) -> bool:
+        """True without contact: at no pressure the iteration ends near zero area, not on it."""
+        return self.pressure <= 0 and self.relative_contact_area < 1e-6
+
+    @property
+    def advice(self) -> str:
+        """The remedy for a state that did not converge."""
+        if not self.balanced:
+            return (
+                f"contact and edges carry {self.stress_balance:.3g} times the pressure, and not one within "
+                f"{self.theory.options.balance:g}; use more cells (PerssonTheory(cells=...)) or a higher pressure"
+            )
+        return "the iteration oscillates; lower theory.alpha" if self.stalled else "raise solver.max_iterations"
+
+    @property
+    def effective_work_of_adhesion(self) -> np.ndarray:
+        """γ_eff at the magnifications (J/m²)."""
+        return self.theory.effective_work_of_adhesion(self.contact)
+
+    @property
+    def elastic_energy(self) -> float:
+        """U_el(q_L) per nominal area (J/m²)."""
+        return float(self.theory.elastic_energy(self.contact)[0])
+
+    @property
+    def adhesion_energy(self) -> float:
+        """−Δγ A*(q₁) per nominal area (J/m²)."""
+        theory = self.theory
+        return float(-theory.work_of_adhesion * self.relative_contact_area * theory.area_factor[-1])
+
+    @property
+    def energy(self) -> float:
+        """Interfacial energy U = U_el − Δγ A* (J/m²)."""
+        return self.elastic_energy + self.adhesion_energy
+
+    @property
+    def contact_stress(self) -> float:
+        """Mean stress carried inside the contact, ∫ σ P dσ (Pa)."""
+        return self.distribution.contact_stress * self.theory.stress_scale
+
+    @property
+    def edge_stress(self) -> float:
+        """Mean stress carried at detached edges, −∫ σ_a g ds <= 0 (Pa); with the contact's it makes the pressure."""
+        return self.distribution.edge_stress * self.theory.stress_scale
+
+    @property
+    def stress_balance(self) -> float:
+        """Stress carried by contact and edges over the applied pressure: one, but for the cells; NaN at p = 0."""
+        return (self.contact_stress + self.edge_stress) / self.pressure if self.pressure else np.nan
+
+    @property
+    def balanced(self) -> bool:
+        """True if contact and edges carry the applied pressure within the bound of the options."""
+        error = self.contact_stress + self.edge_stress - self.pressure
+        options = self.theory.options
+        least = options.least_pressure * self.theory.stress_scale
+        return abs(error) <= options.balance * max(abs(self.pressure), least)
+
+    def pressure_density(self, edges: np.ndarray) -> np.ndarray:
+        """Mean of P(σ) in bins (1/Pa), shape (n,) for n + 1 edges (Pa)."""
+        scale = self.theory.stress_scale
+        return self.distribution.bin_averages(np.asarray(edges) / scale) / scale
+
+    def stress_density(self, edges: np.ndarray, wavevector: float) -> np.ndarray:
+        """Mean of P(σ) in bins without the roughness above a wavevector (1/Pa).
+
+        Edges of the bins are in Pa; the wavevector (1/m) is above the first magnification, and up to the last.
+        """
+        theory, scale = self.theory, self.theory.stress_scale
+        first, last = theory.wavevectors[[0, -1]]
+        rounding = 1e-9  # of a last wavevector that is a product
+        if not first < finite("wavevector", wavevector, "1/m") <= last * (1 + rounding):
+            raise ValueError(
+                f"wavevector = {wavevector:g} 1/m: the magnifications go from above {first:.6g} to {last:.6g}"
+            )
+        at = min(wavevector, last)
+        end = theory.spectrum.full_contact_stress_variance(theory.solid.stiffness, np.array([at]))[0]
+        # In the scheme σ_a is linear in the variance between two nodes.
+        below = theory.stress_variance[theory.wavevectors < at]
+        variance = np.append(below[below < end], end) / scale**2
+        stress = self.detachment_stress if theory.work_of_adhesion else np.zeros_like(self.detachment_stress)
+        boundary = np.interp(variance * scale**2, theory.stress_variance, stress)
+        # The cells are graded for a last variance of one.
+        unit = np.sqrt(variance[-1])
+        cells, options = theory.cells, theory.options.diffusion
+        part = diffuse(self.pressure / scale / unit, variance / unit**2, boundary / scale / unit, cells, options)
+        return part.bin_averages(np.asarray(edges) / scale / unit) / scale / unit
+
+    def stress_densities(self, zetas: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
+        """P(σ, ζ) as a function from edges (m + 1,) of bins (Pa) to means (n, m) (1/Pa), at ζ = q/q_L above one."""
+        first = self.theory.wavevectors[0]
+        if self.detached:
+            return lambda edges: np.zeros((zetas.size, edges.size - 1))
+        return lambda edges: np.array([self.stress_density(edges, float(zeta * first)) for zeta in zetas])
+
+    def quantities(self) -> dict[str, Any]:
+        """All values but the mean gap by their names in a dataset; distributions are functions of bin edges."""
+        return {
+            "mean_pressure": self.pressure,
+            "relative_contact_area": self.relative_contact_area,
+            "elastic_energy": self.elastic_energy,
+            "interaction_energy": self.adhesion_energy,
+            "pressure_pdf": self.pressure_density,
+            "contact_stress": self.contact_stress,
+            "edge_stress": self.edge_stress,
+            "stress_balance": self.stress_balance,
+            "relative_contact_area_at": self.contact,
+            "detachment_stress": self.detachment_stress,
+            "effective_work_of_adhesion": self.effective_work_of_adhesion,
+            "converged": self.converged,
+            "detached": self.detached,
+            "residual": self.residual * self.theory.stress_scale / self.theory.solid.contact_modulus,
+            "iterations": self.iterations,
+        }
+
+    def to_dataset(
+        self, pressure_edges: np.ndarray | None = None, magnifications: np.ndarray | None = None
+    ) -> "xr.Dataset":
+        """Give the state in the schema of ``theory.nc``, without the dimension of a path.
+
+        The mean gap takes some forty states at higher pressures.
+
+        Parameters
+        ----------
+        pressure_edges : numpy.ndarray, optional
+            Edges of the bins of P(σ) (Pa); by default even ones over the whole distribution.
+        magnifications : numpy.ndarray, optional
+            ζ = q/q_L, above one, for P(σ, ζ) in ``pressure_pdf_at``.
+        """
+        theory, gap = self.theory, np.nan
+        if self.pressure > 0 and not self.detached:
+            swept = theory.sweep(min(self.pressure, theory.stress_scale))
+            gap = float(gap_integral(swept)(np.log(self.pressure)))
+        ends = self.distribution.edges[[0, -1]] * theory.stress_scale
+        quantities = {**self.quantities(), "mean_gap": gap}
+        coordinates = {"wavevector": theory.wavevectors}
+        if magnifications is not None:
+            coordinates["magnification"] = np.asarray(magnifications, dtype=float)
+            quantities["pressure_pdf_at"] = self.stress_densities(coordinates["magnification"])
+        names = ("pressure_pdf", "pressure_pdf_at")
+        ranges = dict.fromkeys(names, (float(ends[0]), float(ends[1])))
+        return dataset_of(("persson",), quantities, dict.fromkeys(names, pressure_edges), ranges, coordinates)
+
+
+def gap_integral(contacts: Sequence[PerssonContact]) -> Callable[[np.ndarray], np.ndarray]:
+    """ū (m) over ln p, ∫_p^∞ (dU/dp') dp'/p' along a cubic spline of U(ln p) through states at rising pressures."""
+    pressure, energy = (np.array([getattr(each, name) for each in contacts]) for name in ("pressure", "energy"))
+    spline = CubicSpline(np.log(pressure), energy)
+    nodes = spline.x
+    points, weights = np.polynomial.legendre.leggauss(6)
+
+    def between(start: np.ndarray, end: np.ndarray) -> np.ndarray:
+        """∫ (dU/dx) e^(−x) dx between points of one interval of the spline, by Gauss's rule."""
+        half = 0.5 * (end - start)
+        inside = start[..., None] + half[..., None] * (1 + points)
+        return half * np.sum(weights * spline(inside, 1) * np.exp(-inside), axis=-1)
+
+    # Beyond the last pressure what is left of U is gained at that pressure.
+    rest = (contacts[-1].theory.full_contact_energy - energy[-1]) / pressure[-1]
+    above = np.concatenate([np.cumsum(between(nodes[:-1], nodes[1:])[::-1])[::-1], [0.0]]) + rest
+
+    def gap(x: np.ndarray) -> np.ndarray:
+        interval = np.clip(np.searchsorted(nodes, x, side="right") - 1, 0, nodes.size - 2)
+        return above[interval + 1] + between(x, nodes[interval + 1])
+
+    return gap
