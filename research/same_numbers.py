@@ -24,8 +24,8 @@ import xarray as xr
 import contact_study
 from contact_study.command_line.examples import example
 from contact_study.inputs.errors import InputError
+from research.state_checks.drawing import drawn
 from scripts.harness import Option, program
-from scripts.state_checks.drawing import drawn
 
 RANDOM_STUDIES = 60
 CLOSE = 1e-12  # over the largest value of a variable

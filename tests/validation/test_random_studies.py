@@ -11,10 +11,10 @@ from bem_adhesion.study import quasi_static as equilibrium_path
 from contact_study.physics.laws import LAWS
 from contact_study.physics.solids import Layer, Measured
 from contact_study.study.study import make_study
-from scripts.random_studies import checked, study_of
-from scripts.state_checks import equilibrium
-from scripts.state_checks.drawing import SUBJECTS, drawn
-from scripts.state_checks.state import Point, Verdict
+from research.random_studies import checked, study_of
+from research.state_checks import equilibrium
+from research.state_checks.drawing import SUBJECTS, drawn
+from research.state_checks.state import Point, Verdict
 
 # Numbers of studies of the five subjects.
 HARD, RELAXING, STEPPING, APPROACHED, TABULATED = 29, 26, 47, 8, 12

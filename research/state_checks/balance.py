@@ -15,7 +15,7 @@ from contact_study.physics.laws import TractionLaw
 from contact_study.physics.solids import Elasticity, HalfSpace
 
 if TYPE_CHECKING:
-    from scripts.state_checks.state import Point
+    from research.state_checks.state import Point
 
 
 class PeriodicSurface:

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from contact_study.numerics.grid import Grid
-from scripts.state_checks.state import ALLOWED, Point, Start, Study, Surfaces
+from research.state_checks.state import ALLOWED, Point, Start, Study, Surfaces
 
 CHANGES = (0, 2, 6)  # widths, in points, of the random changes
 CHANGE = 1e-3  # their size over the law's length

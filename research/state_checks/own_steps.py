@@ -8,8 +8,8 @@ from bem_adhesion import Contact, Solution
 from bem_adhesion.study.model import solve_path
 from contact_study.results.state import InterfaceState
 from contact_study.study.case import Case
-from scripts.state_checks import equilibrium
-from scripts.state_checks.state import Point, Study
+from research.state_checks import equilibrium
+from research.state_checks.state import Point, Study
 
 SMALL_STEPS = 24
 # Share of what was exchanged by which the losses of two ways through the same states may differ.

@@ -13,7 +13,7 @@ from contact_study.physics.solids import Elasticity
 from contact_study.physics.surfaces.surface import Surface
 from contact_study.results.state import InterfaceState
 from contact_study.study.case import Case
-from scripts.state_checks.balance import FreeSurface, PeriodicSurface
+from research.state_checks.balance import FreeSurface, PeriodicSurface
 
 # Largest stress out of balance over E*: twice the solver's tolerance.
 ALLOWED = 2e-8

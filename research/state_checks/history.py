@@ -13,7 +13,7 @@ import numpy as np
 
 from contact_study.numerics.grid import Grid
 from contact_study.physics.solids import HalfSpace, Viscoelastic
-from scripts.state_checks.balance import PeriodicSurface
+from research.state_checks.balance import PeriodicSurface
 
 # Of the quadrature of what a step dissipates: Gauss's points on intervals that halve towards the step's beginning.
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(8)

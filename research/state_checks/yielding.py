@@ -6,9 +6,9 @@ import numpy as np
 
 from bem_adhesion import Solution
 from contact_study.physics.solids import HalfSpace
-from scripts.state_checks import equilibrium
-from scripts.state_checks.equilibrium import CHANGE, changes
-from scripts.state_checks.state import Point, Study
+from research.state_checks import equilibrium
+from research.state_checks.equilibrium import CHANGE, changes
+from research.state_checks.state import Point, Study
 
 # Share of the hardness by which a pressure that is at it may be off in float64.
 ROUNDED = 1e-14

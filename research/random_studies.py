@@ -9,11 +9,11 @@ of a viscoelastic solid, of steps of its own or of a tabulated stiffness. Of eve
 - no small random change, rough or smooth, that a wall allows may lower the energy: it is a minimum;
 - a second start, from the state after such a change, must come back to it; next to a fold (counted as "narrow") from a
   hundredth of the change;
-- and what else makes a state of its kind, see the modules of ``scripts/state_checks``.
+- and what else makes a state of its kind, see the modules of ``research/state_checks``.
 
 A state that is none of that is wrong; one that is flagged is counted, and no fault.
 
-    python -m scripts.random_studies --studies 100
+    python -m research.random_studies --studies 100
 """
 
 import argparse
@@ -27,10 +27,10 @@ from contact_study.inputs.errors import InputError
 from contact_study.physics.solids import Viscoelastic
 from contact_study.study.case import Case, realise
 from contact_study.study.study import make_study
+from research.state_checks import equilibrium, own_steps, relaxing, yielding
+from research.state_checks.drawing import SUBJECTS, Drawn, drawn
+from research.state_checks.state import Study, Surfaces, Tally, Verdict
 from scripts.harness import Option, program, show
-from scripts.state_checks import equilibrium, own_steps, relaxing, yielding
-from scripts.state_checks.drawing import SUBJECTS, Drawn, drawn
-from scripts.state_checks.state import Study, Surfaces, Tally, Verdict
 
 
 def run(given: argparse.Namespace) -> int:

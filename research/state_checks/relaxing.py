@@ -7,9 +7,9 @@ import numpy as np
 from bem_adhesion import Solution, Viscoelastic, ViscoelasticContact
 from bem_adhesion.study.model import solve_path
 from contact_study.results.state import InterfaceState
-from scripts.state_checks import equilibrium
-from scripts.state_checks.history import History
-from scripts.state_checks.state import ALLOWED, Point, Study
+from research.state_checks import equilibrium
+from research.state_checks.history import History
+from research.state_checks.state import ALLOWED, Point, Study
 
 
 def follow(study: Study) -> None:
