@@ -1,4 +1,1 @@
-"""Numerical methods that two of the packages use: grids, transforms, time integration, statistics.
-
-No physics of contacts and no study files.
-"""
+"""Numerical methods that two of the packages use; no physics of contacts and no study files."""

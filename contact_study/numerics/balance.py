@@ -1,7 +1,6 @@
 """Force balance of a contact under a mean pressure, by one definition for the continuum and the atoms.
 
-The tolerance of a residual is a fraction of the contact modulus. It shrinks with the load and with the largest stress
-of the interface where these are small, down to rounding: a light load may be as small as a residual.
+The tolerance of a residual shrinks with the load and the interface's largest stress where these are small.
 """
 
 from typing import NamedTuple
@@ -41,11 +40,7 @@ def excess(
     rounding: float = 0.0,
     points: int = 1,
 ) -> Excess:
-    """Compare the largest residual and the missing mean pressure with force balance, in units of the contact modulus.
-
-    Without a load only the residual counts. ``stress`` is the largest of the interface, ``rounding`` the residual of
-    rounding at one of the ``points``.
-    """
+    """Compare largest residual and missing mean pressure with force balance, in units of the contact modulus."""
     rounding = min(rounding, tolerance)
     if not load:
         return Excess(residual / tolerance, 0.0)

@@ -1,7 +1,7 @@
 """Real transforms of periodic fields by FFTW, and interpolation with them.
 
-Plans are measured once per machine and shape and kept as FFTW "wisdom" in the user's cache directory. All processes of
-one machine run the same plan, and a resumed run repeats the arithmetic of an uninterrupted one.
+Plans are measured once per machine and shape and kept as FFTW "wisdom" in the user's cache directory: a resumed run
+repeats the arithmetic of an uninterrupted one.
 """
 
 import hashlib
@@ -45,13 +45,10 @@ def _load_wisdom(path: Path) -> None:
     """Import wisdom if it is whole: FFTW may abort the process over damaged wisdom."""
     try:
         checksum, _, content = path.read_text("ascii").partition("\n")
-        if checksum != _checksum(content):
-            return
-        wisdom = json.loads(content)
-        if isinstance(wisdom, list) and len(wisdom) == 3 and all(isinstance(one, str) for one in wisdom):
-            _fftw().import_wisdom([one.encode() for one in wisdom])  # of double, single and long double precision
     except (OSError, ValueError):
         return  # none yet, or a damaged file: measure again
+    if checksum == _checksum(content):
+        _fftw().import_wisdom([wisdom.encode() for wisdom in json.loads(content)])
 
 
 def _save_wisdom(path: Path) -> None:
@@ -142,12 +139,6 @@ class RealTransform:
         resize_spectrum(coefficients, coarser.shape, self.shape, self.spectrum)
         return self.backward()
 
-    def filter(self, kernel: np.ndarray) -> np.ndarray:
-        """Multiply the spectrum of :attr:`field` by a real kernel that contains ``1 / points``; return the field."""
-        self.forward()
-        np.multiply(self.spectrum, kernel, out=self.spectrum)
-        return self.backward()
-
 
 _held = cache(RealTransform)
 
@@ -177,8 +168,7 @@ def resize_spectrum(
 ) -> np.ndarray:
     """Convert coefficients of :func:`transform` to another number of points of the same trigonometric polynomial.
 
-    Modes that the new grid lacks are dropped. A Nyquist mode of an even old grid is split evenly between the two signs
-    when the new grid is finer, so that the interpolant stays real and of least curvature.
+    A Nyquist mode of an even old grid is split between both signs on a finer one: real, of least curvature.
     """
     rows = _resize_full_axis(coefficients, old[0], new[0])
     out = np.empty((new[0], new[1] // 2 + 1), dtype=coefficients.dtype) if out is None else out

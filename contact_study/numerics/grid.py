@@ -50,10 +50,7 @@ class Grid:
 
     @cached_property
     def multiplicity(self) -> np.ndarray:
-        """Number of entries of the full spectrum for each of a half spectrum, shape (1, nx // 2 + 1).
-
-        One for the columns q_x = 0 and, on an even grid, the Nyquist column; two elsewhere (the conjugate).
-        """
+        """Number of entries of the full spectrum for each of a half spectrum, shape (1, nx // 2 + 1)."""
         weight = np.full(self.spectrum_shape[1], 2.0)
         weight[0] = 1.0
         if self.shape[1] % 2 == 0:
@@ -61,10 +58,7 @@ class Grid:
         return weight[None, :]
 
     def variances(self, coefficients: np.ndarray) -> np.ndarray:
-        """Mean square of each wave of a real field from its normalised half spectrum; the field's mean has none.
-
-        Their sum is the variance of the field (Parseval).
-        """
+        """Mean square of each wave of a field, from its normalised half spectrum; their sum is the variance."""
         variances = self.multiplicity * np.abs(coefficients) ** 2
         variances[0, 0] = 0.0
         return variances

@@ -8,9 +8,7 @@ from contact_study.numerics.kernel import kernel
 def inner_product(one: np.ndarray, other: np.ndarray) -> float:
     """Σ a b over all points of two real fields of one shape, to the same bits wherever they lie in memory.
 
-    ``np.vdot`` hands fields of more than some 10⁴ points to threads of the BLAS library. Those wait for their next turn
-    in a busy loop; where another case works on their core, every sum waits for them instead: two cases at a time could
-    take longer than one after the other.
+    ``np.vdot`` waits for threads of the BLAS library, long where another case works on their core.
     """
     return float(_sum_of_products(one.ravel(), other.ravel()))
 

@@ -34,11 +34,7 @@ _Coarser = TypeVar("_Coarser", bound=Inverse)
 
 
 class HalvedInverse(Generic[_Coarser]):
-    """The inverse with long waves on a grid of half the resolution, of as many components.
-
-    ``field`` is the buffer of the finer grid, shape (..., 2·rows, 2·columns), ``largest`` the largest stiffness of each
-    component there, ``short_waves`` ω.
-    """
+    """The inverse with long waves on half the resolution: finer buffer, largest stiffnesses there, and ω."""
 
     def __init__(
         self, field: np.ndarray, coarser: _Coarser, largest: float | np.ndarray, short_waves: float = SHORT_WAVES

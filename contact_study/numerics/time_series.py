@@ -20,8 +20,7 @@ LEAST_STATES = 50
 class SeriesStatistics:
     """Mean of every column of a series, its error, and τ in steps, ½ where the values are independent or all equal.
 
-    An error is resolved by ``LEAST_STATES`` values whose τ exceeds its standard error, which takes a series of twenty
-    τ; that of a shorter one is a guess. Two values suffice where all are equal.
+    Resolved: ``LEAST_STATES`` values whose τ exceeds its standard error, as of twenty τ; two values that are all equal.
     """
 
     mean: np.ndarray
@@ -40,10 +39,7 @@ def autocovariance(series: np.ndarray) -> np.ndarray:
 
 
 def statistics_of(series: np.ndarray) -> SeriesStatistics:
-    """Calculate mean, standard error and memory of every column of a series, shape (n, ...), n >= 1.
-
-    The error of a single value, or of a column with a value that is not finite, is NaN.
-    """
+    """Calculate the statistics of every column of a series, shape (n, ...); errors of one value are NaN."""
     series = np.asarray(series, dtype=float)
     count = series.shape[0]
     columns = series.reshape(count, -1)

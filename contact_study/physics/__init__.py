@@ -1,4 +1,1 @@
-"""Physics of contact: adhesive laws, elastic solids, rough surfaces and their spectra, height maps.
-
-No study files and no solvers: classes here are made from numbers in SI.
-"""
+"""Physics of contact from numbers in SI: laws, solids, surfaces and their spectra; no study files, no solvers."""

@@ -9,21 +9,11 @@ GOLDEN_MEAN = (1 + 5**0.5) / 2
 
 @dataclass(frozen=True)
 class Lattice:
-    """Atoms of the block's bottom layer on the sites of a substrate that is incommensurate with it.
+    """Atoms of the block's bottom layer on the sites of a substrate that is incommensurate with it."""
 
-    Parameters
-    ----------
-    size : tuple of float
-        Periods of the cell along y and x (m).
-    constant : float
-        Lattice constant a of the block (m).
-    atoms : tuple of int
-        Atoms of the block's bottom layer along y and x.
-    """
-
-    size: tuple[float, float]
-    constant: float
-    atoms: tuple[int, int]
+    size: tuple[float, float]  # periods of the cell along y and x (m)
+    constant: float  # of the block's lattice (m)
+    atoms: tuple[int, int]  # of the block's bottom layer along y and x
 
     @property
     def substrate_sites(self) -> tuple[int, int]:
@@ -39,16 +29,12 @@ class Lattice:
     @property
     def densities(self) -> tuple[float, float]:
         """Atoms and substrate sites per area (1/m²)."""
-        area = self.size[0] * self.size[1]
-        (rows, columns), (site_rows, site_columns) = self.atoms, self.substrate_sites
-        return rows * columns / area, site_rows * site_columns / area
+        area, sites = self.size[0] * self.size[1], self.substrate_sites
+        return self.atoms[0] * self.atoms[1] / area, sites[0] * sites[1] / area
 
 
 def lattice_of(size: tuple[float, float] | None, constant: float | None) -> Lattice:
-    """Find the lattices of a cell from its size (m) and the block's lattice constant (m).
-
-    Raises InputError if either is missing, or the constant does not divide the size.
-    """
+    """Find the lattices of a cell by its size and the block's lattice constant (m); InputError if they do not fit."""
     if constant is None:
         raise InputError("missing key material.lattice_constant: atoms and interaction.well_depth need it")
     if size is None:

@@ -1,8 +1,7 @@
 """The longest range of an attraction whose contacts are those of Johnson, Kendall and Roberts.
 
-Shorter ranges change nothing for a soft or large body but the number of grid points. The Tabor parameter
-μ = (R Δγ² / E*² r₀³)^(1/3) compares how far the surface is pulled up at the edge of a contact with the range r₀ of the
-law; D. Tabor, J. Colloid Interface Sci. 58, 2 (1977).
+Shorter ranges change nothing for a soft or large body but the number of grid points. The Tabor parameter is
+μ = (R Δγ² / E*² r₀³)^(1/3); D. Tabor, J. Colloid Interface Sci. 58, 2 (1977).
 """
 
 import numpy as np
@@ -20,23 +19,20 @@ def tabor_parameter(radius: float, contact_modulus: float, work_of_adhesion: flo
     return float(np.cbrt(radius * (work_of_adhesion / contact_modulus) ** 2) / length)
 
 
-def sphere_pull_off(
-    radius: float, contact_modulus: float, work_of_adhesion: float, peak_tensile_stress: float
-) -> float:
+def sphere_pull_off(radius: float, contact_modulus: float, work_of_adhesion: float, strength: float) -> float:
     """Calculate the pull-off force of a sphere over πRw, from 2 at a long range to 3/2 at a short one.
 
     Within 2 % of D. Maugis, J. Colloid Interface Sci. 150, 243 (1992), by λ = 2σ₀ (9R/16πwE*²)^(1/3).
     """
     scale = np.cbrt(9 * radius / (16 * np.pi * work_of_adhesion * contact_modulus**2))
-    x = 4.04 * (2 * peak_tensile_stress * scale) ** 1.4
+    x = 4.04 * (2 * strength * scale) ** 1.4
     return float(7 / 4 - (x - 1) / (x + 1) / 4)
 
 
 def longest_range(rms_curvature: float, rms_height: float, contact_modulus: float, work_of_adhesion: float) -> float:
     """Calculate the longest range of a law that leaves a contact JKR-like, to two digits, rounded down (m).
 
-    The inverse of the rms mean curvature (1/m) is the radius of the asperities. Raises ValueError if the surface is
-    flat, or the range is shorter than that of any interaction.
+    Raises ValueError if the surface is flat, or the range is shorter than that of any interaction.
     """
     if not rms_curvature > 0:
         raise ValueError("a flat surface has no curvature to compare a range with")

@@ -1,8 +1,6 @@
 """Transforms and grids: exact on trigonometric polynomials, on any shape."""
 
 import errno
-import hashlib
-import json
 import os
 import pickle
 import subprocess
@@ -49,7 +47,9 @@ def test_laplacian_of_a_wave(shape):
     wave = np.cos(q_y * y[:, None] + q_x * x[None, :] + 0.3)
     plan = fourier.RealTransform(shape)
     plan.field[...] = wave
-    result = plan.filter(grid.wavenumber**2 / grid.points)
+    plan.forward()
+    plan.spectrum[...] *= grid.wavenumber**2 / grid.points
+    result = plan.backward()
     scale = max(q_y**2 + q_x**2, 1.0)
     np.testing.assert_allclose(result / scale, (q_y**2 + q_x**2) / scale * wave, atol=1e-13)
     assert plan.pairs == 1
@@ -119,13 +119,6 @@ def test_damaged_wisdom_is_measured_anew(tmp_path, monkeypatch, where):
     assert not imported, "of a bit that is another"
     wisdom_of_a_plan(tmp_path, monkeypatch, (14, 30))
     assert len(imported) == 1, "what was written in its place is whole"
-
-
-@pytest.mark.parametrize("content", [[], {"a": 1}, ["", ""], [1, 2, 3], 7, None])
-def test_whole_wisdom_of_another_form_is_measured_again(tmp_path, monkeypatch, content):
-    text = json.dumps(content)
-    (tmp_path / "fftw-wisdom.txt").write_text(f"{hashlib.sha256(text.encode()).hexdigest()}\n{text}")
-    wisdom_of_a_plan(tmp_path, monkeypatch, (14, 38))
 
 
 @pytest.mark.parametrize("number", [errno.ENOLCK, errno.ENOSYS])

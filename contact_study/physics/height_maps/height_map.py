@@ -54,11 +54,7 @@ def read_height_map(
     channel: Channel = None,
     lateral_unit: str | None = None,
 ) -> HeightMap:
-    """Read a height map of any format by the keys of a study, size (y, x) in m; units default to metres.
-
-    Raises InputError if the file is missing or damaged, is no table of at least 4 × 4 numbers, its coordinates are not
-    evenly spaced, its size is unknown, or the study contradicts it.
-    """
+    """Read a map by the keys of a study, size (y, x) in m and units m by default; InputError if it is none."""
     require_file(path, "surface.path")
     try:
         raw = _read(path, channel)
@@ -122,18 +118,18 @@ def _size(path: Path, raw: RawMap, given: tuple[float, float] | None, lateral_un
 
 def _read(path: Path, channel: Channel) -> RawMap:
     """Read an existing file by its suffix, or else by its content; ``channel`` is the name or number of a map in it."""
-    reader = READERS.get(path.suffix.lower())
-    if reader is not None:
-        return reader(path, channel)
-    if _is_text(path):
+    if (suffix := path.suffix.lower()) in READERS:
+        return READERS[suffix](path, channel)
+    with path.open("rb") as stream:
+        start = stream.read(4096)
+    reason = "it is no text"
+    if b"\0" not in start and not re.search(rb"[\x01-\x08\x0e-\x1f\x80-\x9f]{2}", start):
         try:
             return _only(path, channel, read_text(path))
         except InputError:
             raise
         except ValueError as error:
             reason = str(error)
-    else:
-        reason = "it is no text"
     return _instrument(path, channel, reason)
 
 
@@ -172,7 +168,7 @@ def _netcdf(path: Path, channel: Channel) -> RawMap:
         heights = dataset[_chosen(path, names, channel, usual)].load()
         if _MASK in dataset and dataset[_MASK].dims == heights.dims:
             heights = heights.where(dataset[_MASK] == 0)
-        axes = {_axis(dataset, str(dimension)): str(dimension) for dimension in heights.dims}
+        axes = {str(dataset[dim].attrs.get("axis") or dim).lower(): dim for dim in heights.dims}
         if set(axes) == {"y", "x"}:
             heights = heights.transpose(axes["y"], axes["x"])
         steps, units = [], []
@@ -195,12 +191,6 @@ def _unit(variable: Any) -> str | None:
     """Unit of a NetCDF variable; SurfaceTopography calls the attribute ``unit``, and writes ``A`` for Å."""
     unit = variable.attrs.get("units") or variable.attrs.get("unit")
     return "angstrom" if unit == "A" else unit
-
-
-def _axis(dataset: Any, dimension: str) -> str:
-    """``y`` or ``x`` as the coordinate's attribute or else the dimension's name says; another name as it is."""
-    attribute = dataset[dimension].attrs.get("axis") if dimension in dataset.coords else None
-    return str(attribute or dimension).lower()
 
 
 def _gzip(path: Path, channel: Channel) -> RawMap:
@@ -236,9 +226,8 @@ def _instrument(path: Path, channel: Channel, reason: str) -> RawMap:
             # The unit of what is no length is no text with some readers.
             lengths = {one.channel_id for one in maps if one.is_height_channel and isinstance(one.unit, str | None)}
             surfaces = {name for name in lengths if not _NO_HEIGHTS.search(name)}
-            names = [one.channel_id for one in maps]
-            name = _chosen(path, names, channel, others=set(names) - surfaces)
-            found = next(one for one in maps if one.channel_id == name)
+            by_name = {one.channel_id: one for one in reversed(maps)}
+            found = by_name[_chosen(path, [one.channel_id for one in maps], channel, others=set(by_name) - surfaces)]
             sides = found.physical_sizes
             # It asks for a size where the file has none.
             topography = found.topography(physical_sizes=found.nb_grid_pts if sides is None else None)
@@ -270,12 +259,6 @@ def _only(path: Path, channel: Channel, found: RawMap) -> RawMap:
     if channel not in (None, 0):
         raise InputError(f"surface.channel = {channel!r}: {path} holds one map; leave the key out")
     return found
-
-
-def _is_text(path: Path) -> bool:
-    with path.open("rb") as stream:
-        start = stream.read(4096)
-    return b"\0" not in start and not re.search(rb"[\x01-\x08\x0e-\x1f\x80-\x9f]{2}", start)
 
 
 READERS: Mapping[str, Callable[[Path, Channel], RawMap]] = {

@@ -1,7 +1,4 @@
-"""Preparation of a measured map for a periodic calculation: arrays of heights in, arrays of heights out.
-
-Heights are (y, x) with rows and columns evenly spaced; NaN stands where nothing was measured.
-"""
+"""Preparation of a measured map for a periodic calculation: heights (y, x) in and out, NaN where missing."""
 
 import numpy as np
 
@@ -10,10 +7,7 @@ from contact_study.numerics.grid import Grid
 
 
 def detrended(heights: np.ndarray, degree: int) -> np.ndarray:
-    """Subtract the least-squares polynomial of a total degree from heights, NaN where missing.
-
-    Degree 0 is the mean, 1 the mean plane, 2 a surface of second order (tilt, twist and curvature).
-    """
+    """Subtract the least-squares polynomial of a total degree (0: the mean) from heights, NaN where missing."""
     present = np.isfinite(heights)
     known = np.where(present, heights, 0.0)
     rows, columns = (np.polynomial.legendre.legvander(np.linspace(-1, 1, n), degree).T for n in heights.shape)
@@ -32,8 +26,7 @@ def detrended(heights: np.ndarray, degree: int) -> np.ndarray:
 def filled(heights: np.ndarray, spacing: tuple[float, float]) -> np.ndarray:
     """Fill missing heights (NaN) by the harmonic function that continues those around them.
 
-    Each missing height is the mean of its four neighbours, weighted by 1/spacing² (the five-point Laplacian, exact for
-    harmonic polynomials of second degree); the slope across an edge of the map is zero.
+    Each is the mean of its four neighbours, weighted by 1/spacing²; the slope across an edge of the map is zero.
     """
     missing = ~np.isfinite(heights)
     count = int(missing.sum())
@@ -71,10 +64,9 @@ def mirrored(heights: np.ndarray) -> np.ndarray:
 
 
 def windowed(heights: np.ndarray, share: float) -> np.ndarray:
-    """Fade heights to their mean at the edges, by a tapered cosine (Tukey) window along each axis.
+    """Fade heights to their mean over a share of each side, by a tapered cosine (Tukey) window along each axis.
 
-    ``share`` is the fraction of each side over which they fade, both ends together. F. J. Harris, On the use of windows
-    for harmonic analysis with the discrete Fourier transform, Proc. IEEE 66, 51 (1978).
+    F. J. Harris, Proc. IEEE 66, 51 (1978).
     """
     from scipy.signal.windows import tukey  # slow to import
 

@@ -140,10 +140,7 @@ def _lines(path: Path) -> list[str]:
 
 
 def _numbers(path: Path, lines: Sequence[str]) -> np.ndarray:
-    """Rows of numbers between blanks, tabs, semicolons or commas, with decimal points or commas.
-
-    An empty place between two separators is a missing number. Raises ValueError where there are other things.
-    """
+    """Rows of numbers between blanks, tabs, semicolons or commas, NaN in empty places; ValueError for other things."""
     separator, decimal = _separation(path, [line for line in lines if _NUMBER.match(line)][:30])
     if (separator, decimal) == (", ", ","):
         lines, separator = [re.sub(r",([ \t]+|$)", ";", line.rstrip()) for line in lines], ";"
@@ -185,10 +182,7 @@ def _separation(path: Path, lines: Sequence[str]) -> tuple[str | None, str]:
 
 
 def _may_be_decimal(rows: Sequence[Sequence[str]]) -> bool:
-    """Test whether every second cell may be the digits behind a decimal comma.
-
-    Many unsigned integers are taken for what they are where both halves have the same lengths and none begins with 0.
-    """
+    """Test whether every second cell may be digits behind a decimal comma; many like integers are integers."""
     whole, digits = ([cell.strip() for row in rows for cell in row[first::2]] for first in (0, 1))
     if any(len(row) % 2 for row in rows) or not all(cell.isdecimal() for cell in digits):
         return False

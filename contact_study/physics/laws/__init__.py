@@ -1,14 +1,16 @@
-"""Traction-separation laws: interaction energy per area as a function of the local gap.
-
-Their keys in a study file live in :mod:`contact_study.study.schema.interaction`, compiled loops with the solvers.
-"""
+"""Traction-separation laws: interaction energy per area as a function of the local gap."""
 
 from dataclasses import MISSING, fields
 
 from contact_study.physics.laws.base import TractionLaw
 from contact_study.physics.laws.exponential import Dugdale, DugdaleCore, Exponential, ExponentialCore, Morse
-from contact_study.physics.laws.lennard_jones import LennardJones, LennardJones93, LennardJones104
-from contact_study.physics.laws.repulsion import HardWall, Repulsive
+from contact_study.physics.laws.lennard_jones import (
+    HardWall,
+    LennardJones,
+    LennardJones93,
+    LennardJones104,
+    Repulsive,
+)
 from contact_study.physics.laws.tabulated import TabulatedLaw
 
 __all__ = [

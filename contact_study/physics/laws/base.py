@@ -33,10 +33,8 @@ class TractionLaw(ABC):
 
     Parameters
     ----------
-    work_of_adhesion : float
-        Depth of the minimum of φ (J/m²).
-    length : float
-        The law's length: r0 or range (m).
+    work_of_adhesion, length : float
+        Depth of the minimum of φ (J/m²) and the law's length, r0 or range (m).
 
     Attributes
     ----------
@@ -75,8 +73,8 @@ class TractionLaw(ABC):
     length: float
 
     def __post_init__(self):
-        for name, unit in (("work_of_adhesion", "J/m²"), ("length", "m")):
-            positive(name, getattr(self, name), unit)
+        positive("work_of_adhesion", self.work_of_adhesion, "J/m²")
+        positive("length", self.length, "m")
 
     @abstractmethod
     def potential(self, gap: np.ndarray) -> np.ndarray:
@@ -154,12 +152,11 @@ class TractionLaw(ABC):
         from scipy.optimize import minimize_scalar  # slow to import
 
         near, far = gaps[at - 1] / self.length, gaps[at + 1] / self.length
-        found = minimize_scalar(
-            lambda gap: float(function(np.array(self.length * gap))),
-            bounds=(near, far),
-            method="bounded",
-            options={"xatol": 1e-9},
-        )
+
+        def at_gap(gap: float) -> float:
+            return float(function(np.array(self.length * gap)))
+
+        found = minimize_scalar(at_gap, bounds=(near, far), method="bounded", options={"xatol": 1e-9})
         return self.length * float(found.x)
 
     @property

@@ -20,10 +20,8 @@ class Exponential(TractionLaw):
 
     Parameters
     ----------
-    work_of_adhesion : float
-        Δγ (J/m²).
-    length : float
-        Range ρ (m).
+    work_of_adhesion, length : float
+        Δγ (J/m²) and range ρ (m).
 
     Examples
     --------
@@ -55,12 +53,8 @@ class Dugdale(TractionLaw):
 
     Parameters
     ----------
-    work_of_adhesion : float
-        Δγ (J/m²).
-    length : float
-        Reach h of the tension (m).
-    ramp : float, optional
-        Width w of the end of the tension over its reach.
+    work_of_adhesion, length, ramp : float
+        Δγ (J/m²), reach h of the tension (m) and width w of its end over the reach.
 
     Examples
     --------
@@ -114,10 +108,9 @@ class Dugdale(TractionLaw):
 
 @dataclass(frozen=True)
 class CoredLaw(LawAtLength):
-    """Attraction of a law that has a wall, with an exponential repulsion of decay length ``core`` in the wall's place.
+    """A wall's attraction from the equilibrium distance d0 on, and an exponential repulsion in the wall's place.
 
-    σ(d) = σ_wall(x) − σ_wall(0) e^(−x/c), x = d − d0: a wall's attraction of some ``range`` from the equilibrium
-    distance d0 on, and a core c, the shorter the nearer to a wall. The core is finite at a gap of zero.
+    σ(d) = σ_wall(x) − σ_wall(0) e^(−x/c), x = d − d0; finite at a gap of zero, and nearer to a wall the shorter c.
     """
 
     diverges = False
@@ -184,10 +177,8 @@ class ExponentialCore(CoredLaw):
 
     Parameters
     ----------
-    work_of_adhesion : float
-        Δγ (J/m²).
-    length, range, core : float
-        Equilibrium distance d0, range ρ of the attraction and decay length c < ρ of the repulsion (m).
+    work_of_adhesion, length, range, core : float
+        Δγ (J/m²), equilibrium distance d0, range ρ of the attraction and decay length c < ρ of the repulsion (m).
 
     Examples
     --------
@@ -222,12 +213,9 @@ class DugdaleCore(CoredLaw):
 
     Parameters
     ----------
-    work_of_adhesion : float
-        Δγ (J/m²).
-    length, range, core : float
-        Equilibrium distance, reach of the tension and decay length of the repulsion (m).
-    ramp : float, optional
-        Width of the end of the tension over its reach.
+    work_of_adhesion, length, range, core, ramp : float
+        Δγ (J/m²), equilibrium distance, reach of the tension, decay length of the repulsion (m) and, over the reach,
+        width of the tension's end.
 
     Examples
     --------
@@ -253,10 +241,8 @@ class Morse(LawAtLength):
 
     Parameters
     ----------
-    work_of_adhesion : float
-        Δγ (J/m²).
-    length, range : float
-        Equilibrium distance d0 and range w of the attraction (m).
+    work_of_adhesion, length, range : float
+        Δγ (J/m²), equilibrium distance d0 and range w of the attraction (m).
 
     Examples
     --------

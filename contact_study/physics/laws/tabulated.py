@@ -1,10 +1,9 @@
 """A law measured or computed elsewhere, by its traction at a number of gaps.
 
 Between the points the traction is monotone and its stiffness continuous (SciPy's ``PchipInterpolator``): no peak is
-higher than the table's, and there is no gap of zero stress that is not in it. Below the first gap the repulsion goes
-on as the power of the gap that has the value and slope there. Beyond the last one a tension that is left fades as the
-exponential through the last two points, whose slope the interpolant takes there: its own, of three points, is zero
-where they fall steeply, and with it nothing would fade. Energy follows by exact integration.
+higher than the table's. Below the first gap the repulsion continues as the power of the gap that has the value and
+slope there. Beyond the last one tension fades as the exponential through the last two points, whose slope the
+interpolant takes there: its own is zero where they fall steeply. Energy follows by exact integration.
 """
 
 import math
@@ -53,11 +52,7 @@ class TabulatedLaw(LawAtLength):
 
     @classmethod
     def through(cls, gaps: Sequence[float] | np.ndarray, tractions: Sequence[float] | np.ndarray) -> "TabulatedLaw":
-        """The law through a table of gaps (m) and tractions (Pa), tension positive.
-
-        Raises ValueError if the table is no law: gaps that do not increase, no core, no attraction, a tension that does
-        not end.
-        """
+        """The law through a table of gaps (m) and tractions (Pa, tension positive); ValueError if it is no law."""
         gap, traction = (np.asarray(values, dtype=float) for values in (gaps, tractions))
         _check(gap, traction)
         first = int(np.argmax(traction > 0))
@@ -98,11 +93,7 @@ class TabulatedLaw(LawAtLength):
 
     @cached_property
     def _end(self) -> tuple[float, float, float]:
-        """Last gap, its tension, and the length over which that fades.
-
-        At most the distance from the peak: tensions that hardly fall between the last points, or are rounded to one
-        number, would fade over any length.
-        """
+        """Last gap, its tension, and the length over which that fades, at most the distance from the peak."""
         gap, tension = float(self.gaps[-1]), float(self.tractions[-1])
         longest = gap - self.peak_distance
         if tension == 0:

@@ -1,4 +1,1 @@
-"""Spectra of rough surfaces: moments, statistics of heights, and fits of self-affine laws.
-
-Surfaces with these spectra are drawn in :mod:`contact_study.physics.surfaces`.
-"""
+"""Spectra of rough surfaces: moments, statistics of heights, fits of self-affine laws; surfaces are in ``surfaces``."""

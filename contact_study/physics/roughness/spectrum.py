@@ -1,7 +1,6 @@
 """Isotropic roughness spectra: a self-affine target, a table and that of a realised surface, with their moments.
 
-Convention: C(q) = (2π)⁻² ∫ d²x <h(x) h(0)> exp(−i q·x), so that h_rms² = 2π ∫ q C dq. All that contact theories
-need is in the moments M_n(q) = ∫ q'ⁿ C dq' from the smallest wavevector to q.
+C(q) = (2π)⁻² ∫ d²x <h(x) h(0)> exp(−i q·x), so that h_rms² = 2π ∫ q C dq; M_n(q) = ∫ q'ⁿ C dq' up to q.
 """
 
 from abc import ABC, abstractmethod
@@ -17,6 +16,8 @@ from contact_study.numerics.grid import Grid
 
 # Least number of pieces of a weighted integral over a continuous spectrum.
 PIECES = 200
+_Function = Callable[[np.ndarray], np.ndarray]
+_Limit = float | np.ndarray | None
 
 
 class RoughnessSpectrum(ABC):
@@ -35,16 +36,14 @@ class RoughnessSpectrum(ABC):
         """Smallest and largest wavevector (1/m)."""
 
     @abstractmethod
-    def moment(self, order: float, lower: float | None = None, upper: float | np.ndarray | None = None) -> np.ndarray:
+    def moment(self, order: float, lower: float | None = None, upper: _Limit = None) -> np.ndarray:
         """Moment M_n = ∫ qⁿ C dq between two wavevectors (1/m), by default of all waves, in m^(3−n).
 
         ``upper`` may be an array; limits outside the spectrum are moved to its ends.
         """
 
     @abstractmethod
-    def weighted_variance(
-        self, weight: Callable[[np.ndarray], np.ndarray], upper: float | np.ndarray | None = None
-    ) -> np.ndarray:
+    def weighted_variance(self, weight: _Function, upper: _Limit = None) -> np.ndarray:
         """Height variance 2π ∫ w(q) q C dq below ``upper`` with a weight w, smooth on the scale of an octave."""
 
     @abstractmethod
@@ -66,18 +65,11 @@ class RoughnessSpectrum(ABC):
         """√<(∇²h)²> = √(2π M₅) (1/m)."""
         return float(np.sqrt(2 * np.pi * self.moment(5)))
 
-    def full_contact_stress_variance(
-        self, stiffness: Callable[[np.ndarray], np.ndarray], upper: float | np.ndarray | None = None
-    ) -> np.ndarray:
-        """Variance of the stress of full contact with the roughness up to ``upper`` (1/m), 2π ∫ K² q C dq (Pa²).
-
-        Each wave h of full contact carries the stress K h, E* q h/2 on a half-space; ``stiffness`` is K(q) (Pa/m).
-        """
+    def full_contact_stress_variance(self, stiffness: _Function, upper: _Limit = None) -> np.ndarray:
+        """Variance of the stress K h of full contact with the roughness up to ``upper`` (1/m), 2π ∫ K² q C dq (Pa²)."""
         return self.weighted_variance(lambda q: stiffness(q) ** 2, upper)
 
-    def full_contact_energy(
-        self, stiffness: Callable[[np.ndarray], np.ndarray], upper: float | np.ndarray | None = None
-    ) -> np.ndarray:
+    def full_contact_energy(self, stiffness: _Function, upper: _Limit = None) -> np.ndarray:
         """Elastic energy per area of full contact, π ∫ K q C dq (J/m²); parameters as for its stress variance."""
         return 0.5 * self.weighted_variance(stiffness, upper)
 
@@ -88,17 +80,15 @@ class SelfAffineSpectrum(RoughnessSpectrum):
 
     Parameters
     ----------
-    hurst_exponent : float
-        H = 3 − D_f, from 0 to 1.
-    rms_height : float
-        h_rms of the ensemble (m); it fixes C₀.
+    hurst_exponent, rms_height : float
+        H = 3 − D_f, from 0 to 1, and h_rms of the ensemble (m); it fixes C₀.
     low, roll_off, cutoff : float
         Wavevectors q_L <= q_0 <= q_1, with q_L < q_1 (1/m).
 
     Raises
     ------
     ValueError
-        If the wavevectors are out of order, the height is not positive or the exponent is not from 0 to 1.
+        If the wavevectors are out of order, the height is not positive or the exponent not from 0 to 1.
 
     Examples
     --------
@@ -248,10 +238,7 @@ class TabulatedSpectrum(RoughnessSpectrum):
 
 
 def _integrated_variance(spectrum, density, weight, upper, ends):
-    """Integrate 2π w(q) q C dq up to upper limits by Gauss's rule on ln q, in pieces between ends and limits.
-
-    q²C must be smooth and next to linear in each piece: corners of the density are among the ends.
-    """
+    """Integrate 2π w(q) q C dq to upper limits by Gauss's rule on ln q, in pieces between ends (corners)."""
     low, high = spectrum.limits
     upper = np.clip(high if upper is None else upper, low, high)
     ends = np.unique(np.concatenate([np.ravel(upper), ends]))
@@ -339,7 +326,7 @@ class RadialSpectrum(RoughnessSpectrum):
     def weighted_variance(self, weight, upper=None):
         return self._below(upper, self.variances * weight(self.wavevectors))
 
-    def _below(self, upper: float | np.ndarray | None, parts: np.ndarray) -> np.ndarray:
+    def _below(self, upper: _Limit, parts: np.ndarray) -> np.ndarray:
         """Sum what the shells have up to a wavevector."""
         cumulative = np.concatenate([[0.0], np.cumsum(parts)])
         return np.interp(self.limits[1] if upper is None else upper, self.shell_edges, cumulative)

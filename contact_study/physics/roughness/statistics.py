@@ -1,7 +1,4 @@
-"""Description of a surface: its moments, its power spectrum and the self-affine law that fits it best.
-
-The spectrum has the convention of :mod:`contact_study.physics.roughness.spectrum`, h_rms² = 2π ∫ q C dq.
-"""
+"""Description of a surface: its moments, its power spectrum and the self-affine law that fits it best."""
 
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -69,8 +66,7 @@ class Roughness:
     def noise(self) -> tuple[float, float]:
         """Power of q in C for waves shorter than four points, and their fraction of the mean square slope.
 
-        Noise of single pixels is white, power 0; a self-affine surface has −2 to −4. The result is −∞ and 0 below four
-        octaves, where short waves may be all of the surface.
+        Noise of single pixels has power 0, a self-affine surface −2 to −4. Below four octaves −∞ and 0: no statement.
         """
         q, density, waves = self.spectrum.wavevectors, self.spectrum.density, self.spectrum.waves
         slopes = q**2 * density * waves
@@ -111,9 +107,8 @@ def roughness_of(heights: np.ndarray, grid: Grid, made_by: tuple[float, float] |
 def roughness_of_sample(heights: np.ndarray, grid: Grid, shortest: float | None = None) -> Roughness:
     """Describe heights (m) of a part of a larger surface, such as a measured map, without waves below ``shortest``.
 
-    A jump across edges that do not meet would be most of the slope, and C ∝ q⁻³ of it most of the spectrum. Slope,
-    curvature and spectrum are then those of the map joined to its mirror images, the latter two without its mean plane,
-    by the discrete cosine transform. A map whose edges meet is described as it is.
+    A jump across edges would be most of the slope and of the spectrum. Without periodic edges, slope, curvature and
+    spectrum are those of the map joined to its mirror images, the latter two without its plane (discrete cosines).
     """
     whole = roughness_of(heights, grid)
     if whole.edge_ratio <= PERIODIC:
@@ -174,16 +169,11 @@ def law_through(
 def self_affine_fit(spectrum: PowerSpectrum, limits: tuple[float, float] | None = None) -> SelfAffineFit | None:
     """Fit the self-affine law of a spectrum by likelihood, each wave's power being exponentially distributed about C.
 
-    That is the distribution of |h_q|² on a Gaussian surface (Whittle's likelihood of a spectrum); a band counts as
-    no more waves than its C is known by, see ``_DEPARTURE``. Beyond the cutoff C is another power law: next to
-    nothing, the flat floor of a measurement, or what edges leave. Roll-off and cutoff are those of the largest
-    likelihood, and taken for real only where they raise it by more than their number asks for (Schwarz' criterion).
-    H is the mean over all limits by their likelihood and its uncertainty the standard deviation, so that limits which
-    the spectrum leaves open count, too. Where even the best law misses the spectrum by more than chance, the likelihood
-    is widened by what it misses it by (deviance over degrees of freedom).
-
-    ``limits`` are roll-off and cutoff (1/m) where they are known, of a spectrum of the waves between them. None for
-    less than an octave, or no power; of unknown limits, less than two octaves.
+    That is the distribution of |h_q|² on a Gaussian surface (Whittle's likelihood); a band counts as no more waves than
+    its C is known by, see ``_DEPARTURE``. Beyond the cutoff C is another power law. Roll-off and cutoff (1/m), where
+    not given, are those of the largest likelihood, taken for real only where they raise it by more than their number
+    asks for (Schwarz' criterion). H and its uncertainty are mean and deviation over all limits, the likelihood widened
+    by its deviance over degrees of freedom. None for less than an octave, of unknown limits two, or no power.
     """
     q, known = spectrum.wavevectors, limits is not None
     octaves = 1 if known else 2

@@ -1,7 +1,4 @@
-"""Elastic solids: the stiffness K(q) of a wave of their surface.
-
-Their keys in a study file live in :mod:`contact_study.study.schema.elasticity`, operators on grids with the solvers.
-"""
+"""Elastic solids: the stiffness K(q) of a wave of their surface."""
 
 from contact_study.physics.solids.base import Elasticity, HalfSpace, Layer, Layered, Viscoelastic, contact_modulus_of
 from contact_study.physics.solids.tabulated import Measured, Tabulated
@@ -20,8 +17,5 @@ __all__ = [
 
 
 def elasticity_of(solid: Elasticity | float) -> Elasticity:
-    """Return the solid itself; a number is the contact modulus E* of a half-space (Pa).
-
-    Raises ValueError if the number is not positive and finite.
-    """
+    """Return the solid itself; a number is the contact modulus E* of a half-space (Pa), positive or ValueError."""
     return solid if isinstance(solid, Elasticity) else HalfSpace(solid)

@@ -1,7 +1,4 @@
-"""Elastic solids, as solvers and theories see them: the stiffness K(q) of a wave of the surface.
-
-The tests compare formulas of layers and of transversely isotropic solids with integrals of the equations of elasticity.
-"""
+"""Elastic solids, as solvers and theories see them: the stiffness K(q) of a wave of the surface."""
 
 import math
 from abc import ABC, abstractmethod
@@ -147,10 +144,8 @@ class Viscoelastic(HalfSpace):
     ----------
     contact_modulus : float
         E*_∞ (Pa).
-    branch_moduli : tuple of float
-        E*_i (Pa).
-    relaxation_times : tuple of float
-        τ_i (s), one for each.
+    branch_moduli, relaxation_times : tuple of float
+        E*_i (Pa) and τ_i (s), one for each.
 
     Raises
     ------
@@ -204,12 +199,8 @@ class Layer(Elasticity):
 
     Parameters
     ----------
-    contact_modulus : float
-        E* = E/(1 − ν²) (Pa).
-    poissons_ratio : float
-        ν, above −1 and up to 0.5: incompressible.
-    thickness : float
-        d (m).
+    contact_modulus, poissons_ratio, thickness : float
+        E* = E/(1 − ν²) (Pa), ν, above −1 and up to 0.5 (incompressible), and d (m).
 
     Raises
     ------
@@ -280,16 +271,10 @@ class Layered(Elasticity):
 
     Parameters
     ----------
-    contact_modulus : float
-        E* = E/(1 − ν²) of the layer (Pa).
-    poissons_ratio : float
-        ν of the layer, above −1 and up to 0.5.
-    thickness : float
-        d (m).
-    base_modulus : float
-        E*_b, the contact modulus of the half-space (Pa).
-    base_poissons_ratio : float
-        ν_b.
+    contact_modulus, poissons_ratio, thickness : float
+        E* = E/(1 − ν²) (Pa), ν, above −1 and up to 0.5, and d (m) of the layer.
+    base_modulus, base_poissons_ratio : float
+        E*_b, the contact modulus of the half-space (Pa), and ν_b.
 
     Raises
     ------
@@ -338,9 +323,8 @@ class Layered(Elasticity):
 
 
 def stiffnesses(modulus: float, ratio: float, axial_modulus: float, axial_ratio: float) -> tuple[float, float, float]:
-    """Calculate the elastic constants C₁₁, C₁₃ and C₃₃ of a transversely isotropic solid (Pa).
+    """Calculate C₁₁, C₁₃ and C₃₃ of a transversely isotropic solid by moduli (Pa) and ratios in the plane and axial.
 
-    Moduli (Pa) and Poisson's ratios are those in the plane and along its normal, the latter a contraction in the plane.
     Raises ValueError if no elastic solid has them: its energy would not be positive.
     """
     coupling = modulus / axial_modulus * axial_ratio**2

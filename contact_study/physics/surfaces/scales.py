@@ -1,7 +1,4 @@
-"""Scales of a surface that follow from the study alone, before a surface is made.
-
-They are the same for all realisations of a random surface, and so are the bins of distributions that depend on them.
-"""
+"""Scales of a surface that follow from the study alone, the same for all realisations of a random surface."""
 
 from dataclasses import dataclass, field
 
@@ -58,10 +55,7 @@ class SurfaceScales:
 
 
 def spectrum_of_waves(wavenumber: np.ndarray, variance: np.ndarray) -> RadialSpectrum | None:
-    """Collect waves of |q| > 0 (1/m) and height variance (m²) in bands of an eighth of an octave; None without height.
-
-    Each band has the height and the slope of its waves.
-    """
+    """Collect waves of |q| (1/m) and variance (m²) in eighths of an octave of their height and slope."""
     band = np.floor(8 * np.log2(wavenumber / wavenumber.min()) + 1e-6).astype(int)
     heights, slopes = np.bincount(band, variance), np.bincount(band, wavenumber**2 * variance)
     present = heights > 0

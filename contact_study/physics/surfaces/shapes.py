@@ -81,10 +81,8 @@ def gaussian_surface(
 ) -> BandLimitedSurface:
     """Draw a Gaussian surface: independent complex amplitudes of variance ∝ C(q), in order of |q|.
 
-    The order makes the surface of a seed independent of ``shape``, the points of the continuum grid, and keeps its long
-    waves when only the cutoff grows. The *expected* mean square on this discrete set of modes is rms_height², that of
-    the sample with ``exact_height``. Raises InputError if no mode of the spectrum fits the cell of periods ``size``
-    (m).
+    The order makes the surface of a seed independent of ``shape`` and keeps its long waves when only the cutoff grows.
+    The *expected* mean square on these modes is rms_height², with ``exact_height`` that of the sample.
     """
     unit_y, unit_x = 2 * np.pi / size[0], 2 * np.pi / size[1]
     # A mode on the limit belongs to the set whatever the rounding of 2π.

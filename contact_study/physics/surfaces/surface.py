@@ -40,11 +40,6 @@ class Surface(ABC):
         return float(np.sqrt(np.mean(self.sampled**2)))
 
     @property
-    def peak_to_valley(self) -> float:
-        """Highest minus lowest point of the continuum grid (m)."""
-        return float(np.ptp(self.sampled))
-
-    @property
     def rms_slope(self) -> float:
         """√<|∇h|²> of the trigonometric interpolant on the continuum grid."""
         power = self.grid.variances(fourier.transform(self.sampled))
