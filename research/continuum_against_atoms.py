@@ -32,8 +32,8 @@ from contact_study.physics.laws.base import TractionLaw
 from contact_study.physics.solids import Elasticity, HalfSpace, Tabulated
 from contact_study.physics.surfaces.surface import Surface
 from contact_study.study.case import Case, realise
-from md_reference.block.condensed import SurfaceStiffness, without_lateral_freedom
-from md_reference.interface.pairs import AtomwiseInteraction
+from md_reference.block.condensed import SurfaceStiffness
+from md_reference.interface.pairs import LennardJonesInterface
 from md_reference.solution import Equilibrium
 from md_reference.solution import Outcome as AtomisticOutcome
 from md_reference.statics.contact import predicted
@@ -115,10 +115,19 @@ class SmearedLayers:
         return self.area_per_atom * 20 * self.law.work_of_adhesion / (3 * self.length)
 
 
+def without_lateral_freedom(stiffness: SurfaceStiffness) -> SurfaceStiffness:
+    """A block with the same normal compliance whose bottom atoms cannot move sideways."""
+    coefficients = np.zeros_like(stiffness.coefficients)
+    # Stiff beyond any force of the interface; the value only keeps the matrix invertible.
+    coefficients[:2] = 1e6 * np.max(stiffness.coefficients)
+    coefficients[2] = stiffness.area_per_atom * stiffness.normal_stiffness
+    return dataclasses.replace(stiffness, coefficients=coefficients)
+
+
 class OnRails:
     """An interface whose forces along the surface the rails take up."""
 
-    def __init__(self, interaction: AtomwiseInteraction):
+    def __init__(self, interaction: LennardJonesInterface):
         self._interaction = interaction
         self.length = interaction.length
         self.cutoff = interaction.cutoff
@@ -178,7 +187,7 @@ def solve(case: Case, surface: Surface, measured: dict[str, float]) -> list[list
             heights, grid, solid, law, tolerance=given.tolerance, max_iterations=given.max_iterations
         )
 
-    def minimiser(block: SurfaceStiffness, interaction: AtomwiseInteraction) -> EquilibriumSolver:
+    def minimiser(block: SurfaceStiffness, interaction: LennardJonesInterface) -> EquilibriumSolver:
         given = case.solver
         scale = case.material.contact_modulus
         return EquilibriumSolver(
@@ -220,7 +229,7 @@ def _of_continuum(solution: Solution, case: Case) -> tuple[float, float, bool]:
     return _state(solution.gap, solution.outcome is ContinuumOutcome.CONVERGED, case)
 
 
-def _of_atoms(interaction: AtomwiseInteraction, found: Equilibrium, case: Case) -> tuple[float, float, bool]:
+def _of_atoms(interaction: LennardJonesInterface, found: Equilibrium, case: Case) -> tuple[float, float, bool]:
     return _state(interaction.gap(found.displacement), found.outcome is AtomisticOutcome.CONVERGED, case)
 
 

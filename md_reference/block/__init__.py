@@ -1,4 +1,1 @@
-"""The elastic block of atoms: condensed to its surface, or explicit and coarsened with depth.
-
-No interface, load or time integration is here, except the kernels that move nodes in one pass with their forces.
-"""
+"""The elastic block of atoms: condensed to its surface, or explicit and coarsened with depth."""

@@ -20,7 +20,8 @@ from contact_study.physics.solids import contact_modulus_of
 _kernel = njit(cache=True, error_model="numpy", fastmath={"contract", "arcp", "nsz"})
 
 # Corners of a cubic cell; degree of freedom 3 * corner + component.
-_CORNERS = np.array([(x, y, z) for z in (0, 1) for y in (0, 1) for x in (0, 1)])
+_ROWS, _COLUMNS = (0, 1, 2, 0, 0, 1), (0, 1, 2, 1, 2, 2)  # of the six numbers of a matrix
+CORNERS = np.array([(x, y, z) for z in (0, 1) for y in (0, 1) for x in (0, 1)])
 
 
 def lame_constants(youngs_modulus: float, poissons_ratio: float) -> tuple[float, float]:
@@ -31,22 +32,17 @@ def lame_constants(youngs_modulus: float, poissons_ratio: float) -> tuple[float,
 
 
 def isotropic_element(lattice_constant: float, youngs_modulus: float, poissons_ratio: float) -> np.ndarray:
-    """Return the stiffness of one cubic cell of an elastically isotropic lattice.
+    """Return the stiffness of one cubic cell of an elastically isotropic lattice, shape (24, 24) (N/m).
 
     Springs μa act along the edges and the face diagonals, beside a dilatation energy ½(λ−μ)a³θ² of the cell. A cell
     owns a quarter of each edge and half of each face diagonal, so that free surfaces are consistent.
-
-    Returns
-    -------
-    numpy.ndarray, shape (24, 24)
-        Symmetric stiffness (N/m); degree of freedom ``3 * corner + component``, corner ``(z * 2 + y) * 2 + x``.
     """
     first, shear_modulus = lame_constants(youngs_modulus, poissons_ratio)
     element = np.zeros((24, 24))
     share_of_cell = {1: 0.25, 2: 0.5}  # by squared length of the bond
     for p in range(8):
         for q in range(p):
-            bond = _CORNERS[p] - _CORNERS[q]
+            bond = CORNERS[p] - CORNERS[q]
             squared_length = int(bond @ bond)
             if squared_length not in share_of_cell:
                 continue
@@ -55,17 +51,8 @@ def isotropic_element(lattice_constant: float, youngs_modulus: float, poissons_r
             elongation[3 * q : 3 * q + 3] = -bond / np.sqrt(squared_length)
             stiffness = share_of_cell[squared_length] * shear_modulus * lattice_constant
             element += stiffness * np.outer(elongation, elongation)
-    dilatation = ((2 * _CORNERS - 1) / (4 * lattice_constant)).ravel()
+    dilatation = ((2 * CORNERS - 1) / (4 * lattice_constant)).ravel()
     return element + (first - shear_modulus) * lattice_constant**3 * np.outer(dilatation, dilatation)
-
-
-def element_matrix(model: str, lattice_constant: float, youngs_modulus: float, poissons_ratio: float) -> np.ndarray:
-    """Return the element of the named block model at small strains; ValueError for an unknown name."""
-    if model not in ("isotropic", "nonlinear_springs"):  # the same to first order
-        raise ValueError(
-            f"atomistic.block: {model!r} is not available; the block models are: 'isotropic', 'nonlinear_springs'"
-        )
-    return isotropic_element(lattice_constant, youngs_modulus, poissons_ratio)
 
 
 @_kernel
@@ -115,10 +102,7 @@ def invert_symmetric(xx, yy, zz, xy, xz, yz):
 @_kernel
 def _bloch(element, phase_y, phase_x, slab):
     """Write the real form of the matrices A, B, D between the two planes of one layer of cells."""
-    for n in range(3):
-        for c in range(3):
-            for d in range(3):
-                slab[n, c, d] = 0.0
+    slab[:] = 0.0
     for p in range(8):
         for q in range(8):
             if p >> 2 > q >> 2:
@@ -160,19 +144,14 @@ def _condense(element, phase_y, phase_x, layers, coefficients):
                 break
             _stack(powers[power], powers[power], powers[1 - power])
             power = 1 - power
-        coefficients[0, n] = stacked[current, 0, 0, 0]
-        coefficients[1, n] = stacked[current, 0, 1, 1]
-        coefficients[2, n] = stacked[current, 0, 2, 2]
-        coefficients[3, n] = stacked[current, 0, 0, 1]
-        coefficients[4, n] = stacked[current, 0, 0, 2]
-        coefficients[5, n] = stacked[current, 0, 1, 2]
+        for c in range(6):
+            coefficients[c, n] = stacked[current, 0, _ROWS[c], _COLUMNS[c]]
 
 
 def condense(element: np.ndarray, phase_y: np.ndarray, phase_x: np.ndarray, layers: int) -> np.ndarray:
-    """Return S(q) of a block of ``layers`` cells under a clamped plane, at chosen wavevectors.
+    """Return S(q) of a block of ``layers`` cells under a clamped plane, shape (6, *phase_y.shape) (N/m).
 
-    ``element`` is the stiffness of one cell of any harmonic model of cubic symmetry (N/m, shape (24, 24)), the phases
-    are q_y a and q_x a. The result has shape (6, *phase_y.shape), in the real form of this module (N/m).
+    ``element`` is the stiffness of one cell of any harmonic model of cubic symmetry, the phases are q_y a and q_x a.
     """
     if layers < 1:
         raise ValueError(f"atomistic.layers: a block needs at least one layer of cells, got {layers}")
@@ -188,17 +167,11 @@ def normal_stiffness(coefficients: np.ndarray, lattice_constant: float) -> np.nd
     return 1 / (lattice_constant**2 * normal_compliance)
 
 
-def contact_modulus(coefficients: np.ndarray, wavenumber: np.ndarray, lattice_constant: float) -> np.ndarray:
-    """Return the surface modulus E*(q) = 2 K/q for a frictionless normal traction (Pa), q > 0 in 1/m."""
-    return contact_modulus_of(normal_stiffness(coefficients, lattice_constant), wavenumber)
-
-
 @dataclass(frozen=True)
 class SurfaceStiffness:
-    """S(q) of a block on the half spectrum of its bottom layer.
+    """S(q) of a block on the half spectrum of its bottom layer, in the real form (N/m, shape (6, ny, nx // 2 + 1)).
 
-    ``coefficients``, shape (6, ny, nx // 2 + 1), are the real form of S (N/m). S_zz at q = 0 is the block's uniform
-    compression, which calculations under prescribed pressure or mean height omit.
+    S_zz at q = 0 is the uniform compression, which calculations under prescribed pressure or mean height omit.
     """
 
     grid: Grid
@@ -214,7 +187,7 @@ class SurfaceStiffness:
     def contact_modulus(self) -> np.ndarray:
         """E*(q) on the half spectrum (Pa), NaN at q = 0."""
         wavenumber = np.where(self.grid.wavenumber > 0, self.grid.wavenumber, np.nan)
-        return contact_modulus(self.coefficients, wavenumber, self.lattice_constant)
+        return contact_modulus_of(self.normal_stiffness, wavenumber)
 
     @property
     def area_per_atom(self) -> float:
@@ -231,15 +204,6 @@ def surface_stiffness(
     phase_y = 2 * np.pi * np.fft.fftfreq(shape[0])[:, None]
     phase_x = 2 * np.pi * np.fft.rfftfreq(shape[1])[None, :]
     return SurfaceStiffness(grid, lattice_constant, condense(element, phase_y, phase_x, layers))
-
-
-def without_lateral_freedom(stiffness: SurfaceStiffness) -> SurfaceStiffness:
-    """Return a block with the same normal compliance whose bottom atoms cannot move sideways."""
-    coefficients = np.zeros_like(stiffness.coefficients)
-    # Stiff beyond any force of the interface; the value only keeps the matrix invertible.
-    coefficients[:2] = 1e6 * np.max(stiffness.coefficients)
-    coefficients[2] = stiffness.area_per_atom * stiffness.normal_stiffness
-    return SurfaceStiffness(stiffness.grid, stiffness.lattice_constant, coefficients)
 
 
 def effective_contact_modulus(stiffness: SurfaceStiffness, heights: np.ndarray) -> float:

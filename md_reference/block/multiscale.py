@@ -8,51 +8,42 @@ Pᵀ, so that the whole is one symmetric stiffness. The highest plane is rigid.
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from functools import partial
 from itertools import accumulate
+from typing import NamedTuple
 
 import numpy as np
 
-from md_reference.block.level_coupling import prolong, restrict
 from md_reference.block.nonlinear_slab import move_rotating_slab, rotating_slab_force
-from md_reference.block.slab import fill_ghosts, move_slab, slab_constants, slab_force
+from md_reference.block.slab import fill_ghosts, move_slab, prolong, restrict, slab_constants, slab_force
 from md_reference.block.verlet import Action, move_planes
 from md_reference.parallel_rows import ParallelRows
 
-
-@dataclass(frozen=True)
-class BlockOptions:
-    """Coarsening of a block, which leaves E*(q) within 0.2 % of the full lattice's, and division of its rows."""
-
-    finest_layers: int = 12  # of the finest level
-    layers: int = 8  # of the coarser levels below the last
-    fewest_nodes: int = 4  # of a level along an axis
-    task_nodes: int = 8192  # of a plane, per task: three planes of displacements and the forces stay in the cache
-    task_rows: int = 8  # at least, per task
+# Layers of the finest level and of the coarser ones below the last, fewest nodes of a level along an axis: E*(q) is
+# within 0.2 % of the full lattice's.
+_FINEST_LAYERS, _LAYERS, _FEWEST_NODES = 12, 8, 4
+# Nodes of a plane per task, whose three planes of displacements and the forces stay in the cache, and fewest rows.
+_TASK_NODES, _TASK_ROWS = 8192, 8
 
 
-DEFAULTS = BlockOptions()
-
-
-def level_layers(atoms: tuple[int, int], layers: int, options: BlockOptions = DEFAULTS) -> tuple[int, ...]:
+def level_layers(atoms: tuple[int, int], layers: int) -> tuple[int, ...]:
     """Return the layers of cells of each level, from the surface up, together as thick as ``layers`` of atoms.
 
     ``atoms`` are those of the surface along y and x; a level has half as many nodes as the one below, where it can.
     """
-    counts = [min(layers, options.finest_layers)]
+    counts = [min(layers, _FINEST_LAYERS)]
     left = layers - counts[0]
     while left:
         level = len(counts)
         size = 2**level
-        possible = all(n % size == 0 and n // size >= options.fewest_nodes for n in atoms)
+        possible = all(n % size == 0 and n // size >= _FEWEST_NODES for n in atoms)
         if not possible or left < size:
             # The rest goes to the levels that exist, in whole layers, the coarsest first.
             for lower in reversed(range(level)):
                 counts[lower] += left // 2**lower
                 left %= 2**lower
         else:
-            counts.append(min(options.layers, left // size))
+            counts.append(min(_LAYERS, left // size))
             left -= counts[-1] * size
     return tuple(counts)
 
@@ -63,17 +54,11 @@ def node_count(atoms: tuple[int, int], layers: Sequence[int]) -> int:
     return sum((count + 1) * ((rows >> n) + 2) * ((columns >> n) + 2) for n, count in enumerate(layers))
 
 
-@dataclass(frozen=True)
-class Level:
+class Level(NamedTuple):
     """One slab of a block: its cells' edge over a, and the shape of its nodes with ghosts."""
 
     size: int
     shape: tuple[int, int, int, int]
-
-    @property
-    def nodes(self) -> int:
-        """Nodes of a plane without ghosts."""
-        return (self.shape[2] - 2) * (self.shape[3] - 2)
 
 
 class MultiscaleBlock:
@@ -99,7 +84,6 @@ class MultiscaleBlock:
         layers: Sequence[int],
         atom_mass: float,
         threads: int = 1,
-        options: BlockOptions = DEFAULTS,
     ):
         self.atoms = atoms
         self.lattice_constant = lattice_constant
@@ -109,7 +93,6 @@ class MultiscaleBlock:
             Level(2**number, (3, count + 1, (atoms[0] >> number) + 2, (atoms[1] >> number) + 2))
             for number, count in enumerate(layers)
         ]
-        self.options = options
         self._ends = [0, *accumulate(math.prod(level.shape) for level in self.levels)]
         self._rows = ParallelRows(threads)
         self.plane_mass = [np.full(level.shape[1], level.size**3 * atom_mass) for level in self.levels]
@@ -117,31 +100,20 @@ class MultiscaleBlock:
             mass[-1] = 0.0
             if number:
                 mass[0] *= 0.75
-        with np.errstate(divide="ignore"):
-            self._inverse_mass = [np.where(mass > 0, 1 / mass, 0.0) for mass in self.plane_mass]
+        self._inverse_mass = [np.divide(1, mass, np.zeros_like(mass), where=mass > 0) for mass in self.plane_mass]
         # Forces on the lowest and highest plane of each level.
         self._faces = [np.zeros((3, min(level.shape[1], 2), *level.shape[2:])) for level in self.levels]
+        size, (_, _, rows, columns) = self.levels[-1]
         # Half of the highest layer of cells moves with the rigid plane.
-        self.top_mass = 0.5 * self.levels[-1].size ** 3 * atom_mass * self.levels[-1].nodes
-
-    @property
-    def size(self) -> int:
-        """Length of a vector of all nodes."""
-        return self._ends[-1]
-
-    @property
-    def freedoms(self) -> int:
-        """Three times the number of nodes that move independently."""
-        pairs = zip(self.levels, self.plane_mass, strict=True)
-        return sum(3 * int(np.count_nonzero(mass)) * level.nodes for level, mass in pairs)
+        self.top_mass = 0.5 * size**3 * atom_mass * ((rows - 2) * (columns - 2))
+        self.size = self._ends[-1]  # of a vector of all nodes
+        self.freedoms = int(np.count_nonzero(self.mass))  # three of every node that moves independently
 
     @property
     def total_mass(self) -> float:
         """Mass of all nodes and the rigid plane (kg)."""
         pairs = zip(self.levels, self.plane_mass, strict=True)
-        return sum(float(mass.sum()) * (level.shape[2] - 2) * (level.shape[3] - 2) for level, mass in pairs) + (
-            self.top_mass
-        )
+        return self.top_mass + sum(float(m.sum()) * (at.shape[2] - 2) * (at.shape[3] - 2) for at, m in pairs)
 
     @property
     def mass(self) -> np.ndarray:
@@ -203,8 +175,7 @@ class MultiscaleBlock:
     def force(self, displacement: np.ndarray, force: np.ndarray) -> None:
         """Write the block's forces on its nodes (N); those on the rigid plane are its load.
 
-        Both vectors have shape (size,). Ghosts and hanging planes of ``displacement`` are filled; those of ``force``
-        are meaningless.
+        Ghosts and hanging planes of ``displacement`` are filled; those of ``force`` are meaningless.
         """
         u, f = self.levels_of(displacement), self.levels_of(force)
         for number in reversed(range(len(u))):
@@ -224,9 +195,8 @@ class MultiscaleBlock:
     ) -> float:
         """Apply the forces to all nodes but the rigid plane, in one pass over them; return the pull on that plane (N).
 
-        ``displacement`` and ``moved`` are before and after (m), all vectors of shape (size,); ghosts and hanging planes
-        of the first are filled, the rigid plane is copied. ``surface_force`` acts from outside on the surface's atoms
-        (N, shape (3, ny, nx)).
+        ``displacement`` and ``moved`` are before and after (m); ghosts and hanging planes of the first are filled, the
+        rigid plane is copied. ``surface_force`` acts from outside on the surface's atoms (N, shape (3, ny, nx)).
         """
         u, new, v = map(self.levels_of, (displacement, moved, velocity))
         faces, mass = self._faces, self._inverse_mass
@@ -247,7 +217,7 @@ class MultiscaleBlock:
         return float(faces[-1][2, -1, 1:-1, 1:-1].sum())
 
     def elastic_energy(self, displacement: np.ndarray, force: np.ndarray) -> float:
-        """Return ½ u·Ku (J) of a displacement and its forces, exact for any height of the rigid plane."""
+        """Return ½ u·Ku (J) of a displacement and its forces, for any height of the rigid plane."""
         height = float(np.mean(self.top_of(displacement)[2]))
         total = 0.0
         for u, f in zip(self.levels_of(displacement), self.levels_of(force), strict=True):
@@ -266,18 +236,18 @@ class MultiscaleBlock:
         return total
 
     def _compression_density(self, strain: np.ndarray) -> np.ndarray:
-        """Return the energy of a uniform strain along z, per volume (J/m³)."""
+        """Return the energy of uniform strain along z, per volume (J/m³)."""
         first, shear = self.lame
         return 0.5 * (first + 2 * shear) * strain**2
 
     def _constants(self, number: int) -> tuple[float, float, float]:
-        """Return the kernels' constants for a level."""
+        """Return the kernels' constants of a level."""
         return slab_constants(2**number * self.lattice_constant, *self.lame)
 
     def _on_rows(self, number: int, kernel: Callable[[int, int], object]) -> None:
         """Call ``kernel(first, end)`` for all blocks of rows of a level."""
         _, _, rows, columns = self.levels[number].shape
-        self._rows.run(kernel, rows - 2, max(self.options.task_rows, self.options.task_nodes // columns))
+        self._rows.run(kernel, rows - 2, max(_TASK_ROWS, _TASK_NODES // columns))
 
     def _fill_level(self, levels: list[np.ndarray], number: int) -> None:
         """Fill a level's hanging plane from the next one and its ghosts."""
@@ -296,7 +266,7 @@ class NonlinearSpringBlock(MultiscaleBlock):
     _force_kernel, _move_kernel = staticmethod(rotating_slab_force), staticmethod(move_rotating_slab)
 
     def elastic_energy(self, displacement: np.ndarray, force: np.ndarray) -> float:
-        """Return the elastic energy (J) of a displacement; ``force`` is not read, see the base class."""
+        """Return the elastic energy (J) of a displacement; ``force`` is not read."""
         scratch = np.empty(self.size)
         pairs = zip(self.levels_of(displacement), self.levels_of(scratch), strict=True)
         return sum(

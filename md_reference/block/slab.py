@@ -1,4 +1,4 @@
-"""Forces of a slab of isotropic cells with explicit nodes, both faces free, periodic along x and y.
+"""Slabs of isotropic cells with explicit nodes, both faces free, periodic along x and y, and their coupling.
 
 The springs and the dilatation energy of :func:`md_reference.block.condensed.isotropic_element`, gathered node by node:
 springs along edges, springs along face diagonals, and the dilatation of every cell, of which two planes at a time are
@@ -153,3 +153,45 @@ def move_slab(nodes, moved, velocity, faces, inverse_mass, action, edge, diagona
         _plane_force(nodes, k, dilatation, below, edge, diagonal, volume, first, f_x, f_y, f_z)
         if 0 < k < last:
             move_plane(nodes, moved, velocity, inside, 0, 0, inverse_mass[k], action, number, k, first, end)
+
+
+@row_kernel
+def prolong(coarse, fine, first, end):
+    """Write a level's lowest plane, bilinearly interpolated, on the highest one of the level twice as fine."""
+    top = fine.shape[1] - 1
+    one = np.uint64(1)
+    for c in range(3):
+        for j in range(first + 1, end + 1):
+            here, next_one = coarse[c, 0, j], coarse[c, 0, j + 1]
+            even, odd = fine[c, top, 2 * j - 1], fine[c, top, 2 * j]
+            for i in range(one, np.uint64(here.size - 1)):
+                e = i + one
+                west, east = 2 * i - one, 2 * i
+                even[west] = here[i]
+                even[east] = 0.5 * (here[i] + here[e])
+                odd[west] = 0.5 * (here[i] + next_one[i])
+                odd[east] = 0.25 * ((here[i] + here[e]) + (next_one[i] + next_one[e]))
+
+
+@row_kernel
+def restrict(fine, coarse, first, end):
+    """Add the transpose of :func:`prolong` to the coarse plane."""
+    top = fine.shape[1] - 1
+    rows = fine.shape[2] - 2
+    one = np.uint64(1)
+    for c in range(3):
+        for j in range(first + 1, end + 1):
+            here = fine[c, top, 2 * j - 1]
+            north = fine[c, top, 2 * j]
+            south = fine[c, top, 2 * j - 2 if j > 1 else rows]
+            to = coarse[c, 0, j]
+            last = np.uint64(here.size - 2)
+            to[1] += here[1] + 0.5 * ((here[last] + here[2]) + (north[1] + south[1]))
+            to[1] += 0.25 * ((north[last] + north[2]) + (south[last] + south[2]))
+            for i in range(np.uint64(2), np.uint64(to.size - 1)):
+                m = 2 * i - one
+                w = m - one
+                e = m + one
+                sides = (here[w] + here[e]) + (north[m] + south[m])
+                corners = (north[w] + north[e]) + (south[w] + south[e])
+                to[i] += here[m] + (0.5 * sides + 0.25 * corners)

@@ -1,4 +1,1 @@
-"""The interface of the block with the rigid substrate: pair forces, sites and heights, adhesion of flat layers.
-
-The block's elasticity and the load are elsewhere.
-"""
+"""The interface of the block with the rigid substrate: pair forces, sites and heights, adhesion of flat layers."""

@@ -14,25 +14,14 @@ taken to zero over the last tenth of the cutoff r_c it is some (r0/r_c)⁵ / (0.
 """
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
 from contact_study.numerics.kernel import kernel
-from md_reference.interface.pairs import AtomwiseInteraction
+from md_reference.interface.pairs import LennardJonesInterface
 
-
-@dataclass(frozen=True)
-class CacheOptions:
-    """Bounds of the expansion, see the module."""
-
-    hard: float = 17.0  # T over k/r0
-    soft: float = 60.0  # T over F/r0²
-    switched: float = 1500.0  # T over P/r0² (r0/r_c)⁷
-    farthest: float = 0.1  # largest move of an atom that is expanded (r0)
-
-
-DEFAULTS = CacheOptions()
+# Bounds of T, see above: over k/r0, over F/r0², and over P/r0² (r0/r_c)⁷; and the largest move that is expanded (r0).
+_HARD, _SOFT, _SWITCHED, _FARTHEST = 17.0, 60.0, 1500.0, 0.1
 
 
 class CachedInterface:
@@ -42,11 +31,10 @@ class CachedInterface:
     the last evaluation: xx, yy, zz, xy, xz, yz (N/m). ``evaluations`` counts those of some atoms by their share of all.
     """
 
-    def __init__(self, interaction: AtomwiseInteraction, shape: tuple[int, int], options: CacheOptions = DEFAULTS):
+    def __init__(self, interaction: LennardJonesInterface, shape: tuple[int, int]):
         self.hessian = np.zeros((6, *shape), np.float32)
         self.evaluations = 0.0
         self._interaction = interaction
-        self._options = options
         self._position = np.full((3, *shape), np.inf)  # of no evaluation yet
         self._force = np.zeros((3, *shape))
         self._energy = np.zeros(shape)
@@ -61,10 +49,10 @@ class CachedInterface:
 
         The energy is infinite if an atom is inside the substrate.
         """
-        length, cutoff, options = self._interaction.length, self._interaction.cutoff, self._options
-        least = options.switched * self._interaction.force_prefactor / length**2 / cutoff**7
+        length, cutoff = self._interaction.length, self._interaction.cutoff
+        least = _SWITCHED * self._interaction.force_prefactor / length**2 / cutoff**7
         there = self._position, self._force, self.hessian
-        limits = options.hard / length, options.soft / length**2, least, (options.farthest * length) ** 2
+        limits = _HARD / length, _SOFT / length**2, least, (_FARTHEST * length) ** 2
         count = _mark(displacement, *there, *limits, 2 * error, self._due)
         self.evaluations += count / self._due.size
         results = self._force, self.hessian, self._energy

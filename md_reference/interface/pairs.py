@@ -1,4 +1,4 @@
-"""Lennard-Jones forces of the rigid substrate on the block's bottom atoms.
+"""Lennard-Jones forces of the rigid substrate on the block's bottom atoms, and adhesion of flat layers.
 
 The pair potential is V(r) = 4ε[(r0/r)¹² − (r0/r)⁶], taken smoothly to zero between 0.9 r_c and the cutoff r_c by the
 quintic in r² with two continuous derivatives: a bare cut has steps in the force above the solver's tolerance, a
@@ -9,10 +9,10 @@ atom's current position; the substrate being rigid, the Hessian is block diagona
 import math
 from collections.abc import Callable
 from functools import partial
-from typing import Protocol
 
 import numpy as np
 from numba import njit
+from scipy import optimize
 
 from contact_study.physics.lattice import Lattice
 from md_reference.interface.substrate import Substrate, sample_substrate
@@ -22,55 +22,23 @@ from md_reference.parallel_rows import ParallelRows
 # is beyond (1/0.3)¹¹ of the law's scale, which no block can exert, and further down it would change sign.
 INSIDE = 0.3
 
-# The switch acts between this fraction of the cutoff and the cutoff.
-_SWITCH_START = 0.9
-
-# Error allowed to the interpolated height of the surface, in units of r0.
-_HEIGHT_TOLERANCE = 1e-4
-
+_SWITCH_START = 0.9  # of the cutoff, to which the switch acts
+_HEIGHT_TOLERANCE = 1e-4  # error allowed to the interpolated height of the surface (r0)
 _TASK_ROWS = 8  # per task of a thread: some tenths of a millisecond and more
 
+# Positions of a flat layer's atom over the substrate's cell, along each axis. The corrugation is periodic, its
+# harmonics fall by exp(−2π·3.28/1.607) each, and the mean over n shifts is exact but for the n-th: 8 leave 1e-40.
+_SHIFTS = (8, 8)
+
 _kernel = njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract", "reassoc", "arcp", "nsz"})
-
-
-class Interaction(Protocol):
-    """Forces on atoms over a substrate."""
-
-    def evaluate(self, displacement: np.ndarray, force: np.ndarray, hessian: np.ndarray | None) -> float:
-        """Return the energy (J), infinite if an atom is inside the substrate; see :class:`LennardJonesInterface`."""
-
-
-class AtomwiseInteraction(Protocol):
-    """Forces on atoms over a substrate, one by one, as the minimiser needs them."""
-
-    length: float
-    cutoff: float  # in units of it
-
-    @property
-    def force_prefactor(self) -> float:
-        """Force on an atom over a flat layer of sites, over s¹¹ − s⁵ with s = r0/distance (N)."""
-
-    def evaluate_some(
-        self, displacement: np.ndarray, due: np.ndarray, force: np.ndarray, hessian: np.ndarray, energy: np.ndarray
-    ) -> bool:
-        """Write forces, second derivatives and energies of the atoms that are ``due``, and of no other.
-
-        ``due`` and ``energy`` have shape (ny, nx), and at least one atom is due. False, with undefined results, if one
-        of them is inside the substrate.
-        """
-
-    def gap_and_cosine(self, displacement: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return each atom's height above the surface (m) and the cosine of the surface's tilt, shape (ny, nx)."""
 
 
 class LennardJonesInterface:
     """Block atoms over a substrate layer, with the pair potential above.
 
-    Displacements have shape (3, ny, nx): components 0 and 1 are the moves along x and y from the atoms' rest positions,
-    component 2 is the height over the substrate's mean plane (m).
-
-    ``shape`` and ``spacing`` (m) are those of the block's atoms along y and x; ``well_depth`` is ε (J), ``length`` r0
-    (m), ``cutoff`` r_c in units of r0. ``threads`` share the rows.
+    Displacements have shape (3, ny, nx): moves along x and y from the atoms' rest positions, and the height over the
+    substrate's mean plane (m). ``shape`` and ``spacing`` (m) are those of the block's atoms along y and x;
+    ``well_depth`` is ε (J), ``length`` r0 (m), ``cutoff`` r_c in units of r0. ``threads`` share the rows.
     """
 
     def __init__(
@@ -90,9 +58,17 @@ class LennardJonesInterface:
         self.length = length
         self.cutoff = float(cutoff)
         reach_y, reach_x = (math.ceil(cutoff * length / b) + 1 for b in substrate.spacing)
-        self._margin = reach_y, reach_x
-        self._padded = substrate.padded(self._margin) / length
-        self._highest = substrate.highest_within(self._margin) / length
+        margin = reach_y, reach_x
+        self._geometry = (
+            1 / length,
+            (spacing[0] / length, spacing[1] / length),
+            (substrate.spacing[0] / length, substrate.spacing[1] / length),
+            substrate.padded(margin) / length,
+            margin,
+            substrate.highest_within(margin) / length,
+            4 * well_depth,
+            self.cutoff,
+        )
         self._no_hessian = np.empty((6, 0, 0))
         self._rows = ParallelRows(threads)
         self._all = np.ones(shape, dtype=np.bool_)
@@ -114,53 +90,39 @@ class LennardJonesInterface:
     def evaluate_some(
         self, displacement: np.ndarray, due: np.ndarray, force: np.ndarray, hessian: np.ndarray, energy: np.ndarray
     ) -> bool:
-        """Evaluate some of the atoms; see :class:`AtomwiseInteraction`."""
-        kernel = partial(
-            _lennard_jones,
-            displacement,
-            due,
-            1 / self.length,
-            (self.spacing[0] / self.length, self.spacing[1] / self.length),
-            (self.substrate.spacing[0] / self.length, self.substrate.spacing[1] / self.length),
-            self._padded,
-            self._margin,
-            self._highest,
-            4 * self.well_depth,
-            self.cutoff,
-            force,
-            hessian is not self._no_hessian,
-            hessian,
-            energy,
-            self._row_inside,
-        )
+        """Write forces, second derivatives and energies of the atoms that are ``due``, and of no other.
+
+        ``due`` and ``energy`` have shape (ny, nx). False, with undefined results, if one of them is inside.
+        """
+        written = force, hessian is not self._no_hessian, hessian, energy, self._row_inside
+        kernel = partial(_lennard_jones, displacement, due, *self._geometry, *written)
         self._rows.run(kernel, self.shape[0], _TASK_ROWS)
         return not self._row_inside.any()
 
     @property
     def force_prefactor(self) -> float:
-        """Force of the smeared layer, see :class:`AtomwiseInteraction` (N)."""
+        """Force on an atom over a flat layer of sites, over s¹¹ − s⁵ with s = r0/distance (N)."""
         return 8 * math.pi * self.well_depth * self.length / math.prod(self.substrate.spacing)
 
     def gap(self, displacement: np.ndarray) -> np.ndarray:
-        """Return each atom's height above the surface below it (m), shape (ny, nx)."""
+        """Return each atom's height above the surface (m), shape (ny, nx)."""
         return self.gap_and_cosine(displacement)[0]
 
     def gap_and_cosine(self, displacement: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return gap and tilt; see :class:`AtomwiseInteraction`."""
+        """Return each atom's height above the surface (m) and the cosine of the surface's tilt, shape (ny, nx)."""
         height, cosine = self.substrate.height_and_cosine(*self._lateral_positions(displacement))
         return displacement[2] - height, cosine
 
     def floor(self, displacement: np.ndarray) -> np.ndarray:
         """Return the higher of the surface below each atom and of the nearest site (m), shape (ny, nx)."""
         y, x = self._lateral_positions(displacement)
-        return np.maximum(self.substrate.height_at(y, x), self.substrate.nearest_site(y, x))
+        return np.maximum(self.substrate.height_and_cosine(y, x)[0], self.substrate.nearest_site(y, x))
 
     def rest_heights(self) -> np.ndarray:
         """Return the height of the surface under the atoms' rest positions (m), shape (ny, nx)."""
         return -self.gap(np.zeros((3, *self.shape)))
 
     def _lateral_positions(self, displacement: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return the atoms' positions along y and x (m)."""
         y = np.arange(self.shape[0])[:, None] * self.spacing[0] + displacement[1]
         return y, np.arange(self.shape[1])[None, :] * self.spacing[1] + displacement[0]
 
@@ -173,14 +135,44 @@ def interface_of(
     cutoff: float,
     threads: int = 1,
 ) -> LennardJonesInterface:
-    """Return Lennard-Jones atoms over the substrate's sites on a surface.
-
-    ``heights`` gives the surface on a grid of any shape (m); the other arguments are those of
-    :class:`LennardJonesInterface`.
-    """
+    """Return Lennard-Jones atoms over the substrate's sites; ``heights`` is the surface on a grid of any shape (m)."""
     substrate = sample_substrate(heights, lattice.size, lattice.substrate_sites, _HEIGHT_TOLERANCE * length)
     spacing = (lattice.size[0] / lattice.atoms[0], lattice.size[1] / lattice.atoms[1])
     return LennardJonesInterface(substrate, lattice.atoms, spacing, well_depth, length, cutoff, threads)
+
+
+def flat_adhesion(
+    spacing: tuple[float, float], area_per_atom: float, well_depth: float, length: float, cutoff: float
+) -> dict[str, float]:
+    """Measure a flat layer of block atoms on flat substrate sites ``spacing`` apart, averaged over the registry.
+
+    Work of adhesion (J/m²), peak tension (Pa) and distances (m), as in :class:`.InterfaceConstants`. No
+    traction–separation law enters: the values can confirm or refute the continuum's.
+    """
+    steps = (spacing[0] / _SHIFTS[0], spacing[1] / _SHIFTS[1])
+    interface = LennardJonesInterface(Substrate(np.zeros((2, 2)), spacing), _SHIFTS, steps, well_depth, length, cutoff)
+    displacement, force = np.zeros((3, *_SHIFTS)), np.empty((3, *_SHIFTS))
+    area = area_per_atom * math.prod(_SHIFTS)
+
+    def energy(distance: float) -> float:
+        displacement[2] = distance
+        return interface.evaluate(displacement, force) / area
+
+    def tension(distance: float) -> float:
+        energy(distance)
+        return -float(np.sum(force[2])) / area
+
+    # The 10-4 law has its zero at 1 and its peak at 1.14 lengths; the lattice and the cutoff move both slightly.
+    equilibrium = optimize.brentq(tension, 0.8 * length, 1.1 * length, xtol=1e-12 * length)
+    peak = optimize.minimize_scalar(
+        lambda distance: -tension(distance * length), bounds=(1.02, 1.4), method="bounded", options={"xatol": 1e-8}
+    )
+    return {
+        "work_of_adhesion": -energy(equilibrium),
+        "equilibrium_distance": equilibrium,
+        "peak_tensile_stress": -float(peak.fun),
+        "peak_distance": float(peak.x) * length,
+    }
 
 
 @njit(inline="always")
@@ -269,11 +261,9 @@ def _lennard_jones(
             clearance = z - highest[hy, hx]
             if clearance >= cutoff:
                 energy[iy, ix] = 0.0
-                for c in range(3):
-                    force[c, iy, ix] = 0.0
+                force[:, iy, ix] = 0.0
                 if with_hessian:
-                    for c in range(6):
-                        hessian[c, iy, ix] = 0.0
+                    hessian[:, iy, ix] = 0.0
                 continue
             if z - padded[hy + margin[0], hx + margin[1]] < INSIDE:
                 inside += 1

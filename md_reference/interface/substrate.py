@@ -14,8 +14,8 @@ from contact_study.numerics.kernel import kernel
 class Substrate:
     """A periodic rectangle of substrate sites, site (i, j) at y = i·spacing[0], x = j·spacing[1].
 
-    ``samples`` are heights toward the block on ``refinement`` points per site along each axis (m), ``spacing`` is the
-    distance of the sites along y and x (m). A refinement above one only sharpens :meth:`height_at`.
+    ``samples`` are heights toward the block on ``refinement`` points per site along each axis (m), of which those
+    between sites only sharpen :meth:`height_and_cosine`.
     """
 
     samples: np.ndarray
@@ -29,7 +29,6 @@ class Substrate:
 
     @property
     def shape(self) -> tuple[int, int]:
-        """Number of sites along y and x."""
         return self.heights.shape[0], self.heights.shape[1]
 
     def padded(self, width: tuple[int, int]) -> np.ndarray:
@@ -49,20 +48,16 @@ class Substrate:
         coefficients = ndimage.spline_filter(self.samples, order=3, mode="grid-wrap", output=np.float64)
         return np.pad(coefficients, [(1, 2), (1, 2)], mode="wrap")
 
-    def height_at(self, y: np.ndarray, x: np.ndarray) -> np.ndarray:
-        """Return the height of the surface at any lateral positions, m, of the shape of ``y``.
-
-        A periodic cubic B-spline through the samples, of fourth order in their distance.
-        """
-        return self.height_and_cosine(y, x)[0]
-
     def nearest_site(self, y: np.ndarray, x: np.ndarray) -> np.ndarray:
         """Return the height of the nearest site (m)."""
         rows, columns = (np.floor(at / b + 0.5).astype(int) for at, b in zip((y, x), self.spacing, strict=True))
         return self.heights[rows % self.shape[0], columns % self.shape[1]]
 
     def height_and_cosine(self, y: np.ndarray, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return the height of the surface (m) and the cosine of its tilt, 1/√(1 + |∇h|²)."""
+        """Return height (m) and cosine of the tilt, 1/√(1 + |∇h|²), of the surface at positions of any shape (m).
+
+        A periodic cubic B-spline through the samples, of fourth order in their distance.
+        """
         height, cosine = np.empty(y.shape), np.empty(y.shape)
         per_y, per_x = (self.refinement / distance for distance in self.spacing)
         _evaluate_spline(self._spline, y.ravel(), x.ravel(), per_y, per_x, height.ravel(), cosine.ravel())
@@ -125,8 +120,8 @@ def sample_substrate(
 ) -> Substrate:
     """Put sites on a surface of periods ``size`` along y and x (m), and enough samples between them.
 
-    ``sample`` gives heights on a grid of any shape (m). ``tolerance`` is the wanted error of the interpolated height
-    (m), measured midway between samples; at most four samples per site are taken.
+    ``sample`` gives heights on a grid of any shape (m). The interpolated height errs by ``tolerance`` (m) midway
+    between samples, of which at most four per site are taken.
     """
     spacing = (size[0] / sites[0], size[1] / sites[1])
     samples = sample(sites)
@@ -134,7 +129,7 @@ def sample_substrate(
         substrate = Substrate(samples, spacing, refinement)
         samples = sample((2 * refinement * sites[0], 2 * refinement * sites[1]))
         y, x = ((np.arange(n * refinement) + 0.5) * d / refinement for n, d in zip(sites, spacing, strict=True))
-        error = substrate.height_at(*np.meshgrid(y, x, indexing="ij")) - samples[1::2, 1::2]
+        error = substrate.height_and_cosine(*np.meshgrid(y, x, indexing="ij"))[0] - samples[1::2, 1::2]
         if np.max(np.abs(error)) <= tolerance:
             return substrate
     return Substrate(samples, spacing, 4)

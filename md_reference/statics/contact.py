@@ -11,7 +11,7 @@ from contact_study.numerics import fourier
 from contact_study.numerics.arguments import check_control, field, finite, grid_of, positive, step_arguments
 from contact_study.numerics.exclusive import in_turn
 from contact_study.physics.lattice import lattice_of
-from md_reference.block.condensed import SurfaceStiffness, element_matrix, surface_stiffness
+from md_reference.block.condensed import SurfaceStiffness, isotropic_element, surface_stiffness
 from md_reference.interface.pairs import LennardJonesInterface, interface_of
 from md_reference.solution import Equilibrium, Solution
 from md_reference.statics.energy import BlockEnergy
@@ -136,20 +136,19 @@ class AtomisticContact:
         nominal_area = area * self._heights.size
         # Atoms that slide to other heights change their mean gap, not the distance on which the load does work.
         separation = float(np.mean(found.displacement[2])) - self._mean_height - self.interface.length
+        known = vars(found) | {
+            "residual": 0.0 if apart else found.residual,
+            "elastic_energy": 0.0 if apart else found.elastic_energy / nominal_area,
+            "interaction_energy": found.interaction_energy / nominal_area,
+        }
+        force = known.pop("force")
         return Solution(
-            displacement=found.displacement,
-            residual=0.0 if apart else found.residual,
-            outcome=found.outcome,
-            iterations=found.iterations,
-            force_evaluations=found.force_evaluations,
-            fft_pairs=found.fft_pairs,
-            elastic_energy=0.0 if apart else found.elastic_energy / nominal_area,
-            interaction_energy=found.interaction_energy / nominal_area,
+            **known,
             # A detached block has no definite position: the next step starts from separation again.
             state=self.separated() if apart else found.displacement,
             gap=np.full(self.interface.shape, np.inf) if apart else self.interface.gap(found.displacement),
-            pressure=found.force[2] / area,
-            shear_stress=found.force[:2] / area,
+            pressure=force[2] / area,
+            shear_stress=force[:2] / area,
             mean_separation=np.inf if apart else separation,
             length=self.interface.length,
         )
@@ -237,7 +236,7 @@ def rough_contact(
         raise ValueError(f"poissons_ratio = {poissons_ratio!r}: must be above -1 and below 0.5, which springs are not")
     heights = field("height", height)
     lattice = lattice_of(grid_of(heights, size).size, lattice_constant)
-    element = element_matrix("isotropic", lattice_constant, youngs_modulus, poissons_ratio)
+    element = isotropic_element(lattice_constant, youngs_modulus, poissons_ratio)
     stiffness = surface_stiffness(element, lattice.atoms, lattice_constant, layers or max(lattice.atoms))
     interface = interface_of(
         lambda shape: fourier.interpolate(heights, shape), lattice, well_depth, length, cutoff, threads
@@ -254,10 +253,9 @@ def separated(interface: LennardJonesInterface) -> np.ndarray:
 
 
 def predicted(heights: np.ndarray, gap: np.ndarray, length: float) -> np.ndarray:
-    """Return atoms at their lateral rest positions on a gap field, shape (3, ny, nx) (m).
+    """Return atoms at rest laterally, over the surface's ``heights`` there by a ``gap`` field of any grid (m).
 
-    ``heights`` is the surface under the rest positions (m, shape (ny, nx)). ``gap`` is that of a continuum solution on
-    any grid over the same rectangle (m), interpolated trigonometrically and not below half of r0, ``length`` (m).
+    The gap is interpolated trigonometrically and not below half of r0, ``length``.
     """
     displacement = np.zeros((3, *heights.shape))
     displacement[2] = heights + np.maximum(fourier.interpolate(gap, heights.shape), 0.5 * length)

@@ -14,32 +14,20 @@ from contact_study.numerics.kernel import kernel
 from md_reference.block.condensed import SurfaceStiffness
 from md_reference.block.spectral import multiply
 from md_reference.interface.cached import CachedInterface
-from md_reference.interface.pairs import AtomwiseInteraction
+from md_reference.interface.pairs import LennardJonesInterface
 from md_reference.solution import Equilibrium, Outcome
-from md_reference.statics import linear, step_limiter
-from md_reference.statics.curvature import raise_curvature
-from md_reference.statics.linear import LinearOptions, LinearSolver
-from md_reference.statics.step_limiter import StepLimiterOptions, limit_step
+from md_reference.statics.atomwise import limit_step, raise_curvature
+from md_reference.statics.linear import LinearSolver
 
-
-@dataclass(frozen=True)
-class EnergyOptions:
-    """Line search and preconditioner; lengths in units of the interaction's length r0."""
-
-    largest_step: float = 10.0  # of an atom
-    largest_slide: float = 0.5  # of an atom along the surface
-    vanishing_step: float = 1e-9  # below which a step has no length
-    backtrack: float = 0.4  # factor between two trials of a step
-    shortest_fraction: float = 1e-4  # of a step that is tried
-    # Stiffness c of the preconditioner over √(strongest softening × stiffness of the surface's mean wave): the waves
-    # that soften with the interface. The strongest softening is in units of force_prefactor/r0.
-    shift_fraction: float = 0.22
-    softening: float = 25 / 44
-    limiter: StepLimiterOptions = step_limiter.DEFAULTS
-    linear: LinearOptions = linear.DEFAULTS
-
-
-DEFAULTS = EnergyOptions()
+# Line search; lengths in units of the interaction's length r0.
+_LARGEST_STEP, _LARGEST_SLIDE = 10.0, 0.5  # of an atom, and of one along the surface
+_VANISHING_STEP = 1e-9  # below which a step has no length
+_BACKTRACK, _SHORTEST_FRACTION = 0.4, 1e-4  # factor between two trials of a step, smallest part of one that is tried
+# Stiffness c of the preconditioner over √(strongest softening × stiffness of the surface's mean wave): the waves that
+# soften with the interface. The strongest softening is in units of force_prefactor/r0.
+_SHIFT_FRACTION, _SOFTENING = 0.22, 25 / 44
+# At an equilibrium: conjugate-gradient iterations that search for negative curvature, and first step along it (r0).
+_TEST_ITERATIONS, _TEST_STEP = 10, 0.03
 
 
 @dataclass(frozen=True)
@@ -53,7 +41,7 @@ class Load:
 
 @dataclass
 class MinimizerState:
-    """A state u with its interaction energy, S u, gaps and tilt, and counters of the steps to it."""
+    """A state u with its interaction energy, S u, gaps and tilt, and the progress of the steps to it."""
 
     displacement: np.ndarray
     energy: float
@@ -61,6 +49,9 @@ class MinimizerState:
     gap: np.ndarray
     cosine: np.ndarray
     fresh: bool = True  # S u computed from u itself, not updated, and every atom evaluated here
+    approaching: bool = False  # whether the surfaces had no contact at the start
+    damping: float = 0.0  # share of negative curvature that is removed
+    iteration: int = 0
     vanishing: int = 0  # consecutive steps of no length
     evaluations: float = 1.0  # of the interface, those of some atoms counted by their share
 
@@ -76,22 +67,22 @@ class BlockEnergy:
     def __init__(
         self,
         stiffness: SurfaceStiffness,
-        interaction: AtomwiseInteraction,
+        interaction: LennardJonesInterface,
         contact_modulus: float,
         fixed_mean: bool,
         threads: int = 1,
-        options: EnergyOptions = DEFAULTS,
     ):
         self.interaction = interaction
-        self.options = options
         self.area = stiffness.area_per_atom
         self.force_scale = contact_modulus * self.area
         self.fixed_mean = fixed_mean
         shape = (3, *stiffness.grid.shape)
-        softening = options.softening * interaction.force_prefactor / interaction.length
-        wave = 0.5 * self.force_scale * self._mean_wavenumber(stiffness)
-        shift = options.shift_fraction * (softening * wave) ** 0.5
-        self.newton = LinearSolver(stiffness, shift, fixed_mean, threads, options.linear)
+        gap, cosine = interaction.gap_and_cosine(np.zeros(shape))
+        height, slope = float(np.std(gap)), float(np.sqrt(np.mean(1 / cosine**2 - 1)))
+        longest = 2 * np.pi / max(stiffness.grid.size)
+        softening = _SOFTENING * interaction.force_prefactor / interaction.length
+        wave = 0.5 * self.force_scale * (max(slope / height, longest) if height > 0 else longest)
+        self.newton = LinearSolver(stiffness, _SHIFT_FRACTION * (softening * wave) ** 0.5, fixed_mean, threads)
         self._transform = RealTransform(shape, np.float64, threads)
         self._coefficients = stiffness.coefficients / self._transform.points
         self._coefficients[2, 0, 0] = 0.0
@@ -143,29 +134,25 @@ class BlockEnergy:
     def set_curvature(
         self, state: MinimizerState, gradient: np.ndarray, damping: float, anchor_stiffness: float = 0.0
     ) -> None:
-        """Put the curvature of interface and anchor springs into the linear solver.
-
-        ``damping`` is the share of negative curvature that is removed.
-        """
-        diagonal, limiter, length = self.newton.diagonal, self.options.limiter, self.interaction.length
+        """Give the linear solver the curvature of interface and springs; ``damping`` is removed of a negative one."""
         given = self._interface.hessian, gradient, state.gap, state.cosine
-        raise_curvature(*given, damping, length, limiter.smallest_distance, diagonal)
+        raise_curvature(*given, damping, self.interaction.length, self.newton.diagonal)
         if anchor_stiffness:
-            diagonal[:3] += np.float32(anchor_stiffness)
+            self.newton.diagonal[:3] += np.float32(anchor_stiffness)
 
     def search(self, state: MinimizerState, step: np.ndarray, load: Load, error: float = 0.0) -> float:
         """Shorten a step until the energy falls, and take it; return the fraction taken, zero if it never falls.
 
         Forces at the new state may be off by ``error`` (N), see :mod:`md_reference.interface.cached`.
         """
-        length, options = self.interaction.length, self.options
+        length = self.interaction.length
         # Where forces nearly vanish, rounding alone would move a block for ever.
-        excess = float(np.max(np.abs(step))) / (options.largest_step * length)
+        excess = float(np.max(np.abs(step))) / (_LARGEST_STEP * length)
         if excess > 1:
             step /= excess
         noise = 1e-12 * abs(state.energy)  # rounding of the sum over pairs
         fraction = 1.0
-        while fraction > options.shortest_fraction:
+        while fraction > _SHORTEST_FRACTION:
             trial, gap, cosine = self._trial(state, fraction * step)
             energy = self._evaluate(state, trial, self._trial_force, error)
             if np.isfinite(energy):
@@ -176,26 +163,28 @@ class BlockEnergy:
                     change += load.stiffness * float(np.sum((state.displacement - load.anchor + 0.5 * move) * move))
                 if change + energy - state.energy <= noise:
                     size = float(np.max(np.abs(move))) / length
-                    state.vanishing = state.vanishing + 1 if size < options.vanishing_step else 0
+                    state.vanishing = state.vanishing + 1 if size < _VANISHING_STEP else 0
                     state.displacement, state.energy, state.gap, state.cosine = trial, energy, gap, cosine
                     state.stretch += stretch
                     state.fresh = False
                     self.force, self._trial_force = self._trial_force, self.force
                     return fraction
-            fraction *= options.backtrack
+            fraction *= _BACKTRACK
         state.vanishing += 1
         state.energy = self._evaluate(state, state.displacement, self.force, error)
         return 0.0
 
-    def step_downhill(self, state: MinimizerState, direction: np.ndarray, length: float) -> bool:
-        """Move a balanced state along a direction, to either side, to lower energy; return whether there is any.
-
-        The largest component of ``direction`` is one; ``length`` is that of the first trial (m).
-        """
+    def leave_saddle(self, state: MinimizerState) -> bool:
+        """Move an equilibrium to lower energy along a direction of negative curvature; return whether it has any."""
+        self.set_curvature(state, np.zeros_like(self.force), 0.0)
+        direction = self.newton.unstable_direction(_TEST_ITERATIONS)
+        if direction is None:
+            return False
         stretch = self.apply_stiffness(direction).copy()
         elastic_slope = float(np.sum(self.force * direction))  # in balance the interface's slope is opposite
         elastic_curvature = float(np.sum(stretch * direction))
-        while length > self.options.vanishing_step * self.interaction.length:
+        length = _TEST_STEP * self.interaction.length
+        while length > _VANISHING_STEP * self.interaction.length:
             for move in (length, -length):
                 trial = state.displacement + move * direction
                 energy = self._evaluate(state, trial, self.force)
@@ -204,7 +193,7 @@ class BlockEnergy:
                     state.gap, state.cosine = self.interaction.gap_and_cosine(trial)
                     self.refresh(state)
                     return True
-            length *= self.options.backtrack
+            length *= _BACKTRACK
         self._evaluate(state, state.displacement, self.force)
         return False
 
@@ -249,26 +238,18 @@ class BlockEnergy:
 
     def _trial(self, state: MinimizerState, step: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Return displacement, gap and cosine of the tilt after a step, limited atom by atom."""
-        length, limiter = self.interaction.length, self.options.limiter
+        length = self.interaction.length
         trial = state.displacement + step
-        slide = self.options.largest_slide * length
+        slide = _LARGEST_SLIDE * length
         trial[:2] = state.displacement[:2] + np.clip(step[:2], -slide, slide)
         gap, cosine = self.interaction.gap_and_cosine(trial)
-        before = state.gap, state.cosine, self.force[2]
-        limit_step(*before, length, self.interaction.force_prefactor, limiter, gap, cosine, trial[2])
+        before = state.gap, state.cosine, self.force[2], length, self.interaction.force_prefactor
+        limit_step(*before, gap, cosine, trial[2])
         if self.fixed_mean:
             shift = np.mean(state.displacement[2]) - np.mean(trial[2])
             trial[2] += shift
             gap += shift
         return trial, gap, cosine
-
-    def _mean_wavenumber(self, stiffness: SurfaceStiffness) -> float:
-        """Return rms slope over rms height of the surface (1/m), at least the longest wave's wavenumber."""
-        gap, cosine = self.interaction.gap_and_cosine(np.zeros((3, *stiffness.grid.shape)))
-        longest = 2 * np.pi / max(stiffness.grid.size)
-        height = float(np.std(gap))
-        slope = float(np.sqrt(np.mean(1 / cosine**2 - 1)))
-        return max(slope / height, longest) if height > 0 else longest
 
 
 @kernel

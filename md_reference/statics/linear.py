@@ -5,46 +5,33 @@ atoms touch (the core), small everywhere else (the tail). With k = n·Dn, β² =
 
     z = (1 − β²)/(k + ½ S_max) n nᵀ r + B (S + c)⁻¹ B r
 
-inverts D in the core and S in the tail (:mod:`md_reference.statics.preconditioner`: long waves on coarser layers). It
+inverts D in the core and S in the tail (long waves on coarser layers, :mod:`contact_study.numerics.multigrid`). It
 takes far fewer iterations than (S + c)⁻¹ alone, each of a transform pair and a sixteenth of one. The arithmetic is
 single precision on a right-hand side scaled to one: the step only has to be good to the forcing term of the truncated
 Newton method, whose residual is evaluated in double precision.
 """
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
 from contact_study.numerics.fourier import RealTransform
+from contact_study.numerics.grid import Grid
 from contact_study.numerics.inner_product import inner_product
 from contact_study.numerics.kernel import kernel
-from contact_study.numerics.multigrid import HALVINGS
+from contact_study.numerics.multigrid import HALVINGS, HalvedInverse, Inverse, can_be_halved
 from md_reference.block.condensed import SurfaceStiffness
-from md_reference.block.spectral import multiply
-from md_reference.statics.curvature import split
-from md_reference.statics.preconditioner import preconditioner_for
+from md_reference.block.spectral import invert, multiply
+from md_reference.statics.atomwise import split
+
+_NEGLIGIBLE = 0.1  # curvature over c that is left to the tail
+# Energy of a direction s below this fraction of the sum's terms counts as zero: rounding of single precision. Above
+# this fraction of c |s|² it needs no second test.
+_ROUNDING = 1e-6
 
 
-@dataclass(frozen=True)
-class LinearOptions:
-    """Preconditioner and the test for negative curvature."""
-
-    halvings: int = HALVINGS  # of the grid, at most, for the preconditioner's long waves
-    negligible: float = 0.1  # curvature over c that is left to the tail
-    # Energy of a direction s below this fraction of the sum's terms counts as zero: rounding of single precision.
-    # Above this fraction of c |s|² it needs no second test.
-    rounding: float = 1e-6
-
-
-DEFAULTS = LinearOptions()
-
-
-@dataclass(frozen=True)
-class LinearSolution:
-    """Approximate solution of a linear problem (m, shape (3, ny, nx)), and the conjugate-gradient iterations.
-
-    ``indefinite`` marks an iteration that a direction of negative curvature ended, after ``step``.
-    """
+class LinearSolution(NamedTuple):
+    """Approximate solution (m, shape (3, ny, nx)); ``indefinite`` if a direction of negative curvature ended it."""
 
     step: np.ndarray
     iterations: int
@@ -59,27 +46,19 @@ class LinearSolver:
     (3, ny, nx), is the last search direction: one of negative curvature if the solver stopped on it.
     """
 
-    def __init__(
-        self,
-        stiffness: SurfaceStiffness,
-        shift: float,
-        fixed_mean: bool,
-        threads: int = 1,
-        options: LinearOptions = DEFAULTS,
-    ):
+    def __init__(self, stiffness: SurfaceStiffness, shift: float, fixed_mean: bool, threads: int = 1):
         shape = (3, *stiffness.grid.shape)
         self.transform = RealTransform(shape, np.float32, threads)
         self.fixed_mean = fixed_mean
         self.diagonal = np.zeros((6, *shape[1:]), np.float32)
         self.direction = np.empty(shape, np.float32)
         self._shift = shift
-        self._options = options
         self._coefficients = stiffness.coefficients.astype(np.float32)
         self._coefficients[2, 0, 0] = 0.0
         self._half_grid = 0.5 * float(np.max(self._coefficients[2]))
         self._multiplicity = stiffness.grid.multiplicity[0].astype(np.float32)
-        halvings = options.halvings
-        self._preconditioner = preconditioner_for(self.transform, self._coefficients, shift, halvings, threads)
+        self._transforms = [self.transform]
+        self._preconditioner = preconditioner_of(self._transforms, self._coefficients, shift, HALVINGS, threads)
         self._residual = np.empty(shape, np.float32)
         self._solution = np.empty(shape, np.float32)
         self._split_curvature = np.full(self.diagonal.shape, np.nan, np.float32)
@@ -90,16 +69,16 @@ class LinearSolver:
     @property
     def pairs(self) -> float:
         """Transform pairs so far, on coarser grids in proportion to their points."""
-        return self.transform.pairs + self._preconditioner.pairs
+        return sum(transform.pairs / 4**number for number, transform in enumerate(self._transforms))
 
     def solve(
         self, gradient: np.ndarray, reduction: float, max_iterations: int, total: float = np.inf
     ) -> LinearSolution:
-        """Solve (S + D) x = −gradient with the D of :attr:`diagonal`.
+        """Solve (S + D) x = −gradient (N), whose normal mean is zero if that mean is fixed.
 
-        ``gradient`` is the right-hand side, negated (N); its normal mean is zero if that mean is fixed. The solve ends
-        when the residual's norm has fallen by the factor ``reduction`` and |Σ residual| of the normal component is at
-        most ``total`` (N): the softest mode of a light contact, its mean height, may be a small part of the norm.
+        The solve ends when the residual's norm has fallen by the factor ``reduction`` and |Σ residual| of the normal
+        component is at most ``total`` (N): the softest mode of a light contact, its mean height, may be a small part
+        of the norm.
         """
         scale = float(np.max(np.abs(gradient)))
         transform, normalisation = self.transform, 1 / self.transform.points
@@ -107,7 +86,7 @@ class LinearSolver:
         waves = self._coefficients, self._multiplicity
         parts = self._normal, self._removed, self._core
         residual, direction, solution = self._residual, self.direction, self._solution
-        negligible, rounding = self._options.negligible * self._shift, self._options.rounding * self._shift
+        negligible, rounding = _NEGLIGIBLE * self._shift, _ROUNDING * self._shift
         split(self.diagonal, self._shift, self._half_grid, negligible, self._split_curvature, *parts)
         np.multiply(gradient, -1 / scale, out=residual, casting="same_kind")
         solution[...] = 0.0
@@ -144,8 +123,8 @@ class LinearSolver:
     def unstable_direction(self, max_iterations: int) -> np.ndarray | None:
         """Find a direction of negative curvature of S + D, shape (3, ny, nx); None if conjugate gradients meet none.
 
-        Their right side is random (the same each time) and restricted to atoms of negative D, as is every unstable
-        mode.
+        Their right side is random, but the same each time, and restricted to atoms of negative D, as every unstable
+        mode is.
         """
         start = np.maximum(-self.diagonal[:3], 0)
         start *= 1 + np.random.default_rng(0).standard_normal(start.shape, dtype=np.float32)
@@ -160,8 +139,7 @@ class LinearSolver:
         """Return the energy of the direction s that may be rounding; s·S s = ``elastic``, s·s = ``length``."""
         local = inner_product(np.abs(self.diagonal[:3]) * self.direction, self.direction)
         # S of a nearly uniform field is itself rounding.
-        rounding = self._options.rounding
-        return rounding * (local + elastic + 2 * rounding * self._half_grid * length)
+        return _ROUNDING * (local + elastic + 2 * _ROUNDING * self._half_grid * length)
 
     def _remove_mean(self) -> float:
         """Make the normal mean of the direction (and of the transform's field) zero; return the change of s·D s."""
@@ -172,6 +150,40 @@ class LinearSolver:
         self.direction[2] -= mean
         self.transform.field[2] -= mean
         return float(np.sum(lost, dtype=np.float64))
+
+
+class FourierPreconditioner:
+    """(S + shift)⁻¹ by transforms of three components in float32; S and the springs' stiffness ``shift`` in N/m."""
+
+    def __init__(self, transform: RealTransform, coefficients: np.ndarray, shift: float):
+        self.field = transform.field
+        self._transform = transform
+        grid = Grid((transform.shape[1], transform.shape[2]), (1.0, 1.0))
+        self._operator = coefficients, grid.multiplicity[0].astype(np.float32), shift, 1 / transform.points
+
+    def apply_and_sum(self) -> float:
+        product = invert(self._transform.forward().view(np.float32), *self._operator)
+        self._transform.backward()
+        return product
+
+
+def preconditioner_of(
+    transforms: list[RealTransform], coefficients: np.ndarray, shift: float, halvings: int, threads: int = 1
+) -> Inverse:
+    """Return (S + shift)⁻¹ in the last transform's buffer, and append the transforms of coarser grids that save work.
+
+    S is needed for waves longer than a few atoms only: one stiffness per component represents the rest.
+    """
+    transform = transforms[-1]
+    rows, columns = transform.shape[1:]
+    if not (halvings and can_be_halved((rows, columns))):
+        return FourierPreconditioner(transform, coefficients, shift)
+    transforms.append(RealTransform((3, rows // 2, columns // 2), np.float32, threads))
+    # S of the waves that every second atom can carry.
+    kept = np.r_[: rows // 4 + 1, rows - (rows // 2 - rows // 4 - 1) : rows]
+    coarse = np.ascontiguousarray(coefficients[:, kept, : columns // 4 + 1])
+    coarser = preconditioner_of(transforms, coarse, shift, halvings - 1, threads)
+    return HalvedInverse(transform.field, coarser, coefficients[:3].max(axis=(1, 2)))
 
 
 @kernel

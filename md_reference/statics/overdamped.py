@@ -5,67 +5,46 @@ the Newton steps of the equilibrium solver. Springs stiffer than the negative cu
 direction of negative curvature shows that the time step is too long.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
 from md_reference.solution import Equilibrium, Outcome
 from md_reference.statics.energy import BlockEnergy, Load, MinimizerState
-from md_reference.statics.newton import leave_saddle
+
+# Newton's method within a time step: reduction of the residual in a linear solve, iterations of one, Newton steps, and
+# error of the step's minimum over the allowed error of the time step.
+_REDUCTION, _LINEAR_ITERATIONS, _NEWTON_STEPS, _ACCURACY = 0.1, 100, 8, 0.05
 
 
-@dataclass(frozen=True)
-class OverdampedOptions:
-    """Newton's method within a time step."""
-
-    reduction: float = 0.1  # of the residual in a linear solve
-    linear_iterations: int = 100
-    newton_steps: int = 8
-    accuracy: float = 0.05  # error of a step's minimum over the allowed error of the time step
-
-
-DEFAULTS = OverdampedOptions()
-
-
-@dataclass(frozen=True)
-class Moved:
+class Moved(NamedTuple):
     """A state of the layer in motion, see :class:`contact_study.numerics.gradient_flow.Advance`."""
 
+    state: np.ndarray
+    residual: float
     equilibrium: Equilibrium
     apart: bool
     at_rest: bool
-
-    @property
-    def state(self) -> np.ndarray:
-        """Displacement (m)."""
-        return self.equilibrium.displacement
-
-    @property
-    def residual(self) -> float:
-        """Largest unbalanced force without friction, over a² E*."""
-        return self.equilibrium.residual
 
 
 class OverdampedBlock:
     """The bottom layer of a block in overdamped motion, see :class:`contact_study.numerics.gradient_flow.Overdamped`.
 
-    Drag is a stiffness over area (Pa/m), load a mean pressure (Pa).
-
-    ``energy`` is that of a block under pressure control, ``tolerance`` the residual of a state at rest (E*),
-    ``allowed`` the local error of a time step (m).
+    Drag is a stiffness over area (Pa/m), load a mean pressure (Pa). ``energy`` is that of a block under pressure
+    control, ``tolerance`` the residual of a state at rest (E*), ``allowed`` the local error of a time step (m).
     """
 
-    def __init__(self, energy: BlockEnergy, tolerance: float, allowed: float, options: OverdampedOptions = DEFAULTS):
+    def __init__(self, energy: BlockEnergy, tolerance: float, allowed: float):
         self._energy = energy
         self._tolerance = tolerance
-        self._options = options
-        self._accuracy = options.accuracy * allowed / energy.force_scale
+        self._accuracy = _ACCURACY * allowed / energy.force_scale
         self._last: MinimizerState | None = None  # last evaluated state
         self._evaluations, self._pairs = 0.0, energy.pairs  # of failed steps, and the pairs before them
 
     def advance(self, state: np.ndarray, load: float, drag: float) -> Moved | None:
         """Return the layer after a time step, None if the step is too long."""
-        energy, options = self._energy, self._options
+        energy = self._energy
         drag *= energy.area
         at, free = self._state(state), Load(load * energy.area)
         acting = replace(free, stiffness=drag, anchor=state)
@@ -76,10 +55,10 @@ class OverdampedBlock:
         least = max(force * excess.to_balance, min(energy.rounding(at, drag), self._tolerance))
         accuracy = max(least, self._accuracy * drag)
         step = 0
-        while not balanced and step < options.newton_steps:
+        while not balanced and step < _NEWTON_STEPS:
             energy.set_curvature(at, gradient, 0.0, drag)
-            total = options.reduction * abs(float(np.sum(gradient[2]))) if light else np.inf
-            newton = energy.newton.solve(gradient, options.reduction, options.linear_iterations, total)
+            total = _REDUCTION * abs(float(np.sum(gradient[2]))) if light else np.inf
+            newton = energy.newton.solve(gradient, _REDUCTION, _LINEAR_ITERATIONS, total)
             if newton.indefinite or not energy.search(at, newton.step, acting):
                 break
             step += 1
@@ -102,7 +81,7 @@ class OverdampedBlock:
         """Return a state of lower energy next to a saddle, None at a minimum."""
         at = self._state(state)
         self._last = None
-        return at.displacement if leave_saddle(self._energy, at) else None
+        return at.displacement if self._energy.leave_saddle(at) else None
 
     def _moved(self, at: MinimizerState, load: float, steps: int) -> Moved:
         """Return the last evaluated state, with the work since the one before."""
@@ -115,7 +94,8 @@ class OverdampedBlock:
         at_rest = energy.excess(at, gradient, acting, self._tolerance).balanced
         apart = load <= 0 and not energy.force.any()
         outcome = Outcome.DETACHED if apart else Outcome.CONVERGED
-        return Moved(energy.equilibrium(at, residual, outcome, steps, pairs), apart, at_rest)
+        found = energy.equilibrium(at, residual, outcome, steps, pairs)
+        return Moved(found.displacement, residual, found, apart, at_rest)
 
     def _work(self) -> float:
         """Return the transform pairs since the last call."""

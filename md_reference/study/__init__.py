@@ -1,4 +1,1 @@
-"""The atomistic model of a study: its cases and the methods by which atoms follow a loading path, one file each.
-
-No algorithm is here.
-"""
+"""The atomistic model of a study: its cases and the methods by which atoms follow a loading path."""

@@ -12,7 +12,7 @@ from contact_study.physics.surfaces.surface import Surface
 from contact_study.results.observables.atoms import block_nodes, surface_atoms
 from contact_study.results.state import Ensemble, InterfaceState, SolverReport
 from contact_study.study.case import Case
-from md_reference.block.condensed import element_matrix, lame_constants
+from md_reference.block.condensed import isotropic_element, lame_constants
 from md_reference.block.multiscale import MultiscaleBlock, NonlinearSpringBlock, level_layers, node_count
 from md_reference.interface.pairs import LennardJonesInterface
 from md_reference.statics.contact import separated
@@ -39,13 +39,7 @@ def need(case: Case) -> Need:
 
 
 def check(case: Case) -> None:
-    """Check a case for molecular dynamics.
-
-    Raises
-    ------
-    InputError
-        If the atoms have no mass, the time step is unstable, the approach an impact, or a gap presses the block flat.
-    """
+    """Raise InputError unless a case can be in motion."""
     given, mass = case.dynamics, case.material.atom_mass
     if mass is None:
         raise InputError('missing key material.atom_mass: atomistic.method = "dynamics" needs the mass of an atom')
@@ -99,7 +93,7 @@ def largest_time_step(case: Case) -> float:
     """Return the limit of stability 2/ω (s), ω² that of the lattice's fastest wave plus a stiff contact's over mass."""
     assert case.material.atom_mass is not None
     constant, material = case.lattice.constant, case.material
-    element = element_matrix(case.atomistic.block, constant, material.youngs_modulus, material.poissons_ratio)
+    element = isotropic_element(constant, material.youngs_modulus, material.poissons_ratio)
     law = case.law
     contact = float(law.stiffness(np.array([law.equilibrium_distance]))[0]) * constant**2
     return 2 / math.sqrt(fastest_wave(element, case.material.atom_mass) ** 2 + contact / case.material.atom_mass)
@@ -131,7 +125,7 @@ def solve_path(
     The block starts just out of reach of the substrate, at the approach speed. Under gap control its rigid plane moves
     at that speed to each point of the path, and rests for ``dynamics.duration`` where a point repeats the one before.
     A point's result is its last state, or, with a thermostat or without damping, the mean of the second half of its
-    states, except while the plane moves. The predictor is not used. See :data:`md_reference.study.system.Method`.
+    states, except while the plane moves. See :data:`md_reference.study.system.Method`.
     """
     run = _Run(case, build_interface(case, surface))
     at = run.begin(start) if restart is None else TrajectoryState.unpack(restart)

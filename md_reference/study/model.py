@@ -20,16 +20,15 @@ from contact_study.study.checks.plausibility import contact_stress, squeeze
 from contact_study.study.study import Study
 from contact_study.study.sweep import points
 from md_reference.block.condensed import effective_contact_modulus
-from md_reference.interface.pairs import INSIDE
-from md_reference.interface.properties import FlatInterface, measure_interface
+from md_reference.interface.pairs import INSIDE, flat_adhesion
 from md_reference.parallel_rows import ATOMS_FOR_THREADS
-from md_reference.study import dynamics, overdamped, quasi_static, sampling
+from md_reference.study import cold, dynamics, sampling
 from md_reference.study.system import Method, Predictor, build_stiffness
 
 # Word of ``atomistic.method`` -> function that yields the states along the loading path.
 METHODS: Mapping[str, Method] = {
-    "quasi_static": quasi_static.solve_path,
-    "overdamped": overdamped.solve_path,
+    "quasi_static": cold.quasi_static,
+    "overdamped": cold.overdamped,
     "sampling": sampling.solve_path,
     "dynamics": dynamics.solve_path,
 }
@@ -56,14 +55,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def check(case: Case) -> None:
-    """Check that the atomistic model can compute a case.
-
-    Raises
-    ------
-    InputError
-        If the law is not that of Lennard-Jones atoms, the solid is another or its boundaries are free, an approach is
-        prescribed, the block is incompressible, or the lattice does not fit the cell or the layer.
-    """
+    """Raise InputError unless the atomistic model can compute a case."""
     given, law, control = case.atomistic, case.interaction.law, case.loading.control
     kind, boundary, ratio = case.elasticity.kind, case.elasticity.boundary, case.material.poissons_ratio
     other_method = given.method != "dynamics"
@@ -146,10 +138,7 @@ def needs(case: Case) -> Iterator[Need]:
 def review(study: Study, scales: Sequence[SurfaceScales]) -> list[str]:
     """Return notes on a study: keys without effect, blocks that ring, waves that the sites cannot represent.
 
-    Raises
-    ------
-    InputError
-        If the pair potential is too weak to hold the atoms of the block out of the substrate.
+    InputError if the pair potential is too weak to hold the atoms of the block out of the substrate.
     """
     notes = idle_motion(study.cases)
     if any(case.solver.path == "overdamped" != case.atomistic.method for case in study.cases):
@@ -188,25 +177,15 @@ def review(study: Study, scales: Sequence[SurfaceScales]) -> list[str]:
 def constants(case: Case, surface: Surface) -> Mapping[str, Value]:
     """Return moduli and adhesion measured on the atoms, and the surface under their rest positions."""
     stiffness = build_stiffness(case)
-    flat = FlatInterface(
-        case.lattice.site_spacing,
-        stiffness.area_per_atom,
-        case.well_depth,
-        case.law.length,
-        case.atomistic.cutoff,
-    )
-    properties = measure_interface(flat, case.law.length)
+    pairs = case.well_depth, case.law.length, case.atomistic.cutoff
     heights = surface.heights(case.lattice.atoms)
     known = InterfaceConstants(
         contact_modulus=effective_contact_modulus(stiffness, heights),
-        work_of_adhesion=properties.work_of_adhesion,
-        equilibrium_distance=properties.equilibrium_distance,
-        peak_tensile_stress=properties.peak_tensile_stress,
         contact_distance=case.contact_distance,
         rms_height=surface.rms_height,
         rms_slope=surface.rms_slope,
         pixel=stiffness.lattice_constant,
-        peak_distance=properties.peak_distance,
+        **flat_adhesion(case.lattice.site_spacing, stiffness.area_per_atom, *pairs),
     )
     return {
         **known.values,

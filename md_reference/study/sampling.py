@@ -10,7 +10,7 @@ from contact_study.results.state import Ensemble, InterfaceState
 from contact_study.study.case import Case
 from md_reference.solution import Equilibrium, Outcome
 from md_reference.statics.contact import AtomisticContact
-from md_reference.study import quasi_static
+from md_reference.study.cold import equilibria
 from md_reference.study.system import Predictor, build_contact, interface_state
 from md_reference.thermal.checkpoint import ChainState
 from md_reference.thermal.equilibration import mean_load_missing
@@ -28,15 +28,14 @@ def solve_path(
 ) -> Iterator[InterfaceState | Ensemble]:
     """Yield thermal states about the quasi-static path, each point with independent random numbers.
 
-    A point where the surfaces are apart has one state. See :data:`md_reference.study.system.Method`, and
-    :func:`md_reference.study.quasi_static.solve_path` for the predictor.
+    A point where the surfaces are apart has one state. See :data:`md_reference.study.system.Method`.
     """
     contact = build_contact(case, surface)
     if restart is not None and "spectrum" in restart:
         chain = ChainState.unpack(restart)
         yield Ensemble(_Sampling(case, contact, start).states(chain))
         restart, start = {"state": chain.equilibrium}, start + 1
-    for number, found in enumerate(quasi_static.states(case, contact, restart, start, predictor), start):
+    for number, found in enumerate(equilibria(case, contact, restart, start, predictor), start):
         if found.report.detached:
             yield found
             continue

@@ -10,7 +10,7 @@ from contact_study.physics.surfaces.surface import Surface
 from contact_study.results.observables.atoms import surface_atoms
 from contact_study.results.state import Ensemble, InterfaceState, SolverReport
 from contact_study.study.case import Case
-from md_reference.block.condensed import SurfaceStiffness, element_matrix, surface_stiffness
+from md_reference.block.condensed import SurfaceStiffness, isotropic_element, surface_stiffness
 from md_reference.interface.pairs import LennardJonesInterface, interface_of
 from md_reference.parallel_rows import ATOMS_FOR_THREADS
 from md_reference.solution import Solution
@@ -26,14 +26,15 @@ Method = Callable[
 """Function of case, surface, restart, start and predictor that yields one state or ensemble per point of the path.
 
 ``start`` is the first point. ``restart`` is ``InterfaceState.restart`` of the point before; without it the path begins
-from separation. The restart of a state within an ensemble resumes the point ``start`` itself.
+from separation. The restart of a state within an ensemble resumes the point ``start`` itself. Motion has no use for a
+predictor.
 """
 
 
 def build_stiffness(case: Case) -> SurfaceStiffness:
     """Return the condensed block of a case, see :attr:`Case.block_layers`."""
     lattice, material = case.lattice, case.material
-    element = element_matrix(case.atomistic.block, lattice.constant, material.youngs_modulus, material.poissons_ratio)
+    element = isotropic_element(lattice.constant, material.youngs_modulus, material.poissons_ratio)
     return surface_stiffness(element, lattice.atoms, lattice.constant, case.block_layers)
 
 

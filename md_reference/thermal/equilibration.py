@@ -1,32 +1,22 @@
 """Tests of a block under load: is it at rest, or in equilibrium at its temperature, and what to change if not."""
 
 import math
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from scipy import special
 
 from contact_study.numerics.time_series import statistics_of
 
-
-@dataclass(frozen=True)
-class EquilibrationOptions:
-    """Limits of the tests."""
-
-    at_rest: float = 1e-3  # unbalanced stress over E*, below which atoms without noise count as in equilibrium
-    by_chance: float = 4.0  # standard errors; normal numbers miss by more once in 16 000 times
-    # Share of the load, or of the temperature. Area and gap follow them at most in proportion.
-    negligible: float = 0.01
-    large: float = 0.1  # share of the load that no unresolved error excuses
-    rare: float = 6e-5  # share of blocks in equilibrium that are found to ring; one-sided, as rare as by_chance
-    falling: float = 0.5  # share of the terminal speed above which a block counts as falling
+_AT_REST = 1e-3  # unbalanced stress over E*, below which atoms without noise count as in equilibrium
+_BY_CHANCE = 4.0  # standard errors; normal numbers miss by more once in 16 000 times
+_NEGLIGIBLE = 0.01  # share of the load, or of the temperature; area and gap follow them at most in proportion
+_LARGE = 0.1  # share of the load that no unresolved error excuses
+_RARE = 6e-5  # share of blocks in equilibrium that are found to ring; one-sided, as rare as by chance
+_FALLING = 0.5  # share of the terminal speed above which a block counts as falling
 
 
-DEFAULTS = EquilibrationOptions()
-
-
-@dataclass(frozen=True)
-class Descent:
+class Descent(NamedTuple):
     """Motion of a block under a load in the recorded states of a point that count."""
 
     carried: np.ndarray  # mean pressure of the interface in each state, shape (n,) (Pa)
@@ -37,8 +27,7 @@ class Descent:
     impact: float  # stress of an impact at the block's last speed: density times speed of sound times speed (Pa)
 
 
-@dataclass(frozen=True)
-class TemperatureStatistics:
+class TemperatureStatistics(NamedTuple):
     """Mean temperatures of a block under a thermostat over the states of a point that count."""
 
     nodes: float  # of all nodes (K)
@@ -56,7 +45,7 @@ def still_moving(descent: Descent, unbalanced: float, modulus: float) -> tuple[f
     stress on an atom of the surface, ``modulus`` E* (Pa).
     """
     residual = max(unbalanced, abs(float(descent.carried[-1]) - descent.load), descent.impact) / modulus
-    if descent.reached and residual <= DEFAULTS.at_rest:
+    if descent.reached and residual <= _AT_REST:
         return residual, ""
     return residual, _falling(descent) or "the atoms still move: raise dynamics.duration or dynamics.damping"
 
@@ -64,8 +53,7 @@ def still_moving(descent: Descent, unbalanced: float, modulus: float) -> tuple[f
 def not_in_equilibrium(descent: Descent, warmth: TemperatureStatistics, modulus: float) -> tuple[float, str]:
     """Test whether a warm block is in equilibrium; return the missing load over E*, and advice if it is not.
 
-    A ringing block carries its load on average over many swings, not over few; a block that is still cold carries it,
-    too. Equipartition detects both.
+    A block that rings, or is still cold, may carry its load on average: equipartition detects both.
     """
     residual, message = load_missing(descent, modulus)
     if message and _falling(descent):
@@ -74,10 +62,7 @@ def not_in_equilibrium(descent: Descent, warmth: TemperatureStatistics, modulus:
 
 
 def load_missing(descent: Descent, modulus: float, swings: bool = False) -> tuple[float, str]:
-    """Return the load that the interface of a moving block lacks on average, over E*, and advice if it is not chance.
-
-    ``swings`` is as in :func:`mean_load_missing`.
-    """
+    """Return :func:`mean_load_missing` of a block over E*, and advice if it is not chance."""
     missing, words = mean_load_missing(descent.carried, descent.load, swings)
     if descent.reached and not words:
         return missing / modulus, ""
@@ -93,10 +78,10 @@ def mean_load_missing(carried: np.ndarray, load: float, swings: bool = False) ->
     found = statistics_of(carried)
     mean, error = float(found.mean), float(found.standard_error)
     missing = abs(mean - load)
-    by_chance = DEFAULTS.by_chance * error if math.isfinite(error) else 0.0  # of one state
-    allowed = max(by_chance, DEFAULTS.negligible * abs(load))
+    by_chance = _BY_CHANCE * error if math.isfinite(error) else 0.0  # of one state
+    allowed = max(by_chance, _NEGLIGIBLE * abs(load))
     if swings or not found.resolved:
-        allowed = min(allowed, DEFAULTS.large * abs(load))
+        allowed = min(allowed, _LARGE * abs(load))
     if missing <= allowed:
         return missing, ""
     spread = f" ± {error:.2g}" if math.isfinite(error) else ""
@@ -110,7 +95,7 @@ def _ringing(warmth: TemperatureStatistics) -> str:
     over time has at least half as many freedoms as damping times time, or one, and at most one per state.
     """
     freedoms = min(max(0.5 * warmth.forgotten, 1.0), warmth.states)
-    largest = special.chdtri(freedoms, DEFAULTS.rare) / freedoms
+    largest = special.chdtri(freedoms, _RARE) / freedoms
     found = warmth.whole / warmth.bath
     if found <= largest:
         return ""
@@ -122,8 +107,8 @@ def _ringing(warmth: TemperatureStatistics) -> str:
 
 def _still_cold(warmth: TemperatureStatistics) -> str:
     """Return advice if the nodes do not have the thermostat's temperature."""
-    by_chance = DEFAULTS.by_chance * math.sqrt(2 / warmth.freedoms)  # as if all states were one
-    if abs(warmth.nodes / warmth.bath - 1) <= max(by_chance, DEFAULTS.negligible):
+    by_chance = _BY_CHANCE * math.sqrt(2 / warmth.freedoms)  # as if all states were one
+    if abs(warmth.nodes / warmth.bath - 1) <= max(by_chance, _NEGLIGIBLE):
         return ""
     return (
         f"the atoms moved at {warmth.nodes:.4g} K on average, not at the thermostat's {warmth.bath:.4g} K: raise "
@@ -139,6 +124,6 @@ def _falling(descent: Descent) -> str:
         advice += f", or lower dynamics.damping: damping limits its fall to {descent.terminal_speed:.3g} m/s"
     if not descent.reached:
         return f"no atom is within reach of the substrate: {advice}"
-    if slow and descent.speed > DEFAULTS.falling * descent.terminal_speed:
+    if slow and descent.speed > _FALLING * descent.terminal_speed:
         return f"the block still falls at {descent.speed:.3g} m/s: {advice}"
     return ""

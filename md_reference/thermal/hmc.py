@@ -29,35 +29,27 @@ from scipy import constants
 from contact_study.numerics.fourier import RealTransform
 from md_reference.block.condensed import SurfaceStiffness
 from md_reference.block.spectral import accelerate, quadratic
-from md_reference.interface.pairs import Interaction
+from md_reference.interface.pairs import LennardJonesInterface
 
-
-@dataclass(frozen=True)
-class HybridMonteCarloOptions:
-    """Scheme, masses and the search for a time step; times in units of √(mass/stiffness)."""
-
-    outer_kick: float = (3 - 5**0.5) / 4  # b
-    trajectory: float = 3.2  # mean length of a trajectory: half a period of a wave
-    first_step: float = 0.4
-    smallest_step: float = 0.4 / 64
-    # Aimed share of accepted proposals. The cost of an independent state is flat about its optimum, 0.65 for errors of
-    # second order (A. Beskos et al., Bernoulli 19, 1501 (2013)) and more for those of higher ones.
-    acceptance: float = 0.85
-    gain: float = 0.7  # of ln(time step) per proposal, over the root of their number
-    relaxing: float = 0.25  # share of the equilibration that brings the state to its temperature
-    unstable: float = 0.2  # ΔH over the thermal energy of all freedoms at which a step counts as unstable there
-    smallest_shift: float = 1e-3  # c without contact, over E* a
-    smallest_share: float = 1 / 16  # of c for the longest waves: at first they meet all of c
-
-
-DEFAULTS = HybridMonteCarloOptions()
+# Times in units of √(mass/stiffness).
+_OUTER_KICK = (3 - 5**0.5) / 4  # b
+_TRAJECTORY = 3.2  # mean length of a trajectory: half a period of a wave
+_FIRST_STEP, _SMALLEST_STEP = 0.4, 0.4 / 64
+# Aimed share of accepted proposals. The cost of an independent state is flat about its optimum, 0.65 for errors of
+# second order (A. Beskos et al., Bernoulli 19, 1501 (2013)) and more for those of higher ones.
+_ACCEPTANCE = 0.85
+_GAIN = 0.7  # of ln(time step) per proposal, over the root of their number
+_RELAXING = 0.25  # share of the equilibration that brings the state to its temperature
+_UNSTABLE = 0.2  # ΔH over the thermal energy of all freedoms at which a step counts as unstable there
+_SMALLEST_SHIFT = 1e-3  # c without contact, over E* a
+_SMALLEST_SHARE = 1 / 16  # of c for the longest waves: at first they meet all of c
 
 
 @dataclass(frozen=True)
 class SamplerState:
-    """State of a Markov chain.
+    """State of a Markov chain; spectra have shape (3, ny, nx // 2 + 1).
 
-    Spectra have shape (3, ny, nx // 2 + 1). The equilibration counts in ``evaluations`` only.
+    The equilibration counts in ``evaluations`` only.
     """
 
     displacement: np.ndarray  # spectrum, Σ u exp(−i q·x) (m)
@@ -78,21 +70,19 @@ class ThermalSampler:
     def __init__(
         self,
         stiffness: SurfaceStiffness,
-        interaction: Interaction,
+        interaction: LennardJonesInterface,
         contact_modulus: float,
         temperature: float,
         pressure: float = 0.0,
         fixed_mean: bool = False,
-        options: HybridMonteCarloOptions = DEFAULTS,
     ):
         self.interaction = interaction
         self.thermal_energy = constants.k * temperature
-        self.options = options
         grid = stiffness.grid
         self._fixed_mean = fixed_mean
         self._push = 0.0 if fixed_mean else pressure * stiffness.area_per_atom
         self._wave_stiffness = 0.5 * contact_modulus * stiffness.area_per_atom * grid.wavenumber
-        self._smallest_shift = options.smallest_shift * contact_modulus * stiffness.lattice_constant
+        self._smallest_shift = _SMALLEST_SHIFT * contact_modulus * stiffness.lattice_constant
         self._coefficients = stiffness.coefficients.copy()
         self._coefficients[2, 0, 0] = 0.0  # a load prescribes the block's uniform compression
         self._transform = RealTransform((3, *grid.shape), np.float64)
@@ -103,7 +93,7 @@ class ThermalSampler:
         """Begin a chain at a state, best an equilibrium at zero temperature, shape (3, ny, nx) (m)."""
         mass = self.masses(displacement)
         self._transform.field[...] = displacement
-        return SamplerState(self._transform.forward().copy(), self.options.first_step, mass, evaluations=1)
+        return SamplerState(self._transform.forward().copy(), _FIRST_STEP, mass, evaluations=1)
 
     def masses(self, displacement: np.ndarray) -> np.ndarray:
         """Return the stiffness of every wave at a state as its mass, shape (3, ny, nx // 2 + 1) (N/m).
@@ -115,10 +105,10 @@ class ThermalSampler:
         hessian = np.empty((6, *displacement.shape[1:]))
         self.interaction.evaluate(displacement, self.force, hessian)
         shift = np.maximum(np.mean(np.maximum(hessian[:3], 0.0), axis=(1, 2)), self._smallest_shift)
-        wave, share = self._wave_stiffness, self.options.smallest_share
+        wave = self._wave_stiffness
         free = 1 - float(np.mean(hessian[2] > 0))
         in_series = wave * shift[2] / (wave + free * shift[2] + self._smallest_shift)
-        return np.stack([wave + shift[0], wave + shift[1], wave + np.maximum(in_series, share * shift[2])])
+        return np.stack([wave + shift[0], wave + shift[1], wave + np.maximum(in_series, _SMALLEST_SHARE * shift[2])])
 
     def equilibrated(self, state: SamplerState, trajectories: int, generator: np.random.Generator) -> SamplerState:
         """Equilibrate a chain and find its time step.
@@ -128,9 +118,8 @@ class ThermalSampler:
         acceptance probability with decreasing gain; the geometric mean of the later half is kept (C. Andrieu, J. Thoms,
         Stat. Comput. 18, 343 (2008), doi:10.1007/s11222-008-9110-y).
         """
-        options = self.options
-        relaxing = math.ceil(options.relaxing * trajectories)
-        unstable = options.unstable * 0.5 * self.thermal_energy * self.force.size
+        relaxing = math.ceil(_RELAXING * trajectories)
+        unstable = _UNSTABLE * 0.5 * self.thermal_energy * self.force.size
         for _ in range(relaxing):
             found, error = self._trajectory(state, generator)
             finer = replace(self._with_step(state, 0.5 * state.time_step), evaluations=found.evaluations)
@@ -139,7 +128,7 @@ class ThermalSampler:
         for number in range(1, trajectories - relaxing + 1):
             found, error = self._trajectory(state, generator)
             probability = self._acceptance(error)
-            factor = math.exp(options.gain / math.sqrt(number) * (probability - options.acceptance))
+            factor = math.exp(_GAIN / math.sqrt(number) * (probability - _ACCEPTANCE))
             accepted = found if generator.random() < probability else state
             state = replace(self._with_step(accepted, factor * state.time_step), evaluations=found.evaluations)
             logarithms.append(math.log(state.time_step))
@@ -190,7 +179,7 @@ class ThermalSampler:
         The change is infinite if an atom entered the substrate on the way.
         """
         u, v = state.displacement.copy(), velocity.copy()
-        over_mass, kick = 1 / state.mass, self.options.outer_kick
+        over_mass, kick = 1 / state.mass, _OUTER_KICK
         dt, stages = state.time_step, 2 * steps
         before = self.potential_energy(state)
         for stage in range(stages):
@@ -208,7 +197,7 @@ class ThermalSampler:
     def _trajectory(self, state: SamplerState, generator: np.random.Generator) -> tuple[SamplerState, float]:
         """Return the end of a trajectory of random length with random velocities, and ΔH (J)."""
         velocity = self.velocities(state, generator)
-        steps = max(1, round(self.options.trajectory / state.time_step * generator.uniform(0.5, 1.5)))
+        steps = max(1, round(_TRAJECTORY / state.time_step * generator.uniform(0.5, 1.5)))
         found, reached, change = self.follow(state, velocity, steps)
         return found, change + self.kinetic_energy(state, reached) - self.kinetic_energy(state, velocity)
 
@@ -217,8 +206,7 @@ class ThermalSampler:
         return math.exp(-max(error, 0.0) / self.thermal_energy) if math.isfinite(error) else 0.0
 
     def _with_step(self, state: SamplerState, time_step: float) -> SamplerState:
-        """Return the state with a step of this length, or the smallest one."""
-        return replace(state, time_step=max(time_step, self.options.smallest_step))
+        return replace(state, time_step=max(time_step, _SMALLEST_STEP))
 
     def _interaction_energy(self, spectrum: np.ndarray) -> float:
         return self.interaction.evaluate(self._real(spectrum), self.force, None)

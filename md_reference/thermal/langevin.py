@@ -11,9 +11,10 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import constants
 
+from md_reference.block.condensed import CORNERS
 from md_reference.block.multiscale import MultiscaleBlock
 from md_reference.block.verlet import Action
-from md_reference.interface.pairs import Interaction
+from md_reference.interface.pairs import LennardJonesInterface
 
 _BRILLOUIN_POINTS = 24  # along each axis, in the search for the fastest wave of the lattice
 
@@ -41,7 +42,7 @@ class MolecularDynamics:
     def __init__(
         self,
         block: MultiscaleBlock,
-        interaction: Interaction,
+        interaction: LennardJonesInterface,
         time_step: float,
         damping: float = 0.0,
         temperature: float = 0.0,
@@ -180,11 +181,10 @@ def fastest_wave(element: np.ndarray, atom_mass: float) -> float:
 
     :func:`md_reference.block.condensed.isotropic_element` gives the element; ``atom_mass`` is in kg.
     """
-    corners = np.array([(x, y, z) for z in (0, 1) for y in (0, 1) for x in (0, 1)])
     # Frequencies are symmetric in every component of the wavevector.
     phase = np.linspace(0, np.pi, _BRILLOUIN_POINTS + 1)
     waves = np.stack(np.meshgrid(phase, phase, phase, indexing="ij"), axis=-1).reshape(-1, 3)
-    shift = np.exp(1j * waves @ corners.T)  # (waves, 8)
+    shift = np.exp(1j * waves @ CORNERS.T)  # (waves, 8)
     blocks = element.reshape(8, 3, 8, 3)
     dynamical = np.einsum("wp,pcqd,wq->wcd", shift.conj(), blocks, shift)
     return float(np.sqrt(np.max(np.linalg.eigvalsh(dynamical)) / atom_mass))

@@ -4,14 +4,9 @@ import numpy as np
 import pytest
 from scipy.sparse.linalg import LinearOperator, cg
 
-from md_reference.block.condensed import (
-    condense,
-    contact_modulus,
-    effective_contact_modulus,
-    element_matrix,
-    surface_stiffness,
-    without_lateral_freedom,
-)
+from contact_study.physics.solids import contact_modulus_of
+from md_reference.block import condensed
+from md_reference.block.condensed import CORNERS, condense, effective_contact_modulus, surface_stiffness
 from md_reference.block.multiscale import MultiscaleBlock, NonlinearSpringBlock, level_layers
 from md_reference.block.nonlinear_slab import rotating_slab_force
 from md_reference.block.slab import fill_ghosts, slab_constants, slab_force
@@ -28,7 +23,6 @@ from tests.md_reference.systems import (
     stiffness_of,
 )
 
-CORNERS = np.array([(x, y, z) for z in (0, 1) for y in (0, 1) for x in (0, 1)])
 SCALE = LAME[1] * LATTICE_CONSTANT**2  # a spring's force at a stretch of one
 TURNING = LATTICE_CONSTANT, LAME[1], LAME[0] - LAME[1]
 
@@ -85,17 +79,12 @@ def test_element_carries_no_force_in_rigid_motion_and_has_the_isotropic_moduli()
 )
 def test_contact_modulus_of_the_paper_block(mode, modulus):
     # The reference table used μ = 27.18, λ = 142.73 GPa and E* = 93.7348 GPa, rounded: 1.2e-4 below the exact μ.
-    phase = 2 * np.pi * mode / 400
-    coefficients = condense(ELEMENT, np.zeros(1), np.array([phase]), 400)
-    found = contact_modulus(coefficients, np.array([phase / LATTICE_CONSTANT]), LATTICE_CONSTANT)
-    assert found[0] / CONTACT_MODULUS == pytest.approx(modulus, abs=1.5e-4)
+    assert contact_modulus(np.array([2 * np.pi * mode / 400]), 400)[0] == pytest.approx(modulus, abs=1.5e-4)
 
 
 def test_long_waves_see_the_contact_modulus_to_second_order():
     # At q times thickness >> 1 the half-space is reached exponentially; what is left is lattice dispersion, ∝ q².
-    phase = 2 * np.pi / np.array([50, 100, 200])
-    coefficients = condense(ELEMENT, np.zeros(3), phase, 2000)
-    error = 1 - contact_modulus(coefficients, phase / LATTICE_CONSTANT, LATTICE_CONSTANT) / CONTACT_MODULUS
+    error = 1 - contact_modulus(2 * np.pi / np.array([50, 100, 200]), 2000)
     rates = np.log2(error[:-1] / error[1:])
     assert error[0] < 2e-3
     assert np.all((rates > 1.9) & (rates < 2.1))
@@ -109,20 +98,16 @@ def test_swapping_the_axes_swaps_the_components():
     )
 
 
-def test_unknown_blocks_and_no_layers_are_refused():
-    constants = LATTICE_CONSTANT, YOUNGS_MODULUS, POISSONS_RATIO
-    with pytest.raises(ValueError, match="ytp_springs"):
-        element_matrix("ytp_springs", *constants)
+def contact_modulus(phase, layers):
+    """E*(q) of waves along x over that of the material."""
+    coefficients = condense(ELEMENT, np.zeros(phase.size), phase, layers)
+    stiffness = condensed.normal_stiffness(coefficients, LATTICE_CONSTANT)
+    return contact_modulus_of(stiffness, phase / LATTICE_CONSTANT) / CONTACT_MODULUS
+
+
+def test_no_layers_are_refused():
     with pytest.raises(ValueError, match="at least one layer"):
         condense(ELEMENT, np.zeros(1), np.zeros(1), 0)
-    np.testing.assert_array_equal(element_matrix("isotropic", *constants), ELEMENT)
-
-
-def test_a_block_on_rails_keeps_its_normal_compliance():
-    block = surface_stiffness(ELEMENT, (12, 16), LATTICE_CONSTANT, 16)
-    railed = without_lateral_freedom(block)
-    np.testing.assert_allclose(railed.contact_modulus, block.contact_modulus, rtol=1e-12)
-    np.testing.assert_allclose(railed.normal_stiffness, block.normal_stiffness, rtol=1e-12)
 
 
 def test_effective_modulus_is_that_of_the_waves_present():

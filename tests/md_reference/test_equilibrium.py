@@ -9,7 +9,7 @@ from md_reference.interface.pairs import LennardJonesInterface
 from md_reference.interface.substrate import Substrate
 from md_reference.solution import Outcome
 from md_reference.statics.contact import at_mean_gap, separated
-from md_reference.statics.newton import EquilibriumSolver, NewtonOptions
+from md_reference.statics.newton import EquilibriumSolver
 from tests.bem_adhesion.paper_system import study_table
 from tests.bem_adhesion.rough_surfaces import random_heights
 from tests.md_reference.systems import (
@@ -133,7 +133,7 @@ def test_limits_and_impossible_starts_are_reported(monkeypatch):
     with pytest.raises(ValueError, match="inside the substrate"):
         solver.solve(start - 20 * LENGTH, 1e9)
     # Saddles without end.
-    monkeypatch.setattr("md_reference.statics.newton.leave_saddle", lambda *_: True)
+    monkeypatch.setattr("md_reference.statics.energy.BlockEnergy.leave_saddle", lambda *_: True)
     interface, solver = solver_of((8, 8), max_iterations=30)
     found = solver.solve(touching(interface), 1e9)
     assert (found.outcome, found.iterations) == (Outcome.ITERATION_LIMIT, 31)
@@ -162,9 +162,10 @@ def test_no_equilibrium_on_top_of_a_barrier(control, distance):
         assert np.abs(found.displacement[:2]).max() > 0.3 * LATTICE_CONSTANT
 
 
-def test_a_balance_found_by_expansion_is_that_of_the_atoms():
+def test_a_balance_found_by_expansion_is_that_of_the_atoms(monkeypatch):
     # Forces on the way may be off by a tenth of the residual: what is returned is evaluated, wherever the solve ends.
-    interface, solver = solver_of((40, 40), 4, max_iterations=12, options=NewtonOptions(expansion=0.1))
+    interface, solver = solver_of((40, 40), 4, max_iterations=12)
+    monkeypatch.setattr("md_reference.statics.newton._EXPANSION", 0.1)
     for _ in range(2):
         found = solver.solve(separated(interface), 1e9)
         force = np.empty_like(found.displacement)

@@ -9,7 +9,7 @@ from scipy import constants
 
 from contact_study.campaign.worker.case_run import Job, run_case
 from contact_study.numerics.time_series import statistics_of
-from md_reference.block.multiscale import BlockOptions, MultiscaleBlock, NonlinearSpringBlock
+from md_reference.block.multiscale import MultiscaleBlock, NonlinearSpringBlock
 from md_reference.block.verlet import Action, move_planes
 from md_reference.interface.pairs import LennardJonesInterface
 from md_reference.parallel_rows import ParallelRows
@@ -267,7 +267,7 @@ def test_what_a_thread_raises_comes_out(place):
 
 
 @pytest.mark.parametrize("kind", [MultiscaleBlock, NonlinearSpringBlock])
-def test_any_number_of_threads_gives_the_same_bits(kind):
+def test_any_number_of_threads_gives_the_same_bits(kind, monkeypatch):
     """Atoms in motion with a thermostat, over a rough substrate: forces, curvature, energy, and where all nodes end.
 
     One thread does all rows of a level in one block, the others eight at a time.
@@ -277,8 +277,8 @@ def test_any_number_of_threads_gives_the_same_bits(kind):
     found = []
     for threads in (1, 2, 3):
         interface = LennardJonesInterface(substrate, atoms, spacing, WELL_DEPTH, LENGTH, 4.0, threads)
-        options = BlockOptions(task_nodes=8192 if threads == 1 else 1)
-        block = kind(atoms, LATTICE_CONSTANT, *LAME, (4, 4), MASS, threads, options)
+        monkeypatch.setattr("md_reference.block.multiscale._TASK_NODES", 8192 if threads == 1 else 1)
+        block = kind(atoms, LATTICE_CONSTANT, *LAME, (4, 4), MASS, threads)
         system = MolecularDynamics(block, interface, step, damping=0.01 / step, temperature=300.0)
         surface = np.zeros((3, *atoms))
         surface[2] = interface.rest_heights().max() + LENGTH

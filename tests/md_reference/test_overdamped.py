@@ -14,8 +14,8 @@ from contact_study.results.schema import TRAJECTORY
 from contact_study.study.case import realise
 from contact_study.study.study import make_study
 from md_reference.statics.overdamped import OverdampedBlock
+from md_reference.study.cold import OverdampedAtoms
 from md_reference.study.model import check, solve_path
-from md_reference.study.overdamped import OverdampedAtoms
 from md_reference.study.system import build_contact, build_stiffness
 from tests.md_reference.systems import (
     CONTACT_MODULUS,

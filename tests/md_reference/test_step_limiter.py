@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 from scipy import optimize
 
-from md_reference.statics.curvature import raise_curvature
-from md_reference.statics.step_limiter import DEFAULTS, limit_step, repulsive_root
+from md_reference.statics.atomwise import limit_step, raise_curvature, repulsive_root
 from tests.md_reference.systems import LENGTH, matrices_of
 
 PREFACTOR = 2e-9
@@ -25,7 +24,7 @@ def limited(distance, step, cosine=1.0, after=None, force=None):
     height = trial_gap.copy()
     forces = np.full(SHAPE, cosine**2 * law(distance) if force is None else force)
     before = np.full(SHAPE, distance / cosine), np.full(SHAPE, cosine), forces
-    limit_step(*before, LENGTH, PREFACTOR, DEFAULTS, trial_gap, np.full(SHAPE, after), height)
+    limit_step(*before, LENGTH, PREFACTOR, trial_gap, np.full(SHAPE, after), height)
     np.testing.assert_array_equal(height, trial_gap)  # what the gap is corrected by, the height is
     return trial_gap[0] * after / LENGTH
 
@@ -79,7 +78,7 @@ def curved(hessian, gradient_z, gap, cosine=1.0, damping=0.0):
     gradient, diagonal = np.reshape([0, 0, gradient_z], (3, 1, 1)), np.empty((6, 1, 1), np.float32)
     given = np.reshape(hessian, (6, 1, 1)).astype(float), gradient.astype(float)
     at = np.full((1, 1), gap * LENGTH), np.full((1, 1), cosine)
-    raise_curvature(*given, *at, damping, LENGTH, DEFAULTS.smallest_distance, diagonal)
+    raise_curvature(*given, *at, damping, LENGTH, diagonal)
     return diagonal[:, 0, 0]
 
 

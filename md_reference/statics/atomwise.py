@@ -1,18 +1,32 @@
-"""Curvature of the interface, one symmetric 3×3 matrix per atom: xx, yy, zz, xy, xz, yz.
+"""A Newton step atom by atom: the curvature of the interface, and limits while atoms jump into contact.
 
-Eigenvalues follow from the trigonometric solution of the characteristic equation.
+An attracted atom has negative curvature, and the curvature of an atom that reaches the repulsive wall grows a
+hundredfold within a tenth of r0: a quadratic model is valid for neither. Each atom's step is therefore taken in the
+variable in which its force is nearly linear: distance where it is attracted, force where it is repelled. No single atom
+then shortens the step of all. Symmetric 3×3 matrices are six numbers: xx, yy, zz, xy, xz, yz.
 """
 
 import numpy as np
 
 from contact_study.numerics.kernel import kernel
 
+# Relative change at which Newton's iteration for a root ends; its error is about six times the square.
+_NEAR, _MOST_STEPS = 1e-8, 10
+# Distance to contact below which the spring of an attracted atom keeps its stiffness (r0), see raise_curvature.
+_SMALLEST_DISTANCE = 0.03
+# Largest relative change of an attracted atom's distance, and of a repelled atom's that leaves contact.
+_LARGEST_CHANGE = 0.4
+# Force on an atom that enters repulsion, over a flat layer's prefactor: a third of the largest attraction. Enough to
+# keep it there, while its overshoot does not decide the line search.
+_LANDING_FORCE = 0.126
+
 
 @kernel
 def deviator(xx, yy, zz, xy, xz, yz):
     """Return mean m of the diagonal, size p and entries of (A − m)/p, and its angle; p is zero for A = m.
 
-    The eigenvalues are m + 2p cos(angle + 2πk/3), the largest for k = 0, the lowest for k = 1.
+    The eigenvalues are m + 2p cos(angle + 2πk/3), the largest for k = 0, the lowest for k = 1 (trigonometric solution
+    of the characteristic equation).
     """
     mean = (xx + yy + zz) / 3.0
     spread = (xx - mean) ** 2 + (yy - mean) ** 2 + (zz - mean) ** 2 + 2.0 * (xy * xy + xz * xz + yz * yz)
@@ -23,13 +37,6 @@ def deviator(xx, yy, zz, xy, xz, yz):
     d, e, f = xy / p, xz / p, yz / p
     r = 0.5 * (a * (b * c - f * f) - d * (d * c - f * e) + e * (d * f - b * e))
     return mean, p, a, b, c, d, e, f, np.arccos(min(1.0, max(-1.0, r))) / 3.0
-
-
-@kernel
-def lowest_eigenvalue(xx, yy, zz, xy, xz, yz):
-    """Return the lowest eigenvalue."""
-    mean, p, _, _, _, _, _, _, angle = deviator(xx, yy, zz, xy, xz, yz)
-    return mean + 2.0 * p * np.cos(angle + 2.0 * np.pi / 3.0)
 
 
 @kernel
@@ -60,7 +67,7 @@ def stiffest(xx, yy, zz, xy, xz, yz):
 
 
 @kernel
-def raise_curvature(hessian, gradient, gap, cosine, damping, length, smallest_distance, diagonal):
+def raise_curvature(hessian, gradient, gap, cosine, damping, length, diagonal):
     """Write each atom's Hessian, raised by a multiple of 1 where the normal force softens.
 
     A raised atom has at least the curvature|g|/distance of a spring that ends at contact where the unbalanced force g
@@ -80,17 +87,17 @@ def raise_curvature(hessian, gradient, gap, cosine, damping, length, smallest_di
                 if zz < 0.0:
                     g = gradient[2, j, i]
                     height = gap[j, i]
-                    above = max(height - length / cosine[j, i], smallest_distance * length)
+                    above = max(height - length / cosine[j, i], _SMALLEST_DISTANCE * length)
                     lift = abs(g) / (above if g > 0.0 else height)
                 if damping > 0.0:
-                    lowest = lowest_eigenvalue(float(xx), float(yy), float(zz), float(xy), float(xz), float(yz))
+                    mean, p, _, _, _, _, _, _, angle = deviator(
+                        float(xx), float(yy), float(zz), float(xy), float(xz), float(yz)
+                    )
+                    lowest = mean + 2.0 * p * np.cos(angle + 2.0 * np.pi / 3.0)
                     lift -= damping * min(lowest + lift, 0.0)
-            diagonal[0, j, i] = xx + lift
-            diagonal[1, j, i] = yy + lift
-            diagonal[2, j, i] = zz + lift
-            diagonal[3, j, i] = xy
-            diagonal[4, j, i] = xz
-            diagonal[5, j, i] = yz
+            for n in range(3):
+                diagonal[n, j, i] = hessian[n, j, i] + lift
+                diagonal[3 + n, j, i] = hessian[3 + n, j, i]
 
 
 @kernel
@@ -120,10 +127,60 @@ def split(diagonal, shift, half_grid, negligible, known, normal, removed, core):
                 core[j, i] = 0.0
                 continue
             stiffness, x, y, z = stiffest(xx, yy, zz, xy, xz, yz)
-            normal[0, j, i] = x
-            normal[1, j, i] = y
-            normal[2, j, i] = z
+            normal[0, j, i], normal[1, j, i], normal[2, j, i] = x, y, z
             stiffness = max(stiffness, 0.0)
             squared = shift / (stiffness + shift)
             removed[j, i] = 1.0 - np.sqrt(squared)
             core[j, i] = (1.0 - squared) / (stiffness + half_grid)
+
+
+@kernel
+def limit_step(gap, cosine, force, length, prefactor, trial_gap, trial_cosine, height):
+    """Correct the heights at the end of a Newton step, atom by atom, see the module.
+
+    The model force at distance d from the layer of sites is that of smeared layers, ``prefactor`` (s¹¹ − s⁵) with
+    s = r0/d; over a layer tilted by θ its part normal to the mean plane is cos²θ times that. To first order the
+    correction vanishes.
+
+    Before the step ``gap`` is the height over the surface (m), ``cosine`` that of the surface's tilt, ``force`` the
+    interface's normal force (N). After it, ``trial_gap`` and the atoms' ``height`` are corrected in place (m).
+    """
+    for j in range(gap.shape[0]):
+        for i in range(gap.shape[1]):
+            before = gap[j, i] * cosine[j, i]
+            moved = trial_gap[j, i] * trial_cosine[j, i] - before
+            f = force[j, i]
+            if f > 0.0:
+                f /= prefactor * cosine[j, i] ** 2
+                s = repulsive_root(f, length / before)
+                s6 = s**6
+                f -= s6 * (11.0 * s6 - 5.0) * moved / length
+                after = length / repulsive_root(f, s) if f > 0.0 else length * (1.0 + min(-f / 6.0, _LARGEST_CHANGE))
+                after += before - length / s
+            else:
+                after = before + min(max(moved, -_LARGEST_CHANGE * before), _LARGEST_CHANGE * before)
+                edge = min(before, length)
+                if after < edge:
+                    after = edge / repulsive_root(min(6.0 * (edge - after) / edge, _LANDING_FORCE), 1.0)
+            corrected = after / trial_cosine[j, i]
+            height[j, i] += corrected - trial_gap[j, i]
+            trial_gap[j, i] = corrected
+
+
+@kernel
+def repulsive_root(force, guess):
+    """Return s >= 1 with s¹¹ − s⁵ = force >= 0, to rounding; a good guess saves time."""
+    # The root is a concave function of the force, so that its tangents (at s = 1, 1.1, 1.25, 1.6 and 2.5) bound it
+    # from above; Newton descends from there, or steps over the root first.
+    most = min(1.0 + force / 6.0, 1.1 + (force - 1.2426067) / 21.210667)
+    most = min(most, min(1.25 + (force - 8.5897744) / 90.238452, 1.6 + (force - 165.4361) / 1176.6948))
+    most = min(most, 2.5 + (force - 23744.2) / 104709.0)
+    s = min(most, max(guess, 1.0))
+    for _ in range(_MOST_STEPS):
+        s5 = s**5
+        s10 = s5 * s5
+        change = (s10 * s - s5 - force) / (11.0 * s10 - 5.0 * s5 / s)
+        s = min(s - change, most)
+        if abs(change) < _NEAR * s:
+            break
+    return s
