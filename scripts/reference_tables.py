@@ -1,12 +1,15 @@
-"""Tables of the documentation that the code itself makes: variables of a dataset, keys of a study, symbols.
+"""Tables of the documentation that the code itself makes: variables, keys, symbols, messages.
 
 python -m scripts.reference_tables variables
 python -m scripts.reference_tables keys
 python -m scripts.reference_tables symbols
+python -m scripts.reference_tables messages
 """
 
 import argparse
+import ast
 import dataclasses
+import re
 import sys
 from collections.abc import Iterable
 from pathlib import Path
@@ -137,12 +140,49 @@ def _file(module: ModuleType) -> str:
     return str(Path(str(module.__file__)).relative_to(ROOT))
 
 
-TABLES = {"variables": _variables, "keys": _keys, "symbols": _symbols}
+# Rooms of the code by the subject of their messages.
+ROOMS = {
+    "Study files and keys": ("contact_study/study", "contact_study/inputs"),
+    "Height maps, laws and solids": ("contact_study/physics",),
+    "Running, resuming and merging": ("contact_study/campaign", "contact_study/results", "contact_study/command_line"),
+    "Comparing and drawing": ("contact_study/report", "contact_study/plots"),
+    "Boundary elements": ("bem_adhesion",),
+    "Atoms": ("md_reference",),
+    "Theories": ("theory",),
+}
+
+
+def _messages() -> Iterable[str]:
+    for subject, folders in ROOMS.items():
+        files = sorted(file for folder in folders for file in (ROOT / folder).rglob("*.py"))
+        found = {text for file in files for text in _raised(ast.parse(file.read_text(encoding="utf-8")))}
+        yield from ("", f"## {subject}", "")
+        yield from (f"- `{text}`" for text in sorted(found, key=lambda text: text.strip("… =:.-").lower()))
+
+
+def _raised(tree: ast.Module) -> Iterable[str]:
+    """Texts of the errors that a user meets, with … where a value stands; those of a single word are left out."""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Raise) and isinstance(node.exc, ast.Call) and node.exc.args:
+            named = ast.unparse(node.exc.func)
+            text = re.sub("…(?:…| …)*", "…", _written(node.exc.args[0])).replace("\n", " ").replace("`", "'")
+            if named in ("InputError", "CampaignError", "ValueError") and len(re.findall(r"[a-z]{2,}", text)) > 2:
+                yield text.strip()
+
+
+def _written(node: ast.expr) -> str:
+    if isinstance(node, ast.JoinedStr):
+        return "".join(map(_written, node.values))
+    if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Add):
+        return _written(node.left) + _written(node.right)
+    return str(node.value) if isinstance(node, ast.Constant) else "…"
 
 
 def _cell(words: str) -> str:
     return words.replace("|", "\\|")
 
+
+TABLES = {"variables": _variables, "keys": _keys, "symbols": _symbols, "messages": _messages}
 
 main = program(run, Option("table", str, "which one", choices=TABLES))
 
