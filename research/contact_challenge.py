@@ -26,7 +26,7 @@ import pandas as pd
 from bem_adhesion import rough_contact
 from bem_adhesion.process_zone import POINTS_FOR_ONE_STATE, process_zone
 from bem_adhesion.solution import Solution
-from contact_study.campaign.memory import require_memory
+from contact_study.campaign.memory import Need, require
 from contact_study.inputs.errors import InputError
 from contact_study.inputs.units import quantity
 from contact_study.numerics.grid import Grid
@@ -58,7 +58,7 @@ def run(given: argparse.Namespace) -> int:
     ]
     known = [_known(given.table, question, pressures) for question in questions]
     for points in (points for points, rows in zip(grids, known, strict=True) if rows is None):
-        require_memory(points**2 * _BYTES_PER_POINT, f"--points {points}", "fewer points")
+        require(Need(points**2 * _BYTES_PER_POINT, f"--points {points}", "fewer points"))
     sample = surface(size, grids[0], given.seed)
     found = []
     for question, points, rows in zip(questions, grids, known, strict=True):

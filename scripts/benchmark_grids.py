@@ -26,7 +26,7 @@ import numpy as np
 import pandas as pd
 
 from bem_adhesion import HardWall, rough_contact
-from contact_study.campaign.memory import require_memory
+from contact_study.campaign.memory import Need, require
 from contact_study.study.case import Case, realise
 from contact_study.study.study import read_study
 from scripts.harness import PAPER, Option, head, peak_memory, tabulated
@@ -95,7 +95,7 @@ def rows(table: pd.DataFrame) -> Iterator[str]:
 
 def measured(given: argparse.Namespace) -> Iterator[dict[str, str | float]]:
     """Every kind on every grid."""
-    require_memory(max(given.points) ** 2 * BYTES_PER_POINT, f"--points {max(given.points)}", "fewer points")
+    require(Need(max(given.points) ** 2 * BYTES_PER_POINT, f"--points {max(given.points)}", "fewer points"))
     with tempfile.TemporaryDirectory() as folder:
         heights = Path(folder) / "heights.npy"
         for kind, points in itertools.product(KINDS, given.points):

@@ -18,7 +18,7 @@ from pathlib import Path
 import numpy as np
 import tomli_w
 
-from contact_study.campaign.dataset.file import DatasetReader
+from contact_study.campaign.dataset.file import DatasetReader, StoredCase
 from contact_study.campaign.store.case_file import CaseWriter
 from contact_study.results.state import Step
 from contact_study.study.bins import bins_of
@@ -64,7 +64,8 @@ def write_and_read(study: Study, dataset: Path, path: Path) -> tuple[float, floa
     """Processor time to write all steps of a dataset, and to read them (s), and their number."""
     bins = bins_of(study)
     with DatasetReader(dataset, study) as earlier:
-        values = [earlier.step(i, number) for i, case in enumerate(study.cases) for number in range(len(case.path))]
+        cases = [(StoredCase(earlier, i, bins), len(case.path)) for i, case in enumerate(study.cases)]
+        values = [case.step(number)[0] for case, steps in cases for number in range(steps)]
     with CaseWriter(path, len(values), last_state=False) as file:
         written = processor_time(lambda: [file.save_step(i, Step(one, bins=bins)) for i, one in enumerate(values)])
     read = processor_time(lambda: [file.step(i) for i in range(len(values))])

@@ -6,9 +6,12 @@ from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from contact_study.inputs.errors import InputError
-from contact_study.study.case import Case
+
+if TYPE_CHECKING:
+    from contact_study.study.case import Case
 
 # A dozen doubles: height, gap, pressure, displacement, its spectrum, the kernel and arrays of the solver.
 _BYTES_PER_POINT = 100
@@ -21,24 +24,14 @@ _share = float("inf")  # bytes that this process may use, set by its starter
 
 @dataclass(frozen=True)
 class Need:
-    """Least memory of a part of a case.
-
-    Attributes
-    ----------
-    size : float
-        Bytes.
-    culprit : str
-        Its name in a message.
-    advice : str
-        What to use in order to need less.
-    """
+    """Least memory of a part of a case (bytes), its name in a message, and the advice how to need less."""
 
     size: float
     culprit: str
     advice: str
 
 
-def grid_need(case: Case) -> Need:
+def grid_need(case: "Case") -> Need:
     """Memory of a simulation on the grid of a case."""
     shape = case.surface.shape or (0, 0)
     return Need(_on_grid(shape), f"surface.shape = {list(shape)}", "fewer points")
@@ -65,49 +58,23 @@ def memory_in_words(shape: tuple[int, int]) -> str:
 
 
 def require(need: Need) -> None:
-    """Raise InputError if a need exceeds the memory that this process may use."""
-    require_memory(need.size, need.culprit, need.advice)
-
-
-def require_memory(needed: float, culprit: str, advice: str) -> None:
-    """Raise InputError if ``needed`` bytes exceed the memory that this process may use.
-
-    The system would otherwise kill the run without a message. ``culprit`` and ``advice`` as of :class:`Need`.
-    """
+    """Raise InputError if a need exceeds the memory of this process; the system would kill it without a message."""
     available = _memory()
-    if needed > available:
+    if need.size > available:
         who = next((words for size, words in _limits() if size == available), "")
         raise InputError(
-            f"{culprit}: needs at least {needed / 1e9:.3g} GB of memory, {who}{socket.gethostname()} has "
-            f"{available / 1e9:.3g} GB; use {advice}"
+            f"{need.culprit}: needs at least {need.size / 1e9:.3g} GB of memory, {who}{socket.gethostname()} has "
+            f"{available / 1e9:.3g} GB; use {need.advice}"
         )
 
 
-def require_memory_at_once(needs: Sequence[Need], workers: int | None) -> int:
-    """Make sure that memory holds cases that run at once.
-
-    Parameters
-    ----------
-    needs : sequence of Need
-        Memory of each case.
-    workers : int or None
-        Number of cases at once; None: as many as fit.
-
-    Returns
-    -------
-    int
-        Number of cases that fit.
-
-    Raises
-    ------
-    InputError
-        If one case, or this number of cases, does not fit.
-    """
+def require_at_once(needs: Sequence[Need], workers: int | None) -> int:
+    """Count the cases that fit memory at once; raises InputError if one, or ``workers`` of them, do not."""
     largest = max(needs, key=lambda need: need.size)
     require(largest)
     fitting = int(_memory() / max(largest.size, 1))
     if workers is not None and workers > fitting:
-        require_memory(workers * largest.size, f"--workers {workers}: {largest.culprit}", f"--workers {fitting}")
+        require(Need(workers * largest.size, f"--workers {workers}: {largest.culprit}", f"--workers {fitting}"))
     return fitting
 
 

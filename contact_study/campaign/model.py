@@ -1,27 +1,16 @@
-"""The three models as the campaign runs them: their declarations, and calls into their modules.
-
-A model's package is imported by its first call, not by its declaration: ``--help`` needs no solver.
-"""
+"""The three models as the campaign runs them. A model's package is imported by its first use: ``--help`` needs none."""
 
 import importlib
-from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from contact_study.campaign.memory import Need, grid_need
 from contact_study.inputs.errors import InputError
 
 if TYPE_CHECKING:
-    import numpy as np
-
-    from contact_study.campaign.memory import Need
     from contact_study.numerics.distributions import Bins
-    from contact_study.physics.surfaces.scales import SurfaceScales
-    from contact_study.physics.surfaces.surface import Surface
-    from contact_study.results.state import Ensemble, InterfaceState, Step, Value
     from contact_study.study.case import Case
     from contact_study.study.study import Study
-
-Predictor = Callable[[int], "np.ndarray | None"]
 
 
 @dataclass(frozen=True)
@@ -35,9 +24,10 @@ class Model:
     kind : str
         ``"continuum"``, ``"atomistic"`` or ``"theory"``: the dataset's ``model`` attribute.
     module : str
-        Module with the functions ``check(case)``, which raises InputError if the model cannot run a case,
-        ``review(study, scales)``, ``constants(case, surface)`` and ``solve_path(case, surface, restart, start,
-        predictor)``. It may have ``needs(case)``, which yields each :class:`.memory.Need` beside the grid's, and
+        Module with the functions of the model. ``check(case)`` raises InputError if the model cannot run a case,
+        ``review(study, scales)`` warns of a study as a whole. ``constants(case, surface)`` are the quantities that do
+        not change along the path, ``solve_path(case, surface, restart, start, predictor)`` yields its points from
+        number ``start`` on. It may have ``needs(case)``, which yields each :class:`.memory.Need` beside the grid's, and
         ``POINTS_FOR_THREADS``, the points of a surface from which on one case gains from several threads.
     description : str
         One sentence for ``--help`` and the dataset's ``source``.
@@ -70,45 +60,14 @@ class Model:
     threads: int = 1
 
     @property
-    def points_for_threads(self) -> int:
-        """Points of a surface from which on one case gains from several threads."""
-        from contact_study.numerics.fourier import POINTS_FOR_THREADS
+    def code(self) -> Any:
+        """Module of the model."""
+        return importlib.import_module(self.module)
 
-        return getattr(importlib.import_module(self.module), "POINTS_FOR_THREADS", POINTS_FOR_THREADS)
-
-    def check(self, case: "Case") -> None:
-        """Raise InputError if the model cannot run the case."""
-        importlib.import_module(self.module).check(case)
-
-    def needs(self, case: "Case") -> "Need":
-        """Return the largest memory that a case needs; raises InputError as :meth:`check`."""
-        from contact_study.campaign.memory import grid_need
-
-        own = getattr(importlib.import_module(self.module), "needs", None)
+    def needs(self, case: "Case") -> Need:
+        """Return the largest memory that a case needs; raises InputError if the model cannot run it."""
+        own = getattr(self.code, "needs", None)
         return max([grid_need(case), *(own(case) if own else ())], key=lambda need: need.size)
-
-    def review(self, study: "Study", scales: "Sequence[SurfaceScales]") -> list[str]:
-        """Warn of a study as a whole; raises InputError if the model's grids cannot hold the scales of a case."""
-        return importlib.import_module(self.module).review(study, scales)
-
-    def constants(self, case: "Case", surface: "Surface") -> "Mapping[str, Value]":
-        """Return the quantities that do not change along the path."""
-        return importlib.import_module(self.module).constants(case, surface)
-
-    def solve_path(
-        self,
-        case: "Case",
-        surface: "Surface",
-        restart: "Mapping[str, np.ndarray] | None",
-        start: int,
-        predictor: Predictor | None,
-    ) -> "Iterator[InterfaceState | Ensemble | Step]":
-        """Yield the points of the path from number ``start`` on.
-
-        ``restart`` is the state after the point before, or a state of the ensemble ``start`` to continue from.
-        """
-        extra: dict[str, Any] = {"predictor": predictor} if self.takes_predictor else {}
-        return importlib.import_module(self.module).solve_path(case, surface, restart=restart, start=start, **extra)
 
 
 _YANG = "C. Yang, B. N. J. Persson, J. Israelachvili, K. Rosenberg, EPL 84, 46004 (2008)"
@@ -151,20 +110,7 @@ MODELS: dict[str, Model] = {
 
 
 def check_study(model: Model, study: "Study") -> "tuple[Bins, list[str]]":
-    """Check a study before any work.
-
-    Returns
-    -------
-    bins : Bins
-        Bins of its distributions.
-    notes : list of str
-        Warnings about the study as a whole.
-
-    Raises
-    ------
-    InputError
-        If the model cannot run a case, or numbers of the study contradict each other.
-    """
+    """Check a study before any work; returns the bins of its distributions, and warnings about it as a whole."""
     from contact_study.study.bins import bins_of
     from contact_study.study.checks import plausibility
 
@@ -174,5 +120,5 @@ def check_study(model: Model, study: "Study") -> "tuple[Bins, list[str]]":
             raise InputError(
                 f"missing key surface.kind: {model.command} needs a surface; the study has a spectrum only"
             )
-        model.check(case)
-    return bins_of(study), [*notes, *model.review(study, study.scales)]
+        model.code.check(case)
+    return bins_of(study), [*notes, *model.code.review(study, study.scales)]

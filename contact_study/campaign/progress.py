@@ -13,20 +13,7 @@ T = TypeVar("T")
 
 
 class Progress:
-    """Counter of finished steps, and printer of messages.
-
-    Parameters
-    ----------
-    name : str
-        The command's name, in front of every line.
-    wording : callable, optional
-        Function that rewords a message before it is shown.
-
-    Attributes
-    ----------
-    total, done : int
-        Number of steps, and of finished ones.
-    """
+    """Counter of finished steps, and printer of messages, which ``wording`` may change, after the command's name."""
 
     def __init__(self, name: str, wording: Callable[[str], str] = str):
         self._name = name

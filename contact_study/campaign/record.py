@@ -1,4 +1,4 @@
-"""The study inside a dataset: who ran what on which files, and in what two such records differ.
+"""The study inside a dataset: model, keys and files of a run, and in what two such records differ.
 
 The numbers of a step follow from the model, its version and every key of the case that the model reads. A height map
 counts by its content. The path up to the step, the least adaptive step and the predictor's gap field count, too. The
@@ -41,20 +41,8 @@ _NAMED_KEYS = 3  # differing keys that a message names
 class RunRecord:
     """The record of a run in a dataset, or in the folder of an unfinished run.
 
-    Parameters
-    ----------
-    kind : str
-        The model: ``"continuum"``, ``"atomistic"`` or ``"theory"``.
-    study : Study
-        The study.
-    height_maps : mapping
-        SHA-256 of each height map by its path as the study writes it.
-    ignores : tuple of str
-        Sections of the study that the model does not read.
-    version, schema_version : str
-        Versions of the program and of the dataset's schema.
-    predictor : str
-        Name and SHA-256 of the predictor's dataset; empty without one.
+    It has the kind of model, SHA-256 of each height map by its path as the study writes it, the sections that the model
+    ignores, and name and SHA-256 of the predictor's dataset.
     """
 
     kind: str
@@ -67,22 +55,7 @@ class RunRecord:
 
     @classmethod
     def read(cls, attributes: Mapping[str, Any], directory: Path | str, ignores: tuple[str, ...] = ()) -> "RunRecord":
-        """Read the record from the attributes of a dataset.
-
-        Parameters
-        ----------
-        attributes : mapping
-            Global attributes.
-        directory : path-like
-            Where relative paths of the study start.
-        ignores : tuple of str
-            Sections that the model does not read.
-
-        Raises
-        ------
-        InputError
-            If the study is missing or this version cannot read it; the caller names the dataset.
-        """
+        """Read the record from global attributes; an InputError does not name the dataset."""
         try:
             table = tomllib.loads(str(attributes["study_toml"]))
         except (KeyError, tomllib.TOMLDecodeError):
@@ -136,31 +109,18 @@ class RunRecord:
         """Keys that decide the numbers of each case, rounded to twelve digits, as a text."""
         return [json.dumps(_rounded(self.deciding_keys(case)), sort_keys=True) for case in self.study.cases]
 
+    @cached_property
     def case_names(self) -> list[str]:
-        """Name each case by what decides its numbers and by its point of the sweep."""
-        names = []
-        for case, text in zip(self.study.cases, self.case_texts, strict=True):
-            # Two points of a sweep may differ only in keys that decide no number, such as the threads.
-            point = json.dumps(_rounded(case.coordinates), sort_keys=True)
-            names.append(hashlib.sha256(f"[{text}, {point}]".encode()).hexdigest()[:16])
-        return names
+        """Name of each case by its deciding keys and its point of the sweep."""
+        # Two points of a sweep may differ only in keys that decide no number, such as the threads.
+        points = [json.dumps(_rounded(case.coordinates), sort_keys=True) for case in self.study.cases]
+        texts = [f"[{text}, {point}]" for text, point in zip(self.case_texts, points, strict=True)]
+        return [hashlib.sha256(text.encode()).hexdigest()[:16] for text in texts]
 
 
 @dataclass(frozen=True)
 class Run:
-    """A run of a model on a study.
-
-    Parameters
-    ----------
-    model : Model
-        The model.
-    record : RunRecord
-        What its dataset will record.
-    bins : Bins
-        Bins of the study's distributions.
-    predictor : pathlib.Path, optional
-        Dataset whose gap fields the steps start from.
-    """
+    """A run of a model on a study, by its dataset's record; steps may start from the predictor's gap fields."""
 
     model: "Model"
     record: RunRecord

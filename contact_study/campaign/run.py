@@ -1,26 +1,53 @@
-"""A campaign: check a study, resume what earlier runs finished, run the other cases, write the dataset."""
+"""A campaign: check a study, resume what earlier runs finished, run the other cases by an engine, write the dataset."""
 
-from collections.abc import Mapping
+import os
+from collections.abc import Container, Mapping
+from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
+from typing import Any
 
 import xarray as xr
 
 from contact_study.campaign import engines
 from contact_study.campaign.dataset import provenance
 from contact_study.campaign.dataset.assembly import assemble_cases, last_states
-from contact_study.campaign.dataset.file import ExistingDataset
 from contact_study.campaign.dataset.predictor import check_predictor
+from contact_study.campaign.memory import require_at_once
 from contact_study.campaign.model import Model, check_study
 from contact_study.campaign.progress import Progress
-from contact_study.campaign.record import prepare_run
+from contact_study.campaign.record import Run, prepare_run
 from contact_study.campaign.resume.resume import earlier_commits, existing_dataset, resume_run
 from contact_study.campaign.resume.work_directory import WorkDirectory
-from contact_study.campaign.store.files import writable_output
-from contact_study.campaign.store.formats import check_name, is_dataset
-from contact_study.campaign.worker.runner import RunOptions, count_fitting_cases, run_cases
+from contact_study.campaign.store.case_file import CaseFile
+from contact_study.campaign.store.files import check_name, is_dataset, writable_output
+from contact_study.campaign.worker.case_run import Job, run_case
 from contact_study.inputs.errors import InputError
 from contact_study.study.checks.height_maps import describe_maps
 from contact_study.study.study import Study
+
+
+@dataclass(frozen=True)
+class RunOptions:
+    """How a campaign runs; no option changes a number.
+
+    Parameters
+    ----------
+    resume, overwrite : bool
+        Whether to continue, or to replace, a dataset or unfinished run at the output.
+    workers : int or None
+        Number of processes; None for one per case, at most the cores.
+    engine : str or None
+        Name of one of :data:`contact_study.campaign.engines.ENGINES`; None for the one that the workers need.
+    scheduler : str or None
+        Address or file of a cluster's scheduler, for an engine that has one.
+    """
+
+    resume: bool = False
+    overwrite: bool = False
+    workers: int | None = None
+    engine: str | None = None
+    scheduler: str | None = None
 
 
 def run_campaign(
@@ -29,41 +56,15 @@ def run_campaign(
     output: Path,
     progress: Progress,
     command: str,
-    predictor: Path | None = None,
-    options: RunOptions | None = None,
+    predictor: Path | None,
+    options: RunOptions,
 ) -> Mapping[str, xr.Dataset]:
-    """Run a study and write its dataset.
+    """Run a study by the user's ``command``; write its dataset, whose groups by name it returns.
 
-    Parameters
-    ----------
-    model : Model
-        The model.
-    study : Study
-        The study.
-    output : pathlib.Path
-        Dataset to write.
-    progress : Progress
-        Receives every step and every warning.
-    command : str
-        The user's command, for the dataset's history.
-    predictor : pathlib.Path, optional
-        Dataset whose gap fields the steps start from.
-    options : RunOptions, optional
-        How to run it.
-
-    Returns
-    -------
-    mapping
-        Groups of the dataset by name; of a dataset that was complete before only the flags ``converged``.
-
-    Raises
-    ------
-    InputError
-        If the study, the predictor or the output cannot be used; nothing is written.
-    CampaignError
-        If the run cannot finish; finished steps are kept.
+    Of a dataset that was complete before it returns only the flags ``converged``. It raises InputError, and writes
+    nothing, if the study, the predictor or the output cannot be used; CampaignError, and keeps the finished steps, if
+    the run cannot finish.
     """
-    options = options or RunOptions()
     choices = {"resume": options.resume, "overwrite": options.overwrite}
     check_name(output)
     bins, study_notes = check_study(model, study)
@@ -72,30 +73,31 @@ def run_campaign(
         study_notes += check_predictor(predictor, study, run.record.height_maps)
     work = WorkDirectory(output)
     finished = existing_dataset(work, **choices)
-    if finished is not None and run.record.is_recorded_in(finished.attributes):
+    if finished is not None and run.record.is_recorded_in(finished):
         return _already_done(work, finished, progress)
     engines.check(options.engine, options.scheduler)
-    fitting = count_fitting_cases(model, study, options.engine, options.workers)
+    fitting = _count_fitting_cases(run, options)
     writable_output(output)
     commit = provenance.git_commit()
     try:
         unfinished = work.open(**choices)
         finished = existing_dataset(work, **choices)  # under the lock it cannot change any more
-        names = run.record.case_names()
-        study_notes += earlier_commits(unfinished, finished, commit)
-        resumed = resume_run(run, names, work, unfinished, finished, commit, progress)
+        study_notes += earlier_commits([unfinished, finished], commit)
+        resumed = resume_run(run, work, unfinished, finished, commit, progress)
         for line in [*study.choices, *describe_maps(study.cases)]:
             progress.report(line)
         for note in [*study_notes, *resumed.notes]:
             progress.warn(note)
-        files, notes = run_cases(run, names, work, resumed.whole, progress, options, fitting)
+        files, notes = _run_cases(run, work, resumed.whole, progress, options, fitting)
         progress.close()
         work.check_output()
-        with resumed.opened() as stored:
+        with resumed.opened(output, bins) as stored:
             sources = [stored.get(number) or files[number] for number in range(len(study.cases))]
             groups, late = assemble_cases(study, bins, sources, progress)
-            notes = [*provenance.carried_warnings(model, finished, resumed.earlier), *notes, *late]
-            earlier = [finished.attributes] if finished is not None else []
+            if finished is not None:
+                notes = [*provenance.carried_warnings(model, finished, resumed.earlier), *notes]
+            notes += late
+            earlier = [finished] if finished is not None else []
             groups[""].attrs.update(provenance.attributes(run, earlier, [*study_notes, *notes], command, commit))
             work.write(groups, last_states(study, sources))
         work.publish()
@@ -110,10 +112,76 @@ def run_campaign(
     return groups
 
 
-def _already_done(work: WorkDirectory, finished: ExistingDataset, progress: Progress) -> Mapping[str, xr.Dataset]:
+def _already_done(work: WorkDirectory, finished: Mapping[str, Any], progress: Progress) -> Mapping[str, xr.Dataset]:
     if not work.clear_leftovers():
         progress.warn(f"{work.folder} holds steps of another run, which are left alone")
-    commit, now = finished.attributes["git_commit"], provenance.git_commit()
+    commit, now = finished["git_commit"], provenance.git_commit()
     if commit != now:
-        progress.warn(f"{finished.path} is of commit {commit}, this is {now}; --overwrite computes it again")
-    return provenance.read_flags(finished.path)
+        progress.warn(f"{work.output} is of commit {commit}, this is {now}; --overwrite computes it again")
+    return provenance.read_flags(work.output)
+
+
+def _count_fitting_cases(run: Run, options: RunOptions) -> int:
+    """Count the cases that this machine's memory holds at once; other machines check this where a case runs."""
+    cases = run.study.cases
+    if options.engine in engines.REMOTE:
+        return len(cases)
+    asked = None if options.workers is None else min(options.workers, len(cases))
+    return require_at_once([run.model.needs(case) for case in cases], asked)
+
+
+def _run_cases(
+    run: Run, work: WorkDirectory, whole: Container[int], progress: Progress, options: RunOptions, fitting: int
+) -> tuple[dict[int, CaseFile], list[str]]:
+    """Run every unfinished step of the cases that no dataset holds ``whole``, at most ``fitting`` of them at once.
+
+    It returns their files by their numbers, and their warnings, those of earlier steps included.
+    """
+    # Workers on other machines may have another working directory.
+    predictor = None if run.predictor is None else run.predictor.absolute()
+    jobs = {
+        number: Job(
+            run.model,
+            replace(case, directory=case.directory.absolute()),
+            run.bins,
+            work.case_file(name).absolute(),
+            predictor,
+            run.record.height_maps.get(str(case.surface.map_path), ""),
+        )
+        for number, (case, name) in enumerate(zip(run.study.cases, run.record.case_names, strict=True))
+        if number not in whole
+    }
+    total = sum(len(case.path) for case in run.study.cases)
+    files = {number: CaseFile(job.file) for number, job in jobs.items()}
+    missing = {number: job.missing(files[number]) for number, job in jobs.items()}
+    progress.start(total, total - sum(missing.values()))
+    unfinished = [number for number in jobs if missing[number] or not files[number].has_constants]
+    if options.engine in engines.REMOTE:  # the number of its cores is unknown
+        workers, threads = options.workers or len(unfinished), 1
+    else:
+        cases, cores = len(run.study.cases), available_cores()
+        # One process per core, or per model.threads cores where cores have fewer than two cases: a further process
+        # costs its start, and an odd case at the end leaves the others idle.
+        processes = cores if cases >= 2 * cores else max(1, cores // run.model.threads)
+        most = options.workers or min(fitting, processes)
+        workers = min(most, len(unfinished))
+        # The number of threads follows from the whole study: a resumed run repeats the arithmetic.
+        threads = max(1, cores // max(1, min(most, cases)))
+    tasks = [partial(run_case, jobs[number], threads) for number in unfinished]
+    try:
+        engines.run(tasks, workers, progress.step, options.engine, options.scheduler)
+    except engines.CampaignError as error:
+        kept = f"{progress.done} of {total} steps are finished and kept, --resume continues"
+        raise engines.CampaignError(f"{error}; {kept}") from None
+    for number in unfinished:
+        files[number] = CaseFile(jobs[number].file)
+        if jobs[number].missing(files[number]):
+            raise engines.CampaignError(
+                f"{files[number].path}: a worker has finished steps that are not here; share the folder with all"
+            )
+    return files, list(dict.fromkeys(note for file in files.values() for note in file.notes))
+
+
+def available_cores() -> int:
+    """Cores that this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1

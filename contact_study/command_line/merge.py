@@ -27,7 +27,7 @@ def _main(arguments: Sequence[str]) -> int:
     parser = _parser()
     complete(parser)
     given = parser.parse_args(arguments)
-    from contact_study.campaign.merge.merge import merge
+    from contact_study.campaign.merge import merge
     from contact_study.campaign.progress import Progress
     from contact_study.campaign.store.files import named_file
 

@@ -7,7 +7,6 @@ import pytest
 
 from contact_study.campaign import engines
 from contact_study.campaign.engines import ENGINES, REMOTE, CampaignError
-from contact_study.inputs.errors import InputError
 from tests.campaign.tasks import die, fail, leave, meet, report_on, square, wait_for
 
 LOCAL = [name for name in ENGINES if name not in REMOTE]  # tests/campaign/test_dask.py has the others
@@ -66,8 +65,3 @@ def test_engine_follows_from_the_workers(monkeypatch, workers, name):
 def test_nothing_to_do_starts_nothing(monkeypatch):
     monkeypatch.setitem(ENGINES, "processes", None)
     engines.run([], 4, print)
-
-
-def test_unknown_engine_is_refused():
-    with pytest.raises(InputError, match="engine 'cloud': expected one of serial, processes, dask"):
-        engines.run([partial(square, 1)], 1, print, "cloud")

@@ -5,9 +5,11 @@ import socket
 import pytest
 
 from contact_study.campaign import engines, memory
-from contact_study.campaign.worker import runner
+from contact_study.campaign import run as runner
+from contact_study.campaign.record import prepare_run
 from contact_study.command_line.run import main
 from contact_study.inputs.errors import InputError
+from contact_study.study.bins import bins_of
 from contact_study.study.study import make_study
 from tests.campaign.toy_model import TOY
 from tests.campaign.toy_study import changed
@@ -52,14 +54,14 @@ def test_memory_is_that_of_the_job(groups, own, limits, found):
     assert groups(own, limits) == (machine if found is None else found)
     if found is not None:
         with pytest.raises(InputError, match=f"needs at least 1 GB of memory, the job on {socket.gethostname()} has"):
-            memory.require_memory(1e9, "surface.shape = [1, 1]", "fewer points")
+            memory.require(memory.Need(1e9, "surface.shape = [1, 1]", "fewer points"))
 
 
 def test_without_groups_memory_is_the_machine_s(tmp_path, monkeypatch):
     monkeypatch.setattr(memory, "_OWN_GROUPS", tmp_path / "none")
     monkeypatch.setattr(memory, "_GROUPS", tmp_path / "none")
     with pytest.raises(InputError, match=f"needs at least 1e\\+09 GB of memory, {socket.gethostname()} has"):
-        memory.require_memory(1e18, "surface.shape = [1, 1]", "fewer points")
+        memory.require(memory.Need(1e18, "surface.shape = [1, 1]", "fewer points"))
 
 
 @pytest.fixture
@@ -100,10 +102,11 @@ def test_more_workers_than_memory_holds_are_refused(study, tmp_path, monkeypatch
 
 def test_on_other_machines_each_case_says_so_where_it_runs(monkeypatch):
     cases = make_study(changed())
+    run = prepare_run(TOY, cases, bins_of(cases))
     monkeypatch.setattr(memory, "_memory", lambda: 0.5 * NEED)
-    assert runner.count_fitting_cases(TOY, cases, "dask", 100) == 2
+    assert runner._count_fitting_cases(run, runner.RunOptions(workers=100, engine="dask")) == 2
     with pytest.raises(InputError, match=r"needs at least 2\.56e-05 GB"):
-        runner.count_fitting_cases(TOY, cases, None, None)
+        runner._count_fitting_cases(run, runner.RunOptions())
     with pytest.raises(InputError, match=r"needs at least 2\.56e-05 GB"):
         memory.require(TOY.needs(cases.cases[0]))
 
@@ -114,6 +117,6 @@ def test_a_worker_has_its_share(monkeypatch):
     memory.set_share(2e6)
     assert memory._memory() == 2e6
     with pytest.raises(InputError, match=f"a Dask worker on {socket.gethostname()} has 0.002 GB"):
-        memory.require_memory(1e9, "x", "y")
+        memory.require(memory.Need(1e9, "x", "y"))
     memory.set_share(None)
     assert memory._memory() == machine

@@ -8,8 +8,8 @@ import pytest
 import tomli_w
 import xarray as xr
 
-from contact_study.campaign.dataset.states import States, states_file
-from contact_study.campaign.merge import merge as merging
+from contact_study.campaign import merge as merging
+from contact_study.campaign.dataset.file import States, states_file
 from contact_study.campaign.model import MODELS
 from contact_study.campaign.resume.work_directory import WorkDirectory
 from contact_study.command_line.merge import main as merge_main

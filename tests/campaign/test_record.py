@@ -69,17 +69,16 @@ def test_what_is_not_known_is_refused(name):
 
 
 def test_names_of_cases_follow_from_their_numbers():
-    names = run(BASE).record.case_names()
+    names = run(BASE).record.case_names
     assert len(set(names)) == 2
     assert (
-        run(changed(study={"title": "t"}, surface={"size": "10 nm"}, solver={"threads": 2})).record.case_names()
-        == names
+        run(changed(study={"title": "t"}, surface={"size": "10 nm"}, solver={"threads": 2})).record.case_names == names
     )
-    assert run(changed(loading={"path": ["1 GPa"]})).record.case_names() == names
-    assert not set(run(changed(surface={"seed": 2})).record.case_names()) & set(names)
+    assert run(changed(loading={"path": ["1 GPa"]})).record.case_names == names
+    assert not set(run(changed(surface={"seed": 2})).record.case_names) & set(names)
     # Points of a sweep over what decides nothing are cases all the same.
     threads = changed(sweep={"interaction.well_depth_ratio": [1], "solver.threads": [1, 2], "theory.alpha": [1, 2]})
-    assert len(set(run(threads).record.case_names())) == 4
+    assert len(set(run(threads).record.case_names)) == 4
     assert len(match(run(threads).record.attributes, run(threads))[1]) == 4
 
 
@@ -110,7 +109,7 @@ def test_values_in_other_units_are_the_same():
     """A conversion's rounding is no difference: 83.2 angstrom and 8.32e-9 m are not the same number."""
     one, two = (run(changed(surface={"size": size, "rms_height": "0.1 nm"})) for size in ("83.2 angstrom", 8.32e-9))
     assert one.study.cases[0].surface.size != two.study.cases[0].surface.size
-    assert one.record.case_names() == two.record.case_names()
+    assert one.record.case_names == two.record.case_names
     assert [found.steps for found in match(one.record.attributes, two)[1].values()] == [3, 3]
 
 
@@ -119,7 +118,7 @@ def test_equal_values_that_round_to_different_names_match():
     one, two = (
         run(changed(surface={"size": size, "rms_height": "0.1 nm"})) for size in (8.3200000000049e-9, 8.320000000005e-9)
     )
-    assert one.record.case_names() != two.record.case_names()
+    assert one.record.case_names != two.record.case_names
     assert [found.steps for found in match(one.record.attributes, two)[1].values()] == [3, 3]
 
 

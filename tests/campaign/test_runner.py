@@ -5,7 +5,7 @@ import dataclasses
 import pytest
 
 from contact_study.campaign import engines
-from contact_study.campaign.worker import runner
+from contact_study.campaign import run as runner
 from contact_study.command_line.run import main
 from tests.campaign.toy_model import TOY
 

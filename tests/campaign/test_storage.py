@@ -13,7 +13,7 @@ import xarray as xr
 
 from contact_study.campaign import progress
 from contact_study.campaign.dataset import assembly
-from contact_study.campaign.dataset.states import States
+from contact_study.campaign.dataset.file import States
 from contact_study.campaign.progress import Progress
 from contact_study.campaign.resume import resume as resume_run
 from contact_study.campaign.resume.work_directory import WorkDirectory

@@ -1,12 +1,14 @@
 """Assemble the groups of one dataset from the values of every case."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 import xarray as xr
 
+from contact_study.campaign.dataset.file import StoredCase
 from contact_study.campaign.progress import Progress
+from contact_study.campaign.store.case_file import CaseFile
 from contact_study.numerics.distributions import Bins, redistributed
 from contact_study.results.observables.autocorrelation import RELATIVE_DISTANCE
 from contact_study.results.path_results import PATH_RESULTS, path_results, series_of
@@ -29,43 +31,14 @@ from contact_study.study.sweep import SweptKey
 _Labelled = dict[str, dict[tuple[str, ...], np.ndarray]]
 
 
-class CaseSource(Protocol):
-    """A finished case: its file, or its place in a dataset."""
-
-    @property
-    def constants(self) -> dict[str, Any]:
-        """Quantities that do not change along the path."""
-
-    def step(self, number: int) -> tuple[dict[str, Any], Bins]:
-        """Quantities and fields of one step, and the bins of its distributions."""
-
-    def state(self, number: int) -> dict[str, np.ndarray]:
-        """Restart state after a step; empty if it was not kept."""
+# A finished case: its file, or its place in a dataset.
+CaseSource = CaseFile | StoredCase
 
 
 def assemble_cases(
     study: Study, bins: Bins, sources: Sequence[CaseSource], progress: Progress
 ) -> tuple[dict[str, xr.Dataset], list[str]]:
-    """Assemble the groups of a study's dataset.
-
-    Parameters
-    ----------
-    study : Study
-        The study.
-    bins : Bins
-        Bins of its distributions.
-    sources : sequence of CaseSource
-        Its cases, in their order.
-    progress : Progress
-        Shows progress.
-
-    Returns
-    -------
-    groups : dict
-        The groups by name, "" for the root.
-    notes : list of str
-        Warnings.
-    """
+    """Assemble the groups of a study's dataset by name, "" for the root, from its cases in order; and warnings."""
     rebinned: list[str] = []
     coordinates = {"pressure_bin": bins.pressure, "gap_bin": bins.gap, "relative_distance": RELATIVE_DISTANCE}
     pairs = progress.through(list(zip(study.cases, sources, strict=True)), "cases written to the dataset")
@@ -90,16 +63,18 @@ def last_states(study: Study, sources: Sequence[CaseSource]) -> Iterator[dict[st
 def _read(
     case: Case, source: CaseSource, bins: Bins, rebinned: list[str]
 ) -> tuple[tuple[int, ...], dict[str, Any], list[dict[str, Any]]]:
-    """Position, constants and steps of a finished case, its distributions on the study's bins.
-
-    Appends the labels of steps whose distributions were on other bins to ``rebinned``.
-    """
+    """Position, constants and steps of a finished case, on the study's bins; labels of others to ``rebinned``."""
     steps = []
     for number in range(len(case.path)):
         values, own = source.step(number)
         if own is not bins and not own.equal(bins):
             rebinned.append(f"{case.label}, point {number + 1}")
-            values = _on_bins(values, own, bins)
+            before, after = own.edges_of, bins.edges_of
+            names = {key: quantity_of(key)[1] for key in values}
+            values = {
+                key: redistributed(value, before[names[key]], after[names[key]]) if names[key] in before else value
+                for key, value in values.items()
+            }
         steps.append(values)
     constants = source.constants
     if "mean_separation" in steps[0]:  # a simulation's; a theory gives its path results itself
@@ -112,34 +87,15 @@ def _read(
     return case.index, constants, steps
 
 
-def _on_bins(values: dict[str, Any], old: Bins, new: Bins) -> dict[str, Any]:
-    before, after = old.edges_of, new.edges_of
-    return {
-        key: redistributed(value, before[name], after[name]) if (name := quantity_of(key)[1]) in before else value
-        for key, value in values.items()
-    }
-
-
 def assemble(
     sweep: Mapping[str, SweptKey],
     steps: int,
     cases: Iterable[tuple[tuple[int, ...], dict[str, Any], list[dict[str, Any]]]],
     coordinates: Mapping[str, np.ndarray],
 ) -> dict[str, xr.Dataset]:
-    """Assemble datasets by group ("" for the root) from the values of every case.
+    """Assemble datasets by group from the place in the sweep, the constants and the values of each step of every case.
 
     Arrays whose lengths differ between cases, such as the atoms of cells of different sizes, are padded at their ends.
-
-    Parameters
-    ----------
-    sweep : mapping
-        Swept keys: the leading dimensions.
-    steps : int
-        Points of the longest loading path.
-    cases : iterable
-        Position in the sweep, constants, and values of each step.
-    coordinates : mapping
-        One-dimensional coordinates of the whole study.
     """
     lengths = tuple(len(swept.values) for swept in sweep.values())
     arrays: dict[str, np.ndarray] = {}
@@ -236,10 +192,7 @@ def _dataset(
 def _side_by_side(
     arrays: Mapping[tuple[str, ...], np.ndarray], empty: Any, swept: int, coordinates: Mapping[str, np.ndarray]
 ) -> tuple[np.ndarray, tuple[str, ...]]:
-    """Stack arrays along the dimensions of their labels, after the ``swept`` ones; returns these dimensions, too.
-
-    Arrays of one name have the same number of labels; missing ones are ``empty``.
-    """
+    """Stack arrays along the dimensions of their labels, after the ``swept`` ones; returns these dimensions, too."""
     (count,) = {len(labels) for labels in arrays}
     dims = LABELS[:count]
     if not dims:

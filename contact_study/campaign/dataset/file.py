@@ -1,7 +1,13 @@
-"""Write the file of a dataset by rename; read it case by case."""
+"""The file of a dataset, written by rename and read case by case, and beside it that of its restart states.
 
+Only ``--resume`` and ``contact-merge`` read the states, ``bem.nc.restart``: the state after each last point, to
+lengthen paths from. The file may be deleted. It names its dataset by the history.
+"""
+
+import itertools
 import math
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -10,16 +16,16 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from contact_study.campaign.dataset.states import States, states_file
-from contact_study.campaign.store.files import write_aside
-from contact_study.campaign.store.formats import engine_of, is_dataset, is_zarr, readable
+from contact_study.campaign.store import records
+from contact_study.campaign.store.files import engine_of, is_dataset, is_zarr, readable, write_aside
 from contact_study.inputs.errors import InputError
 from contact_study.numerics.distributions import Bins
 from contact_study.results.schema import COORDINATES, LABELS, TRAJECTORY, variable_of
 from contact_study.study.study import Study
 
-# Group of the restart states in datasets of earlier versions; now a file beside the dataset, see :mod:`.states`.
+# Group of the restart states in datasets of earlier versions.
 _RESTART = "restart"
+_OWNER, _STATE = b"ownr", b"stat"  # records of the restart states
 
 _CHUNK_POINTS = 2**18
 # Largest number of values per state of a quantity that is read for all cases at once.
@@ -92,26 +98,51 @@ def attributes_of(path: Path) -> dict[str, Any] | None:
         return None
 
 
-def history_of(path: Path) -> str | None:
-    """History attribute of a dataset; None if there is no readable one."""
-    attributes = attributes_of(path)
-    return None if attributes is None else str(attributes.get("history", ""))
+def history_of(path: Path) -> str:
+    """History of a dataset; empty if there is no readable one."""
+    return str((attributes_of(path) or {}).get("history", ""))
 
 
-@dataclass(frozen=True)
-class ExistingDataset:
-    """A finished dataset.
+def states_file(dataset: Path) -> Path:
+    """Path of the restart states of a dataset."""
+    return dataset.with_name(dataset.name + ".restart")
 
-    Attributes
-    ----------
-    path : pathlib.Path
-        Its file, or folder of Zarr.
-    attributes : dict
-        Its global attributes.
-    """
 
-    path: Path
-    attributes: Mapping[str, Any]
+def write_states(path: Path, history: str, states: Iterable[Mapping[str, Any]]) -> None:
+    """Write the states of the cases of a dataset, in their order; no file if all are empty."""
+    kept = ((number, state) for number, state in enumerate(states) if state)
+    first = next(kept, None)
+    if first is None:
+        return
+
+    def write(partial: Path) -> None:
+        with partial.open("wb") as stream:
+            records.append(stream, _OWNER, 0, {}, history)
+            for number, state in itertools.chain([first], kept):
+                records.append(stream, _STATE, number, state)
+
+    write_aside(path, write)
+
+
+class States:
+    """Reader of restart states, and the history of their dataset; None without a readable file."""
+
+    def __init__(self, path: Path):
+        self._path = path
+        self._records: dict[int, records.Record] = {}
+        self.history: str | None = None
+        with suppress(OSError, ValueError), path.open("rb") as stream:
+            for record in records.records_in(stream):
+                if record.kind == _OWNER:
+                    self.history = records.read(stream, record)[1]
+                else:
+                    self._records[record.number] = record
+
+    def state(self, number: int) -> dict[str, np.ndarray]:
+        """State after the last step of a case; empty if it was not kept, or is damaged."""
+        with suppress(KeyError, OSError, ValueError), self._path.open("rb") as stream:
+            return records.read(stream, self._records[number])[0]
+        return {}
 
 
 @dataclass(frozen=True)
@@ -128,94 +159,48 @@ class _Quantity:
 
 
 class DatasetReader:
-    """Reader of the cases of a dataset that :func:`write_dataset` wrote; a context.
-
-    Parameters
-    ----------
-    path : pathlib.Path
-        The dataset.
-    study : Study
-        Its study.
-
-    Raises
-    ------
-    InputError
-        If it cannot be read; the methods raise it, too.
-    """
+    """Reader of the dataset of a study; a context. It and its cases raise InputError if it cannot be read."""
 
     def __init__(self, path: Path, study: Study):
         self.path = path
-        self._study = study
+        self.study = study
         with readable(path):
-            self._tree = xr.open_datatree(path, engine=engine_of(path), mask_and_scale=False, decode_timedelta=False)
-            self._quantities = list(self._read_quantities())
-        self._states = States(states_file(path))
+            self.tree = xr.open_datatree(path, engine=engine_of(path), mask_and_scale=False, decode_timedelta=False)
+            self.quantities = list(self._read_quantities())
+        self.states = States(states_file(path))
 
     def __enter__(self) -> "DatasetReader":
         return self
 
     def __exit__(self, *_: Any) -> None:
-        self._tree.close()
+        self.tree.close()
 
     def bins(self, own: Bins) -> Bins:
         """Bins of the distributions, from their centres; those of ``own`` for a distribution that is missing."""
-        nodes = list(self._tree.subtree)
-        edges = []
-        for name, default in (("pressure_bin", own.pressure_edges), ("gap_bin", own.gap_edges)):
+        edges = {}
+        for name in ("pressure", "gap"):
             with readable(self.path):
-                centres = next((node[name].values for node in nodes if name in node.coords), None)
-            if centres is None:
-                edges.append(default)
-            else:
+                there = (node[f"{name}_bin"].values for node in self.tree.subtree if f"{name}_bin" in node.coords)
+                centres = next(there, None)
+            if centres is not None:
                 width = (centres[-1] - centres[0]) / (centres.size - 1)
-                edges.append(np.linspace(centres[0] - width / 2, centres[-1] + width / 2, centres.size + 1))
-        return replace(own, pressure_edges=edges[0], gap_edges=edges[1])
-
-    def case(self, number: int, bins: Bins) -> "StoredCase":
-        """One case, by its number in the study; ``bins`` are those of the dataset."""
-        return StoredCase(self, number, bins)
-
-    def constants(self, number: int) -> dict[str, Any]:
-        """Quantities of a case that do not change along its path."""
-        return self._read(number, (one for one in self._quantities if "step" not in one.dims))
-
-    def step(self, number: int, step: int) -> dict[str, Any]:
-        """Quantities and fields of one step of a case."""
-        return self._read(number, (one for one in self._quantities if "step" in one.dims), step)
-
-    def text(self, name: str, number: int, step: int) -> str | None:
-        """A text of one step of a case; None if the dataset has no such quantity."""
-        found = self._read(number, (one for one in self._quantities if one.name == name), step)
-        return str(found[name]) if found else None
-
-    def _read(self, number: int, quantities: Iterable[_Quantity], step: int = 0) -> dict[str, Any]:
-        place = {**dict(zip(self._study.sweep, self._study.cases[number].index, strict=True)), "step": step}
-        with readable(self.path):
-            return {one.name: one.at(place) for one in quantities}
-
-    def state(self, number: int, step: int) -> dict[str, np.ndarray]:
-        """Restart state after a step of a case; empty unless it is the last one and was kept."""
-        if step != len(self._study.cases[number].path) - 1:
-            return {}
-        if _RESTART not in self._tree.children:
-            return self._states.state(number) if self._states.history == self._tree.attrs.get("history") else {}
-        with readable(self.path):
-            return {name: variable.values for name, variable in self._grouped_states.get(number, {}).items()}
+                edges[f"{name}_edges"] = np.linspace(centres[0] - width / 2, centres[-1] + width / 2, centres.size + 1)
+        return replace(own, **edges)
 
     @cached_property
-    def _grouped_states(self) -> dict[int, dict[str, xr.DataArray]]:
+    def grouped_states(self) -> dict[int, dict[str, xr.DataArray]]:
         """States in a dataset of an earlier version: variables such as ``case_12_state``."""
         found: dict[int, dict[str, xr.DataArray]] = {}
-        for name, variable in self._tree[_RESTART].to_dataset(inherit=False).data_vars.items():
+        for name, variable in self.tree[_RESTART].to_dataset(inherit=False).data_vars.items():
             _, number, own = str(name).split("_", 2)
             found.setdefault(int(number), {})[own] = variable
         return found
 
     def _read_quantities(self) -> Iterator[_Quantity]:
         """Yield the quantities of all groups; those larger than a distribution stay in the file."""
-        sweep = self._study.sweep
+        sweep = self.study.sweep
         whole_study = {*sweep, *LABELS, "step", "pressure_bin", "gap_bin", "relative_distance"}
-        for node in self._tree.subtree:
+        for node in self.tree.subtree:
             group = node.path.strip("/")
             if group == _RESTART:
                 continue
@@ -238,30 +223,38 @@ class DatasetReader:
 
 
 class StoredCase:
-    """A case in a finished dataset; it is read in place.
-
-    Parameters
-    ----------
-    dataset : DatasetReader
-        The dataset.
-    number : int
-        Number of the case in it.
-    bins : Bins
-        Bins of the dataset.
-    """
+    """A case in a finished dataset with these bins; it is read in place."""
 
     def __init__(self, dataset: DatasetReader, number: int, bins: Bins):
         self._dataset, self._number, self._bins = dataset, number, bins
 
+    def _read(self, chosen: Callable[[_Quantity], bool], step: int = 0) -> dict[str, Any]:
+        study = self._dataset.study
+        place = {**dict(zip(study.sweep, study.cases[self._number].index, strict=True)), "step": step}
+        with readable(self._dataset.path):
+            return {one.name: one.at(place) for one in self._dataset.quantities if chosen(one)}
+
     @property
     def constants(self) -> dict[str, Any]:
         """Quantities that do not change along the path."""
-        return self._dataset.constants(self._number)
+        return self._read(lambda one: "step" not in one.dims)
 
     def step(self, number: int) -> tuple[dict[str, Any], Bins]:
         """Quantities and fields of one step, and the bins of its distributions."""
-        return self._dataset.step(self._number, number), self._bins
+        return self._read(lambda one: "step" in one.dims, number), self._bins
+
+    def step_text(self, number: int, name: str) -> str | None:
+        """A text of one step; None if the dataset has no such quantity."""
+        found = self._read(lambda one: one.name == name, number)
+        return str(found[name]) if found else None
 
     def state(self, number: int) -> dict[str, np.ndarray]:
         """Restart state after a step; empty unless it is the last one and was kept."""
-        return self._dataset.state(self._number, number)
+        dataset = self._dataset
+        if number != len(dataset.study.cases[self._number].path) - 1:
+            return {}
+        if _RESTART not in dataset.tree.children:
+            current = dataset.states.history == dataset.tree.attrs.get("history")
+            return dataset.states.state(self._number) if current else {}
+        with readable(dataset.path):
+            return {name: kept.values for name, kept in dataset.grouped_states.get(self._number, {}).items()}

@@ -10,16 +10,9 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from contact_study.campaign.record import (
-    RunRecord,
-    describe_differences,
-    differences,
-    key_values,
-    matching_cases,
-    recorded_height_maps,
-    value_of,
-)
-from contact_study.campaign.store.formats import engine_of, readable, require_dataset
+from contact_study.campaign import record
+from contact_study.campaign.record import differences, value_of
+from contact_study.campaign.store.files import engine_of, readable, require_dataset
 from contact_study.inputs.errors import InputError
 from contact_study.results.state import usable
 from contact_study.study.case import Case
@@ -40,30 +33,10 @@ _OPTION = "--predictor"
 
 
 def check_predictor(path: Path, study: Study, height_maps: Mapping[str, str]) -> list[str]:
-    """Make sure that a dataset can serve a study as predictor.
+    """Make sure that a dataset of the continuum can serve a study, with these SHA-256 of its height maps, as predictor.
 
     A start selects one of several adhesive states, so the surface must be the same. Other moduli or another law give
-    rough starts; the notes name them.
-
-    Parameters
-    ----------
-    path : pathlib.Path
-        Dataset of the continuum.
-    study : Study
-        The study to be started.
-    height_maps : mapping
-        SHA-256 of each of its height maps by the path as the study writes it.
-
-    Returns
-    -------
-    list of str
-        Differences between the two contacts.
-
-    Raises
-    ------
-    InputError
-        If the dataset cannot be read, holds no gap fields or is of another surface or control, or if the study's atoms
-        have a starting configuration of their own.
+    rough starts; the returned notes name them.
     """
     for case in study.cases:
         if case.atomistic.method in _OWN_START:
@@ -76,7 +49,7 @@ def check_predictor(path: Path, study: Study, height_maps: Mapping[str, str]) ->
         if "gap" not in dataset or not str(dataset["gap"].dims[-1]).startswith("x"):
             raise InputError(f"{_OPTION}: {path} holds no gap fields; write it with output.fields = true")
         attributes = dict(dataset.attrs)
-    other, maps = _study(path, attributes), recorded_height_maps(attributes)
+    other, maps = _study(path, attributes), record.recorded_height_maps(attributes)
     differing: dict[str, tuple[Any, Any]] = {}
     for case in study.cases:
         start = _start_case(other, case)
@@ -87,7 +60,7 @@ def check_predictor(path: Path, study: Study, height_maps: Mapping[str, str]) ->
                 raise InputError(f"{_OPTION}: {path} is of another height map than {case.surface.map_path}")
     notes = []
     for key, pair in differing.items():
-        words = f"is of another contact: {describe_differences({key: pair}, 'there', 'here')}"
+        words = f"is of another contact: {record.describe_differences({key: pair}, 'there', 'here')}"
         if key.startswith(("surface.", "loading.")):
             raise InputError(f"{_OPTION}: {path} {words}")
         notes.append(f"the predictor {path} {words}; its gap fields may select other states")
@@ -95,14 +68,9 @@ def check_predictor(path: Path, study: Study, height_maps: Mapping[str, str]) ->
 
 
 class GapFields:
-    """Gap field (y, x) of each path point of one case; None where the dataset has no usable state.
+    """Gap field (y, x) of each path point of the case to be started; None where the dataset has no usable state.
 
-    Parameters
-    ----------
-    path : pathlib.Path
-        Dataset of the continuum.
-    case : Case
-        The case to be started; matched by the swept keys of both studies and by the points of its path.
+    Cases are matched by the swept keys of both studies and by the points of their paths.
     """
 
     def __init__(self, path: Path, case: Case):
@@ -149,7 +117,7 @@ def _study(path: Path, attributes: Mapping[str, Any]) -> Study:
 
 @lru_cache(maxsize=1)  # every case of a study asks for it
 def _read_study(toml: str, directory: Path) -> Study:
-    return RunRecord.read({"study_toml": toml}, directory).study
+    return record.RunRecord.read({"study_toml": toml}, directory).study
 
 
 def _start_case(study: Study, case: Case) -> Case | None:
@@ -160,14 +128,14 @@ def _start_case(study: Study, case: Case) -> Case | None:
     def shared(other: Case) -> int:
         return sum(same(value_of(other, name), value_of(case, name)) for name in swept - contact)
 
-    return max(matching_cases(study, case, swept & contact), key=shared, default=None)
+    return max(record.matching_cases(study, case, swept & contact), key=shared, default=None)
 
 
 def _contact_keys(case: Case) -> dict[str, Any]:
     """Keys that define the contact of a case."""
     values = {
         key: value
-        for key, value in key_values(case, _CONTACT)
+        for key, value in record.key_values(case, _CONTACT)
         if key.rpartition(".")[2] not in (*_NO_CONTACT, *_ADHESION)
     }
     return {**values, "the work of adhesion": case.law.work_of_adhesion, "loading.control": case.loading.control}

@@ -11,10 +11,9 @@ from typing import Any
 
 import xarray as xr
 
-from contact_study.campaign.dataset.file import ExistingDataset
 from contact_study.campaign.model import Model, check_study
 from contact_study.campaign.record import Run, RunRecord
-from contact_study.campaign.store.formats import engine_of, readable
+from contact_study.campaign.store.files import engine_of, readable
 from contact_study.inputs.errors import InputError
 from contact_study.results.schema import CONVENTIONS, LABELS
 from contact_study.version import __version__
@@ -23,11 +22,9 @@ from contact_study.version import __version__
 _PLACE = "contact_study/campaign/dataset/"
 
 
-def carried_warnings(model: Model, finished: ExistingDataset | None, earlier: RunRecord | None) -> list[str]:
+def carried_warnings(model: Model, attributes: Mapping[str, Any], earlier: RunRecord | None) -> list[str]:
     """Warnings of an earlier dataset about its steps, without those about its study as a whole."""
-    if finished is None:
-        return []
-    lines = str(finished.attributes.get("warnings", "")).splitlines()
+    lines = str(attributes.get("warnings", "")).splitlines()
     try:
         study_notes = check_study(model, earlier.study)[1] if earlier else []
     except InputError:  # a height map has moved since

@@ -1,38 +1,46 @@
-"""Engines, which run the cases of a study: one file each, imported by its first use.
-
-They know tasks and reports, and nothing of studies, models or files.
-"""
+"""Engines, which run the cases of a study: they have tasks and reports, and nothing of studies, models or files."""
 
 import importlib
 from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any
 
-from contact_study.campaign.engines.base import CampaignError, Engine, Report, Task
 from contact_study.inputs.errors import InputError
 
 __all__ = ["ENGINES", "CampaignError", "check", "run"]
+
+# A task writes its own results to disk and can be pickled. An engine ``run(tasks, workers, report)`` passes every
+# report to ``report`` in this process and raises the first error of a task here, at the next report of a task that runs
+# here. It ends the tasks on an interrupt. No task outlives this process, or on another machine its next step, so it
+# cannot write beside a resumed run. A worker that dies is replaced, or raises a CampaignError.
+Report = Callable[..., Any]
+Task = Callable[[Report], None]
+
+
+class CampaignError(RuntimeError):
+    """A campaign that cannot continue; finished steps are kept."""
 
 
 def _call(name: str, function: str, *arguments: Any, **options: Any) -> None:
     getattr(importlib.import_module(f"{__name__}.{name}"), function)(*arguments, **options)
 
 
+def _serial(tasks: Sequence[Task], workers: int, report: Report) -> None:
+    for task in tasks:
+        task(report)
+
+
 ENGINES: dict[str, Callable[..., None]] = {
-    name: partial(_call, name, "run") for name in ("serial", "processes", "dask")
+    "serial": _serial,
+    "processes": partial(_call, "processes", "run"),
+    "dask": partial(_call, "dask", "run"),
 }
 # Check of an engine on other machines, at the address of a scheduler.
 REMOTE: dict[str, Callable[..., None]] = {"dask": partial(_call, "dask", "check")}
 
 
 def check(engine: str | None, scheduler: str | None) -> None:
-    """Make sure, before any work, that an engine is available.
-
-    Raises
-    ------
-    InputError
-        If there is no such engine, or its scheduler does not answer.
-    """
+    """Raise InputError, before any work, unless an engine is available and its scheduler answers."""
     if engine is not None and engine not in ENGINES:
         raise InputError(f"engine {engine!r}: expected one of {', '.join(ENGINES)}")
     if engine in REMOTE:
@@ -44,18 +52,8 @@ def check(engine: str | None, scheduler: str | None) -> None:
 def run(
     tasks: Sequence[Task], workers: int, report: Report, engine: str | None = None, scheduler: str | None = None
 ) -> None:
-    """Run every task by an engine; without a name in this process, or in several for more than one worker.
-
-    Raises
-    ------
-    InputError
-        If there is no such engine.
-    CampaignError
-        If a worker died.
-    """
+    """Run every task by an engine; without a name in this process, or in several for more than one worker."""
     name = engine or ("processes" if workers > 1 else "serial")
-    if name not in ENGINES:
-        raise InputError(f"engine {name!r}: expected one of {', '.join(ENGINES)}")
-    chosen: Engine = partial(ENGINES[name], scheduler=scheduler) if name in REMOTE else ENGINES[name]
+    options = {"scheduler": scheduler} if name in REMOTE else {}
     if tasks:
-        chosen(tasks, max(1, workers), report)
+        ENGINES[name](tasks, max(1, workers), report, **options)

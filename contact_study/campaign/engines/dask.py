@@ -14,7 +14,9 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
-from contact_study.campaign.engines.base import CampaignError, Report, Task
+import numpy as np
+
+from contact_study.campaign.engines import CampaignError, Report, Task
 from contact_study.campaign.memory import set_share
 from contact_study.inputs.errors import InputError
 from contact_study.version import __version__
@@ -86,7 +88,7 @@ def _client(scheduler: str | None) -> Iterator[Any]:
 
 
 def _client_arguments(scheduler: str) -> dict[str, str]:
-    """Arguments of Dask's client; checked, as a client waits half a minute for a wrong address."""
+    """Check the arguments of Dask's client, which waits half a minute for a wrong address."""
     path = Path(scheduler)
     if path.is_file():
         try:
@@ -111,15 +113,6 @@ def _version() -> str:
 _ONE_CASE = threading.Lock()
 
 
-class _CancelledError(Exception):
-    """The task was cancelled."""
-
-
-def _plain(number: Any) -> Any:
-    """A number of NumPy as one of Python, for JSON."""
-    return number.item()
-
-
 def _run_reporting(task: Task, topic: str) -> None:
     from distributed import get_worker
 
@@ -131,9 +124,9 @@ def _run_reporting(task: Task, topic: str) -> None:
         # A cancelled task, such as one of a killed run, cannot be stopped from outside and ends itself.
         known = worker.state.tasks.get(key)
         if known is None or known.state not in ("executing", "long-running"):
-            raise _CancelledError
+            raise RuntimeError("the task was cancelled")
         # As text: anyone who reaches the scheduler may write to the topic, and pickles would be executed.
-        worker.log_event(topic, json.dumps(event, default=_plain))
+        worker.log_event(topic, json.dumps(event, default=np.generic.item))
 
     with _ONE_CASE:
         task(report)

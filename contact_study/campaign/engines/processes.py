@@ -11,7 +11,7 @@ from contextlib import contextmanager
 from multiprocessing.connection import wait
 from typing import Any
 
-from contact_study.campaign.engines.base import CampaignError, Report, Task
+from contact_study.campaign.engines import CampaignError, Report, Task
 
 
 def run(tasks: Sequence[Task], workers: int, report: Report) -> None:
@@ -25,16 +25,21 @@ def run(tasks: Sequence[Task], workers: int, report: Report) -> None:
         with reporting:
             report(*event)
 
-    listener = threading.Thread(target=_listen, args=(queue, forward), daemon=True)
+    def listen() -> None:
+        for event in iter(queue.get, None):
+            forward(*event)
+
+    def own_step(*event: Any) -> None:
+        forward(*event)
+        for future in shared.submitted:
+            if future.done():
+                future.result()
+
+    listener = threading.Thread(target=listen, daemon=True)
     listener.start()
     executor = ProcessPoolExecutor(max(1, workers - 1), context, _start_worker, (queue,))
     # The last case of a sweep usually takes longest (strongest adhesion), so it starts first.
     shared = _SharedTasks(tasks, executor)
-
-    def own_step(*event: Any) -> None:
-        forward(*event)
-        shared.check()
-
     try:
         own = shared.next_task() if workers > 1 else None
         with _blocked_interrupts():  # workers inherit this: the parent alone handles Ctrl-C
@@ -43,12 +48,14 @@ def run(tasks: Sequence[Task], workers: int, report: Report) -> None:
         while own is not None:
             own(own_step)
             own = shared.next_task()
-        shared.finish()
+        for future in as_completed(shared.submitted):
+            future.result()
         executor.shutdown()  # a worker sends its last reports first
     except BrokenProcessPool:
         raise CampaignError("a worker process was killed (out of memory?)") from None
     except BaseException:
-        shared.drop()
+        with shared.lock:
+            shared.waiting.clear()
         for child in mp.active_children():
             child.terminate()
         raise
@@ -62,45 +69,29 @@ class _SharedTasks:
     """Tasks that this process and those of an executor run one after the other, the last one first."""
 
     def __init__(self, tasks: Sequence[Task], executor: ProcessPoolExecutor):
-        self._waiting = list(tasks)
+        self.waiting = list(tasks)
+        self.submitted: list[Future[None]] = []
+        self.lock = threading.Lock()
         self._executor = executor
-        self._submitted: list[Future[None]] = []
-        self._lock = threading.Lock()
 
     def next_task(self) -> Task | None:
         """Remove and return the next task; None if none is left."""
-        with self._lock:
-            return self._waiting.pop() if self._waiting else None
+        with self.lock:
+            return self.waiting.pop() if self.waiting else None
 
     def submit(self, before: "Future[None] | None" = None) -> None:
         """Submit the next task to the executor, and after it another one unless it failed."""
         if before is not None and (before.cancelled() or before.exception() is not None):
             return
-        with self._lock:
-            if not self._waiting:
+        with self.lock:
+            if not self.waiting:
                 return
             try:
-                future = self._executor.submit(_run_queued, self._waiting.pop())
+                future = self._executor.submit(_run_queued, self.waiting.pop())
             except BrokenProcessPool:  # the running tasks raise it
                 return
-            self._submitted.append(future)
+            self.submitted.append(future)
         future.add_done_callback(self.submit)
-
-    def check(self) -> None:
-        """Raise the error of a task that has failed in another process."""
-        for future in self._submitted:
-            if future.done():
-                future.result()
-
-    def finish(self) -> None:
-        """Wait for the tasks in other processes; raises the first error."""
-        for future in as_completed(self._submitted):
-            future.result()
-
-    def drop(self) -> None:
-        """Start no more tasks."""
-        with self._lock:
-            self._waiting.clear()
 
 
 @contextmanager
@@ -113,11 +104,6 @@ def _blocked_interrupts() -> Iterator[None]:
         yield
     finally:
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
-
-
-def _listen(queue: Any, report: Report) -> None:
-    while (event := queue.get()) is not None:
-        report(*event)
 
 
 _queue: Any = None

@@ -4,13 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from contact_study.campaign.record import (
-    Run,
-    RunRecord,
-    describe_differences,
-    differences,
-    nearest,
-)
+from contact_study.campaign.record import Run, RunRecord, describe_differences, differences, nearest
 from contact_study.inputs.errors import InputError
 from contact_study.numerics.distributions import Bins
 from contact_study.study.case import Case
@@ -26,17 +20,7 @@ class NotKeptError(InputError):
 
 @dataclass(frozen=True)
 class Match:
-    """A case of an earlier run that serves a case of this run.
-
-    Attributes
-    ----------
-    earlier : int
-        Number of the case in the earlier run.
-    steps : int
-        Number of its steps, from the first, that keep their numbers.
-    reason : str
-        Why the run computes finished steps again; empty if it does not.
-    """
+    """Number of a case in an earlier run, how many of its first steps keep their numbers, and why not all if so."""
 
     earlier: int
     steps: int
@@ -44,32 +28,21 @@ class Match:
 
 
 def match(attributes: Mapping[str, Any], run: Run) -> tuple[RunRecord, dict[int, Match]]:
-    """Find the cases of an earlier run in a new one.
+    """Read an earlier run from a dataset's attributes; find its cases in a new one, by the numbers of the new one.
 
-    The new run may add points to the sweep and the path and keep more content; it must contain the earlier one.
-
-    Parameters
-    ----------
-    attributes : mapping
-        Attributes of the earlier dataset or unfinished run.
-    run : Run
-        The new run.
-
-    Returns
-    -------
-    earlier : RunRecord
-        The earlier run.
-    matches : dict
-        The matches by the number of this run's case.
-
-    Raises
-    ------
-    InputError
-        If the new run is a different one; the message names the difference, the caller the earlier run.
-    NotKeptError
-        If only the kept content or the height map's content differs.
+    The new run may add points to the sweep and the path and keep more content; it must contain the earlier one. An
+    InputError names the difference, the caller the earlier run; it is a NotKeptError if only the kept content or the
+    height map's content differs.
     """
-    _check_program(attributes, run.record)
+    for name in ("model", "version", "schema_version"):
+        if attributes.get(name) != run.record.attributes[name]:
+            raise InputError(
+                f"{name} is {attributes.get(name, 'unknown')} there and {run.record.attributes[name]} here"
+            )
+    there = str(attributes.get("predictor", ""))
+    if bool(there) != bool(run.record.predictor):
+        names = [text.partition(" ")[0] or "none" for text in (there, run.record.predictor)]
+        raise InputError(f"--predictor is {names[0]} there and {names[1]} here")
     earlier = RunRecord.read(attributes, run.study.directory, run.model.ignores)
     earlier.require_height_maps()
     values = [run.record.deciding_keys(case) for case in run.study.cases]
@@ -88,16 +61,6 @@ def match(attributes: Mapping[str, Any], run: Run) -> tuple[RunRecord, dict[int,
         chosen = min(alike, key=lambda other: run.study.cases[other].loading.unload != case.loading.unload)
         matches[chosen] = _matched_steps(number, case, run.study.cases[chosen], run)
     return earlier, matches
-
-
-def _check_program(attributes: Mapping[str, Any], own: RunRecord) -> None:
-    for name in ("model", "version", "schema_version"):
-        if attributes.get(name) != own.attributes[name]:
-            raise InputError(f"{name} is {attributes.get(name, 'unknown')} there and {own.attributes[name]} here")
-    there = str(attributes.get("predictor", ""))
-    if bool(there) != bool(own.predictor):
-        names = [text.partition(" ")[0] or "none" for text in (there, own.predictor)]
-        raise InputError(f"--predictor is {names[0]} there and {names[1]} here")
 
 
 def _different(
@@ -119,7 +82,7 @@ def _different(
 def _matched_steps(number: int, case: Case, other: Case, run: Run) -> Match:
     """Count the steps that a case shares with another that differs only in its path and kept content."""
     model = run.model
-    added = [name for name in model.keeps if _adds_content(name, case, other)]
+    added = [reason for name in model.keeps if (reason := _added_content(name, case, other))]
     where = f" at {case.label}" if case.label else ""
     if case.loading.unload and not other.loading.unload:
         raise InputError(f"loading.unload is true there and false here{where}")
@@ -127,42 +90,36 @@ def _matched_steps(number: int, case: Case, other: Case, run: Run) -> Match:
     length = len(case.loading.path)
     if after[:length] != before[:length]:
         raise InputError(f"loading.path{where} does not begin with the {length} points that are there")
-    added_fields = _added_fields(case, other) if "fields" in model.keeps and case.output.fields else ""
-    shared = next((i for i, pair in enumerate(zip(before, after, strict=False)) if pair[0] != pair[1]), len(before))
-    if added:
-        asked = _written(getattr(other.output, added[0]))
-        return Match(number, 0, f"output.{added[0]} = {asked}: the earlier run did not keep its {added[0]}")
-    if added_fields:
-        return Match(number, 0, added_fields)
+    if "fields" in model.keeps and case.output.fields:
+        added += filter(None, [_added_fields(case, other)])
     if model.whole_path and before != after:
-        return Match(number, 0, "the path has changed, and its points share quantities of the whole path")
+        added.append("the path has changed, and its points share quantities of the whole path")
     if model.own_steps and case.least_step != other.least_step:
-        return Match(number, 0, "the least step of loading.adaptive follows the largest value of the path, which grew")
+        added.append("the least step of loading.adaptive follows the largest value of the path, which grew")
     if not _ranges_contain(case, run.bins):
-        return Match(number, 0, "the distributions there were counted in a narrower range")
+        added.append("the distributions there were counted in a narrower range")
+    if added:
+        return Match(number, 0, added[0])
+    shared = next((i for i, pair in enumerate(zip(before, after, strict=False)) if pair[0] != pair[1]), len(before))
     return Match(number, shared, "unloading starts from another point" if shared < len(before) else "")
 
 
-def _adds_content(name: str, case: Case, other: Case) -> bool:
-    """Whether a case keeps more of some content than the earlier one; raises NotKeptError if it keeps less."""
+def _added_content(name: str, case: Case, other: Case) -> str:
+    """Why a case needs some content that an earlier run did not keep, if so; raises NotKeptError if it keeps less."""
     there, here = getattr(case.output, name), getattr(other.output, name)
     change = _KEPT[name].index(here) - _KEPT[name].index(there)
+    # Flags as a study file has them.
+    then, now = (value if isinstance(value, str) else str(value).lower() for value in (there, here))
     if change < 0:
         raise NotKeptError(
-            f"it keeps {name} by output.{name} = {_written(there)}, this study has {_written(here)}: set it so, or use "
-            "another output or --overwrite"
+            f"it keeps {name} by output.{name} = {then}, this study has {now}: set it so, or use another output or "
+            "--overwrite"
         )
-    return change > 0
+    return f"output.{name} = {now}: the earlier run did not keep its {name}" if change else ""
 
 
 def _added_fields(case: Case, other: Case) -> str:
-    """Why a case needs more of its fields than an earlier run kept; empty if it does not.
-
-    Raises
-    ------
-    NotKeptError
-        If it keeps fewer of them.
-    """
+    """Why a case needs more of its fields than an earlier run kept, if so; raises NotKeptError if it keeps fewer."""
     digits = case.output.field_precision, other.output.field_precision
     if case.kept_fields - other.kept_fields:
         raise NotKeptError(
@@ -179,11 +136,6 @@ def _added_fields(case: Case, other: Case) -> str:
     if digits == ("single", "double"):
         return "output.field_precision = double: the earlier run kept single precision"
     return ""
-
-
-def _written(value: bool | str) -> str:
-    """Write a flag or a choice as a study file has it."""
-    return value if isinstance(value, str) else str(value).lower()
 
 
 def _ranges_contain(case: Case, bins: Bins) -> bool:

@@ -5,15 +5,14 @@ assembled. Other cases move to this run's work directory by one rename each, as 
 A later resume finishes one that was killed, and the old dataset stays until the new one is complete.
 """
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from contact_study.campaign.dataset.file import DatasetReader, ExistingDataset, StoredCase, attributes_of
+from contact_study.campaign.dataset.file import DatasetReader, StoredCase, attributes_of, history_of, states_file
 from contact_study.campaign.dataset.predictor import GapFields
-from contact_study.campaign.dataset.states import states_file
 from contact_study.campaign.progress import Progress
 from contact_study.campaign.record import Run, RunRecord
 from contact_study.campaign.resume.matching import Match, NotKeptError, match
@@ -29,124 +28,82 @@ _START = "predictor_field"
 COARSER_BINS = "the bins of its distributions were coarser than those asked for now"
 
 
-def existing_dataset(work: WorkDirectory, *, resume: bool, overwrite: bool) -> ExistingDataset | None:
-    """The dataset at the output, if this run continues it and no steps in the work directory replace it.
+def existing_dataset(work: WorkDirectory, *, resume: bool, overwrite: bool) -> dict[str, Any] | None:
+    """Attributes of the dataset at the output, if this run continues it and no steps in the work directory replace it.
 
-    Raises
-    ------
-    InputError
-        If the output exists and neither option allows to use or replace it.
+    It raises InputError if the output exists and neither option allows to use or replace it.
     """
     output = work.output
     if not output.exists() or overwrite:
         return None
     if not resume:
         raise InputError(f"{output} exists; use --overwrite to replace it or --resume to continue its run")
-    attributes = attributes_of(output)
-    if work.replaces() == _history(attributes):
+    if work.replaces() == history_of(output):
         return None
+    attributes = attributes_of(output)
     if attributes is None:
         raise InputError(f"{output} exists and is no readable dataset; use --overwrite or another output")
-    return ExistingDataset(output, attributes)
-
-
-def _history(attributes: Mapping[str, Any] | None) -> str:
-    return str((attributes or {}).get("history", ""))
+    return attributes
 
 
 @dataclass(frozen=True)
 class Resumed:
-    """The part of a run that earlier runs have finished.
-
-    Attributes
-    ----------
-    notes : list of str
-        Warnings.
-    path : pathlib.Path or None
-        A finished dataset.
-    earlier : RunRecord or None
-        The run that wrote it.
-    whole : dict
-        Cases that this dataset holds whole, by their number in this run.
-    bins : Bins or None
-        Bins of its distributions.
-    """
+    """Warnings, and the ``earlier`` run of a dataset that holds some cases of this run ``whole``, by both numbers."""
 
     notes: list[str]
-    path: Path | None = None
     earlier: RunRecord | None = None
-    whole: Mapping[int, Match] = field(default_factory=dict)
-    bins: Bins | None = None
+    whole: Mapping[int, int] = field(default_factory=dict)
 
     @contextmanager
-    def opened(self) -> Iterator[dict[int, StoredCase]]:
+    def opened(self, path: Path, own: Bins) -> Iterator[dict[int, StoredCase]]:
         """Open the cases that the dataset holds whole."""
-        if self.path is None or self.earlier is None or self.bins is None or not self.whole:
+        if self.earlier is None or not self.whole:
             yield {}
             return
-        with DatasetReader(self.path, self.earlier.study) as dataset:
-            yield {number: dataset.case(found.earlier, self.bins) for number, found in self.whole.items()}
+        with DatasetReader(path, self.earlier.study) as dataset:
+            bins = dataset.bins(own)
+            yield {number: StoredCase(dataset, there, bins) for number, there in self.whole.items()}
 
 
 def resume_run(
     run: Run,
-    names: Sequence[str],
     work: WorkDirectory,
     unfinished: Mapping[str, Any] | None,
-    finished: ExistingDataset | None,
+    finished: Mapping[str, Any] | None,
     git_commit: str,
     progress: Progress,
 ) -> Resumed:
-    """Find the finished part of a run; bring cases that no dataset holds whole into its work directory.
+    """Find the finished part of a run; bring cases that no dataset holds whole into its open work directory.
 
-    Parameters
-    ----------
-    run : Run
-        The run.
-    names : sequence of str
-        Names of its cases.
-    work : WorkDirectory
-        Its work directory, open.
-    unfinished : mapping or None
-        Attributes of the run whose steps the work directory holds.
-    finished : ExistingDataset or None
-        Dataset of an earlier run.
-    git_commit : str
-        Commit of the program now.
-    progress : Progress
-        Shows progress.
-
-    Raises
-    ------
-    InputError
-        If an earlier run is of another study, or its steps started from other fields of the predictor.
+    Earlier runs are given by their attributes: the ``unfinished`` one whose steps the directory holds, and that of the
+    ``finished`` dataset at the output. It raises InputError if one is of another study, or if its steps started from
+    other fields of the predictor.
     """
     notes: list[str] = []
     earlier: RunRecord | None = None
     matches: dict[int, Match] = {}
     if finished is not None:
-        fault = "exists and belongs to another study or model"
-        earlier, matches = _match(finished.attributes, run, finished.path, fault)
+        earlier, matches = _match(finished, run, work.output, "exists and belongs to another study or model")
         if run.predictor is not None:
-            with DatasetReader(finished.path, earlier.study) as dataset:
-                _check_starts(run, matches, lambda number, step: dataset.text(_START, number, step))
+            with DatasetReader(work.output, earlier.study) as dataset:
+                _check_starts(run, matches, lambda number: StoredCase(dataset, number, run.bins))
     if unfinished is not None:
-        notes += _take_over(unfinished, run, names, work, progress)
-    replaced = _history(attributes_of(work.output)) if finished is None and work.output.exists() else None
+        notes += _take_over(unfinished, run, work, progress)
+    replaced = history_of(work.output) if finished is None and work.output.exists() else None
     work.claim({**run.record.attributes, "git_commit": git_commit}, replaced)
-    if finished is None or earlier is None:
+    if earlier is None:
         return Resumed(notes)
-    whole: dict[int, Match] = {}
-    with DatasetReader(finished.path, earlier.study) as dataset:
+    whole: dict[int, int] = {}
+    with DatasetReader(work.output, earlier.study) as dataset:
         bins = dataset.bins(run.bins)
         for number, found in progress.through(matches.items(), "cases of the dataset checked"):
-            case, file = run.study.cases[number], CaseFile(work.case_file(names[number]))
-            if found.steps == len(case.path) and bins.hold(run.bins):
-                whole[number] = found
-            elif not file.path.exists() or file.finished(len(case.path), last_state=False) < found.steps:
+            steps, file = len(run.study.cases[number].path), CaseFile(work.case_file(run.record.case_names[number]))
+            if found.steps == steps and bins.hold(run.bins):
+                whole[number] = found.earlier
+            elif not file.path.exists() or file.finished(steps, last_state=False) < found.steps:
                 reason = _extract(dataset, found, bins, run.bins, file.path)
                 notes += [_again(run, number, reason)] if reason else []
-    return Resumed(list(dict.fromkeys(notes)), finished.path, earlier, whole, bins)
+    return Resumed(list(dict.fromkeys(notes)), earlier, whole)
 
 
 def _match(attributes: Mapping[str, Any], run: Run, where: Path, fault: str) -> tuple[RunRecord, dict[int, Match]]:
@@ -158,19 +115,17 @@ def _match(attributes: Mapping[str, Any], run: Run, where: Path, fault: str) -> 
         raise InputError(f"{where} {fault}; use --overwrite or another output: {error}") from None
 
 
-def _take_over(
-    unfinished: Mapping[str, Any], run: Run, names: Sequence[str], work: WorkDirectory, progress: Progress
-) -> list[str]:
+def _take_over(unfinished: Mapping[str, Any], run: Run, work: WorkDirectory, progress: Progress) -> list[str]:
     """Give the case files of an unfinished run the names of this run's cases; drop steps that do not serve."""
     earlier, matches = _match(unfinished, run, work.folder, "holds the steps of another study or version")
-    files = [CaseFile(work.case_file(name)) for name in earlier.case_names()]
+    files = [CaseFile(work.case_file(name)) for name in earlier.case_names]
     for file in progress.through(files, "case files of the earlier run checked"):
         file.check()
-    _check_starts(run, matches, lambda number, step: files[number].step_text(step, _START))
+    _check_starts(run, matches, files.__getitem__)
     # No check comes after this line.
     notes = []
     for number, found in matches.items():
-        file, target = files[found.earlier], work.case_file(names[number])
+        file, target = files[found.earlier], work.case_file(run.record.case_names[number])
         usable = file.usable_steps(run.bins)
         file.keep(min(found.steps, usable), partial=usable < found.steps and not file.has_step(usable))
         if file.path != target and file.path.exists():
@@ -183,10 +138,9 @@ def _take_over(
     return notes
 
 
-def earlier_commits(unfinished: Mapping[str, Any] | None, finished: ExistingDataset | None, now: str) -> list[str]:
+def earlier_commits(earlier: list[Mapping[str, Any] | None], now: str) -> list[str]:
     """Name the commits of the program that computed earlier steps, where they differ from the present one."""
-    earlier = [attributes for attributes in (unfinished, finished and finished.attributes) if attributes]
-    commits = dict.fromkeys(str(attributes.get("git_commit")) for attributes in earlier)
+    commits = dict.fromkeys(str(attributes.get("git_commit")) for attributes in earlier if attributes)
     return [f"the earlier steps are of commit {commit}, the next of {now}" for commit in commits if commit != now]
 
 
@@ -195,7 +149,7 @@ def _again(run: Run, number: int, reason: str) -> str:
     return f"{label + ': ' if label else ''}computed again: {reason}"
 
 
-def _check_starts(run: Run, matches: Mapping[int, Match], fingerprint: Callable[[int, int], str | None]) -> None:
+def _check_starts(run: Run, matches: Mapping[int, Match], earlier: Callable[[int], CaseFile | StoredCase]) -> None:
     """Check that every finished step started from the gap field that the predictor holds now."""
     if run.predictor is None:
         return
@@ -203,7 +157,7 @@ def _check_starts(run: Run, matches: Mapping[int, Match], fingerprint: Callable[
         case = run.study.cases[number]
         fields = GapFields(run.predictor, case)
         for step in range(found.steps):
-            before = fingerprint(found.earlier, step)
+            before = earlier(found.earlier).step_text(step, _START)
             if before is None:  # not finished
                 break
             if before != fields.fingerprint(step):
@@ -215,29 +169,12 @@ def _check_starts(run: Run, matches: Mapping[int, Match], fingerprint: Callable[
 
 
 def _extract(dataset: DatasetReader, found: Match, bins: Bins, own: Bins, path: Path) -> str:
-    """Write the usable steps of a dataset's case to a case file.
-
-    Parameters
-    ----------
-    dataset : DatasetReader
-        The dataset.
-    found : Match
-        The case in it.
-    bins, own : Bins
-        Bins of the dataset and of the run.
-    path : pathlib.Path
-        The case file; it appears by rename.
-
-    Returns
-    -------
-    str
-        Why no step is usable; empty if some are.
-    """
+    """Write the usable steps of a dataset's case to a case file; returns why none are usable, if so."""
     if found.steps == 0:
         return found.reason
     if not bins.hold(own):
         return COARSER_BINS
-    case = dataset.case(found.earlier, bins)
+    case = StoredCase(dataset, found.earlier, bins)
     state = case.state(found.steps - 1)
     if not state:
         return found.reason or (

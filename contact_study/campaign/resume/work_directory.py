@@ -5,6 +5,7 @@ cases are finished the dataset moves to the output by rename, then its restart s
 manifest last. A run that is killed in between leaves what the next run on this output finishes.
 """
 
+import json
 import shutil
 from collections.abc import Iterable, Mapping
 from pathlib import Path
@@ -14,12 +15,17 @@ import numpy as np
 import xarray as xr
 from filelock import FileLock, Timeout
 
-from contact_study.campaign.dataset.file import attributes_of, history_of, write_dataset
-from contact_study.campaign.dataset.states import States, states_file, write_states
-from contact_study.campaign.engines.base import CampaignError
+from contact_study.campaign.dataset.file import (
+    States,
+    attributes_of,
+    history_of,
+    states_file,
+    write_dataset,
+    write_states,
+)
+from contact_study.campaign.engines import CampaignError
 from contact_study.campaign.store.case_file import CaseFile
-from contact_study.campaign.store.files import load_json, save_json
-from contact_study.campaign.store.formats import mark_of, move_dataset, restore_dataset
+from contact_study.campaign.store.files import mark_of, move_dataset, restore_dataset, write_aside
 from contact_study.inputs.errors import InputError
 from contact_study.inputs.files import has_locks
 
@@ -28,13 +34,7 @@ _STORAGE_VERSION = 2  # one file per case; version 1 had a folder per case with 
 
 
 class WorkDirectory:
-    """The work directory of a run.
-
-    Parameters
-    ----------
-    output : pathlib.Path
-        Dataset that the run writes.
-    """
+    """The work directory of the run that writes a dataset to ``output``."""
 
     def __init__(self, output: Path):
         self.output = output
@@ -46,18 +46,15 @@ class WorkDirectory:
         self._output_mark: tuple[int, ...] | None = None
         self._overwrites = self._is_claimed = False
 
+    def case_file(self, name: str) -> Path:
+        """File of one case."""
+        return self.folder / f"{name}.case"
+
     def open(self, *, resume: bool, overwrite: bool) -> dict[str, Any] | None:
         """Lock the directory for this run; clear it (overwrite) or keep its steps (resume).
 
-        Returns
-        -------
-        dict or None
-            What :meth:`claim` recorded of the steps in it; None if there are none.
-
-        Raises
-        ------
-        InputError
-            If another run is writing, or if it holds steps that this run may neither use nor clear.
+        It returns what :meth:`claim` recorded of the steps in it, None if there are none, and raises InputError if
+        another run is writing, or if it holds steps that this run may neither use nor clear.
         """
         self._acquire_lock()
         restore_dataset(self._dataset, self.output)
@@ -101,9 +98,9 @@ class WorkDirectory:
         return any(self.folder.glob("*case*"))
 
     def _claimed(self) -> dict[str, Any]:
-        """Return what :meth:`claim` wrote; empty if it is missing or unreadable."""
+        """Read what :meth:`claim` wrote; empty if it is missing or unreadable."""
         try:
-            return dict(load_json(self._manifest))
+            return dict(json.loads(self._manifest.read_text(encoding="utf-8")))
         except (OSError, ValueError, TypeError):
             return {}
 
@@ -115,7 +112,8 @@ class WorkDirectory:
         """Record the run that the steps belong to, and the history of the dataset that they replace."""
         self._is_claimed = True
         self.folder.mkdir(parents=True, exist_ok=True)
-        save_json(self._manifest, {**attributes, _REPLACES: replaces, _STORAGE: _STORAGE_VERSION})
+        text = json.dumps({**attributes, _REPLACES: replaces, _STORAGE: _STORAGE_VERSION}, indent=1)
+        write_aside(self._manifest, lambda partial: partial.write_text(text, encoding="utf-8"))
 
     def close(self) -> None:
         """Release the lock."""
@@ -132,28 +130,14 @@ class WorkDirectory:
             )
 
     def write(self, groups: Mapping[str, xr.Dataset], states: Iterable[Mapping[str, np.ndarray]] | None) -> None:
-        """Write the dataset and its restart states inside the directory.
-
-        Parameters
-        ----------
-        groups : mapping
-            Groups of the dataset.
-        states : iterable of mapping, or None
-            State after the last point of each case; None for no file of states.
-        """
+        """Write the dataset, and the state after the last point of each case if given, inside the directory."""
         write_dataset(self._dataset, groups)
         self._states.unlink(missing_ok=True)
         if states is not None:
             write_states(self._states, str(groups[""].attrs["history"]), states)
 
     def publish(self) -> None:
-        """Rename what is written to the output, and remove the directory.
-
-        Raises
-        ------
-        CampaignError
-            If a file appeared at the output since the run began, or changed there.
-        """
+        """Rename what is written to the output, and remove the directory."""
         self.check_output()
         move_dataset(self._dataset, self.output)
         old = states_file(self.output)
@@ -169,12 +153,9 @@ class WorkDirectory:
             self._states.replace(states_file(self.output))
 
     def clear_leftovers(self) -> bool:
-        """Finish what a run left that was killed after it had renamed the dataset which is now at the output.
+        """Finish the work of a run that was killed after it had renamed the dataset which is now at the output.
 
-        Returns
-        -------
-        bool
-            Whether nothing is left; another run may be at work, or have left its steps.
+        It returns whether nothing is left; another run may be at work, or have left its steps.
         """
         if not self.folder.exists() and not Path(self._lock.lock_file).exists():
             return True
@@ -204,7 +185,3 @@ class WorkDirectory:
         """Remove the directory if this run has claimed it and no case in it has a step."""
         if self._is_claimed and not any(CaseFile(path).has_steps for path in self.folder.glob("*.case")):
             self.remove()
-
-    def case_file(self, name: str) -> Path:
-        """File of one case."""
-        return self.folder / f"{name}.case"

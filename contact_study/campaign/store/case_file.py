@@ -9,7 +9,6 @@ runs, perhaps on another machine, then writes into a file without a name.
 """
 
 import os
-import socket
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
@@ -17,9 +16,9 @@ from typing import Any, BinaryIO
 
 import numpy as np
 
-from contact_study.campaign.engines.base import CampaignError
+from contact_study.campaign.engines import CampaignError
 from contact_study.campaign.store import records
-from contact_study.campaign.store.files import write_aside
+from contact_study.campaign.store.files import write_aside, writing
 from contact_study.campaign.store.records import Record
 from contact_study.numerics.distributions import Bins
 from contact_study.results.state import Step, Value
@@ -33,20 +32,7 @@ _Key = tuple[bytes, int]
 
 
 class CaseFile:
-    """Reader of the file of a case; empty if there is none.
-
-    Parameters
-    ----------
-    path : pathlib.Path
-        The file.
-
-    Attributes
-    ----------
-    path : pathlib.Path
-        The file.
-    damaged : bool
-        Whether a record is corrupt; an incomplete last record, after a kill, is not.
-    """
+    """Reader of the file of a case; empty if there is none. An incomplete last record, after a kill, is no damage."""
 
     def __init__(self, path: Path):
         self.path = path
@@ -102,6 +88,10 @@ class CaseFile:
         """The case's warnings so far."""
         return [note for key in self._records if key[0] == _NOTES for note in self._read(key)[1]]
 
+    def has_step(self, number: int) -> bool:
+        """Whether the file has a step."""
+        return (_STEP, number) in self._records
+
     def step(self, number: int) -> tuple[dict[str, Any], Bins]:
         """Quantities and fields of one finished step, and the bins of its distributions."""
         values, spans = self._read((_STEP, number))
@@ -111,36 +101,29 @@ class CaseFile:
         """A text among the quantities of a step; None if the step is missing."""
         return str(self._read((_STEP, number), records.read_text)[0][name]) if self.has_step(number) else None
 
-    def has_step(self, number: int) -> bool:
-        """Whether the file has a step."""
-        return (_STEP, number) in self._records
-
     def usable_steps(self, bins: Bins) -> int:
         """Count the steps from the first on whose distributions fit the bins."""
         number = 0
-        while self.has_step(number) and self._bins(number).hold(bins):
+        while self.has_step(number):
+            if not Bins.evenly(*self._read((_STEP, number), records.read_text)[1]).hold(bins):
+                break
             number += 1
         return number
 
-    def _bins(self, number: int) -> Bins:
-        return Bins.evenly(*self._read((_STEP, number), records.read_text)[1])
-
     def state(self, number: int) -> dict[str, np.ndarray]:
         """Restart state after a step; empty if it is missing."""
-        key = _STATE, number
-        return self._read(key)[0] if key in self._records else {}
+        return self._read((_STATE, number))[0] if (_STATE, number) in self._records else {}
 
     def partial(self, number: int) -> dict[str, np.ndarray]:
         """Averages of an unfinished step; empty if there are none."""
-        key = _PARTIAL, number
-        return self._read(key)[0] if key in self._records else {}
+        return self._read((_PARTIAL, number))[0] if (_PARTIAL, number) in self._records else {}
 
     def keep(self, first: int, partial: bool) -> None:
         """Rewrite the file with the steps before ``first`` only, and the unfinished step ``first`` if ``partial``.
 
         Without any step the constants go, too; so do corrupt records.
         """
-        kept = [key for key in self._records if _is_before(key, first, partial)]
+        kept = [key for key in self._kept(first, partial) if first > 0 or key[0] != _CONSTANTS]
 
         def write(path: Path) -> None:
             with path.open("wb") as target:
@@ -149,6 +132,17 @@ class CaseFile:
         if self.damaged or len(kept) < len(self._records):
             write_aside(self.path, write)
 
+    def _kept(self, first: int, partial: bool, oldest: int = -1) -> list[_Key]:
+        """All records but those of the steps from ``first`` on, and the states before the ``oldest`` one."""
+        return [
+            (kind, number)
+            for kind, number in self._records
+            if kind in (_CONSTANTS, _NOTES)
+            or (kind == _STEP and number < first)
+            or (kind == _STATE and oldest <= number < first)
+            or (kind == _PARTIAL and oldest < number < first + partial)
+        ]
+
     def _copy(self, target: BinaryIO, keys: Iterable[_Key]) -> None:
         """Copy records into a new file, whose records they become."""
         copied: dict[_Key, Record] = {}
@@ -156,7 +150,7 @@ class CaseFile:
             with self.path.open("rb") as stream:
                 for key in keys:
                     if not records.is_whole(stream, self._records[key]):
-                        raise self._damage("is corrupt")
+                        raise CampaignError(f"{self.path}: is corrupt")
                     copied[key] = records.copy(stream, self._records[key], target)
         self._records = copied
 
@@ -167,39 +161,14 @@ class CaseFile:
             with self.path.open("rb") as stream:
                 return how(stream, self._records[key])
         except ValueError as error:
-            raise self._damage(str(error)) from None
-
-    def _damage(self, fault: str) -> CampaignError:
-        return CampaignError(f"{self.path}: {fault}")
-
-
-def _is_before(key: _Key, first: int, partial: bool) -> bool:
-    kind, number = key
-    if kind == _NOTES:
-        return True
-    if kind == _CONSTANTS:
-        return first > 0
-    return number < first + (kind == _PARTIAL and partial)
+            raise CampaignError(f"{self.path}: {error}") from None
 
 
 class CaseWriter(CaseFile):
-    """Writer of the file of a case, for the worker that runs it; a context.
+    """Writer of the file of a case, for the worker that runs its ``steps``; a context.
 
-    Parameters
-    ----------
-    path : pathlib.Path
-        The file, in an existing folder.
-    steps : int
-        Points of the case's path.
-    last_state : bool
-        Whether to keep the state after the last one.
-
-    Raises
-    ------
-    OSError
-        If it cannot be written.
-    CampaignError
-        If it was deleted, or another worker has taken over the case.
+    ``last_state``: whether to keep the state after the last one. It raises OSError where the file cannot be written,
+    and CampaignError if it was deleted or another worker has taken over the case.
     """
 
     def __init__(self, path: Path, steps: int, last_state: bool):
@@ -242,12 +211,10 @@ class CaseWriter(CaseFile):
     def _append(self, *content: tuple[bytes, int, Mapping[str, Any], Any]) -> None:
         stream = self._stream
         assert stream is not None
-        try:
+        with writing(self.path):
             found = [records.append(stream, *one) for one in content]
             stream.flush()
-        except OSError as error:
-            raise OSError(f"{self.path}: cannot be written ({error.strerror or error})") from None
-        if not self._has_name():
+        if not self._has_name(stream):
             raise CampaignError(f"{self.path}: was deleted, or taken over by another run, while its case ran")
         self._records |= {(record.kind, record.number): record for record in found}
         live = sum(self._records[key].size for key in self._live)
@@ -256,44 +223,31 @@ class CaseWriter(CaseFile):
 
     @property
     def _live(self) -> list[_Key]:
-        """All records but states and unfinished parts of steps before the first missing one."""
-        first = self.start
-        return [
-            key
-            for key in self._records
-            if key[0] == _CONSTANTS
-            or (
-                _is_before(key, first, True)
-                and (key[0] not in (_STATE, _PARTIAL) or key[1] >= first - (key[0] == _STATE))
-            )
-        ]
+        return self._kept(self.start, partial=True, oldest=self.start - 1)
 
     def _rewrite(self) -> None:
         """Replace the file by a copy of its live records, and append to that."""
-        partial = self.path.with_name(f".{self.path.name}.{socket.gethostname()}.{os.getpid()}.tmp")
-        try:
-            stream = partial.open("w+b")
-            try:
-                self._copy(stream, self._live)
-                stream.flush()
-                if self._records:
-                    os.fsync(stream.fileno())
-                partial.replace(self.path)
-            except BaseException:
-                stream.close()
-                partial.unlink(missing_ok=True)
-                raise
-        except OSError as error:
-            raise OSError(f"{self.path}: cannot be written ({error.strerror or error})") from None
-        if self._stream is not None:
-            self._stream.close()
-        self._stream = stream
+        before = self._stream
 
-    def _has_name(self) -> bool:
-        """Whether the open file still has its name."""
-        assert self._stream is not None
+        def write(partial: Path) -> None:
+            self._stream = stream = partial.open("w+b")
+            self._copy(stream, self._live)
+            stream.flush()
+            if self._records:
+                os.fsync(stream.fileno())
+
         try:
-            return os.path.samestat(self.path.stat(), os.fstat(self._stream.fileno()))
+            write_aside(self.path, write)
+        except BaseException:
+            self.__exit__()
+            raise
+        finally:
+            if before is not None:
+                before.close()
+
+    def _has_name(self, stream: BinaryIO) -> bool:
+        try:
+            return os.path.samestat(self.path.stat(), os.fstat(stream.fileno()))
         except OSError:
             return False
 

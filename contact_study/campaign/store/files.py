@@ -1,15 +1,49 @@
-"""Outputs: checks before a run, and files that appear complete or not at all."""
+"""Outputs: formats of datasets, checks before a run, and files that appear complete or not at all."""
 
-import json
+import gc
+import importlib.util
 import os
 import socket
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
 
-from contact_study.campaign.store.formats import check_format, is_zarr
 from contact_study.inputs.errors import InputError
+from contact_study.inputs.files import what_is_at
+
+_STORE = (".zgroup", "zarr.json")  # files of a Zarr folder, formats 2 and 3
+
+
+def is_zarr(path: Path) -> bool:
+    """Whether a name is that of a Zarr dataset, a folder."""
+    return path.suffix == ".zarr"
+
+
+def engine_of(path: Path) -> str:
+    """Name of a dataset's format for xarray."""
+    return "zarr" if is_zarr(path) else "netcdf4"
+
+
+def is_dataset(path: Path) -> bool:
+    """Whether a path leads to a file, or a folder of Zarr."""
+    return _is_store(path) if is_zarr(path) else path.is_file()
+
+
+def _is_store(path: Path) -> bool:
+    return any((path / name).is_file() for name in _STORE)
+
+
+def require_dataset(path: Path, name: str = "") -> None:
+    """Raise InputError, under the name of an option if given, unless a path leads to a file or a folder of Zarr."""
+    if not is_dataset(path):
+        fault = what_is_at(path) or "is a file"
+        raise InputError(f"{f'{name}: {path}' if name else f'{path}:'} {fault}; expected a dataset (NetCDF or Zarr)")
+
+
+def check_name(path: Path) -> None:
+    """Raise InputError unless a name ends as that of a dataset."""
+    if path.suffix not in (".nc", ".zarr"):
+        raise InputError(f"{path}: expected a name that ends in .nc, for NetCDF, or .zarr")
 
 
 def named_file(name: str | Path) -> Path:
@@ -21,14 +55,12 @@ def named_file(name: str | Path) -> Path:
 
 
 def writable_output(path: Path) -> None:
-    """Make sure that a file can be written at ``path``, creating its folder.
-
-    Raises
-    ------
-    InputError
-        If the folder cannot be made or written, or what writes the format is missing.
-    """
-    check_format(path)
+    """Make sure that a file, or a folder of Zarr, can be written at ``path``, creating its folder."""
+    if is_zarr(path):
+        if importlib.util.find_spec("zarr") is None:
+            raise InputError(f"{path}: needs the package zarr; pip install '.[zarr]'")
+        if path.exists() and not _is_store(path):
+            raise InputError(f"{path}: is there and is no Zarr; choose another output")
     if path.is_dir() and not is_zarr(path):
         raise InputError(f"{path}: is a folder; name a file")
     if path.is_symlink() and Path(real(path)).is_symlink():
@@ -46,9 +78,8 @@ def writable_output(path: Path) -> None:
 
 def check_inputs_kept(output: Path, inputs: Sequence[Path | None]) -> None:
     """Raise InputError if the output is a file that the run reads."""
-    for path in inputs:
-        if path is not None and real(output) == real(path):
-            raise InputError(f"{output}: is read by this run; choose another output")
+    if real(output) in {real(path) for path in inputs if path is not None}:
+        raise InputError(f"{output}: is read by this run; choose another output")
 
 
 def real(path: Path) -> str:
@@ -56,14 +87,8 @@ def real(path: Path) -> str:
     return os.path.realpath(path)  # pathlib's fails over a loop of links
 
 
-def write_aside(path: Path, write: Any) -> None:
-    """Call ``write(temporary_path)`` and rename the result to ``path``: readers see all of it or nothing.
-
-    Raises
-    ------
-    OSError
-        If it cannot be written.
-    """
+def write_aside(path: Path, write: Callable[[Path], object]) -> None:
+    """Call ``write(temporary_path)`` and rename the result to ``path``: readers see all of it or nothing."""
     # Two machines may have processes of one number.
     partial = path.with_name(f".{path.name}.{socket.gethostname()}.{os.getpid()}.tmp")
     try:
@@ -76,26 +101,63 @@ def write_aside(path: Path, write: Any) -> None:
 
 @contextmanager
 def writing(path: Path) -> Iterator[None]:
-    """Name the file in what is raised where it cannot be written.
-
-    Raises
-    ------
-    OSError
-        If it cannot.
-    """
+    """Name the file in the OSError that is raised where it cannot be written."""
     try:
         yield
     except OSError as error:
         raise OSError(f"{path}: cannot be written ({error.strerror or error})") from None
     except RuntimeError as error:  # what the NetCDF library makes of a failed write
+        if type(error) is not RuntimeError:
+            raise
         raise OSError(f"{path}: cannot be written; is the disk full? ({error})") from None
 
 
-def save_json(path: Path, content: Any) -> None:
-    """Write a file of JSON, by rename."""
-    write_aside(path, lambda partial: partial.write_text(json.dumps(content, indent=1), encoding="utf-8"))
+@contextmanager
+def readable(path: Path, name: str = "") -> Iterator[None]:
+    """Turn any error over a damaged dataset, in the name of an option if given, into an InputError of one line."""
+    try:
+        yield
+    except (InputError, MemoryError):
+        raise
+    except Exception as error:  # of a dozen types: a flipped bit may be anywhere
+        # Closing a half-opened file crashes the netCDF library; a frozen object is never collected, hence never closed.
+        gc.freeze()
+        said = isinstance(error, OSError) and error.strerror
+        reason = str(said or f"{type(error).__name__}: {error}").splitlines()[0]
+        words = "Zarr" if is_zarr(path) else "NetCDF"
+        who = f"{name}: {path}" if name else f"{path}:"
+        raise InputError(f"{who} cannot be read as {words}, perhaps damaged or cut short ({reason})") from None
 
 
-def load_json(path: Path) -> Any:
-    """Read a file of JSON."""
-    return json.loads(path.read_text(encoding="utf-8"))
+def move_dataset(dataset: Path, path: Path) -> None:
+    """Rename a dataset to its place, over an earlier one; an earlier folder of Zarr moves beside the new one first."""
+    if not path.is_dir():
+        dataset.replace(path)
+        return
+    if not is_zarr(path) or not _is_store(path):
+        raise IsADirectoryError(f"{path}: is a folder, and no dataset that may be replaced")
+    # No rename replaces a folder: after a kill in between, restore_dataset puts the earlier one back.
+    path.rename(_earlier(dataset, path))
+    dataset.rename(path)
+
+
+def restore_dataset(dataset: Path, path: Path) -> None:
+    """Put an earlier dataset back whose :func:`move_dataset` was killed."""
+    if not path.exists() and _is_store(_earlier(dataset, path)):
+        _earlier(dataset, path).rename(path)
+
+
+def _earlier(dataset: Path, path: Path) -> Path:
+    return dataset.with_name(f"earlier-{path.name}")
+
+
+def mark_of(path: Path) -> tuple[int, ...] | None:
+    """Identify the file at a path: a later file there has another mark; None without a file."""
+    files = [path / name for name in (".zmetadata", *_STORE)] if is_zarr(path) else []
+    for file in (*files, path):
+        try:
+            found = file.stat()
+        except OSError:
+            continue
+        return found.st_dev, found.st_ino, found.st_size, found.st_mtime_ns
+    return None

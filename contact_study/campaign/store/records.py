@@ -20,19 +20,7 @@ _PIECE = 2**20  # bytes per read
 
 @dataclass(frozen=True)
 class Record:
-    """Position of a record in its file.
-
-    Attributes
-    ----------
-    kind : bytes
-        Four letters that name its content.
-    number : int
-        Number among the records of its kind.
-    start, end : int
-        First byte, and the one after the last.
-    checksum : int
-        CRC-32 of the record without the checksum.
-    """
+    """Kind (four letters), number within it, place in the file, and CRC-32 of all but the checksum itself."""
 
     kind: bytes
     number: int
@@ -47,15 +35,8 @@ class Record:
 
 
 def records_in(stream: BinaryIO) -> Iterator[Record]:
-    """Yield the complete records of a file from the stream's position, without verifying their contents.
-
-    Raises
-    ------
-    ValueError
-        If the file holds anything else.
-    """
-    start = stream.tell()
-    size = stream.seek(0, 2)
+    """Yield the complete records of a file, unverified; raises ValueError if it holds anything else."""
+    start, size = 0, stream.seek(0, 2)
     while start + _HEAD.size <= size:
         stream.seek(start)
         mark, kind, number, checksum, length = _HEAD.unpack(stream.read(_HEAD.size))
@@ -69,19 +50,7 @@ def records_in(stream: BinaryIO) -> Iterator[Record]:
 
 
 def append(stream: BinaryIO, kind: bytes, number: int, values: Mapping[str, Any], extra: Any = None) -> Record:
-    """Write a record at the end of a file.
-
-    Parameters
-    ----------
-    stream : binary file
-        The file, at its end.
-    kind, number
-        As of :class:`Record`.
-    values : mapping
-        Numbers, texts and arrays by name.
-    extra : optional
-        JSON content apart from the values.
-    """
+    """Write numbers, texts and arrays by name, and ``extra`` JSON content, at the end of a file."""
     scalars: dict[str, Any] = {}
     arrays: dict[str, np.ndarray] = {}
     for name, value in values.items():
@@ -100,8 +69,7 @@ def append(stream: BinaryIO, kind: bytes, number: int, values: Mapping[str, Any]
         checksum = zlib.crc32(piece, checksum)
     start = stream.tell()
     stream.write(_HEAD.pack(_MARK, kind, number, checksum, length))
-    for piece in pieces:
-        stream.write(piece)
+    stream.writelines(pieces)
     return Record(kind, number, start, start + _HEAD.size + length, checksum)
 
 

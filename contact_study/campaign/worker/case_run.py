@@ -7,11 +7,11 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
-from contact_study.campaign.engines.base import CampaignError, Report
+from contact_study.campaign.engines import CampaignError, Report
 from contact_study.campaign.memory import require
 from contact_study.campaign.model import Model
 from contact_study.campaign.record import content_hash
@@ -19,15 +19,12 @@ from contact_study.campaign.store.case_file import CaseFile, CaseWriter
 from contact_study.campaign.worker.ensemble import Averages, restart_of
 from contact_study.inputs import plugins
 from contact_study.numerics.distributions import Bins
-from contact_study.physics.surfaces.surface import Surface
+from contact_study.numerics.fourier import POINTS_FOR_THREADS
 from contact_study.results.constants import roughness_values
 from contact_study.results.observables import recorded
 from contact_study.results.schema import quantity_of
 from contact_study.results.state import Ensemble, InterfaceState, Step, Value
 from contact_study.study.case import Case, realise
-
-if TYPE_CHECKING:
-    from contact_study.campaign.dataset.predictor import GapFields
 
 # A kill loses at most half a minute of thermal states; a checkpoint costs a thousandth of that.
 _SECONDS_BETWEEN_CHECKPOINTS = 30.0
@@ -35,7 +32,7 @@ _SECONDS_BETWEEN_CHECKPOINTS = 30.0
 
 @dataclass(frozen=True)
 class Job:
-    """A case of a model, for a worker process."""
+    """A case of a model, for a worker process; its height map by the SHA-256."""
 
     model: Model
     case: Case
@@ -51,23 +48,9 @@ class Job:
 
 
 def run_case(job: Job, threads: int, report: Report) -> None:
-    """Finish one case.
+    """Finish one case with ``threads`` of each transform, unless the study sets them.
 
-    Parameters
-    ----------
-    job : Job
-        The case.
-    threads : int
-        Threads of each transform, unless the study sets them.
-    report : callable
-        Receives after each step the case's label, the point in words, a summary and the seconds it took.
-
-    Raises
-    ------
-    CampaignError
-        If a height map has changed, or the folder of the run is not on this machine.
-    InputError
-        If the case needs more memory than this process may use.
+    ``report`` receives after each step the case's label, the point in words, a summary and the seconds it took.
     """
     plugins.load()
     if not job.file.parent.is_dir():
@@ -75,17 +58,21 @@ def run_case(job: Job, threads: int, report: Report) -> None:
             f"{job.file.parent} does not exist on {socket.gethostname()}; put the output into a folder that all "
             "workers share under one name"
         )
-    require(job.model.needs(job.case))
-    _check_height_map(job)
-    kept = CaseWriter(job.file, len(job.case.path), job.case.output.restart)
-    with kept, _kept_warnings(job, kept) as keep_warnings:
-        surface = realise(job.case)
-        case = job.case if job.case.solver.threads else _with_threads(job, surface, threads)
+    model, case = job.model, job.case
+    require(model.needs(case))
+    if case.height_map is not None and content_hash(case.height_map) != job.height_map:
+        raise CampaignError(f"{case.height_map} has changed while the study ran")
+    kept = CaseWriter(job.file, len(case.path), case.output.restart)
+    with kept, _kept_warnings(case, kept) as keep_warnings:
+        surface = realise(case)
+        if not case.solver.threads:
+            large = surface.grid.points >= getattr(model.code, "POINTS_FOR_THREADS", POINTS_FOR_THREADS)
+            case = replace(case, solver=replace(case.solver, threads=threads if large else 1))
         if not kept.has_constants:
             constants = {
                 **({} if case.surface.absent else roughness_values(surface.roughness, surface.sample, surface.filled)),
                 **({"interaction_length": case.law.length} if case.law.attracts else {}),
-                **job.model.constants(case, surface),
+                **model.code.constants(case, surface),
             }
             keep_warnings()
             kept.save_constants(constants)
@@ -93,18 +80,24 @@ def run_case(job: Job, threads: int, report: Report) -> None:
         if start == len(case.path):
             return
         averages, restart = _start_of(job, kept, start)
-        predictor = _predictor(job)
+        gaps = None
+        if job.predictor is not None:
+            from contact_study.campaign.dataset.predictor import GapFields  # and xarray, which is slow to import
+
+            gaps = GapFields(job.predictor, case)
+        extra = {"predictor": gaps} if model.takes_predictor else {}
+        points = model.code.solve_path(case, surface, restart=restart, start=start, **extra)
         began = time.perf_counter()
-        for number, point in enumerate(job.model.solve_path(case, surface, restart, start, predictor), start):
+        for number, point in enumerate(points, start):
             seconds = time.perf_counter() - began
             step = _recorded(job, kept, number, point, averages)
             if isinstance(point, Ensemble):  # its states are computed as they are recorded
                 seconds = time.perf_counter() - began
             averages = None
             keep_warnings()
-            started = {} if predictor is None else {"predictor_field": predictor.fingerprint(number)}
+            started = {} if gaps is None else {"predictor_field": gaps.fingerprint(number)}
             kept.save_step(number, _completed(case, number, step, seconds, started))
-            report(case.label, case.point_in_words(number), dict(_summary(step)), seconds)
+            report(case.label, case.point_in_words(number), _summary(step), seconds)
             began = time.perf_counter()
 
 
@@ -136,20 +129,6 @@ def _recorded(
     return averages.step()
 
 
-def _predictor(job: Job) -> "GapFields | None":
-    if job.predictor is None:
-        return None
-    from contact_study.campaign.dataset.predictor import GapFields  # and with it xarray, which is slow to import
-
-    return GapFields(job.predictor, job.case)
-
-
-def _check_height_map(job: Job) -> None:
-    path = job.case.height_map
-    if path is not None and content_hash(path) != job.height_map:
-        raise CampaignError(f"{path} has changed while the study ran")
-
-
 def _completed(case: Case, number: int, step: Step, seconds: float, started: Mapping[str, Value]) -> Step:
     value, branch = case.path[number]
     known: dict[str, Value] = {
@@ -170,7 +149,7 @@ def _completed(case: Case, number: int, step: Step, seconds: float, started: Map
     return Step({**missing, **started, **step.values}, fields, step.restart, step.bins)
 
 
-def _summary(step: Step) -> Mapping[str, Any]:
+def _summary(step: Step) -> dict[str, Any]:
     """Summary of a step for the progress; of several theories the first one's numbers."""
     first: dict[str, Any] = {}
     for key, value in step.values.items():
@@ -178,16 +157,10 @@ def _summary(step: Step) -> Mapping[str, Any]:
     return {name: first.get(name) for name in ("relative_contact_area", "converged", "detached", "message")}
 
 
-def _with_threads(job: Job, surface: Surface, threads: int) -> Case:
-    """The case with the available threads, if its grid is large enough to gain from them."""
-    chosen = threads if surface.grid.points >= job.model.points_for_threads else 1
-    return replace(job.case, solver=replace(job.case.solver, threads=chosen))
-
-
 @contextmanager
-def _kept_warnings(job: Job, file: CaseWriter) -> Iterator[Callable[[], None]]:
+def _kept_warnings(case: Case, file: CaseWriter) -> Iterator[Callable[[], None]]:
     """Catch warnings; the yielded function writes those so far, before the step that they are about."""
-    prefix = f"{job.case.label}: " if job.case.label else ""
+    prefix = f"{case.label}: " if case.label else ""
     notes = file.notes
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")

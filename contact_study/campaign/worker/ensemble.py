@@ -27,17 +27,7 @@ _TIME = "time"
 
 
 class Averages:
-    """Averages of the observables of successive states.
-
-    Parameters
-    ----------
-    bins : Bins
-        Bins of the study.
-    fields : bool
-        Whether to keep the mean fields.
-    discarded : int or None, optional
-        Number of states before the averaged ones; None: only the last state counts.
-    """
+    """Averages of the observables of successive states after ``discarded`` ones; None: only the last state counts."""
 
     def __init__(self, bins: Bins, fields: bool, discarded: int | None = 0):
         self._bins = bins
@@ -91,14 +81,9 @@ class Averages:
         }
 
     def step(self) -> Step:
-        """Return means with their standard errors, and the series of scalar quantities.
+        """Return means with their standard errors, and the series of scalar quantities; warns if these are too short.
 
         The last state replaces the means if the surfaces are detached. Atoms are those of the last state.
-
-        Warns
-        -----
-        UserWarning
-            If the series is too short for its autocorrelation time, or only one state counts.
         """
         last = self._last
         assert last is not None
@@ -128,7 +113,10 @@ class Averages:
             if not found.resolved and np.isfinite(column).all():
                 unresolved[name] = float(found.autocorrelation_time)
         if counted == 1 and self._discarded is not None:
-            warnings.warn(_single(memory), stacklevel=2)
+            more = "dynamics.frames" if memory == AUTOCORRELATION_TIME else "sampling.trajectories"
+            warnings.warn(
+                f"one state of a point counts: there is no mean and no standard error; raise {more}", stacklevel=2
+            )
         if unresolved:
             warnings.warn(_too_short(counted, interval, memory, unresolved), stacklevel=2)
         fields = {name: total / counted for name, total in self._sums.items()}
@@ -140,12 +128,6 @@ def _clock_of(series: Mapping[str, np.ndarray], counted: int) -> tuple[str, floa
     if _TIME not in series:
         return AUTOCORRELATION_STATES, 1.0
     return AUTOCORRELATION_TIME, float(np.mean(np.diff(series[_TIME][-counted:]))) if counted > 1 else 0.0
-
-
-def _single(memory: str) -> str:
-    """Warn that a point has no standard error."""
-    more = "dynamics.frames" if memory == AUTOCORRELATION_TIME else "sampling.trajectories"
-    return f"one state of a point counts: there is no mean and no standard error; raise {more}"
 
 
 def _too_short(counted: int, interval: float, memory: str, unresolved: Mapping[str, float]) -> str:

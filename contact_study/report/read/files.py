@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from contact_study.campaign.store.formats import engine_of, readable, require_dataset
+from contact_study.campaign.store.files import engine_of, readable, require_dataset
 from contact_study.inputs.errors import InputError
 from contact_study.report.models import file_kinds, known, of_file
 from contact_study.report.read.load_steps import positions, swept_dims

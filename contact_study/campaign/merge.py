@@ -1,0 +1,339 @@
+"""Merge datasets of parts of one study: equal keys, and the union of their sweeps. Their cases are read in place.
+
+The merged file equals that of one run bit for bit, but for wall times and attributes of origin; no case runs here.
+"""
+
+import copy
+import dataclasses
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import ExitStack
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from contact_study.campaign.dataset import provenance
+from contact_study.campaign.dataset.assembly import assemble_cases, last_states
+from contact_study.campaign.dataset.file import DatasetReader, StoredCase
+from contact_study.campaign.model import MODELS, Model, check_study
+from contact_study.campaign.progress import Progress
+from contact_study.campaign.record import Run, RunRecord, describe_differences, differences, key_values
+from contact_study.campaign.resume.resume import COARSER_BINS
+from contact_study.campaign.resume.work_directory import WorkDirectory
+from contact_study.campaign.store.files import check_name, engine_of, readable, real, require_dataset, writable_output
+from contact_study.inputs.errors import InputError
+from contact_study.numerics.distributions import Bins
+from contact_study.study.bins import bins_of
+from contact_study.study.case import Case
+from contact_study.study.schema.dotted_keys import SECTIONS, WHOLE_STUDY, same
+from contact_study.study.schema.keys import default_of, keys_of, suggestion
+from contact_study.study.study import Study, make_study
+
+_SEED = "surface.seed"
+# Attributes that all datasets share beside the study.
+_SHARED = ("model", "version", "schema_version")
+# Keys of the whole study that may differ.
+_FREE_KEYS = ("study.title", "output.restart")
+# Quantities that may differ between two datasets of one case: wall times, and distributions on other bins.
+_FREE = ("wall_time", "pressure_pdf", "gap_pdf")
+
+
+def merge(
+    paths: Sequence[Path],
+    output: Path,
+    command: str,
+    progress: Progress,
+    along: Sequence[str] = (),
+    overwrite: bool = False,
+) -> tuple[Mapping[str, xr.Dataset], list[str]]:
+    """Merge datasets of one study by the user's ``command``; returns the groups by name, and warnings.
+
+    ``along``: keys, ``"section.key"``, over which to join datasets that do not sweep them. It raises InputError, and
+    writes nothing, if the datasets are of different studies, disagree where they overlap or lack points of the joined
+    sweep, or if the output exists and ``overwrite`` is false.
+    """
+    check_name(output)
+    if real(output) in {real(path) for path in paths}:
+        raise InputError(f"{output}: is one of the datasets to join; choose another output")
+    work = WorkDirectory(output)
+    if output.exists() and not overwrite:
+        work.clear_leftovers()
+        raise InputError(f"{output} exists; use --overwrite to replace it")
+    sources = _read_sources(paths)
+    study = _joined_study(sources, along)
+    with ExitStack() as opened:
+        datasets = [opened.enter_context(DatasetReader(source.path, source.study)) for source in sources]
+        holders = _holders(sources, study)
+        own = _bins(study, datasets)
+        bins = [dataset.bins(own) for dataset in datasets]
+        for held, case in zip(holders, study.cases, strict=True):
+            _check_agreement([(sources[i], StoredCase(datasets[i], at, bins[i]), at) for i, at in held], case.label)
+        model = sources[0].model
+        predictors = "\n".join(dict.fromkeys(source.record.predictor for source in sources))
+        run = Run(model, RunRecord(model.kind, study, _maps(sources), model.ignores, predictor=predictors), own)
+        cases = []
+        for (which, at), *_ in holders:
+            if not bins[which].hold(own):
+                raise InputError(
+                    f"{sources[which].path}: {COARSER_BINS}; run all parts with one output.pressure_range and gap_range"
+                )
+            cases.append(StoredCase(datasets[which], at, bins[which]))
+        writable_output(output)
+        opened.callback(work.close)
+        work.open(resume=False, overwrite=overwrite)
+        if output.exists() and not overwrite:  # by now
+            raise InputError(f"{output} exists; use --overwrite to replace it")
+        opened.callback(work.remove)
+        work.claim(run.record.attributes)
+        groups, notes = assemble_cases(study, own, cases, progress)
+        groups[""].attrs.update(_attributes(run, sources, notes, command))
+        work.write(groups, last_states(study, cases))
+        work.publish()
+    used = {held[0][0] for held in holders}
+    unused = [source.path for which, source in enumerate(sources) if which not in used]
+    return groups, [*notes, *(f"{path}: holds nothing that the datasets before it do not" for path in unused)]
+
+
+@dataclasses.dataclass(frozen=True)
+class _Source:
+    """One of the datasets to merge: its attributes, its model, and the run that wrote it."""
+
+    path: Path
+    attributes: Mapping[str, Any]
+    model: Model
+    record: RunRecord
+
+    @property
+    def study(self) -> Study:
+        return self.record.study
+
+
+def _read_sources(paths: Sequence[Path]) -> list[_Source]:
+    """Read the records of at least two datasets of one model and version."""
+    if len(paths) < 2:
+        raise InputError("give at least two datasets to join")
+    seen: set[str] = set()
+    for path in paths:
+        if real(path) in seen:
+            raise InputError(f"{path} is given twice")
+        seen.add(real(path))
+    first, *others = sources = [_read_source(path) for path in paths]
+    maps: dict[str, tuple[Path, str]] = {}
+    for source in sources:
+        for name, content in source.record.height_maps.items():
+            known, other = maps.setdefault(name, (source.path, content))
+            if other != content:
+                raise InputError(
+                    f"{known} and {source.path} cannot be joined: the height map {name} had another content "
+                    f"(SHA-256 {other[:12]}… and {content[:12]}…)"
+                )
+    for source in others:
+        faults = [
+            f"{name} is {first.attributes.get(name)} in the one and {source.attributes.get(name)} in the other"
+            for name in _SHARED
+            if first.attributes.get(name) != source.attributes.get(name)
+        ]
+        if bool(first.record.predictor) != bool(source.record.predictor):
+            faults.append("one was run with --predictor, one without")
+        if faults:
+            raise InputError(f"{first.path} and {source.path} cannot be joined: {faults[0]}")
+    return sources
+
+
+def _read_source(path: Path) -> _Source:
+    require_dataset(path)
+    with readable(path), xr.open_dataset(path, engine=engine_of(path), decode_timedelta=False) as dataset:
+        attributes, sizes = dict(dataset.attrs), dict(dataset.sizes)
+        held = {str(name): dataset[name].values.tolist() for name in dataset.dims if name in dataset.coords}
+    kind = str(attributes.get("model"))
+    if kind not in MODELS or "schema_version" not in attributes:
+        raise InputError(f"{path}: is no dataset of bem-adhesion, md-reference or persson-theory")
+    model = MODELS[kind]
+    try:
+        record = RunRecord.read(attributes, path.parent, model.ignores)
+        record.require_height_maps()
+    except InputError as error:
+        raise InputError(f"{path}: {error}") from None
+    for name, swept in record.study.sweep.items():
+        if held.get(name) != list(swept.values):
+            raise InputError(
+                f"{path}: does not hold the points of {name} that its study sweeps ({sizes.get(name, 0)} of "
+                f"{len(swept.values)}), as if it had been cut or joined by other means; give files as they were written"
+            )
+    return _Source(path, attributes, model, record)
+
+
+def _joined_study(sources: Sequence[_Source], along: Sequence[str]) -> Study:
+    """Make the study whose sweep holds the cases of every dataset.
+
+    Its keys are those of the first dataset. A key that some dataset sweeps is swept, numbers in increasing order; the
+    other datasets have one value of it each. Samples of one random surface that no dataset sweeps are joined over their
+    seeds. It raises InputError if the datasets differ in any other key.
+    """
+    sections = {section: declared for section, declared in SECTIONS.items() if section not in WHOLE_STUDY}
+    known = [f"{section}.{name}" for section, declared in sections.items() for name in keys_of(declared)]
+    for dotted in along:
+        if dotted not in known:
+            raise InputError(f"--along {dotted}: is no key that a study sweeps{suggestion(dotted, known)}")
+    swept = dict.fromkeys(dotted for source in sources for dotted in source.study.table.get("sweep", {}))
+    swept |= dict.fromkeys(along)
+    seeds = [{case.surface.realisation for case in source.study.cases} for source in sources]
+    if all(len(own) == 1 and None not in own for own in seeds) and len(set.union(*seeds)) > 1:
+        swept[_SEED] = None
+    first = sources[0]
+    table = copy.deepcopy(first.study.table)
+    for dotted in swept:
+        if dotted not in table.get("sweep", {}):
+            section, _, name = dotted.partition(".")
+            table.get(section, {}).pop(name, None)
+        table.setdefault("sweep", {})[dotted] = _values(sources, dotted)
+    study = make_study(table, first.study.directory)
+    whole = dataclasses.replace(first.record, study=study, height_maps=_maps(sources))
+    for source in sources:
+        for case in source.study.cases:
+            other = study.cases[_position(study, case)]
+            different = differences(_compared_keys(whole, other), _compared_keys(source.record, case))
+            if not different:
+                continue
+            key, values = next(iter(different.items()))
+            joinable = len(different) == 1 and key.partition(".")[0] not in WHOLE_STUDY
+            joinable = joinable and not any(isinstance(value, tuple) for value in values)
+            advice = f" (--along {key} joins them over it)" if joinable else ""
+            words = describe_differences(different, "in the one", "in the other")
+            raise InputError(f"{first.path} and {source.path} are of different studies: {words}{advice}")
+    return study
+
+
+def _maps(sources: Sequence[_Source]) -> dict[str, str]:
+    """SHA-256 of every height map of the datasets, by its path as the studies write it."""
+    return {name: content for source in sources for name, content in source.record.height_maps.items()}
+
+
+def _position(study: Study, case: Case) -> int:
+    """Number of the case of a joined study at the same point of its sweep."""
+    number = 0
+    for dotted in study.table.get("sweep", {}):
+        values, value = study.sweep[dotted.rpartition(".")[2]].values, _value(case, dotted)
+        alike = (at for at, other in enumerate(values) if same(value, other))
+        number = number * len(values) + (values.index(value) if value in values else next(alike))
+    return number
+
+
+def _value(case: Case, dotted: str) -> Any:
+    """Value of a key in a case; one number for a pair of equal ones, as a sweep holds it."""
+    section, _, name = dotted.partition(".")
+    value = getattr(getattr(case, section), name, None)
+    return value[0] if isinstance(value, tuple) and len(value) == 2 and value[0] == value[1] else value
+
+
+def _values(sources: Sequence[_Source], dotted: str) -> list[Any]:
+    """Every value that a dataset has of a key, as its study writes it; numbers in increasing order."""
+    found: dict[Any, Any] = {}
+    for source in sources:
+        for size, written in _own_values(source, dotted):
+            found.setdefault(size, written)
+    if not all(isinstance(size, int | float) and not isinstance(size, bool) for size in found):
+        return list(found.values())
+    sizes = sorted(found)
+    return [found[size] for size, before in zip(sizes, [None, *sizes], strict=False) if not same(size, before)]
+
+
+def _own_values(source: _Source, dotted: str) -> Iterator[tuple[Any, Any]]:
+    """Values of a key in one dataset, in SI and as written."""
+    study, (section, _, name) = source.study, dotted.partition(".")
+    if dotted in study.table.get("sweep", {}):
+        yield from zip(study.sweep[name].values, study.table["sweep"][dotted], strict=True)
+        return
+    values = dict.fromkeys(_value(case, dotted) for case in study.cases)
+    if len(values) > 1 or None in values:
+        raise InputError(
+            f"{source.path} cannot be joined along {dotted}: it "
+            + ("has several values of it at different points of its sweep" if len(values) > 1 else "has no value of it")
+        )
+    written = study.table.get(section, {}).get(name, default_of(SECTIONS[section], name))
+    size = next(iter(values))
+    yield size, size if written is dataclasses.MISSING or isinstance(written, list | tuple) else written
+
+
+def _compared_keys(record: RunRecord, case: Case) -> dict[str, Any]:
+    """Every key in which two datasets of one case may not differ."""
+    whole = {dotted: value for dotted, value in key_values(case, WHOLE_STUDY) if dotted not in _FREE_KEYS}
+    path = {"loading.path": case.loading.path, "loading.unload": case.loading.unload}
+    return {**record.deciding_keys(case), **path, **whole}
+
+
+def _bins(study: Study, datasets: Sequence[DatasetReader]) -> Bins:
+    """Bins of the joined study; those that all parts share where its height map is missing."""
+    try:
+        return bins_of(study)
+    except InputError:
+        none = Bins.evenly((0, 1, 1), (0, 1, 1))
+        first, *others = (dataset.bins(none) for dataset in datasets)
+        if all(first.equal(other) for other in others):
+            return first
+        raise
+
+
+def _holders(sources: Sequence[_Source], study: Study) -> list[list[tuple[int, int]]]:
+    """Datasets that hold each case of the joined study: number of the dataset, number of the case in it."""
+    held: list[list[tuple[int, int]]] = [[] for _ in study.cases]
+    for which, source in enumerate(sources):
+        for at, case in enumerate(source.study.cases):
+            held[_position(study, case)].append((which, at))
+    missing = [case for case, found in zip(study.cases, held, strict=True) if not found]
+    if missing:
+        raise InputError(
+            f"the joined study lacks {len(missing)} of its {len(held)} cases, first {missing[0].label}; "
+            "run them and give their datasets, too"
+        )
+    return held
+
+
+def _check_agreement(held: Sequence[tuple[_Source, StoredCase, int]], label: str) -> None:
+    """Refuse datasets that have different numbers of one case."""
+    (first, one, at), *others = held
+    for source, other, _ in others:
+        pairs = {"": (one.constants, other.constants)}
+        for number in range(len(first.study.cases[at].path)):
+            pairs[f"point {number + 1}"] = one.step(number)[0], other.step(number)[0]
+        for point, (mine, yours) in pairs.items():
+            for name in {**mine, **yours}:
+                if not name.endswith(_FREE) and not _equal(mine.get(name), yours.get(name)):
+                    where = ", ".join(filter(None, (label, point)))
+                    raise InputError(
+                        f"{first.path} and {source.path} disagree{f' at {where}' if where else ''}: {name} is "
+                        f"{_words(mine.get(name))} in the one and {_words(yours.get(name))} in the other; leave one of "
+                        "them out"
+                    )
+
+
+def _equal(one: Any, other: Any) -> bool:
+    """Whether two values of a quantity have the same bits; a sweep pads arrays of its smaller cells at their ends."""
+    one, other = np.asarray(one), np.asarray(other)
+    if one.ndim != other.ndim or one.dtype.kind != other.dtype.kind:
+        return False
+    shared = tuple(slice(min(pair)) for pair in zip(one.shape, other.shape, strict=True))
+    return np.array_equal(one[shared], other[shared], equal_nan=one.dtype.kind == "f")
+
+
+def _words(value: Any) -> str:
+    if value is None:
+        return "absent"
+    value = np.asarray(value)
+    return f"{value.item()!r}" if value.ndim == 0 else f"another field of mean {np.nanmean(value):.17g}"
+
+
+def _attributes(run: Run, sources: Sequence[_Source], notes: Sequence[str], command: str) -> dict[str, Any]:
+    """Attributes of the root; those of all parts, a line each, where the parts differ."""
+    try:
+        warnings = check_study(run.model, run.study)[1]
+    except InputError:  # this machine could not run it
+        warnings = []
+    for source in sources:
+        warnings += provenance.carried_warnings(run.model, source.attributes, source.record)
+    commits = dict.fromkeys(str(source.attributes.get("git_commit")) for source in sources)
+    if len(commits) > 1:
+        warnings.append(f"the parts are of several commits: {', '.join(commits)}")
+    earlier = [source.attributes for source in sources]
+    return provenance.attributes(run, earlier, [*warnings, *notes], command, ", ".join(commits))
