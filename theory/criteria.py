@@ -229,12 +229,8 @@ def stickiness(spectrum: RoughnessSpectrum, elasticity: Elasticity | float, law:
 
     Parameters
     ----------
-    spectrum : RoughnessSpectrum
-        Roughness.
-    elasticity : Elasticity or float
-        The solid; a number is the contact modulus E* of a half-space (Pa).
-    law : TractionLaw
-        An adhesive law.
+    spectrum, elasticity, law
+        As for :func:`gap_flow`; the law is an adhesive one.
 
     Returns
     -------

@@ -12,9 +12,15 @@ from scipy.special import erf
 from contact_study.physics.roughness.spectrum import RadialSpectrum, SelfAffineSpectrum
 from theory.non_adhesive import closed_forms
 from theory.persson import theory as persson
-from theory.persson.iteration import IterationOptions
 from theory.persson.separation import separation_curve
-from theory.persson.theory import PerssonOptions, PerssonTheory, energy_weight, mean_cosine, true_area_factor
+from theory.persson.theory import (
+    IterationOptions,
+    PerssonOptions,
+    PerssonTheory,
+    energy_weight,
+    mean_cosine,
+    true_area_factor,
+)
 
 solve = PerssonTheory.at_pressure
 PRESSURES = (0, 0.1, 0.2, 0.5, 1, 2, 5, 10)  # GPa

@@ -1,10 +1,9 @@
 """The states of the edge flow: all responses at a mean gap in equilibrium; see :mod:`theory.edge_flow.flow`.
 
 All f(u) of all scales are the unknowns of one fixed point: a sweep finds P and N from coarse to fine, s from fine to
-coarse, and the f that are in equilibrium with them. Written with divergences, no second derivative of f occurs and each
-change of f between neighbouring nodes is damped by the implicit step that it acts in: the iteration is as good on fine
-nodes as on coarse ones. Its slowest modes are a few smooth ones (one near −2.4 and a complex pair beyond the unit
-circle under strong adhesion), which Anderson's acceleration deals with; ln f is mixed, weighted by its area.
+coarse, and the f that are in equilibrium with them. Written with divergences the iteration is as good on fine nodes as
+on coarse ones. Its slowest modes are a few smooth ones, some beyond the unit circle under strong adhesion: Anderson's
+acceleration deals with them; ln f is mixed, weighted by its area.
 """
 
 from collections.abc import Callable, Sequence
@@ -253,10 +252,10 @@ class Problem:
 def curve(problem: Problem, far: float, near: float, highest: float, thorough: bool) -> tuple[tuple[Piece, ...], int]:
     """Pieces of the curve, from far to contact with falling mean gaps in each, and how many states were lost.
 
-    The first piece is the approach, with states that are not converged if it is the only one.
-
-    It begins ``far`` away and ends at a gap of ``near`` and a pressure of ``highest``. If ``thorough``, states are
-    sought elsewhere where the approach ends early.
+    The first piece is the approach, from ``far`` away to a gap of ``near`` and a pressure of ``highest``, with states
+    that are not converged if it is the only one. Under strong adhesion the first asperities that touch make long waves
+    unstable, and it ends early. If ``thorough``, nearer states are reached by adhesion that grows at one mean gap, and
+    those of next to whole contact from contact outward.
     """
 
     def passed(state: Equilibrium) -> bool:

@@ -1,31 +1,22 @@
 """Edge flow: the gap flow whose response to a wave costs the elastic energy of its own modulation.
 
-This theory is this project's own and unpublished. It is judged by the simulations of this project alone.
-
-The gap-flow theory (:mod:`theory.gap_flow.flow`) lets every point of a wave answer by the local gap alone, so that
-contact has no edges. Here the displacement answers the roughness h of wavevector q by (1 − f(u)) h, where u is the gap
-with all coarser roughness, and the gap changes by −f h. For this trial field the distribution P of the gap and its
-mean-square gradient, M(u) = P <|∇u|² | u>, follow from coarse to fine, starting from δ(u − ū) and zero, with the height
-variance m:
+This theory is this project's own and unpublished, judged by its simulations alone. In the gap flow
+(:mod:`theory.gap_flow.flow`) every point of a wave answers by the local gap alone, so that contact has no edges. Here
+the gap u changes by −f(u) h with the roughness h of wavevector q. The distribution P of the gap and its mean-square
+gradient, M(u) = P <|∇u|² | u>, follow from coarse to fine, starting from δ(u − ū) and zero, with the height variance m:
 
     ∂P/∂m = ½ (f² P)'',     M = f² N,     ∂N/∂m = ½ f⁻² (f⁴ N')' + f'² N + q² P.
 
-The mean traction s(u) at a coarse gap u follows from fine to coarse, starting from φ'(u), and with it its slope c:
+The mean traction s(u) follows from fine to coarse, starting from φ'(u), ∂s/∂m = ½ f² s'', with its slope c = s'. On a
+half-space a wave that is modulated with the wavenumber p costs ½E* <|q + p|>, not K = ½E* q. As X = −(P q²)⁻¹ ∂ M ∂
+stands for p²/q² on functions of u, equilibrium of the scale asks, with g = 1,
 
-    ∂s/∂m = ½ f² s'',     c = s'.
+    [κ(X) K + c] f = K,     κ(X) = 1 + g [X/4 + 4/(X + 4) − 1].
 
-On a half-space a wave that is modulated with the wavenumber p costs ½E* <|q + p|>, not K = ½E* q. As
-X = −(P q²)⁻¹ ∂ M ∂ stands for p²/q² on functions of u, equilibrium of the scale asks
-
-    [κ(X) K + c] f = K,     κ(X) = 1 + g [X/4 + 4/(X + 4) − 1],
-
-with g = 1. On another solid g(q) is what a modulation of twice the wavenumber costs there over its cost on a half-space
-(:func:`theory.edge_flow.equilibrium.modulation_cost`); on a bed of springs nothing, and f = K/(K + c) as in the gap
-flow. With E = <φ> + Σ ½ Δm <c f (1 − f)> the pressure is −dE/dū. The mean traction would be the same number if the
-trial field were exact: their difference is the theory's own measure of its error.
-
-There is no hull and no hysteresis: one state at each mean gap. Under strong adhesion the iteration finds none at some
-mean gaps between far and contact, and the curve has several pieces.
+On another solid g(q) is :func:`theory.edge_flow.equilibrium.modulation_cost`; on springs it is zero, and f = K/(K + c)
+as in the gap flow. With E = <φ> + Σ ½ Δm <c f (1 − f)> the pressure is −dE/dū; how the mean traction differs from it is
+the theory's own measure of its error. There is no hull and no hysteresis. Under strong adhesion the iteration finds no
+state at some mean gaps between far and contact, and the curve has several pieces.
 """
 
 from dataclasses import dataclass
@@ -221,12 +212,8 @@ def edge_flow(
 
     Parameters
     ----------
-    spectrum : RoughnessSpectrum
-        Roughness, a target or that of a surface.
-    elasticity : Elasticity or float
-        The solid; a number is the contact modulus E* of a half-space (Pa).
-    law : TractionLaw
-        Interaction of smooth surfaces.
+    spectrum, elasticity, law
+        As for :func:`gap_flow`.
     highest_pressure : float, optional
         Pressure that the curve reaches (Pa); by default one at which contact is all but whole.
     largest_gap, smallest_gap : float, optional

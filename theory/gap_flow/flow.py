@@ -1,22 +1,18 @@
 """Gap-flow theory: roughness added scale by scale to the traction-separation law itself.
 
-Akin to J. Joe, Traction Between Rough Surfaces (PhD thesis, University of Michigan, 2021, hdl:2027.42/169927), who adds
-wave after wave to the distribution of the gap by the linear response of block and adhesive law together. Let U(ū) be
-the energy per area at mean gap ū with all roughness of wavevectors above q included; at the finest scale it is the
-law, φ(ū). A wave of height variance dm = 2πqC dq and elastic stiffness K(q), on a half-space E* q/2, relaxes on the
-curvature c = U'' and adds
+Akin to J. Joe, Traction Between Rough Surfaces (PhD thesis, University of Michigan, 2021, hdl:2027.42/169927). Let
+U(ū) be the energy per area at mean gap ū with all roughness of wavevectors above q; at the finest scale it is the law,
+φ(ū). A wave of height variance dm = 2πqC dq and stiffness K(q) relaxes on the curvature c = U'' and adds
 
     ∂U/∂m = ½ K c / (K + c).
 
-Where c < −K the wave is unstable. In equilibrium two states then coexist, and no gap between them: U + ½Kū² is
-replaced by its convex hull (branch "equilibrium"). Without nucleation a patch jumps where its state loses stability:
-U' + Kū is replaced by its running minimum from large gaps downward ("loading") or its running maximum from small gaps
-upward ("unloading").
+Where c < −K the wave is unstable. In equilibrium two states then coexist: U + ½Kū² is replaced by its convex hull
+("equilibrium"). Without nucleation a patch jumps where its state loses stability: U' + Kū is replaced by its running
+minimum from large gaps downward ("loading") or its running maximum from small gaps upward ("unloading").
 
-With v = ½K²/(K + c) an implicit step reads ½K²/v + Δm v'' = K + c_old. The left side is convex and decreasing in v, so
-Newton's method never leaves v > 0 once below the root, and c > −K needs no guard. Its matrix also carries every
-observable of the local gap, whose diffusivity is ½K²/(K+c)² = 2v²/K²; the transposed steps, from coarse to fine, turn
-a mean gap into the distribution of the local gap.
+With v = ½K²/(K + c) an implicit step reads ½K²/v + Δm v'' = K + c_old, convex and decreasing in v: Newton's method
+never leaves v > 0 once below the root. Its matrix also carries every observable of the local gap, whose diffusivity is
+2v²/K²; the transposed steps, from coarse to fine, turn a mean gap into the distribution of the local gap.
 """
 
 from dataclasses import dataclass

@@ -1,4 +1,1 @@
-"""Persson's theory without adhesion: closed forms, corrections of its diffusion, distribution of the gap.
-
-Adhesion is in :mod:`theory.persson`.
-"""
+"""Persson's theory without adhesion: closed forms, corrections of its diffusion, distribution of the gap."""

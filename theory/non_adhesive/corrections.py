@@ -9,15 +9,12 @@ The stress of the contact diffuses with the stress variance V(q) of full contact
     ``xu``             V_p = [γ + (1−γ)A] V
 
 B. N. J. Persson, J. Chem. Phys. 115, 3840 (2001); C. Yang, B. N. J. Persson, J. Phys.: Condens. Matter 20, 215214
-(2008); A. Wang, M. H. Müser, Gauging Persson theory on adhesion, Tribol. Lett. 65 (2017); Y. Xu, L. Zhu, F. Xiao,
-Y. Zhou, A new fudge factor for Persson's theory of purely normal elastic rough surface contact, Tribol. Lett. (2024),
-doi:10.1007/s11249-024-01838-4. The equations of the corrections, with γ = 0.42, are those of the programs of the last,
-https://github.com/xylcsi/PerssonModelFudgeFactor.
+(2008); A. Wang, M. H. Müser, Tribol. Lett. 65 (2017); Y. Xu, L. Zhu, F. Xiao, Y. Zhou, Tribol. Lett. (2024),
+doi:10.1007/s11249-024-01838-4, whose programs, https://github.com/xylcsi/PerssonModelFudgeFactor, have γ = 0.42.
 
-All depend on V/p² alone: V_p/p² = t is one function of it, V/p² = F(t), for every spectrum, solid and pressure. The
-elastic energy is U = ∫ A dV_p/2K = ∫ W dU_full with dU_full = dV/2K that of full contact and W = A dt/dF, and
-ū = ∫_p^∞ dU/p'. So energy, mean gap and stiffness are sums over the bands of a spectrum of functions of x = p/√V:
-W(x), G(x) = ∫_x^∞ W'(x')/x' dx' and W'(x).
+V_p/p² = t is one function of V/p² = F for every spectrum, solid and pressure. The elastic energy is U = ∫ W dU_full
+with dU_full = dV/2K that of full contact and W = A dt/dF, and ū = ∫_p^∞ dU/p'. So energy, mean gap and stiffness are
+sums over the bands of a spectrum of functions of x = p/√V: W(x), G(x) = ∫_x^∞ W'(x')/x' dx' and W'(x).
 """
 
 from collections.abc import Callable
@@ -49,10 +46,8 @@ class NonAdhesiveTheory:
 
     Parameters
     ----------
-    spectrum : RoughnessSpectrum
-        Roughness, a target or that of a surface.
-    elasticity : Elasticity or float
-        The solid; a number is the contact modulus E* of a half-space (Pa).
+    spectrum, elasticity
+        As for :class:`PerssonTheory`.
     correction : str, optional
         One of :data:`CORRECTIONS`.
     gamma : float, optional
@@ -99,13 +94,7 @@ class NonAdhesiveTheory:
         return stress / np.sqrt(2), energy
 
     def at_pressure(self, pressure: float) -> "NonAdhesiveContact":
-        """Find the contact at a mean pressure p > 0 (Pa).
-
-        Raises
-        ------
-        ValueError
-            If the pressure is not positive.
-        """
+        """Find the contact at a mean pressure p > 0 (Pa)."""
         p = positive("pressure", pressure, "Pa")
         root, energy = self._points
         x = p / root

@@ -123,10 +123,8 @@ def gap_distribution(
 
     Parameters
     ----------
-    spectrum : RoughnessSpectrum
-        Roughness.
-    elasticity : Elasticity or float
-        The solid; a number is the contact modulus E* of a half-space (Pa).
+    spectrum, elasticity
+        As for :func:`gap_flow`.
     pressure : float
         p > 0 (Pa).
     regularised : bool, optional

@@ -1,15 +1,13 @@
 """Diffusion of the interfacial stress distribution with an absorbing boundary that moves.
 
-B. N. J. Persson, Theory of rubber friction and contact mechanics, J. Chem. Phys. 115, 3840 (2001): while roughness of
-ever shorter wavelength is added, the stress of the contact diffuses, ∂P/∂s = ½ ∂²P/∂σ², where s is the stress variance
-that the roughness so far would make in full contact. Contact is lost where the stress reaches the detachment stress:
+B. N. J. Persson, J. Chem. Phys. 115, 3840 (2001): with roughness of ever shorter wavelength the stress of the contact
+diffuses, ∂P/∂s = ½ ∂²P/∂σ², where s is its variance in full contact. Contact is lost at the detachment stress:
 P(−σ_a(s), s) = 0.
 
-Scheme: x = σ + σ_a(s) fixes the front, and ∂P/∂s = ½ ∂²P/∂x² − ∂(σ_a' P)/∂x. The masses of the cells follow a Markov
-chain: mass jumps between neighbouring centres, at rates whose mean displacement is σ_a' exactly. The chain is monotone
-at any speed of the front and conserves area and stress to rounding: whatever leaves does so through the boundary, at
-the stress −σ_a. In s the scheme is the L-stable two-stage SDIRK method; its stages share one factorisation because σ_a
-is linear between nodes of s.
+x = σ + σ_a(s) fixes the front, and ∂P/∂s = ½ ∂²P/∂x² − ∂(σ_a' P)/∂x. The masses of the cells follow a Markov chain
+between neighbouring centres, at rates whose mean displacement is σ_a' exactly: monotone at any speed of the front, it
+conserves area and stress to rounding. The L-stable two-stage SDIRK method in s has one factorisation for both stages,
+because σ_a is linear between nodes of s.
 """
 
 from dataclasses import dataclass

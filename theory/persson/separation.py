@@ -1,9 +1,8 @@
 """Mean separation from the interfacial energy: ū(p) = ∫_p^∞ (dU/dp') dp'/p'.
 
-Yang, Persson, Israelachvili and Rosenberg, EPL 84, 46004 (2008), eq. (6): the work of the pressure is the energy that
-the interface stores. The integral runs along the adhered branch, from full contact at high pressure downward, and
-never through p = 0. Without sticking ū diverges there as −ln p. With it dU/dp does not vanish at zero and the integral
-diverges, too: ū exists for p > 0 only, and :func:`energy_defect` gives that derivative.
+Yang, Persson, Israelachvili and Rosenberg, EPL 84, 46004 (2008), eq. (6), along the adhered branch from full contact
+downward. Without sticking ū diverges at p = 0 as −ln p; with it dU/dp does not vanish there and the integral diverges,
+too: ū exists for p > 0 only, and :func:`energy_defect` gives that derivative.
 """
 
 import warnings
@@ -15,8 +14,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from theory.persson.contact import PerssonContact, gap_integral
-from theory.persson.iteration import IterationOptions
-from theory.persson.theory import PerssonTheory
+from theory.persson.theory import IterationOptions, PerssonTheory
 
 TOLERANCE, MAX_ITERATIONS = IterationOptions.tolerance, IterationOptions.max_iterations
 

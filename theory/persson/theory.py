@@ -14,11 +14,9 @@ where A*(q) is the true area in contact and U_el(q) the elastic energy stored at
 The paper has a half-space, K = E* q/2: then σ_a² = α E* q γ_eff and U_el = (π/2) E* ∫ q'² W C dq'. Any other solid
 enters by its stiffness K(q) of a wave, and by the stress variance 2π ∫ K² q C dq of full contact. For independent
 springs the crack condition is then exact: the energy σ²/2K of a spring is released.
-
-A(q) and σ_a(q) depend on each other at all magnifications: :mod:`theory.persson.iteration` finds them.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
@@ -28,12 +26,24 @@ from scipy.special import erfcx
 from contact_study.numerics.arguments import finite, positive
 from contact_study.physics.roughness.spectrum import RoughnessSpectrum
 from contact_study.physics.solids import Elasticity, elasticity_of
+from theory.numerics.fixed_point import accelerated
 from theory.persson.contact import PerssonContact
 from theory.persson.diffusion import DiffusionOptions, StressDistribution, diffuse
-from theory.persson.iteration import IterationOptions, iterate
 
 ENERGY_WEIGHTS = ("paper", "wang_mueser", "area")
 TRUE_AREAS = ("persson", "none", "lattice")
+
+
+@dataclass(frozen=True)
+class IterationOptions:
+    """Constants of the iteration."""
+
+    tolerance: float = 1e-7  # largest change of σ_a over the stress scale, four digits below the error of the nodes
+    max_iterations: int = 400  # diffusions at most
+    accelerated: int = 40  # diffusions after which the acceleration is given up
+    memory: int = 3  # states that it uses; with more it fails near the sticking threshold
+    relaxation: float = 0.8  # largest share of the change that the damped iteration takes
+    patience: int = 200  # diffusions in which the smallest change of the damped iteration has to halve
 
 
 @dataclass(frozen=True)
@@ -53,6 +63,11 @@ class PerssonOptions:
     least_pressure: float = 1e-6  # its bound is that of this pressure where p is smaller, over the stress scale
     diffusion: DiffusionOptions = field(default_factory=DiffusionOptions)
     iteration: IterationOptions = field(default_factory=IterationOptions)
+
+
+Response = Callable[[np.ndarray], tuple[StressDistribution, np.ndarray]]
+# σ_a (Pa), its distribution, whether progress ended, the last change over the stress scale, and diffusions.
+FixedPoint = tuple[np.ndarray, StressDistribution, bool, float, int]
 
 
 @dataclass(frozen=True)
@@ -236,20 +251,78 @@ class PerssonTheory:
         variance = self.stress_variance / scale**2
 
         def respond(stress: np.ndarray) -> tuple[StressDistribution, np.ndarray]:
+            """The distribution under a σ_a (Pa), and the square of the σ_a that follows (Pa²)."""
             found = diffuse(pressure / scale, variance, stress / scale, self.cells, self.options.diffusion)
             return found, self.stress_square(self.effective_work_of_adhesion(found.contact))
 
+        end: FixedPoint
         if self.work_of_adhesion == 0:
-            distribution, _ = respond(np.zeros_like(stress))
-            contact = PerssonContact(self, pressure, stress, distribution, True, False, 0.0, 1)
+            end = stress, respond(np.zeros_like(stress))[0], False, 0.0, 1
         else:
             options = replace(self.options.iteration, tolerance=tolerance, max_iterations=max_iterations)
-            end = iterate(respond, self.stress_of_square, stress, scale, pressure > 0, options)
-            met = end.change <= tolerance
-            contact = PerssonContact(
-                self, pressure, end.stress, end.distribution, met, end.stalled, end.change, end.iterations
-            )
+            end = self._fixed_point(respond, stress, pressure > 0, options)
+        found, distribution, stalled, change, iterations = end
+        met = change <= tolerance
+        contact = PerssonContact(self, pressure, found, distribution, met, stalled, change, iterations)
         return contact if contact.balanced else replace(contact, converged=False)
+
+    def _fixed_point(
+        self, respond: Response, stress: np.ndarray, one_state: bool, options: IterationOptions
+    ) -> FixedPoint:
+        """The σ_a that the distribution under it asks for, from a first one (Pa).
+
+        Under compression there is one state, and Anderson's acceleration finds it. It may fail where γ_eff passes
+        through zero at some magnification. At zero pressure and under tension a detached state exists as well, and the
+        acceleration would change branches: the damped iteration follows the branch of its start.
+        """
+        root, scale = self.stress_of_square, self.stress_scale
+        used, spent = stress, 0
+        distribution: StressDistribution
+
+        def update(square: np.ndarray) -> tuple[np.ndarray, np.ndarray, float]:
+            nonlocal used, distribution
+            used = root(scale**2 * square)
+            distribution, found = respond(used)
+            found = found / scale**2
+            change = float(np.max(np.abs(root(scale**2 * found) - used))) / scale
+            # A magnification without detachment stress, before and after, has no effect.
+            weight = ((square > 0) | (found > 0)).astype(float)
+            return found - square, weight, change
+
+        if one_state:
+            # σ_a² is smooth, continued below zero, where σ_a is not.
+            limit = min(options.max_iterations, options.accelerated)
+            start, bounds = (stress / scale) ** 2, (-np.inf, np.inf)
+            _, change, spent = accelerated(update, start, bounds, options.tolerance, limit, 1.0, options.memory)
+            if change <= options.tolerance or spent >= options.max_iterations:
+                return used, distribution, False, change, spent
+        return self._damped(respond, used, spent, options)
+
+    def _damped(self, respond: Response, stress: np.ndarray, spent: int, options: IterationOptions) -> FixedPoint:
+        """Iterate σ_a with less relaxation at magnifications where the change alternates.
+
+        σ_a is the root of γ_eff, whose slope has no bound where γ_eff passes through zero: each node needs its own
+        damping.
+        """
+        relaxation, previous = np.full(stress.size, options.relaxation), np.zeros(stress.size)
+        iterations = since = spent
+        best = np.inf
+        while True:
+            distribution, square = respond(stress)
+            iterations += 1
+            difference = self.stress_of_square(square) - stress
+            change = float(np.max(np.abs(difference))) / self.stress_scale
+            if not np.isfinite(change):
+                raise FloatingPointError(f"σ_a is not finite after {iterations - spent} diffusions")
+            if change < 0.5 * best:
+                best, since = change, iterations
+            converged = change <= options.tolerance
+            stalled = not converged and iterations - since == options.patience
+            if converged or stalled or iterations >= options.max_iterations:
+                return stress, distribution, stalled, change, iterations
+            alternates = difference * previous < 0
+            relaxation = np.where(alternates, 0.7 * relaxation, np.minimum(1.1 * relaxation, options.relaxation))
+            stress, previous = stress + relaxation * difference, difference
 
     def sweep(
         self,

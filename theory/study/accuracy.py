@@ -1,7 +1,6 @@
-"""Errors of resolution of the theories, from a comparison of every state with that on half the nodes, cells and scales.
+"""Errors of resolution: every state against that on half the nodes, cells and scales.
 
-The difference is the error of a scheme of first order and three times that of one of second order. The theories are in
-between.
+That is the error of a scheme of first order and three times that of one of second order; the theories are in between.
 """
 
 import warnings
