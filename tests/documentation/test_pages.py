@@ -64,7 +64,7 @@ def test_keys_and_examples_that_are_to_be_typed_exist(page):
     text = page.read_text(encoding="utf-8")
     keys = {f"{section}.{name}" for section, name, *_ in all_keys()} | {"section.key"}
     assert set(_OPTION.findall(text)) <= keys
-    assert set(re.findall(r"--example ([a-z]\w*)", text)) <= {*example_names()}
+    assert set(re.findall(r"--example ([a-z]\w*)(?=`| >|$)", text, re.MULTILINE)) <= {*example_names()}
 
 
 @pytest.mark.parametrize("files", [PAGES, SOURCES], ids=["pages", "docstrings"])
